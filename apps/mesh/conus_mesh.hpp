@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** @file
- * conus-mesh: the one program that links VTK. It reads a request (loaders/child/mesh_protocol.h), and what it finds
- * goes to stdout as a stream of meshes. VTK's readers crash on bad files; what they take with them is this process. */
+ * conus-mesh: the one program that links VTK. It reads a request (loaders/child/mesh_protocol.h), and what it makes
+ * goes to stdout as a stream of meshes. */
 #ifndef CONUS_MESH_CONUS_MESH_HPP
 #define CONUS_MESH_CONUS_MESH_HPP
 
@@ -26,12 +26,11 @@ class Stream
 {
   public:
     Stream();
-    void mesh(const Surface &surface, const std::string &name = "");
-    void failure(uint32_t id, const std::string &text);
+    void mesh(const Surface &surface);
     void end();
 
   private:
-    void frame(mesh_frame_kind kind, uint32_t id, const Surface *surface, const std::string &text);
+    void frame(mesh_frame_kind kind, uint32_t id, const Surface *surface);
     uint32_t frames = 0;
 };
 
@@ -40,11 +39,5 @@ Surface surface_from(vtkPolyData *poly);
 
 /** One closed surface per area, in order. */
 void make_surfaces(Stream &stream, const SurfacesRequest &request);
-
-/** The mesh in each file, in order. */
-void read_files(Stream &stream, const std::vector<std::string> &paths);
-
-/** The objects of one file, in the order in which they come first. */
-void read_objects(Stream &stream, const std::string &path);
 
 #endif

@@ -30,17 +30,16 @@ Stream::Stream()
     write_fully(MESH_STREAM_MAGIC, MESH_MAGIC_SIZE);
 }
 
-void Stream::frame(mesh_frame_kind kind, uint32_t id, const Surface *surface, const std::string &text)
+void Stream::frame(mesh_frame_kind kind, uint32_t id, const Surface *surface)
 {
     unsigned char header[MESH_FRAME_HEADER_SIZE] = {};
     const uint32_t words[4] = {static_cast<uint32_t>(kind), id, surface ? static_cast<uint32_t>(surface->space) : 0u,
-                               static_cast<uint32_t>(text.size())};
+                               0};
     const uint64_t counts[2] = {surface ? surface->positions.size() / 3 : 0,
                                 surface ? surface->triangles.size() / 3 : 0};
     std::memcpy(header, words, sizeof words);
     std::memcpy(header + sizeof words, counts, sizeof counts);
     write_fully(header, sizeof header);
-    write_fully(text.data(), text.size());
     if (surface) {
         write_fully(surface->positions.data(), surface->positions.size() * sizeof(float));
         write_fully(surface->triangles.data(), surface->triangles.size() * sizeof(uint32_t));
@@ -48,33 +47,22 @@ void Stream::frame(mesh_frame_kind kind, uint32_t id, const Surface *surface, co
     frames++;
 }
 
-void Stream::mesh(const Surface &surface, const std::string &name)
+void Stream::mesh(const Surface &surface)
 {
-    frame(MESH_FRAME_MESH, surface.id, &surface, name.substr(0, MESH_FRAME_TEXT_LIMIT));
-}
-
-void Stream::failure(uint32_t id, const std::string &text)
-{
-    frame(MESH_FRAME_FAILURE, id, nullptr, text.substr(0, MESH_FRAME_TEXT_LIMIT));
+    frame(MESH_FRAME_MESH, surface.id, &surface);
 }
 
 void Stream::end()
 {
-    frame(MESH_FRAME_END, frames, nullptr, "");
+    frame(MESH_FRAME_END, frames, nullptr);
 }
 
 static void answer(const char *path)
 {
     const MappedFile file(path);
-    const MeshRequest request = parse_request(file.data(), file.size());
+    const SurfacesRequest request = parse_request(file.data(), file.size());
     Stream stream;
-    if (request.kind == MESH_REQUEST_SURFACES) {
-        make_surfaces(stream, request.surfaces);
-    } else if (request.kind == MESH_REQUEST_FILES) {
-        read_files(stream, request.paths);
-    } else {
-        read_objects(stream, request.paths[0]);
-    }
+    make_surfaces(stream, request);
     stream.end();
 }
 

@@ -5,7 +5,6 @@
 
 #include <cstddef>
 #include <string>
-#include <string_view>
 
 /** They are there as long as it lives. Throws Failure with the path where they cannot be read. */
 class MappedFile
@@ -24,11 +23,6 @@ class MappedFile
     size_t size() const
     {
         return count;
-    }
-
-    std::string_view text() const
-    {
-        return count ? std::string_view(static_cast<const char *>(bytes), count) : std::string_view();
     }
 
   private:

@@ -132,51 +132,26 @@ void take_surfaces(SurfacesRequest &job, Cursor &from, uint32_t count)
     job.voxel_bytes == 2 ? find_boxes<uint16_t>(job) : find_boxes<uint32_t>(job);
 }
 
-std::string take_path(Cursor &from)
-{
-    const uint32_t length = from.number<uint32_t>();
-    const std::string path(reinterpret_cast<const char *>(from.take(length)), length);
-    if (path.empty() || path.find('\0') != std::string::npos) {
-        throw Failure("request: a path is empty, or has a NUL in it");
-    }
-    return path;
-}
-
-void take_paths(MeshRequest &request, Cursor &from, uint32_t count)
-{
-    if (request.kind == MESH_REQUEST_OBJECTS && count != 1) {
-        throw Failure("request: objects of " + std::to_string(count) + " files, allowed is 1");
-    }
-    for (uint32_t i = 0; i < count; i++) {
-        request.paths.push_back(take_path(from));
-    }
-}
-
-mesh_request_kind take_kind(Cursor &from)
+void check_kind(Cursor &from)
 {
     if (std::memcmp(from.take(MESH_MAGIC_SIZE), MESH_REQUEST_MAGIC, MESH_MAGIC_SIZE) != 0) {
         throw Failure("request: it does not begin with " MESH_REQUEST_MAGIC);
     }
     const uint32_t kind = from.number<uint32_t>();
-    if (kind < MESH_REQUEST_SURFACES || kind > MESH_REQUEST_OBJECTS) {
-        throw Failure("request: found kind " + std::to_string(kind) + ", allowed are 1 to 3");
+    if (kind != MESH_REQUEST_SURFACES) {
+        throw Failure("request: found kind " + std::to_string(kind) + ", allowed is 1");
     }
-    return static_cast<mesh_request_kind>(kind);
 }
 
 } // namespace
 
-MeshRequest parse_request(const unsigned char *data, size_t size)
+SurfacesRequest parse_request(const unsigned char *data, size_t size)
 {
     Cursor from(data, size);
-    MeshRequest request;
-    request.kind = take_kind(from);
+    SurfacesRequest request;
+    check_kind(from);
     const uint32_t count = from.number<uint32_t>();
-    if (request.kind == MESH_REQUEST_SURFACES) {
-        take_surfaces(request.surfaces, from, count);
-    } else {
-        take_paths(request, from, count);
-    }
+    take_surfaces(request, from, count);
     if (from.remaining()) {
         throw Failure("request: " + std::to_string(from.remaining()) + " bytes are left at its end");
     }

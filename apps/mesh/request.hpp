@@ -50,13 +50,7 @@ template <typename Voxel> uint32_t voxel_at(const unsigned char *voxels, size_t 
     return value;
 }
 
-struct MeshRequest {
-    mesh_request_kind kind = MESH_REQUEST_SURFACES;
-    SurfacesRequest surfaces;       /**< Of MESH_REQUEST_SURFACES; its voxels lie in the bytes that were parsed. */
-    std::vector<std::string> paths; /**< Of the other kinds; one of MESH_REQUEST_OBJECTS.                        */
-};
-
-/** Throws Failure for all that conus does not ask. */
-MeshRequest parse_request(const unsigned char *data, size_t size);
+/** Its voxels lie in @p data. Throws Failure for all that conus does not ask. */
+SurfacesRequest parse_request(const unsigned char *data, size_t size);
 
 #endif

@@ -28,9 +28,8 @@ static uint64_t hash_of(const float position[3])
     return hash;
 }
 
-/* first[v]: the first vertex at the position of v. By a table of vertices that are such, with room for twice as many.
- */
-static conus_status find_first(uint32_t *first, const struct mesh *mesh)
+/* By a table of vertices that are the first at their position, with places for twice as many. */
+conus_status mesh_find_first(uint32_t *first, const struct mesh *mesh)
 {
     size_t places = 16;
     while (places < 2 * mesh->vertex_count) {
@@ -157,7 +156,7 @@ conus_status mesh_is_closed(bool *out, const struct mesh *mesh)
     bool closed = !status && can_tell && find_balance(&edges, mesh, NULL);
     if (!status && can_tell && !closed) {
         first = memory_raw(mesh->vertex_count, sizeof *first);
-        status = first ? find_first(first, mesh) : CONUS_ERROR_MEMORY;
+        status = first ? mesh_find_first(first, mesh) : CONUS_ERROR_MEMORY;
         closed = !status && find_balance(&edges, mesh, first);
     }
     memory_free(first);

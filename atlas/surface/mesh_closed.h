@@ -10,4 +10,8 @@
  * point that is not on it. */
 conus_status mesh_is_closed(bool *out, const struct mesh *mesh);
 
+/** first[v], of each vertex v of @p mesh: the first vertex at the same position; -0 is 0. Only the vertices of @p mesh
+ * are looked at. */
+conus_status mesh_find_first(uint32_t *first, const struct mesh *mesh);
+
 #endif

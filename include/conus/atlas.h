@@ -51,7 +51,7 @@ typedef struct conus_load_options {
  *    an FSL atlas XML of type Label;
  *  - an FSL atlas XML of another type: areas of probabilities, which may overlap;
  *  - a manifest NAME.atlas.json, which joins a parcellation, surfaces, pathways and context;
- *  - a surface (GIFTI, FreeSurfer and what conus-mesh reads), cut by the labels of its vertices if there are any;
+ *  - a surface (GIFTI, FreeSurfer and those of other programs), cut by the labels of its vertices if there are any;
  *  - a folder of surfaces, or a BrainGlobe folder.
  *
  * Values must be whole numbers from 0 to 4294967295; 0 is background. docs/formats.md says how the label table is

@@ -6,7 +6,7 @@
 #define CONUS_LOADERS_MANIFEST_MANIFEST_H
 
 #include "atlas/labels.h"
-#include "loaders/child/mesh_protocol.h"
+#include "atlas/surface/mesh_space.h"
 
 enum { MANIFEST_VERSION = 1 };
 

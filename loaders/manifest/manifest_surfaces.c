@@ -193,7 +193,7 @@ static conus_status look_for_hemispheres(struct manifest_draft *draft, const cha
 /* `folder` is "" or a name with '/' at its end. */
 static conus_status look_for_surfaces(struct manifest_draft *draft, const char *folder)
 {
-    static const char *const endings[] = {".surf.gii", ".gii", ".obj", ".ply", ".stl", ".vtk", ".vtp"};
+    static const char *const endings[] = {".surf.gii", ".gii", ".obj", ".ply", ".stl", ".off", ".mz3", ".vtk", ".vtp"};
     char *path = manifest_draft_path(draft, folder);
     conus_status status = path ? CONUS_OK : CONUS_ERROR_MEMORY;
     bool surf = false;

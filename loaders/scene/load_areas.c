@@ -7,7 +7,7 @@
 #include "base/buffer.h"
 #include "base/folder.h"
 #include "base/memory.h"
-#include "loaders/child/mesh_foreign.h"
+#include "loaders/surfaces/foreign/mesh_foreign.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -17,7 +17,7 @@
 /* What surfaces are read into, all before any becomes an area. */
 struct surfaces {
     struct mesh *meshes;   /* [count], as the plan's areas */
-    const char **foreign;  /* paths that conus-mesh reads */
+    const char **foreign;  /* paths of other programs' files */
     struct mesh *received; /* [foreign_count] */
     size_t count, foreign_count;
     enum mesh_space space;
@@ -75,8 +75,8 @@ static conus_status read_own(struct surfaces *surfaces, struct planned_area *are
 static conus_status read_labelled(struct mesh *mesh, const struct surfaces *surfaces, const char *path)
 {
     if (!mesh_file_keeps_vertices(path)) {
-        return fail(CONUS_ERROR_UNSUPPORTED, "vertex_labels: %s: a GIFTI or FreeSurfer surface is needed",
-                    path_base(path));
+        return fail(CONUS_ERROR_UNSUPPORTED,
+                    "vertex_labels: %s: a surface that numbers its vertices is needed, any but STL", path_base(path));
     }
     struct mesh_file_options options = {.space = surfaces->space, .max_memory = surfaces->max_memory};
     return mesh_file_read(mesh, NULL, path, &options, surfaces->notes);
@@ -119,13 +119,13 @@ static conus_status cut_labelled(struct surfaces *surfaces, struct area_plan *pl
     return status;
 }
 
-/* A FreeSurfer surface may have any name. */
+/* Files of other programs are read together, so that one note says how many of them do not state their space. */
 static bool is_foreign(const struct planned_area *area)
 {
-    return !area->is_part && mesh_foreign_is(area->path) && !mesh_file_keeps_vertices(area->path);
+    return !area->is_part && mesh_file_is_foreign(area->path);
 }
 
-/* Reads what conus-mesh must read: with a placement of their own, or without. */
+/* Reads those with a placement of their own, or those without. */
 static conus_status read_foreign(struct surfaces *surfaces, struct area_plan *plan, bool placed)
 {
     struct mesh_foreign_options options = {placed ? MESH_SPACE_RAS : surfaces->space, surfaces->max_memory};

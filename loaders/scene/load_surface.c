@@ -7,7 +7,7 @@
 #include "base/buffer.h"
 #include "base/folder.h"
 #include "base/memory.h"
-#include "loaders/child/mesh_foreign.h"
+#include "loaders/surfaces/foreign/mesh_foreign.h"
 #include "loaders/surfaces/mesh_file.h"
 
 #include <stdio.h>
@@ -82,9 +82,10 @@ static conus_status read_surface(struct surface *out, const char *path, const co
     label_options.read = options->labels ? &out->read : NULL;
     const char *labels = options->labels ? options->labels : path;
     if (options->labels && !mesh_file_keeps_vertices(path)) {
-        return fail(CONUS_ERROR_UNSUPPORTED, "%s: labels of vertices need a GIFTI or FreeSurfer surface", path);
+        return fail(CONUS_ERROR_UNSUPPORTED,
+                    "%s: labels of vertices need a surface that numbers its vertices, as all formats but STL do", path);
     }
-    if (!options->labels && mesh_foreign_is(path) && !mesh_file_keeps_vertices(path)) {
+    if (!options->labels && mesh_file_is_foreign(path)) {
         return read_objects(out, path, options);
     }
     conus_status status = mesh_file_read(&out->mesh, &out->about, path, &file_options, &out->notes);

@@ -9,8 +9,8 @@
 #include "base/math3.h"
 #include "base/memory.h"
 #include "base/text.h"
-#include "loaders/child/mesh_foreign.h"
 #include "loaders/file_kind.h"
+#include "loaders/surfaces/foreign/mesh_foreign.h"
 #include "loaders/surfaces/freesurfer_annot.h"
 #include "loaders/surfaces/freesurfer_surface.h"
 #include "loaders/surfaces/gifti.h"
@@ -56,7 +56,8 @@ static bool is_own(const struct bytes *bytes)
     return is_gifti(bytes) || freesurfer_is_surface(bytes->data, bytes->size);
 }
 
-bool mesh_file_keeps_vertices(const char *path)
+/* By its first bytes. */
+static bool begins_as_own(const char *path)
 {
     enum { HEAD = 4096 };
     uint8_t head[HEAD];
@@ -74,14 +75,25 @@ bool mesh_file_keeps_vertices(const char *path)
     return own;
 }
 
+bool mesh_file_is_foreign(const char *path)
+{
+    return mesh_foreign_is(path) && file_exists(path) && !begins_as_own(path);
+}
+
+bool mesh_file_keeps_vertices(const char *path)
+{
+    return begins_as_own(path) || (mesh_foreign_is(path) && mesh_foreign_keeps_vertices(path));
+}
+
 bool mesh_file_is(const char *path)
 {
-    return mesh_file_keeps_vertices(path) || (file_exists(path) && mesh_foreign_is(path));
+    return begins_as_own(path) || mesh_file_is_foreign(path);
 }
 
 char *mesh_file_name(const char *path)
 {
-    static const char *const endings[] = {".gz", ".gii", ".surf", ".vtk", ".vtp", ".ply", ".stl", ".obj"};
+    static const char *const endings[] = {".gz",  ".gii", ".surf", ".vtk", ".vtp",
+                                          ".ply", ".stl", ".obj",  ".off", ".mz3"};
     const char *file = path_base(path);
     size_t length = strlen(file);
     for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
@@ -124,7 +136,8 @@ static conus_status take_any(struct mesh *out, struct label *about, const struct
     if (freesurfer_is_surface(bytes->data, bytes->size)) {
         return freesurfer_surface_parse(out, bytes->data, bytes->size, options->space != MESH_SPACE_UNSTATED, notes);
     }
-    return file_kind_fail(path, bytes, "a surface (GIFTI, FreeSurfer, or named as VTK, VTP, PLY, STL or OBJ)");
+    return file_kind_fail(path, bytes,
+                          "a surface (GIFTI, FreeSurfer, or named as VTK, VTP, PLY, STL, OBJ, OFF or MZ3)");
 }
 
 static conus_status finish_mesh(struct mesh *mesh, const char *path, enum mesh_space space, struct notes *notes)
@@ -167,18 +180,14 @@ conus_status mesh_file_read(struct mesh *out, struct label *about, const char *p
 {
     struct bytes bytes = {0};
     options = options ? options : &defaults;
+    if (mesh_file_is_foreign(path)) {
+        const struct mesh_foreign_options foreign = {options->space, options->max_memory};
+        return mesh_foreign_read(out, &path, 1, &foreign, notes);
+    }
     conus_status status = read_unpacked(&bytes, path, options);
-    if (status) {
-        return status;
-    }
-    if (is_own(&bytes) || !mesh_foreign_is(path)) {
-        status = read_own(out, about, &bytes, path, options, notes);
-        bytes_finish(&bytes);
-        return status;
-    }
-    bytes_finish(&bytes); /* conus-mesh reads the file itself */
-    const struct mesh_foreign_options foreign = {options->space, options->max_memory};
-    return mesh_foreign_read(out, &path, 1, &foreign, notes);
+    status = status ? status : read_own(out, about, &bytes, path, options, notes);
+    bytes_finish(&bytes);
+    return status;
 }
 
 void vertex_labels_finish(struct vertex_labels *labels)

@@ -5,8 +5,8 @@
 
 #include "atlas/labels.h"
 #include "atlas/surface/mesh.h"
+#include "atlas/surface/mesh_space.h"
 #include "base/file_sums.h"
-#include "loaders/child/mesh_protocol.h"
 
 /** Zero is the default of each. */
 struct mesh_file_options {
@@ -20,8 +20,8 @@ struct mesh_file_options {
  * without memory. */
 char *mesh_file_name(const char *path);
 
-/** Reads the surface @p path: GIFTI or FreeSurfer, each plain or gzip, by content; else, by its name, what conus-mesh
- * reads (loaders/child/mesh_foreign.h; many at once are better read there). Checked by mesh_check(), path set. @p
+/** Reads the surface @p path: GIFTI or FreeSurfer, each plain or gzip, by content; else, by its name, that of another
+ * program (loaders/surfaces/foreign/mesh_foreign.h). Checked by mesh_check(), path set. @p
  * about, if not NULL, gets name and hemisphere as far as the file says them; its strings are the caller's to
  * memory_free(). Notes and errors carry the path. @p options may be NULL. */
 conus_status mesh_file_read(struct mesh *out, struct label *about, const char *path,
@@ -47,8 +47,11 @@ conus_status vertex_labels_read(struct vertex_labels *out, const char *path, con
 /** True where @p path begins like a surface that mesh_file_read() reads; false also where it cannot be read. */
 bool mesh_file_is(const char *path);
 
+/** True where mesh_foreign_read() reads @p path: it is there, is named so, and is no GIFTI or FreeSurfer surface. */
+bool mesh_file_is_foreign(const char *path);
+
 /** True where mesh_file_read() keeps the file's own vertices in their order, so that labels can be matched with them:
- * GIFTI and FreeSurfer. What conus-mesh reads comes in another order. */
+ * all but STL, which does not number its vertices. */
 bool mesh_file_keeps_vertices(const char *path);
 
 #endif

@@ -60,8 +60,7 @@ need_mesh() {
     [ -s out/37_Hippocampus_L.gii ]
 }
 
-@test "mesh files that break VTK's readers are one line each" {
-    need_mesh
+@test "mesh files that break readers are one line each" {
     local header='ply\nformat binary_little_endian 1.0\nelement vertex %s\nproperty float x\nproperty float y\nproperty float z\n'
     # shellcheck disable=SC2059 # a format
     printf "${header}element face 2\nproperty list uchar int vertex_indices\nend_header\nxxxx" 4 >short.ply
@@ -70,12 +69,11 @@ need_mesh() {
     printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 999999\n' >far.obj
     printf 'P 0.3 0.3 0.4 10 1 3\n 0 0 0\n' >mni.obj
     : >empty.obj
-    fails 3 'short.ply: conus-mesh: VTK crashed (signal ' info short.ply
+    fails 3 'short.ply: header: 4 elements of 12 bytes or more, 4 bytes follow' info short.ply
     fails 3 'claims.ply: header: element vertex 2000000000: more than the ' info claims.ply
-    fails 3 'far.obj: vertex index 999998, allowed are 0 to 2' info far.obj
+    fails 3 'far.obj: line 4: vertex 999999, allowed are 1 to 3' info far.obj
     fails 3 'mni.obj: content: an MNI object file' info mni.obj
     fails 3 'empty.obj: content: the file is empty' info empty.obj
-    [ -z "$(find . -name '*.mesh')" ]
 }
 
 @test "a mesh that conus wrote is an atlas again" {

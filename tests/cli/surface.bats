@@ -138,14 +138,18 @@ labels() {
     fails 3 "cut.gii: line " info cut.gii
 }
 
-@test "a surface that conus-mesh reads, which labels do not fit" {
-    [ -x "$(dirname "$CONUS")/conus-mesh" ] || skip "no conus-mesh: built without VTK"
-    export XDG_CACHE_HOME=$PWD/cache
+@test "labels of vertices fit every surface that numbers its vertices" {
     printf 'v -20 -10 0\nv 0 -10 0\nv 20 -10 0\nv -20 10 0\nv 0 10 0\nv 20 10 0\nf 1 2 5\nf 1 5 4\nf 2 3 6\nf 2 6 5\n' >s.obj
     labels 6 | gifti >labels.gii
-    fails 3 "s.obj: labels of vertices need a GIFTI or FreeSurfer surface" info s.obj --labels labels.gii
     run -0 --separate-stderr "$CONUS" info s.obj --format tsv
     [ "$(cut -f 2,3 <<<"${lines[1]}")" = "1	s" ]
+    square | gifti >s.gii
+    run -0 --separate-stderr "$CONUS" info s.gii --labels labels.gii --format tsv
+    wanted=$output
+    run -0 --separate-stderr "$CONUS" info s.obj --labels labels.gii --format tsv
+    [ "$output" = "$wanted" ]
+    printf 'solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 9 0 0\nvertex 0 9 0\nendloop\nendfacet\nendsolid\n' >s.stl
+    fails 3 "s.stl: labels of vertices need a surface that numbers its vertices" info s.stl --labels labels.gii
 }
 
 @test "surfaces in a folder keep their files' names, and answers name the folder and every file" {

@@ -700,7 +700,7 @@ def shared_surfaces(ask):
 
 
 def shared_foreign(ask):
-    """Files that VTK reads in conus-mesh."""
+    """Mesh files of other programs."""
     for name in ("allen-root/root_997.ply", "aseg-ply/aseg_017.ply", "format-zoo/cube.stl",
                  "format-zoo/cube_bin.stl",
                  "format-zoo/cube.ply", "format-zoo/cube.vtk", "format-zoo/cube.gii",

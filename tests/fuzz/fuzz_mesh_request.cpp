@@ -7,7 +7,7 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-static bool parses(MeshRequest &out, const uint8_t *data, size_t size)
+static bool parses(SurfacesRequest &out, const uint8_t *data, size_t size)
 {
     try {
         out = parse_request(data, size);
@@ -54,16 +54,14 @@ static void check_boxes(const SurfacesRequest &job)
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    MeshRequest request, shorter;
+    SurfacesRequest request, shorter;
     if (!parses(request, data, size)) {
         return 0;
     }
-    if (parses(shorter, data, size - 1) || (request.kind == MESH_REQUEST_OBJECTS && request.paths.size() != 1)) {
+    if (parses(shorter, data, size - 1)) {
         std::abort();
     }
-    if (request.kind == MESH_REQUEST_SURFACES) {
-        check_voxels(request.surfaces);
-        check_boxes(request.surfaces);
-    }
+    check_voxels(request);
+    check_boxes(request);
     return 0;
 }

@@ -57,14 +57,11 @@ consumer_answers() {
     cp -r "$MOVED" alone
     rm -f alone/bin/conus-*
     sphere --size 16
-    printf 'ply\nformat ascii 1.0\n' >surface.ply
     export XDG_CACHE_HOME=$PWD/cache
     wanted_of_mesh='the program conus-mesh is not installed (Debian package conus-mesh)'
     run -3 --separate-stderr env -u CONUS_MESH PATH=/nowhere "$PWD/alone/bin/conus" mesh sphere.nii.gz -o out
     check_message "$wanted_of_mesh"
-    run -3 --separate-stderr env -u CONUS_MESH PATH=/nowhere "$PWD/alone/bin/conus" info surface.ply
-    check_message "$wanted_of_mesh"
-    run -3 --separate-stderr env CONUS_MESH=/nowhere/mesh "$PWD/alone/bin/conus" info surface.ply
+    run -3 --separate-stderr env CONUS_MESH=/nowhere/mesh "$PWD/alone/bin/conus" mesh sphere.nii.gz -o out
     check_message 'CONUS_MESH: /nowhere/mesh is no program; conus-mesh is needed (Debian package conus-mesh)'
     run -3 --separate-stderr env PATH=/nowhere "$PWD/alone/bin/conus" view sphere.nii.gz
     check_message 'conus view: the program conus-view is not installed (Debian package conus-view)'

@@ -50,7 +50,7 @@ static const struct {
      "--labels"},
     {"x.func.gii", BYTES("<GIFTI><DataArray Intent=\"NIFTI_INTENT_SHAPE\"/>"), "values of the vertices of a surface",
      NULL},
-    {"x.mz3", BYTES("MZ\3\0\x0c\0\0\0"), "an MZ3 surface", "GIFTI"},
+    {"x.mz3", BYTES("MZ\3\0\x0c\0\0\0"), "an MZ3 surface", "ATLAS"},
     {"x.ply", BYTES("ply\nformat ascii 1.0\n"), "a PLY surface", "ATLAS"},
     {"x.stl", BYTES("binary\0\1\2"), "an STL surface", "ATLAS"},
     {"x.stl", BYTES("solid cube\nfacet normal 0 0 1\n"), "an STL surface", "ATLAS"},

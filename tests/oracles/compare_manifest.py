@@ -105,13 +105,11 @@ class Scene:
         return hits
 
 
-def load_scene(data, with_obj):
+def load_scene(data):
     folder = os.path.join(data, "meshes/julich31-areas")
     areas = []
     for side, ending, reader, offset in [("lh", "gii", read_gifti, 0), ("rh", "obj", read_obj, RIGHT_OFFSET)]:
         index = read_index(os.path.join(folder, side + "-INDEX.tsv"))
-        if ending == "obj" and not with_obj:
-            continue
         for path in sorted(glob.glob(os.path.join(folder, side, "*." + ending))):
             number = int(os.path.basename(path).split("_")[0])
             areas.append(((number + offset, index[number]["name"]), *reader(path)))
@@ -120,12 +118,11 @@ def load_scene(data, with_obj):
     return areas, pathways
 
 
-def write_manifest(path, data, pathways, with_obj):
+def write_manifest(path, data, pathways):
     folder = os.path.join(data, "meshes/julich31-areas")
-    areas = [{"files": folder + "/lh/*.gii", "labels": folder + "/lh-INDEX.tsv", "hemisphere": "L"}]
-    if with_obj:
-        areas.append({"files": folder + "/rh/*.obj", "labels": folder + "/rh-INDEX.tsv", "hemisphere": "R",
-                      "label_offset": RIGHT_OFFSET})
+    areas = [{"files": folder + "/lh/*.gii", "labels": folder + "/lh-INDEX.tsv", "hemisphere": "L"},
+             {"files": folder + "/rh/*.obj", "labels": folder + "/rh-INDEX.tsv", "hemisphere": "R",
+              "label_offset": RIGHT_OFFSET}]
     manifest = {"conus_atlas": 1, "allow_outside": True, "space": "ras", "areas": areas,
                 "pathways": [{"file": file, "name": name} for name, file in pathways]}
     with open(path, "w", encoding="utf-8") as file:
@@ -179,13 +176,12 @@ def main():
     if not os.path.isdir(os.path.join(data, "meshes/julich31-areas")):
         print("skipped: no shared data")
         sys.exit(77)
-    with_obj = os.path.exists(os.path.join(os.path.dirname(conus), "conus-mesh"))
-    areas, pathways = load_scene(data, with_obj)
+    areas, pathways = load_scene(data)
     scene = Scene(areas, pathways)
     with tempfile.TemporaryDirectory() as folder:
         os.environ["XDG_CACHE_HOME"] = folder
         manifest = os.path.join(folder, "julich.atlas.json")
-        write_manifest(manifest, data, pathways, with_obj)
+        write_manifest(manifest, data, pathways)
         rays = random_rays(areas, random.Random(3))
         answers = ask(conus, manifest, rays, folder)
     complaints = []

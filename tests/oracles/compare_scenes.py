@@ -125,9 +125,8 @@ def main():
         xml = os.path.join(data, f"prob/fsl/atlases/{name}.xml")
         pathways = fsl_pathways(xml, os.path.join(data, f"prob/fsl/atlases/{image}.nii.gz"))
         wrong += compare(conus, name, {"pathways": [{"fsl": xml}], "threshold": 25}, [], pathways, 160)
-    if os.path.exists(os.path.join(os.path.dirname(conus), "conus-mesh")):
-        folder = glob.glob(os.path.join(data, "meshes/brainglobe-*"))[0]
-        wrong += compare(conus, "BrainGlobe", {"areas": [{"brainglobe": folder}]}, brainglobe(folder), [], 12)
+    folder = glob.glob(os.path.join(data, "meshes/brainglobe-*"))[0]
+    wrong += compare(conus, "BrainGlobe", {"areas": [{"brainglobe": folder}]}, brainglobe(folder), [], 12)
     sys.exit(1 if wrong else 0)
 
 

@@ -318,8 +318,6 @@ static void objects_of_one_file_say_it_once(void **state)
         {CONUS_SEVERITY_NOTE, "two.obj", "the surface is not closed"},
         {CONUS_SEVERITY_WARNING, "two.obj", "does not state its space; RAS was taken"},
     };
-    test_need_conus_mesh();
-    test_own_cache();
     write_text("two.obj", "o A\nv 0 0 0\nv 9 0 0\nv 0 9 0\nf 1 2 3\no B\nv 0 0 5\nv 9 0 5\nv 0 9 5\nf 4 5 6\n");
     assert_ok(conus_atlas_load(&atlas, test_in("two.obj"), &options));
     assert_int_equal(conus_atlas_object_count(atlas), 2);

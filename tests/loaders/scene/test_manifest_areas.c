@@ -368,7 +368,6 @@ static void write_brainglobe(void)
 static void brainglobe_folders_are_placed_and_grouped(void **state)
 {
     (void)state;
-    test_need_conus_mesh();
     write_brainglobe();
     conus_atlas *atlas = loaded("\"areas\": [{\"brainglobe\": \"globe\"}]");
     assert_int_equal(conus_atlas_object_count(atlas), 3);

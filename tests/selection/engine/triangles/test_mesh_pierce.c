@@ -468,10 +468,6 @@ static void allen_areas(void **state)
     uint64_t random = 76;
     struct compared tally = {0};
     conus_atlas *atlas = NULL;
-    if (!getenv("CONUS_MESH")) {
-        print_message("no conus-mesh\n");
-        skip();
-    }
     assert_ok(conus_atlas_load(&atlas, test_shared("meshes/brainglobe-allen-ccf2017-subset"), NULL));
     size_t meshes = 0;
     for (uint32_t object = 1; object <= atlas->object_count; object++) {

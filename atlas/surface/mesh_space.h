@@ -1,0 +1,9 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file The space of a surface's stored coordinates. */
+#ifndef CONUS_ATLAS_SURFACE_MESH_SPACE_H
+#define CONUS_ATLAS_SURFACE_MESH_SPACE_H
+
+/** What a mesh file says (3D Slicer's "SPACE=RAS" or "SPACE=LPS"), or who reads it. */
+enum mesh_space { MESH_SPACE_UNSTATED = 0, MESH_SPACE_RAS = 1, MESH_SPACE_LPS = 2 };
+
+#endif

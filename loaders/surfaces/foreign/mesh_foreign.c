@@ -1,0 +1,356 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Reads mesh files of other programs: the format, its parser, the space, and the objects of an OBJ. */
+#include "loaders/surfaces/foreign/mesh_foreign.h"
+
+#include "base/file.h"
+#include "base/folder.h"
+#include "base/formats/gzip.h"
+#include "base/memory.h"
+#include "base/text.h"
+#include "loaders/file_kind.h"
+#include "loaders/surfaces/foreign/foreign.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static const uint64_t default_memory = UINT64_C(8) << 30;
+static const struct mesh_foreign_options defaults;
+
+struct reading {
+    const struct mesh_foreign_options *options;
+    size_t unstated;            /* files without a word about their space, and */
+    const char *first_unstated; /* the first of them */
+    struct notes *notes;
+};
+
+/* ---- Formats ----------------------------------------------------------------------------------------------------- */
+
+bool mesh_foreign_is(const char *path)
+{
+    static const char *const endings[] = {".vtk", ".vtp", ".ply", ".stl", ".obj", ".off", ".mz3"};
+    for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
+        if (path_ends_in(path, endings[i])) {
+            return true;
+        }
+    }
+    return false;
+}
+
+bool mesh_foreign_keeps_vertices(const char *path)
+{
+    enum { HEAD = 4096 };
+    struct bytes stored = {0};
+    struct bytes unpacked = {0};
+    if (file_read_head(&stored, path, HEAD)) {
+        return false;
+    }
+    bool packed = gzip_is(stored.data, stored.size) && !gzip_head(&unpacked, stored.data, stored.size, HEAD);
+    const struct bytes *head = packed ? &unpacked : &stored;
+    enum foreign_format format = foreign_format_of(path, (struct text){(const char *)head->data, head->size});
+    bytes_finish(&stored);
+    bytes_finish(&unpacked);
+    return format != FOREIGN_NONE && format != FOREIGN_STL;
+}
+
+static uint64_t limit_of(const struct reading *work)
+{
+    return work->options->max_memory ? work->options->max_memory : default_memory;
+}
+
+static conus_status parse(struct foreign_mesh *out, struct obj_objects *objects, const char *path,
+                          const struct bytes *bytes, uint64_t limit)
+{
+    struct text text = {(const char *)bytes->data, bytes->size};
+    switch (bytes->size ? foreign_format_of(path, text) : FOREIGN_NONE) {
+    case FOREIGN_OBJ:
+        return obj_parse(out, objects, bytes->data, bytes->size);
+    case FOREIGN_PLY:
+        return ply_parse(out, bytes->data, bytes->size);
+    case FOREIGN_STL:
+        return stl_parse(out, bytes->data, bytes->size);
+    case FOREIGN_OFF:
+        return off_parse(out, bytes->data, bytes->size);
+    case FOREIGN_MZ3:
+        return mz3_parse(out, bytes->data, bytes->size);
+    case FOREIGN_VTK:
+        return vtk_parse(out, bytes->data, bytes->size);
+    case FOREIGN_VTP:
+        return vtp_parse(out, bytes->data, bytes->size, limit);
+    case FOREIGN_NONE:
+        break;
+    }
+    return file_kind_fail(path, bytes, "a surface (VTK, VTP, PLY, MZ3, or named as STL, OBJ or OFF)");
+}
+
+/* ---- Files ------------------------------------------------------------------------------------------------------- */
+
+/* Lines (streamlines) come in files of VTK's, too, and leave no triangle. */
+static conus_status explain_failure(conus_status status, const struct bytes *bytes)
+{
+    if (status == CONUS_ERROR_DATA && file_kind_is_lines(bytes)) {
+        return fail(CONUS_ERROR_DATA, "this is a VTK file of lines (a tractogram), not a surface: make a volume of its "
+                                      "density, for --pathway");
+    }
+    return status;
+}
+
+/* The whole file, unpacked. */
+static conus_status read_bytes(struct bytes *out, const char *path, uint64_t limit)
+{
+    struct bytes stored = {0};
+    conus_status status = file_read_allowed(&stored, path, limit);
+    if (!status && gzip_is(stored.data, stored.size)) {
+        status = gzip_unpack_all(out, stored.data, stored.size, limit);
+        bytes_finish(&stored);
+        return status ? fail_in(status, path) : CONUS_OK;
+    }
+    *out = stored;
+    return status;
+}
+
+/* Turns the mesh of the file @p path into the world and checks it. */
+static conus_status settle_mesh(struct mesh *mesh, const struct reading *work, const char *path, enum mesh_space stated)
+{
+    static const double ras_from_lps[16] = {-1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    enum mesh_space space = work->options->space ? work->options->space : stated;
+    mesh->path = memory_text(path, strlen(path));
+    conus_status status = mesh->path ? mesh_check_numbers(mesh) : CONUS_ERROR_MEMORY;
+    if (!status && space == MESH_SPACE_LPS) {
+        mesh_transform(mesh, ras_from_lps);
+    }
+    return status ? status : mesh_check(mesh, work->notes);
+}
+
+static void note_space(struct reading *work, const char *path, enum mesh_space stated)
+{
+    if (!work->options->space && !stated && !work->unstated++) {
+        work->first_unstated = path;
+    }
+}
+
+static conus_status say_unstated(const struct reading *work)
+{
+    if (!work->unstated) {
+        return CONUS_OK;
+    }
+    const char *path = work->first_unstated;
+    return work->unstated == 1
+               ? notes_warn(work->notes, "%s does not state its space; RAS was taken", path)
+               : notes_warn(work->notes, "%zu mesh files do not state their space, %s the first; RAS was taken",
+                            work->unstated, path);
+}
+
+static conus_status take_whole(struct mesh *out, struct foreign_mesh *foreign, struct reading *work, const char *path)
+{
+    struct mesh mesh = {0};
+    conus_status status = foreign_mesh_take(&mesh, foreign);
+    status = status ? status : settle_mesh(&mesh, work, path, foreign->space);
+    if (status) {
+        mesh_finish(&mesh);
+        return status;
+    }
+    *out = mesh;
+    note_space(work, path, foreign->space);
+    return CONUS_OK;
+}
+
+static conus_status read_file(struct mesh *out, struct reading *work, const char *path)
+{
+    struct bytes bytes = {0};
+    struct foreign_mesh foreign = {0};
+    conus_status status = read_bytes(&bytes, path, limit_of(work));
+    if (status) {
+        return status;
+    }
+    status = parse(&foreign, NULL, path, &bytes, limit_of(work));
+    status = status ? status : take_whole(out, &foreign, work, path);
+    status = explain_failure(status, &bytes);
+    foreign_mesh_finish(&foreign);
+    bytes_finish(&bytes);
+    return status ? fail_in(status, path) : CONUS_OK;
+}
+
+conus_status mesh_foreign_read(struct mesh *out, const char *const *paths, size_t count,
+                               const struct mesh_foreign_options *options, struct notes *notes)
+{
+    struct reading work = {.options = options ? options : &defaults, .notes = notes};
+    struct mesh *meshes = memory_zeroed(count, sizeof *meshes);
+    conus_status status = meshes ? CONUS_OK : CONUS_ERROR_MEMORY;
+    for (size_t i = 0; !status && i < count; i++) {
+        status = read_file(&meshes[i], &work, paths[i]);
+    }
+    status = status ? status : say_unstated(&work);
+    for (size_t i = 0; meshes && i < count; i++) {
+        if (status) {
+            mesh_finish(&meshes[i]);
+        } else {
+            out[i] = meshes[i];
+        }
+    }
+    memory_free(meshes);
+    return status;
+}
+
+/* ---- Objects ----------------------------------------------------------------------------------------------------- */
+
+/* Vertices of a whole, as they are numbered in a part of it. */
+struct renumbering {
+    uint32_t *numbers; /* [vertex_count] */
+    uint32_t *parts;   /* [vertex_count] the part, from 1, that has given the number */
+};
+
+/* The triangles of object @p number, and the vertices that they use in the order in which they do. */
+static conus_status cut_object(struct mesh *out, const struct foreign_mesh *whole, const struct renumbering *vertices,
+                               const uint32_t *triangles, size_t count, uint32_t number)
+{
+    struct foreign_mesh part = {0};
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < 3 * count; i++) {
+        uint32_t vertex = whole->triangles[3 * (size_t)triangles[i / 3] + i % 3];
+        if (vertices->parts[vertex] != number + 1) {
+            vertices->parts[vertex] = number + 1;
+            vertices->numbers[vertex] = (uint32_t)part.vertex_count;
+            status = foreign_add_vertex(&part, &whole->positions[3 * (size_t)vertex]);
+        }
+        status = status ? status : foreign_add_corner(&part, vertices->numbers[vertex]);
+        if (!status && i % 3 == 2) {
+            status = foreign_end_polygon(&part);
+        }
+    }
+    status = status ? status : foreign_mesh_take(out, &part);
+    foreign_mesh_finish(&part);
+    return status;
+}
+
+/* Triangles in the order of their objects: those of object k end at ends[k]. */
+static conus_status sort_triangles(uint32_t **sorted, size_t **ends, const struct obj_objects *objects, size_t count)
+{
+    size_t *next = memory_zeroed(objects->count + 1, sizeof *next);
+    uint32_t *triangles = memory_raw(count, sizeof *triangles);
+    if (!next || !triangles) {
+        memory_free(next);
+        memory_free(triangles);
+        return CONUS_ERROR_MEMORY;
+    }
+    for (size_t i = 0; i < count; i++) {
+        next[objects->owners[i] + 1]++;
+    }
+    for (size_t k = 1; k <= objects->count; k++) {
+        next[k] += next[k - 1];
+    }
+    for (size_t i = 0; i < count; i++) {
+        triangles[next[objects->owners[i]]++] = (uint32_t)i;
+    }
+    *sorted = triangles;
+    *ends = next;
+    return CONUS_OK;
+}
+
+/* Adds a part, whose mesh the caller makes; NULL without memory. */
+static struct mesh *add_part(struct mesh_parts *parts, struct label_table *names, struct text name)
+{
+    struct mesh_part *list = memory_resize(parts->parts, parts->count + 1, sizeof *list);
+    if (!list) {
+        return NULL;
+    }
+    parts->parts = list;
+    list[parts->count] = (struct mesh_part){.label = (uint32_t)parts->count + 1};
+    struct label *label = label_table_add(names, list[parts->count].label);
+    if (label && name.size) {
+        label->name = text_to_utf8(name);
+    }
+    return label && (label->name || !name.size) ? &list[parts->count++].mesh : NULL;
+}
+
+static conus_status cut_objects(struct mesh_parts *parts, struct label_table *names, const struct foreign_mesh *whole,
+                                const struct obj_objects *objects, const struct reading *work, const char *path)
+{
+    uint32_t *sorted = NULL;
+    size_t *ends = NULL;
+    const struct renumbering vertices = {memory_raw(whole->vertex_count, sizeof *vertices.numbers),
+                                         memory_zeroed(whole->vertex_count, sizeof *vertices.parts)};
+    conus_status status = vertices.numbers && vertices.parts ? CONUS_OK : CONUS_ERROR_MEMORY;
+    status = status ? status : sort_triangles(&sorted, &ends, objects, whole->triangle_count);
+    for (size_t k = 0; !status && k < objects->count; k++) {
+        struct mesh *mesh = add_part(parts, names, objects->names[k]);
+        size_t from = k ? ends[k - 1] : 0;
+        status =
+            mesh ? cut_object(mesh, whole, &vertices, sorted + from, ends[k] - from, (uint32_t)k) : CONUS_ERROR_MEMORY;
+        status = status ? status : settle_mesh(mesh, work, path, whole->space);
+    }
+    memory_free(sorted);
+    memory_free(ends);
+    memory_free(vertices.numbers);
+    memory_free(vertices.parts);
+    return status;
+}
+
+static conus_status take_objects(struct mesh_parts *parts, struct label_table *names, struct foreign_mesh *foreign,
+                                 const struct obj_objects *objects, struct reading *work, const char *path)
+{
+    if (objects->count > 1) {
+        note_space(work, path, foreign->space);
+        return cut_objects(parts, names, foreign, objects, work, path);
+    }
+    struct mesh *mesh = add_part(parts, names, objects->count ? objects->names[0] : (struct text){0});
+    return mesh ? take_whole(mesh, foreign, work, path) : CONUS_ERROR_MEMORY;
+}
+
+/* Objects have what is wrong with them in common, mostly: it is said once. */
+static void drop_repeated(struct notes *notes)
+{
+    size_t kept = 0;
+    for (size_t i = 0; i < notes->count; i++) {
+        bool repeated = false;
+        for (size_t k = 0; k < kept && !repeated; k++) {
+            repeated = strcmp(notes->lines[k], notes->lines[i]) == 0;
+        }
+        if (repeated) {
+            memory_free(notes->lines[i]);
+        } else {
+            notes->marks[kept] = notes->marks[i];
+            notes->lines[kept++] = notes->lines[i];
+        }
+    }
+    notes->count = kept;
+}
+
+static conus_status read_objects(struct mesh_parts *parts, struct label_table *names, struct reading *work,
+                                 const char *path)
+{
+    struct bytes bytes = {0};
+    struct foreign_mesh foreign = {0};
+    struct obj_objects objects = {0};
+    conus_status status = read_bytes(&bytes, path, limit_of(work));
+    if (status) {
+        return status;
+    }
+    status = parse(&foreign, &objects, path, &bytes, limit_of(work));
+    status = status ? status : take_objects(parts, names, &foreign, &objects, work, path);
+    status = explain_failure(status, &bytes);
+    obj_objects_finish(&objects);
+    foreign_mesh_finish(&foreign);
+    bytes_finish(&bytes);
+    return status ? fail_in(status, path) : CONUS_OK;
+}
+
+conus_status mesh_foreign_objects(struct mesh_parts *parts, struct label_table *names, const char *path,
+                                  const struct mesh_foreign_options *options, struct notes *notes)
+{
+    struct mesh_parts objects = {0};
+    struct notes own = {0};
+    struct reading work = {.options = options ? options : &defaults, .notes = &own};
+    conus_status status = read_objects(&objects, names, &work, path);
+    status = status ? status : say_unstated(&work);
+    drop_repeated(&own);
+    conus_status moved = notes_move(notes, &own);
+    status = status ? status : moved;
+    notes_finish(&own);
+    if (status) {
+        mesh_parts_finish(&objects);
+        label_table_finish(names);
+        return status;
+    }
+    *parts = objects;
+    return CONUS_OK;
+}

@@ -1,0 +1,110 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Parses Geomview's OFF as text. */
+#include "loaders/surfaces/foreign/foreign.h"
+
+#include "loaders/surfaces/foreign/words.h"
+
+/* What a vertex has: colours, normals and texture coordinates are numbers behind its place, and are passed over. */
+struct off {
+    size_t numbers;   /* behind the first three; any number of them for colours */
+    bool has_colours; /* of vertices: to the end of the line */
+};
+
+/* The word that a file begins with: [ST][C][N]OFF. */
+static conus_status read_keyword(struct off *out, struct text word)
+{
+    struct text rest = word;
+    bool texture = text_starts(rest, "ST");
+    rest = texture ? (struct text){rest.data + 2, rest.size - 2} : rest;
+    out->has_colours = text_starts(rest, "C");
+    rest = out->has_colours ? (struct text){rest.data + 1, rest.size - 1} : rest;
+    bool normals = text_starts(rest, "N");
+    rest = normals ? (struct text){rest.data + 1, rest.size - 1} : rest;
+    out->numbers = (normals ? 3U : 0U) + (texture ? 2U : 0U);
+    return text_equal(rest, "OFF")
+               ? CONUS_OK
+               : fail(CONUS_ERROR_UNSUPPORTED, "header: \"%.*s\", allowed are OFF, COFF, NOFF, CNOFF and ST in front",
+                      (int)(word.size < 60 ? word.size : 60), word.data);
+}
+
+/* The keyword may be missing. */
+static conus_status read_header(struct off *out, struct words *words)
+{
+    struct text word;
+    int64_t number;
+    conus_status status = CONUS_OK;
+    if (words_peek(words, &word) && !text_to_int(word, &number)) {
+        (void)words_next(words, &word);
+        status = read_keyword(out, word);
+    }
+    if (!status && words_peek(words, &word) && text_equal(word, "BINARY")) {
+        status = fail(CONUS_ERROR_UNSUPPORTED, "header: a binary OFF file, only text is read");
+    }
+    return status;
+}
+
+/* Takes the numbers that are left on the line; all of them must be numbers. */
+static conus_status skip_numbers(struct words *words, const char *what)
+{
+    struct text line = {0};
+    struct text word;
+    double value;
+    (void)words_line(words, &line);
+    while (text_word(&line, &word) && *word.data != words->comment) {
+        if (!text_to_double(word, &value)) {
+            words->line--;
+            return words_fail(words, word, what);
+        }
+    }
+    return CONUS_OK;
+}
+
+static conus_status read_vertex(struct foreign_mesh *out, const struct off *off, struct words *words)
+{
+    float position[3];
+    double value;
+    conus_status status = CONUS_OK;
+    for (int a = 0; !status && a < 3; a++) {
+        status = words_float(&position[a], words, "a vertex of three numbers");
+    }
+    for (size_t i = 0; !status && i < off->numbers; i++) {
+        status = words_number(&value, words, "a normal or a texture coordinate");
+    }
+    status = status || !off->has_colours ? status : skip_numbers(words, "a colour");
+    return status ? status : foreign_add_vertex(out, position);
+}
+
+/* Behind the corners there may be a colour. */
+static conus_status read_face(struct foreign_mesh *out, struct words *words)
+{
+    size_t count = 0;
+    conus_status status = words_count(&count, words, 2, "number of corners");
+    for (size_t i = 0; !status && i < count; i++) {
+        int64_t index;
+        status = words_whole(&index, words, 0, "the number of a vertex");
+        status = status ? status : foreign_add_corner(out, index);
+    }
+    status = status ? status : skip_numbers(words, "a colour");
+    return status ? status : foreign_end_polygon(out);
+}
+
+conus_status off_parse(struct foreign_mesh *out, const uint8_t *data, size_t size)
+{
+    struct words words = {.rest = {(const char *)data, size}, .line = 1, .comment = '#'};
+    struct off off = {0};
+    size_t vertices = 0;
+    size_t faces = 0;
+    int64_t edges;
+    conus_status status = read_header(&off, &words);
+    status = status ? status : words_count(&vertices, &words, 6, "number of vertices");
+    status = status ? status : words_count(&faces, &words, 2, "number of faces");
+    status = status ? status : words_whole(&edges, &words, 0, "number of edges");
+    status = status ? status : foreign_reserve_vertices(out, vertices);
+    for (size_t i = 0; !status && i < vertices; i++) {
+        status = read_vertex(out, &off, &words);
+    }
+    for (size_t i = 0; !status && i < faces; i++) {
+        status = read_face(out, &words);
+    }
+    return status ? status : words_end(&words, "the last face");
+}

@@ -1,0 +1,405 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Parses VTK's XML format for surfaces: polygons, then strips, of each piece. */
+#include "loaders/surfaces/foreign/foreign.h"
+
+#include "base/buffer.h"
+#include "base/formats/xml.h"
+#include "base/memory.h"
+#include "loaders/surfaces/foreign/vtp_data.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/* What an array is for. */
+enum use { USE_POINTS, USE_POLYS, USE_POLY_OFFSETS, USE_STRIPS, USE_STRIP_OFFSETS, USE_SPACE, USE_NOTHING };
+
+enum { USES = USE_NOTHING };
+
+struct part {
+    bool there;
+    struct vtp_storage storage;
+    struct bytes text; /* the array's own, while the piece is read; owned */
+};
+
+struct vtp {
+    struct foreign_mesh *mesh;
+    struct text appended; /* behind its underscore */
+    bool appended_raw;
+    bool packed, swapped;
+    size_t header;
+    uint64_t max_memory;
+    bool has_root;
+    enum use place;                 /* USE_POINTS, USE_POLYS, USE_STRIPS or USE_SPACE: in which element we are */
+    enum use use;                   /* of the array that is open */
+    uint64_t points, polys, strips; /* that the piece says it has */
+    struct part parts[USES];
+};
+
+/* ---- The file as XML, and what is appended ----------------------------------------------------------------------- */
+
+static const char appended_tag[] = "<AppendedData";
+
+/* Appended data are no XML: the document in `out` ends where they begin. */
+static conus_status split_appended(struct buffer *out, struct vtp *vtp, struct text text)
+{
+    const char *tag = text.size ? memmem(text.data, text.size, appended_tag, sizeof appended_tag - 1) : NULL;
+    if (!tag) {
+        buffer_append(out, text.data, text.size);
+        return buffer_status(out);
+    }
+    const char *end = text.data + text.size;
+    const char *close = memchr(tag, '>', (size_t)(end - tag));
+    const char *mark = close ? memchr(close, '_', (size_t)(end - close)) : NULL;
+    if (!mark || text_trim((struct text){close + 1, (size_t)(mark - close) - 1}).size) {
+        return fail(CONUS_ERROR_DATA, "AppendedData: the file is cut off, or no \"_\" begins the data");
+    }
+    vtp->appended = (struct text){mark + 1, (size_t)(end - mark) - 1};
+    buffer_append(out, text.data, (size_t)(close - text.data));
+    buffer_text(out, "/></VTKFile>");
+    return buffer_status(out);
+}
+
+/* Raw or base64 data end with the closing tags, so that a file that is cut off is known. */
+static conus_status check_closed(const struct vtp *vtp)
+{
+    static const char tag[] = "</AppendedData>";
+    struct text rest = text_trim(vtp->appended);
+    const char *end = rest.size ? memrchr(rest.data, '/', rest.size) : NULL;
+    bool closed = end && text_mentions(rest, tag) && (size_t)(rest.data + rest.size - end) == sizeof "/VTKFile>" - 1 &&
+                  memcmp(end, "/VTKFile>", sizeof "/VTKFile>" - 1) == 0;
+    return !vtp->appended.data || closed ? CONUS_OK
+                                         : fail(CONUS_ERROR_DATA, "AppendedData: the file ends before </VTKFile>");
+}
+
+/* ---- Elements ---------------------------------------------------------------------------------------------------- */
+
+static conus_status take_root(struct vtp *vtp, const struct xml_event *event)
+{
+    const char *type = xml_attribute(event, "type");
+    const char *order = xml_attribute(event, "byte_order");
+    const char *header = xml_attribute(event, "header_type");
+    const char *packer = xml_attribute(event, "compressor");
+    bool little = !order || strcmp(order, "LittleEndian") == 0;
+    if (strcmp(event->name, "VTKFile") != 0 || !type || strcmp(type, "PolyData") != 0) {
+        return fail(CONUS_ERROR_UNSUPPORTED, "VTKFile: type is %.60s, only PolyData is a surface",
+                    type ? type : "not given");
+    }
+    if (!little && strcmp(order, "BigEndian") != 0) {
+        return fail(CONUS_ERROR_DATA, "VTKFile: byte_order is %.60s, allowed are LittleEndian and BigEndian", order);
+    }
+    if (header && strcmp(header, "UInt32") != 0 && strcmp(header, "UInt64") != 0) {
+        return fail(CONUS_ERROR_DATA, "VTKFile: header_type is %.60s, allowed are UInt32 and UInt64", header);
+    }
+    if (packer && *packer && strcmp(packer, "vtkZLibDataCompressor") != 0) {
+        return fail(CONUS_ERROR_UNSUPPORTED, "VTKFile: compressor is %.60s, only vtkZLibDataCompressor is unpacked",
+                    packer);
+    }
+    vtp->has_root = true;
+    vtp->packed = packer && *packer;
+    vtp->swapped = little == (__BYTE_ORDER__ == __ORDER_BIG_ENDIAN__);
+    vtp->header = header && strcmp(header, "UInt64") == 0 ? 8 : 4;
+    return CONUS_OK;
+}
+
+static conus_status take_count(uint64_t *out, const struct xml_event *event, const char *name)
+{
+    const char *value = xml_attribute(event, name);
+    *out = 0;
+    return !value || text_to_uint(text_from(value), UINT64_MAX, out)
+               ? CONUS_OK
+               : fail(CONUS_ERROR_DATA, "Piece: %s is \"%.60s\", a whole number is needed", name, value);
+}
+
+static conus_status take_piece(struct vtp *vtp, const struct xml_event *event)
+{
+    conus_status status = take_count(&vtp->points, event, "NumberOfPoints");
+    status = status ? status : take_count(&vtp->polys, event, "NumberOfPolys");
+    return status ? status : take_count(&vtp->strips, event, "NumberOfStrips");
+}
+
+static conus_status take_type(struct vtp_storage *out, const char *type)
+{
+    static const struct {
+        const char *name;
+        enum vtp_kind kind;
+        size_t size;
+    } types[] = {{"Int8", VTP_INTEGER, 1},    {"UInt8", VTP_UNSIGNED, 1},  {"Int16", VTP_INTEGER, 2},
+                 {"UInt16", VTP_UNSIGNED, 2}, {"Int32", VTP_INTEGER, 4},   {"UInt32", VTP_UNSIGNED, 4},
+                 {"Int64", VTP_INTEGER, 8},   {"UInt64", VTP_UNSIGNED, 8}, {"Float32", VTP_REAL, 4},
+                 {"Float64", VTP_REAL, 8},    {"String", VTP_INTEGER, 1}};
+    for (size_t i = 0; type && i < sizeof types / sizeof types[0]; i++) {
+        if (strcmp(type, types[i].name) == 0) {
+            out->kind = types[i].kind;
+            out->size = types[i].size;
+            return CONUS_OK;
+        }
+    }
+    return fail(CONUS_ERROR_DATA, "DataArray: type is %.60s, one like Int32 or Float32 is needed",
+                type ? type : "not given");
+}
+
+static conus_status take_appended(struct vtp_storage *out, const struct vtp *vtp, const struct xml_event *event)
+{
+    const char *value = xml_attribute(event, "offset");
+    uint64_t offset = 0;
+    if (!vtp->appended.data) {
+        return fail(CONUS_ERROR_DATA, "DataArray: its data are appended, and there is no AppendedData");
+    }
+    if (!value || !text_to_uint(text_from(value), vtp->appended.size, &offset)) {
+        return fail(CONUS_ERROR_DATA, "DataArray: offset is %.60s, allowed are 0 to %zu", value ? value : "not given",
+                    vtp->appended.size);
+    }
+    out->content = (struct text){vtp->appended.data + offset, vtp->appended.size - offset};
+    return CONUS_OK;
+}
+
+static enum use use_of_array(const struct vtp *vtp, const struct xml_event *event)
+{
+    const char *name = xml_attribute(event, "Name");
+    bool corners = name && strcmp(name, "connectivity") == 0;
+    bool offsets = name && strcmp(name, "offsets") == 0;
+    bool space = name && strcmp(name, "SPACE") == 0;
+    switch (vtp->place) {
+    case USE_POINTS:
+        return USE_POINTS;
+    case USE_POLYS:
+        return corners ? USE_POLYS : offsets ? USE_POLY_OFFSETS : USE_NOTHING;
+    case USE_STRIPS:
+        return corners ? USE_STRIPS : offsets ? USE_STRIP_OFFSETS : USE_NOTHING;
+    case USE_SPACE:
+        return space ? USE_SPACE : USE_NOTHING;
+    default:
+        return USE_NOTHING;
+    }
+}
+
+static conus_status open_array(struct vtp *vtp, const struct xml_event *event)
+{
+    const char *format = xml_attribute(event, "format");
+    const char *components = xml_attribute(event, "NumberOfComponents");
+    struct vtp_storage storage = {.is_packed = vtp->packed, .swapped = vtp->swapped, .header = vtp->header};
+    vtp->use = use_of_array(vtp, event);
+    if (vtp->use == USE_NOTHING) {
+        return CONUS_OK;
+    }
+    if (vtp->parts[vtp->use].there) {
+        return fail(CONUS_ERROR_DATA, "line %zu: DataArray: the second of its kind", event->line);
+    }
+    if (vtp->use == USE_POINTS && (!components || strcmp(components, "3") != 0)) {
+        return fail(CONUS_ERROR_DATA, "Points: NumberOfComponents is %.60s, 3 are needed",
+                    components ? components : "not given");
+    }
+    storage.max_memory = vtp->max_memory;
+    storage.is_text = format && strcmp(format, "ascii") == 0;
+    bool appended = format && strcmp(format, "appended") == 0;
+    storage.is_raw = appended && vtp->appended_raw;
+    conus_status status = take_type(&storage, xml_attribute(event, "type"));
+    if (!status && !storage.is_text && !appended && (!format || strcmp(format, "binary") != 0)) {
+        status = fail(CONUS_ERROR_DATA, "DataArray: format is %.60s, allowed are ascii, binary and appended",
+                      format ? format : "not given");
+    }
+    status = status || !appended ? status : take_appended(&storage, vtp, event);
+    vtp->parts[vtp->use].there = !status;
+    vtp->parts[vtp->use].storage = storage;
+    return status;
+}
+
+/* The text of an array that is not appended, which is the parser's, is kept until the piece ends. It ends with the
+ * array, or where an element in it begins. */
+static conus_status keep_text(struct vtp *vtp, const struct xml_event *event)
+{
+    struct part *part = vtp->use < USE_NOTHING ? &vtp->parts[vtp->use] : NULL;
+    if (part && !part->storage.content.data) {
+        part->text.data = (uint8_t *)memory_text(event->text.data, event->text.size);
+        part->text.size = event->text.size;
+        part->storage.content = (struct text){(const char *)part->text.data, part->text.size};
+        if (!part->text.data) {
+            return CONUS_ERROR_MEMORY;
+        }
+    }
+    return CONUS_OK;
+}
+
+static void forget_parts(struct vtp *vtp)
+{
+    for (size_t i = 0; i < USES; i++) {
+        bytes_finish(&vtp->parts[i].text);
+        vtp->parts[i] = (struct part){0};
+    }
+}
+
+/* ---- Pieces ------------------------------------------------------------------------------------------------------ */
+
+static conus_status add_points(struct vtp *vtp)
+{
+    const struct part *part = &vtp->parts[USE_POINTS];
+    float *numbers = NULL;
+    size_t count = 0;
+    conus_status status = part->there ? vtp_floats(&numbers, &count, &part->storage) : CONUS_OK;
+    if (!status && (count % 3 || count / 3 != vtp->points)) {
+        status = fail(CONUS_ERROR_DATA, "Points: %zu numbers, NumberOfPoints is %llu", count,
+                      (unsigned long long)vtp->points);
+    }
+    for (size_t i = 0; !status && i < count; i += 3) {
+        status = foreign_add_vertex(vtp->mesh, &numbers[i]);
+    }
+    memory_free(numbers);
+    return status ? fail_in(status, "Points") : CONUS_OK;
+}
+
+/* Cells of one kind: corners, and where each cell's end. */
+struct cells {
+    int64_t *corners, *ends;
+    size_t corner_count, count;
+};
+
+static conus_status read_cells(struct cells *out, const struct vtp *vtp, enum use use, uint64_t wanted)
+{
+    const struct part *corners = &vtp->parts[use];
+    const struct part *ends = &vtp->parts[use + 1];
+    conus_status status =
+        corners->there != ends->there ? fail(CONUS_ERROR_DATA, "both connectivity and offsets are needed") : CONUS_OK;
+    if (!status && corners->there) {
+        status = vtp_wholes(&out->corners, &out->corner_count, &corners->storage);
+        status = status ? status : vtp_wholes(&out->ends, &out->count, &ends->storage);
+    }
+    if (!status && out->count != wanted) {
+        status = fail(CONUS_ERROR_DATA, "%zu offsets, the piece says that there are %llu", out->count,
+                      (unsigned long long)wanted);
+    }
+    return status;
+}
+
+/* `first` is the number of the piece's first vertex. */
+static conus_status add_corner(struct vtp *vtp, size_t first, int64_t index)
+{
+    bool fits = index >= 0 && (uint64_t)index < vtp->points;
+    return fits ? foreign_add_corner(vtp->mesh, (int64_t)first + index)
+                : fail(CONUS_ERROR_DATA, "face %zu: vertex index %lld, the piece has %llu vertices",
+                       vtp->mesh->face_count, (long long)index, (unsigned long long)vtp->points);
+}
+
+static conus_status add_cells(struct vtp *vtp, size_t first, enum use use, uint64_t wanted)
+{
+    struct cells cells = {0};
+    conus_status status = read_cells(&cells, vtp, use, wanted);
+    size_t at = 0;
+    for (size_t i = 0; !status && i < cells.count; i++) {
+        if (cells.ends[i] < 0 || (uint64_t)cells.ends[i] < at || (uint64_t)cells.ends[i] > cells.corner_count) {
+            status = fail(CONUS_ERROR_DATA, "offset %zu is %lld, they rise to %zu", i, (long long)cells.ends[i],
+                          cells.corner_count);
+        }
+        while (!status && at < (size_t)cells.ends[i]) {
+            status = add_corner(vtp, first, cells.corners[at++]);
+        }
+        status = status ? status : use == USE_POLYS ? foreign_end_polygon(vtp->mesh) : foreign_end_strip(vtp->mesh);
+    }
+    if (!status && at != cells.corner_count) {
+        status = fail(CONUS_ERROR_DATA, "%zu corners, the last offset is %zu", cells.corner_count, at);
+    }
+    memory_free(cells.corners);
+    memory_free(cells.ends);
+    return status ? fail_in(status, use == USE_POLYS ? "Polys" : "Strips") : CONUS_OK;
+}
+
+static conus_status end_piece(struct vtp *vtp)
+{
+    size_t first = vtp->mesh->vertex_count;
+    conus_status status = add_points(vtp);
+    status = status ? status : add_cells(vtp, first, USE_POLYS, vtp->polys);
+    status = status ? status : add_cells(vtp, first, USE_STRIPS, vtp->strips);
+    forget_parts(vtp);
+    return status;
+}
+
+/* The field array SPACE: letters as numbers. */
+static conus_status take_space(struct vtp *vtp)
+{
+    static const char word[] = "SPACE=";
+    struct part *part = &vtp->parts[USE_SPACE];
+    char text[32];
+    int64_t *letters = NULL;
+    size_t count = 0;
+    memcpy(text, word, sizeof word);
+    conus_status status = part->there ? vtp_wholes(&letters, &count, &part->storage) : CONUS_OK;
+    size_t size = sizeof word - 1;
+    for (size_t i = 0; i < count && letters[i] > 0 && letters[i] < 128 && size < sizeof text; i++) {
+        text[size++] = (char)letters[i];
+    }
+    if (count) {
+        vtp->mesh->space = foreign_space_in((struct text){text, size});
+    }
+    memory_free(letters);
+    bytes_finish(&part->text);
+    *part = (struct part){0};
+    return status ? fail_in(status, "SPACE") : CONUS_OK;
+}
+
+/* ---- Events ------------------------------------------------------------------------------------------------------ */
+
+static const struct {
+    const char *name;
+    enum use place;
+} places[] = {{"Points", USE_POINTS}, {"Polys", USE_POLYS}, {"Strips", USE_STRIPS}, {"FieldData", USE_SPACE}};
+
+static enum use place_of(const char *name)
+{
+    for (size_t i = 0; i < sizeof places / sizeof places[0]; i++) {
+        if (strcmp(name, places[i].name) == 0) {
+            return places[i].place;
+        }
+    }
+    return USE_NOTHING;
+}
+
+static conus_status on_start(void *user, const struct xml_event *event)
+{
+    struct vtp *vtp = user;
+    enum use place = place_of(event->name);
+    if (!vtp->has_root) {
+        return take_root(vtp, event);
+    }
+    vtp->place = place < USE_NOTHING ? place : vtp->place;
+    if (strcmp(event->name, "Piece") == 0) {
+        return take_piece(vtp, event);
+    }
+    bool array = strcmp(event->name, "DataArray") == 0 || strcmp(event->name, "Array") == 0;
+    return array ? open_array(vtp, event) : keep_text(vtp, event);
+}
+
+static conus_status on_end(void *user, const struct xml_event *event)
+{
+    struct vtp *vtp = user;
+    if (strcmp(event->name, "DataArray") == 0 || strcmp(event->name, "Array") == 0) {
+        conus_status status = keep_text(vtp, event);
+        vtp->use = USE_NOTHING;
+        return status;
+    }
+    enum use place = place_of(event->name);
+    vtp->place = place < USE_NOTHING ? USE_NOTHING : vtp->place;
+    return place == USE_SPACE ? take_space(vtp) : strcmp(event->name, "Piece") == 0 ? end_piece(vtp) : CONUS_OK;
+}
+
+/* How the appended data are stored stands in their tag, which is behind the arrays. */
+static bool is_raw(struct text document)
+{
+    const char *tag =
+        document.size ? memmem(document.data, document.size, appended_tag, sizeof appended_tag - 1) : NULL;
+    struct text rest = {tag, tag ? (size_t)(document.data + document.size - tag) : 0};
+    return text_mentions(rest, "\"raw\"") || text_mentions(rest, "'raw'");
+}
+
+conus_status vtp_parse(struct foreign_mesh *out, const uint8_t *data, size_t size, uint64_t limit)
+{
+    struct vtp vtp = {.mesh = out, .max_memory = limit, .place = USE_NOTHING, .use = USE_NOTHING};
+    struct buffer document = {0};
+    const struct xml_handler handler = {.start = on_start, .end = on_end, .user = &vtp};
+    conus_status status = split_appended(&document, &vtp, text_from_bytes(data, size));
+    struct text text = {document.data, document.size};
+    vtp.appended_raw = !status && vtp.appended.data && is_raw(text);
+    status = status ? status : check_closed(&vtp);
+    status = status ? status : xml_parse(&handler, text);
+    forget_parts(&vtp);
+    buffer_finish(&document);
+    return status;
+}

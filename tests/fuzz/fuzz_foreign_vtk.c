@@ -1,0 +1,11 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* VTK's legacy format. */
+#include "fuzz_foreign.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    struct foreign_mesh mesh = {0};
+    conus_status status = vtk_parse(&mesh, data, size);
+    check_foreign(&mesh, status);
+    return 0;
+}
