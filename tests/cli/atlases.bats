@@ -147,7 +147,8 @@ fsl_xml() {
     # The names of the areas are those of the XML; words may be separated otherwise.
     conus info fsl:harvard-oxford-cortical --format tsv | cut -f 3 | xargs | grep -qx 'name one two'
     # A volume that an XML names has its own name, too.
-    conus info HarvardOxford-cort-maxprob-thr25-2mm --format json | jq -e '.installed.name == "HarvardOxford-Cortical-2mm"'
+    conus info HarvardOxford-cort-maxprob-thr25-2mm --format json >json
+    jq -e '.installed.name == "HarvardOxford-Cortical-2mm"' json
 }
 
 @test "FSL: an XML whose volumes are not there is a note" {
@@ -203,7 +204,8 @@ END
     write $atlas/meshes/8.obj 'v 0 0 0\nv 900 0 0\nv 0 900 0\nv 0 0 900\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n'
     write home/.brainglobe/last_versions.conf '[atlases]\n'
     lists "brainglobe example_mouse_100um_v1.2"
-    conus info example_mouse_100um --format json | jq -e '.installed.name == "example_mouse_100um_v1.2"'
+    conus info example_mouse_100um --format json >json
+    jq -e '.installed.name == "example_mouse_100um_v1.2"' json
     # Two versions: the name without one means neither.
     cp -r $atlas home/.brainglobe/example_mouse_100um_v1.10
     fails 2 'example_mouse_100um: 2 atlases have that name' info example_mouse_100um
@@ -326,27 +328,34 @@ two_places() {
 @test "a path comes first" {
     two_places
     put l.nii.gz brodmann
-    conus info brodmann --format json | jq -e '.installed == null and .volumes[0].path == "brodmann"'
+    conus info brodmann --format json >json
+    jq -e '.installed == null and .volumes[0].path == "brodmann"' json
     rm brodmann
-    conus info brodmann --format json | jq -e '.installed.source == "mricron"'
+    conus info brodmann --format json >json
+    jq -e '.installed.source == "mricron"' json
     # What has a slash is never a name.
     fails 3 './brodmann: cannot open: No such file or directory' info ./brodmann
     put l.nii.gz brodmann.nii.gz
-    conus info brodmann.nii.gz,volume=0 --format json | jq -e '.installed == null'
+    conus info brodmann.nii.gz,volume=0 --format json >json
+    jq -e '.installed == null' json
 }
 
 @test "an ambiguous name is an error with the candidates" {
     two_places
     fails 2 "aal: 2 atlases have that name: own:aal ($PWD/own/aal.nii.gz), mricron:aal" info aal
     check_message 'give one with its source, or a path'
-    conus info own:aal --format json | jq -e '.volumes[0].spacing_mm[0] == 1'
-    conus info mricron:aal --format json | jq -e '.volumes[0].spacing_mm[0] == 2'
-    conus info MRICRON:AAL --format json | jq -e '.volumes[0].spacing_mm[0] == 2'
+    conus info own:aal --format json >json
+    jq -e '.volumes[0].spacing_mm[0] == 1' json
+    conus info mricron:aal --format json >json
+    jq -e '.volumes[0].spacing_mm[0] == 2' json
+    conus info MRICRON:AAL --format json >json
+    jq -e '.volumes[0].spacing_mm[0] == 2' json
     [ "$(conus atlases --format names | xargs)" = "own:aal mricron:aal brodmann" ]
     # One file that is found in two ways is no choice.
     rm own/aal.nii.gz
     ln -s ../usr/share/mricron/templates/aal.nii.gz own/aal.nii.gz
-    conus info aal --format json | jq -e '.installed.source == "own"'
+    conus info aal --format json >json
+    jq -e '.installed.source == "own"' json
     # Within one source only a path says which.
     put l.nii own/deeper/aal.nii
     fails 2 'give the path of one' info own:aal
@@ -405,7 +414,8 @@ two_places() {
     [ -z "$(conus atlases --format names)" ]
     conus atlases --places --format tsv | grep -qxP "mricron\t\\\$XDG_DATA_DIRS/mricron/templates\t$PWD/usr/share/mricron/templates\tno such folder"
     conus atlases --places --format tsv | grep -qxP 'fsl\t\$FSLDIR/data/atlases\tn/a\tnot set'
-    conus atlases --format json | jq -e '.atlases == [] and (.places | any(.place == "$HOME/.brainglobe")) and .notes == []'
+    conus atlases --format json >json
+    jq -e '.atlases == [] and (.places | any(.place == "$HOME/.brainglobe")) and .notes == []' json
     fails 2 '--places is for --format table and tsv' atlases --places --format json
 }
 
@@ -453,6 +463,8 @@ two_places() {
     head -c 100 l.nii >own/cut_atlas.nii
     printf '\x1f\x8b\x08' >own/cut_atlas.nii.gz
     write own/broken.xml '<atlas><header>'
+    : >own/empty.atlas.json
+    put prob.nii.gz own/prob_atlas.nii.gz
     export CONUS_ATLAS_PATH=$PWD/own
     lists "own a_atlas"
     [ -z "$(conus atlases -q --format names 2>&1 | grep -v a_atlas)" ]
