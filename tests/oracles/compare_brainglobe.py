@@ -168,11 +168,14 @@ def check(conus, base, orientation, volume, labels, meshes):
         alone = rows(conus, os.path.join(folder, "annotation.tiff"), goal, way)
         wrong += differences(rows(conus, folder, goal, way), alone, voxels[:0] + ["share", "pixels"], 0)
     if meshes:
+        hit = 0
         only = ["--only", ",".join(labels[n] for n in meshes)]
         for goal, way in poses(kept, world):
             shape = [rows(conus, atlas, goal, way, "--angle", "5", *extra)
                      for atlas, extra in ((folder, only), (os.path.join(folder, "meshes"), []))]
             wrong += differences(*shape, ["share"], 0.02) + differences(*shape, ["distance_mm"], 0.05)
+            hit += sum(row["name"] in labels.values() for row in shape[1])
+        assert hit >= 8, f"{orientation}: the cones hit {hit} areas on the meshes"
     roles = {volume["role"]: os.path.basename(volume["path"])
              for volume in json.loads(run(conus, "info", folder, "--format", "json"))["volumes"]}
     assert roles == {"parcellation": "annotation.tiff", "context": "reference.tiff"}, roles

@@ -6,7 +6,6 @@
 #include "base/memory.h"
 #include "builders/nifti_builder.h"
 #include "builders/tiff_builder.h"
-#include "loaders/tiff/tiff_lzw.h"
 #include "loaders/volumes/volume_file.h"
 #include "loaders/volumes/volume_values.h"
 #include "test.h"
@@ -180,53 +179,6 @@ static void damaged_lzw_is_refused(void **state)
         assert_fails(read_page(&got, packed, size, fields, 3), CONUS_ERROR_DATA);
         assert_string_equal(conus_message(), "page 0: strip 0: damaged, or not as long as its pixels");
     }
-}
-
-/* Code n of a row of zeros: 256 empties the table, 0 is the first byte, and then each is the one that the reader is
- * about to add, one byte longer than the last: n bytes. It is read when the codes below 256 + n are taken, and TIFF 6.0
- * widens codes when 511, 1023 and 2047 are. */
-static void append_code(uint8_t *packed, size_t *bit, unsigned n, bool end)
-{
-    unsigned code = end ? 257 : n == 0 ? 256 : n == 1 ? 0 : 256 + n;
-    unsigned taken = 256 + n;
-    unsigned width = taken < 511 ? 9 : taken < 1023 ? 10 : taken < 2047 ? 11 : 12;
-    for (unsigned i = 0; i < width; i++, ++*bit) {
-        packed[*bit / 8] |= (uint8_t)((code >> (width - 1 - i) & 1) << (7 - *bit % 8));
-    }
-}
-
-static bool unpack_zeros(uint8_t *out, size_t size, unsigned codes)
-{
-    uint8_t *packed = memory_zeroed(codes + 2, 2);
-    struct tiff_lzw *lzw = memory_raw(1, sizeof *lzw);
-    size_t bit = 0;
-    for (unsigned n = 0; n <= codes; n++) {
-        append_code(packed, &bit, n, false);
-    }
-    append_code(packed, &bit, codes + 1, true);
-    bool done = tiff_lzw_unpack(out, size, packed, (bit + 7) / 8, lzw);
-    memory_free(lzw);
-    memory_free(packed);
-    return done;
-}
-
-static void lzw_codes_widen_until_the_table_is_full(void **state)
-{
-    (void)state;
-    enum { MOST = 1 << 24 };
-    uint8_t *out = memory_raw(MOST, 1);
-    const unsigned codes[] = {254, 255, 300, 766, 767, 1790, 1791, 3800};
-    for (size_t i = 0; i < sizeof codes / sizeof codes[0]; i++) {
-        size_t size = (size_t)codes[i] * (codes[i] + 1) / 2; /* 1 + 2 + ... + codes */
-        memset(out, 1, size + 1);
-        assert_true(unpack_zeros(out, size, codes[i]));
-        assert_int_equal(out[0] + out[size / 2] + out[size - 1], 0);
-        assert_int_equal(out[size], 1);
-        assert_false(unpack_zeros(out, size - 1, codes[i]));
-        assert_false(unpack_zeros(out, size + 1, codes[i]));
-    }
-    assert_false(unpack_zeros(out, MOST, 5000)); /* there are no 4096 + n codes */
-    memory_free(out);
 }
 
 static void deflate_holds_what_the_page_needs(void **state)
@@ -596,7 +548,6 @@ int main(void)
         cmocka_unit_test(the_corner_is_the_origin),
         cmocka_unit_test(lzw_is_that_of_the_specification),
         cmocka_unit_test(damaged_lzw_is_refused),
-        cmocka_unit_test(lzw_codes_widen_until_the_table_is_full),
         cmocka_unit_test(deflate_holds_what_the_page_needs),
         cmocka_unit_test(differences_are_undone_row_by_row),
         cmocka_unit_test(bad_fields_are_named),
