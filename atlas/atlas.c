@@ -44,16 +44,14 @@ void conus_atlas_destroy(conus_atlas *atlas)
     memory_free(atlas);
 }
 
-/* Appends `volume` (taken over on success) and reports its index. */
-static conus_status append_volume(conus_atlas *atlas, struct volume *volume, size_t *index)
+conus_status atlas_append_volume(conus_atlas *atlas, struct volume *volume)
 {
     struct volume *volumes = memory_resize(atlas->volumes, atlas->volume_count + 1, sizeof *volumes);
     if (!volumes) {
         return CONUS_ERROR_MEMORY;
     }
     atlas->volumes = volumes;
-    *index = atlas->volume_count++;
-    volumes[*index] = *volume;
+    volumes[atlas->volume_count++] = *volume;
     *volume = (struct volume){0};
     return CONUS_OK;
 }
@@ -93,6 +91,13 @@ conus_status atlas_append_object(conus_atlas *atlas, const conus_object *object,
     return CONUS_OK;
 }
 
+void atlas_cut_objects(conus_atlas *atlas, size_t count)
+{
+    while (atlas->object_count > count) {
+        object_finish(&atlas->objects[--atlas->object_count]);
+    }
+}
+
 conus_status atlas_create_empty(conus_atlas **out, const char *label_source)
 {
     conus_atlas *atlas = memory_zeroed(1, sizeof *atlas);
@@ -111,10 +116,9 @@ conus_status atlas_start(conus_atlas **out, const conus_volume_info *info, const
 {
     conus_atlas *atlas = NULL;
     struct volume volume = {0};
-    size_t index;
     conus_status status = volume_init(&volume, info);
     status = status ? status : atlas_create_empty(&atlas, label_source);
-    status = status ? status : append_volume(atlas, &volume, &index);
+    status = status ? status : atlas_append_volume(atlas, &volume);
     volume_finish(&volume);
     if (status) {
         conus_atlas_destroy(atlas);
@@ -138,7 +142,7 @@ static conus_status append_mesh(conus_atlas *atlas, struct mesh *mesh)
     return CONUS_OK;
 }
 
-static conus_status areas_come_first(const conus_atlas *atlas, const conus_object *area)
+conus_status atlas_check_order(const conus_atlas *atlas, const conus_object *area)
 {
     return atlas->object_count > atlas->area_count
                ? fail(CONUS_ERROR_ARGUMENT, "area %u: areas are added before pathways", area->label)
@@ -148,7 +152,7 @@ static conus_status areas_come_first(const conus_atlas *atlas, const conus_objec
 conus_status atlas_add_mesh(conus_atlas *atlas, const conus_object *area, struct mesh *mesh)
 {
     conus_object copy = *area;
-    conus_status status = areas_come_first(atlas, area);
+    conus_status status = atlas_check_order(atlas, area);
     status = status ? status : mesh_measure(&mesh->shape, mesh);
     if (!status) {
         copy.kind = CONUS_KIND_AREA;
@@ -160,7 +164,7 @@ conus_status atlas_add_mesh(conus_atlas *atlas, const conus_object *area, struct
     if (!status) {
         status = append_mesh(atlas, mesh);
         if (status) {
-            object_finish(&atlas->objects[--atlas->object_count]);
+            atlas_cut_objects(atlas, atlas->object_count - 1);
         }
     }
     atlas->area_count = status ? atlas->area_count : atlas->object_count;
@@ -169,182 +173,9 @@ conus_status atlas_add_mesh(conus_atlas *atlas, const conus_object *area, struct
 
 conus_status atlas_add_group(conus_atlas *atlas, const conus_object *area)
 {
-    conus_status status = areas_come_first(atlas, area);
+    conus_status status = atlas_check_order(atlas, area);
     status = status ? status : atlas_append_object(atlas, area, (struct object_place){.index = SIZE_MAX});
     atlas->area_count = status ? atlas->area_count : atlas->object_count;
-    return status;
-}
-
-/* Makes volume->objects16 or 32 a mask of the voxels with values from the threshold on, and counts them. */
-static conus_status mark_voxels(struct volume *volume, uint32_t number, uint64_t *voxels)
-{
-    float threshold = (float)volume->info.threshold;
-    bool narrow = number <= UINT16_MAX;
-    volume->objects16 = narrow ? memory_zeroed(volume->voxel_count, sizeof *volume->objects16) : NULL;
-    volume->objects32 = narrow ? NULL : memory_zeroed(volume->voxel_count, sizeof *volume->objects32);
-    if (!volume->objects16 && !volume->objects32) {
-        return CONUS_ERROR_MEMORY;
-    }
-    *voxels = 0;
-    for (size_t i = 0; i < volume->voxel_count; i++) {
-        if (volume->values[i] >= threshold) { /* Eq. 6 */
-            *voxels += 1;
-            if (narrow) {
-                volume->objects16[i] = (uint16_t)number;
-            } else {
-                volume->objects32[i] = number;
-            }
-        }
-    }
-    return CONUS_OK;
-}
-
-/* ---- Other areas ------------------------------------------------------------------------------------------------ */
-
-/* Wider masks for the pathways whose numbers no longer fit, by volume. */
-static conus_status widen_masks(uint32_t **wide, const conus_atlas *atlas, const conus_atlas *areas)
-{
-    size_t shift = areas->area_count - atlas->area_count;
-    conus_status status = CONUS_OK;
-    for (size_t i = atlas->area_count; !status && i < atlas->object_count; i++) {
-        size_t index = atlas->places[i].index;
-        const struct volume *volume = &atlas->volumes[index];
-        if (volume->objects16 && i + 1 + shift > UINT16_MAX) {
-            wide[index] = memory_zeroed(volume->voxel_count, sizeof **wide);
-            status = wide[index] ? CONUS_OK : CONUS_ERROR_MEMORY;
-        }
-    }
-    return status;
-}
-
-/* Lets the mask of a pathway say `number`; `wide` takes its place if there is one. */
-static void renumber_mask(struct volume *volume, uint32_t *wide, uint32_t number)
-{
-    for (size_t v = 0; v < volume->voxel_count; v++) {
-        bool marked = volume_object(volume, v) != 0;
-        if (marked && wide) {
-            wide[v] = number;
-        } else if (marked && volume->objects16) {
-            volume->objects16[v] = (uint16_t)number;
-        } else if (marked) {
-            volume->objects32[v] = number;
-        }
-    }
-    if (wide) {
-        memory_free(volume->objects16);
-        volume->objects16 = NULL;
-        volume->objects32 = wide;
-    }
-}
-
-static void exchange_objects(conus_atlas *a, conus_atlas *b)
-{
-    conus_atlas held = *a;
-    a->objects = b->objects;
-    a->places = b->places;
-    a->object_count = b->object_count;
-    a->area_count = b->area_count;
-    b->objects = held.objects;
-    b->places = held.places;
-    b->object_count = held.object_count;
-    b->area_count = held.area_count;
-}
-
-conus_status atlas_exchange_areas(conus_atlas *atlas, conus_atlas *areas)
-{
-    uint32_t **wide = memory_zeroed(atlas->volume_count, sizeof *wide);
-    conus_status status = wide ? CONUS_OK : CONUS_ERROR_MEMORY;
-    areas->area_count = areas->object_count;
-    for (size_t i = atlas->area_count; !status && i < atlas->object_count; i++) {
-        status = atlas_append_object(areas, &atlas->objects[i], atlas->places[i]);
-    }
-    status = status ? status : widen_masks(wide, atlas, areas);
-    for (size_t i = areas->area_count; !status && i < areas->object_count; i++) {
-        size_t index = areas->places[i].index;
-        renumber_mask(&atlas->volumes[index], wide[index], (uint32_t)i + 1);
-        wide[index] = NULL;
-    }
-    if (!status) {
-        exchange_objects(atlas, areas);
-    }
-    for (size_t i = 0; wide && i < atlas->volume_count; i++) {
-        memory_free(wide[i]);
-    }
-    memory_free(wide);
-    return status;
-}
-
-/* ---- Pathways and context --------------------------------------------------------------------------------------- */
-
-/* Adds a volume of values as `object`, whose voxels are counted. */
-static conus_status add_scalar(conus_atlas *atlas, const conus_volume_info *info, float *values, conus_object *object)
-{
-    struct volume volume = {0};
-    size_t index;
-    conus_status status = volume_init(&volume, info);
-    if (!status) {
-        volume.values = values;
-        status = mark_voxels(&volume, (uint32_t)atlas->object_count + 1, &object->voxels);
-    }
-    if (!status) {
-        object->volume_mm3 = (double)object->voxels * space_voxel_mm3(info);
-        status = atlas_append_object(atlas, object, (struct object_place){.index = atlas->volume_count});
-    }
-    if (!status) {
-        status = append_volume(atlas, &volume, &index);
-        if (status) {
-            object_finish(&atlas->objects[--atlas->object_count]);
-        }
-    }
-    if (status) {
-        volume.values = NULL; /* stays the caller's */
-    }
-    volume_finish(&volume);
-    return status;
-}
-
-conus_status atlas_add_pathway(conus_atlas *atlas, const conus_volume_info *info, float *values, const char *name)
-{
-    uint32_t ordinal = (uint32_t)(atlas->object_count - atlas->area_count) + 1;
-    conus_object object = {
-        .kind = CONUS_KIND_PATHWAY, .label = ordinal, .name = name, .abbreviation = "", .named = true};
-    palette_colour(object.rgb, 1000 + ordinal);
-    return add_scalar(atlas, info, values, &object);
-}
-
-conus_status atlas_add_probabilistic_area(conus_atlas *atlas, const conus_volume_info *info, float *values,
-                                          const conus_object *area)
-{
-    conus_object object = *area;
-    conus_status status = areas_come_first(atlas, area);
-    status = status ? status : add_scalar(atlas, info, values, &object);
-    atlas->area_count = status ? atlas->area_count : atlas->object_count;
-    return status;
-}
-
-conus_status conus_atlas_set_threshold(conus_atlas *atlas, size_t number, double threshold)
-{
-    if (!conus_atlas_object(atlas, number) || !atlas_object_is_scalar(atlas, (uint32_t)number)) {
-        return fail(CONUS_ERROR_ARGUMENT, "object %zu is no pathway, and no area of probabilities", number);
-    }
-    if (!isfinite(threshold)) {
-        return fail(CONUS_ERROR_ARGUMENT, "threshold: %g, a number is needed", threshold);
-    }
-    struct volume *volume = &atlas->volumes[atlas->places[number - 1].index];
-    uint64_t voxels = 0;
-    conus_status status = volume_own(volume);
-    struct volume marked = {.info = volume->info, .values = volume->values, .voxel_count = volume->voxel_count};
-    marked.info.threshold = threshold;
-    status = status ? status : mark_voxels(&marked, (uint32_t)number, &voxels);
-    if (!status) {
-        memory_free(volume->objects16);
-        memory_free(volume->objects32);
-        volume->objects16 = marked.objects16;
-        volume->objects32 = marked.objects32;
-        volume->info.threshold = threshold;
-        atlas->objects[number - 1].voxels = voxels;
-        atlas->objects[number - 1].volume_mm3 = (double)voxels * space_voxel_mm3(&volume->info);
-    }
     return status;
 }
 
@@ -400,30 +231,6 @@ conus_status conus_atlas_histogram(uint64_t *counts, size_t bins, const conus_at
         }
     }
     return CONUS_OK;
-}
-
-conus_status atlas_set_context(conus_atlas *atlas, const conus_volume_info *info, float *values)
-{
-    struct volume volume = {0};
-    struct volume *old = (struct volume *)atlas_context(atlas);
-    uint64_t voxels;
-    size_t index;
-    conus_status status = volume_init(&volume, info);
-    volume.values = values;
-    if (!status && info->threshold > 0) {
-        status = mark_voxels(&volume, VOLUME_BLOCKER, &voxels);
-    }
-    if (!status && old) {
-        volume_finish(old);
-        *old = volume;
-        return CONUS_OK;
-    }
-    status = status ? status : append_volume(atlas, &volume, &index);
-    if (status) {
-        volume.values = NULL; /* stays the caller's */
-    }
-    volume_finish(&volume);
-    return status;
 }
 
 conus_status atlas_add_file(conus_atlas *atlas, const char *path, const struct bytes *content)
@@ -489,13 +296,6 @@ float atlas_probability(const conus_atlas *atlas, uint32_t number, const double 
     const struct volume *volume = atlas_object_volume(atlas, number);
     size_t voxel;
     return volume_find_voxel(&voxel, volume, point) ? volume->values[voxel] : NAN;
-}
-
-const conus_volume_info *conus_atlas_volume_of(const conus_atlas *atlas, size_t number)
-{
-    const struct volume *volume =
-        conus_atlas_object(atlas, number) ? atlas_object_volume(atlas, (uint32_t)number) : NULL;
-    return volume ? &volume->info : NULL;
 }
 
 const struct mesh *atlas_object_mesh(const conus_atlas *atlas, uint32_t number)

@@ -19,7 +19,8 @@ struct object_place {
 };
 
 struct conus_atlas {
-    struct volume *volumes; /**< The parcellation, if there is one, then pathways and context as added.    */
+    struct volume *volumes; /**< The parcellation, if there is one, then pathways and context as added. Pathways that
+                               are bands of values share a volume. */
     size_t volume_count;
     struct mesh *meshes; /**< One per object that is a mesh.                                            */
     size_t mesh_count;
@@ -47,11 +48,20 @@ struct conus_atlas {
 conus_status atlas_create(conus_atlas **out, const conus_volume_info *info, const uint32_t *labels,
                           const struct label_table *table, const char *label_source, struct notes *notes);
 
+/** Appends @p volume, which is taken over on success. */
+conus_status atlas_append_volume(conus_atlas *atlas, struct volume *volume);
+
+/** Ends the objects behind the first @p count. */
+void atlas_cut_objects(conus_atlas *atlas, size_t count);
+
 /** An atlas with the parcellation's volume, still without objects: the first step of atlas_create(). */
 conus_status atlas_start(conus_atlas **out, const conus_volume_info *info, const char *label_source);
 
 /** An atlas without volumes or objects, for areas that are meshes. */
 conus_status atlas_create_empty(conus_atlas **out, const char *label_source);
+
+/** CONUS_ERROR_ARGUMENT once there is a pathway, for the message about the area @p area: areas come before pathways. */
+conus_status atlas_check_order(const conus_atlas *atlas, const conus_object *area);
 
 /** Appends a copy of @p object, which lies at @p place. */
 conus_status atlas_append_object(conus_atlas *atlas, const conus_object *object, struct object_place place);
@@ -82,6 +92,11 @@ conus_status atlas_add_pathway(conus_atlas *atlas, const conus_volume_info *info
  * a pathway. */
 conus_status atlas_add_probabilistic_area(conus_atlas *atlas, const conus_volume_info *info, float *values,
                                           const conus_object *area);
+
+/** Adds a scalar volume as one pathway for each of @p bands (Eq. 6), in their order. They do not overlap and each holds
+ * some float; the ends of the first and last may be infinite. @p values as above. */
+conus_status atlas_add_bands(conus_atlas *atlas, const conus_volume_info *info, float *values, const conus_band *bands,
+                             size_t count);
 
 /** Sets the context volume, replacing one that was there. Voxels with values >= info->threshold stop rays, unless that
  * is 0. @p values is taken over on success. */

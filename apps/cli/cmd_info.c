@@ -91,14 +91,40 @@ static void put_volume(FILE *out, const conus_volume_info *info)
     fprintf(out, "\n  sha256       %s\n", info->sha256);
 }
 
-/* The object that has the volume for itself. */
-static const conus_object *object_of(const conus_atlas *atlas, const conus_volume_info *info)
+static void put_band(FILE *out, const conus_object *band)
 {
-    size_t number = 1;
-    while (conus_atlas_volume_of(atlas, number) != info) {
-        number++;
+    fputs("  band        ", out);
+    if (band->low > -INFINITY) {
+        fprintf(out, " from %.9g%s", band->low, band->high < INFINITY ? " to" : " on");
     }
-    return conus_atlas_object(atlas, number);
+    if (band->high < INFINITY) {
+        fprintf(out, " below %.9g", band->high);
+    }
+    fprintf(out, "%s, %" PRIu64 " voxels\n", isfinite(band->low) || isfinite(band->high) ? "" : " all", band->voxels);
+}
+
+/* The pathways, or the area, of a volume of values; the volume itself behind the first. */
+static void put_objects(FILE *out, const conus_atlas *atlas, size_t volume)
+{
+    const conus_volume_info *info = conus_atlas_volume(atlas, volume);
+    const conus_kind kind = info->role == CONUS_ROLE_PROBABILITY ? CONUS_KIND_AREA : CONUS_KIND_PATHWAY;
+    size_t count = 0;
+    for (size_t i = 1; i <= conus_atlas_object_count(atlas); i++) {
+        const conus_object *object = conus_atlas_object(atlas, i);
+        if (object->kind != kind || object->volume != volume) {
+            continue;
+        }
+        fprintf(out, "%s %" PRIu32 ": %s\n", kind == CONUS_KIND_AREA ? "Area" : "Pathway", object->label, object->name);
+        if (object->is_band) {
+            put_band(out, object);
+        }
+        if (count++ == 0) {
+            put_volume(out, info);
+        }
+        if (!object->is_band) {
+            fprintf(out, "  threshold    %.9g\n", info->threshold);
+        }
+    }
 }
 
 static void put_volumes(FILE *out, const conus_atlas *atlas)
@@ -111,11 +137,7 @@ static void put_volumes(FILE *out, const conus_atlas *atlas)
             put_volume(out, info);
             fprintf(out, "  labels       %s\n", conus_atlas_label_source(atlas));
         } else if (info->role != CONUS_ROLE_CONTEXT) {
-            const conus_object *object = object_of(atlas, info);
-            fprintf(out, "%s %" PRIu32 ": %s\n", object->kind == CONUS_KIND_AREA ? "Area" : "Pathway", object->label,
-                    object->name);
-            put_volume(out, info);
-            fprintf(out, "  threshold    %.9g\n", info->threshold);
+            put_objects(out, atlas, i);
         } else {
             fputs("Context\n", out);
             put_volume(out, info);

@@ -5,96 +5,23 @@
 #include "common/messages.h"
 #include "common/output.h"
 #include "settings/atlas_name.h"
-#include "settings/option_values.h"
+#include "settings/pathway_option.h"
 
 #include <limits.h>
+#include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-/** One --pathway, taken apart. */
-struct pathway {
-    char *text;   /* what the others point into, and twice its size */
-    char *path;   /* with ",volume=K" at its end, as the library wants it */
-    char *name;   /* NULL if not given */
-    char *volume; /* "volume=K", NULL if not given */
-    double threshold;
-};
-
-static bool read_threshold(struct pathway *pathway, const char *value)
+static int add_pathway(conus_atlas *atlas, const struct pathway_option *pathway, uint64_t max_memory)
 {
-    if (!number_parse(value, &pathway->threshold) || pathway->threshold <= 0) {
-        print_error_line("--pathway: threshold=%s is not a number above 0", value);
-        return false;
-    }
-    return true;
-}
-
-static bool read_volume(struct pathway *pathway, char *key, const char *value)
-{
-    uint64_t index;
-    if (!count_parse(value, UINT32_MAX, &index)) {
-        print_error_line("--pathway: volume=%s is not a whole number from 0", value);
-        return false;
-    }
-    pathway->volume = key;
-    return true;
-}
-
-/* Reads "key=value", the text after a comma. */
-static bool read_key(struct pathway *pathway, char *key)
-{
-    char *value = strchr(key, '=') + 1;
-    if (strncmp(key, "threshold=", 10) == 0 && pathway->threshold == 0) {
-        return read_threshold(pathway, value);
-    }
-    if (strncmp(key, "name=", 5) == 0 && !pathway->name) {
-        pathway->name = value;
-        return *value || (print_error_line("--pathway: name= is empty"), false);
-    }
-    if (strncmp(key, "volume=", 7) == 0 && !pathway->volume) {
-        return read_volume(pathway, key, value);
-    }
-    print_error_line("--pathway: \"%s\" is none of threshold=T, name=S and volume=K, each at most once", key);
-    return false;
-}
-
-/* Cuts keys off the end as long as there are some, since a file's name may have commas as well. */
-static bool parse_pathway(struct pathway *pathway, const char *text)
-{
-    size_t size = strlen(text) + 1;
-    pathway->text = calloc(2, size);
-    if (!pathway->text) {
-        print_error_line("--pathway: not enough memory");
-        return false;
-    }
-    char *keys = memcpy(pathway->text, text, size);
-    for (char *comma; (comma = strrchr(keys, ',')) && strchr(comma, '=');) {
-        *comma = '\0';
-        if (!read_key(pathway, comma + 1)) {
-            return false;
-        }
-    }
-    if (!*keys) {
-        print_error_line("--pathway: \"%s\" names no file", text);
-        return false;
-    }
-    pathway->path = pathway->text + size;
-    snprintf(pathway->path, size, "%s%s%s", keys, pathway->volume ? "," : "", pathway->volume ? pathway->volume : "");
-    return true;
-}
-
-static int add_pathway(conus_atlas *atlas, const char *text, uint64_t max_memory)
-{
-    struct pathway pathway = {0};
-    int code = EXIT_USAGE;
-    if (parse_pathway(&pathway, text)) {
-        const conus_pathway_options options = {
-            .threshold = pathway.threshold, .name = pathway.name, .max_memory = max_memory};
-        conus_status status = conus_atlas_add_pathway(atlas, pathway.path, &options);
-        code = status ? print_status(status) : EXIT_DONE;
-    }
-    free(pathway.text);
-    return code;
+    const conus_pathway_options options = {.threshold = pathway->threshold,
+                                           .name = pathway->name,
+                                           .max_memory = max_memory,
+                                           .bands = pathway->bands,
+                                           .band_count = pathway->band_count};
+    conus_status status = conus_atlas_add_pathway(atlas, pathway->path, &options);
+    return status ? print_status(status) : EXIT_DONE;
 }
 
 /* The atlas's files and then those of the command line. */
@@ -112,14 +39,41 @@ static bool hear_progress(void *user, const char *path, size_t done, size_t tota
     return !settings->progress || settings->progress(settings->progress_user, path, done, total + progress->more);
 }
 
-static int add_pathways(conus_atlas *atlas, const struct atlas_settings *settings, const struct progress *progress)
+/* Bands of one file are joined where the first of them stands, so that it is read once. Gives how many pathways are
+ * left, SIZE_MAX after an error. */
+static size_t parse_pathways(struct pathway_option *pathways, const struct option_list *texts)
 {
+    size_t count = 0;
+    for (size_t i = 0; i < texts->count; i++) {
+        int joined = 0;
+        if (!pathway_option_parse(&pathways[i], texts->items[i])) {
+            return SIZE_MAX;
+        }
+        for (size_t k = 0; k < i && !joined; k++) {
+            joined = pathway_option_join(&pathways[k], &pathways[i]);
+        }
+        if (joined < 0) {
+            return SIZE_MAX;
+        }
+        pathways[i].given = joined ? NULL : pathways[i].given;
+        pathways[i].band_count = joined ? 0 : pathways[i].band_count;
+        count += !joined;
+    }
+    return count;
+}
+
+static int add_pathways(conus_atlas *atlas, const struct pathway_option *pathways, const struct progress *progress)
+{
+    const struct atlas_settings *settings = progress->settings;
     int code = EXIT_DONE;
+    size_t done = 0;
     for (size_t i = 0; !code && i < settings->pathways.count; i++) {
-        const char *pathway = settings->pathways.items[i];
-        bool goes_on = !settings->progress || settings->progress(settings->progress_user, pathway, progress->total + i,
-                                                                 progress->total + progress->more);
-        code = goes_on ? add_pathway(atlas, pathway, settings->max_memory) : EXIT_DATA;
+        if (pathways[i].given) {
+            bool goes_on =
+                !settings->progress || settings->progress(settings->progress_user, pathways[i].given,
+                                                          progress->total + done++, progress->total + progress->more);
+            code = goes_on ? add_pathway(atlas, &pathways[i], settings->max_memory) : EXIT_DATA;
+        }
     }
     return code;
 }
@@ -153,9 +107,10 @@ static int show_objects(conus_atlas *atlas, const struct atlas_settings *setting
     return failed ? EXIT_DATA : status ? print_status(status) : EXIT_DONE;
 }
 
-static int load_named(conus_atlas **out, const struct atlas_name *name, const struct atlas_settings *settings)
+static int load_named(conus_atlas **out, const struct atlas_name *name, const struct pathway_option *pathways,
+                      struct progress progress)
 {
-    struct progress progress = {settings, 0, settings->pathways.count};
+    const struct atlas_settings *settings = progress.settings;
     const conus_load_options options = {.labels = atlas_name_labels(name, settings->labels),
                                         .labels_anyway = settings->labels_anyway,
                                         .max_memory = settings->max_memory,
@@ -168,7 +123,7 @@ static int load_named(conus_atlas **out, const struct atlas_name *name, const st
         conus_atlas_destroy(atlas);
         return status == CONUS_ERROR_CANCELLED ? EXIT_DATA : print_status(status);
     }
-    int code = add_pathways(atlas, settings, &progress);
+    int code = add_pathways(atlas, pathways, &progress);
     code = code || !(settings->only.count + settings->hide.count) ? code : show_objects(atlas, settings);
     if (code) {
         conus_atlas_destroy(atlas);
@@ -180,10 +135,21 @@ static int load_named(conus_atlas **out, const struct atlas_name *name, const st
 
 int settings_load_atlas(conus_atlas **out, const char *path, const struct atlas_settings *settings)
 {
-    struct atlas_name name;
-    int code = atlas_name_find(&name, path);
-    code = code ? code : load_named(out, &name, settings);
+    struct atlas_name name = {0};
+    size_t count = settings->pathways.count;
+    struct pathway_option *pathways = calloc(count + 1, sizeof *pathways);
+    if (!pathways) {
+        print_error_line("not enough memory");
+        return EXIT_DATA;
+    }
+    size_t files = parse_pathways(pathways, &settings->pathways);
+    int code = files == SIZE_MAX ? EXIT_USAGE : atlas_name_find(&name, path);
+    code = code ? code : load_named(out, &name, pathways, (struct progress){settings, 0, files});
     atlas_name_finish(&name);
+    for (size_t i = 0; i < count; i++) {
+        pathway_option_finish(&pathways[i]);
+    }
+    free(pathways);
     return code;
 }
 

@@ -56,52 +56,90 @@ static conus_status find_runs(struct runs *runs, const struct volume *volume, co
     return CONUS_OK;
 }
 
-/* Of a parcellation. On failure all is as it was. */
-static conus_status change_voxels(struct volume *volume, const bool *hidden)
+/* The runs that are to be hidden; the voxels stay as they are, but the volume's own. */
+static conus_status plan_voxels(struct runs *runs, struct volume *volume, const bool *hidden)
 {
-    struct runs runs = {0};
     conus_status status = volume_own(volume);
     if (status) {
         return status;
     }
     show_voxels(volume);
-    status = find_runs(&runs, volume, hidden);
-    if (!status) {
-        memory_free(volume->hidden_runs);
-        volume->hidden_runs = runs.items;
-        volume->hidden_run_count = runs.count;
-        runs.items = NULL;
-    }
+    status = find_runs(runs, volume, hidden);
     hide_voxels(volume);
-    memory_free(runs.items);
     return status;
+}
+
+/* Takes the runs over. */
+static void change_voxels(struct volume *volume, struct runs *runs)
+{
+    show_voxels(volume);
+    memory_free(volume->hidden_runs);
+    volume->hidden_runs = runs->items;
+    volume->hidden_run_count = runs->count;
+    runs->items = NULL;
+    hide_voxels(volume);
 }
 
 /* ---- Objects ---------------------------------------------------------------------------------------------------- */
 
-/* Whether an area with voxels would be hidden that is not, or the other way. */
-static bool voxels_change(const conus_atlas *atlas, const bool *hidden)
+/* Of the objects in a volume's voxels. */
+struct in_volume {
+    size_t count, hidden;
+    bool changes; /* one would be hidden that is not, or the other way */
+};
+
+static struct in_volume look_at_volume(const conus_atlas *atlas, size_t index, const bool *hidden)
 {
-    for (size_t i = 0; i < atlas->area_count; i++) {
-        if (!atlas->places[i].is_mesh && atlas->places[i].is_hidden != hidden[i + 1]) {
-            return true;
+    struct in_volume found = {0};
+    for (size_t i = 0; i < atlas->object_count; i++) {
+        const struct object_place *place = &atlas->places[i];
+        if (!place->is_mesh && place->index == index) {
+            found.count++;
+            found.hidden += hidden[i + 1];
+            found.changes = found.changes || place->is_hidden != hidden[i + 1];
         }
     }
-    return false;
+    return found;
 }
 
+/* Whether voxels say what is hidden: of a parcellation, and where several pathways share a volume. */
+static bool hides_voxels(const struct volume *volume, const struct in_volume *found)
+{
+    return found->changes && (volume->info.role == CONUS_ROLE_PARCELLATION || found->count > 1);
+}
+
+static void apply_hidden(conus_atlas *atlas, const bool *hidden, struct runs *runs)
+{
+    for (size_t v = 0; v < atlas->volume_count; v++) {
+        struct volume *volume = &atlas->volumes[v];
+        struct in_volume found = look_at_volume(atlas, v, hidden);
+        if (hides_voxels(volume, &found)) {
+            change_voxels(volume, &runs[v]);
+        }
+        volume->is_hidden = found.count > 0 && found.hidden == found.count && volume_is_scalar(volume);
+    }
+    for (size_t i = 0; i < atlas->object_count; i++) {
+        atlas->places[i].is_hidden = hidden[i + 1];
+    }
+}
+
+/* On failure all is as it was. */
 static conus_status set_hidden(conus_atlas *atlas, const bool *hidden)
 {
-    struct volume *parcellation = (struct volume *)atlas_parcellation(atlas);
-    bool other = parcellation && voxels_change(atlas, hidden);
-    conus_status status = other ? change_voxels(parcellation, hidden) : CONUS_OK;
-    for (size_t i = 0; i < atlas->object_count && !status; i++) {
-        struct object_place *place = &atlas->places[i];
-        place->is_hidden = hidden[i + 1];
-        if (atlas_object_is_scalar(atlas, (uint32_t)i + 1)) {
-            atlas->volumes[place->index].is_hidden = place->is_hidden;
-        }
+    struct runs *runs = memory_zeroed(atlas->volume_count + 1, sizeof *runs);
+    conus_status status = runs ? CONUS_OK : CONUS_ERROR_MEMORY;
+    for (size_t v = 0; v < atlas->volume_count && !status; v++) {
+        struct in_volume found = look_at_volume(atlas, v, hidden);
+        status =
+            hides_voxels(&atlas->volumes[v], &found) ? plan_voxels(&runs[v], &atlas->volumes[v], hidden) : CONUS_OK;
     }
+    if (!status) {
+        apply_hidden(atlas, hidden, runs);
+    }
+    for (size_t v = 0; runs && v < atlas->volume_count; v++) {
+        memory_free(runs[v].items);
+    }
+    memory_free(runs);
     return status;
 }
 

@@ -76,6 +76,13 @@ CONUS_CHECKED conus_status conus_atlas_load(conus_atlas **out, const char *path,
  */
 CONUS_API void conus_atlas_destroy(conus_atlas *atlas);
 
+/** A band of values, from @p low to below @p high (Eq. 6). */
+typedef struct conus_band {
+    double low;       /**< The least value of it; -INFINITY = from the least of the volume. */
+    double high;      /**< Values are below it; INFINITY = up to the largest of the volume, which is in the band. */
+    const char *name; /**< UTF-8; that of no other pathway. */
+} conus_band;
+
 /** How conus_atlas_add_pathway() reads. */
 typedef struct conus_pathway_options {
     size_t struct_size;  /**< Its size, as #CONUS_PATHWAY_OPTIONS_INIT sets it; 0 = that of this version. */
@@ -84,17 +91,22 @@ typedef struct conus_pathway_options {
     uint64_t max_memory; /**< As conus_load_options.max_memory. */
     conus_log log;       /**< As conus_load_options.log. */
     void *log_user;      /**< Passed to @p log. */
+    const conus_band *bands; /**< [band_count] Each band is a pathway of its own; they have no value in common. With
+                                them, threshold is 0 and name NULL. Copied. */
+    size_t band_count;       /**< Up to 4096; 0 = one pathway, by the threshold. */
 } conus_pathway_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
 #define CONUS_PATHWAY_OPTIONS_INIT CONUS_INIT_(conus_pathway_options)
 
 /**
- * Adds a scalar (probability) volume as one selectable pathway.
+ * Adds a scalar (probability) volume as one selectable pathway, or as one for each band of its values. Values that are
+ * not finite belong to nothing.
  * @param atlas The atlas; unchanged on failure.
  * @param path The volume, as for conus_atlas_load().
  * @param options NULL = defaults.
- * @return #CONUS_OK; the errors of conus_atlas_load().
+ * @return #CONUS_OK; the errors of conus_atlas_load(); #CONUS_ERROR_ARGUMENT for a threshold or a band that holds none
+ * of the values, for bands that overlap, and for a band with the name of another pathway.
  * @threads One at a time, while no other thread uses the atlas.
  * @since 0.1
  */
@@ -107,7 +119,8 @@ CONUS_CHECKED conus_status conus_atlas_add_pathway(conus_atlas *atlas, const cha
  * @param atlas The atlas; unchanged on failure.
  * @param number Number of the object.
  * @param threshold In the units of the volume's scaled values.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT where @p number is neither or the threshold is out of its range.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT where @p number is neither, or a band of values, or the threshold is out of
+ * its range.
  * @threads One at a time, while no other thread uses the atlas.
  * @since 0.1
  */

@@ -19,7 +19,7 @@ extern "C" {
 /** What an object or a result is. */
 typedef enum conus_kind {
     CONUS_KIND_AREA = 1,  /**< An area of a parcellation or of a probabilistic atlas, a mesh, or a group of areas. */
-    CONUS_KIND_PATHWAY,   /**< A scalar volume from a threshold on. */
+    CONUS_KIND_PATHWAY,   /**< A scalar volume from a threshold on, or in a band of values. */
     CONUS_KIND_UNASSIGNED /**< Only of a result: the pixels that hit no object, or first a context that blocks. */
 } conus_kind;
 
@@ -36,8 +36,13 @@ typedef struct conus_object {
     uint64_t voxels;          /**< Its own voxels, without those of its children. */
     double volume_mm3;        /**< The volume of these, mm^3. */
     uint64_t triangles;       /**< Of its surface, where the area is a mesh (then voxels is 0). */
-    bool closed; /**< That surface bounds a solid. volume_mm3 is 0 if it does not, and if its parts overlap or face
-                    different ways, so that its volume is not known. */
+    bool closed;   /**< That surface bounds a solid. volume_mm3 is 0 if it does not, and if its parts overlap or face
+                      different ways, so that its volume is not known. */
+    bool is_band;  /**< A pathway that is a band of values; other pathways may be of the same volume. */
+    size_t volume; /**< Of a pathway, or an area of a probabilistic atlas: index of its volume, for
+                      conus_atlas_volume(); else 0. */
+    double low;    /**< Of these: the least value of its voxels, its threshold; -INFINITY = any. Else 0. */
+    double high;   /**< Of these: its voxels' values are below it; INFINITY = any. Else 0. */
 } conus_object;
 
 /**
@@ -86,7 +91,7 @@ CONUS_CHECKED conus_status conus_atlas_find(uint32_t *out, const conus_atlas *at
 /** What a volume is for. */
 typedef enum conus_role {
     CONUS_ROLE_PARCELLATION = 1, /**< Its values are labels of areas. */
-    CONUS_ROLE_SCALAR,           /**< Its values make a pathway. */
+    CONUS_ROLE_SCALAR,           /**< Its values make a pathway, or several. */
     CONUS_ROLE_CONTEXT,          /**< It is drawn around the areas. */
     CONUS_ROLE_PROBABILITY       /**< Its values, from 0 to 1, make an area of a probabilistic atlas. */
 } conus_role;
@@ -110,8 +115,8 @@ typedef struct conus_volume_info {
     double intercept;            /**< Of the stored values; 0 if unscaled. */
     double minimum;              /**< Of the scaled values. */
     double maximum;              /**< Of the scaled values. */
-    double threshold; /**< Of a pathway, of an area of a probabilistic atlas, or of a context that blocks; else
-                         0. */
+    double threshold; /**< Of a pathway that is no band, of an area of a probabilistic atlas, or of a context that
+                         blocks; else 0. */
 } conus_volume_info;
 
 /**
@@ -132,16 +137,6 @@ CONUS_API size_t conus_atlas_volume_count(const conus_atlas *atlas);
  * @since 0.1
  */
 CONUS_API const conus_volume_info *conus_atlas_volume(const conus_atlas *atlas, size_t index);
-
-/**
- * Gives the volume in which an object lies: the parcellation, or one of its own.
- * @param atlas The atlas.
- * @param number Number of the object.
- * @return NULL for a mesh, a group and a number that is no object. Borrowed until the atlas is changed or ends.
- * @threads Any, while none changes the atlas.
- * @since 0.1
- */
-CONUS_API const conus_volume_info *conus_atlas_volume_of(const conus_atlas *atlas, size_t number);
 
 /**
  * Counts the other files that an atlas is made of: a manifest, surfaces, labels of their vertices, lists of what is

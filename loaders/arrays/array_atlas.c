@@ -217,8 +217,10 @@ conus_status conus_atlas_add_values(conus_atlas *atlas, const conus_voxels *voxe
     conus_status status = array_volume_open(&array, voxels);
     const struct note_sink sink = {options->log, options->log_user, array.file.path};
     struct notes notes = {.sink = &sink};
-    const char *name = options->name && *options->name ? options->name : array.file.path;
-    status = status ? status : pathway_add(atlas, &array.file, options->threshold, name, &notes);
+    conus_pathway_options named = *options;
+    bool is_named = (options->name && *options->name) || options->band_count;
+    named.name = is_named ? options->name : array.file.path;
+    status = status ? status : pathway_add(atlas, &array.file, &named, &notes);
     notes_finish(&notes);
     array_volume_finish(&array);
     return status;

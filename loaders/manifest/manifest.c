@@ -6,6 +6,7 @@
 #include "loaders/manifest/schema.h"
 #include "loaders/tables/label_cells.h"
 
+#include <math.h>
 #include <string.h>
 
 static conus_status read_version(void *field, const json_t *value, const struct schema_place *place)
@@ -146,6 +147,49 @@ static conus_status read_context(void *field, const json_t *value, const struct 
                                  : schema_object(out, value, keys, place);
 }
 
+static conus_status read_end(void *field, const json_t *value, const struct schema_place *place)
+{
+    double *out = field;
+    *out = json_number_value(value);
+    return json_is_number(value) ? CONUS_OK : schema_fail(place, value, "a number");
+}
+
+static conus_status read_band(void *field, const json_t *value, const struct schema_place *place)
+{
+    static const struct schema_field keys[] = {
+        {"name", schema_text, AT(conus_band, name), true},
+        {"low", read_end, AT(conus_band, low), false},
+        {"high", read_end, AT(conus_band, high), false},
+        {"comment", schema_comment, 0, false},
+        {0},
+    };
+    conus_band *band = field;
+    band->low = -INFINITY;
+    band->high = INFINITY;
+    return schema_object(band, value, keys, place);
+}
+
+static conus_status read_bands(void *field, const json_t *value, const struct schema_place *place)
+{
+    struct manifest_pathway *out = field;
+    if (!json_array_size(value)) {
+        return schema_fail(place, value, "a list of bands");
+    }
+    return schema_list((void **)&out->bands, &out->band_count, sizeof *out->bands, value, read_band, place);
+}
+
+static conus_status check_bands(const struct manifest_pathway *pathway, const struct schema_place *place)
+{
+    const char *other = pathway->name            ? "name"
+                        : pathway->names         ? "names"
+                        : pathway->fsl           ? "fsl"
+                        : pathway->threshold > 0 ? "threshold"
+                                                 : NULL;
+    return !pathway->band_count || !other
+               ? CONUS_OK
+               : fail(CONUS_ERROR_DATA, "%s: has bands and %s, one of them is allowed", place->key, other);
+}
+
 static conus_status check_pathway(const struct manifest_pathway *pathway, const struct schema_place *place)
 {
     const struct manifest_volume *source = &pathway->source;
@@ -178,6 +222,7 @@ static conus_status read_entry(struct manifest_pathway *out, const json_t *value
         {"names", read_names, 0, false},
         {"threshold", schema_positive, AT(manifest_pathway, threshold), false},
         {"scale", schema_positive, AT(manifest_pathway, scale), false},
+        {"bands", read_bands, 0, false},
         {"comment", schema_comment, 0, false},
         {0},
     };
@@ -185,6 +230,7 @@ static conus_status read_entry(struct manifest_pathway *out, const json_t *value
         return schema_path(&out->source.file, value, place);
     }
     conus_status status = schema_object(out, value, keys, place);
+    status = status ? status : check_bands(out, place);
     return status ? status : check_pathway(out, place);
 }
 
@@ -201,6 +247,9 @@ static conus_status read_map(void *field, const json_t *value, const struct sche
 {
     struct manifest_pathway *out = field;
     conus_status status = read_entry(out, value, place);
+    if (!status && out->band_count) {
+        return fail(CONUS_ERROR_DATA, "%s.bands: are of pathways, an area has a threshold", place->key);
+    }
     return status || out->threshold <= 1
                ? status
                : fail(CONUS_ERROR_DATA, "%s.threshold: is %g, a probability is up to 1", place->key, out->threshold);
@@ -407,6 +456,10 @@ static void pathway_finish(struct manifest_pathway *pathway)
     for (size_t i = 0; i < pathway->name_count; i++) {
         memory_free(pathway->names[i]);
     }
+    for (size_t i = 0; i < pathway->band_count; i++) {
+        memory_free((char *)pathway->bands[i].name);
+    }
+    memory_free(pathway->bands);
     memory_free(pathway->names);
     memory_free(pathway->name);
     memory_free(pathway->fsl);

@@ -49,15 +49,18 @@ struct manifest_area {
 /** Which one is the area where a label is a surface's and has voxels in the parcellation. */
 enum manifest_preference { MANIFEST_PREFER_NONE, MANIFEST_PREFER_AREAS, MANIFEST_PREFER_PARCELLATION };
 
-/** One pathway or area of probabilities, or with `names` or `fsl` one for each volume of a 4-D file. */
+/** One pathway or area of probabilities, with `bands` one pathway for each of them, or with `names` or `fsl` one for
+ * each volume of a 4-D file. */
 struct manifest_pathway {
     struct manifest_volume source;
     char *fsl; /**< An FSL atlas XML that names the volumes of source.file, or of its own finest image.       */
     char *name;
     char **names;
     size_t name_count;
-    double threshold; /**< 0 = the manifest's, else the default.                                              */
-    double scale;     /**< Of probabilities: the value that means "certainly"; 0 = as the values say.         */
+    double threshold;  /**< 0 = the manifest's, else the default.                                              */
+    double scale;      /**< Of probabilities: the value that means "certainly"; 0 = as the values say.         */
+    conus_band *bands; /**< One pathway for each instead; their names are owned.                               */
+    size_t band_count;
 };
 
 struct manifest {

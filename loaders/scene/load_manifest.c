@@ -162,14 +162,27 @@ static conus_status load_areas(struct loading *loading)
 
 /* ---- Pathways ----------------------------------------------------------------------------------------------- */
 
+static conus_pathway_options pathway_options(const struct loading *loading, const struct manifest_pathway *pathway,
+                                             const char *name)
+{
+    double threshold = pathway->threshold > 0 ? pathway->threshold : loading->manifest->threshold;
+    return (conus_pathway_options){.threshold = pathway->band_count ? 0 : threshold,
+                                   .name = name,
+                                   .max_memory = loading->options->max_memory,
+                                   .log = loading->options->log,
+                                   .log_user = loading->options->log_user,
+                                   .bands = pathway->bands,
+                                   .band_count = pathway->band_count};
+}
+
 /* Adds volume `volume` of `file`; notes of opening it go to the atlas with it. */
 static conus_status add_volume(struct loading *loading, const struct manifest_pathway *pathway,
                                struct volume_file *file, size_t volume, const char *name, struct notes *notes)
 {
-    double threshold = pathway->threshold > 0 ? pathway->threshold : loading->manifest->threshold;
+    const conus_pathway_options options = pathway_options(loading, pathway, name);
     conus_status status = load_progress_report(loading->progress, file->path, 1);
     status = status ? status : volume_file_select(file, volume);
-    return status ? status : pathway_add(loading->atlas, file, threshold, name, notes);
+    return status ? status : pathway_add(loading->atlas, file, &options, notes);
 }
 
 static conus_status add_named_volumes(struct loading *loading, const struct manifest_pathway *pathway)
@@ -325,12 +338,7 @@ static conus_status add_probabilities(struct loading *loading)
 
 static conus_status add_one(struct loading *loading, const struct manifest_pathway *pathway)
 {
-    double threshold = pathway->threshold > 0 ? pathway->threshold : loading->manifest->threshold;
-    const conus_pathway_options options = {.threshold = threshold,
-                                           .name = pathway->name,
-                                           .max_memory = loading->options->max_memory,
-                                           .log = loading->options->log,
-                                           .log_user = loading->options->log_user};
+    const conus_pathway_options options = pathway_options(loading, pathway, pathway->name);
     char *path = source_path(loading, &pathway->source);
     conus_status status = path ? load_progress_report(loading->progress, path, 1) : CONUS_ERROR_MEMORY;
     status = status ? status : conus_atlas_add_pathway(loading->atlas, path, &options);

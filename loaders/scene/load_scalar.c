@@ -7,6 +7,7 @@
 #include "base/memory.h"
 #include "base/options.h"
 #include "loaders/labels/label_volumes.h"
+#include "loaders/scene/bands.h"
 #include "loaders/tables/fsl_find.h"
 #include "loaders/volumes/volume_values.h"
 
@@ -159,26 +160,66 @@ static conus_status choose_name(struct buffer *out, const char *wanted, const st
     return status;
 }
 
-conus_status pathway_add(conus_atlas *atlas, struct volume_file *file, double threshold, const char *wanted,
-                         struct notes *notes)
+static conus_status add_one(conus_atlas *atlas, struct volume_file *file, const conus_pathway_options *options,
+                            struct notes *notes)
 {
     struct buffer name = {0};
     float *values = NULL;
-    size_t note_count = atlas->notes.count;
     conus_status status = volume_file_values(&values, file, notes);
-    if (!status) {
-        file->info.role = CONUS_ROLE_SCALAR;
-        status = choose_name(&name, wanted, file, notes);
-    }
+    status = status ? status : choose_name(&name, options->name, file, notes);
     const char *words = name.data;
-    status = status ? status : choose_threshold(file, threshold, words, notes);
+    status = status ? status : choose_threshold(file, options->threshold, words, notes);
     status = status ? status : notes_move(&atlas->notes, notes);
     status = status ? status : atlas_add_pathway(atlas, &file->info, values, words);
     if (status) {
         memory_free(values);
-        notes_cut(&atlas->notes, note_count);
     }
     buffer_finish(&name);
+    return status;
+}
+
+static conus_status check_band_options(const conus_pathway_options *options, const char *path)
+{
+    return options->bands && options->threshold == 0 && !(options->name && options->name[0])
+               ? CONUS_OK
+               : fail(CONUS_ERROR_ARGUMENT, "%s: %s", path,
+                      options->bands ? "bands have ends and names of their own, no threshold and name with them"
+                                     : "bands: NULL, though there are some");
+}
+
+static conus_status add_bands(conus_atlas *atlas, struct volume_file *file, const conus_pathway_options *options,
+                              struct notes *notes)
+{
+    float *values = NULL;
+    size_t before = atlas->object_count;
+    conus_status status = check_band_options(options, file->info.path);
+    status = status ? status : volume_file_values_or_nan(&values, file, notes);
+    status = status ? status : bands_check(options->bands, options->band_count, &file->info, atlas);
+    if (!status) {
+        status = atlas_add_bands(atlas, &file->info, values, options->bands, options->band_count);
+        values = status ? values : NULL;
+    }
+    status = status ? status : bands_note(notes, atlas, options->band_count);
+    status = status ? status : notes_move(&atlas->notes, notes);
+    if (status && atlas->object_count > before) { /* a note failed */
+        atlas_cut_objects(atlas, before);
+        volume_finish(&atlas->volumes[--atlas->volume_count]);
+    }
+    memory_free(values);
+    return status;
+}
+
+conus_status pathway_add(conus_atlas *atlas, struct volume_file *file, const conus_pathway_options *options,
+                         struct notes *notes)
+{
+    size_t note_count = atlas->notes.count;
+    file->info.role = CONUS_ROLE_SCALAR;
+    file->info.threshold = 0;
+    conus_status status =
+        options->band_count ? add_bands(atlas, file, options, notes) : add_one(atlas, file, options, notes);
+    if (status) {
+        notes_cut(&atlas->notes, note_count);
+    }
     return status;
 }
 
@@ -192,7 +233,7 @@ conus_status conus_atlas_add_pathway(conus_atlas *atlas, const char *path, const
     const struct note_sink sink = {options->log, options->log_user, path};
     struct notes notes = {.sink = &sink};
     conus_status status = volume_file_open(&file, path, options->max_memory, &notes);
-    status = status ? status : pathway_add(atlas, &file, options->threshold, options->name, &notes);
+    status = status ? status : pathway_add(atlas, &file, options, &notes);
     notes_finish(&notes);
     volume_file_finish(&file);
     return status;

@@ -6,9 +6,9 @@
 #include "atlas/atlas.h"
 #include "loaders/volumes/volume_file.h"
 
-/** Adds the chosen volume of @p file as a pathway; threshold 0 and no name are the defaults. On success the atlas has
- * @p notes, those of opening the file, too; on failure it is as before. */
-conus_status pathway_add(conus_atlas *atlas, struct volume_file *file, double threshold, const char *wanted,
+/** Adds the chosen volume of @p file as a pathway, or its bands as pathways: threshold, name and bands of @p options
+ * count. On success the atlas has @p notes, those of opening the file, too; on failure it is as before. */
+conus_status pathway_add(conus_atlas *atlas, struct volume_file *file, const conus_pathway_options *options,
                          struct notes *notes);
 
 /** Sets the chosen volume of @p file as the context, whose voxels block from @p block_threshold on (0 = none do). Notes

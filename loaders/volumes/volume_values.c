@@ -175,15 +175,15 @@ conus_status volume_file_labels(uint32_t **out, struct volume_file *file)
 
 /* ---- Values ------------------------------------------------------------------------------------------------------ */
 
-/* Scales a block into `out`; returns how many values are not finite (and become 0). */
-static size_t block_values(float *out, const double *values, size_t count, conus_volume_info *info)
+/* Scales a block into `out`; returns how many values are not finite (and become `instead`). */
+static size_t block_values(float *out, const double *values, size_t count, double instead, conus_volume_info *info)
 {
     size_t bad = 0;
     for (size_t i = 0; i < count; i++) {
         double v = values[i] * info->slope + info->intercept;
         bool good = fabs(v) <= (double)FLT_MAX;
         bad += !good;
-        v = good ? v : 0;
+        v = good ? v : instead;
         info->minimum = v < info->minimum ? v : info->minimum;
         info->maximum = v > info->maximum ? v : info->maximum;
         out[i] = (float)v;
@@ -191,7 +191,7 @@ static size_t block_values(float *out, const double *values, size_t count, conus
     return bad;
 }
 
-conus_status volume_file_values(float **out, struct volume_file *file, struct notes *notes)
+static conus_status read_values(float **out, struct volume_file *file, double instead, struct notes *notes)
 {
     const struct decoder *decoder = find_decoder(file->datatype);
     size_t count = count_voxels(file);
@@ -207,13 +207,30 @@ conus_status volume_file_values(float **out, struct volume_file *file, struct no
         double stored[BLOCK];
         size_t block = count - at < BLOCK ? count - at : BLOCK;
         decoder->doubles(stored, file->voxels.data + at * size, block, file->swapped);
-        bad += block_values(values + at, stored, block, &file->info);
+        bad += block_values(values + at, stored, block, instead, &file->info);
     }
-    if (bad && notes_warn(notes, "%s: %zu voxels are not finite numbers (or beyond float32) and count as 0", file->path,
-                          bad)) {
+    if (bad && notes_warn(notes, "%s: %zu voxels are not finite numbers (or beyond float32) and %s", file->path, bad,
+                          isnan(instead) ? "belong to nothing" : "count as 0")) {
         memory_free(values);
         return CONUS_ERROR_MEMORY;
     }
     *out = values;
     return CONUS_OK;
+}
+
+conus_status volume_file_values(float **out, struct volume_file *file, struct notes *notes)
+{
+    return read_values(out, file, 0, notes);
+}
+
+conus_status volume_file_values_or_nan(float **out, struct volume_file *file, struct notes *notes)
+{
+    float *values = NULL;
+    conus_status status = read_values(&values, file, NAN, notes);
+    if (!status && !(file->info.minimum <= file->info.maximum)) {
+        status = fail(CONUS_ERROR_DATA, "%s: no voxel has a finite value", file->path);
+        memory_free(values);
+    }
+    *out = status ? *out : values;
+    return status;
 }

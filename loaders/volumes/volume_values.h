@@ -12,4 +12,7 @@ conus_status volume_file_labels(uint32_t **out, struct volume_file *file);
 /** Decodes to scaled values. Values that are not finite become 0, and a note counts them. Otherwise as above. */
 conus_status volume_file_values(float **out, struct volume_file *file, struct notes *notes);
 
+/** The same, but that these become NaN, which minimum and maximum disregard. CONUS_ERROR_DATA where all are. */
+conus_status volume_file_values_or_nan(float **out, struct volume_file *file, struct notes *notes);
+
 #endif

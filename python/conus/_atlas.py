@@ -213,7 +213,8 @@ def load(
         index, name and, if known, abbreviation, hemisphere ("L", "R", "B") and parent.
     pathways
         Paths, or nibabel images, of scalar maps; each is one pathway. ``(map, threshold)`` sets from
-        which value on (default: a quarter of the map's scale).
+        which value on (default: a quarter of the map's scale). ``(map, {name: (low, high), ...})``
+        makes a pathway of each band of values, from low to below high; None is no end.
     context, context_blocks
         A path or nibabel image that is drawn around the areas; voxels with values from
         ``context_blocks`` on block rays (0 = none).
@@ -270,10 +271,31 @@ def load(
     return Atlas(raw)
 
 
+def _bands_of(options: Any, bands: Mapping[str, Any]) -> Any:
+    """Sets the bands of values; gives what must live as long as the call."""
+    if not bands:
+        raise ArgumentError("pathways: no bands, wanted is at least one")
+    entries, alive = ffi.new("conus_band[]", len(bands)), []
+    for entry, (name, ends) in zip(entries, bands.items()):
+        if not isinstance(ends, (tuple, list)) or len(ends) != 2:
+            raise ArgumentError(f"pathways: {name}: {ends!r}, wanted are a lower and an upper end")
+        low, high = ends
+        alive.append(utf8("pathways", name))
+        entry.low = -math.inf if low is None else real("pathways", low)
+        entry.high = math.inf if high is None else real("pathways", high)
+        entry.name = alive[-1]
+    options.bands, options.band_count = entries, len(bands)
+    return entries, alive
+
+
 def _add_pathway(atlas: Any, pathway: Any, max_memory: int) -> None:
-    source, threshold = pathway if isinstance(pathway, tuple) else (pathway, 0)
+    source, values = pathway if isinstance(pathway, tuple) else (pathway, 0)
     options = ffi.new("conus_pathway_options *")
-    options.threshold, options.max_memory = real("pathways", threshold), max_memory
+    options.max_memory = max_memory
+    if isinstance(values, Mapping):
+        _bands = _bands_of(options, values)
+    else:
+        options.threshold = real("pathways", values)
     state = _Callback()
     _handle = state.hear(options)
     if hasattr(source, "dataobj"):

@@ -279,13 +279,19 @@ void census_take(struct census *census, const conus_atlas *atlas, const struct r
     qsort(census->touched, census->touched_count, sizeof *census->touched, ascending);
 }
 
+bool census_is_weighted(const conus_atlas *atlas, uint32_t object)
+{
+    return atlas_object_volume(atlas, object)->values && !atlas->objects[object - 1].is_band;
+}
+
 void census_centroid(double out[3], const struct census *census, const conus_atlas *atlas, uint32_t object)
 {
     const struct census_count *count = &census->counts[object];
     const struct volume *volume = atlas_object_volume(atlas, object);
+    bool weighted = census_is_weighted(atlas, object);
     double index[3];
     for (int a = 0; a < 3; a++) {
-        index[a] = volume->values ? count->moment[a] / count->value : (double)count->index[a] / (double)count->voxels;
+        index[a] = weighted ? count->moment[a] / count->value : (double)count->index[a] / (double)count->voxels;
     }
     mat4_point(out, volume->info.world_from_voxel, index);
 }

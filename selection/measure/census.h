@@ -47,7 +47,11 @@ void census_finish(struct census *census);
 /** Forgets the last region's counts and takes those of @p region. The context takes no part. */
 void census_take(struct census *census, const conus_atlas *atlas, const struct region *region);
 
-/** World position of the centroid of the voxels of @p object, weighted by value in a scalar volume. */
+/** Whether voxels of @p object count by their values: in a pathway, which is the more there the higher they are. In a
+ * band of values they say what is there, not how much. */
+bool census_is_weighted(const conus_atlas *atlas, uint32_t object);
+
+/** World position of the centroid of the voxels of @p object, weighted by value where census_is_weighted(). */
 void census_centroid(double out[3], const struct census *census, const conus_atlas *atlas, uint32_t object);
 
 #endif

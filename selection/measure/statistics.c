@@ -214,7 +214,7 @@ static void add_count(struct tallied *to, const struct gathering *gathering, uin
 {
     const struct census_count *count = &gathering->census->counts[number];
     const struct volume *volume = atlas_object_volume(gathering->atlas, number);
-    double weight = volume->values ? count->value : (double)count->voxels;
+    double weight = census_is_weighted(gathering->atlas, number) ? count->value : (double)count->voxels;
     double centroid[3];
     census_centroid(centroid, gathering->census, gathering->atlas, number);
     vec3_add_scaled(to->moment, to->moment, weight, centroid);

@@ -8,6 +8,7 @@
 #include "selection/study/tracker.h"
 
 #include <jansson.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -123,15 +124,43 @@ static json_t *json_from_queries(const conus_report *report)
     return whole_or_null(queries, whole);
 }
 
-static json_t *json_from_volume(const conus_volume_info *info)
+/* null where a band has no end. */
+static json_t *json_from_end(double end)
 {
+    return isfinite(end) ? json_real(end) : json_null();
+}
+
+/* The bands of values of volume `index`; an empty list where it has none. */
+static json_t *json_from_bands(const conus_atlas *atlas, size_t index)
+{
+    json_t *bands = json_array();
+    bool whole = true;
+    for (size_t i = atlas->area_count; i < atlas->object_count; i++) {
+        const conus_object *band = &atlas->objects[i];
+        if (band->is_band && band->volume == index) {
+            whole = json_array_append_new(bands, json_pack("{s: o, s: o, s: o}", "name", json_from_text(band->name),
+                                                           "low", json_from_end(band->low), "high",
+                                                           json_from_end(band->high))) == 0 &&
+                    whole;
+        }
+    }
+    return whole_or_null(bands, whole);
+}
+
+static json_t *json_from_volume(const conus_atlas *atlas, size_t index)
+{
+    const conus_volume_info *info = conus_atlas_volume(atlas, index);
+    json_t *bands = json_from_bands(atlas, index);
     static const char *const roles[] = {"", "parcellation", "pathway", "context", "probability"};
     json_t *volume = json_pack("{s: s, s: o, s: s, s: s, s: I, s: s, s: s, s: o}", "role", roles[info->role], "path",
                                json_from_text(info->path), "sha256", info->sha256, "format", info->format, "volume",
                                (json_int_t)info->volume, "orientation", info->orientation, "transform", info->transform,
                                "world_from_voxel", json_from_matrix(info->world_from_voxel));
-    bool has_none = info->role != CONUS_ROLE_SCALAR && info->threshold == 0;
-    bool whole = has_none || put_value(volume, "threshold", json_real(info->threshold));
+    bool has_bands = json_array_size(bands) > 0;
+    bool has_none = has_bands || (info->role != CONUS_ROLE_SCALAR && info->threshold == 0);
+    bool whole = bands && (has_none || put_value(volume, "threshold", json_real(info->threshold)));
+    whole = whole && (!has_bands || json_object_set(volume, "bands", bands) == 0);
+    json_decref(bands);
     return whole_or_null(volume, whole);
 }
 
@@ -164,7 +193,7 @@ static json_t *json_from_atlas(const conus_atlas *atlas)
     json_t *notes = json_array();
     bool whole = true;
     for (size_t i = 0; i < conus_atlas_volume_count(atlas); i++) {
-        whole = json_array_append_new(volumes, json_from_volume(conus_atlas_volume(atlas, i))) == 0 && whole;
+        whole = json_array_append_new(volumes, json_from_volume(atlas, i)) == 0 && whole;
     }
     for (size_t i = 0; i < conus_atlas_note_count(atlas); i++) {
         whole = json_array_append_new(notes, json_from_text(conus_atlas_note(atlas, i))) == 0 && whole;

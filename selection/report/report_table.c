@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "selection/report/report_writers.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -259,14 +260,20 @@ static void write_file_of(struct buffer *out, const char *path)
     memory_free(name);
 }
 
-/* The first pathway from object `number` on that is not hidden; 0 = none. */
-static size_t next_pathway(const conus_atlas *atlas, size_t number)
+/* The first pathway from object `number` on that is not hidden, and is a band or is none; 0 = there is none. */
+static size_t next_of(const conus_atlas *atlas, size_t number, bool is_band)
 {
     number = number > atlas->area_count ? number : atlas->area_count + 1;
-    while (number <= atlas->object_count && atlas->places[number - 1].is_hidden) {
+    while (number <= atlas->object_count &&
+           (atlas->places[number - 1].is_hidden || atlas->objects[number - 1].is_band != is_band)) {
         number++;
     }
     return number <= atlas->object_count ? number : 0;
+}
+
+static size_t next_pathway(const conus_atlas *atlas, size_t number)
+{
+    return next_of(atlas, number, false);
 }
 
 static const conus_volume_info *pathway_info(const conus_atlas *atlas, size_t number)
@@ -350,6 +357,56 @@ static void write_pathways(struct buffer *out, const conus_atlas *atlas)
     buffer_text(out, "\n");
 }
 
+/* "from 30 to below 60" */
+static void write_ends(struct buffer *out, const conus_object *band)
+{
+    if (band->low == -INFINITY && band->high == INFINITY) {
+        buffer_text(out, "all values");
+    }
+    if (band->low > -INFINITY) {
+        buffer_text(out, "from ");
+        buffer_number(out, band->low);
+        buffer_text(out, band->high < INFINITY ? " to " : " on");
+    }
+    if (band->high < INFINITY) {
+        buffer_text(out, "below ");
+        buffer_number(out, band->high);
+    }
+}
+
+/* Those of the volume of band `first`, in one line. */
+static void write_bands(struct buffer *out, const conus_atlas *atlas, size_t first)
+{
+    size_t volume = conus_atlas_object(atlas, first)->volume;
+    size_t count = 0;
+    buffer_text(out, "bands of ");
+    write_file_of(out, atlas->volumes[volume].info.path);
+    for (size_t n = first; n; n = next_of(atlas, n + 1, true)) {
+        const conus_object *band = conus_atlas_object(atlas, n);
+        count += band->volume == volume;
+        if (band->volume == volume && count <= NAMED_LIMIT) {
+            buffer_format(out, "%s %s ", count > 1 ? "," : ":", band->name);
+            write_ends(out, band);
+        }
+    }
+    if (count > NAMED_LIMIT) {
+        buffer_format(out, " and %zu more", count - NAMED_LIMIT);
+    }
+    buffer_text(out, "\n");
+}
+
+static void write_all_bands(struct buffer *out, const conus_atlas *atlas)
+{
+    size_t before = SIZE_MAX; /* the volume that was written last: bands of one follow each other */
+    for (size_t n = next_of(atlas, 0, true); n; n = next_of(atlas, n + 1, true)) {
+        size_t volume = conus_atlas_object(atlas, n)->volume;
+        if (volume != before) {
+            write_bands(out, atlas, n);
+        }
+        before = volume;
+    }
+}
+
 /* What the answers rest on: which transform placed the atlas, and from which value on a pathway is one. */
 void table_write_sources(struct buffer *out, const conus_report *report)
 {
@@ -370,6 +427,7 @@ void table_write_sources(struct buffer *out, const conus_report *report)
         buffer_text(out, "\n");
     }
     write_pathways(out, atlas);
+    write_all_bands(out, atlas);
 }
 
 void report_write_table(struct buffer *out, const conus_report *report)

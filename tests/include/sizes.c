@@ -10,7 +10,7 @@
 #define SIZE(type, size) static_assert(sizeof(type) == (size), "callers are compiled with this size of " #type)
 
 SIZE(conus_load_options, 64);
-SIZE(conus_pathway_options, 48);
+SIZE(conus_pathway_options, 64);
 SIZE(conus_context_options, 40);
 SIZE(conus_pose_options, 48);
 SIZE(conus_selector_options, 96);
@@ -36,7 +36,8 @@ SIZE(conus_note, 24);
 SIZE(conus_installed, 64);
 SIZE(conus_catalogue_place, 32);
 SIZE(conus_label, 40);
-SIZE(conus_object, 72);
+SIZE(conus_band, 24);
+SIZE(conus_object, 96);
 SIZE(conus_volume_info, 488);
 SIZE(conus_pose, 128);
 SIZE(conus_pose_row, 192);

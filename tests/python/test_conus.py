@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The Python package. $PYTHONPATH has it, $CONUS is the program conus."""
 import logging
+import math
 import multiprocessing
 import os
 import pickle
@@ -307,6 +308,22 @@ def test_nibabel_images_are_atlases_pathways_and_contexts(tmp_path):
         assert atlas.select((0, 0, 0), direction=(-1, 0, 0))[0].kind == "pathway"
     atlas = conus.load(image, labels=NAMES, context=bundle, context_blocks=0.5)
     assert atlas.select((0, 0, 0), direction=(-1, 0, 0))[0].name == "unassigned"
+
+
+def test_bands_of_values_are_pathways(tmp_path):
+    values = np.zeros((40, 30, 30), "f4")
+    values[15:18], values[12:15], values[3:12] = 0.9, 0.5, -0.2
+    image = nibabel.Nifti1Image(values, AFFINE)
+    nibabel.save(image, tmp_path / "map.nii.gz")
+    bands = {"High": (0.5, None), "Low": (None, 0)}
+    for source in (image, tmp_path / "map.nii.gz"):
+        atlas = conus.load(plates(), AFFINE, labels=NAMES, pathways=[(source, bands)])
+        assert list(atlas.info()["name"])[2:] == ["High", "Low"]
+        assert list(atlas.info()["voxels"])[2:] == [6 * 900, 9 * 900]
+    for wrong in ({}, {"A": 3}, {"A": (1,)}, {"A": (math.nan, 1)}, {"A": (1, 0)}, {"A": (5, None)}, {3: (0, 1)},
+                  {"A": ("a", 1)}, {"A": (0, 0.6), "B": (0.5, 1)}, {"": (0, 1)}, {"A\0": (0, 1)}):
+        with pytest.raises(conus.ArgumentError):
+            conus.load(plates(), AFFINE, labels=NAMES, pathways=[(image, wrong)])
 
 
 def test_only_and_hide(atlas):

@@ -58,8 +58,30 @@ static json_t *value(double number)
     return whole ? json_integer((json_int_t)number) : json_real(number);
 }
 
-static json_t *volume(const conus_volume_info *info)
+/* Null where a band has no end. */
+static json_t *end_of(double end)
 {
+    return isfinite(end) ? value(end) : json_null();
+}
+
+/* The bands of values of volume `index`; empty where it has none. */
+static json_t *bands_of(const conus_atlas *atlas, size_t index)
+{
+    json_t *bands = json_array();
+    for (size_t i = 1; i <= conus_atlas_object_count(atlas); i++) {
+        const conus_object *object = conus_atlas_object(atlas, i);
+        if (object->is_band && object->volume == index) {
+            json_array_append_new(bands, json_pack("{s:s,s:o,s:o}", "name", object->name, "low", end_of(object->low),
+                                                   "high", end_of(object->high)));
+        }
+    }
+    return bands;
+}
+
+static json_t *volume(const conus_atlas *atlas, size_t index)
+{
+    const conus_volume_info *info = conus_atlas_volume(atlas, index);
+    json_t *bands = bands_of(atlas, index);
     static const char *const roles[] = {
         [CONUS_ROLE_PARCELLATION] = "parcellation",
         [CONUS_ROLE_SCALAR] = "pathway",
@@ -73,9 +95,12 @@ static json_t *volume(const conus_volume_info *info)
         "world_from_voxel", matrix(info->world_from_voxel), "spacing_mm", info->spacing[0], info->spacing[1],
         info->spacing[2], "orientation", info->orientation, "transform", info->transform, "slope", info->slope,
         "intercept", info->intercept, "minimum", value(info->minimum), "maximum", value(info->maximum));
-    if (info->role == CONUS_ROLE_SCALAR || info->threshold != 0) {
+    if (json_array_size(bands)) {
+        json_object_set(json, "bands", bands);
+    } else if (info->role == CONUS_ROLE_SCALAR || info->threshold != 0) {
         json_object_set_new(json, "threshold", json_real(info->threshold));
     }
+    json_decref(bands);
     return json;
 }
 
@@ -130,7 +155,7 @@ char *info_json(const conus_atlas *atlas, const conus_installed *installed)
     json_t *objects = json_array();
     bool whole = true;
     for (size_t i = 0; i < conus_atlas_volume_count(atlas); i++) {
-        whole = json_array_append_new(volumes, volume(conus_atlas_volume(atlas, i))) == 0 && whole;
+        whole = json_array_append_new(volumes, volume(atlas, i)) == 0 && whole;
     }
     for (size_t i = 0; i < conus_atlas_note_count(atlas); i++) {
         whole = json_array_append_new(notes, info_json_bytes(conus_atlas_note(atlas, i))) == 0 && whole;

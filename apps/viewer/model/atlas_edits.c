@@ -54,7 +54,8 @@ void viewer_use_transfer(struct viewer *viewer)
 const conus_volume_info *viewer_pathway(const struct viewer *viewer, uint32_t object)
 {
     const conus_object *pathway = conus_atlas_object(viewer->atlas, object);
-    return pathway && pathway->kind == CONUS_KIND_PATHWAY ? conus_atlas_volume_of(viewer->atlas, object) : NULL;
+    bool has_threshold = pathway && pathway->kind == CONUS_KIND_PATHWAY && !pathway->is_band;
+    return has_threshold ? conus_atlas_volume(viewer->atlas, pathway->volume) : NULL;
 }
 
 void viewer_set_threshold(struct viewer *viewer, uint32_t object, double threshold)

@@ -156,18 +156,19 @@ bool viewer_pick(uint32_t *object, double contact[3], struct viewer *viewer, con
 }
 
 /* Half the diagonal of the pathway's voxels: a ball of it has the centre of one in it, wherever it is. */
-static double reach_of(const conus_volume_info *info)
+static double reach_of(const conus_atlas *atlas, const conus_object *pathway)
 {
-    const double *s = info->spacing;
+    const double *s = conus_atlas_volume(atlas, pathway->volume)->spacing;
     return 0.51 * sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]);
 }
 
 double viewer_value(struct viewer *viewer, uint32_t object, const double place[3])
 {
-    const conus_volume_info *info = viewer_pathway(viewer, object);
+    const conus_object *info = conus_atlas_object(viewer->atlas, object);
     conus_selection *selection = NULL;
     double value = NAN;
-    if (!info || make_picker(viewer) || conus_select_ball(&selection, viewer->picker, place, reach_of(info))) {
+    if (!info || info->kind != CONUS_KIND_PATHWAY || make_picker(viewer) ||
+        conus_select_ball(&selection, viewer->picker, place, reach_of(viewer->atlas, info))) {
         return NAN;
     }
     for (size_t i = 0; i < conus_selection_count(selection); i++) {

@@ -4,6 +4,7 @@
 
 #include <math.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <string.h>
 
 static const ui_colour bars = {120, 126, 140, 255};
@@ -133,11 +134,28 @@ static void edit_transfer(struct viewer *viewer)
 /* ---- Pathways -----------------------------------------------------------------------------------------------------
  */
 
+/* A band of values is as it was given. */
+static void show_band(const conus_object *band)
+{
+    char low[32] = "";
+    char high[32] = "";
+    if (isfinite(band->low)) {
+        snprintf(low, sizeof low, " from %.6g", band->low);
+    }
+    if (isfinite(band->high)) {
+        snprintf(high, sizeof high, " below %.6g", band->high);
+    }
+    ui_text("%s: values%s%s%s", band->name, low, low[0] && high[0] ? " to" : "", high);
+}
+
 static void edit_thresholds(struct viewer *viewer)
 {
     for (uint32_t number = 1; number <= viewer->object_count; number++) {
         const conus_object *object = conus_atlas_object(viewer->atlas, number);
         const conus_volume_info *info = viewer_pathway(viewer, number);
+        if (object->is_band) {
+            show_band(object);
+        }
         if (info && info->maximum > info->minimum) {
             double threshold = info->threshold;
             ui_id(number);

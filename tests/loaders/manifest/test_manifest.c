@@ -6,6 +6,7 @@
 #include "loaders/volumes/volume_header.h"
 #include "test.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -27,7 +28,10 @@ static const char whole[] =
     "    {\"file\": \"tracts.nii.gz\", \"volume\": 1, \"name\": \"Cingulum\", \"threshold\": 12.5, \"comment\": "
     "\"c\"},\n"
     "    {\"file\": \"four.nii\", \"names\": [\"a\", \"b\"]},\n"
-    "    {\"fsl\": \"JHU.xml\", \"file\": \"JHU/prob.nii.gz\"}],\n"
+    "    {\"fsl\": \"JHU.xml\", \"file\": \"JHU/prob.nii.gz\"},\n"
+    "    {\"file\": \"ct.nii.gz\", \"bands\": [{\"name\": \"Air\", \"high\": -200},\n"
+    "      {\"name\": \"Fat\", \"low\": -200, \"high\": -50.5, \"comment\": \"c\"}, {\"name\": \"Bone\", \"low\": "
+    "300}]}],\n"
     "  \"context\": {\"file\": \"t1.nii\", \"volume\": 0, \"transfer\": {\"file\": \"t1.tf\"}, \"blocks\": 80}\n"
     "}\n";
 
@@ -62,7 +66,12 @@ static void every_key_is_kept(void **state)
     assert_int_equal(m.tree_count, 2);
     assert_string_equal(m.tree[0].name, "Nine");
     assert_near(m.threshold, 0.3, 0);
-    assert_int_equal(m.pathway_count, 4);
+    assert_int_equal(m.pathway_count, 5);
+    assert_int_equal(m.pathways[4].band_count, 3);
+    assert_string_equal(m.pathways[4].bands[0].name, "Air");
+    assert_true(m.pathways[4].bands[0].low == -INFINITY && m.pathways[4].bands[0].high == -200);
+    assert_true(m.pathways[4].bands[1].low == -200 && m.pathways[4].bands[1].high == -50.5);
+    assert_true(m.pathways[4].bands[2].low == 300 && m.pathways[4].bands[2].high == INFINITY);
     assert_string_equal(m.pathways[0].source.file, "fornix.nii.gz");
     assert_false(m.pathways[0].source.chosen);
     assert_string_equal(m.pathways[1].name, "Cingulum");
@@ -111,7 +120,7 @@ static const struct {
     {"{\"conus_atlas\": 1, \"pathways\": [1.5]}", "pathways[0]: found 1.5, an object is needed"},
     {"{\"conus_atlas\": 1, \"pathways\": [{\"file\": \"a\", \"treshold\": 1}]}",
      "pathways[0].treshold: unknown key, allowed are file, volume, resolution, orientation, fsl, name, names, "
-     "threshold, scale, comment"},
+     "threshold, scale, bands, comment"},
     {"{\"conus_atlas\": 1, \"pathways\": [\"a\", {\"name\": \"x\"}]}", "pathways[1]: file or fsl is missing"},
     {"{\"conus_atlas\": 1, \"pathways\": [{\"file\": \"a\", \"threshold\": -1}]}",
      "pathways[0].threshold: found -1, a number above 0 is needed"},
@@ -125,6 +134,16 @@ static const struct {
      "pathways[0]: has name for one pathway and names for several, one of them is allowed"},
     {"{\"conus_atlas\": 1, \"pathways\": [{\"fsl\": \"a\", \"volume\": 1}]}",
      "pathways[0]: has volume for one pathway and fsl for several, one of them is allowed"},
+    {"{\"conus_atlas\": 1, \"pathways\": [{\"file\": \"a\", \"bands\": []}]}",
+     "pathways[0].bands: found a list, a list of bands is needed"},
+    {"{\"conus_atlas\": 1, \"pathways\": [{\"file\": \"a\", \"bands\": [{\"low\": 1}]}]}",
+     "pathways[0].bands[0].name is missing"},
+    {"{\"conus_atlas\": 1, \"pathways\": [{\"file\": \"a\", \"bands\": [{\"name\": \"A\", \"low\": \"1\"}]}]}",
+     "pathways[0].bands[0].low: found \"1\", a number is needed"},
+    {"{\"conus_atlas\": 1, \"pathways\": [{\"file\": \"a\", \"bands\": [{\"name\": \"A\"}], \"threshold\": 1}]}",
+     "pathways[0]: has bands and threshold, one of them is allowed"},
+    {"{\"conus_atlas\": 1, \"pathways\": [{\"file\": \"a\", \"bands\": [{\"name\": \"A\"}], \"name\": \"B\"}]}",
+     "pathways[0]: has bands and name, one of them is allowed"},
     {"{\"conus_atlas\": 1, \"parcellation\": {\"labels\": \"x\"}}", "parcellation.file is missing"},
     {"{\"conus_atlas\": 1, \"parcellation\": {\"file\": \"a\", \"volume\": 0.5}}",
      "parcellation.volume: found 0.5, a whole number from 0 is needed"},

@@ -82,7 +82,7 @@ static void assert_maps(const conus_atlas *atlas)
     assert_int_equal(conus_atlas_object_count(atlas), 3);
     for (uint32_t number = 1; number <= 3; number++) {
         const conus_object *area = conus_atlas_object(atlas, number);
-        const conus_volume_info *info = conus_atlas_volume_of(atlas, number);
+        const conus_volume_info *info = conus_atlas_volume(atlas, area->volume);
         assert_int_equal(area->kind, CONUS_KIND_AREA);
         assert_int_equal(area->label, number);
         assert_string_equal(area->name, names[number - 1]);
@@ -94,7 +94,7 @@ static void assert_maps(const conus_atlas *atlas)
             assert_near(atlas_probability(atlas, number, point), percent[number - 1][v] / 100, 1e-7);
         }
     }
-    assert_near(conus_atlas_volume_of(atlas, 1)->maximum, 0.8, 1e-7);
+    assert_near(conus_atlas_volume(atlas, 0)->maximum, 0.8, 1e-7);
     assert_note(atlas, "C has no voxels: its largest probability is 0.01, the threshold 0.25");
 }
 
@@ -141,7 +141,7 @@ static void scales_are_told_apart(void **state)
         write_maps(test_in("m.nii"), cases[i].datatype, cases[i].divisor, 3);
         conus_atlas *atlas = load("m.atlas.json");
         if (cases[i].datatype == 2 && cases[i].divisor != 1) { /* rounded to 255ths */
-            assert_near(conus_atlas_volume_of(atlas, 1)->maximum, 204.0 / 255, 1e-12);
+            assert_near(conus_atlas_volume(atlas, 0)->maximum, 204.0 / 255, 1e-12);
         } else {
             assert_maps(atlas);
         }
