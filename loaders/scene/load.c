@@ -20,7 +20,7 @@
 enum { JSON_LIMIT = 64 << 20 };
 
 static const char atlas_needed[] =
-    "a labelled volume (NIfTI, MGH, NRRD, MetaImage, AFNI), a surface, a folder of surfaces, a "
+    "a labelled volume (NIfTI, MGH, NRRD, MetaImage, AFNI, TIFF), a surface, a folder of surfaces, a "
     "manifest (with the key \"conus_atlas\") or an FSL atlas XML";
 
 static conus_status load_volume(conus_atlas **out, const char *path, const struct load_progress *progress)

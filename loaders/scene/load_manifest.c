@@ -62,7 +62,7 @@ static char *source_path(const struct loading *loading, const struct manifest_vo
 static conus_status read_parcellation(struct parcellation *parts, struct loading *loading)
 {
     static const char needed[] =
-        "a labelled volume (NIfTI, MGH, NRRD, MetaImage or AFNI) or an FSL atlas XML of type Label";
+        "a labelled volume (NIfTI, MGH, NRRD, MetaImage, AFNI or TIFF) or an FSL atlas XML of type Label";
     const struct manifest_parcellation *from = &loading->manifest->parcellation;
     conus_load_options options = *loading->options;
     char *labels = from->labels && !options.labels ? file_beside(loading->path, from->labels) : NULL;

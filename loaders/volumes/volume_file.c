@@ -17,7 +17,7 @@
 #include <strings.h>
 
 static const uint64_t DEFAULT_MEMORY = UINT64_C(8) << 30;
-static const char default_needed[] = "a volume (NIfTI, MGH, NRRD, MetaImage or AFNI)";
+static const char default_needed[] = "a volume (NIfTI, MGH, NRRD, MetaImage, AFNI or TIFF)";
 enum {
     HEAD_LIMIT = 1 << 26,  /* of the header file of a pair */
     HEADER_READ = 1 << 16, /* of a file of which the header alone is wanted; packed, it takes less */
@@ -492,10 +492,10 @@ conus_status volume_file_peek(struct volume_header *out, struct bytes *head, con
     if (!status && !header.pair) {
         status = stored_head(head, &stored, header.offset < HEADER_READ ? (size_t)header.offset : HEADER_READ);
     }
+    volume_text_finish(&header.text);
     if (!status) {
         *out = header;
     }
-    volume_text_finish(&header.text);
     notes_finish(&notes);
     stored_finish(&stored);
     return status ? fail_in(status, path) : CONUS_OK;
