@@ -441,7 +441,7 @@ END
     local then code
     for then in close go; do
         rm -f begun released
-        XDG_CACHE_HOME=$PWD/$then background timeout $HANG "$CONUS" view two.atlas.json --quiet 2>said
+        background timeout $HANG "$CONUS" view two.atlas.json --quiet 2>said
         wait_until "$child" test -e begun
         wait_until "$child" find_window
         if [ $then = close ]; then

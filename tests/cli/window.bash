@@ -77,19 +77,12 @@ drop() {
     wait "$dropping"
 }
 
-# hold_mesh: two.atlas.json, an atlas of two files. conus-mesh, which reads the first, makes the file begun and waits for
-# the file released; the second is no surface.
+# hold_mesh: two.atlas.json, an atlas of two files. Programs that open the first make the file begun and wait for the
+# file released (hold_open.c); the second is no surface.
 hold_mesh() {
-    [ -x "${CONUS%/*}/conus-mesh" ] || skip "conus-mesh is not built"
     printf 'v 0 0 0\nv 9 0 0\nv 0 9 0\nv 0 0 9\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n' >first.obj
     echo '<?xml version="1.0"?><GIFTI Version="1.0">' >second.surf.gii
     echo '{"conus_atlas": 1, "areas": [{"file": "first.obj", "label": 1}, {"file": "second.surf.gii", "label": 2}]}' >two.atlas.json
-    cat >mesh <<END
-#!/bin/sh
-: >'$PWD/begun'
-while [ ! -e '$PWD/released' ]; do /bin/sleep 0.02; done
-exec '${CONUS%/*}/conus-mesh' "\$@"
-END
-    chmod +x mesh
-    export CONUS_MESH=$PWD/mesh XDG_CACHE_HOME=$PWD/cache
+    export HOLD_NAME=first.obj HOLD_FOLDER=$PWD LD_PRELOAD=$CONUS_HOLD_OPEN
+    export ASAN_OPTIONS=${ASAN_OPTIONS-}:verify_asan_link_order=0
 }
