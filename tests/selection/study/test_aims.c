@@ -341,16 +341,19 @@ static void a_pose_is_read_in_other_ways(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* From (0, 0, 50) upwards no way leads to the block, and a good pose needs none. */
+/* From (0, 0, 50) upwards no way leads to the block, and a good pose needs none. The last looks at the block from less
+ * than 1 mm: with x and y of its position negated it would, too, but of such a pose only the unit is doubted, and from
+ * (200, 80, 0) it looks away. */
 static void a_pose_may_have_no_other_reading(void **state)
 {
     (void)state;
-    static const double places[][3] = {{0, 0, 50}, {0.1, 0.1, 0.05}, {100, 40, -50}};
+    static const double places[][3] = {{0, 0, 50}, {0.1, 0.1, 0.05}, {100, 40, -50}, {0.2, 0.08, 0}};
+    static const double ways[][3] = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}, {1, 0.4, 0}};
     conus_atlas *atlas = block_at(100, 40);
     conus_selector *selector = NULL;
     assert_ok(conus_selector_create(&selector, atlas, NULL));
-    for (size_t i = 0; i < 3; i++) {
-        const conus_reading reading = reading_of(selector, places[i], (double[]){0, 0, 1});
+    for (size_t i = 0; i < 4; i++) {
+        const conus_reading reading = reading_of(selector, places[i], ways[i]);
         assert_int_equal(reading.object, 0);
         assert_false(reading.of_tiny);
         assert_null(reading.words);
