@@ -87,16 +87,51 @@ static conus_status add_atlas(conus_catalogue *catalogue, const char *xml_path, 
     return status;
 }
 
+/* Whether one of the images with a volume for each label is there. */
+static conus_status find_maps(bool *found, const struct fsl_atlas *atlas, const char *xml_path)
+{
+    conus_status status = CONUS_OK;
+    *found = false;
+    for (size_t i = 0; !status && !*found && !atlas->is_label && i < atlas->image_count; i++) {
+        char *path = NULL;
+        status = atlas->images[i].image ? fsl_image_find(&path, xml_path, atlas->images[i].image) : CONUS_OK;
+        *found = path;
+        memory_free(path);
+    }
+    return status;
+}
+
+/* The XML itself, whose labels are areas of probabilities. */
+static conus_status add_maps(conus_catalogue *catalogue, const char *xml_path)
+{
+    const char *xml = path_base(xml_path);
+    struct buffer name = {0};
+    struct stat info;
+    buffer_format(&name, "%.*s-prob", (int)(strlen(xml) - strlen(".xml")), xml);
+    conus_status status = buffer_status(&name);
+    if (!status && stat(xml_path, &info) == 0) {
+        const struct catalogue_found found = {
+            .name = name.data, .kind = "probabilities", .path = xml_path, .id = catalogue_id_of(&info)};
+        status = catalogue_add(catalogue, &found);
+    }
+    buffer_finish(&name);
+    return status;
+}
+
 static conus_status take_atlas(conus_catalogue *catalogue, const char *xml_path, const struct fsl_atlas *atlas)
 {
     struct images images = {0};
+    bool maps = false;
     conus_status status = find_images(&images, atlas, xml_path);
+    status = status ? status : find_maps(&maps, atlas, xml_path);
     for (size_t i = 0; !status && i < images.count; i++) {
         status = add_atlas(catalogue, xml_path, &images.images[i], i == 0);
     }
-    if (!status && !images.count) {
-        status = notes_add(&catalogue->notes, "%s: %s: none of the labelled volumes that it names is there",
-                           catalogue->source, xml_path);
+    if (!status && maps) {
+        status = add_maps(catalogue, xml_path);
+    } else if (!status && !images.count) {
+        status = notes_add(&catalogue->notes, "%s: %s: none of the volumes that it names is there", catalogue->source,
+                           xml_path);
     }
     for (size_t i = 0; i < images.count; i++) {
         memory_free(images.images[i].path);

@@ -135,17 +135,21 @@ fsl_xml() {
     put l.nii.gz $atlases/HarvardOxford/HarvardOxford-cort-maxprob-thr25-2mm.nii.gz \
         $atlases/HarvardOxford/HarvardOxford-cort-maxprob-thr0-2mm.nii.gz
     put fine.nii.gz $atlases/HarvardOxford/HarvardOxford-cort-maxprob-thr25-1mm.nii.gz
-    put prob.nii.gz $atlases/HarvardOxford/HarvardOxford-cort-prob-2mm.nii.gz
+    put prob.nii.gz $atlases/HarvardOxford/HarvardOxford-cort-maxprob-thr25-2mm-prob.nii.gz
     fsl_xml $atlases/JHU-labels.xml Label JHU/JHU-ICBM-labels-1mm
     sed -i 's/-prob</</' $atlases/JHU-labels.xml
     put fine.nii.gz $atlases/JHU/JHU-ICBM-labels-1mm.nii.gz
     put t1.nii.gz $atlases/JHU/JHU-ICBM-T1-1mm.nii.gz
-    lists "fsl HarvardOxford-Cortical" "fsl HarvardOxford-Cortical-2mm" "fsl JHU-labels" \
+    lists "fsl HarvardOxford-Cortical" "fsl HarvardOxford-Cortical-2mm" "fsl HarvardOxford-Cortical-prob" "fsl JHU-labels" \
         "fsl HarvardOxford-cort-maxprob-thr0-2mm"
     [ "$(field HarvardOxford-Cortical voxel_mm)" = 1 ]
     [ "$(field HarvardOxford-Cortical-2mm voxel_mm)" = 2 ]
     # The names of the areas are those of the XML; words may be separated otherwise.
     conus info fsl:harvard-oxford-cortical --format tsv | cut -f 3 | xargs | grep -qx 'name one two'
+    # The XML itself has the areas as probabilities.
+    [ "$(field HarvardOxford-Cortical-prob kind)" = probabilities ]
+    conus info harvard-oxford-cortical-prob --format json >json
+    jq -e '[.objects[].name] == ["one", "two"] and .volumes[0].role == "probability"' json
     # A volume that an XML names has its own name, too.
     conus info HarvardOxford-cort-maxprob-thr25-2mm --format json >json
     jq -e '.installed.name == "HarvardOxford-Cortical-2mm"' json
@@ -156,7 +160,7 @@ fsl_xml() {
     fsl_xml fsl/data/atlases/Gone.xml Probabilistic Gone/Gone-1mm
     run -0 --separate-stderr conus atlases --format names
     [ -z "$output" ]
-    check_message 'note: fsl: '"$PWD"'/fsl/data/atlases/Gone.xml: none of the labelled volumes that it names is there'
+    check_message 'note: fsl: '"$PWD"'/fsl/data/atlases/Gone.xml: none of the volumes that it names is there'
     answers atlases --format names --quiet
 }
 
@@ -196,7 +200,6 @@ END
 
 @test "BrainGlobe: folders, with and without their version" {
     local atlas=home/.brainglobe/example_mouse_100um_v1.2
-    [ -x "${CONUS%/*}/conus-mesh" ] || skip "no conus-mesh: built without VTK"
     write $atlas/metadata.json '{"orientation": "asr", "resolution": [100, 100, 100]}'
     write $atlas/structures.json '[{"acronym": "root", "id": 997, "name": "root", "structure_id_path": [997],
         "rgb_triplet": [255, 255, 255]}, {"acronym": "A", "id": 8, "name": "area", "structure_id_path": [997, 8],
