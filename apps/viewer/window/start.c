@@ -7,10 +7,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
-
-/* Of Debian's mricron-data, below a folder of data. */
-static const char templates[] = "mricron/templates/aal.nii.gz";
 
 static bool is_recent(const struct start *start, const char *path)
 {
@@ -22,25 +18,17 @@ static bool is_recent(const struct start *start, const char *path)
     return false;
 }
 
-/* In the folders of $XDG_DATA_DIRS, of which the specification ignores relative ones. */
+/* The atlas that everybody can have: Debian's mricron-data. */
 static void find_atlas(struct start *start)
 {
-    const char *folders = getenv("XDG_DATA_DIRS");
-    folders = folders && folders[0] ? folders : "/usr/local/share:/usr/share";
+    conus_catalogue *catalogue = NULL;
+    const conus_installed *aal = NULL;
     start->found[0] = '\0';
-    while (*folders && !start->found[0]) {
-        char path[PATH_MAX] = "";
-        int length = (int)strcspn(folders, ":");
-        bool slash = length && folders[length - 1] == '/';
-        int size = snprintf(path, sizeof path, "%.*s/%s", length - slash, folders, templates);
-        if (folders[0] == '/' && size < PATH_MAX && access(path, R_OK) == 0) {
-            memcpy(start->found, path, sizeof path);
-        }
-        folders += length + (folders[length] == ':');
+    if (!conus_catalogue_create(&catalogue, NULL) && !conus_catalogue_find(&aal, catalogue, "mricron:aal") &&
+        strlen(aal->path) < PATH_MAX && !is_recent(start, aal->path)) {
+        memcpy(start->found, aal->path, strlen(aal->path) + 1);
     }
-    if (is_recent(start, start->found)) {
-        start->found[0] = '\0';
-    }
+    conus_catalogue_destroy(catalogue);
 }
 
 void start_look(struct start *start)
