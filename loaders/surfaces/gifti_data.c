@@ -4,6 +4,7 @@
 
 #include "base/byte_order.h"
 #include "base/file.h"
+#include "base/formats/base64.h"
 #include "base/formats/gzip.h"
 #include "base/math3.h"
 #include "base/memory.h"
@@ -108,16 +109,6 @@ static conus_status decode_ascii(double *values, const struct gifti_storage *sto
     return n == storage->count
                ? CONUS_OK
                : fail(CONUS_ERROR_DATA, "Data: %zu numbers, the Dim attributes ask for %zu", n, storage->count);
-}
-
-static int base64_value(char c)
-{
-    return c >= 'A' && c <= 'Z'   ? c - 'A'
-           : c >= 'a' && c <= 'z' ? c - 'a' + 26
-           : c >= '0' && c <= '9' ? c - '0' + 52
-           : c == '+'             ? 62
-           : c == '/'             ? 63
-                                  : -1;
 }
 
 static bool is_space(char c)

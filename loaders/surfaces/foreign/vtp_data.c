@@ -4,6 +4,7 @@
 #include "loaders/surfaces/foreign/vtp_data.h"
 
 #include "base/byte_order.h"
+#include "base/formats/base64.h"
 #include "base/memory.h"
 #include "loaders/surfaces/foreign/words.h"
 
@@ -21,16 +22,6 @@ struct source {
     uint8_t group[3]; /* decoded and not taken */
     size_t waiting;   /* bytes of it */
 };
-
-static int base64_value(char c)
-{
-    return c >= 'A' && c <= 'Z'   ? c - 'A'
-           : c >= 'a' && c <= 'z' ? c - 'a' + 26
-           : c >= '0' && c <= '9' ? c - '0' + 52
-           : c == '+'             ? 62
-           : c == '/'             ? 63
-                                  : -1;
-}
 
 /* The next four digits; padding ends a part, behind which another one begins. False where there are none. */
 static bool decode_group(struct source *source)
@@ -289,14 +280,42 @@ static size_t count_words(struct text text)
     return count;
 }
 
-static conus_status text_wholes(int64_t **out, size_t *count, const struct vtp_storage *storage)
+/* What an array becomes: 64-bit whole numbers, or floats. */
+struct numbers {
+    size_t size;
+    conus_status (*read)(void *to, struct words *words);
+    void (*take)(void *to, const uint8_t *data, const struct vtp_storage *storage);
+};
+
+static conus_status read_whole(void *to, struct words *words)
+{
+    return words_whole(to, words, INT64_MIN, "a whole number");
+}
+
+static conus_status read_float(void *to, struct words *words)
+{
+    return words_float(to, words, "a number");
+}
+
+static void take_whole(void *to, const uint8_t *data, const struct vtp_storage *storage)
+{
+    *(int64_t *)to = whole_at(data, storage);
+}
+
+static void take_float(void *to, const uint8_t *data, const struct vtp_storage *storage)
+{
+    *(float *)to = float_at(data, storage);
+}
+
+static conus_status numbers_of_text(void **out, size_t *count, const struct vtp_storage *storage,
+                                    const struct numbers *kind)
 {
     struct words words = {.rest = storage->content, .line = 1};
     size_t n = count_words(words.rest);
-    int64_t *numbers = memory_raw(n, sizeof *numbers);
+    char *numbers = memory_raw(n, kind->size);
     conus_status status = numbers ? CONUS_OK : CONUS_ERROR_MEMORY;
     for (size_t i = 0; !status && i < n; i++) {
-        status = words_whole(&numbers[i], &words, INT64_MIN, "a whole number");
+        status = kind->read(numbers + i * kind->size, &words);
     }
     if (status) {
         memory_free(numbers);
@@ -307,56 +326,38 @@ static conus_status text_wholes(int64_t **out, size_t *count, const struct vtp_s
     return CONUS_OK;
 }
 
-static conus_status text_floats(float **out, size_t *count, const struct vtp_storage *storage)
+static conus_status numbers_of(void **out, size_t *count, const struct vtp_storage *storage, const struct numbers *kind)
 {
-    struct words words = {.rest = storage->content, .line = 1};
-    size_t n = count_words(words.rest);
-    float *numbers = memory_raw(n, sizeof *numbers);
-    conus_status status = numbers ? CONUS_OK : CONUS_ERROR_MEMORY;
-    for (size_t i = 0; !status && i < n; i++) {
-        status = words_float(&numbers[i], &words, "a number");
+    struct bytes bytes = {0};
+    if (storage->is_text) {
+        return numbers_of_text(out, count, storage, kind);
     }
-    if (status) {
-        memory_free(numbers);
-        return fail_in(status, "DataArray");
+    conus_status status = vtp_bytes(&bytes, storage);
+    size_t n = bytes.size / storage->size;
+    char *numbers = status ? NULL : memory_raw(n, kind->size);
+    for (size_t i = 0; numbers && i < n; i++) {
+        kind->take(numbers + i * kind->size, bytes.data + i * storage->size, storage);
     }
-    *out = numbers;
-    *count = n;
-    return CONUS_OK;
+    bytes_finish(&bytes);
+    *count = numbers ? n : *count;
+    *out = numbers ? numbers : *out;
+    return status || numbers ? status : CONUS_ERROR_MEMORY;
 }
 
 conus_status vtp_wholes(int64_t **out, size_t *count, const struct vtp_storage *storage)
 {
-    struct bytes bytes = {0};
-    if (storage->is_text) {
-        return text_wholes(out, count, storage);
-    }
-    conus_status status = vtp_bytes(&bytes, storage);
-    size_t n = bytes.size / storage->size;
-    int64_t *numbers = status ? NULL : memory_raw(n, sizeof *numbers);
-    for (size_t i = 0; numbers && i < n; i++) {
-        numbers[i] = whole_at(bytes.data + i * storage->size, storage);
-    }
-    bytes_finish(&bytes);
-    *count = numbers ? n : *count;
-    *out = numbers ? numbers : *out;
-    return status || numbers ? status : CONUS_ERROR_MEMORY;
+    static const struct numbers wholes = {sizeof(int64_t), read_whole, take_whole};
+    void *numbers = NULL;
+    conus_status status = numbers_of(&numbers, count, storage, &wholes);
+    *out = status ? *out : numbers;
+    return status;
 }
 
 conus_status vtp_floats(float **out, size_t *count, const struct vtp_storage *storage)
 {
-    struct bytes bytes = {0};
-    if (storage->is_text) {
-        return text_floats(out, count, storage);
-    }
-    conus_status status = vtp_bytes(&bytes, storage);
-    size_t n = bytes.size / storage->size;
-    float *numbers = status ? NULL : memory_raw(n, sizeof *numbers);
-    for (size_t i = 0; numbers && i < n; i++) {
-        numbers[i] = float_at(bytes.data + i * storage->size, storage);
-    }
-    bytes_finish(&bytes);
-    *count = numbers ? n : *count;
-    *out = numbers ? numbers : *out;
-    return status || numbers ? status : CONUS_ERROR_MEMORY;
+    static const struct numbers floats = {sizeof(float), read_float, take_float};
+    void *numbers = NULL;
+    conus_status status = numbers_of(&numbers, count, storage, &floats);
+    *out = status ? *out : numbers;
+    return status;
 }
