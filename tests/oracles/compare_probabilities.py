@@ -49,6 +49,7 @@ class Maps:
     def __init__(self, image):
         self.m = image.affine
         self.data = np.asanyarray(image.dataobj)
+        self.members = [self.data[..., k] >= 25 for k in range(self.data.shape[3])]
         i, j, k = np.ogrid[: self.data.shape[0], : self.data.shape[1], : self.data.shape[2]]
         self.p = [self.m[a, 0] * i + self.m[a, 1] * j + self.m[a, 2] * k + self.m[a, 3] for a in range(3)]
 
@@ -83,8 +84,8 @@ def query(conus, path, region):
 
 def check_values(where, rows, maps, region):
     found = inside(maps, region)
-    for k in range(maps.data.shape[3]):
-        values = maps.data[..., k][found & (maps.data[..., k] >= 25)] / 100
+    for k, member in enumerate(maps.members):
+        values = maps.data[..., k][found & member] / 100
         row = rows.get(k + 1)
         assert (row is not None and int(row["voxels"]) == len(values)) or not len(values), f"{where}: area {k + 1}"
         if len(values):
@@ -96,11 +97,11 @@ def check_values(where, rows, maps, region):
 def check_pixels(where, rows, maps, region):
     """Of a round cone without a range."""
     voxel_from_world = np.linalg.inv(maps.m)
-    wanted = np.zeros(maps.data.shape[3] + 1, int)
+    wanted = np.zeros(len(maps.members) + 1, int)
     for ray in cone_rays(np.array(region["direction"]), region["angle"], 16)[0]:
         entries = []
-        for k in range(maps.data.shape[3]):
-            hits = intervals(maps.data[..., k] >= 25, voxel_from_world, np.array(region["origin"]), ray)[1]
+        for member in maps.members:
+            hits = intervals(member, voxel_from_world, np.array(region["origin"]), ray)[1]
             entries.append(hits[0] if len(hits) else np.inf)
         wanted[1 + int(np.argmin(entries)) if min(entries) < np.inf else 0] += 1
     got = [int(rows[k]["pixels"]) if k in rows else 0 for k in range(1, len(wanted))]
@@ -119,7 +120,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         path, maps = write_atlas(folder, nibabel.load(os.path.join(templates, "aal.nii.gz")))
         info = json.loads(subprocess.run([conus, "info", path, "--format", "json"], check=True, capture_output=True).stdout)
-        wanted = [int((maps.data[..., k] >= 25).sum()) for k in range(maps.data.shape[3])]
+        wanted = [int(member.sum()) for member in maps.members]
         assert [area["voxels"] for area in info["objects"]] == wanted and wanted[-1] == 0, wanted
         corners = box_corners(maps.data.shape[:3], maps.m)
         for i in range(count):

@@ -341,16 +341,6 @@ static void every_prefix_is_refused(void **state)
     buffer_finish(&bytes);
 }
 
-static conus_status attempt(void *path)
-{
-    struct volume_file file = {0};
-    struct notes notes = {0};
-    conus_status status = volume_file_open(&file, path, 0, &notes);
-    volume_file_finish(&file);
-    notes_finish(&notes);
-    return status;
-}
-
 static void every_failing_allocation(void **state)
 {
     (void)state;
@@ -363,12 +353,12 @@ static void every_failing_allocation(void **state)
     append_bent(&bytes, head.data, "CompressedData = False", "CompressedData = True");
     append_zlib(&bytes, &voxels);
     snprintf(path, sizeof path, "%s", write_bytes("all.mha", &bytes));
-    test_every_allocation(attempt, path);
+    test_every_allocation(open_and_close, path);
     buffer_finish(&bytes);
     append_bent(&bytes, plain, "LOCAL", "all.raw");
     write_bytes("all.raw", &voxels);
     snprintf(path, sizeof path, "%s", write_bytes("all.mhd", &bytes));
-    test_every_allocation(attempt, path);
+    test_every_allocation(open_and_close, path);
     buffer_finish(&bytes);
     buffer_finish(&head);
     buffer_finish(&voxels);

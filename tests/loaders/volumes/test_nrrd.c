@@ -464,16 +464,6 @@ static void every_prefix_is_refused(void **state)
     buffer_finish(&bytes);
 }
 
-static conus_status attempt(void *path)
-{
-    struct volume_file file = {0};
-    struct notes notes = {0};
-    conus_status status = volume_file_open(&file, path, 0, &notes);
-    volume_file_finish(&file);
-    notes_finish(&notes);
-    return status;
-}
-
 static void every_failing_allocation(void **state)
 {
     (void)state;
@@ -482,7 +472,7 @@ static void every_failing_allocation(void **state)
     append_bent(&text, plain, "encoding: raw", "encoding: gzip\ndata file: all.raw.gz");
     write_raw("all.raw.gz", 0, true);
     snprintf(path, sizeof path, "%s", write_bytes("all.nhdr", &text));
-    test_every_allocation(attempt, path);
+    test_every_allocation(open_and_close, path);
     buffer_finish(&text);
     append_bent(&text, plain, "encoding: raw", "encoding: text");
     buffer_text(&text, "1 2 3 4 5 6 7 8 9 10 11 12");
@@ -492,7 +482,7 @@ static void every_failing_allocation(void **state)
     assert_fails(volume_file_open(&file, path, 0, &notes), CONUS_ERROR_UNSUPPORTED);
     assert_said("allowed there are raw voxels");
     snprintf(path, sizeof path, "%s", write_bytes("text.nrrd", &text));
-    test_every_allocation(attempt, path);
+    test_every_allocation(open_and_close, path);
     buffer_finish(&text);
 }
 

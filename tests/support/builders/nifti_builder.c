@@ -2,7 +2,7 @@
 /* Builds NIfTI files in memory. */
 #include "builders/nifti_builder.h"
 
-#include "loaders/volumes/volume_header.h"
+#include "loaders/volumes/volume_file.h"
 #include "test.h"
 
 #include <stdio.h>
@@ -192,4 +192,14 @@ const char *write_packed(const char *name, const struct buffer *bytes)
     const char *path = write_bytes(name, &packed);
     buffer_finish(&packed);
     return path;
+}
+
+conus_status open_and_close(void *path)
+{
+    struct volume_file file = {0};
+    struct notes notes = {0};
+    conus_status status = volume_file_open(&file, path, 0, &notes);
+    volume_file_finish(&file);
+    notes_finish(&notes);
+    return status;
 }

@@ -4,6 +4,7 @@
 #define CONUS_TESTS_SUPPORT_BUILDERS_NIFTI_BUILDER_H
 
 #include "base/buffer.h"
+#include "base/status.h"
 
 #include <stdint.h>
 
@@ -46,5 +47,8 @@ void append_gzip(struct buffer *buffer, const void *data, size_t size);
 /** Writes a scratch file, as it is or as one gzip member, and returns its path (as test_scratch() does). */
 const char *write_bytes(const char *name, const struct buffer *bytes);
 const char *write_packed(const char *name, const struct buffer *bytes);
+
+/** Opens the volume @p path, a char *, and closes it: for test_every_allocation(). */
+conus_status open_and_close(void *path);
 
 #endif
