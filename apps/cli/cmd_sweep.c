@@ -276,17 +276,9 @@ static conus_status add_answer(struct sweep *sweep, const conus_pose_row *row)
 {
     double angle = inquiry_angle(&sweep->inquiry, row);
     conus_aims_add(sweep->inquiry.aims, row->line, &row->pose, widest_angle(sweep, angle));
-    switch (sweep->rows) {
-    case CONUS_ROWS_SHARES:
-        return add_shares(sweep, row->id, &row->pose);
-    case CONUS_ROWS_CHANCES:
-        return add_chances(sweep, row, angle);
-    case CONUS_ROWS_ANSWERS:
-    case CONUS_ROWS_SUMMARIES:
-    case CONUS_ROWS_ADMISSIONS:
-        break;
-    }
-    return add_admissions(sweep, row->id, &row->pose, angle);
+    return sweep->rows == CONUS_ROWS_SHARES    ? add_shares(sweep, row->id, &row->pose)
+           : sweep->rows == CONUS_ROWS_CHANCES ? add_chances(sweep, row, angle)
+                                               : add_admissions(sweep, row->id, &row->pose, angle);
 }
 
 static int answer_row(void *user, const conus_pose_row *row)

@@ -179,11 +179,12 @@ static int take_operand(struct cursor *cursor, const char *word)
 {
     struct arguments *arguments = cursor->arguments;
     const struct command *command = arguments->command;
-    if (command->repeats && arguments->operand_count && !command->operands[arguments->operand_count]) {
+    bool all = arguments->operand_count == OPERAND_LIMIT || !command->operands[arguments->operand_count];
+    if (command->repeats && arguments->operand_count && all) {
         return *word ? take_another(&arguments->more, word)
                      : print_usage_error("%s is empty", command->operands[arguments->operand_count - 1]);
     }
-    if (arguments->operand_count == OPERAND_LIMIT || !arguments->command->operands[arguments->operand_count]) {
+    if (all) {
         return print_usage_error("unexpected argument \"%s\"%s", word,
                                  strchr(word, ',') || strspn(word, "+-.0123456789") == strlen(word)
                                      ? "; a vector is one word: X,Y,Z without spaces"

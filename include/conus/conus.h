@@ -46,6 +46,7 @@
 #include <conus/manifest.h>
 #include <conus/mask.h>
 #include <conus/mesh.h>
+#include <conus/overlap.h>
 #include <conus/phantom.h>
 #include <conus/picture.h>
 #include <conus/pose.h>

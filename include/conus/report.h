@@ -8,6 +8,7 @@
 
 #include <conus/jitter.h>
 #include <conus/mask.h>
+#include <conus/overlap.h>
 #include <conus/pose_file.h>
 #include <conus/sweep.h>
 #include <conus/track.h>
@@ -42,8 +43,9 @@ typedef enum conus_rows {
                      have one id belong together. */
     CONUS_ROWS_ADMISSIONS, /**< Of conus_report_add_sweep(). */
     CONUS_ROWS_CHANCES,    /**< Of conus_report_add_jitter(). */
-    CONUS_ROWS_SUMMARIES   /**< Of conus_report_add(), one row each: the best, the runner-up, and by how much. Not as
-                         #CONUS_FORMAT_TABLE. */
+    CONUS_ROWS_SUMMARIES,  /**< Of conus_report_add(), one row each: the best, the runner-up, and by how much. Not as
+                          #CONUS_FORMAT_TABLE. */
+    CONUS_ROWS_COVERAGES   /**< Of conus_report_add_overlap(). */
 } conus_rows;
 
 /** What a report holds and how it is written. */
@@ -111,6 +113,18 @@ CONUS_CHECKED conus_status conus_report_add_sweep(conus_report *report, const ch
  */
 CONUS_CHECKED conus_status conus_report_add_jitter(conus_report *report, const char *query_id,
                                                    const conus_jitter *jitter);
+
+/**
+ * Adds what a region of interest covers.
+ * @param report The report.
+ * @param query_id As for conus_report_add().
+ * @param overlap The coverages; may end afterwards.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT in a report of other rows.
+ * @threads One at a time for each @p report.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_report_add_overlap(conus_report *report, const char *query_id,
+                                                    const conus_overlap *overlap);
 
 /**
  * Adds a query without an answer: one row of kind "error" with "line N: " and @p reason for a name, all else missing.

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Atlases, surfaces, pathways and contexts from arrays. */
+/* Atlases, surfaces, pathways, contexts and regions of interest from arrays. */
 #include "atlas/atlas.h"
 #include "base/memory.h"
 #include "base/options.h"
 #include "loaders/arrays/array_volume.h"
 #include "loaders/plan/load_parcellation.h"
+#include "loaders/scene/load_roi.h"
 #include "loaders/scene/load_scalar.h"
 #include "loaders/volumes/volume_values.h"
 
@@ -238,6 +239,22 @@ conus_status conus_atlas_set_context_values(conus_atlas *atlas, const conus_voxe
     const struct note_sink sink = {options->log, options->log_user, array.file.path};
     struct notes notes = {.sink = &sink};
     status = status ? status : context_set(atlas, &array.file, options->block_threshold, &notes);
+    notes_finish(&notes);
+    array_volume_finish(&array);
+    return status;
+}
+
+conus_status conus_roi_create(conus_roi **out, const conus_voxels *voxels, const conus_roi_options *options)
+{
+    struct array_volume array = {0};
+    if (!out || !voxels) {
+        return fail(CONUS_ERROR_ARGUMENT, "conus_roi_create: a result and voxels are needed");
+    }
+    options = options_of(conus_roi_options, options);
+    conus_status status = array_volume_open(&array, voxels);
+    const struct note_sink sink = {options->log, options->log_user, array.file.path};
+    struct notes notes = {.sink = &sink};
+    status = status ? status : roi_of_volume(out, &array.file, options->threshold, &notes);
     notes_finish(&notes);
     array_volume_finish(&array);
     return status;

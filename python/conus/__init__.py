@@ -13,7 +13,7 @@
 All positions are RAS mm and all angles degrees, but in ``results`` and ``records``, which are the
 library's own structs.
 """
-from ._answers import Answers, Hit, Jitter, Selection, Step, Sweep, Track
+from ._answers import Answers, Hit, Jitter, Overlap, Selection, Step, Sweep, Track
 from ._atlas import Atlas, InstalledAtlas, Selector, atlases, load
 from ._conus import ffi as _ffi, lib as _lib
 from ._library import (
@@ -33,6 +33,6 @@ from ._track import Tracker
 __version__ = _ffi.string(_lib.conus_version()).decode()
 __all__ = [
     "Answers", "ArgumentError", "Atlas", "CancelledError", "DataError", "Error", "FileError", "GLError", "Hit",
-    "InstalledAtlas", "Jitter", "OutOfMemoryError", "Picture", "PoseWarning", "Renderer", "Selection", "Selector",
-    "Step", "Sweep", "Track", "Tracker", "UnsupportedError", "atlases", "load", "transfer_presets",
+    "InstalledAtlas", "Jitter", "OutOfMemoryError", "Overlap", "Picture", "PoseWarning", "Renderer", "Selection",
+    "Selector", "Step", "Sweep", "Track", "Tracker", "UnsupportedError", "atlases", "load", "transfer_presets",
 ]

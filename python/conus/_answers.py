@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Iterator, Optional, Union, overload
 import numpy as np
 
 from ._conus import ffi, lib
-from ._library import ADMISSION, CHANCE, RESULT, STEP, array_of, check, owned, text, utf8
+from ._library import ADMISSION, CHANCE, COVERAGE, RESULT, STEP, array_of, check, owned, text, utf8
 
 if TYPE_CHECKING:
     import pandas
@@ -378,7 +378,7 @@ class Track(Answers):
 
 
 class _Study:
-    """Records of one pose other than results."""
+    """Records of one pose, or of a region, other than results."""
 
     def __init__(self, atlas: Atlas, records: Array) -> None:
         self.atlas = atlas
@@ -397,7 +397,7 @@ class _Study:
         raise NotImplementedError
 
     def to_dataframe(self) -> pandas.DataFrame:
-        """The rows of ``conus sweep``, under the names of its columns."""
+        """The rows of ``conus sweep`` or ``conus overlap``, under the names of their columns."""
         import pandas
 
         return pandas.DataFrame({**_identity(self.atlas.objects, self.records, self._ranks()), **self._measures()})
@@ -443,3 +443,24 @@ class Jitter(_Study):
         columns["mean_share"] = self.records["share"]
         columns["sd_share"] = self.records["share_deviation"]
         return columns
+
+
+class Overlap(_Study):
+    """How much of each object a region of interest covers, the largest volume first; last what is in no object."""
+
+    def __init__(self, atlas: Atlas, pointer: Any) -> None:
+        overlap = owned(pointer, lib.conus_overlap_destroy)
+        count = lib.conus_overlap_count(overlap)
+        super().__init__(atlas, array_of(lib.conus_overlap_coverage(overlap, 0), count, COVERAGE))
+
+    def _ranks(self) -> Array:
+        return np.where(self.records["object"] > 0, np.arange(1, len(self) + 1), 0)
+
+    def _measures(self) -> dict[str, Any]:
+        return {
+            "volume_mm3": self.records["volume"],
+            "fraction": self.records["fraction"],
+            "region_fraction": self.records["roi_fraction"],
+            "peak": self.records["peak"],
+            **_points("peak_", self.records["peak_point"]),
+        }

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Callable, Iterable, Mapping, NamedTuple, 
 
 import numpy as np
 
-from ._answers import Answers, Array, Jitter, Objects, Selection, Sweep, Track
+from ._answers import Answers, Array, Jitter, Objects, Overlap, Selection, Sweep, Track
 from ._conus import ffi, lib
 from ._library import (
     RESULT,
@@ -317,6 +317,24 @@ def _set_context(atlas: Any, source: Any, blocks: float, max_memory: int) -> Non
         state.check(lib.conus_atlas_set_context(atlas, path_of("context", source), options))
 
 
+def _region(source: Any, threshold: float, max_memory: int) -> Any:
+    options, out = ffi.new("conus_roi_options *"), ffi.new("conus_roi **")
+    options.threshold, options.max_memory = real("threshold", threshold), max_memory
+    state = _Callback()
+    _handle = state.hear(options)
+    if hasattr(source, "dataobj") or isinstance(source, tuple):
+        parts = (*source, "roi", 0) if isinstance(source, tuple) else _image_parts(source)
+        if len(parts) != 4:
+            raise ArgumentError(f"roi: a tuple of {len(source)}, wanted are an array and its affine")
+        voxels, _alive = _fill_voxels(*parts)
+        status = lib.conus_roi_create(out, voxels, options)
+    else:
+        status = lib.conus_roi_load(out, path_of("roi", source), options)
+    region = owned(out[0], lib.conus_roi_destroy)
+    state.check(status)
+    return region
+
+
 # ---- Callbacks -----------------------------------------------------------------------------------------------------
 
 
@@ -568,6 +586,28 @@ class Selector:
         jitter = Jitter(self.atlas, out[0])
         self._warn_of(aim, opening)
         return jitter
+
+    def overlap(self, roi: Any, threshold: float = 0, *, max_memory: int = 0) -> Overlap:
+        """Which objects a region of interest covers: ``conus overlap``.
+
+        Parameters
+        ----------
+        roi
+            A path, a nibabel image, or (array, affine), in the atlas's space.
+        threshold
+            From which value on a voxel belongs to the region; of a negative one, down from it. 0 = all but 0, of
+            masks only.
+        max_memory
+            Largest file and volume in bytes; 0 = 8 GiB.
+
+        Returns
+        -------
+        Overlap
+            The largest volume first.
+        """
+        region, out = _region(roi, threshold, whole("max_memory", max_memory)), ffi.new("conus_overlap **")
+        self._call(lib.conus_overlap_create, out, self._p, region)
+        return Overlap(self.atlas, out[0])
 
     def select_many(
         self,
@@ -901,6 +941,10 @@ class Atlas:
             origin, toward=toward, direction=direction, up=up, pose=pose, angle=angle, degrees=degrees, mm=mm,
             samples=samples,
         )
+
+    def overlap(self, roi: Any, threshold: float = 0, *, max_memory: int = 0, **options: Any) -> Overlap:
+        """Which objects a region of interest covers: see :meth:`Selector.overlap`."""
+        return self._selector(options).overlap(roi, threshold, max_memory=max_memory)
 
 
 # ---- Pickling ------------------------------------------------------------------------------------------------------

@@ -185,4 +185,5 @@ def array_of(pointer: Any, count: int, dtype: np.dtype[Any]) -> np.ndarray[Any, 
 RESULT = dtype_of("conus_result")
 ADMISSION = dtype_of("conus_admission")
 CHANCE = dtype_of("conus_chance")
+COVERAGE = dtype_of("conus_coverage")
 STEP = dtype_of("conus_step")

@@ -69,6 +69,7 @@ void report_clear(conus_report *report)
     for (size_t i = 0; i < report->query_count; i++) {
         memory_free(report->queries[i].id);
         memory_free(report->queries[i].error);
+        memory_free(report->queries[i].roi.path);
     }
     report->query_count = 0;
     report->row_count = 0;
@@ -162,7 +163,8 @@ conus_status conus_report_add(conus_report *report, const char *query_id, const 
     bool is_ball = selection->region.shape == REGION_BALL;
     struct report_query query = {
         .cone = selection->cone, .step = selection->step, .ball = is_ball ? selection->region.radius : 0};
-    if (report->options.rows == CONUS_ROWS_ADMISSIONS || report->options.rows == CONUS_ROWS_CHANCES) {
+    if (report->options.rows != CONUS_ROWS_ANSWERS && report->options.rows != CONUS_ROWS_SHARES &&
+        report->options.rows != CONUS_ROWS_SUMMARIES) {
         return refuse_rows("an answer");
     }
     for (size_t i = 0; i < statistics->count; i++) {
@@ -200,6 +202,31 @@ conus_status conus_report_add_jitter(conus_report *report, const char *query_id,
     conus_status status = report_append(&rows, report, query_id, &query, jitter->count);
     for (size_t i = 0; !status && i < jitter->count; i++) {
         rows[i].chance = jitter->rows[i];
+    }
+    return status;
+}
+
+conus_status conus_report_add_overlap(conus_report *report, const char *query_id, const conus_overlap *overlap)
+{
+    struct report_row *rows;
+    struct report_query query = {.roi = {.path = memory_text(overlap->path, strlen(overlap->path)),
+                                         .volume = overlap->volume,
+                                         .threshold = overlap->threshold,
+                                         .volume_mm3 = overlap->volume_mm3}};
+    memcpy(query.roi.sha256, overlap->sha256, sizeof query.roi.sha256);
+    memcpy(query.roi.parts, overlap->parts, sizeof query.roi.parts);
+    conus_status status = report->options.rows != CONUS_ROWS_COVERAGES ? refuse_rows("an overlap")
+                          : query.roi.path                             ? CONUS_OK
+                                                                       : CONUS_ERROR_MEMORY;
+    status = status ? status : append_query(report, query_id, &query);
+    if (status) {
+        memory_free(query.roi.path);
+        return status;
+    }
+    report->queries[report->query_count - 1].first_row = report->row_count;
+    status = append_rows(&rows, report, overlap->count);
+    for (size_t i = 0; !status && i < overlap->count; i++) {
+        rows[i].coverage = overlap->rows[i];
     }
     return status;
 }

@@ -7,7 +7,18 @@
 #include "base/text.h"
 #include "selection/selector.h"
 #include "selection/study/jitter.h"
+#include "selection/study/overlap.h"
 #include "selection/study/sweep.h"
+
+/** The region of interest of a query. */
+struct report_roi {
+    char *path; /**< Owned; NULL of another query. */
+    char sha256[65];
+    size_t volume;    /**< Of a 4-D file, from 0.               */
+    double threshold; /**< 0 of a mask.                         */
+    double volume_mm3;
+    size_t parts[3];
+};
 
 /** One result of one query: which of them, options.rows says; kind and object begin all of them. */
 struct report_row {
@@ -16,6 +27,7 @@ struct report_row {
         conus_result result;
         conus_admission admission;
         conus_chance chance;
+        conus_coverage coverage;
     };
 };
 
@@ -27,6 +39,7 @@ struct report_query {
     double ball;                 /**< Radius of a ball around the cone's origin; 0 of a cone. */
     conus_step step;             /**< In a report on a track. */
     conus_jitter_options jitter; /**< Of chances. */
+    struct report_roi roi;       /**< Of coverages. */
     size_t first_row;
 };
 

@@ -202,6 +202,24 @@ static const struct report_column chance_columns[] = {
     {"error_mm", "mm", "standard deviation of the position, along each of three axes", OF_QUERY(NUMBER, jitter.shift)},
 };
 
+/* ---- Coverages: behind the common ones ---- */
+
+static struct cell get_coverage_rank(const conus_report *report, const struct report_row *row)
+{
+    return row->coverage.object ? get_place(report, row) : no_cell();
+}
+
+static const struct report_column coverage_columns[] = {
+    {"rank", NULL, "1 has the largest volume", .get = get_coverage_rank},
+    {"volume_mm3", "mm^3", "volume of the part of it that is in the region", OF_ROW(NUMBER, coverage.volume)},
+    {"fraction", NULL, "that part of the area or pathway, 0 to 1", OF_ROW(NUMBER, coverage.fraction)},
+    {"region_fraction", NULL, "that part of the region, 0 to 1", OF_ROW(NUMBER, coverage.roi_fraction)},
+    {"peak", NULL, "the region's value farthest from 0 there", OF_ROW(NUMBER, coverage.peak)},
+    {"peak_x", "mm", "centre of the voxel that has it, x", OF_ROW(X, coverage.peak_point)},
+    {"peak_y", "mm", "the same, y", OF_ROW(Y, coverage.peak_point)},
+    {"peak_z", "mm", "the same, z", OF_ROW(Z, coverage.peak_point)},
+};
+
 /* ---- Summaries: one row per answer, with the best, the next, and by how much it is behind ---- */
 
 static const char *const summary_common[] = {"query", "kind", "index", "name", "share", "score", "distance_mm"};
@@ -335,6 +353,10 @@ void report_list_columns(struct report_columns *out, const conus_report *report)
     case CONUS_ROWS_ADMISSIONS:
         list_named(out, study_common, COUNT_OF(study_common));
         list_table(out, admission_columns, COUNT_OF(admission_columns), true);
+        break;
+    case CONUS_ROWS_COVERAGES:
+        list_named(out, study_common, COUNT_OF(study_common));
+        list_table(out, coverage_columns, COUNT_OF(coverage_columns), true);
         break;
     case CONUS_ROWS_CHANCES:
         list_named(out, study_common, COUNT_OF(study_common));

@@ -98,8 +98,21 @@ static json_t *json_from_matrix(const double m[16])
     return whole_or_null(rows, whole);
 }
 
+static json_t *json_from_roi(const struct report_query *query)
+{
+    const struct report_roi *roi = &query->roi;
+    json_t *entry = json_pack("{s: o, s: o, s: s, s: I, s: f, s: [I, I, I]}", "query", json_from_text(query->id),
+                              "path", json_from_text(roi->path), "sha256", roi->sha256, "volume",
+                              (json_int_t)roi->volume, "volume_mm3", roi->volume_mm3, "parts",
+                              (json_int_t)roi->parts[0], (json_int_t)roi->parts[1], (json_int_t)roi->parts[2]);
+    return whole_or_null(entry, roi->threshold == 0 || put_value(entry, "threshold", json_real(roi->threshold)));
+}
+
 static json_t *json_from_query(const struct report_query *query)
 {
+    if (query->roi.path) {
+        return json_from_roi(query);
+    }
     if (query->error) {
         return json_pack("{s: o, s: o}", "query", json_from_text(query->id), "error", json_from_text(query->error));
     }
@@ -232,8 +245,19 @@ static json_t *json_from_level_areas(const conus_report *report)
     return whole_or_null(labels, whole);
 }
 
+/* As what areas are reported, unless as themselves. */
+static bool add_level(json_t *settings, const conus_report *report)
+{
+    bool whole = !report->level || put_value(settings, "level", json_from_text(report->level));
+    return (!report->level_area_count || put_value(settings, "level_areas", json_from_level_areas(report))) && whole;
+}
+
 static json_t *json_from_settings(const conus_report *report)
 {
+    if (report->options.rows == CONUS_ROWS_COVERAGES) { /* which have no rays */
+        json_t *level = json_object();
+        return whole_or_null(level, add_level(level, report));
+    }
     const conus_selector_options *options = &report->selector;
     json_t *settings = json_pack(
         "{s: s, s: s, s: i, s: s, s: s}", "engine", report->engine, "sampling",
@@ -249,8 +273,7 @@ static json_t *json_from_settings(const conus_report *report)
              put_value(settings, "range_mm", json_pack("[f, f]", options->range[0], options->range[1])));
     bool tells = options->radius == 0 && (report->is_begun || !report->query_count); /* no query tells it (Eq. 15) */
     whole = (!tells || put_value(settings, "spread", json_string("even beyond 120 degrees"))) && whole;
-    whole = (!report->level || put_value(settings, "level", json_from_text(report->level))) && whole;
-    whole = (!report->level_area_count || put_value(settings, "level_areas", json_from_level_areas(report))) && whole;
+    whole = add_level(settings, report) && whole;
     return whole_or_null(settings, whole && add_track(settings, report->options.tracker));
 }
 

@@ -22,7 +22,9 @@ static table_writer *table_of(const conus_report *report)
     if (report->options.tracker) {
         return report_write_track;
     }
-    return report->options.rows == CONUS_ROWS_ANSWERS ? report_write_table : report_write_sweep;
+    return report->options.rows == CONUS_ROWS_ANSWERS     ? report_write_table
+           : report->options.rows == CONUS_ROWS_COVERAGES ? report_write_overlap
+                                                          : report_write_sweep;
 }
 
 conus_status report_write_part(struct buffer *out, const conus_report *report)

@@ -13,9 +13,10 @@ void report_write_names(struct buffer *out, const conus_report *report);
 void report_write_rows(struct buffer *out, const conus_report *report);
 
 /* Tables for people. */
-void report_write_table(struct buffer *out, const conus_report *report); /**< Of answers.          */
-void report_write_track(struct buffer *out, const conus_report *report); /**< Of a track.          */
-void report_write_sweep(struct buffer *out, const conus_report *report); /**< Of all other rows.   */
+void report_write_table(struct buffer *out, const conus_report *report);   /**< Of answers.          */
+void report_write_track(struct buffer *out, const conus_report *report);   /**< Of a track.          */
+void report_write_overlap(struct buffer *out, const conus_report *report); /**< Of coverages.        */
+void report_write_sweep(struct buffer *out, const conus_report *report);   /**< Of all other rows.   */
 
 /* report_json.c */
 conus_status report_write_json(struct buffer *out, const conus_report *report);

@@ -76,7 +76,7 @@ LIBRARY = {
     " selection/engine/triangles",
     "selection/measure": "base atlas/surface atlas selection/cone selection/evidence",
     "selection": "base atlas atlas/areas selection/evidence selection/engine selection/measure",
-    "selection/study": "base atlas selection/cone selection/measure selection",
+    "selection/study": "base atlas/surface atlas selection/cone selection/measure selection",
     "selection/picture": "base render/image render/colour render/flat selection",
     "selection/report": "base atlas poses/programs selection selection/study",
     "selection/batch": "base atlas poses selection/engine/voxels selection selection/study selection/report",

@@ -55,7 +55,7 @@ section() {
 }
 
 @test "every option of the help is in the page, and the other way round" {
-    for command in query track sweep info render view mesh manifest phantom diff; do
+    for command in query track sweep overlap info render view mesh manifest phantom diff; do
         [ $command != view ] || [ -x "${CONUS%/*}/conus-view" ] || continue
         section $command | grep -oE '`--[a-z-]+' | tr -d '`' >said
         conus $command --help | grep -oE '^ +(-[a-z], )?--[a-z-]+' | grep -oE -- '--[a-z-]+' >there
@@ -69,7 +69,7 @@ section() {
 @test "the columns of the page are those of the TSV, in their order" {
     sphere --size 16
     conus query sphere.nii.gz --origin 0,0,90 --toward 0,0,0 --layers all --format tsv | head -1 | tr '\t' '\n' >there
-    awk '/^### Columns/ { on = 1 } /^## conus diff/ { on = 0 } on' "$DOCS" |
+    awk '/^### Columns/ { on = 1 } /^## / { on = 0 } on' "$DOCS" |
         sed -nE 's/^\| `([a-z0-9_]+)` .*/\1/p' >said
     diff there said
 }

@@ -28,6 +28,7 @@ SIZE(conus_mesh_options, 80);
 SIZE(conus_phantom_options, 56);
 SIZE(conus_manifest_options, 32);
 SIZE(conus_catalogue_options, 24);
+SIZE(conus_roi_options, 40);
 
 SIZE(conus_voxels, 216);
 SIZE(conus_create_options, 32);
@@ -50,6 +51,7 @@ SIZE(conus_score_info, 24);
 SIZE(conus_step, 16);
 SIZE(conus_admission, 64);
 SIZE(conus_chance, 64);
+SIZE(conus_coverage, 64);
 SIZE(conus_grid_view, 184);
 SIZE(conus_batch_block, 32);
 SIZE(conus_answers, 40);

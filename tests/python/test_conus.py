@@ -145,6 +145,33 @@ def test_sweep_and_jitter_are_those_of_the_program():
 
 
 @needs_aal
+def test_overlap_is_that_of_the_program(tmp_path):
+    random = np.random.default_rng(2)
+    path = tmp_path / "map.nii"
+    image = nibabel.Nifti1Image(random.normal(size=(30, 40, 30)).astype("f4"), np.diag([3.0, 3, 3, 1]))
+    image.to_filename(path)
+    atlas = conus.load(AAL)
+    frame = atlas.overlap(path, 1.5).to_dataframe()
+    assert_rows_of_the_program(frame, run_conus("overlap", AAL, str(path), "--threshold=1.5", "--format=tsv", "--quiet"))
+    for roi in (image, (image.get_fdata(dtype="f4"), image.affine)):
+        assert same(atlas.overlap(roi, threshold=1.5).records, atlas.overlap(path, 1.5).records)
+
+
+def test_overlap_of_plates(atlas):
+    """Half of the left plate, 5 of its 10 layers of 30 x 30 voxels of 8 mm^3."""
+    mask = np.zeros((40, 30, 30), "u1")
+    mask[:5] = 1
+    overlap = atlas.overlap((mask, AFFINE))
+    assert len(overlap) == 1
+    record = overlap.records[0]
+    assert (record["volume"], record["fraction"], record["roi_fraction"]) == (36000, 0.5, 1)
+    for roi, threshold, error in (((mask, AFFINE, 3), 0, conus.ArgumentError), ((mask, AFFINE), 2, conus.ArgumentError),
+                                  ((0 * mask, AFFINE), 0, conus.DataError), ("nothing.nii", 0, conus.FileError)):
+        with pytest.raises(error):
+            atlas.overlap(roi, threshold)
+
+
+@needs_aal
 def test_ten_lines_of_the_documents_draw_a_figure(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("MPLBACKEND", "agg")

@@ -1,0 +1,245 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* conus overlap: which areas and pathways regions of interest cover. */
+#include "cli/answers/answer_format.h"
+#include "cli/commands.h"
+#include "common/messages.h"
+#include "common/output.h"
+#include "settings/atlas_input.h"
+#include "settings/atlas_notes.h"
+
+#include <stdlib.h>
+
+struct overlap_settings {
+    struct atlas_settings atlas;
+    struct common_settings common;
+    struct answer_settings answer;
+    double threshold;
+    struct engine_settings engine; /* level only */
+    size_t space;                  /* conus_space */
+};
+
+#define FIELD(member) offsetof(struct overlap_settings, member)
+
+static const char *const spaces[] = {"ras", "lps", NULL};
+
+static const struct option region_options[] = {
+    {.name = "threshold",
+     .type = OPTION_NUMBER,
+     .offset = FIELD(threshold),
+     .value = "T",
+     .help = "voxels with values of at least T belong to the region; of a negative T, those with values of at most T "
+             "(default, of masks only: all voxels that are not 0)"},
+    {.name = "space",
+     .type = OPTION_CHOICE,
+     .offset = FIELD(space),
+     .value = "NAME",
+     .help = "directions in which the reported x, y and z grow: right, anterior, superior (ras) or left, posterior, "
+             "superior (lps):",
+     .choices = spaces},
+    {0},
+};
+
+static const struct option level_options[] = {
+    {.name = "level",
+     .type = OPTION_TEXT,
+     .offset = FIELD(engine.level),
+     .value = "LEVEL",
+     .help = "report areas at this depth of the area tree (1 = its roots), or as these areas: names, @FILE"},
+    {0},
+};
+
+static const struct option_group groups[] = {
+    {"What the region is", region_options, 0},
+    {"What it may cover", atlas_options, FIELD(atlas)},
+    {"", shown_options, FIELD(atlas)},
+    {"", level_options, 0},
+    {"What is written", format_options, FIELD(answer)},
+    {"", answer_output_options, FIELD(answer)},
+    {"", quiet_options, FIELD(common)},
+    {0},
+};
+
+/* An overlap under way. */
+struct overlap {
+    const struct overlap_settings *settings;
+    const struct arguments *arguments;
+    conus_format format;
+    char *command_line;
+    char *sidecar; /* path; NULL = none */
+    conus_atlas *atlas;
+    conus_selector *selector;
+    conus_report *report;
+};
+
+static void overlap_finish(struct overlap *overlap)
+{
+    conus_report_destroy(overlap->report);
+    conus_selector_destroy(overlap->selector);
+    conus_atlas_destroy(overlap->atlas);
+    free(overlap->command_line);
+    free(overlap->sidecar);
+}
+
+/* ---- Regions ---------------------------------------------------------------------------------------------------- */
+
+static size_t region_count(const struct overlap *overlap)
+{
+    return overlap->arguments->more.count + 1;
+}
+
+static const char *region_path(const struct overlap *overlap, size_t index)
+{
+    return index ? overlap->arguments->more.items[index - 1] : overlap->arguments->operands[1];
+}
+
+/* The code of the space that the areas' voxels are in; 0 = unknown. */
+static int space_of_atlas(const conus_atlas *atlas)
+{
+    const conus_volume_info *info = conus_atlas_volume(atlas, 0);
+    return info && info->role != CONUS_ROLE_CONTEXT ? info->space_code : 0;
+}
+
+/* What a careful user should know about where a region lies. */
+static void say_place(const struct overlap *overlap, const conus_roi *roi, const conus_overlap *coverages)
+{
+    const conus_volume_info *info = conus_roi_volume(roi);
+    const conus_coverage *best = conus_overlap_coverage(coverages, 0);
+    int space = space_of_atlas(overlap->atlas);
+    if (overlap->settings->common.quiet) {
+        return;
+    }
+    if (!best->object) {
+        print_error_line("note: %s: covers no area and no pathway; are it and the atlas in one space?", info->path);
+    }
+    if (space && info->space_code && space != info->space_code) {
+        print_error_line("note: %s: its header names another space (%s) than the atlas's (%s)", info->path,
+                         info->transform, conus_atlas_volume(overlap->atlas, 0)->transform);
+    }
+}
+
+/* Whether no output is the region's file. */
+static bool check_region(const struct overlap *overlap, const conus_roi *roi)
+{
+    const char *output = overlap->settings->answer.output;
+    const char *const outputs[] = {output_is_stdout(output) ? NULL : output, overlap->sidecar};
+    for (size_t i = 0; i < 2; i++) {
+        if (outputs[i] && paths_equal(outputs[i], conus_roi_volume(roi)->path)) {
+            print_error_line("--output would overwrite the region %s", outputs[i]);
+            return false;
+        }
+    }
+    return true;
+}
+
+static int add_region(struct overlap *overlap, const char *path)
+{
+    const struct overlap_settings *settings = overlap->settings;
+    const conus_roi_options options = {.threshold = settings->threshold,
+                                       .max_memory = settings->atlas.max_memory,
+                                       .log = settings->common.quiet ? NULL : log_note};
+    conus_roi *roi = NULL;
+    conus_overlap *coverages = NULL;
+    conus_status status = conus_roi_load(&roi, path, &options);
+    if (!status && !check_region(overlap, roi)) {
+        conus_roi_destroy(roi);
+        return EXIT_USAGE;
+    }
+    status = status ? status : conus_overlap_create(&coverages, overlap->selector, roi);
+    status = status ? status : conus_report_add_overlap(overlap->report, path, coverages);
+    if (!status) {
+        say_place(overlap, roi, coverages);
+    }
+    conus_overlap_destroy(coverages);
+    conus_roi_destroy(roi);
+    return status ? print_status(status) : EXIT_DONE;
+}
+
+/* ---- Steps ------------------------------------------------------------------------------------------------------ */
+
+static int load_atlas(struct overlap *overlap)
+{
+    const struct overlap_settings *settings = overlap->settings;
+    int code = settings_load_atlas(&overlap->atlas, overlap->arguments->operands[0], &settings->atlas);
+    if (code) {
+        return code;
+    }
+    const conus_selector_options selector = {.level = settings->engine.level, .engine = CONUS_ENGINE_RAYS};
+    const conus_report_options report = {.rows = CONUS_ROWS_COVERAGES,
+                                         .format = overlap->format,
+                                         .space = (conus_space)settings->space,
+                                         .command = overlap->command_line,
+                                         .no_voxels = true};
+    conus_status status = conus_selector_create(&overlap->selector, overlap->atlas, &selector);
+    status = status ? status : conus_report_create(&overlap->report, overlap->selector, &report);
+    return status ? print_status(status) : EXIT_DONE;
+}
+
+/* Whether no output is a file that is read. */
+static bool check_output(const struct overlap *overlap, const char *path)
+{
+    const struct input inputs[] = {{"the atlas", overlap->arguments->operands[0]},
+                                   {"the label table", overlap->settings->atlas.labels},
+                                   {"the list of areas", settings_level_file(&overlap->settings->engine)},
+                                   {0}};
+    const char *input = path ? settings_input(overlap->atlas, inputs, path) : NULL;
+    if (input) {
+        print_error_line("--output would overwrite %s %s", input, path);
+    }
+    return !input;
+}
+
+static int answer(struct overlap *overlap)
+{
+    const char *output = overlap->settings->answer.output;
+    int code = load_atlas(overlap);
+    if (!code && (!check_output(overlap, output_is_stdout(output) ? NULL : output) ||
+                  !check_output(overlap, overlap->sidecar))) {
+        return EXIT_USAGE;
+    }
+    for (size_t i = 0; !code && i < region_count(overlap); i++) {
+        code = add_region(overlap, region_path(overlap, i));
+    }
+    if (code) {
+        return code;
+    }
+    settings_say_notes(overlap->atlas, &overlap->settings->common);
+    code = answer_write_sidecar(overlap->report, overlap->sidecar);
+    return code ? code : answer_write(overlap->report, output);
+}
+
+static int run_overlap(const void *given, const struct arguments *arguments)
+{
+    const struct overlap_settings *settings = given;
+    struct overlap overlap = {.settings = settings, .arguments = arguments};
+    if (option_given(arguments, "threshold") && settings->threshold == 0) {
+        return print_usage_error("--threshold: 0 would take the whole volume; leave it out for a mask");
+    }
+    if (!answer_format(&overlap.format, arguments, &settings->answer)) {
+        return EXIT_USAGE;
+    }
+    overlap.command_line = arguments_text(arguments);
+    int code = EXIT_DATA;
+    if (!overlap.command_line || !answer_sidecar(&overlap.sidecar, overlap.format, settings->answer.output)) {
+        print_error_line("not enough memory");
+    } else {
+        code = answer(&overlap);
+    }
+    overlap_finish(&overlap);
+    return code;
+}
+
+const struct command cmd_overlap = {
+    .name = "overlap",
+    .summary = "list the areas and pathways that a region of interest covers, with volumes and peaks",
+    .operands = {"ATLAS", "ROI"},
+    .repeats = true,
+    .description =
+        "ROI is a volume on a grid of its own, in the space of ATLAS: a mask (a lesion, a stimulated volume) or a\n"
+        "statistical map with --threshold. Reports for every area and pathway the volume that both have in common,\n"
+        "as a part of the area and of the region, and the region's peak there. Of several ROIs one after the other.",
+    .examples = "  conus overlap aal lesion.nii.gz\n"
+                "  conus overlap aal zstat1.nii.gz --threshold 3.1 -o overlap.tsv\n",
+    .groups = groups,
+    .settings_size = sizeof(struct overlap_settings),
+    .run = run_overlap,
+};

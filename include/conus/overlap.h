@@ -1,0 +1,142 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/**
+ * @file overlap.h
+ * Which areas and pathways a region of interest covers: a lesion, an activation, a tract's end (Eq. 16).
+ */
+#ifndef CONUS_PUBLIC_OVERLAP_H
+#define CONUS_PUBLIC_OVERLAP_H
+
+#include <conus/arrays.h>
+#include <conus/selection.h>
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct conus_roi conus_roi;         /**< A region of interest: a set of voxels of a volume. */
+typedef struct conus_overlap conus_overlap; /**< What a region of interest covers. */
+
+/** How a region of interest is read. */
+typedef struct conus_roi_options {
+    size_t struct_size;  /**< Its size, as #CONUS_ROI_OPTIONS_INIT sets it; 0 = that of this version. */
+    double threshold;    /**< Above 0: voxels with values at or above it are the region; below 0: those at or below it.
+                            0 = all but those of value 0, for a mask: a volume with one value beside 0. */
+    uint64_t max_memory; /**< As conus_load_options.max_memory; of arrays without meaning. */
+    conus_log log;       /**< As conus_load_options.log. */
+    void *log_user;      /**< Passed to @p log. */
+} conus_roi_options;
+
+/** The defaults, and the size of the struct that the caller was compiled with. */
+#define CONUS_ROI_OPTIONS_INIT CONUS_INIT_(conus_roi_options)
+
+/**
+ * Reads a region of interest. Values that are not finite belong to nothing.
+ * @param[out] out The region; end it with conus_roi_destroy().
+ * @param path The volume, as for conus_atlas_load().
+ * @param options NULL = defaults.
+ * @return #CONUS_OK; the errors of conus_atlas_load() about volumes; #CONUS_ERROR_ARGUMENT for a threshold that is not
+ * finite or that no voxel reaches, and where there is none though the volume is no mask; #CONUS_ERROR_DATA for a mask
+ * without voxels.
+ * @threads Any.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_roi_load(conus_roi **out, const char *path, const conus_roi_options *options);
+
+/**
+ * Makes a region of interest of voxels in memory.
+ * @param[out] out The region; end it with conus_roi_destroy().
+ * @param voxels Copied.
+ * @param options NULL = defaults.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a type or a dimension out of its range; else as conus_roi_load().
+ * @threads Any.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_roi_create(conus_roi **out, const conus_voxels *voxels,
+                                            const conus_roi_options *options);
+
+/**
+ * Ends a region of interest.
+ * @param roi NULL is allowed.
+ * @threads One at a time for each @p roi.
+ * @since 0.1
+ */
+CONUS_API void conus_roi_destroy(conus_roi *roi);
+
+/**
+ * Describes the volume of a region of interest.
+ * @param roi The region.
+ * @return Its threshold is the one that holds, 0 of a mask. Borrowed from the region.
+ * @threads Any: the object does not change.
+ * @since 0.1
+ */
+CONUS_API const conus_volume_info *conus_roi_volume(const conus_roi *roi);
+
+/**
+ * Counts the voxels of a region of interest.
+ * @param roi NULL counts 0.
+ * @return At least 1.
+ * @threads Any: the object does not change.
+ * @since 0.1
+ */
+CONUS_API uint64_t conus_roi_voxels(const conus_roi *roi);
+
+/** How much of an object a region of interest covers (Eq. 16). */
+typedef struct conus_coverage {
+    conus_kind kind;      /**< What it is; #CONUS_KIND_UNASSIGNED: what of the region is in no object. */
+    uint32_t object;      /**< Number in the atlas, as it is reported (level); 0 for #CONUS_KIND_UNASSIGNED. */
+    double volume;        /**< Of the part that is in both, mm³. */
+    double fraction;      /**< That part of the object, up to 1; NaN for #CONUS_KIND_UNASSIGNED. */
+    double roi_fraction;  /**< That part of the region. Areas and pathways may overlap: these need not sum to 1. */
+    double peak;          /**< Of the region's voxels that are in it at least in part: the value farthest from 0 on the
+                             threshold's side; of a mask its value. */
+    double peak_point[3]; /**< Centre of that voxel, world mm; of several the first in the file. */
+} conus_coverage;
+
+/**
+ * Finds which objects a region of interest covers. The selector's level holds; its angle, range and engine do not
+ * matter. Surfaces that are not closed have no inside and are left out.
+ * @param[out] out The overlap; end it with conus_overlap_destroy().
+ * @param selector The selector.
+ * @param roi In the space of the atlas; may end afterwards.
+ * @return #CONUS_OK; only #CONUS_ERROR_MEMORY is expected.
+ * @threads One at a time for each @p selector.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_overlap_create(conus_overlap **out, const conus_selector *selector,
+                                                const conus_roi *roi);
+
+/**
+ * Ends an overlap.
+ * @param overlap NULL is allowed.
+ * @threads One at a time for each @p overlap.
+ * @since 0.1
+ */
+CONUS_API void conus_overlap_destroy(conus_overlap *overlap);
+
+/**
+ * Counts the coverages. They are ordered by volume, the largest first, with that of unassigned last.
+ * @param overlap NULL counts 0.
+ * @return How many coverages there are.
+ * @threads Any: the object does not change.
+ * @since 0.1
+ */
+CONUS_API size_t conus_overlap_count(const conus_overlap *overlap);
+
+/**
+ * Gives coverage @p index.
+ * @param overlap The overlap.
+ * @param index From 0.
+ * @return NULL past the last. Borrowed from the overlap.
+ * @threads Any: the object does not change.
+ * @since 0.1
+ */
+CONUS_API const conus_coverage *conus_overlap_coverage(const conus_overlap *overlap, size_t index);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

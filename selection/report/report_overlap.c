@@ -1,0 +1,61 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The table for people of what regions of interest cover. */
+#include "selection/report/report_table.h"
+#include "selection/report/report_writers.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static void write_region(struct buffer *out, const struct report_query *query)
+{
+    char threshold[TEXT_NUMBER_SIZE];
+    const struct report_roi *roi = &query->roi;
+    buffer_format(out, "region %s: ", query->id);
+    if (roi->threshold == 0) {
+        buffer_text(out, "mask");
+    } else {
+        buffer_format(out, "values of %s and %s", text_number(threshold, roi->threshold),
+                      roi->threshold > 0 ? "more" : "less");
+    }
+    buffer_format(out, ", %.1f mm^3\n", roi->volume_mm3);
+}
+
+static void write_header(struct buffer *out, int width)
+{
+    static const char form[] = "%-*s  %10s  %11s  %9s  %9s  %10s  %26s\n";
+    buffer_format(out, form, width, "name", "label", "volume", "of area", "of region", "peak", "at x, y, z");
+    buffer_format(out, form, width, "", "", "mm^3", "%", "%", "", "mm");
+}
+
+static void write_coverage(struct buffer *out, const conus_report *report, const struct report_row *row, int width)
+{
+    char label[TABLE_LABEL_SIZE];
+    char fraction[16] = "";
+    double at[3];
+    const conus_coverage *coverage = &row->coverage;
+    memcpy(at, coverage->peak_point, sizeof at);
+    report_point(report, at);
+    if (isfinite(coverage->fraction)) {
+        snprintf(fraction, sizeof fraction, "%.2f", 100 * coverage->fraction);
+    }
+    table_write_name(out, coverage->object ? table_name(report, coverage->object) : "(in no area)", width);
+    buffer_format(out, "  %10s  %11.1f  %9s  %9.2f  %10.5g  %8.2f %8.2f %8.2f\n",
+                  table_label(label, report, coverage->object), coverage->volume, fraction,
+                  100 * coverage->roi_fraction, coverage->peak, at[0], at[1], at[2]);
+}
+
+void report_write_overlap(struct buffer *out, const conus_report *report)
+{
+    int width = table_name_width(report);
+    size_t row = 0;
+    for (size_t i = 0; i < report->query_count; i++) {
+        write_region(out, &report->queries[i]);
+        write_header(out, width);
+        for (; row < report->row_count && report->rows[row].query == i; row++) {
+            write_coverage(out, report, &report->rows[row], width);
+        }
+        buffer_text(out, i + 1 < report->query_count ? "\n" : "");
+    }
+    table_write_sources(out, report);
+}

@@ -1,0 +1,75 @@
+#!/usr/bin/env bats
+# conus overlap: what regions of interest cover.
+
+load helpers
+
+# An atlas, and the mask of the voxels in a cone into it.
+scene() {
+    conus phantom nested -o .
+    conus query nested.nii.gz --origin 0,-100,0 --toward 0,0,10 --angle 20 --layers all --mask cone.nii.gz \
+        -o query.tsv
+}
+
+@test "the mask of a cone covers what the cone's census counts" {
+    scene
+    answers overlap nested.nii.gz cone.nii.gz --format tsv
+    has $'query\tkind\tindex\tname\tabbreviation\trank\tvolume_mm3\tfraction\tregion_fraction\tpeak\tpeak_x\tpeak_y\tpeak_z'
+    for label in 1 300 4000000001; do
+        wanted=$(awk -F'\t' -v label=$label 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i }
+            $at["index"] == label { print $at["volume_mm3"], $at["fraction"] }' query.tsv)
+        [ "$(awk -F'\t' -v label=$label '$3 == label { print $7, $8 }' <<<"$output")" = "$wanted" ]
+    done
+    awk -F'\t' 'NR > 1 { sum += $9 } END { exit (sum - 1) ^ 2 > 1e-12 }' <<<"$output"
+}
+
+@test "several regions are answered one after the other, and the sidecar names them" {
+    scene
+    answers overlap nested.nii.gz cone.nii.gz cone.nii.gz -o both.tsv
+    [ "$(grep -c ^cone both.tsv)" -eq $(($(grep -c area both.tsv))) ]
+    [ "$(wc -l <both.tsv)" -eq 7 ]
+    [ "$(jq -r '.Queries | length' both.json)" -eq 2 ]
+    [ "$(jq -r '.Queries[0].sha256' both.json)" = "$(sha256sum cone.nii.gz | cut -d ' ' -f 1)" ]
+    [ "$(jq -r '.Queries[0].threshold' both.json)" = null ]
+    [ "$(jq -r '.Settings | has("engine")' both.json)" = false ]
+    answers overlap nested.nii.gz cone.nii.gz --threshold 1 --format json
+    [ "$(jq -r '.Queries[0].threshold == 1' <<<"$output")" = true ]
+    [ "$(jq -r '.Rows | length' <<<"$output")" -eq 3 ]
+}
+
+@test "spaces, hidden areas and levels hold" {
+    scene
+    answers overlap nested.nii.gz cone.nii.gz --format tsv
+    y=$(cell peak_y 1)
+    core=$(cell volume_mm3 3)
+    answers overlap nested.nii.gz cone.nii.gz --format tsv --space lps
+    [ "$(cell peak_y 1)" = "-$y" ]
+    answers overlap nested.nii.gz cone.nii.gz --format tsv --hide Core
+    [ "$(cell kind 3)" = unassigned ]
+    [ "$(cell volume_mm3 3)" = "$core" ]
+    [ "$(cell rank 3)" = n/a ]
+    fails 2 "no area tree" overlap nested.nii.gz cone.nii.gz --level 1
+}
+
+@test "a region that covers nothing is said" {
+    scene
+    conus query nested.nii.gz --origin 0,-100,20 --direction 0,1,0 --radius 1 --layers all --mask rim.nii.gz -o along.tsv
+    run -0 --separate-stderr "$CONUS" overlap nested.nii.gz rim.nii.gz --only Core --format tsv
+    check_message "rim.nii.gz: covers no area and no pathway"
+    run --separate-stderr "$CONUS" overlap nested.nii.gz rim.nii.gz --only Core --format tsv --quiet
+    [ -z "$stderr" ]
+    [ "${#lines[@]}" -eq 2 ]
+    [ "$(cell region_fraction 1)" = 1 ]
+}
+
+@test "what is no region, and what would be overwritten, is refused" {
+    scene
+    fails 3 "cannot open" overlap nested.nii.gz nothing.nii.gz
+    fails 2 "is no mask: a threshold is needed" overlap cone.nii.gz nested.nii.gz
+    fails 2 "threshold 5000000000, but its values are from 0 to 4000000001" \
+        overlap cone.nii.gz nested.nii.gz --threshold 5e9
+    fails 2 "would take the whole volume" overlap nested.nii.gz cone.nii.gz --threshold 0
+    fails 2 "would overwrite the region cone.nii.gz" overlap nested.nii.gz cone.nii.gz --format tsv -o cone.nii.gz
+    fails 2 "would overwrite the atlas" overlap nested.nii.gz cone.nii.gz --format tsv -o nested.nii.gz
+    fails 2 "ROI is missing" overlap nested.nii.gz
+    fails 3 "is a folder" overlap nested.nii.gz .
+}
