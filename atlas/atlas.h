@@ -34,7 +34,9 @@ struct conus_atlas {
     uint32_t half_step; /**< The labels of left halves are their areas' and this, those of right ones twice it;
                            0 = no area is cut in halves.                                       */
     bool has_safe_colours;
-    char *path; /**< As it was asked for; NULL = it was not loaded. */
+    bool is_moved;             /**< By atlas_move().                                                  */
+    double own_from_world[16]; /**< Then: from where it is to where its files have it.                  */
+    char *path;                /**< As it was asked for; NULL = it was not loaded. */
     char *label_source;
     struct file_sums files; /**< Of which it is made, other than those of its volumes: a manifest first.   */
     char *transfer; /**< Transfer function of the context: a preset's name or a file; NULL = the default.       */

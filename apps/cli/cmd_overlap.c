@@ -92,11 +92,10 @@ static const char *region_path(const struct overlap *overlap, size_t index)
     return index ? overlap->arguments->more.items[index - 1] : overlap->arguments->operands[1];
 }
 
-/* The code of the space that the areas' voxels are in; 0 = unknown. */
-static int space_of_atlas(const conus_atlas *atlas)
+/* Whether a header names its space. 0 is unknown, and 2, "aligned to another", says not to what. */
+static bool is_named(const conus_volume_info *info)
 {
-    const conus_volume_info *info = conus_atlas_volume(atlas, 0);
-    return info && info->role != CONUS_ROLE_CONTEXT ? info->space_code : 0;
+    return info && info->space_code != 0 && info->space_code != 2;
 }
 
 /* What a careful user should know about where a region lies. */
@@ -104,16 +103,16 @@ static void say_place(const struct overlap *overlap, const conus_roi *roi, const
 {
     const conus_volume_info *info = conus_roi_volume(roi);
     const conus_coverage *best = conus_overlap_coverage(coverages, 0);
-    int space = space_of_atlas(overlap->atlas);
+    const conus_volume_info *atlas = conus_atlas_volume(overlap->atlas, 0);
     if (overlap->settings->common.quiet) {
         return;
     }
     if (!best->object) {
         print_error_line("note: %s: covers no area and no pathway; are it and the atlas in one space?", info->path);
     }
-    if (space && info->space_code && space != info->space_code) {
+    if (is_named(info) && is_named(atlas) && info->space_code != atlas->space_code) {
         print_error_line("note: %s: its header names another space (%s) than the atlas's (%s)", info->path,
-                         info->transform, conus_atlas_volume(overlap->atlas, 0)->transform);
+                         info->transform, atlas->transform);
     }
 }
 

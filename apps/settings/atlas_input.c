@@ -6,6 +6,7 @@
 #include "common/output.h"
 #include "settings/atlas_name.h"
 #include "settings/pathway_option.h"
+#include "settings/transform_option.h"
 
 #include <limits.h>
 #include <stdint.h>
@@ -123,7 +124,8 @@ static int load_named(conus_atlas **out, const struct atlas_name *name, const st
         conus_atlas_destroy(atlas);
         return status == CONUS_ERROR_CANCELLED ? EXIT_DATA : print_status(status);
     }
-    int code = add_pathways(atlas, pathways, &progress);
+    int code = transform_options_apply(atlas, &settings->transforms);
+    code = code ? code : add_pathways(atlas, pathways, &progress);
     code = code || !(settings->only.count + settings->hide.count) ? code : show_objects(atlas, settings);
     if (code) {
         conus_atlas_destroy(atlas);

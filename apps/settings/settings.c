@@ -64,6 +64,13 @@ const struct option atlas_options[] = {
      .help =
          "cut areas of both sides in two at x = 0 (split), or report left and right areas of one name as one (merged):",
      .choices = hemispheres},
+    {.name = "atlas-transform",
+     .type = OPTION_LIST,
+     .offset = FIELD(atlas_settings, transforms),
+     .value = "FILE[,from=IMAGE,to=IMAGE][,inverse]",
+     .help =
+         "bring the atlas to the poses: an affine from their space to the atlas's (ITK, FreeSurfer, MNI, 4 x 4; FSL's "
+         "with its two images); inverse: one from the atlas; may be repeated, points go through the first one first"},
     {.name = "max-memory",
      .type = OPTION_BYTES,
      .offset = FIELD(atlas_settings, max_memory),

@@ -17,6 +17,7 @@ struct atlas_settings {
     struct option_list pathways;
     size_t hemispheres; /* conus_hemispheres */
     struct option_list only, hide;
+    struct option_list transforms;
     uint64_t max_memory;
     conus_load_progress progress; /* no option: of programs that show it */
     void *progress_user;

@@ -152,6 +152,46 @@ typedef struct conus_context_options {
 CONUS_CHECKED conus_status conus_atlas_set_context(conus_atlas *atlas, const char *path,
                                                    const conus_context_options *options);
 
+/** How conus_atlas_transform() reads. */
+typedef struct conus_transform_options {
+    size_t struct_size; /**< Its size, as #CONUS_TRANSFORM_OPTIONS_INIT sets it; 0 = that of this version. */
+    const char *from;   /**< Of FSL's matrices: path of the image whose points it moves; NULL otherwise. */
+    const char *to;     /**< Of FSL's matrices: path of the image to which it moves them; NULL otherwise. */
+    bool inverse;       /**< The file moves points of the atlas to where poses are. */
+} conus_transform_options;
+
+/** The defaults, and the size of the struct that the caller was compiled with. */
+#define CONUS_TRANSFORM_OPTIONS_INIT CONUS_INIT_(conus_transform_options)
+
+/**
+ * Brings the atlas to where poses are, by an affine that moves points from there to the atlas (ITK's text or .mat,
+ * FreeSurfer's .lta, the MNI's .xfm, FSL's matrix, or 4 x 4 numbers of RAS mm): matrices of voxels are composed,
+ * exactly, and vertices are moved. All that the atlas has moves with it, its context too; what is added later does not.
+ * Lengths and volumes are then those where poses are. Before a selector or renderer is made;
+ * conus_atlas_set_hemispheres() comes before, since it takes x = 0 for the midline. Of several transforms, which points
+ * go through one after the other, the last one is given first.
+ * @param atlas The atlas; unchanged on failure.
+ * @param path The file.
+ * @param options NULL = defaults.
+ * @return #CONUS_OK; #CONUS_ERROR_IO or #CONUS_ERROR_DATA where the file cannot be read or is damaged, and for a matrix
+ * that cannot be inverted; #CONUS_ERROR_UNSUPPORTED for a warp or another kind of transform; #CONUS_ERROR_ARGUMENT for
+ * an FSL matrix without its images, and for images with another file.
+ * @threads One at a time, while no other thread uses the atlas.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_atlas_transform(conus_atlas *atlas, const char *path,
+                                                 const conus_transform_options *options);
+
+/**
+ * Does the same by a matrix in memory.
+ * @param atlas The atlas; unchanged on failure.
+ * @param atlas_from_world Moves points from where poses are to the atlas.
+ * @return #CONUS_OK; #CONUS_ERROR_DATA for a matrix that cannot be inverted.
+ * @threads One at a time, while no other thread uses the atlas.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_atlas_move(conus_atlas *atlas, const double atlas_from_world[16]);
+
 /** How an atlas has left and right areas. */
 typedef enum conus_hemispheres {
     CONUS_HEMISPHERES_AS_IS = 0, /**< As the label table has them. */

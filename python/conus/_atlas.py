@@ -196,6 +196,7 @@ def load(
     only: Optional[str] = None,
     hide: Optional[str] = None,
     labels_anyway: bool = False,
+    transforms: Iterable[Any] = (),
     max_memory: int = 0,
     progress: LoadProgress = None,
 ) -> Atlas:
@@ -224,6 +225,11 @@ def load(
         Lists of names, separated by commas: all else, or these, are as if they had never been loaded.
     labels_anyway
         Each value is a label, even where the values look like those of an image.
+    transforms
+        Affines that bring the atlas to the poses: each moves points from where poses are towards the atlas, the
+        first one first. Paths (ITK, FreeSurfer, MNI, 4 x 4 numbers), (4, 4) arrays of RAS mm, or dictionaries with
+        "file" and "inverse": True, or for FSL's matrices "from" and "to", the paths of their images. Pathways and
+        context are in the space of the poses.
     max_memory
         Largest file and volume, bytes; 0 = 8 GiB.
     progress
@@ -255,6 +261,10 @@ def load(
         raise ArgumentError(f"affine: a {type(source).__name__} needs one; only paths and images of nibabel do not")
     else:
         raw = _from_array(source, affine, labels, labels_anyway, "array", 0)
+    how = choice("hemispheres", hemispheres, ("as-is", "split", "merged"))
+    if how:
+        check(lib.conus_atlas_set_hemispheres(raw, how))
+    _move(raw, transforms)
     if isinstance(pathways, (str, bytes, os.PathLike)):
         raise ArgumentError("pathways: a path, wanted is a list")
     for pathway in pathways:
@@ -263,12 +273,34 @@ def load(
         raise ArgumentError("context_blocks: there is no context")
     if context is not None:
         _set_context(raw, context, context_blocks, max_memory)
-    how = choice("hemispheres", hemispheres, ("as-is", "split", "merged"))
-    if how:
-        check(lib.conus_atlas_set_hemispheres(raw, how))
     if only is not None or hide is not None:
         check(lib.conus_atlas_show(raw, optional(utf8, "only", only), optional(utf8, "hide", hide)))
     return Atlas(raw)
+
+
+def _transform(atlas: Any, given: Any) -> None:
+    if isinstance(given, (str, bytes, os.PathLike, Mapping)):
+        keys = dict(given) if isinstance(given, Mapping) else {"file": given}
+        options = ffi.new("conus_transform_options *")
+        path, inverse = path_of("transforms", keys.pop("file", None)), keys.pop("inverse", False)
+        images = [optional(path_of, "transforms", keys.pop(name, None)) for name in ("from", "to")]
+        if keys:
+            raise ArgumentError(f"transforms: {sorted(keys)}, wanted are file, from, to and inverse")
+        setattr(options, "from", images[0])
+        options.to, options.inverse = images[1], flag("transforms: inverse", inverse)
+        check(lib.conus_atlas_transform(atlas, path, options))
+        return
+    matrix = numbers("transforms", given)
+    if matrix.shape != (4, 4) or not np.array_equal(matrix[3], (0, 0, 0, 1)):
+        raise ArgumentError(f"transforms: an array of shape {matrix.shape}, wanted is (4, 4), the last row 0 0 0 1")
+    check(lib.conus_atlas_move(atlas, matrix.T.ravel().tolist()))
+
+
+def _move(atlas: Any, transforms: Any) -> None:
+    if isinstance(transforms, (str, bytes, os.PathLike, Mapping, np.ndarray)):
+        raise ArgumentError("transforms: one, wanted is a list")
+    for given in reversed(list(transforms)):
+        _transform(atlas, given)
 
 
 def _bands_of(options: Any, bands: Mapping[str, Any]) -> Any:

@@ -2,6 +2,7 @@
 /* The tables of columns of all kinds of reports, and how a cell is read from a row. */
 #include "selection/report/report_columns.h"
 
+#include "atlas/placement.h"
 #include "base/math3.h"
 
 #include <assert.h>
@@ -86,6 +87,30 @@ static struct cell get_unoccluded(const conus_report *report, const struct repor
     return number_cell(row->result.pixels / (double)row->result.pierced);
 }
 
+/* A coordinate of the contact where the atlas's files have it. */
+static struct cell own_cell(const conus_report *report, const struct report_row *row, int axis)
+{
+    double point[3];
+    atlas_own_point(point, report->atlas, row->result.contact);
+    report_point(report, point);
+    return number_cell(point[axis]);
+}
+
+static struct cell get_atlas_x(const conus_report *report, const struct report_row *row)
+{
+    return own_cell(report, row, 0);
+}
+
+static struct cell get_atlas_y(const conus_report *report, const struct report_row *row)
+{
+    return own_cell(report, row, 1);
+}
+
+static struct cell get_atlas_z(const conus_report *report, const struct report_row *row)
+{
+    return own_cell(report, row, 2);
+}
+
 static const struct report_column answer_columns[] = {
     {"query", NULL, "query_id of the pose, else its number from 1", .get = get_query},
     {"kind", NULL,
@@ -107,6 +132,9 @@ static const struct report_column answer_columns[] = {
     {"contact_x", "mm", "first contact on its ray closest to the axis, x", OF_ROW(X, result.contact)},
     {"contact_y", "mm", "the same, y", OF_ROW(Y, result.contact)},
     {"contact_z", "mm", "the same, z", OF_ROW(Z, result.contact)},
+    {"atlas_x", "mm", "where that is in the atlas's own space, x", .get = get_atlas_x, .moved_only = true},
+    {"atlas_y", "mm", "the same, y", .get = get_atlas_y, .moved_only = true},
+    {"atlas_z", "mm", "the same, z", .get = get_atlas_z, .moved_only = true},
     {"entry_mm", "mm", "nearest entry over all layers", OF_ROW(NUMBER, result.entry), .needs = NEEDS_LAYERS},
     {"exit_mm", "mm", "farthest exit over all layers", OF_ROW(NUMBER, result.exit), .needs = NEEDS_LAYERS},
     {"path_mm", "mm", "mean path length over its rays", OF_ROW(NUMBER, result.path), .needs = NEEDS_LAYERS},
@@ -302,10 +330,16 @@ static void list_column(struct report_columns *out, const struct report_column *
     out->at[out->count++] = column;
 }
 
-static void list_table(struct report_columns *out, const struct report_column *table, size_t count, bool layers)
+static bool has_column(const conus_report *report, const struct report_column *column)
+{
+    return (report->selector.layers || !column->layers_only) && (report->atlas->is_moved || !column->moved_only);
+}
+
+static void list_table(struct report_columns *out, const conus_report *report, const struct report_column *table,
+                       size_t count)
 {
     for (size_t i = 0; i < count; i++) {
-        if (layers || !table[i].layers_only) {
+        if (has_column(report, &table[i])) {
             list_column(out, &table[i]);
         }
     }
@@ -325,9 +359,9 @@ static void list_named(struct report_columns *out, const char *const *names, siz
 
 static void list_answers(struct report_columns *out, const conus_report *report)
 {
-    list_table(out, answer_columns, COUNT_OF(answer_columns), report->selector.layers);
+    list_table(out, report, answer_columns, COUNT_OF(answer_columns));
     if (report->options.tracker) {
-        list_table(out, track_columns, COUNT_OF(track_columns), true);
+        list_table(out, report, track_columns, COUNT_OF(track_columns));
     }
 }
 
@@ -337,30 +371,30 @@ void report_list_columns(struct report_columns *out, const conus_report *report)
     switch (report->options.rows) {
     case CONUS_ROWS_ANSWERS:
         if (report->options.format == CONUS_FORMAT_BIDS) {
-            list_table(out, electrode_columns, COUNT_OF(electrode_columns), true);
+            list_table(out, report, electrode_columns, COUNT_OF(electrode_columns));
         } else {
             list_answers(out, report);
         }
         break;
     case CONUS_ROWS_SUMMARIES:
         list_named(out, summary_common, COUNT_OF(summary_common));
-        list_table(out, summary_columns, COUNT_OF(summary_columns), true);
+        list_table(out, report, summary_columns, COUNT_OF(summary_columns));
         break;
     case CONUS_ROWS_SHARES:
         list_answers(out, report);
-        list_table(out, share_columns, COUNT_OF(share_columns), true);
+        list_table(out, report, share_columns, COUNT_OF(share_columns));
         break;
     case CONUS_ROWS_ADMISSIONS:
         list_named(out, study_common, COUNT_OF(study_common));
-        list_table(out, admission_columns, COUNT_OF(admission_columns), true);
+        list_table(out, report, admission_columns, COUNT_OF(admission_columns));
         break;
     case CONUS_ROWS_COVERAGES:
         list_named(out, study_common, COUNT_OF(study_common));
-        list_table(out, coverage_columns, COUNT_OF(coverage_columns), true);
+        list_table(out, report, coverage_columns, COUNT_OF(coverage_columns));
         break;
     case CONUS_ROWS_CHANCES:
         list_named(out, study_common, COUNT_OF(study_common));
-        list_table(out, chance_columns, COUNT_OF(chance_columns), true);
+        list_table(out, report, chance_columns, COUNT_OF(chance_columns));
         break;
     }
 }

@@ -43,6 +43,7 @@ struct report_column {
     bool of_query;    /**< or in struct report_query.         */
     unsigned needs;   /**< enum column_needs */
     bool layers_only; /**< Only in reports of all layers. */
+    bool moved_only;  /**< Only of an atlas that was moved. */
     struct cell (*get)(const conus_report *report, const struct report_row *row);
 };
 

@@ -59,8 +59,9 @@ LIBRARY = {
     "loaders/manifest": "base base/formats atlas/surface atlas loaders/volumes loaders/tables loaders/labels",
     "loaders/plan": "base base/formats atlas loaders loaders/volumes loaders/tables loaders/labels"
     " loaders/surfaces loaders/manifest loaders/brainglobe",
+    "loaders/transform": "base loaders loaders/volumes",
     "loaders/scene": "base base/formats atlas/surface atlas loaders loaders/volumes loaders/tables loaders/labels"
-    " loaders/surfaces/foreign loaders/surfaces loaders/manifest loaders/plan",
+    " loaders/surfaces/foreign loaders/surfaces loaders/manifest loaders/plan loaders/transform",
     "loaders/catalogue": "base base/formats loaders/volumes loaders/tables",
     "loaders/arrays": "base atlas loaders/volumes loaders/plan loaders/scene",
     "render/gl": "base",

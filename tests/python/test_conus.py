@@ -171,6 +171,25 @@ def test_overlap_of_plates(atlas):
             atlas.overlap(roi, threshold)
 
 
+def test_transforms_bring_the_atlas_to_the_poses(tmp_path):
+    """The pose's x is the atlas's less 7 mm: the right plate begins at 13 and no longer at 20 mm."""
+    matrix = np.eye(4)
+    matrix[0, 3] = 7
+    file = tmp_path / "right.txt"
+    np.savetxt(file, matrix)
+    (tmp_path / "left.tfm").write_text(
+        "#Insight Transform File V1.0\n#Transform 0\nTransform: TranslationTransform_double_3_3\n"
+        "Parameters: 7 0 0\nFixedParameters:\n")
+    for transforms in ([matrix], [file], [{"file": tmp_path / "left.tfm", "inverse": True}], [matrix / 2 + np.eye(4) / 2] * 2):
+        moved = conus.load(plates(), AFFINE, labels=NAMES, transforms=transforms)
+        hits = moved.select((0, 0.3, 0.2), direction=(1, 0, 0), angle=1)
+        assert hits[0].contact[0] == pytest.approx(13, abs=1e-3)
+    for bad, error in (([np.zeros((4, 4))], conus.ArgumentError), (matrix, conus.ArgumentError), (["none"], conus.FileError),
+                       ([{"file": file, "colour": 1}], conus.ArgumentError), ([np.eye(3)], conus.ArgumentError)):
+        with pytest.raises(error):
+            conus.load(plates(), AFFINE, transforms=bad)
+
+
 @needs_aal
 def test_ten_lines_of_the_documents_draw_a_figure(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)

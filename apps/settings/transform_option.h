@@ -1,0 +1,12 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file The option --atlas-transform. */
+#ifndef CONUS_SETTINGS_TRANSFORM_OPTION_H
+#define CONUS_SETTINGS_TRANSFORM_OPTION_H
+
+#include "settings/settings.h"
+
+/** Moves @p atlas by the transforms, of which points go through the first one first. Returns the exit code and prints
+ * an error unless it is 0. */
+int transform_options_apply(conus_atlas *atlas, const struct option_list *texts);
+
+#endif

@@ -1,0 +1,151 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Moves an atlas: matrices of voxels exactly, vertices in single precision. */
+#include "atlas/placement.h"
+
+#include "atlas/space.h"
+#include "base/math3.h"
+#include "base/memory.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/* What an atlas has in its new place, made before anything is changed. */
+struct moved {
+    struct volume *volumes; /* of which only info and voxel_from_world count */
+    struct mesh *meshes;
+};
+
+static void moved_finish(struct moved *moved, const conus_atlas *atlas)
+{
+    for (size_t i = 0; moved->meshes && i < atlas->mesh_count; i++) {
+        mesh_finish(&moved->meshes[i]);
+    }
+    memory_free(moved->meshes);
+    memory_free(moved->volumes);
+}
+
+static conus_status move_volume(struct volume *out, const struct volume *volume, const double world_from_atlas[16])
+{
+    double matrix[16];
+    char words[sizeof volume->info.transform];
+    out->info = volume->info;
+    mat4_multiply(matrix, world_from_atlas, volume->info.world_from_voxel);
+    bool moved_before = strstr(volume->info.transform, ", moved") != NULL;
+    snprintf(words, sizeof words, "%.*s%s", (int)(sizeof words - sizeof ", moved"), volume->info.transform,
+             moved_before ? "" : ", moved");
+    conus_status status = space_describe(&out->info, matrix, words);
+    out->info.space_code = 0;
+    if (!status && !mat4_invert_affine(out->voxel_from_world, matrix)) {
+        status = fail(CONUS_ERROR_DATA, "%s: the matrix is singular", words);
+    }
+    return status;
+}
+
+static conus_status move_mesh(struct mesh *out, const struct mesh *mesh, const double world_from_atlas[16])
+{
+    conus_status status = mesh_init(out, mesh->vertex_count, mesh->triangle_count);
+    if (status) {
+        return status;
+    }
+    memcpy(out->positions, mesh->positions, 3 * mesh->vertex_count * sizeof *mesh->positions);
+    memcpy(out->triangles, mesh->triangles, 3 * mesh->triangle_count * sizeof *mesh->triangles);
+    out->shape = mesh->shape;
+    mesh_transform(out, world_from_atlas);
+    status = mesh_check_numbers(out);
+    return status ? status : mesh_measure(&out->shape, out);
+}
+
+static conus_status move_all(struct moved *moved, const conus_atlas *atlas, const double world_from_atlas[16])
+{
+    moved->volumes = memory_zeroed(atlas->volume_count, sizeof *moved->volumes);
+    moved->meshes = memory_zeroed(atlas->mesh_count, sizeof *moved->meshes);
+    conus_status status = moved->volumes && moved->meshes ? CONUS_OK : CONUS_ERROR_MEMORY;
+    for (size_t i = 0; !status && i < atlas->volume_count; i++) {
+        status = move_volume(&moved->volumes[i], &atlas->volumes[i], world_from_atlas);
+    }
+    for (size_t i = 0; !status && i < atlas->mesh_count; i++) {
+        status = move_mesh(&moved->meshes[i], &atlas->meshes[i], world_from_atlas);
+    }
+    return status;
+}
+
+/* The old meshes are left in `moved`. */
+static void take(conus_atlas *atlas, struct moved *moved)
+{
+    for (size_t i = 0; i < atlas->volume_count; i++) {
+        const char *path = atlas->volumes[i].info.path;
+        atlas->volumes[i].info = moved->volumes[i].info;
+        atlas->volumes[i].info.path = path;
+        memcpy(atlas->volumes[i].voxel_from_world, moved->volumes[i].voxel_from_world,
+               sizeof atlas->volumes[i].voxel_from_world);
+    }
+    for (size_t i = 0; i < atlas->mesh_count; i++) {
+        struct mesh old = atlas->meshes[i];
+        char *path = old.path;
+        atlas->meshes[i] = moved->meshes[i];
+        atlas->meshes[i].path = path;
+        old.path = NULL;
+        moved->meshes[i] = old;
+    }
+}
+
+/* Volumes grow with the matrix; those of meshes are measured anew. */
+static void measure_objects(conus_atlas *atlas, double growth)
+{
+    for (size_t i = 0; i < atlas->object_count; i++) {
+        const struct object_place *place = &atlas->places[i];
+        conus_object *object = &atlas->objects[i];
+        if (place->is_mesh) {
+            const struct mesh_shape *shape = &atlas->meshes[place->index].shape;
+            object->volume_mm3 = shape->has_volume ? fabs(shape->volume_mm3) : 0;
+        } else {
+            object->volume_mm3 *= growth;
+        }
+    }
+}
+
+static void remember(conus_atlas *atlas, const double atlas_from_world[16])
+{
+    if (atlas->is_moved) {
+        mat4_multiply(atlas->own_from_world, atlas->own_from_world, atlas_from_world);
+    } else {
+        memcpy(atlas->own_from_world, atlas_from_world, sizeof atlas->own_from_world);
+    }
+    atlas->is_moved = true;
+}
+
+conus_status atlas_move(conus_atlas *atlas, const double atlas_from_world[16], const char *words)
+{
+    struct moved moved = {0};
+    double world_from_atlas[16];
+    if (!mat4_invert_affine(world_from_atlas, atlas_from_world)) {
+        return fail(CONUS_ERROR_DATA, "%s: the matrix is singular or not finite, an invertible one is needed", words);
+    }
+    size_t note_count = atlas->notes.count;
+    conus_status status = move_all(&moved, atlas, world_from_atlas);
+    double growth = fabs(mat4_determinant3(world_from_atlas));
+    bool mirrors = mat4_determinant3(atlas_from_world) < 0;
+    status = status ? status : notes_add(&atlas->notes, "moved by %s: what was 1 mm^3 is %.4g mm^3", words, growth);
+    status =
+        status || !mirrors
+            ? status
+            : notes_warn(&atlas->notes, "%s mirrors: left areas of the atlas are right ones where poses are", words);
+    if (!status) {
+        take(atlas, &moved);
+        measure_objects(atlas, growth);
+        remember(atlas, atlas_from_world);
+    } else {
+        notes_cut(&atlas->notes, note_count);
+    }
+    moved_finish(&moved, atlas);
+    return status;
+}
+
+void atlas_own_point(double out[3], const conus_atlas *atlas, const double point[3])
+{
+    if (atlas->is_moved) {
+        mat4_point(out, atlas->own_from_world, point);
+    } else {
+        memcpy(out, point, 3 * sizeof *out);
+    }
+}

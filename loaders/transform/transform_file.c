@@ -1,0 +1,155 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Says which format a transform is in, and reads it. */
+#include "loaders/transform/transform_file.h"
+
+#include "base/math3.h"
+#include "loaders/file_kind.h"
+#include "loaders/transform/transform_formats.h"
+#include "loaders/volumes/nifti.h"
+#include "loaders/volumes/volume_file.h"
+
+#include <string.h>
+
+enum { TRANSFORM_LIMIT = 1 << 20 }; /* bytes: a hundred times what an affine takes */
+
+static const char transform_needed[] = "an affine transform (ITK's text or .mat, FreeSurfer's .lta, the MNI's .xfm, "
+                                       "FSL's matrix, or 4 x 4 numbers)";
+
+/* FLIRT's coordinates of a voxel: mm along the axes from the first one, x turned around where the axes are right-handed
+ * in RAS ("neurological"). */
+static void flirt_from_voxel(double out[16], const conus_volume_info *info)
+{
+    mat4_identity(out);
+    for (int a = 0; a < 3; a++) {
+        out[5 * a] = info->spacing[a];
+    }
+    if (mat4_determinant3(info->world_from_voxel) > 0) {
+        out[0] = -info->spacing[0];
+        out[12] = info->spacing[0] * (double)(info->dim[0] - 1);
+    }
+}
+
+static conus_status flirt_from_world(double out[16], const conus_volume_info *info)
+{
+    double flirt[16];
+    double voxel_from_world[16];
+    flirt_from_voxel(flirt, info);
+    if (!mat4_invert_affine(voxel_from_world, info->world_from_voxel)) {
+        return fail(CONUS_ERROR_DATA, "the matrix of an image is singular");
+    }
+    mat4_multiply(out, flirt, voxel_from_world);
+    return CONUS_OK;
+}
+
+/* From FLIRT's matrix of both images' coordinates to one of RAS. */
+static conus_status place_between(double m[16], const char *from, const char *to)
+{
+    conus_volume_info images[2];
+    double from_world[16];
+    double to_world[16];
+    double world_from_to[16];
+    conus_status status = volume_file_header(&images[0], from);
+    status = status ? status : volume_file_header(&images[1], to);
+    status = status ? status : flirt_from_world(from_world, &images[0]);
+    status = status ? status : flirt_from_world(to_world, &images[1]);
+    if (!status && !mat4_invert_affine(world_from_to, to_world)) {
+        status = fail(CONUS_ERROR_DATA, "%s: its matrix is singular", to);
+    }
+    if (!status) {
+        mat4_multiply(m, m, from_world);
+        mat4_multiply(m, world_from_to, m);
+    }
+    return status;
+}
+
+static bool ends_as_fsl(const char *path)
+{
+    size_t length = strlen(path);
+    return length > 4 && strcmp(path + length - 4, ".mat") == 0;
+}
+
+static conus_status read_matrix(double out[16], struct text text, const char *path, const char *from, const char *to)
+{
+    conus_status status = matrix_text_parse(out, text);
+    if (!status && !from && ends_as_fsl(path)) {
+        return fail(CONUS_ERROR_ARGUMENT,
+                    "a matrix of FSL's kind, whose numbers mean nothing without its two images: from=IMAGE and "
+                    "to=IMAGE are needed; a 4 x 4 matrix of RAS mm ends otherwise, in .txt for example");
+    }
+    return status || !from ? status : place_between(out, from, to);
+}
+
+enum kind { KIND_NONE, KIND_MATRIX, KIND_ITK, KIND_XFM, KIND_LTA, KIND_MATLAB };
+
+static enum kind kind_of(const struct bytes *file, struct text text)
+{
+    bool readable = text_is_readable(text);
+    return readable && matrix_text_is(text)        ? KIND_MATRIX
+           : readable && itk_text_is(text)         ? KIND_ITK
+           : readable && xfm_is(text)              ? KIND_XFM
+           : readable && lta_is(text)              ? KIND_LTA
+           : itk_matlab_is(file->data, file->size) ? KIND_MATLAB
+                                                   : KIND_NONE;
+}
+
+static conus_status parse_kind(double out[16], const struct bytes *file, const char *path, const char *from,
+                               const char *to)
+{
+    struct text text = text_from_bytes(file->data, file->size);
+    switch (kind_of(file, text)) {
+    case KIND_MATRIX:
+        return read_matrix(out, text, path, from, to);
+    case KIND_ITK:
+        return itk_text_parse(out, text);
+    case KIND_XFM:
+        return xfm_parse(out, text);
+    case KIND_LTA:
+        return lta_parse(out, text);
+    case KIND_MATLAB:
+        return itk_matlab_parse(out, file->data, file->size);
+    case KIND_NONE:
+        break;
+    }
+    return file_kind_fail(path, file, transform_needed);
+}
+
+conus_status transform_parse(double out[16], const struct bytes *file, const char *path, const char *from,
+                             const char *to)
+{
+    enum kind kind = kind_of(file, text_from_bytes(file->data, file->size));
+    double m[16] = {0};
+    double inverse[16];
+    if (!from != !to) {
+        return fail(CONUS_ERROR_ARGUMENT, "%s=IMAGE is needed, too", from ? "to" : "from");
+    }
+    if (from && kind != KIND_MATRIX && kind != KIND_NONE) {
+        return fail(CONUS_ERROR_ARGUMENT, "from and to are of FSL's matrices, and this is none");
+    }
+    conus_status status = parse_kind(m, file, path, from, to);
+    if (!status && !mat4_invert_affine(inverse, m)) {
+        status = fail(CONUS_ERROR_DATA, "the matrix is singular, an invertible one is needed");
+    }
+    if (!status) {
+        memcpy(out, m, sizeof m);
+    }
+    return status;
+}
+
+conus_status transform_file_read(double out[16], const char *path, const char *from, const char *to,
+                                 struct file_sums *read)
+{
+    struct bytes file = {0};
+    double m[16];
+    conus_status status = file_read_head(&file, path, TRANSFORM_LIMIT);
+    if (status) {
+        return status;
+    }
+    status = file.size == TRANSFORM_LIMIT ? file_kind_fail(path, &file, transform_needed)
+                                          : transform_parse(m, &file, path, from, to);
+    status = status ? fail_in(status, path) : file_sums_add(read, path, &file);
+    bytes_finish(&file);
+    if (!status) {
+        memcpy(out, m, sizeof m);
+    }
+    return status;
+}

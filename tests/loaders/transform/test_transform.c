@@ -1,0 +1,393 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Affine transforms of other programs, by matrices that follow from the formats' descriptions by hand, and atlases that
+ * they move. tests/oracles/compare_transforms.py has random ones. */
+#include "atlas/atlas.h"
+#include "atlas/placement.h"
+#include "base/math3.h"
+#include "loaders/transform/transform_file.h"
+#include "mesh_scene.h"
+#include "scene.h"
+#include "test.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* ---- Formats ---------------------------------------------------------------------------------------------------- */
+
+static conus_status parse(double out[16], const char *text, const char *path)
+{
+    return transform_parse(out, &(struct bytes){(uint8_t *)text, strlen(text)}, path, NULL, NULL);
+}
+
+/* Where the matrix of `text` takes the point (1, 2, 3). */
+static void check_point(const char *text, double x, double y, double z)
+{
+    double m[16];
+    double p[3] = {1, 2, 3};
+    assert_ok(parse(m, text, "x.txt"));
+    mat4_point(p, m, p);
+    assert_near(p[0], x, 1e-12);
+    assert_near(p[1], y, 1e-12);
+    assert_near(p[2], z, 1e-12);
+}
+
+#define ITK "#Insight Transform File V1.0\n#Transform 0\n"
+
+/* x' = 2 x + 1, y' = y, z' = z + 3 in LPS. The point is (-1, -2, 3) there and comes to (-1, -2, 6): (1, 2, 6) in RAS.
+ */
+static const char itk_affine[] =
+    ITK "Transform: AffineTransform_double_3_3\nParameters: 2 0 0 0 1 0 0 0 1 1 0 3\nFixedParameters: 0 0 0\n";
+
+static void itk_is_lps(void **state)
+{
+    (void)state;
+    check_point(itk_affine, 1, 2, 6);
+    /* the centre (1, 0, 0) stays where it is but for the shift: x' = 2 (x - 1) + 1 + 1 = 2 x, -2 for -1 */
+    check_point(ITK "Transform: MatrixOffsetTransformBase_float_3_3\nParameters: 2 0 0 0 1 0 0 0 1 1 0 3\n"
+                    "FixedParameters: 1 0 0\n",
+                2, 2, 6);
+}
+
+/* A quarter turn about z takes (x, y) to (-y, x), in LPS as in RAS: (1, 2) comes to (-2, 1). */
+static void itk_turns(void **state)
+{
+    (void)state;
+    check_point(ITK "Transform: Euler3DTransform_double_3_3\nParameters: 0 0 1.5707963267948966 0 0 0\n"
+                    "FixedParameters: 0 0 0\n",
+                -2, 1, 3);
+    check_point(ITK "Transform: VersorRigid3DTransform_double_3_3\nParameters: 0 0 0.7071067811865476 0 0 0\n"
+                    "FixedParameters: 0 0 0\n",
+                -2, 1, 3);
+    check_point(ITK "Transform: Similarity3DTransform_double_3_3\nParameters: 0 0 0.7071067811865476 0 0 0 2\n"
+                    "FixedParameters: 0 0 0\n",
+                -4, 2, 6);
+    check_point(ITK "Transform: TranslationTransform_double_3_3\nParameters: 1 2 3\nFixedParameters:\n", 0, 0, 6);
+    check_point(ITK "Transform: IdentityTransform_double_3_3\nParameters:\nFixedParameters:\n", 1, 2, 3);
+}
+
+/* Quarter turns about x and y, of LPS (-1, -2, 3). By default about y first, (x, z) to (z, -x): (3, -2, 1), then about
+ * x, (y, z) to (-z, y): (3, -1, -2). With the fourth fixed parameter about x first: (-1, -3, -2), then y: (-2, -3, 1).
+ */
+static void the_order_of_euler_angles_is_itks(void **state)
+{
+    (void)state;
+    static const char text[] =
+        ITK "Transform: Euler3DTransform_double_3_3\nParameters: 1.5707963267948966 1.5707963267948966 0 0 0 0\n"
+            "FixedParameters: 0 0 0%s\n";
+    char order[sizeof text];
+    snprintf(order, sizeof order, text, "");
+    check_point(order, -3, 1, -2);
+    snprintf(order, sizeof order, text, " 1");
+    check_point(order, 2, 3, 1);
+}
+
+/* Points go through the last one first: a shift of x by 1 in LPS, then 2 x + 1: -1 comes to 0, and that to 1. */
+static void the_last_of_a_composite_comes_first(void **state)
+{
+    (void)state;
+    check_point(ITK "Transform: CompositeTransform_double_3_3\n#Transform 1\n"
+                    "Transform: AffineTransform_double_3_3\nParameters: 2 0 0 0 1 0 0 0 1 1 0 3\n"
+                    "FixedParameters: 0 0 0\n#Transform 2\n"
+                    "Transform: TranslationTransform_double_3_3\nParameters: 1 0 0\nFixedParameters:\n",
+                -1, 2, 6);
+}
+
+static void put_u32(uint8_t *out, uint32_t value, bool big)
+{
+    for (int i = 0; i < 4; i++) {
+        out[big ? 3 - i : i] = (uint8_t)(value >> 8 * i);
+    }
+}
+
+static void put_f64(uint8_t *out, double value, bool big)
+{
+    uint64_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    for (int i = 0; i < 8; i++) {
+        out[big ? 7 - i : i] = (uint8_t)(bits >> 8 * i);
+    }
+}
+
+/* A matrix of one column of MATLAB's level 4. Returns its size. */
+static size_t put_column(uint8_t *out, const char *name, const double *values, uint32_t count, bool big)
+{
+    size_t length = strlen(name) + 1;
+    const uint32_t head[] = {big ? 1000 : 0, count, 1, 0, (uint32_t)length};
+    for (size_t i = 0; i < 5; i++) {
+        put_u32(out + 4 * i, head[i], big);
+    }
+    memcpy(out + 20, name, length);
+    for (size_t i = 0; i < count; i++) {
+        put_f64(out + 20 + length + 8 * i, values[i], big);
+    }
+    return 20 + length + 8 * count;
+}
+
+static size_t make_matlab(uint8_t out[512], bool big)
+{
+    static const double parameters[] = {2, 0, 0, 0, 1, 0, 0, 0, 1, 1, 0, 3};
+    static const double fixed[] = {0, 0, 0};
+    size_t size = put_column(out, "AffineTransform_double_3_3", parameters, 12, big);
+    return size + put_column(out + size, "fixed", fixed, 3, big);
+}
+
+static void matlab_files_say_the_same(void **state)
+{
+    (void)state;
+    for (int big = 0; big < 2; big++) {
+        uint8_t data[512];
+        double m[16];
+        double p[3] = {1, 2, 3};
+        size_t size = make_matlab(data, big);
+        assert_ok(transform_parse(m, &(struct bytes){data, size}, "0GenericAffine.mat", NULL, NULL));
+        mat4_point(p, m, p);
+        assert_near(p[0], 1, 1e-12);
+        assert_near(p[2], 6, 1e-12);
+        for (size_t cut = 0; cut < size; cut++) {
+            assert_true(transform_parse(m, &(struct bytes){data, cut}, "x.mat", NULL, NULL) != CONUS_OK);
+        }
+    }
+}
+
+static const char plain[] = "# RAS\n2 0 0 1\n0 1 0 0\n0 0 1 3\n0 0 0 1\n";
+static const char xfm[] = "MNI Transform File\n% by hand\n\nTransform_Type = Linear;\nLinear_Transform =\n2 0 0 1\n"
+                          "0 1 0 0\n0 0 1 3;\n";
+static const char lta_ras[] = "# transform file\ntype      = 1 # LINEAR_RAS_TO_RAS\nnxforms   = 1\nmean      = 0 0 0\n"
+                              "sigma     = 10000\n1 4 4\n2 0 0 1\n0 1 0 0\n0 0 1 3\n0 0 0 1\nsrc volume info\n"
+                              "valid = 0  # volume info invalid\ndst volume info\nvalid = 0\n";
+
+/* Source: 4 voxels of 2 mm along each axis around (0, 0, 0): voxel (2, 2, 2) is there. Destination: 6 of 1 mm, voxel
+ * (3, 3, 3) at (10, 0, 0). From i to 2 i: (1, 2, 3) mm is voxel (2.5, 3, 3.5), which comes to (5, 3, 3.5), at (12, 0,
+ * 0.5) mm. */
+static const char lta_voxels[] =
+    "type = 0\nnxforms = 1\n1 4 4\n2 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n"
+    "src volume info\nvalid = 1\nfilename = a.mgz\nvolume = 4 4 4\nvoxelsize = 2 2 2\nxras = 1 0 0\nyras = 0 1 0\n"
+    "zras = 0 0 1\ncras = 0 0 0\ndst volume info\nvalid = 1\nfilename = b.mgz\nvolume = 6 6 6\nvoxelsize = 1 1 1\n"
+    "xras = 1 0 0\nyras = 0 1 0\nzras = 0 0 1\ncras = 10 0 0\nsubject x\n";
+
+static void matrices_of_ras_are_as_they_stand(void **state)
+{
+    (void)state;
+    check_point(plain, 3, 2, 6);
+    check_point(xfm, 3, 2, 6);
+    check_point(lta_ras, 3, 2, 6);
+    check_point(lta_voxels, 12, 0, 0.5);
+}
+
+/* ---- Bad files -------------------------------------------------------------------------------------------------- */
+
+static void check_refused(const char *text, const char *path, conus_status wanted, const char *words)
+{
+    double m[16] = {7};
+    conus_status status = parse(m, text, path);
+    if (status != wanted || !strstr(conus_message(), words)) {
+        fail_msg("status %d, \"%s\" for: %s", (int)status, conus_message(), text);
+    }
+    assert_true(m[0] == 7);
+}
+
+static void bad_files_say_what_is_wrong(void **state)
+{
+    (void)state;
+    const conus_status data = CONUS_ERROR_DATA;
+    const conus_status unsupported = CONUS_ERROR_UNSUPPORTED;
+    check_refused("1 0 0 0\n0 1 0 0\n0 0 1 0\n", "x.txt", data, "ends after 3 rows");
+    check_refused("1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n0 0 0 1\n", "x.txt", data, "more than four rows");
+    check_refused("1 0 0 0\n0 1 0\n0 0 1 0\n0 0 0 1\n", "x.txt", data, "row 2: 3 numbers");
+    check_refused("1 0 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n", "x.txt", data, "row 1: \"0\"");
+    check_refused("1 0 0 nan\n0 1 0 0\n0 0 1 0\n0 0 0 1\n", "x.txt", data, "finite");
+    check_refused("1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 1 1\n", "x.txt", data, "last row 0 0 1 1");
+    check_refused("1 0 0 0\n0 0 0 0\n0 0 1 0\n0 0 0 1\n", "x.txt", data, "singular");
+    check_refused(plain, "x.mat", CONUS_ERROR_ARGUMENT, "from=IMAGE and to=IMAGE");
+    check_refused("hello\n", "x.txt", data, "needed is an affine transform");
+    check_refused("", "x.txt", data, "needed is an affine transform");
+    check_refused(ITK, "x.txt", data, "there is none");
+    check_refused(ITK "Transform: BSplineTransform_double_3_3\nParameters: 0\nFixedParameters: 0\n", "x.txt",
+                  unsupported, "BSplineTransform");
+    check_refused(ITK "Transform: AffineTransform_double_2_2\nParameters: 0\nFixedParameters: 0\n", "x.txt",
+                  unsupported, "AffineTransform_double_2_2");
+    check_refused(ITK "Transform: AffineTransform_double_3_3\nParameters: 1 2\nFixedParameters: 0 0 0\n", "x.txt", data,
+                  "Parameters: 2 numbers");
+    check_refused(ITK "Transform: AffineTransform_double_3_3\nParameters: 2 0 0 0 1 0 0 0 1 1 0 3\n", "x.txt", data,
+                  "FixedParameters is missing");
+    check_refused(ITK "Transform: AffineTransform_double_3_3\nParameters: 2 0 0 0 1 0 0 0 1 1 0 3\n"
+                      "FixedParameters: 0 0 0 0\n",
+                  "x.txt", data, "FixedParameters: 4 numbers");
+    check_refused(ITK "Parameters: 1\n", "x.txt", data, "without a line Transform");
+    check_refused(ITK "Transform: AffineTransform_double_3_3\nColour: red\n", "x.txt", data, "\"Colour: red\"");
+    check_refused(ITK "Transform: VersorRigid3DTransform_double_3_3\nParameters: 1 1 0 0 0 0\nFixedParameters: 0 0 0\n",
+                  "x.txt", data, "versor of length");
+    check_refused("MNI Transform File\nTransform_Type = Grid_Transform;\n", "x.xfm", unsupported, "only Linear");
+    check_refused("MNI Transform File\nTransform_Type = Linear;\n", "x.xfm", data, "Linear_Transform is missing");
+    check_refused("type = 14\nnxforms = 1\n1 4 4\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n", "x.lta", unsupported,
+                  "type: 14");
+    check_refused("type = 1\nnxforms = 2\n1 4 4\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n", "x.lta", unsupported,
+                  "nxforms");
+    check_refused("type = 0\nnxforms = 1\n1 4 4\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n", "x.lta", data,
+                  "src volume info: not valid");
+    double m[16];
+    const struct bytes matrix = {(uint8_t *)plain, sizeof plain - 1};
+    assert_fails(transform_parse(m, &matrix, "x.mat", "a.nii", NULL), CONUS_ERROR_ARGUMENT);
+    const struct bytes itk = {(uint8_t *)itk_affine, sizeof itk_affine - 1};
+    assert_fails(transform_parse(m, &itk, "x.tfm", "a.nii", "b.nii"), CONUS_ERROR_ARGUMENT);
+}
+
+/* What is cut off is refused, but where only the last number's digits or white space are. */
+static void no_prefix_is_a_transform(void **state)
+{
+    (void)state;
+    static const char *const whole[] = {itk_affine, plain, xfm, lta_voxels};
+    static const size_t needed[] = {sizeof itk_affine - 2, sizeof plain - 2, sizeof xfm - 3,
+                                    sizeof lta_voxels - sizeof " 0 0\nsubject x\n"};
+    for (size_t i = 0; i < sizeof whole / sizeof whole[0]; i++) {
+        for (size_t size = 0; size < needed[i]; size++) {
+            double m[16];
+            char *copy = malloc(size ? size : 1);
+            memcpy(copy, whole[i], size);
+            conus_status status = transform_parse(m, &(struct bytes){(uint8_t *)copy, size}, "x.txt", NULL, NULL);
+            if (!status) {
+                fail_msg("file %zu is a transform after %zu bytes", i, size);
+            }
+            free(copy);
+        }
+    }
+}
+
+/* ---- Atlases ---------------------------------------------------------------------------------------------------- */
+
+static void write_file(char path[64], const char *text)
+{
+    strncpy(path, "/tmp/conus-transform-XXXXXX.txt", 64);
+    int descriptor = mkstemps(path, 4);
+    assert_true(descriptor >= 0);
+    assert_int_equal(write(descriptor, text, strlen(text)), (ssize_t)strlen(text));
+    close(descriptor);
+}
+
+/* A voxel atlas and a box in it. */
+static conus_atlas *make_atlas(void)
+{
+    uint32_t labels[64];
+    for (size_t i = 0; i < 64; i++) {
+        labels[i] = 8;
+    }
+    const conus_volume_info grid = scene_plain_grid((const size_t[]){4, 4, 4}, NULL);
+    conus_atlas *atlas = scene_parcellation(&grid, labels);
+    struct mesh box = mesh_scene_box((const double[]){10, 0, 0}, (const double[]){12, 3, 4});
+    mesh_scene_add(atlas, &box);
+    return atlas;
+}
+
+/* x' = 2 x + 1, z' = z + 3 takes poses' points to the atlas: there the atlas is half as long, and 1 / 2 less, 3 lower.
+ */
+static void an_atlas_goes_to_the_poses(void **state)
+{
+    (void)state;
+    char path[64];
+    conus_atlas *atlas = make_atlas();
+    double low[3];
+    double high[3];
+    double point[3] = {5, 0, -3};
+    write_file(path, plain);
+    assert_ok(conus_atlas_transform(atlas, path, NULL));
+    assert_near(atlas->objects[0].volume_mm3, 32, 1e-9);
+    assert_near(atlas->objects[1].volume_mm3, 12, 1e-5);
+    assert_ok(conus_atlas_bounds(low, high, atlas));
+    assert_near(low[0], (-0.5 - 1) / 2, 1e-6);
+    assert_near(high[0], (12.0 - 1) / 2, 1e-6);
+    assert_near(low[2], -0.5 - 3, 1e-6);
+    assert_near(high[2], 4 - 3, 1e-6);
+    atlas_own_point(point, atlas, point);
+    assert_near(point[0], 11, 1e-12);
+    assert_near(point[2], 0, 1e-12);
+    assert_true(test_has_note(atlas, "what was 1 mm^3 is 0.5 mm^3"));
+    assert_non_null(strstr(conus_atlas_volume(atlas, 0)->transform, ", moved"));
+    assert_int_equal(conus_atlas_volume(atlas, 0)->space_code, 0);
+    assert_string_equal(conus_atlas_file(atlas, conus_atlas_file_count(atlas) - 1), path);
+    assert_ok(conus_atlas_transform(atlas, path, &(conus_transform_options){.inverse = true}));
+    assert_near(atlas->objects[0].volume_mm3, 64, 1e-9);
+    assert_ok(conus_atlas_bounds(low, high, atlas));
+    assert_near(low[0], -0.5, 1e-6);
+    unlink(path);
+    conus_atlas_destroy(atlas);
+}
+
+static void a_mirror_is_warned_of(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = make_atlas();
+    double mirror[16];
+    mat4_identity(mirror);
+    mirror[0] = -1;
+    assert_ok(conus_atlas_move(atlas, mirror));
+    assert_true(test_has_note(atlas, "mirrors"));
+    assert_near(atlas->objects[1].volume_mm3, 24, 1e-5);
+    assert_true(atlas->meshes[0].shape.volume_mm3 > 0); /* it still faces outwards */
+    conus_atlas_destroy(atlas);
+}
+
+static void what_cannot_be_moved_stays(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = make_atlas();
+    double far[16];
+    double singular[16] = {[15] = 1};
+    size_t notes = conus_atlas_note_count(atlas);
+    mat4_identity(far);
+    far[12] = 2e9;
+    assert_fails(conus_atlas_move(atlas, far), CONUS_ERROR_DATA);
+    assert_fails(conus_atlas_move(atlas, singular), CONUS_ERROR_DATA);
+    assert_fails(conus_atlas_move(atlas, NULL), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_atlas_transform(atlas, "no such file", NULL), CONUS_ERROR_IO);
+    assert_fails(conus_atlas_transform(NULL, "x", NULL), CONUS_ERROR_ARGUMENT);
+    assert_false(atlas->is_moved);
+    assert_int_equal(conus_atlas_note_count(atlas), notes);
+    assert_near(atlas->objects[0].volume_mm3, 64, 1e-12);
+    conus_atlas_destroy(atlas);
+}
+
+struct attempt {
+    conus_atlas *atlas;
+    const char *path;
+};
+
+static conus_status transform(void *data)
+{
+    const struct attempt *attempt = data;
+    conus_status status = conus_atlas_transform(attempt->atlas, attempt->path, NULL);
+    assert_int_equal(attempt->atlas->is_moved, status == CONUS_OK);
+    return status;
+}
+
+static void every_failing_allocation_is_survived(void **state)
+{
+    (void)state;
+    char path[64];
+    struct attempt attempt = {make_atlas(), path};
+    write_file(path, itk_affine);
+    test_every_allocation(transform, &attempt);
+    unlink(path);
+    conus_atlas_destroy(attempt.atlas);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(itk_is_lps),
+        cmocka_unit_test(itk_turns),
+        cmocka_unit_test(the_order_of_euler_angles_is_itks),
+        cmocka_unit_test(the_last_of_a_composite_comes_first),
+        cmocka_unit_test(matlab_files_say_the_same),
+        cmocka_unit_test(matrices_of_ras_are_as_they_stand),
+        cmocka_unit_test(bad_files_say_what_is_wrong),
+        cmocka_unit_test(no_prefix_is_a_transform),
+        cmocka_unit_test(an_atlas_goes_to_the_poses),
+        cmocka_unit_test(a_mirror_is_warned_of),
+        cmocka_unit_test(what_cannot_be_moved_stays),
+        cmocka_unit_test(every_failing_allocation_is_survived),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
