@@ -217,6 +217,10 @@ const struct file_kind *file_kind_of(const char *path, const struct bytes *head)
     if (mgh_is_of_vertices(head->data, head->size)) {
         return &vertex_values;
     }
+    kind = nifti_matrix_kind(head->data, head->size);
+    if (kind) {
+        return kind;
+    }
     if (nifti_has_magic(head->data, head->size) || mgh_is(head->data, head->size) || volume_text_is(head)) {
         return &volume;
     }

@@ -289,3 +289,20 @@ conus_status gzip_unpack_all(struct bytes *out, const uint8_t *data, size_t size
     stream_close(stream);
     return status;
 }
+
+conus_status gzip_read(struct bytes *out, const char *path, uint64_t limit, struct file_sums *read)
+{
+    struct bytes stored = {0};
+    conus_status status = file_read_allowed(&stored, path, limit);
+    status = status || !read ? status : file_sums_add(read, path, &stored);
+    if (!status && !gzip_is(stored.data, stored.size)) {
+        *out = stored;
+        return CONUS_OK;
+    }
+    if (!status) {
+        status = gzip_unpack_all(out, stored.data, stored.size, limit);
+        status = status ? fail_in(status, path) : CONUS_OK;
+    }
+    bytes_finish(&stored);
+    return status;
+}

@@ -5,7 +5,7 @@
 #ifndef CONUS_BASE_FORMATS_GZIP_H
 #define CONUS_BASE_FORMATS_GZIP_H
 
-#include "base/file.h"
+#include "base/file_sums.h"
 
 /** True where @p data begins like a gzip file. */
 bool gzip_is(const uint8_t *data, size_t size);
@@ -16,6 +16,10 @@ conus_status gzip_head(struct bytes *out, const uint8_t *data, size_t size, size
 /** Unpacks the whole of @p data, whose size is not known, verifying every checksum. More than @p limit bytes are
  * CONUS_ERROR_MEMORY; anything but zeros after the last member is CONUS_ERROR_DATA. */
 conus_status gzip_unpack_all(struct bytes *out, const uint8_t *data, size_t size, uint64_t limit);
+
+/** Reads the whole file @p path, packed or not, and unpacks it: at most @p limit bytes, which are the caller's to raise
+ * by --max-memory. @p read, if not NULL, gets the file as it is stored. Errors carry the path. */
+conus_status gzip_read(struct bytes *out, const char *path, uint64_t limit, struct file_sums *read);
 
 /** Which unpacked bytes to keep, and what was found behind them. */
 struct gzip_range {

@@ -7,9 +7,11 @@
 #include "base/folder.h"
 #include "base/formats/xml.h"
 #include "base/memory.h"
+#include "loaders/cifti/cifti_file.h"
 #include "loaders/file_kind.h"
 #include "loaders/labels/label_file.h"
 #include "loaders/labels/label_find.h"
+#include "loaders/plan/cifti_parcellation.h"
 #include "loaders/tables/fsl_find.h"
 #include "loaders/tables/fsl_number.h"
 #include "loaders/volumes/grey.h"
@@ -172,9 +174,21 @@ conus_status parcellation_refuse_grey(const struct volume_file *file, const uint
                      file->path, 100 * verdict.equal, 100 * verdict.needed);
 }
 
+static conus_status read_cifti(struct parcellation *out, const char *path, const conus_load_options *options)
+{
+    conus_status status = cifti_parcellation_read(out, path, options->max_memory);
+    out->file.info.role = CONUS_ROLE_PARCELLATION;
+    return status || !options->labels ? status : read_override(out, options->labels);
+}
+
 conus_status parcellation_read(struct parcellation *out, const char *path, const conus_load_options *options,
                                const char *needed)
 {
+    bool cifti;
+    conus_status is_cifti = cifti_file_is(&cifti, path);
+    if (is_cifti || cifti) {
+        return is_cifti ? is_cifti : read_cifti(out, path, options);
+    }
     bool markup = file_first_character(path) == '<';
     conus_status status = markup ? load_markup(out, path, options->max_memory, needed)
                                  : volume_file_open_as(&out->file, path, options->max_memory, needed, &out->notes);

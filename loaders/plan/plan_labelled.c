@@ -51,7 +51,8 @@ static conus_status plan_part(struct area_plan *plan, size_t entry, const struct
 static conus_status add_surface(struct area_plan *plan, const struct manifest_area *area, const char *path,
                                 struct notes *notes)
 {
-    const struct mesh_file_options options = {.max_memory = plan->max_memory, .read = &plan->read};
+    struct mesh_file_options options = {
+        .max_memory = plan->max_memory, .read = &plan->read, .hemisphere = area->label.hemisphere};
     struct labelled_surface *surfaces = memory_resize(plan->labelled, plan->labelled_count + 1, sizeof *surfaces);
     char *labels = file_beside(path, area->vertex_labels);
     plan->labelled = surfaces ? surfaces : plan->labelled;
@@ -61,6 +62,7 @@ static conus_status add_surface(struct area_plan *plan, const struct manifest_ar
     }
     struct labelled_surface *surface = &surfaces[plan->labelled_count++];
     *surface = (struct labelled_surface){.path = file_beside(path, area->file)};
+    options.surface = surface->path;
     conus_status status =
         surface->path ? vertex_labels_read(&surface->labels, labels, &options, notes) : CONUS_ERROR_MEMORY;
     memory_free(labels);

@@ -5,11 +5,13 @@
 #include "base/formats/xml.h"
 #include "base/memory.h"
 #include "base/options.h"
+#include "loaders/cifti/cifti_file.h"
 #include "loaders/file_kind.h"
 #include "loaders/manifest/manifest.h"
 #include "loaders/manifest/manifest_brainglobe.h"
 #include "loaders/manifest/manifest_surfaces.h"
 #include "loaders/plan/load_parcellation.h"
+#include "loaders/scene/load_cifti.h"
 #include "loaders/scene/load_manifest.h"
 #include "loaders/scene/load_surface.h"
 #include "loaders/surfaces/mesh_file.h"
@@ -115,6 +117,11 @@ static conus_status load_any(conus_atlas **out, const char *path, struct load_pr
     conus_status status = is_probabilistic(&probabilistic, path);
     if (status || probabilistic) {
         return status ? status : probabilities_load(out, path, progress);
+    }
+    bool cifti;
+    status = cifti_file_is(&cifti, path);
+    if (status || cifti) {
+        return status ? status : cifti_load(out, path, progress);
     }
     progress->total = 1;
     status = load_progress_report(progress, path, 1);

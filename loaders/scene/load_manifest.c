@@ -21,7 +21,8 @@
 struct loading {
     const struct manifest *manifest;
     const char *path;         /* of the manifest, ending in '/' if it was made for a folder */
-    const struct bytes *file; /* its bytes */
+    const struct bytes *file; /* its bytes; NULL if it was made up */
+    const char *names;        /* where the names of areas without a parcellation come from */
     const conus_load_options *options;
     conus_atlas *atlas;
     struct volume_file series; /* kept for the pathways that follow, if any of them is of it */
@@ -102,7 +103,7 @@ static conus_status create_empty(struct loading *loading)
     if (loading->options->labels) {
         return refuse_labels(loading);
     }
-    conus_status status = atlas_create_empty(&loading->atlas, loading->file ? "the manifest" : "FSL atlas XML");
+    conus_status status = atlas_create_empty(&loading->atlas, loading->names);
     if (!status) {
         loading->atlas->notes.sink = &loading->progress->sink;
     }
@@ -148,7 +149,7 @@ static conus_status load_areas(struct loading *loading)
     status = status ? status : create_atlas(loading, &plan);
     loading->progress->total -= planned - area_plan_files(&plan); /* the parcellation may have them */
     status = status ? status : notes_move(&loading->atlas->notes, &notes);
-    if (!status && path_base(loading->path)[0]) {
+    if (!status && loading->file && path_base(loading->path)[0]) {
         status = atlas_add_file(loading->atlas, loading->path, loading->file);
     }
     status = status ? status : file_sums_move(&loading->atlas->files, &plan.read);
@@ -457,11 +458,23 @@ conus_status manifest_load(conus_atlas **out, const char *path, const struct byt
     if (status) {
         return fail_in(status, path);
     }
-    struct loading loading = {
-        .manifest = &manifest, .path = path, .file = file, .options = progress->options, .progress = progress};
+    struct loading loading = {.manifest = &manifest,
+                              .path = path,
+                              .file = file,
+                              .names = "the manifest",
+                              .options = progress->options,
+                              .progress = progress};
     status = load_scene(out, &loading);
     manifest_finish(&manifest);
     return status;
+}
+
+conus_status manifest_load_made(conus_atlas **out, const struct manifest *manifest, const char *path, const char *names,
+                                struct load_progress *progress)
+{
+    struct loading loading = {
+        .manifest = manifest, .path = path, .names = names, .options = progress->options, .progress = progress};
+    return load_scene(out, &loading);
 }
 
 conus_status probabilities_load(conus_atlas **out, const char *path, struct load_progress *progress)
@@ -470,9 +483,8 @@ conus_status probabilities_load(conus_atlas **out, const char *path, struct load
     struct manifest_pathway entry = {.fsl = (char *)name};
     const struct manifest manifest = {.maps = &entry, .map_count = 1};
     char *folder = name == path ? memory_text("./", 2) : memory_text(path, (size_t)(name - path));
-    struct loading loading = {
-        .manifest = &manifest, .path = folder, .options = progress->options, .progress = progress};
-    conus_status status = folder ? load_scene(out, &loading) : CONUS_ERROR_MEMORY;
+    conus_status status =
+        folder ? manifest_load_made(out, &manifest, folder, "FSL atlas XML", progress) : CONUS_ERROR_MEMORY;
     memory_free(folder);
     return status;
 }

@@ -80,6 +80,7 @@ static conus_status read_surface(struct surface *out, const char *path, const co
     const struct mesh_file_options file_options = {.max_memory = options->max_memory};
     struct mesh_file_options label_options = {.max_memory = options->max_memory};
     label_options.read = options->labels ? &out->read : NULL;
+    label_options.surface = path;
     const char *labels = options->labels ? options->labels : path;
     if (options->labels && !mesh_file_keeps_vertices(path)) {
         return fail(CONUS_ERROR_UNSUPPORTED,

@@ -7,11 +7,13 @@
 #include "base/formats/xml.h"
 #include "base/memory.h"
 #include "base/options.h"
+#include "loaders/cifti/cifti_file.h"
 #include "loaders/labels/label_volumes.h"
 #include "loaders/manifest/manifest.h"
 #include "loaders/manifest/manifest_brainglobe.h"
 #include "loaders/manifest/manifest_scan.h"
 #include "loaders/manifest/manifest_surfaces.h"
+#include "loaders/plan/plan_cifti.h"
 #include "loaders/scene/load_manifest.h"
 #include "loaders/tables/fsl_number.h"
 
@@ -232,14 +234,91 @@ static conus_status look_at_volume(struct manifest_draft *draft, const char *nam
     return status;
 }
 
-/* ---- The whole folder -------------------------------------------------------------------------------------------- */
-
 static bool is_volume(const char *name)
 {
     bool image = path_ends_in(name, ".img") || path_ends_in(name, ".img.gz") || path_ends_in(name, ".BRIK") ||
                  path_ends_in(name, ".BRIK.gz"); /* its .hdr or .HEAD is taken */
     return name[0] != '.' && !image && name[volume_stem_length(name)];
 }
+
+/* ---- CIFTI labels ------------------------------------------------------------------------------------------------ */
+
+/* The surfaces that a .dlabel.nii labels, above the labels of a parcellation that is there. */
+static conus_status take_labelled(struct manifest_draft *draft, const struct manifest *manifest, uint32_t largest)
+{
+    conus_status status = CONUS_OK;
+    uint32_t base = draft->label_offset;
+    for (size_t i = 0; !status && i < manifest->area_count; i++) {
+        bool loads = false;
+        const struct manifest_area *area = &manifest->areas[i];
+        json_int_t offset = (json_int_t)base + area->label_offset;
+        uint64_t end = ((uint64_t)offset + largest) / MANIFEST_LABEL_STEP * MANIFEST_LABEL_STEP + MANIFEST_LABEL_STEP;
+        draft->label_offset = end < UINT32_MAX ? (uint32_t)end : UINT32_MAX;
+        status = manifest_draft_append_loading(&loads, draft, draft->areas, "areas",
+                                               json_pack("{s:s,s:s,s:I}", "file", area->file, "vertex_labels",
+                                                         area->vertex_labels, "label_offset", offset));
+        status = status  ? status
+                 : loads ? manifest_draft_log(draft, "%s: cut by %s", area->file, area->vertex_labels)
+                         : manifest_draft_leave_out(draft, area->file);
+    }
+    return status;
+}
+
+/* What a .dlabel.nii says of voxels and surfaces. */
+static conus_status take_cifti(bool *taken, struct manifest_draft *draft, const char *name)
+{
+    struct cifti_file file = {0};
+    struct manifest manifest = {0};
+    struct notes notes = {0};
+    char *path = manifest_draft_path(draft, name);
+    uint64_t max_memory = draft->options->max_memory;
+    conus_status status = path ? cifti_file_open(&file, path, max_memory, &notes) : CONUS_ERROR_MEMORY;
+    status = status ? status : plan_cifti(&manifest, &file, max_memory, &notes);
+    if (status) {
+        status = status == CONUS_ERROR_MEMORY ? status : manifest_draft_leave_out(draft, name);
+    } else {
+        const struct label_table *table = &file.choice.cifti.maps[file.choice.map].table;
+        const char *voxels = manifest.parcellation.source.file;
+        *taken = true;
+        status = voxels ? set_parcellation(draft, voxels) : CONUS_OK;
+        status = status || !voxels || !is_parcellation(draft, voxels)
+                     ? status
+                     : manifest_draft_log(draft, "%s: parcellation, voxels of CIFTI labels", voxels);
+        status = status ? status : take_labelled(draft, &manifest, table->entries[table->count - 1].number);
+    }
+    for (size_t i = 0; !status && i < notes.count; i++) {
+        status = manifest_draft_log(draft, "%s", notes.lines[i]);
+    }
+    notes_finish(&notes);
+    manifest_finish(&manifest);
+    cifti_file_finish(&file);
+    memory_free(path);
+    return status;
+}
+
+/* Takes the .dlabel.nii among `names`, if there is one; of several, which one is meant is not known. */
+static conus_status look_for_cifti(const char **found, struct manifest_draft *draft, const struct names *names)
+{
+    size_t count = 0;
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < names->count; i++) {
+        bool cifti = false;
+        char *path = is_volume(names->names[i]) ? manifest_draft_path(draft, names->names[i]) : NULL;
+        status = path ? cifti_file_is(&cifti, path) : CONUS_OK;
+        status = status || !cifti ? status : names_add(&draft->used, names->names[i]); /* it is no volume */
+        *found = cifti ? names->names[i] : *found;
+        count += cifti;
+        memory_free(path);
+    }
+    if (!status && count > 1) {
+        *found = NULL;
+        status =
+            manifest_draft_log(draft, "%zu files of CIFTI labels, none is taken: give one of them as ATLAS", count);
+    }
+    return status;
+}
+
+/* ---- The whole folder -------------------------------------------------------------------------------------------- */
 
 /* The voxels of a BrainGlobe folder, if they load; then its other stacks and its meshes are no further areas. */
 static conus_status take_brainglobe(bool *taken, struct manifest_draft *draft)
@@ -281,8 +360,11 @@ static conus_status scan_folder(struct manifest_draft *draft)
 {
     struct names names = {0};
     bool voxels = false;
+    bool labelled = false;
+    const char *cifti = NULL;
     conus_status status = names_list(&names, draft->folder, "");
     status = status ? status : take_brainglobe(&voxels, draft);
+    status = status ? status : look_for_cifti(&cifti, draft, &names);
     for (size_t i = 0; !status && i < names.count; i++) {
         status = path_ends_in(names.names[i], ".xml") ? look_at_xml(draft, names.names[i]) : CONUS_OK;
     }
@@ -290,7 +372,8 @@ static conus_status scan_folder(struct manifest_draft *draft)
         status = is_volume(names.names[i]) ? look_at_other(draft, names.names[i], voxels) : CONUS_OK;
     }
     draft->label_offset = draft->parcellation ? MANIFEST_LABEL_STEP : 0;
-    status = status || voxels ? status : manifest_surfaces_add(draft, "");
+    status = status || !cifti ? status : take_cifti(&labelled, draft, cifti);
+    status = status || voxels || labelled ? status : manifest_surfaces_add(draft, "");
     for (size_t i = 0; !status && i < names.count; i++) {
         char *path = names.names[i][0] == '.' ? NULL : manifest_draft_path(draft, names.names[i]);
         bool known = voxels || json_object_get(json_array_get(draft->areas, 0), "brainglobe");

@@ -27,8 +27,7 @@ struct parsing {
     struct gifti_storage storage; /* of it */
     char *external;               /* storage.path, owned */
     char *md_name;                /* Name of the MD that is open */
-    struct label label;           /* the Label that is open */
-    bool negative_label;          /* ... and has a number below 0 */
+    struct label_entry entry;     /* the Label that is open */
 };
 
 static void array_finish(struct gifti_array *array)
@@ -46,6 +45,9 @@ void gifti_finish(struct gifti *gifti)
     }
     memory_free(gifti->arrays);
     memory_free(gifti->name);
+    memory_free(gifti->structure);
+    memory_free(gifti->layer);
+    memory_free(gifti->geometric_type);
     label_table_finish(&gifti->labels);
     *gifti = (struct gifti){0};
 }
@@ -250,12 +252,20 @@ static conus_status start_array(struct parsing *parsing, const struct xml_event 
     return status ? status : read_storage(parsing, event);
 }
 
+static bool is_outline(const struct parsing *parsing)
+{
+    return parsing->options && parsing->options->outline;
+}
+
 static conus_status end_data(struct parsing *parsing, struct text text)
 {
     struct gifti_array *array = parsing->array;
     if (!array || array->values) {
         return fail(CONUS_ERROR_DATA, "Data %s, allowed is one in each DataArray",
                     array ? "twice" : "outside DataArray");
+    }
+    if (is_outline(parsing)) {
+        return CONUS_OK;
     }
     parsing->storage.dim = array->dim;
     return gifti_data_decode(&array->values, &parsing->storage, text);
@@ -264,7 +274,7 @@ static conus_status end_data(struct parsing *parsing, struct text text)
 static conus_status end_array(struct parsing *parsing, struct text text)
 {
     (void)text;
-    if (parsing->array && !parsing->array->values) {
+    if (parsing->array && !parsing->array->values && !is_outline(parsing)) {
         return fail(CONUS_ERROR_DATA, "Data is missing, one is needed in each DataArray");
     }
     parsing->array = NULL;
@@ -360,6 +370,16 @@ static char hemisphere_of(struct text structure)
                                                                     : 0;
 }
 
+/* What the surface shows, by the first place that says so. */
+static conus_status keep_anatomy(struct gifti *gifti, const char *name, struct text text)
+{
+    char **field = strcmp(name, "AnatomicalStructurePrimary") == 0     ? &gifti->structure
+                   : strcmp(name, "AnatomicalStructureSecondary") == 0 ? &gifti->layer
+                   : strcmp(name, "GeometricType") == 0                ? &gifti->geometric_type
+                                                                       : NULL;
+    return field && !*field ? label_set_text(field, text) : CONUS_OK;
+}
+
 /* The Value of an MD. Only what is used is kept. */
 static conus_status end_value(struct parsing *parsing, struct text text)
 {
@@ -372,7 +392,7 @@ static conus_status end_value(struct parsing *parsing, struct text text)
         parsing->gifti.hemisphere = hemisphere_of(text_trim(text));
     }
     keep_geometry(parsing->array, name, text);
-    return CONUS_OK;
+    return keep_anatomy(&parsing->gifti, name, text);
 }
 
 static conus_status end_name(struct parsing *parsing, struct text text)
@@ -383,33 +403,9 @@ static conus_status end_name(struct parsing *parsing, struct text text)
     return parsing->md_name ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
-static conus_status start_label(struct parsing *parsing, const struct xml_event *event)
-{
-    const char *key = xml_attribute(event, "Key");
-    int64_t number;
-    key = key ? key : xml_attribute(event, "Index");
-    parsing->negative_label = key && text_to_int(text_from(key), &number) && number < 0;
-    parsing->label = (struct label){0};
-    return parsing->negative_label ? CONUS_OK : label_element(&parsing->label, event);
-}
-
-/* The name follows in `text`. 0 and what lies below stand for no area. */
 static conus_status end_label(struct parsing *parsing, struct text text)
 {
-    struct label *label = &parsing->label;
-    conus_status status = label_set_text(&label->name, text);
-    bool no_area = !label->number || parsing->negative_label;
-    if (!status && no_area && label->name && !label_is_background(text_from(label->name))) {
-        status = notes_add(parsing->notes, "label %s is called \"%s\"; its vertices belong to no area",
-                           parsing->negative_label ? "below 0" : "0", label->name);
-    }
-    if (status || no_area) {
-        label_finish(label);
-    } else {
-        status = label_keep(&parsing->gifti.labels, label, CONUS_OK, parsing->notes);
-    }
-    *label = (struct label){0};
-    return status;
+    return label_entry_end(&parsing->entry, &parsing->gifti.labels, text, parsing->notes);
 }
 
 static conus_status start_element(struct parsing *parsing, const struct xml_event *event)
@@ -419,7 +415,7 @@ static conus_status start_element(struct parsing *parsing, const struct xml_even
     }
     return strcmp(event->name, "GIFTI") == 0                             ? start_gifti(parsing, event)
            : strcmp(event->name, "DataArray") == 0                       ? start_array(parsing, event)
-           : strcmp(event->name, "Label") == 0                           ? start_label(parsing, event)
+           : strcmp(event->name, "Label") == 0                           ? label_entry_start(&parsing->entry, event)
            : strcmp(event->name, "CoordinateSystemTransformMatrix") == 0 ? start_transform(parsing->array)
                                                                          : CONUS_OK;
 }
@@ -482,7 +478,7 @@ conus_status gifti_parse(struct gifti *out, const uint8_t *data, size_t size, co
     struct xml_handler handler = {on_start, on_end, &parsing, true};
     conus_status status = xml_parse(&handler, text_from_bytes(data, size));
     status = status ? status : label_table_sort(&parsing.gifti.labels, notes);
-    label_finish(&parsing.label);
+    label_finish(&parsing.entry.label);
     memory_free(parsing.md_name);
     memory_free(parsing.external);
     if (status) {

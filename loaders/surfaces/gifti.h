@@ -43,12 +43,16 @@ struct gifti {
     struct label_table labels; /**< Sorted; label 0 is nothing.                                  */
     char *name;                /**< The file's metadata's Name; NULL if none.                    */
     char hemisphere;           /**< 'L', 'R', 'B' by the first AnatomicalStructurePrimary, or 0. */
+    char *structure;           /**< The first AnatomicalStructurePrimary, "CortexLeft"; NULL if none.        */
+    char *layer;               /**< The first AnatomicalStructureSecondary, "Pial"; NULL if none.            */
+    char *geometric_type;      /**< The first GeometricType, "Anatomical"; NULL if none.                     */
 };
 
 struct gifti_options {
     const char *path;    /**< Of the file, to find external files beside it; NULL: they are refused. */
     bool external;       /**< Arrays may lie in files beside this one.                               */
     uint64_t max_memory; /**< For the numbers of one array; 0: 8 GiB.                                */
+    bool outline;        /**< No Data are decoded: the values of all arrays are NULL.                */
 };
 
 void gifti_finish(struct gifti *gifti);

@@ -3,9 +3,9 @@
 #include "loaders/surfaces/gifti_mesh.h"
 
 #include "atlas/space.h"
-#include "base/buffer.h"
 #include "base/math3.h"
 #include "base/memory.h"
+#include "loaders/cifti/map_choice.h"
 #include "loaders/surfaces/freesurfer_surface.h"
 #include "loaders/surfaces/gifti.h"
 
@@ -225,73 +225,19 @@ conus_status gifti_labels(uint32_t **labels, size_t *count, const struct gifti *
     return CONUS_OK;
 }
 
-/* "0 "aparc", 1 "yeo"", of the first LABEL arrays. */
-static void list_maps(struct buffer *out, const struct gifti *gifti)
-{
-    enum { SHOWN = 8, WIDTH = 60 };
-    size_t count = 0;
-    const struct gifti_array *array;
-    for (size_t i = 0; i < SHOWN && (array = find_array(gifti, GIFTI_LABEL, i, &count)); i++) {
-        buffer_format(out, "%s%zu \"%.*s\"", i ? ", " : "", i, WIDTH, array->name ? array->name : "");
-    }
-    buffer_text(out, count > SHOWN ? ", ..." : "");
-}
-
-static size_t count_named(size_t *out, const struct gifti *gifti, struct text name)
-{
-    size_t count;
-    size_t found = 0;
-    const struct gifti_array *array;
-    for (size_t i = 0; (array = find_array(gifti, GIFTI_LABEL, i, &count)); i++) {
-        if (array->name && text_equal(name, array->name)) {
-            found++;
-            *out = i;
-        }
-    }
-    return found;
-}
-
-static conus_status find_named(size_t *out, const struct gifti *gifti, struct text wanted)
-{
-    struct buffer maps = {0};
-    size_t map = 0;
-    size_t found = count_named(&map, gifti, wanted);
-    if (found == 1) {
-        *out = map;
-        return CONUS_OK;
-    }
-    list_maps(&maps, gifti);
-    conus_status status = buffer_status(&maps);
-    status = status
-                 ? status
-                 : fail(CONUS_ERROR_ARGUMENT, "map: %zu LABEL arrays are called \"%.*s\", one is needed of %s", found,
-                        wanted.size < 60 ? (int)wanted.size : 60, wanted.data, maps.size ? maps.data : "none");
-    buffer_finish(&maps);
-    return status;
-}
-
 conus_status gifti_map_find(size_t *out, const struct gifti *gifti, struct text wanted, struct notes *notes)
 {
-    size_t count;
-    uint64_t number = 0;
-    const struct gifti_array *first = find_array(gifti, GIFTI_LABEL, 0, &count);
-    if (wanted.size && !text_to_uint(wanted, SIZE_MAX, &number)) {
-        return find_named(out, gifti, wanted);
+    size_t count = 0;
+    const char **names = memory_zeroed(gifti->array_count, sizeof *names);
+    if (!names) {
+        return CONUS_ERROR_MEMORY;
     }
-    *out = (size_t)number;
-    if (wanted.size || count < 2) {
-        return CONUS_OK;
+    for (size_t i = 0; i < gifti->array_count; i++) {
+        if (gifti->arrays[i].intent == GIFTI_LABEL) {
+            names[count++] = gifti->arrays[i].name;
+        }
     }
-    struct buffer maps = {0};
-    list_maps(&maps, gifti);
-    conus_status status = buffer_status(&maps);
-    status =
-        status
-            ? status
-            : notes_add(notes,
-                        "%zu LABEL arrays: number 0 (from 0) was used, \"%.60s\"; add \",map=K\" or \",map=NAME\" to "
-                        "the file of labels for another of %s",
-                        count, first->name ? first->name : "", maps.data);
-    buffer_finish(&maps);
+    conus_status status = map_choice_make(out, names, count, wanted, "LABEL arrays", notes);
+    memory_free(names);
     return status;
 }

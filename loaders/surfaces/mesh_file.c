@@ -9,7 +9,10 @@
 #include "base/math3.h"
 #include "base/memory.h"
 #include "base/text.h"
+#include "loaders/cifti/cifti.h"
+#include "loaders/cifti/map_choice.h"
 #include "loaders/file_kind.h"
+#include "loaders/surfaces/cifti_vertices.h"
 #include "loaders/surfaces/foreign/mesh_foreign.h"
 #include "loaders/surfaces/freesurfer_annot.h"
 #include "loaders/surfaces/freesurfer_surface.h"
@@ -26,24 +29,6 @@ static const struct mesh_file_options defaults;
 static uint64_t limit_of(const struct mesh_file_options *options)
 {
     return options->max_memory ? options->max_memory : DEFAULT_MEMORY;
-}
-
-/* The whole file, unpacked. */
-static conus_status read_unpacked(struct bytes *out, const char *path, const struct mesh_file_options *options)
-{
-    struct bytes stored = {0};
-    conus_status status = file_read_allowed(&stored, path, limit_of(options));
-    status = status || !options->read ? status : file_sums_add(options->read, path, &stored);
-    if (!status && !gzip_is(stored.data, stored.size)) {
-        *out = stored;
-        return CONUS_OK;
-    }
-    if (!status) {
-        status = gzip_unpack_all(out, stored.data, stored.size, limit_of(options));
-        status = status ? fail_in(status, path) : CONUS_OK;
-    }
-    bytes_finish(&stored);
-    return status;
 }
 
 static bool is_gifti(const struct bytes *bytes)
@@ -108,7 +93,8 @@ char *mesh_file_name(const char *path)
 static conus_status parse_gifti(struct gifti *out, const struct bytes *bytes, const char *path,
                                 const struct mesh_file_options *options, struct notes *notes)
 {
-    const struct gifti_options gifti_options = {path, options->external, options->max_memory};
+    const struct gifti_options gifti_options = {
+        .path = path, .external = options->external, .max_memory = options->max_memory};
     return gifti_parse(out, bytes->data, bytes->size, &gifti_options, notes);
 }
 
@@ -184,7 +170,7 @@ conus_status mesh_file_read(struct mesh *out, struct label *about, const char *p
         const struct mesh_foreign_options foreign = {options->space, options->max_memory};
         return mesh_foreign_read(out, &path, 1, &foreign, notes);
     }
-    conus_status status = read_unpacked(&bytes, path, options);
+    conus_status status = gzip_read(&bytes, path, limit_of(options), options->read);
     status = status ? status : read_own(out, about, &bytes, path, options, notes);
     bytes_finish(&bytes);
     return status;
@@ -220,8 +206,11 @@ static conus_status take_labels(struct vertex_labels *out, const struct bytes *b
     if (is_gifti(bytes)) {
         return take_gifti_labels(out, bytes, path, map, options, notes);
     }
+    if (cifti_is(bytes->data, bytes->size)) {
+        return cifti_vertices_read(out, bytes, map, options, notes);
+    }
     if (map.size) {
-        return fail(CONUS_ERROR_ARGUMENT, "map: found \"%.*s\", only GIFTI labels have several",
+        return fail(CONUS_ERROR_ARGUMENT, "map: found \"%.*s\", only GIFTI and CIFTI labels have several",
                     map.size < 60 ? (int)map.size : 60, map.data);
     }
     if (freesurfer_is_surface(bytes->data, bytes->size) || mesh_foreign_is(path)) {
@@ -230,22 +219,9 @@ static conus_status take_labels(struct vertex_labels *out, const struct bytes *b
     conus_status status =
         freesurfer_annot_parse(&out->labels, &out->count, &out->table, bytes->data, bytes->size, notes);
     if (status == CONUS_ERROR_DATA && file_kind_of(NULL, bytes)) { /* an annotation has no mark of its own */
-        return file_kind_fail(NULL, bytes, "labels of vertices (GIFTI labels or a FreeSurfer annotation)");
+        return file_kind_fail(NULL, bytes, "labels of vertices (GIFTI or CIFTI labels, or a FreeSurfer annotation)");
     }
     return status == CONUS_ERROR_DATA ? fail_in(status, "not GIFTI, and as a FreeSurfer annotation") : status;
-}
-
-/* Splits "path,map=K", unless there is a file of that name. */
-static conus_status split_map(char **path, struct text *map, const char *text)
-{
-    static const char selector[] = ",map=";
-    const char *at = file_exists(text) ? NULL : strstr(path_base(text), selector);
-    *map = text_from(at ? at + strlen(selector) : "");
-    if (at && !map->size) {
-        return fail(CONUS_ERROR_ARGUMENT, "%s: map: a number from 0 or a name is needed", text);
-    }
-    *path = memory_text(text, at ? (size_t)(at - text) : strlen(text));
-    return *path ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
 static conus_status read_labels(struct vertex_labels *out, const char *path, struct text map,
@@ -254,7 +230,7 @@ static conus_status read_labels(struct vertex_labels *out, const char *path, str
     struct bytes bytes = {0};
     struct vertex_labels labels = {0};
     struct notes own = {0};
-    conus_status status = read_unpacked(&bytes, path, options);
+    conus_status status = gzip_read(&bytes, path, limit_of(options), options->read);
     if (status) {
         return status;
     }
@@ -275,7 +251,7 @@ conus_status vertex_labels_read(struct vertex_labels *out, const char *path, con
 {
     char *file = NULL;
     struct text map;
-    conus_status status = split_map(&file, &map, path);
+    conus_status status = map_choice_split(&file, &map, path);
     status = status ? status : read_labels(out, file, map, options ? options : &defaults, notes);
     memory_free(file);
     return status;

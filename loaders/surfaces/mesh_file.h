@@ -14,6 +14,8 @@ struct mesh_file_options {
     bool external;          /**< GIFTI arrays may lie in other files in the same folder. */
     uint64_t max_memory;    /**< For a file, and for the numbers of one array; 8 GiB.    */
     struct file_sums *read; /**< Gets the file that is read. */
+    const char *surface;    /**< Of labels: the surface whose vertices they label; NULL if not known. */
+    char hemisphere; /**< Of labels: its side, 'L' or 'R', where the surface does not say which structure it is. */
 };
 
 /** What the name of the file @p path says: "lh.pial" of "lh.pial.surf.gii.gz". The caller's to memory_free(); NULL
@@ -38,7 +40,8 @@ struct vertex_labels {
 void vertex_labels_finish(struct vertex_labels *labels);
 
 /** Reads GIFTI labels (.label.gii, the first LABEL array, or that of ",map=K" or ",map=NAME" behind @p path; also those
- * of a surface file itself) or a FreeSurfer annotation (.annot), each plain or gzip. A surface without labels has none:
+ * of a surface file itself), a FreeSurfer annotation (.annot) or, likewise with maps, those of one surface in a CIFTI
+ * file (.dlabel.nii), each plain or gzip. A surface without labels has none:
  * count 0. Notes and errors carry the path.
  * @p options may be NULL. */
 conus_status vertex_labels_read(struct vertex_labels *out, const char *path, const struct mesh_file_options *options,

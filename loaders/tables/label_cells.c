@@ -88,6 +88,35 @@ conus_status label_element(struct label *out, const struct xml_event *event)
     return status;
 }
 
+conus_status label_entry_start(struct label_entry *entry, const struct xml_event *event)
+{
+    const char *key = xml_attribute(event, "Key");
+    int64_t number;
+    key = key ? key : xml_attribute(event, "Index");
+    entry->negative = key && text_to_int(text_from(key), &number) && number < 0;
+    entry->label = (struct label){0};
+    return entry->negative ? CONUS_OK : label_element(&entry->label, event);
+}
+
+conus_status label_entry_end(struct label_entry *entry, struct label_table *table, struct text name,
+                             struct notes *notes)
+{
+    struct label *label = &entry->label;
+    conus_status status = label_set_text(&label->name, name);
+    bool no_area = !label->number || entry->negative;
+    if (!status && no_area && label->name && !label_is_background(text_from(label->name))) {
+        status = notes_add(notes, "label %s is called \"%s\"; its vertices belong to no area",
+                           entry->negative ? "below 0" : "0", label->name);
+    }
+    if (status || no_area) {
+        label_finish(label);
+    } else {
+        status = label_keep(table, label, CONUS_OK, notes);
+    }
+    *entry = (struct label_entry){0};
+    return status;
+}
+
 static int hex_digit(char c)
 {
     return c >= '0' && c <= '9'   ? c - '0'

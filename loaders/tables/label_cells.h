@@ -17,6 +17,20 @@ bool label_is_background(struct text name);
 /** Number and colour of Workbench's and GIFTI's <Label Key= Red= Green= Blue=>; its name is the element's text. */
 conus_status label_element(struct label *out, const struct xml_event *event);
 
+/** A <Label> of GIFTI or CIFTI while it is open, whose number may be below 0. */
+struct label_entry {
+    struct label label;
+    bool negative;
+};
+
+/** At its start tag. */
+conus_status label_entry_start(struct label_entry *entry, const struct xml_event *event);
+
+/** At its end tag, with the name in between: appends it to @p table. 0 and what lies below stand for no area; a note
+ * says so where the name does not. The entry is empty afterwards, on failure, too. */
+conus_status label_entry_end(struct label_entry *entry, struct label_table *table, struct text name,
+                             struct notes *notes);
+
 /** Values of cells. @p where ("line 7", "entry 3") starts the message. */
 conus_status label_cell_number(uint32_t *out, struct text cell, const char *where);
 conus_status label_cell_channel(uint8_t *out, struct text cell, const char *channel, const char *where);

@@ -190,15 +190,122 @@ static conus_status check_bitpix(const struct volume_header *header, int bitpix)
                                    header->info.datatype, wanted);
 }
 
-/* CIFTI matrices (vertices and voxels by anything) come as NIfTI-2 files without a grid. */
-static conus_status check_intent(const struct fields *f)
+/* ---- CIFTI-2 ---------------------------------------------------------------------------------------------------- */
+
+#define SEPARATE "'wb_command -cifti-separate' writes its voxels as a volume"
+#define PARCELS "conus reads the .dlabel.nii of its parcels, as ATLAS"
+
+/* Matrices by vertices, voxels or parcels: nifti2.h has the codes. */
+static const struct {
+    int intent_code;
+    struct file_kind kind;
+} matrices[] = {
+    {3000, {"a CIFTI matrix without a kind (a .plabel.nii, say)", PARCELS}},
+    {3001, {"a CIFTI matrix of connections (.dconn.nii)", "conus has no use for connections"}},
+    {3002, {"a CIFTI matrix of time series (.dtseries.nii)", SEPARATE}},
+    {3003, {"a CIFTI matrix of connections of parcels (.pconn.nii)", PARCELS}},
+    {3004, {"a CIFTI matrix of time series of parcels (.ptseries.nii)", PARCELS}},
+    {3006, {"a CIFTI matrix of values (.dscalar.nii)", SEPARATE}},
+    {NIFTI_DENSE_LABELS,
+     {"a CIFTI matrix of labels (.dlabel.nii)",
+      "give it as ATLAS, as --labels of a surface, or in a manifest as parcellation or vertex_labels"}},
+    {3008, {"a CIFTI matrix of values of parcels (.pscalar.nii)", PARCELS}},
+    {3009, {"a CIFTI matrix of connections of parcels (.pdconn.nii)", PARCELS}},
+    {3010, {"a CIFTI matrix of connections of parcels (.dpconn.nii)", PARCELS}},
+    {3011, {"a CIFTI matrix of connections of parcels (.pconnseries.nii)", PARCELS}},
+    {3012, {"a CIFTI matrix of connections of parcels (.pconnscalar.nii)", PARCELS}},
+};
+static const struct file_kind other_matrix = {"a CIFTI matrix of an unknown kind", PARCELS};
+
+static bool is_matrix(int version, int intent_code)
 {
-    bool is_matrix = f->version == 2 && f->intent_code >= 3000 && f->intent_code < 3100;
-    return is_matrix ? fail(CONUS_ERROR_UNSUPPORTED,
-                            "intent_code: found %d (a CIFTI matrix), allowed are volumes; 'wb_command "
-                            "-cifti-separate' writes them, and labels of vertices (.label.gii)",
-                            f->intent_code)
-                     : CONUS_OK;
+    return version == 2 && intent_code >= 3000 && intent_code < 3100;
+}
+
+int nifti_matrix_intent(const uint8_t *data, size_t size)
+{
+    if (size < NIFTI2_SIZE || !nifti_has_magic(data, size) || is_version_1(data)) {
+        return 0;
+    }
+    int intent_code = order_i32(data + 504, order_u32(data, false) != NIFTI2_SIZE);
+    return is_matrix(2, intent_code) ? intent_code : 0;
+}
+
+static const struct file_kind *kind_of_matrix(int intent_code)
+{
+    for (size_t i = 0; i < sizeof matrices / sizeof matrices[0]; i++) {
+        if (matrices[i].intent_code == intent_code) {
+            return &matrices[i].kind;
+        }
+    }
+    return &other_matrix;
+}
+
+const struct file_kind *nifti_matrix_kind(const uint8_t *data, size_t size)
+{
+    int intent_code = nifti_matrix_intent(data, size);
+    return intent_code ? kind_of_matrix(intent_code) : NULL;
+}
+
+static conus_status refuse_matrix(const struct fields *f)
+{
+    const struct file_kind *kind = kind_of_matrix(f->intent_code);
+    return is_matrix(f->version, f->intent_code)
+               ? fail(CONUS_ERROR_UNSUPPORTED, "intent_code: found %d, %s, allowed are volumes; %s", f->intent_code,
+                      kind->words, kind->way)
+               : CONUS_OK;
+}
+
+static conus_status check_shape(const struct fields *f)
+{
+    bool fine = f->dim[0] == 6;
+    for (int i = 1; i < 5; i++) {
+        fine = fine && f->dim[i] == 1;
+    }
+    return fine ? CONUS_OK
+                : fail(CONUS_ERROR_DATA,
+                       "dim: found %lld: %lld x %lld x %lld x %lld x ..., a CIFTI matrix has 6 dimensions, the first "
+                       "four of them 1",
+                       (long long)f->dim[0], (long long)f->dim[1], (long long)f->dim[2], (long long)f->dim[3],
+                       (long long)f->dim[4]);
+}
+
+/* ---- Headers ----------------------------------------------------------------------------------------------------- */
+
+/* What volumes and matrices have in common. */
+static conus_status begin_header(struct volume_header *out, struct fields *f)
+{
+    *out = (struct volume_header){.swapped = f->swapped,
+                                  .pair = f->pair,
+                                  .header_size = f->version == 1 ? NIFTI1_SIZE : NIFTI2_SIZE,
+                                  .intent_code = f->intent_code};
+    snprintf(out->info.format, sizeof out->info.format, "NIfTI-%d", f->version);
+    conus_status status;
+    if ((status = volume_header_set_datatype(out, f->datatype)) || (status = check_bitpix(out, f->bitpix)) ||
+        (status = check_dim(f->dim)) || (status = volume_header_set_dim(out, f->dim + 1)) ||
+        (status = check_offset(f, out->header_size)) || (status = read_scaling(&out->info, f))) {
+        return status;
+    }
+    out->offset = (uint64_t)f->vox_offset;
+    return CONUS_OK;
+}
+
+conus_status nifti_matrix_parse(struct volume_header *out, size_t shape[2], const uint8_t *data, size_t size)
+{
+    struct fields f = {0};
+    struct volume_header header;
+    conus_status status = read_fields(&f, data, size);
+    if (!status && (f.pair || !is_matrix(f.version, f.intent_code))) {
+        return fail(CONUS_ERROR_DATA, "not a CIFTI-2 file: a single NIfTI-2 file of an intent_code of 3000 to 3099");
+    }
+    status = status ? status : begin_header(&header, &f);
+    status = status ? status : check_shape(&f);
+    if (!status) {
+        *out = header;
+        shape[0] = (size_t)f.dim[5];
+        shape[1] = (size_t)f.dim[6];
+    }
+    return status;
 }
 
 conus_status nifti_header_parse(struct volume_header *out, const uint8_t *data, size_t size, struct notes *notes)
@@ -208,18 +315,10 @@ conus_status nifti_header_parse(struct volume_header *out, const uint8_t *data, 
     if (status) {
         return status;
     }
-    struct volume_header header = {.swapped = f.swapped,
-                                   .pair = f.pair,
-                                   .header_size = f.version == 1 ? NIFTI1_SIZE : NIFTI2_SIZE,
-                                   .intent_code = f.intent_code};
-    snprintf(header.info.format, sizeof header.info.format, "NIfTI-%d", f.version);
-    if ((status = check_intent(&f)) || (status = volume_header_set_datatype(&header, f.datatype)) ||
-        (status = check_bitpix(&header, f.bitpix)) || (status = check_dim(f.dim)) ||
-        (status = volume_header_set_dim(&header, f.dim + 1)) || (status = check_offset(&f, header.header_size)) ||
-        (status = read_scaling(&header.info, &f))) {
+    struct volume_header header;
+    if ((status = refuse_matrix(&f)) || (status = begin_header(&header, &f))) {
         return status;
     }
-    header.offset = (uint64_t)f.vox_offset;
     for (int i = 1; i < 4; i++) { /* an axis that the file does not have has a size of its own choosing */
         bool absent = i > 1 && f.dim[i] == 1 && f.placement.pixdim[i] == 0;
         f.placement.pixdim[i] = absent ? 1 : f.placement.pixdim[i];

@@ -47,6 +47,12 @@ size_t volume_datatype_size(int code)
     return type ? type->size : 0;
 }
 
+const char *volume_datatype_name(int code)
+{
+    const struct datatype *type = find_datatype(code);
+    return type ? type->name : NULL;
+}
+
 conus_status volume_header_set_datatype(struct volume_header *header, int code)
 {
     static const char allowed[] = "allowed are int8 to uint64, float32 and float64";

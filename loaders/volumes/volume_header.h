@@ -39,6 +39,9 @@ struct volume_header {
 /** Bytes of a voxel of the NIfTI type @p code, 0 for a type that conus does not read. */
 size_t volume_datatype_size(int code);
 
+/** Its name, "uint8"; NULL for a code that no standard knows. */
+const char *volume_datatype_name(int code);
+
 /** Sets datatype and info.datatype. A type without one real number per voxel is CONUS_ERROR_UNSUPPORTED, a code that no
  * standard knows CONUS_ERROR_DATA. */
 conus_status volume_header_set_datatype(struct volume_header *header, int code);

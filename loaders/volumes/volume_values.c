@@ -86,6 +86,13 @@ static const struct decoder *find_decoder(int datatype)
     return &decoders[i];
 }
 
+double volume_value_at(const uint8_t *data, int datatype, bool swapped)
+{
+    double value;
+    find_decoder(datatype)->doubles(&value, data, 1, swapped);
+    return value;
+}
+
 /* ---- Labels ------------------------------------------------------------------------------------------------------ */
 
 /* Scaled values, of which labels must be whole. */

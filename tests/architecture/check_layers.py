@@ -50,18 +50,19 @@ LIBRARY = {
     "loaders/volumes/text": "base base/formats atlas",
     "loaders/volumes": "base base/formats atlas loaders loaders/tiff loaders/brainglobe loaders/volumes/text",
     "loaders/tables": "base base/formats atlas loaders/volumes",
+    "loaders/cifti": "base base/formats atlas loaders/volumes loaders/tables",
     "loaders/labels": "base atlas loaders loaders/volumes loaders/volumes/text loaders/tables",
     "loaders/child": "base atlas/surface atlas",
     "loaders/surfaces/foreign": "base base/formats atlas/surface atlas loaders",
-    "loaders/surfaces": "base base/formats atlas/surface atlas loaders loaders/tables loaders/child"
-    " loaders/surfaces/foreign",
+    "loaders/surfaces": "base base/formats atlas/surface atlas loaders loaders/tables loaders/cifti"
+    " loaders/child loaders/surfaces/foreign",
     "loaders/phantom": "base atlas atlas/phantom loaders/volumes loaders/surfaces",
     "loaders/manifest": "base base/formats atlas/surface atlas loaders/volumes loaders/tables loaders/labels",
     "loaders/plan": "base base/formats atlas loaders loaders/volumes loaders/tables loaders/labels"
-    " loaders/surfaces loaders/manifest loaders/brainglobe",
+    " loaders/cifti loaders/surfaces loaders/manifest loaders/brainglobe",
     "loaders/transform": "base loaders loaders/volumes",
     "loaders/scene": "base base/formats atlas/surface atlas loaders loaders/volumes loaders/tables loaders/labels"
-    " loaders/surfaces/foreign loaders/surfaces loaders/manifest loaders/plan loaders/transform",
+    " loaders/cifti loaders/surfaces/foreign loaders/surfaces loaders/manifest loaders/plan loaders/transform",
     "loaders/catalogue": "base base/formats loaders/volumes loaders/tables",
     "loaders/arrays": "base atlas loaders/volumes loaders/plan loaders/scene",
     "render/gl": "base",

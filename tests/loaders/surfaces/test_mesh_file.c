@@ -306,7 +306,7 @@ static void labels_without_memory_or_sense(void **state)
     test_every_allocation(attempt_labels, map);
     const struct buffer text = {.data = (char *)"hello", .size = 5};
     assert_fails(vertex_labels_read(&labels, write_bytes("text.annot", &text), NULL, &notes), CONUS_ERROR_DATA);
-    assert_non_null(strstr(conus_message(), "found plain text, \"hello\"; needed is labels of vertices (GIFTI labels"));
+    assert_non_null(strstr(conus_message(), "found plain text, \"hello\"; needed is labels of vertices (GIFTI or "));
     const struct buffer binary = {.data = (char *)"\0\0\1\2\3", .size = 5};
     assert_fails(vertex_labels_read(&labels, write_bytes("short.annot", &binary), NULL, &notes), CONUS_ERROR_DATA);
     assert_non_null(strstr(conus_message(), "not GIFTI, and as a FreeSurfer annotation: "));

@@ -150,7 +150,8 @@ static void only_one_version_can_say_it(void **state)
     nifti_set(&b, "intent_code", 0, 3007);
     struct volume_header header;
     assert_fails(parse(&header, &b, NULL), CONUS_ERROR_UNSUPPORTED);
-    assert_non_null(strstr(conus_message(), "intent_code: found 3007 (a CIFTI matrix)"));
+    assert_non_null(
+        strstr(conus_message(), "intent_code: found 3007, a CIFTI matrix of labels (.dlabel.nii), allowed are "));
     buffer_finish(&b.bytes);
 }
 

@@ -1,0 +1,57 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file A .dlabel.nii as a file, one map of it, and what that says of vertices and voxels. */
+#ifndef CONUS_LOADERS_CIFTI_CIFTI_FILE_H
+#define CONUS_LOADERS_CIFTI_CIFTI_FILE_H
+
+#include "base/file_sums.h"
+#include "loaders/cifti/cifti.h"
+
+/** One map of a file. */
+struct cifti_choice {
+    struct cifti cifti;
+    size_t map;
+    uint32_t *labels; /**< [cifti.count] of the grayordinates; 0 = no area; owned. */
+};
+
+/** Parses @p bytes, which must outlive @p out, and takes the map @p wanted (map_choice_make()). */
+conus_status cifti_choice_read(struct cifti_choice *out, const struct bytes *bytes, struct text wanted,
+                               uint64_t max_memory, struct notes *notes);
+void cifti_choice_finish(struct cifti_choice *choice);
+
+/** The surface that GIFTI calls @p structure, or NULL. */
+const struct cifti_model *cifti_choice_surface(const struct cifti_choice *choice, const char *structure);
+
+/** Whether the file has voxels. */
+bool cifti_choice_has_voxels(const struct cifti_choice *choice);
+
+/** Appends the labels of @p model, or of all voxels where that is NULL, to *labels, sorted, each once, without 0.
+ * *count are there; memory_free() it. */
+conus_status cifti_choice_list(uint32_t **labels, size_t *count, const struct cifti_choice *choice,
+                               const struct cifti_model *model);
+
+/** Labels of all vertices of the surface @p model: [model->vertex_count], 0 for those that the file leaves out, the
+ * caller's to memory_free(). @p table gets what the map says of those that there are. */
+conus_status cifti_choice_vertices(uint32_t **labels, struct label_table *table, const struct cifti_choice *choice,
+                                   const struct cifti_model *model);
+
+/** Labels of all voxels of the volume, [dim[0] dim[1] dim[2]], i fastest, likewise. The hemisphere of a label is that
+ * of the structures that have it, if it is one. */
+conus_status cifti_choice_voxels(uint32_t **labels, struct label_table *table, const struct cifti_choice *choice);
+
+/** Of a path: a file, and ",map=K" or ",map=NAME" behind it. */
+struct cifti_file {
+    char *path;         /**< Without what chooses the map. */
+    struct bytes bytes; /**< Unpacked. */
+    char sha256[65];    /**< Of the file as it is stored. */
+    struct cifti_choice choice;
+};
+
+/** Whether @p path is a .dlabel.nii, plain or gzip, by its content; false, too, where it cannot be read. Fails only
+ * without memory. */
+conus_status cifti_file_is(bool *out, const char *path);
+
+/** Opens @p path. @p max_memory 0 = 8 GiB. Notes and errors carry the path. */
+conus_status cifti_file_open(struct cifti_file *out, const char *path, uint64_t max_memory, struct notes *notes);
+void cifti_file_finish(struct cifti_file *file);
+
+#endif

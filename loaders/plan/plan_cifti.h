@@ -1,0 +1,15 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file A .dlabel.nii with the surfaces beside it as a manifest. */
+#ifndef CONUS_LOADERS_PLAN_PLAN_CIFTI_H
+#define CONUS_LOADERS_PLAN_PLAN_CIFTI_H
+
+#include "loaders/cifti/cifti_file.h"
+#include "loaders/manifest/manifest.h"
+
+/** Makes the manifest of the map that @p file has chosen: its voxels are the parcellation, each of its surfaces an
+ * entry of areas, with the surface beside it that docs/formats.md chooses. What has no label in the map is left out. A
+ * surface whose labels are those of voxels or of a surface before it has a label_offset. Names in the manifest are
+ * relative to the file's folder. @p notes gets which surfaces were taken. Errors carry the path. */
+conus_status plan_cifti(struct manifest *out, const struct cifti_file *file, uint64_t max_memory, struct notes *notes);
+
+#endif

@@ -1,0 +1,182 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Looks for the surface of a structure by what GIFTI files say about themselves. */
+#include "loaders/surfaces/surface_find.h"
+
+#include "base/buffer.h"
+#include "base/file.h"
+#include "base/folder.h"
+#include "base/memory.h"
+#include "base/text.h"
+
+#include <string.h>
+
+/* In the order of their ranks: AnatomicalStructureSecondary, the word in a file's name, the words for it. */
+static const struct {
+    const char *layer, *word, *kind;
+} kinds[] = {
+    {"MidThickness", "midthickness", "midthickness"},
+    {"Pial", "pial", "pial"},
+    {"GrayWhite", "white", "white"},
+    {NULL, "smoothwm", "smoothwm"},
+    {NULL, NULL, "of no known kind"},
+    {NULL, NULL, "not anatomical"}, /* never taken */
+};
+enum { OTHER = 4, UNFIT = 5 };
+
+void surface_list_finish(struct surface_list *list)
+{
+    for (size_t i = 0; i < list->count; i++) {
+        memory_free(list->items[i].name);
+        surface_about_finish(&list->items[i].about);
+    }
+    memory_free(list->items);
+    *list = (struct surface_list){0};
+}
+
+static bool name_has(const char *name, const char *word)
+{
+    return text_contains(text_from(name), text_from(word));
+}
+
+/* Vertices of inflated surfaces, spheres and patches lie where no brain is. */
+static bool is_unfit(const char *name, const char *geometric_type)
+{
+    static const char *const words[] = {"inflated", "sphere", "spherical", "flat", "ellipsoid", "hull"};
+    if (geometric_type) {
+        return strcmp(geometric_type, "Anatomical") != 0 && strcmp(geometric_type, "Reconstruction") != 0;
+    }
+    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
+        if (name_has(name, words[i])) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static unsigned rank_of(const char *name, const struct surface_about *about)
+{
+    if (is_unfit(name, about->geometric_type)) {
+        return UNFIT;
+    }
+    for (unsigned i = 0; about->layer && i < OTHER; i++) {
+        if (kinds[i].layer && strcmp(about->layer, kinds[i].layer) == 0) {
+            return i;
+        }
+    }
+    for (unsigned i = 0; i < OTHER; i++) {
+        if (name_has(name, kinds[i].word)) {
+            return i;
+        }
+    }
+    return OTHER;
+}
+
+/* Adds `name` if it is a surface. */
+static conus_status look_at(struct surface_list *list, const char *folder, const char *name, uint64_t max_memory)
+{
+    struct surface_item item = {0};
+    struct surface_item *items = NULL;
+    char *path = file_beside(folder, name);
+    conus_status status = path ? surface_about_read(&item.about, path, max_memory) : CONUS_ERROR_MEMORY;
+    bool surface = !status && item.about.vertices;
+    memory_free(path);
+    if (surface) {
+        items = memory_resize(list->items, list->count + 1, sizeof *items);
+        list->items = items ? items : list->items;
+        item.name = items ? memory_text(name, strlen(name)) : NULL;
+        status = item.name ? CONUS_OK : CONUS_ERROR_MEMORY;
+    }
+    if (!surface || status) {
+        surface_about_finish(&item.about);
+        return status == CONUS_ERROR_MEMORY ? status : CONUS_OK;
+    }
+    item.rank = rank_of(name, &item.about);
+    items[list->count++] = item;
+    return CONUS_OK;
+}
+
+static conus_status look_for(struct surface_list *list, const char *folder, const char *ending, uint64_t max_memory)
+{
+    struct names names = {0};
+    conus_status status = names_list(&names, folder, ending);
+    for (size_t i = 0; !status && i < names.count; i++) {
+        status = look_at(list, folder, names.names[i], max_memory);
+    }
+    names_finish(&names);
+    return status;
+}
+
+conus_status surface_list_make(struct surface_list *out, const char *folder, uint64_t max_memory)
+{
+    static const char *const endings[] = {".surf.gii", ".surf.gii.gz", ".gii", ".gii.gz"};
+    struct surface_list list = {0};
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < 4 && (i % 2 || !list.count); i++) {
+        status = look_for(&list, folder, endings[i], max_memory);
+    }
+    if (status) {
+        surface_list_finish(&list);
+        return status;
+    }
+    *out = list;
+    return CONUS_OK;
+}
+
+static bool fits(const struct surface_item *item, const char *structure, size_t vertices)
+{
+    return item->about.structure && strcmp(item->about.structure, structure) == 0 && item->about.vertices == vertices;
+}
+
+/* "a.surf.gii (CortexLeft, 642 vertices, pial)", of the first. */
+static void describe_items(struct buffer *out, const struct surface_list *list)
+{
+    enum { SHOWN = 4 };
+    for (size_t i = 0; i < list->count && i < SHOWN; i++) {
+        const struct surface_item *item = &list->items[i];
+        buffer_format(out, "%s%s (%s, %zu vertices, %s)", i ? ", " : "", item->name,
+                      item->about.structure ? item->about.structure : "of no structure", item->about.vertices,
+                      kinds[item->rank].kind);
+    }
+    buffer_text(out, !list->count ? "no surface" : list->count > SHOWN ? ", ..." : "");
+}
+
+static conus_status fail_missing(const struct surface_list *list, const char *structure, size_t vertices)
+{
+    struct buffer there = {0};
+    describe_items(&there, list);
+    conus_status status = buffer_status(&there);
+    status = status ? status
+                    : fail(CONUS_ERROR_DATA,
+                           "no surface of %s with %zu vertices beside it: looked for is *.surf.gii or *.gii with "
+                           "AnatomicalStructurePrimary %s that is not inflated, a sphere or flat; there is %s",
+                           structure, vertices, structure, there.data);
+    buffer_finish(&there);
+    return status;
+}
+
+conus_status surface_list_find(const struct surface_item **out, const char **kind, const struct surface_list *list,
+                               const char *structure, size_t vertices)
+{
+    const struct surface_item *best = NULL;
+    const struct surface_item *other = NULL; /* as good */
+    for (size_t i = 0; i < list->count; i++) {
+        const struct surface_item *item = &list->items[i];
+        if (!fits(item, structure, vertices) || item->rank == UNFIT || (best && item->rank > best->rank)) {
+            continue;
+        }
+        other = best && item->rank == best->rank ? item : NULL;
+        best = other ? best : item;
+    }
+    if (!best) {
+        return fail_missing(list, structure, vertices);
+    }
+    if (other) {
+        return fail(CONUS_ERROR_DATA,
+                    "surfaces of %s: %s and %s are both %s and have %zu vertices; a manifest can say which "
+                    "(\"file\" with \"vertex_labels\")",
+                    structure, best->name, other->name, kinds[best->rank].kind, vertices);
+    }
+    *out = best;
+    *kind = kinds[best->rank].kind;
+    return CONUS_OK;
+}

@@ -1,0 +1,31 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file The surface of a structure among the GIFTI files of a folder (docs/formats.md, "CIFTI"). */
+#ifndef CONUS_LOADERS_SURFACES_SURFACE_FIND_H
+#define CONUS_LOADERS_SURFACES_SURFACE_FIND_H
+
+#include "loaders/surfaces/surface_about.h"
+
+struct surface_item {
+    char *name; /**< In the folder. */
+    struct surface_about about;
+    unsigned rank; /**< Of its kind, 0 is the best. */
+};
+
+/** GIFTI surfaces, sorted by name: those called *.surf.gii, or else *.gii, each plain or packed (.gz). */
+struct surface_list {
+    struct surface_item *items;
+    size_t count;
+};
+
+void surface_list_finish(struct surface_list *list);
+
+/** Lists those in @p folder, which ends in '/'. A file that cannot be read is none. */
+conus_status surface_list_make(struct surface_list *out, const char *folder, uint64_t max_memory);
+
+/** The surface of @p structure ("CortexLeft") with @p vertices vertices, of the best kind that is there: midthickness,
+ * pial, white, smoothwm, any other that is no inflated, spherical or flat one; *kind says which, in words (static).
+ * CONUS_ERROR_DATA, with what is there instead, where there is none, or several are as good. */
+conus_status surface_list_find(const struct surface_item **out, const char **kind, const struct surface_list *list,
+                               const char *structure, size_t vertices);
+
+#endif

@@ -1,0 +1,76 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* CIFTI files of labels: what an accepted one promises, and what becomes of its vertices and voxels. */
+#include "base/memory.h"
+#include "loaders/cifti/cifti_file.h"
+
+#include <stdlib.h>
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+static void require(bool fact)
+{
+    if (!fact) {
+        abort();
+    }
+}
+
+static void check_models(const struct cifti *cifti)
+{
+    size_t next = 0;
+    for (size_t i = 0; i < cifti->model_count; i++) {
+        const struct cifti_model *model = &cifti->models[i];
+        size_t limit = model->is_surface ? model->vertex_count : cifti->dim[0] * cifti->dim[1] * cifti->dim[2];
+        require(model->offset == next && model->count);
+        for (size_t n = 0; n < model->count; n++) {
+            require(model->indices[n] < limit);
+        }
+        next += model->count;
+    }
+    require(next == cifti->count);
+}
+
+static void use_vertices(const struct cifti_choice *choice, const struct cifti_model *model)
+{
+    uint32_t *labels = NULL;
+    struct label_table table = {0};
+    if (!cifti_choice_vertices(&labels, &table, choice, model)) {
+        for (size_t n = 0; n < model->vertex_count; n++) {
+            require(!labels[n] || label_table_find(&table, labels[n]));
+        }
+    }
+    memory_free(labels);
+    label_table_finish(&table);
+}
+
+static void use_voxels(const struct cifti_choice *choice)
+{
+    const size_t *dim = choice->cifti.dim;
+    uint32_t *labels = NULL;
+    struct label_table table = {0};
+    if (!cifti_choice_voxels(&labels, &table, choice)) {
+        for (size_t n = 0; n < dim[0] * dim[1] * dim[2]; n++) {
+            require(!labels[n] || label_table_find(&table, labels[n]));
+        }
+    }
+    memory_free(labels);
+    label_table_finish(&table);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    const struct bytes bytes = {(uint8_t *)data, size};
+    struct cifti_choice choice = {0};
+    struct notes notes = {0};
+    if (!cifti_choice_read(&choice, &bytes, text_from(""), 1 << 20, &notes)) {
+        check_models(&choice.cifti);
+        for (size_t i = 0; i < choice.cifti.model_count; i++) {
+            if (choice.cifti.models[i].is_surface) {
+                use_vertices(&choice, &choice.cifti.models[i]);
+            }
+        }
+        use_voxels(&choice);
+    }
+    cifti_choice_finish(&choice);
+    notes_finish(&notes);
+    return 0;
+}
