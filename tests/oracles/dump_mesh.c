@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* For tests/oracles/compare_meshes.py.
+/* For tests/oracles/compare_meshes.py and compare_cifti.py.
  *
  * dump_mesh surface FILE OUT [ras]: writes float32 positions, then uint32 vertex indices, raw, and prints the rest.
- * "ras": coordinates as they are stored. dump_mesh labels FILE OUT: writes uint32 labels, raw, and prints the table.
+ * "ras": coordinates as they are stored. dump_mesh labels FILE OUT [SURFACE]: writes uint32 labels, raw, and prints
+ * the table. dump_mesh voxels FILE OUT: the same of the voxels of a CIFTI file, with the volume's size and place.
  * dump_mesh split FILE OUT LABELS: cuts the surface FILE by the labels and prints each part. */
 #include "atlas/surface/mesh_split.h"
 #include "base/memory.h"
+#include "loaders/cifti/cifti_file.h"
 #include "loaders/surfaces/mesh_file.h"
 
 #include <stdio.h>
@@ -42,15 +44,47 @@ static conus_status dump_surface(FILE *stream, const char *path, bool as_stored,
     return status;
 }
 
-static conus_status dump_labels(FILE *stream, const char *path, struct notes *notes)
+static void print_table(const struct label_table *table)
 {
-    struct vertex_labels labels = {0};
-    conus_status status = vertex_labels_read(&labels, path, NULL, notes);
-    status = status ? status : write_raw(stream, labels.labels, labels.count);
-    for (size_t i = 0; !status && i < labels.table.count; i++) {
-        const struct label *label = &labels.table.entries[i];
+    for (size_t i = 0; i < table->count; i++) {
+        const struct label *label = &table->entries[i];
         printf("label %u %02x%02x%02x %s\n", label->number, label->rgb[0], label->rgb[1], label->rgb[2],
                label->name ? label->name : "");
+    }
+}
+
+static conus_status dump_voxels(FILE *stream, const char *path, struct notes *notes)
+{
+    struct cifti_file file = {0};
+    struct label_table table = {0};
+    uint32_t *labels = NULL;
+    conus_status status = cifti_file_open(&file, path, 0, notes);
+    const size_t *dim = file.choice.cifti.dim;
+    status = status ? status : cifti_choice_voxels(&labels, &table, &file.choice);
+    status = status ? status : write_raw(stream, labels, dim[0] * dim[1] * dim[2]);
+    if (!status) {
+        printf("dim %zu %zu %zu\n", dim[0], dim[1], dim[2]);
+        for (int i = 0; i < 12; i++) {
+            printf("%s%.17g%s", i ? " " : "world ", file.choice.cifti.world_from_voxel[4 * (i % 4) + i / 4],
+                   i == 11 ? "\n" : "");
+        }
+        print_table(&table);
+    }
+    print_notes(notes);
+    memory_free(labels);
+    label_table_finish(&table);
+    cifti_file_finish(&file);
+    return status;
+}
+
+static conus_status dump_labels(FILE *stream, const char *path, const char *surface, struct notes *notes)
+{
+    struct vertex_labels labels = {0};
+    const struct mesh_file_options options = {.surface = surface};
+    conus_status status = vertex_labels_read(&labels, path, &options, notes);
+    status = status ? status : write_raw(stream, labels.labels, labels.count);
+    if (!status) {
+        print_table(&labels.table);
     }
     print_notes(notes);
     vertex_labels_finish(&labels);
@@ -84,11 +118,13 @@ int main(int argc, char **argv)
     struct notes notes = {0};
     FILE *stream = argc > 3 ? fopen(argv[3], "wb") : NULL;
     if (!stream) {
-        fprintf(stderr, "dump_mesh surface|labels|split FILE OUT [ras|LABELS]\n");
+        fprintf(stderr, "dump_mesh surface|labels|voxels|split FILE OUT [ras|SURFACE|LABELS]\n");
         return 2;
     }
-    conus_status status = strcmp(argv[1], "surface") == 0  ? dump_surface(stream, argv[2], argc > 4, &notes)
-                          : strcmp(argv[1], "labels") == 0 ? dump_labels(stream, argv[2], &notes)
+    conus_status status = strcmp(argv[1], "surface") == 0 ? dump_surface(stream, argv[2], argc > 4, &notes)
+                          : strcmp(argv[1], "labels") == 0
+                              ? dump_labels(stream, argv[2], argc > 4 ? argv[4] : NULL, &notes)
+                          : strcmp(argv[1], "voxels") == 0 ? dump_voxels(stream, argv[2], &notes)
                                                            : dump_split(argv[2], argc > 4 ? argv[4] : "", &notes);
     if (fclose(stream) && !status) {
         status = fail(CONUS_ERROR_IO, "%s: cannot write", argv[3]);
