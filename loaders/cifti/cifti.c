@@ -16,6 +16,7 @@ void cifti_finish(struct cifti *cifti)
     for (size_t i = 0; i < cifti->map_count; i++) {
         memory_free(cifti->maps[i].name);
         label_table_finish(&cifti->maps[i].table);
+        notes_finish(&cifti->maps[i].notes);
     }
     for (size_t i = 0; i < cifti->model_count; i++) {
         memory_free(cifti->models[i].indices);
@@ -83,7 +84,7 @@ static conus_status find_xml(struct text *out, const struct bytes *head, const s
                       XML_CODE, found);
 }
 
-conus_status cifti_parse(struct cifti *out, const uint8_t *data, size_t size, uint64_t max_memory, struct notes *notes)
+conus_status cifti_parse(struct cifti *out, const uint8_t *data, size_t size, uint64_t max_memory)
 {
     struct volume_header header;
     size_t shape[2];
@@ -96,7 +97,7 @@ conus_status cifti_parse(struct cifti *out, const uint8_t *data, size_t size, ui
     struct cifti cifti = {
         .count = shape[1], .values = data + header.offset, .datatype = header.datatype, .swapped = header.swapped};
     status = find_xml(&xml, &head, &header);
-    status = status ? status : cifti_xml_parse(&cifti, xml, shape[0], max_memory, notes);
+    status = status ? status : cifti_xml_parse(&cifti, xml, shape[0], max_memory);
     if (status) {
         cifti_finish(&cifti);
         return status;

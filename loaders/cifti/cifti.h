@@ -22,6 +22,7 @@ struct cifti_model {
 struct cifti_map {
     char *name;               /**< NULL if it is empty. */
     struct label_table table; /**< Sorted; label 0 is nothing. */
+    struct notes notes;       /**< About the table. */
 };
 
 struct cifti {
@@ -43,7 +44,7 @@ void cifti_finish(struct cifti *cifti);
 bool cifti_is(const uint8_t *data, size_t size);
 
 /** Parses the whole file @p data, which must outlive @p out. No array has more than @p max_memory bytes. */
-conus_status cifti_parse(struct cifti *out, const uint8_t *data, size_t size, uint64_t max_memory, struct notes *notes);
+conus_status cifti_parse(struct cifti *out, const uint8_t *data, size_t size, uint64_t max_memory);
 
 /** Labels of all grayordinates in map @p map: *out has cifti->count, 0 = no area; the caller's to memory_free().
  * Negative ones become 0, with a note. CONUS_ERROR_DATA for one that is not whole, or that the map's table lacks. */

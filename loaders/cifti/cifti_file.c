@@ -40,8 +40,9 @@ conus_status cifti_choice_read(struct cifti_choice *out, const struct bytes *byt
                                uint64_t max_memory, struct notes *notes)
 {
     struct cifti_choice choice = {0};
-    conus_status status = cifti_parse(&choice.cifti, bytes->data, bytes->size, max_memory, notes);
+    conus_status status = cifti_parse(&choice.cifti, bytes->data, bytes->size, max_memory);
     status = status ? status : choose_map(&choice, wanted, notes);
+    status = status ? status : notes_move(notes, &choice.cifti.maps[choice.map].notes);
     status = status ? status : cifti_labels(&choice.labels, &choice.cifti, choice.map, notes);
     if (status) {
         cifti_choice_finish(&choice);

@@ -18,7 +18,6 @@ enum inside { AT_ROOT, IN_CIFTI, IN_MATRIX, IN_LABELS, IN_NAMED, IN_MODELS, IN_V
 
 struct parsing {
     struct cifti *cifti;
-    struct notes *notes;
     uint64_t max_memory;
     size_t maps_wanted;
     size_t model_capacity;
@@ -124,8 +123,9 @@ static conus_status end_map_name(struct parsing *parsing, struct text text)
 
 static conus_status end_named(struct parsing *parsing, struct text text)
 {
+    struct cifti_map *map = open_map(parsing);
     (void)text;
-    return parsing->has_name ? label_table_sort(&open_map(parsing)->table, parsing->notes)
+    return parsing->has_name ? label_table_sort(&map->table, &map->notes)
                              : fail(CONUS_ERROR_DATA, "MapName is missing, one is needed in each NamedMap");
 }
 
@@ -136,7 +136,8 @@ static conus_status start_label(struct parsing *parsing, const struct xml_event 
 
 static conus_status end_label(struct parsing *parsing, struct text text)
 {
-    return label_entry_end(&parsing->entry, &open_map(parsing)->table, text, parsing->notes);
+    struct cifti_map *map = open_map(parsing);
+    return label_entry_end(&parsing->entry, &map->table, text, &map->notes);
 }
 
 /* ---- Volume ---------------------------------------------------------------------------------------------------- */
@@ -486,9 +487,9 @@ static conus_status on_end(void *user, const struct xml_event *event)
     return fail_at_line(end_element(user, event), event);
 }
 
-conus_status cifti_xml_parse(struct cifti *out, struct text text, size_t maps, uint64_t max_memory, struct notes *notes)
+conus_status cifti_xml_parse(struct cifti *out, struct text text, size_t maps, uint64_t max_memory)
 {
-    struct parsing parsing = {.cifti = out, .notes = notes, .max_memory = max_memory, .maps_wanted = maps};
+    struct parsing parsing = {.cifti = out, .max_memory = max_memory, .maps_wanted = maps};
     const struct xml_handler handler = {on_start, on_end, &parsing, false};
     conus_status status = xml_parse(&handler, text);
     label_finish(&parsing.entry.label);

@@ -7,7 +7,6 @@
 
 /** Parses the document @p text of a matrix of @p maps maps and out->count grayordinates. Fills maps, models and volume
  * of @p out, which is the caller's to finish, also on failure. Errors name the line. */
-conus_status cifti_xml_parse(struct cifti *out, struct text text, size_t maps, uint64_t max_memory,
-                             struct notes *notes);
+conus_status cifti_xml_parse(struct cifti *out, struct text text, size_t maps, uint64_t max_memory);
 
 #endif

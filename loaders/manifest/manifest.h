@@ -22,6 +22,7 @@ struct manifest_volume {
 struct manifest_parcellation {
     struct manifest_volume source;
     char *labels; /**< NULL: as conus_atlas_load() finds them.                 */
+    bool noted;   /**< Of a made-up manifest: what is to be said of the file has been said. */
 };
 
 struct manifest_context {
@@ -39,6 +40,7 @@ struct manifest_area {
     bool has_label;        /**< file: label.number is given, else the first number in the file's name.              */
     struct label label;    /**< file: what is said about it; files: hemisphere and parent of all.                   */
     char *vertex_labels;   /**< file: labels of its vertices, which cut it into areas; NULL if none.                */
+    bool noted;            /**< Of a made-up manifest: what is to be said of the file of labels has been said.      */
     char *labels;          /**< files: table that names them; NULL if none.                                         */
     uint32_t label_offset; /**< files: added to the numbers in their names, or to 1, 2, ... where there are none.   */
     double scale;          /**< brainglobe: mm per unit; 0 = 0.001.                                                 */

@@ -87,6 +87,7 @@ static conus_status add_area(struct planning *planning, const char *surface, uin
     manifest->areas = areas;
     areas[manifest->area_count++] = (struct manifest_area){.file = memory_text(surface, strlen(surface)),
                                                            .vertex_labels = name_map(planning->file),
+                                                           .noted = true,
                                                            .label_offset = offset};
     const struct manifest_area *area = &areas[manifest->area_count - 1];
     return area->file && area->vertex_labels ? CONUS_OK : CONUS_ERROR_MEMORY;
@@ -120,6 +121,7 @@ static conus_status plan_model(struct planning *planning, const struct cifti_mod
         status = plan_surface(planning, model, list, count);
     } else if (!status) {
         planning->manifest.parcellation.source.file = name_map(planning->file);
+        planning->manifest.parcellation.noted = true;
         status =
             planning->manifest.parcellation.source.file ? take_labels(planning, list, count, 0) : CONUS_ERROR_MEMORY;
     }

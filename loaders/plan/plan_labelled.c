@@ -63,8 +63,11 @@ static conus_status add_surface(struct area_plan *plan, const struct manifest_ar
     struct labelled_surface *surface = &surfaces[plan->labelled_count++];
     *surface = (struct labelled_surface){.path = file_beside(path, area->file)};
     options.surface = surface->path;
-    conus_status status =
-        surface->path ? vertex_labels_read(&surface->labels, labels, &options, notes) : CONUS_ERROR_MEMORY;
+    struct notes again = {0};
+    conus_status status = surface->path
+                              ? vertex_labels_read(&surface->labels, labels, &options, area->noted ? &again : notes)
+                              : CONUS_ERROR_MEMORY;
+    notes_finish(&again);
     memory_free(labels);
     return status;
 }

@@ -113,11 +113,16 @@ static conus_status create_empty(struct loading *loading)
 /* An atlas of the parcellation, if there is one, with all voxels that are no surface's. */
 static conus_status create_atlas(struct loading *loading, struct area_plan *plan)
 {
-    struct parcellation parts = {.notes.sink = &loading->progress->sink};
+    bool noted = loading->manifest->parcellation.noted;
+    struct parcellation parts = {.notes.sink = noted ? NULL : &loading->progress->sink};
     if (!loading->manifest->parcellation.source.file) {
         return create_empty(loading);
     }
     conus_status status = read_parcellation(&parts, loading);
+    if (noted) {
+        notes_cut(&parts.notes, 0);
+        parts.notes.sink = &loading->progress->sink;
+    }
     status = status ? status : area_plan_settle(plan, &parts, loading->manifest->prefer);
     status = status ? status : parcellation_atlas(&loading->atlas, &parts);
     status = status ? status : file_sums_move(&plan->read, &parts.read);

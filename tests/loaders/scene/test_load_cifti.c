@@ -153,6 +153,34 @@ static void a_map_is_chosen(void **state)
     assert_refused(test_in("x.dlabel.nii"), "x.dlabel.nii: map 0, \"one\", has no label but 0");
 }
 
+static size_t count_notes(const conus_atlas *atlas, const char *part)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < conus_atlas_note_count(atlas); i++) {
+        count += strstr(conus_atlas_note(atlas, i), part) != NULL;
+    }
+    return count;
+}
+
+/* Label 0 of map one is called "Sulcus", and one vertex has -1: said once, though the file is read for each of
+ * the surfaces and for the voxels, and not of another map. */
+static void notes_of_the_file_are_given_once(void **state)
+{
+    (void)state;
+    static const double values[18] = {5, 5, 5, 5, 5, 5, 8, 8, -1, 8, 8, 8, 8, 8, 7, 7, 7, 7};
+    char path[300];
+    write_both("once");
+    write_labels("x.dlabel.nii", &(struct cifti_spec){.find = "unknown", .replace = "Sulcus", .values = values});
+    for (int map = 0; map < 2; map++) {
+        conus_atlas *atlas = NULL;
+        snprintf(path, sizeof path, "%s,map=%d", test_in("x.dlabel.nii"), map);
+        assert_ok(conus_atlas_load(&atlas, path, NULL));
+        assert_int_equal(count_notes(atlas, "label 0 is called \"Sulcus\""), !map);
+        assert_int_equal(count_notes(atlas, "1 vertices or voxels have labels below 0"), !map);
+        conus_atlas_destroy(atlas);
+    }
+}
+
 /* Labels 5 8 7 of one place each: they stay as they are. */
 static void labels_of_one_structure_stay(void **state)
 {
@@ -327,6 +355,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(surfaces_and_voxels_are_one_atlas),
         cmocka_unit_test(a_map_is_chosen),
+        cmocka_unit_test(notes_of_the_file_are_given_once),
         cmocka_unit_test(labels_of_one_structure_stay),
         cmocka_unit_test(labels_of_all_structures_are_three_areas),
         cmocka_unit_test(the_kind_of_surface_is_chosen),
