@@ -112,22 +112,6 @@ conus_status atlas_create_empty(conus_atlas **out, const char *label_source)
     return CONUS_OK;
 }
 
-conus_status atlas_start(conus_atlas **out, const conus_volume_info *info, const char *label_source)
-{
-    conus_atlas *atlas = NULL;
-    struct volume volume = {0};
-    conus_status status = volume_init(&volume, info);
-    status = status ? status : atlas_create_empty(&atlas, label_source);
-    status = status ? status : atlas_append_volume(atlas, &volume);
-    volume_finish(&volume);
-    if (status) {
-        conus_atlas_destroy(atlas);
-        return status;
-    }
-    *out = atlas;
-    return CONUS_OK;
-}
-
 static conus_status append_mesh(conus_atlas *atlas, struct mesh *mesh)
 {
     size_t count = atlas->mesh_count;
@@ -260,7 +244,7 @@ const struct volume *atlas_context(const conus_atlas *atlas)
 
 const char *atlas_path(const conus_atlas *atlas)
 {
-    const struct volume *parcellation = atlas_parcellation(atlas);
+    const struct volume *parcellation = atlas_parcellation_count(atlas) ? &atlas->volumes[0] : NULL;
     const char *own = atlas->files.count  ? atlas->files.items[0].path
                       : atlas->mesh_count ? atlas->meshes[0].path
                                           : NULL;
@@ -268,16 +252,38 @@ const char *atlas_path(const conus_atlas *atlas)
     return path ? path : "";
 }
 
+size_t atlas_parcellation_count(const conus_atlas *atlas)
+{
+    size_t count = 0;
+    while (count < atlas->volume_count && atlas->volumes[count].info.role == CONUS_ROLE_PARCELLATION) {
+        count++;
+    }
+    return count;
+}
+
 const struct volume *atlas_parcellation(const conus_atlas *atlas)
 {
-    bool has = atlas->volume_count && atlas->volumes[0].info.role == CONUS_ROLE_PARCELLATION;
-    return has ? &atlas->volumes[0] : NULL;
+    return atlas_parcellation_count(atlas) == 1 ? &atlas->volumes[0] : NULL;
 }
 
 const struct volume *atlas_object_volume(const conus_atlas *atlas, uint32_t number)
 {
     struct object_place place = atlas->places[number - 1];
     return place.is_mesh || place.index >= atlas->volume_count ? NULL : &atlas->volumes[place.index];
+}
+
+const struct volume *atlas_only_volume(const conus_atlas *atlas, uint32_t number)
+{
+    const struct volume *only = NULL;
+    for (uint32_t below = 1; below <= atlas->object_count; below++) {
+        bool has = atlas->objects[below - 1].voxels && atlas_is_below(atlas, below, number);
+        const struct volume *volume = has ? atlas_object_volume(atlas, below) : NULL;
+        if (volume && only && volume != only) {
+            return NULL;
+        }
+        only = volume ? volume : only;
+    }
+    return only;
 }
 
 bool atlas_object_is_scalar(const conus_atlas *atlas, uint32_t number)

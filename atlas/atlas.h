@@ -19,7 +19,7 @@ struct object_place {
 };
 
 struct conus_atlas {
-    struct volume *volumes; /**< The parcellation, if there is one, then pathways and context as added. Pathways that
+    struct volume *volumes; /**< Those of labels, one for each grid, then pathways and context as added. Pathways that
                                are bands of values share a volume. */
     size_t volume_count;
     struct mesh *meshes; /**< One per object that is a mesh.                                            */
@@ -50,14 +50,23 @@ struct conus_atlas {
 conus_status atlas_create(conus_atlas **out, const conus_volume_info *info, const uint32_t *labels,
                           const struct label_table *table, const char *label_source, struct notes *notes);
 
+/** Labels of voxels; both are borrowed. */
+struct labelled_volume {
+    const conus_volume_info *info;
+    const uint32_t *labels;
+    bool is_joined; /**< The labels come from several files, of which info->path is the first. */
+};
+
+/** The same from @p count volumes of which no two have a label in common. Areas are numbered volume by volume, those
+ * without voxels with the first; of equally near ones an earlier volume's comes first. */
+conus_status atlas_create_of(conus_atlas **out, const struct labelled_volume *volumes, size_t count,
+                             const struct label_table *table, const char *label_source, struct notes *notes);
+
 /** Appends @p volume, which is taken over on success. */
 conus_status atlas_append_volume(conus_atlas *atlas, struct volume *volume);
 
 /** Ends the objects behind the first @p count. */
 void atlas_cut_objects(conus_atlas *atlas, size_t count);
-
-/** An atlas with the parcellation's volume, still without objects: the first step of atlas_create(). */
-conus_status atlas_start(conus_atlas **out, const conus_volume_info *info, const char *label_source);
 
 /** An atlas without volumes or objects, for areas that are meshes. */
 conus_status atlas_create_empty(conus_atlas **out, const char *label_source);
@@ -114,11 +123,15 @@ conus_status atlas_note_file(conus_atlas *atlas, const char *path, const struct 
 /** The context volume, or NULL. */
 const struct volume *atlas_context(const conus_atlas *atlas);
 
-/** The file or folder by which people know the atlas: as it was asked for. Of one that was not loaded the
+/** The file or folder by which people know the atlas: as it was asked for. Of one that was not loaded the first
  * parcellation's, else the manifest's, else the first mesh's. */
 const char *atlas_path(const conus_atlas *atlas);
 
-/** The parcellation's volume, or NULL. */
+/** How many volumes of labels there are: the first so many. */
+size_t atlas_parcellation_count(const conus_atlas *atlas);
+
+/** The only volume of labels; NULL where there is none, and where there are several, since they lie on different grids.
+ */
 const struct volume *atlas_parcellation(const conus_atlas *atlas);
 
 /** Whether object @p number has a volume of its own, with a value per voxel: a pathway, or an area of probabilities. */
@@ -132,6 +145,10 @@ float atlas_probability(const conus_atlas *atlas, uint32_t number, const double 
 
 /** The volume that holds object @p number, hidden or not; NULL if that is a mesh or has no shape. */
 const struct volume *atlas_object_volume(const conus_atlas *atlas, uint32_t number);
+
+/** The only volume that holds voxels of object @p number or of those below it in the area tree, hidden or not; NULL
+ * where there is none, and where there are several. */
+const struct volume *atlas_only_volume(const conus_atlas *atlas, uint32_t number);
 
 /** The mesh that is object @p number; NULL if that lies in a volume, has no shape, or is hidden. */
 const struct mesh *atlas_object_mesh(const conus_atlas *atlas, uint32_t number);

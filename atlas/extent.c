@@ -2,6 +2,7 @@
 /* The box around an atlas, and the centre of an object. */
 #include "atlas/atlas.h"
 
+#include "atlas/space.h"
 #include "base/math3.h"
 
 /* ---- Where everything is ------------------------------------------------------------------------------------- */
@@ -185,6 +186,7 @@ static void add_triangles(struct moment *moment, const struct mesh *mesh)
 conus_status conus_atlas_centre(double out[3], const conus_atlas *atlas, size_t number)
 {
     struct moment all = {0};
+    bool has_grids = atlas_parcellation_count(atlas) > 1; /* whose voxels may differ in size */
     if (number < 1 || number > atlas->object_count) {
         return fail(CONUS_ERROR_ARGUMENT, "object %zu, allowed is 1 to %zu", number, atlas->object_count);
     }
@@ -196,10 +198,11 @@ conus_status conus_atlas_centre(double out[3], const conus_atlas *atlas, size_t 
             add_hidden_voxels(&voxels, atlas, volume, (uint32_t)number);
         }
         if (voxels.weight > 0) {
+            double weight = voxels.weight * (has_grids ? space_voxel_mm3(&volume->info) : 1);
             vec3_scale(voxels.sum, voxels.sum, 1 / voxels.weight);
             mat4_point(voxels.sum, volume->info.world_from_voxel, voxels.sum);
-            vec3_add_scaled(all.sum, all.sum, voxels.weight, voxels.sum);
-            all.weight += voxels.weight;
+            vec3_add_scaled(all.sum, all.sum, weight, voxels.sum);
+            all.weight += weight;
         }
     }
     for (uint32_t object = 1; object <= atlas->object_count; object++) {

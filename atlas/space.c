@@ -56,6 +56,15 @@ conus_status space_describe(conus_volume_info *info, const double world_from_vox
     return CONUS_OK;
 }
 
+bool space_same_grid(const conus_volume_info *a, const conus_volume_info *b)
+{
+    bool same = memcmp(a->dim, b->dim, sizeof a->dim) == 0;
+    for (int i = 0; i < 16; i++) {
+        same = same && a->world_from_voxel[i] == b->world_from_voxel[i];
+    }
+    return same;
+}
+
 double space_voxel_mm3(const conus_volume_info *info)
 {
     return fabs(mat4_determinant3(info->world_from_voxel));

@@ -14,6 +14,9 @@ conus_status space_describe(conus_volume_info *info, const double world_from_vox
 /** Volume of a voxel in mm^3: of a parallelepiped where the grid is sheared, which is less than its edges' product. */
 double space_voxel_mm3(const conus_volume_info *info);
 
+/** Whether both grids have the same voxels at exactly the same places. */
+bool space_same_grid(const conus_volume_info *a, const conus_volume_info *b);
+
 /** Name of a NIfTI xform code, "unknown" outside 0..5. */
 const char *space_code_name(int code);
 

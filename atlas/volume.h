@@ -26,6 +26,7 @@ struct volume {
     bool is_hidden;                 /**< It is a pathway that is hidden.                                           */
     struct hidden_run *hidden_runs; /**< What the objects of a parcellation do not say any more, since it is hidden. */
     size_t hidden_run_count;
+    bool is_joined;        /**< Its labels come from several files, of which info.path is the first.     */
     bool is_borrowed;      /**< The arrays are not the volume's own, and not to be written.               */
     const void *distances; /**< The distance map of borrowed objects (selection/engine/voxels/distance_map.h), in their
                                 memory; NULL = none. */

@@ -42,21 +42,28 @@ static conus_status append_sum(struct file_sums *sums, const struct file_sum *su
     return CONUS_OK;
 }
 
-conus_status file_sums_add(struct file_sums *sums, const char *path, const struct bytes *content)
+conus_status file_sums_put(struct file_sums *sums, const char *path, const char sha256[65])
 {
     if (has_path(sums, path)) {
         return CONUS_OK;
     }
     struct file_sum sum = {.path = memory_text(path, strlen(path))};
-    conus_status status = CONUS_ERROR_MEMORY;
-    if (sum.path) {
-        file_sha256(sum.sha256, content);
-        status = append_sum(sums, &sum);
-    }
+    memcpy(sum.sha256, sha256, sizeof sum.sha256);
+    conus_status status = sum.path ? append_sum(sums, &sum) : CONUS_ERROR_MEMORY;
     if (status) {
         memory_free(sum.path);
     }
     return status;
+}
+
+conus_status file_sums_add(struct file_sums *sums, const char *path, const struct bytes *content)
+{
+    char sha256[65];
+    if (has_path(sums, path)) {
+        return CONUS_OK;
+    }
+    file_sha256(sha256, content);
+    return file_sums_put(sums, path, sha256);
 }
 
 conus_status file_sums_move(struct file_sums *sums, struct file_sums *from)

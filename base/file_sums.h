@@ -21,6 +21,9 @@ void file_sums_finish(struct file_sums *sums);
 /** Adds @p path with the sum of @p content, the bytes that were read from it, unless it is there. */
 conus_status file_sums_add(struct file_sums *sums, const char *path, const struct bytes *content);
 
+/** Adds @p path with its sum, unless it is there. */
+conus_status file_sums_put(struct file_sums *sums, const char *path, const char sha256[65]);
+
 /** Appends those of @p from, which is left empty, that are not there. */
 conus_status file_sums_move(struct file_sums *sums, struct file_sums *from);
 

@@ -30,11 +30,15 @@ static void add_count(void *user, const struct volume *volume, const size_t at[3
     *(uint64_t *)user += count;
 }
 
-/* The volume on whose grid the result was counted; NULL for a mesh. */
+/* The volume on whose grid the result was counted; NULL for a mesh, and where areas lie on several grids for what is on
+ * no one of them. */
 static const struct volume *volume_of(const conus_atlas *atlas, const conus_result *result)
 {
-    return result->object && atlas_object_is_scalar(atlas, result->object) ? atlas_object_volume(atlas, result->object)
-                                                                           : atlas_parcellation(atlas);
+    bool is_scalar = result->object && atlas_object_is_scalar(atlas, result->object);
+    bool has_grids = result->object && atlas_parcellation_count(atlas) > 1;
+    return is_scalar   ? atlas_object_volume(atlas, result->object)
+           : has_grids ? atlas_only_volume(atlas, result->object)
+                       : atlas_parcellation(atlas);
 }
 
 /* The share of a ball is that of its voxels, of the grid on which they lie. */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus_selection_grid(): the voxels of a selection's region on their own grid. */
 #include "atlas/grid.h"
+#include "atlas/space.h"
 #include "base/memory.h"
 #include "base/options.h"
 #include "selection/selection.h"
@@ -17,15 +18,6 @@ struct mask {
     conus_grid *grid;
 };
 
-static bool same_grid(const struct volume *a, const struct volume *b)
-{
-    bool same = memcmp(a->info.dim, b->info.dim, sizeof a->info.dim) == 0;
-    for (int i = 0; i < 16; i++) {
-        same = same && a->info.world_from_voxel[i] == b->info.world_from_voxel[i];
-    }
-    return same;
-}
-
 /* The only volume of values, or with `any` one of several that lie on one grid. */
 static conus_status find_scalar(const struct volume **out, const conus_atlas *atlas, const char *what, bool any)
 {
@@ -34,7 +26,7 @@ static conus_status find_scalar(const struct volume **out, const conus_atlas *at
     for (uint32_t number = 1; number <= atlas->object_count; number++) {
         bool fits = atlas_object_is_scalar(atlas, number) && !atlas->places[number - 1].is_hidden;
         const struct volume *volume = fits ? atlas_object_volume(atlas, number) : NULL;
-        count += volume && !(any && first && same_grid(first, volume));
+        count += volume && !(any && first && space_same_grid(&first->info, &volume->info));
         first = first ? first : volume;
     }
     if (count == 0) {
@@ -46,6 +38,17 @@ static conus_status find_scalar(const struct volume **out, const conus_atlas *at
     }
     *out = first;
     return CONUS_OK;
+}
+
+/* Of several grids of labels the one that has the area's voxels. */
+static conus_status find_grid(const struct volume **out, const conus_atlas *atlas, uint32_t object, size_t grids)
+{
+    *out = object ? atlas_only_volume(atlas, object) : NULL;
+    return *out     ? CONUS_OK
+           : object ? fail(CONUS_ERROR_ARGUMENT, "mask: %s has no voxels, or voxels on different grids",
+                           atlas->objects[object - 1].name)
+                    : fail(CONUS_ERROR_ARGUMENT,
+                           "mask: the areas lie on %zu different grids, name one of them (--mask-object)", grids);
 }
 
 static conus_status find_volume(const struct volume **out, const conus_atlas *atlas, const conus_grid_options *options)
@@ -67,6 +70,10 @@ static conus_status find_volume(const struct volume **out, const conus_atlas *at
     if (options->content == CONUS_GRID_MAP_OF_VALUES) {
         return object ? fail(CONUS_ERROR_ARGUMENT, "map of values: %s is an area, a pathway is needed", object->name)
                       : find_scalar(out, atlas, "map of values", false);
+    }
+    size_t grids = atlas_parcellation_count(atlas);
+    if (grids > 1) {
+        return find_grid(out, atlas, options->object, grids);
     }
     if (object && options->content == CONUS_GRID_MASK_OF_REGION) {
         return fail(CONUS_ERROR_ARGUMENT, "mask of everything: %s is an area, which has no effect", object->name);

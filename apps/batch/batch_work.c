@@ -205,6 +205,14 @@ static const char *file_in_rows(const struct work *work)
     return slash ? slash + 1 : path;
 }
 
+/* Likewise of a manifest, whose name AFNI's format may have instead; NULL if it has none. */
+static const char *manifest_in_rows(const struct work *work)
+{
+    const char *path = work->format == CONUS_FORMAT_AFNI ? conus_atlas_file(work->atlas, 0) : NULL;
+    const char *slash = path ? strrchr(path, '/') : NULL;
+    return slash ? slash + 1 : path;
+}
+
 int work_identify(struct work *work)
 {
     const struct batch_settings *settings = work->settings;
@@ -214,6 +222,7 @@ int work_identify(struct work *work)
                                    conus_pose_stream_coordsystem_sha256(work->poses),
                                    format,
                                    file_in_rows(work),
+                                   manifest_in_rows(work),
                                    NULL};
     int code = work->piped ? EXIT_DONE : batch_hash_file(work->pose_hash, settings->poses);
     return code ? code : batch_fingerprint(work->fingerprint, work->batch, work->atlas, settings, sources);

@@ -127,6 +127,15 @@ static void put_objects(FILE *out, const conus_atlas *atlas, size_t volume)
     }
 }
 
+/* Names of all volumes of labels have one source, which stands with the last. */
+static void put_label_source(FILE *out, const conus_atlas *atlas, size_t volume)
+{
+    const conus_volume_info *next = conus_atlas_volume(atlas, volume + 1);
+    if (!next || next->role != CONUS_ROLE_PARCELLATION) {
+        fprintf(out, "  labels       %s\n", conus_atlas_label_source(atlas));
+    }
+}
+
 static void put_volumes(FILE *out, const conus_atlas *atlas)
 {
     for (size_t i = 0; i < conus_atlas_volume_count(atlas); i++) {
@@ -135,7 +144,7 @@ static void put_volumes(FILE *out, const conus_atlas *atlas)
         if (info->role == CONUS_ROLE_PARCELLATION) {
             fputs("Atlas\n", out);
             put_volume(out, info);
-            fprintf(out, "  labels       %s\n", conus_atlas_label_source(atlas));
+            put_label_source(out, atlas, i);
         } else if (info->role != CONUS_ROLE_CONTEXT) {
             put_objects(out, atlas, i);
         } else {

@@ -256,7 +256,11 @@ static conus_status check_atlas(const conus_atlas *atlas)
     if (atlas_has_probabilities(atlas)) {
         return fail(CONUS_ERROR_UNSUPPORTED, "split: areas of probabilities overlap, only those of labels can be cut");
     }
-    return atlas_parcellation(atlas) ? CONUS_OK : fail(CONUS_ERROR_DATA, "split: there are no areas");
+    size_t grids = atlas_parcellation_count(atlas);
+    if (grids > 1) {
+        return fail(CONUS_ERROR_UNSUPPORTED, "split: the areas lie on %zu grids, only those on one can be cut", grids);
+    }
+    return grids ? CONUS_OK : fail(CONUS_ERROR_DATA, "split: there are no areas");
 }
 
 static void count_sides(uint64_t out[SIDES], const struct splitting *splitting)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* atlas_create(): from labels of any size and a label table to areas with dense numbers. */
+/* atlas_create_of(): from labels of any size and a label table to areas with dense numbers. */
 #include "atlas/atlas.h"
 #include "atlas/label_map.h"
 #include "atlas/palette.h"
@@ -31,55 +31,127 @@ static conus_status count_labels(struct label_map *voxels, const uint32_t *label
     return CONUS_OK;
 }
 
-/* The sorted union of the labels present and those that the table names: an area is one or the other. */
-static conus_status unite_labels(uint32_t **out, size_t *out_count, const struct label_map *present,
-                                 const struct label_table *table)
+/* Volumes on their way to become an atlas. */
+struct numbering {
+    const struct labelled_volume *volumes; /* [count] */
+    size_t count;
+    const struct label_table *table;
+    struct label_map *voxels;   /* [count] label -> how many the volume has */
+    struct label_map number_of; /* label -> its area */
+};
+
+static conus_status numbering_init(struct numbering *out, const struct labelled_volume *volumes, size_t count,
+                                   const struct label_table *table)
 {
-    uint32_t *numbers = memory_raw(present->count + table->count, sizeof *numbers);
-    size_t count = 0;
-    if (!numbers) {
-        return CONUS_ERROR_MEMORY;
+    struct label_map *voxels = memory_zeroed(count, sizeof *voxels);
+    *out = (struct numbering){.volumes = volumes, .count = voxels ? count : 0, .table = table, .voxels = voxels};
+    return voxels ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
+static void numbering_finish(struct numbering *numbering)
+{
+    for (size_t v = 0; v < numbering->count; v++) {
+        label_map_finish(&numbering->voxels[v]);
     }
-    for (size_t i = 0; present->slots && i <= present->mask; i++) {
-        if (present->slots[i].used) {
+    memory_free(numbering->voxels);
+    label_map_finish(&numbering->number_of);
+}
+
+/* Whether a volume behind the first has voxels of the label. */
+static conus_status is_elsewhere(bool *out, struct numbering *numbering, uint32_t label)
+{
+    *out = false;
+    for (size_t v = 1; v < numbering->count && !*out; v++) {
+        const uint64_t *voxels = label_map_at(&numbering->voxels[v], label);
+        if (!voxels) {
+            return CONUS_ERROR_MEMORY;
+        }
+        *out = *voxels > 0;
+    }
+    return CONUS_OK;
+}
+
+/* Sorted: the labels of volume `v`, and of the first one also those that the table names and none has: an area is one
+ * or the other. */
+static conus_status list_labels(uint32_t **out, size_t *out_count, struct numbering *numbering, size_t v)
+{
+    const struct label_map *present = &numbering->voxels[v];
+    const struct label_table *table = numbering->table;
+    uint32_t *numbers = memory_raw(present->count + table->count, sizeof *numbers);
+    conus_status status = numbers ? CONUS_OK : CONUS_ERROR_MEMORY;
+    size_t count = 0;
+    for (size_t i = 0; !status && present->slots && i <= present->mask; i++) {
+        if (present->slots[i].value) {
             numbers[count++] = present->slots[i].label;
         }
     }
-    for (size_t i = 0; i < table->count; i++) {
+    for (size_t i = 0; !status && v == 0 && i < table->count; i++) {
+        bool elsewhere = false;
         if (table->entries[i].name) { /* else only a colour, which makes no area of a label that is absent */
-            numbers[count++] = table->entries[i].number;
+            status = is_elsewhere(&elsewhere, numbering, table->entries[i].number);
+            numbers[count] = table->entries[i].number;
+            count += !elsewhere;
         }
     }
     *out = numbers;
     *out_count = u32_sort_unique(numbers, count);
-    return CONUS_OK;
+    return status;
 }
 
-static conus_status append_area(conus_atlas *atlas, uint32_t number, const struct label *label, uint64_t voxels)
+static conus_status append_area(conus_atlas *atlas, size_t volume, uint32_t number, const struct label *label,
+                                uint64_t voxels)
 {
     char digits[LABEL_DIGITS];
     const struct label unknown = {.number = number};
     conus_object area = label_object(label ? label : &unknown, atlas->object_count, digits);
+    area.volume = volume;
     area.voxels = voxels;
-    area.volume_mm3 = (double)voxels * space_voxel_mm3(&atlas->volumes[0].info);
-    return atlas_append_object(atlas, &area, (struct object_place){.index = 0});
+    area.volume_mm3 = (double)voxels * space_voxel_mm3(&atlas->volumes[volume].info);
+    return atlas_append_object(atlas, &area, (struct object_place){.index = volume});
 }
 
-static conus_status append_areas(conus_atlas *atlas, struct label_map *voxels, const struct label_table *table)
+static conus_status append_areas(conus_atlas *atlas, struct numbering *numbering, size_t v)
 {
-    uint32_t *numbers = NULL;
+    uint32_t *labels = NULL;
     size_t count = 0;
-    conus_status status = unite_labels(&numbers, &count, voxels, table);
+    conus_status status = list_labels(&labels, &count, numbering, v);
     for (size_t i = 0; !status && i < count; i++) {
-        uint64_t *value = label_map_at(voxels, numbers[i]);
-        status =
-            value ? append_area(atlas, numbers[i], label_table_find(table, numbers[i]), *value) : CONUS_ERROR_MEMORY;
+        const uint64_t *voxels = label_map_at(&numbering->voxels[v], labels[i]);
+        uint64_t *number = label_map_at(&numbering->number_of, labels[i]);
+        status = voxels && number
+                     ? append_area(atlas, v, labels[i], label_table_find(numbering->table, labels[i]), *voxels)
+                     : CONUS_ERROR_MEMORY;
         if (!status) {
-            *value = i + 1; /* from here on the map gives the area's dense number */
+            *number = atlas->object_count;
         }
     }
     atlas->area_count = atlas->object_count;
-    memory_free(numbers);
+    memory_free(labels);
+    return status;
+}
+
+static conus_status append_grid(conus_atlas *atlas, const struct labelled_volume *labelled)
+{
+    struct volume volume = {0};
+    conus_status status = volume_init(&volume, labelled->info);
+    volume.is_joined = labelled->is_joined;
+    status = status ? status : atlas_append_volume(atlas, &volume);
+    volume_finish(&volume);
+    return status;
+}
+
+static conus_status append_all(conus_atlas *atlas, struct numbering *numbering)
+{
+    conus_status status = CONUS_OK;
+    for (size_t v = 0; !status && v < numbering->count; v++) {
+        status = append_grid(atlas, &numbering->volumes[v]);
+        status = status
+                     ? status
+                     : count_labels(&numbering->voxels[v], numbering->volumes[v].labels, atlas->volumes[v].voxel_count);
+    }
+    for (size_t v = 0; !status && v < numbering->count; v++) {
+        status = append_areas(atlas, numbering, v);
+    }
     return status;
 }
 
@@ -106,6 +178,16 @@ static conus_status number_voxels(struct volume *volume, struct label_map *numbe
         }
     }
     return CONUS_OK;
+}
+
+static conus_status number_all(conus_atlas *atlas, struct numbering *numbering)
+{
+    conus_status status = CONUS_OK;
+    for (size_t v = 0; !status && v < numbering->count; v++) {
+        status =
+            number_voxels(&atlas->volumes[v], &numbering->number_of, numbering->volumes[v].labels, atlas->area_count);
+    }
+    return status;
 }
 
 /* True when following the parents of `object` comes back to it. */
@@ -204,27 +286,41 @@ static conus_status add_notes(conus_atlas *atlas, bool has_table)
     return status;
 }
 
-conus_status atlas_create(conus_atlas **out, const conus_volume_info *info, const uint32_t *labels,
-                          const struct label_table *table, const char *label_source, struct notes *notes)
+static conus_status create_with(conus_atlas **out, struct numbering *numbering, const char *label_source,
+                                struct notes *notes)
 {
     conus_atlas *atlas = NULL;
-    struct label_map map = {0}; /* label -> voxels, then label -> area number */
-    conus_status status = atlas_start(&atlas, info, label_source);
+    conus_status status = atlas_create_empty(&atlas, label_source);
     if (status) {
         return status;
     }
     atlas->notes.sink = notes->sink;
-    status = count_labels(&map, labels, atlas->volumes[0].voxel_count);
-    status = status ? status : append_areas(atlas, &map, table);
-    status = status ? status : number_voxels(&atlas->volumes[0], &map, labels, atlas->area_count);
-    status = status ? status : link_parents(atlas, &map, table);
-    status = status ? status : add_notes(atlas, has_names(table));
+    status = append_all(atlas, numbering);
+    status = status ? status : number_all(atlas, numbering);
+    status = status ? status : link_parents(atlas, &numbering->number_of, numbering->table);
+    status = status ? status : add_notes(atlas, has_names(numbering->table));
     status = status ? status : notes_move(&atlas->notes, notes);
-    label_map_finish(&map);
     if (status) {
         conus_atlas_destroy(atlas);
         return status;
     }
     *out = atlas;
     return CONUS_OK;
+}
+
+conus_status atlas_create_of(conus_atlas **out, const struct labelled_volume *volumes, size_t count,
+                             const struct label_table *table, const char *label_source, struct notes *notes)
+{
+    struct numbering numbering;
+    conus_status status = numbering_init(&numbering, volumes, count, table);
+    status = status ? status : create_with(out, &numbering, label_source, notes);
+    numbering_finish(&numbering);
+    return status;
+}
+
+conus_status atlas_create(conus_atlas **out, const conus_volume_info *info, const uint32_t *labels,
+                          const struct label_table *table, const char *label_source, struct notes *notes)
+{
+    const struct labelled_volume volume = {.info = info, .labels = labels};
+    return atlas_create_of(out, &volume, 1, table, label_source, notes);
 }

@@ -39,16 +39,15 @@ typedef struct conus_object {
     bool closed;   /**< That surface bounds a solid. volume_mm3 is 0 if it does not, and if its parts overlap or face
                       different ways, so that its volume is not known. */
     bool is_band;  /**< A pathway that is a band of values; other pathways may be of the same volume. */
-    size_t volume; /**< Of a pathway, or an area of a probabilistic atlas: index of its volume, for
-                      conus_atlas_volume(); else 0. */
+    size_t volume; /**< Of what has voxels: index of its volume, for conus_atlas_volume(); else 0. */
     double low;    /**< Of these: the least value of its voxels, its threshold; -INFINITY = any. Else 0. */
     double high;   /**< Of these: its voxels' values are below it; INFINITY = any. Else 0. */
 } conus_object;
 
 /**
- * Counts the objects. Areas come first: those of the parcellation, then those that are meshes, each ordered by label,
- * then those that only group others, then those of a probabilistic atlas. Pathways follow in the order in which they
- * were added.
+ * Counts the objects. Areas come first: those of each volume of labels, then those that are meshes, each ordered by
+ * label, then those that only group others, then those of a probabilistic atlas. Pathways follow in the order in which
+ * they were added.
  * @param atlas NULL counts 0.
  * @return How many objects there are; their numbers are 1 to this.
  * @threads Any, while none changes the atlas.
@@ -120,7 +119,7 @@ typedef struct conus_volume_info {
 } conus_volume_info;
 
 /**
- * Counts the volumes. The parcellation comes first, if there is one; pathways and the context follow.
+ * Counts the volumes. Those of labels come first, one for each grid; pathways and the context follow.
  * @param atlas NULL counts 0.
  * @return How many volumes there are.
  * @threads Any, while none changes the atlas.
@@ -140,7 +139,7 @@ CONUS_API const conus_volume_info *conus_atlas_volume(const conus_atlas *atlas, 
 
 /**
  * Counts the other files that an atlas is made of: a manifest, surfaces, labels of their vertices, lists of what is
- * shown.
+ * shown, volumes of labels that are joined with another on its grid.
  * @param atlas NULL counts 0.
  * @return How many files there are.
  * @threads Any, while none changes the atlas.

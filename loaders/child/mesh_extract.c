@@ -22,16 +22,6 @@ struct extraction {
     uint32_t frames;
 };
 
-static const struct volume *parcellation_of(const conus_atlas *atlas)
-{
-    for (size_t i = 0; i < atlas->volume_count; i++) {
-        if (atlas->volumes[i].info.role == CONUS_ROLE_PARCELLATION) {
-            return &atlas->volumes[i];
-        }
-    }
-    return NULL;
-}
-
 static void append_f64(struct buffer *out, double value)
 {
     uint64_t bits;
@@ -64,15 +54,27 @@ static void append_request(struct buffer *out, const struct extraction *work,
     }
 }
 
-/* The voxels count by the file that they come from, whose SHA-256 is known; its header is in the request. */
-static void find_key(char key[MESH_CACHE_KEY_SIZE], const struct buffer *request, const conus_volume_info *info)
+static const void *objects_of(const struct volume *volume)
+{
+    return volume->objects16 ? (const void *)volume->objects16 : volume->objects32;
+}
+
+static size_t size_of_objects(const struct volume *volume)
+{
+    return volume->voxel_count * (volume->objects16 ? sizeof *volume->objects16 : sizeof *volume->objects32);
+}
+
+/* Voxels from files count by what they are, since they may follow from several files. The request has the rest. */
+static void find_key(char key[MESH_CACHE_KEY_SIZE], const struct buffer *request, const struct volume *volume)
 {
     struct buffer recipe = {0};
-    buffer_format(&recipe, "conus %s " MESH_STREAM_MAGIC " %s volume %zu of %zu, %s, %a %a\n", conus_version(),
-                  info->sha256, info->volume, info->volume_count, info->datatype, info->slope, info->intercept);
+    char sha256[65];
+    const struct bytes voxels = {(uint8_t *)objects_of(volume), size_of_objects(volume)};
+    file_sha256(sha256, &voxels);
+    buffer_format(&recipe, "conus %s " MESH_STREAM_MAGIC " %s\n", conus_version(), sha256);
     buffer_append(&recipe, request->data, request->size);
     key[0] = '\0';
-    if (buffer_status(&recipe) == CONUS_OK && info->sha256[0]) {
+    if (buffer_status(&recipe) == CONUS_OK && volume->info.sha256[0]) {
         mesh_cache_key(key, &recipe);
     }
     buffer_finish(&recipe);
@@ -110,10 +112,8 @@ static conus_status run_child(struct extraction *work, const struct buffer *requ
                               const struct mesh_extract_options *options)
 {
     const struct volume *volume = work->volume;
-    const struct mesh_child_request all = {.head = *request,
-                                           .voxels = volume->objects16 ? (const void *)volume->objects16
-                                                                       : (const void *)volume->objects32,
-                                           .size = volume->voxel_count * (volume->objects16 ? 2 : 4)};
+    const struct mesh_child_request all = {
+        .head = *request, .voxels = objects_of(volume), .size = size_of_objects(volume)};
     /* AAL's 7 million voxels take 1 s, 5 s when decimated. */
     const uint32_t seconds = 120 + (uint32_t)(volume->voxel_count / 50000);
     const struct mesh_child_limits limits = {.memory = options->max_memory, .seconds = seconds, .wait = 4 * seconds};
@@ -136,7 +136,7 @@ static conus_status extract_with(struct extraction *work, const struct buffer *r
 {
     char key[MESH_CACHE_KEY_SIZE];
     struct bytes cached = {0};
-    find_key(key, request, &work->volume->info);
+    find_key(key, request, work->volume);
     conus_status status = key[0] ? mesh_cache_find(&cached, key, work->notes) : CONUS_OK;
     if (!status) {
         status = cached.data ? mesh_stream_read(cached.data, cached.size, take_frame, work)
@@ -158,21 +158,27 @@ static conus_status check_size(const conus_volume_info *info)
     return CONUS_OK;
 }
 
+static conus_status extract_from(struct extraction *work, const struct mesh_extract_options *options)
+{
+    struct buffer request = {0};
+    conus_status status = check_size(&work->volume->info);
+    if (!status) {
+        append_request(&request, work, options);
+        status = buffer_status(&request);
+    }
+    status = status ? status : extract_with(work, &request, options);
+    buffer_finish(&request);
+    return status;
+}
+
 conus_status mesh_extract(const conus_atlas *atlas, const struct mesh_extract_options *options, mesh_take take,
                           void *user, struct notes *notes)
 {
-    struct extraction work = {
-        .atlas = atlas, .volume = parcellation_of(atlas), .take = take, .user = user, .notes = notes};
-    struct buffer request = {0};
-    if (!work.volume) {
-        return CONUS_OK;
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < atlas_parcellation_count(atlas); i++) {
+        struct extraction work = {
+            .atlas = atlas, .volume = &atlas->volumes[i], .take = take, .user = user, .notes = notes};
+        status = extract_from(&work, options);
     }
-    conus_status status = check_size(&work.volume->info);
-    if (!status) {
-        append_request(&request, &work, options);
-        status = buffer_status(&request);
-    }
-    status = status ? status : extract_with(&work, &request, options);
-    buffer_finish(&request);
     return status;
 }

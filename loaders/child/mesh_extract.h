@@ -20,7 +20,7 @@ struct mesh_extract_options {
 /** Gets the surface of area @p number of the atlas, checked (mesh_check()), in world mm. */
 typedef conus_status (*mesh_take)(void *user, uint32_t number, const struct mesh *mesh);
 
-/** Gives @p take one surface for each area that has voxels in the atlas's parcellation, in their order. @p notes gets
+/** Gives @p take one surface for each area that has voxels in the atlas's parcellations, in their order. @p notes gets
  * what mesh_check() finds. Ends early when @p take fails. Without a parcellation, nothing happens. */
 conus_status mesh_extract(const conus_atlas *atlas, const struct mesh_extract_options *options, mesh_take take,
                           void *user, struct notes *notes);

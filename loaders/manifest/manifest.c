@@ -92,8 +92,9 @@ static conus_status read_hemisphere(void *field, const json_t *value, const stru
 {
     static const char *const words[] = {"L", "R", "B", NULL};
     unsigned word = 0;
+    char *hemisphere = field;
     conus_status status = schema_word(&word, value, place, words);
-    ((struct label *)field)->hemisphere = status ? 0 : words[word][0];
+    *hemisphere = status ? 0 : words[word][0];
     return status;
 }
 
@@ -116,7 +117,7 @@ static conus_status read_transfer(void *field, const json_t *value, const struct
                                  : schema_text(&context->transfer, value, place);
 }
 
-static conus_status read_parcellation(void *field, const json_t *value, const struct schema_place *place)
+static conus_status read_labelled(void *field, const json_t *value, const struct schema_place *place)
 {
     static const struct schema_field keys[] = {
         {"file", schema_path, AT(manifest_parcellation, source.file), true},
@@ -124,11 +125,43 @@ static conus_status read_parcellation(void *field, const json_t *value, const st
         {"resolution", read_resolution, AT(manifest_parcellation, source), false},
         {"orientation", schema_text, AT(manifest_parcellation, source.orientation), false},
         {"labels", schema_path, AT(manifest_parcellation, labels), false},
+        {"label_offset", read_offset, AT(manifest_parcellation, label_offset), false},
+        {"hemisphere", read_hemisphere, AT(manifest_parcellation, hemisphere), false},
+        {"comment", schema_comment, 0, false},
         {0},
     };
     struct manifest_parcellation *out = field;
     return json_is_string(value) ? schema_path(&out->source.file, value, place)
                                  : schema_object(out, value, keys, place);
+}
+
+static conus_status refuse_both(const struct manifest *manifest)
+{
+    return manifest->parcellations
+               ? fail(CONUS_ERROR_DATA, "has parcellation and parcellations, one of them is allowed")
+               : CONUS_OK;
+}
+
+static conus_status read_parcellation(void *field, const json_t *value, const struct schema_place *place)
+{
+    struct manifest *out = field;
+    conus_status status = refuse_both(out);
+    if (status) {
+        return status;
+    }
+    out->parcellations = memory_zeroed(1, sizeof *out->parcellations);
+    out->parcellation_count = out->parcellations ? 1 : 0;
+    out->single = true;
+    return out->parcellations ? read_labelled(out->parcellations, value, place) : CONUS_ERROR_MEMORY;
+}
+
+static conus_status read_parcellations(void *field, const json_t *value, const struct schema_place *place)
+{
+    struct manifest *out = field;
+    conus_status status = refuse_both(out);
+    return status ? status
+                  : schema_list((void **)&out->parcellations, &out->parcellation_count, sizeof *out->parcellations,
+                                value, read_labelled, place);
 }
 
 static conus_status read_context(void *field, const json_t *value, const struct schema_place *place)
@@ -279,7 +312,7 @@ static const struct schema_field file_keys[] = {
     {"abbreviation", schema_text, AT(manifest_area, label.abbreviation), false},
     {"color", read_color, AT(manifest_area, label), false},
     {"parent", read_parent, AT(manifest_area, label), false},
-    {"hemisphere", read_hemisphere, AT(manifest_area, label), false},
+    {"hemisphere", read_hemisphere, AT(manifest_area, label.hemisphere), false},
     {"vertex_labels", schema_path, AT(manifest_area, vertex_labels), false},
     {"label_offset", read_offset, AT(manifest_area, label_offset), false},
     {"comment", schema_comment, 0, false},
@@ -290,7 +323,7 @@ static const struct schema_field files_keys[] = {
     {"labels", schema_path, AT(manifest_area, labels), false},
     {"label_offset", read_offset, AT(manifest_area, label_offset), false},
     {"parent", read_parent, AT(manifest_area, label), false},
-    {"hemisphere", read_hemisphere, AT(manifest_area, label), false},
+    {"hemisphere", read_hemisphere, AT(manifest_area, label.hemisphere), false},
     {"comment", schema_comment, 0, false},
     {0},
 };
@@ -396,7 +429,8 @@ static const struct schema_field manifest_keys[] = {
     {"conus_atlas", read_version, 0, true},
     {"comment", schema_comment, 0, false},
     {"allow_outside", schema_flag, AT(manifest, allow_outside), false},
-    {"parcellation", read_parcellation, AT(manifest, parcellation), false},
+    {"parcellation", read_parcellation, 0, false},
+    {"parcellations", read_parcellations, 0, false},
     {"areas", read_areas, 0, false},
     {"space", read_space, 0, false},
     {"prefer", read_prefer, 0, false},
@@ -410,7 +444,7 @@ static const struct schema_field manifest_keys[] = {
 
 static conus_status check_manifest(const struct manifest *manifest)
 {
-    bool labelled = manifest->parcellation.source.file || manifest->area_count;
+    bool labelled = manifest->parcellation_count || manifest->area_count;
     if (labelled && manifest->map_count) {
         return fail(CONUS_ERROR_DATA, "has probabilities and %s, which are areas both: one of them is allowed",
                     manifest->area_count ? "areas" : "a parcellation");
@@ -495,8 +529,11 @@ void manifest_finish(struct manifest *manifest)
         pathway_finish(&manifest->pathways[i]);
     }
     memory_free(manifest->pathways);
-    volume_finish(&manifest->parcellation.source);
-    memory_free(manifest->parcellation.labels);
+    for (size_t i = 0; i < manifest->parcellation_count; i++) {
+        volume_finish(&manifest->parcellations[i].source);
+        memory_free(manifest->parcellations[i].labels);
+    }
+    memory_free(manifest->parcellations);
     volume_finish(&manifest->context.source);
     memory_free(manifest->context.transfer);
     *manifest = (struct manifest){0};

@@ -21,8 +21,10 @@ struct manifest_volume {
 
 struct manifest_parcellation {
     struct manifest_volume source;
-    char *labels; /**< NULL: as conus_atlas_load() finds them.                 */
-    bool noted;   /**< Of a made-up manifest: what is to be said of the file has been said. */
+    char *labels;          /**< NULL: as conus_atlas_load() finds them.                 */
+    bool noted;            /**< Of a made-up manifest: what is to be said of the file has been said. */
+    uint32_t label_offset; /**< Added to the labels of its voxels and of its table.     */
+    char hemisphere;       /**< Of its areas whose table says none; 0 = unsaid.         */
 };
 
 struct manifest_context {
@@ -67,7 +69,9 @@ struct manifest_pathway {
 
 struct manifest {
     bool allow_outside; /**< Paths may leave the manifest's folder.                                           */
-    struct manifest_parcellation parcellation;
+    struct manifest_parcellation *parcellations; /**< By priority. */
+    size_t parcellation_count;
+    bool single; /**< There is one, which the manifest has as "parcellation", not in a list.              */
     struct manifest_context context;
     enum mesh_space space; /**< Of the surfaces' coordinates; unstated = as each file says.                       */
     enum manifest_preference prefer;

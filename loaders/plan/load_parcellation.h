@@ -11,6 +11,8 @@ struct parcellation {
     struct volume_file file;
     uint32_t *labels;
     struct label_table table;
+    char hemisphere;       /**< Of areas whose table says none; 0 = unsaid. */
+    bool is_joined;        /**< Voxels of other files are among its own. */
     char *source;          /**< Where the names come from, in words. */
     struct file_sums read; /**< What else than the volume was read. */
     struct notes notes;

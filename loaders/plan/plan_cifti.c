@@ -108,6 +108,18 @@ static conus_status plan_surface(struct planning *planning, const struct cifti_m
     return status ? status : add_area(planning, surface->name, offset);
 }
 
+static conus_status add_voxels(struct manifest *manifest, const struct cifti_file *file)
+{
+    manifest->parcellations = memory_zeroed(1, sizeof *manifest->parcellations);
+    if (!manifest->parcellations) {
+        return CONUS_ERROR_MEMORY;
+    }
+    manifest->parcellation_count = 1;
+    manifest->single = true;
+    manifest->parcellations[0] = (struct manifest_parcellation){.source.file = name_map(file), .noted = true};
+    return manifest->parcellations[0].source.file ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
 /* Plans a surface, or all voxels where `model` is NULL. */
 static conus_status plan_model(struct planning *planning, const struct cifti_model *model)
 {
@@ -120,10 +132,8 @@ static conus_status plan_model(struct planning *planning, const struct cifti_mod
     } else if (!status && model) {
         status = plan_surface(planning, model, list, count);
     } else if (!status) {
-        planning->manifest.parcellation.source.file = name_map(planning->file);
-        planning->manifest.parcellation.noted = true;
-        status =
-            planning->manifest.parcellation.source.file ? take_labels(planning, list, count, 0) : CONUS_ERROR_MEMORY;
+        status = add_voxels(&planning->manifest, planning->file);
+        status = status ? status : take_labels(planning, list, count, 0);
     }
     memory_free(list);
     return status;

@@ -2,38 +2,24 @@
 /* Which of two areas keeps a label that both the planned surfaces and the parcellation have. */
 #include "loaders/plan/plan_settle.h"
 
-#include "atlas/label_map.h"
 #include "base/folder.h"
 #include "base/memory.h"
 
 #include <string.h>
 
 /* Voxels of each planned area's label, in the plan's order. */
-static conus_status count_voxels(uint64_t *counts, const struct area_plan *plan, const struct parcellation *parts)
+static conus_status count_voxels(uint64_t *counts, const struct area_plan *plan, const struct parcellations *all)
 {
-    const size_t *dim = parts->file.info.dim;
-    struct label_map map = {0};
-    uint32_t last = 0;
-    conus_status status = CONUS_OK;
-    uint64_t *count = NULL;
-    for (size_t i = 0; !status && i < dim[0] * dim[1] * dim[2]; i++) {
-        uint32_t label = parts->labels[i];
-        if (label != last) {
-            count = label ? label_map_at(&map, label) : NULL;
-            status = label && !count ? CONUS_ERROR_MEMORY : CONUS_OK;
-            last = label;
-        }
-        if (count) {
-            ++*count;
+    for (size_t i = 0; i < plan->count; i++) {
+        for (size_t p = 0; p < all->count; p++) {
+            const uint64_t *count = label_map_at(&all->voxels[p], plan->areas[i].label.number);
+            if (!count) {
+                return CONUS_ERROR_MEMORY;
+            }
+            counts[i] += *count;
         }
     }
-    for (size_t i = 0; !status && i < plan->count; i++) {
-        count = label_map_at(&map, plan->areas[i].label.number);
-        status = count ? CONUS_OK : CONUS_ERROR_MEMORY;
-        counts[i] = count ? *count : 0;
-    }
-    label_map_finish(&map);
-    return status;
+    return CONUS_OK;
 }
 
 /* Leaves the surfaces out whose label has voxels. */
@@ -131,10 +117,9 @@ static conus_status hand_over_entries(struct area_plan *plan, struct label_table
 /* Voxels with a planned area's label become background. */
 static void clear_voxels(const struct area_plan *plan, struct parcellation *parts)
 {
-    const size_t *dim = parts->file.info.dim;
     uint32_t last = 0;
     bool cleared = false;
-    for (size_t i = 0; i < dim[0] * dim[1] * dim[2]; i++) {
+    for (size_t i = 0; i < parcellation_voxels(parts); i++) {
         uint32_t label = parts->labels[i];
         if (label != last) {
             cleared = label && area_plan_find(plan, label);
@@ -144,7 +129,7 @@ static void clear_voxels(const struct area_plan *plan, struct parcellation *part
     }
 }
 
-static conus_status apply_preference(struct area_plan *plan, struct parcellation *parts, const uint64_t *counts,
+static conus_status apply_preference(struct area_plan *plan, struct parcellations *all, const uint64_t *counts,
                                      enum manifest_preference preference)
 {
     size_t shared = 0;
@@ -160,23 +145,24 @@ static conus_status apply_preference(struct area_plan *plan, struct parcellation
                     first->entry, first->label.number, path_base(first->path));
     }
     bool surfaces = preference != MANIFEST_PREFER_PARCELLATION;
-    if (first && surfaces) {
-        clear_voxels(plan, parts);
-    } else if (first) {
+    for (size_t p = 0; first && surfaces && p < all->count; p++) {
+        clear_voxels(plan, &all->parts[p]);
+    }
+    if (first && !surfaces) {
         drop_surfaces(plan, counts);
     }
     return !first ? CONUS_OK
-                  : notes_add(&parts->notes, "labels that are both a surface and voxels: %zu, the %s taken", shared,
+                  : notes_add(&all->notes, "labels that are both a surface and voxels: %zu, the %s taken", shared,
                               surfaces ? "surfaces are" : "voxels are");
 }
 
-conus_status area_plan_settle(struct area_plan *plan, struct parcellation *parts, enum manifest_preference preference)
+conus_status area_plan_settle(struct area_plan *plan, struct parcellations *all, enum manifest_preference preference)
 {
     uint64_t *counts = memory_zeroed(plan->count, sizeof *counts);
-    conus_status status = counts ? count_voxels(counts, plan, parts) : CONUS_ERROR_MEMORY;
-    status = status ? status : apply_preference(plan, parts, counts, preference);
-    status = status ? status : hand_over_entries(plan, &parts->table);
-    status = status ? status : label_table_sort(&plan->groups, &parts->notes);
+    conus_status status = counts ? count_voxels(counts, plan, all) : CONUS_ERROR_MEMORY;
+    status = status ? status : apply_preference(plan, all, counts, preference);
+    status = status ? status : hand_over_entries(plan, &all->table);
+    status = status ? status : label_table_sort(&plan->groups, &all->notes);
     memory_free(counts);
     return status;
 }

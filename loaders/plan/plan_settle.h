@@ -5,11 +5,11 @@
 
 #include "loaders/manifest/manifest.h"
 #include "loaders/plan/area_plan.h"
-#include "loaders/plan/load_parcellation.h"
+#include "loaders/plan/parcellations.h"
 
-/** Settles who has a label that both the plan and the parcellation have, as the manifest prefers; in the parcellation
- * that remains, and in the plan, no label is there twice. A name that only the parcellation's table has is the
+/** Settles who has a label that both the plan and the united parcellations have, as the manifest prefers; in the voxels
+ * that remain, and in the plan, no label is there twice. A name that only the parcellation's table has is the
  * surface's. */
-conus_status area_plan_settle(struct area_plan *plan, struct parcellation *parts, enum manifest_preference preference);
+conus_status area_plan_settle(struct area_plan *plan, struct parcellations *all, enum manifest_preference preference);
 
 #endif

@@ -5,8 +5,8 @@
 #include "base/buffer.h"
 #include "base/folder.h"
 #include "base/memory.h"
-#include "loaders/plan/load_parcellation.h"
 #include "loaders/plan/load_plan.h"
+#include "loaders/plan/parcellations.h"
 #include "loaders/plan/plan_settle.h"
 #include "loaders/scene/fsl_maps.h"
 #include "loaders/scene/load_areas.h"
@@ -60,24 +60,52 @@ static char *source_path(const struct loading *loading, const struct manifest_vo
 
 /* ---- Areas --------------------------------------------------------------------------------------------------- */
 
-static conus_status read_parcellation(struct parcellation *parts, struct loading *loading)
+static conus_status read_parcellation(struct parcellation *part, struct loading *loading,
+                                      const struct manifest_parcellation *from)
 {
     static const char needed[] =
         "a labelled volume (NIfTI, MGH, NRRD, MetaImage, AFNI or TIFF) or an FSL atlas XML of type Label";
-    const struct manifest_parcellation *from = &loading->manifest->parcellation;
     conus_load_options options = *loading->options;
     char *labels = from->labels && !options.labels ? file_beside(loading->path, from->labels) : NULL;
     char *path = source_path(loading, &from->source);
     conus_status status = path && (labels || !from->labels || options.labels) ? CONUS_OK : CONUS_ERROR_MEMORY;
     options.labels = labels ? labels : options.labels;
     status = status ? status : load_progress_report(loading->progress, path, 1);
-    status = status ? status : parcellation_read(parts, path, &options, needed);
+    status = status ? status : parcellation_read(part, path, &options, needed);
+    status = status ? status : parcellation_shift(part, from->label_offset, from->hemisphere);
     memory_free(path);
     memory_free(labels);
     if (status == CONUS_ERROR_ARGUMENT && !loading->options->labels) { /* as in fail_at() */
         status = CONUS_ERROR_DATA;
     }
-    return status ? fail_in(status, "parcellation") : CONUS_OK;
+    return status;
+}
+
+/* read_parcellation(), without the notes that have been made. */
+static conus_status read_noted(struct parcellation *part, struct loading *loading,
+                               const struct manifest_parcellation *from)
+{
+    const struct note_sink *sink = part->notes.sink;
+    part->notes.sink = from->noted ? NULL : sink;
+    conus_status status = read_parcellation(part, loading, from);
+    if (from->noted) {
+        notes_cut(&part->notes, 0);
+        part->notes.sink = sink;
+    }
+    return status;
+}
+
+static conus_status read_parcellations(struct parcellations *all, struct loading *loading)
+{
+    const struct manifest *manifest = loading->manifest;
+    conus_status status = parcellations_reserve(all, manifest->parcellation_count, &loading->progress->sink);
+    for (size_t i = 0; !status && i < all->count; i++) {
+        char key[48];
+        snprintf(key, sizeof key, manifest->single ? "parcellation" : "parcellations[%zu]", i);
+        status = read_noted(&all->parts[i], loading, &manifest->parcellations[i]);
+        status = status ? fail_in(status, key) : CONUS_OK;
+    }
+    return status ? status : parcellations_unite(all);
 }
 
 static conus_status refuse_labels(const struct loading *loading)
@@ -110,30 +138,32 @@ static conus_status create_empty(struct loading *loading)
     return status;
 }
 
-/* An atlas of the parcellation, if there is one, with all voxels that are no surface's. */
+/* An atlas of the parcellations, if there are any, with all voxels that are no surface's. */
 static conus_status create_atlas(struct loading *loading, struct area_plan *plan)
 {
-    bool noted = loading->manifest->parcellation.noted;
-    struct parcellation parts = {.notes.sink = noted ? NULL : &loading->progress->sink};
-    if (!loading->manifest->parcellation.source.file) {
+    struct parcellations all = {0};
+    size_t count = loading->manifest->parcellation_count;
+    if (!count) {
         return create_empty(loading);
     }
-    conus_status status = read_parcellation(&parts, loading);
-    if (noted) {
-        notes_cut(&parts.notes, 0);
-        parts.notes.sink = &loading->progress->sink;
+    if (count > 1 && loading->options->labels) {
+        return fail(CONUS_ERROR_ARGUMENT,
+                    "--labels %s: the manifest has %zu parcellations, it can say of each (labels)",
+                    loading->options->labels, count);
     }
-    status = status ? status : area_plan_settle(plan, &parts, loading->manifest->prefer);
-    status = status ? status : parcellation_atlas(&loading->atlas, &parts);
-    status = status ? status : file_sums_move(&plan->read, &parts.read);
-    parcellation_finish(&parts);
+    conus_status status = read_parcellations(&all, loading);
+    status = status ? status : area_plan_settle(plan, &all, loading->manifest->prefer);
+    status = status ? status : parcellations_join(&all);
+    status = status ? status : parcellations_atlas(&loading->atlas, &all);
+    status = status ? status : file_sums_move(&plan->read, &all.read);
+    parcellations_finish(&all);
     return status;
 }
 
-/* Parcellation, pathways, context. Volumes of one file count each: they are unpacked one by one. */
+/* Parcellations, pathways, context. Volumes of one file count each: they are unpacked one by one. */
 static size_t files_besides(const struct manifest *manifest)
 {
-    size_t files = manifest->parcellation.source.file ? 1 : 0;
+    size_t files = manifest->parcellation_count;
     files += manifest->context.source.file ? 1 : 0;
     for (size_t i = 0; i < manifest->map_count; i++) {
         files += manifest->maps[i].names ? manifest->maps[i].name_count : 1;

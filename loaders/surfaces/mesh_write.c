@@ -11,6 +11,7 @@
 
 enum { SMOOTH_LIMIT = 1000, NAME_LIMIT = 200 };
 
+static const char unknown_space[] = "NIFTI_XFORM_UNKNOWN";
 static const uint64_t default_memory = UINT64_C(8) << 30;
 
 struct writing {
@@ -23,15 +24,25 @@ struct writing {
 };
 
 /* GIFTI's word for the space into which the voxels' transform leads, by NIfTI's code for it. */
-static const char *space_of(const conus_atlas *atlas)
+static const char *space_of_volume(const conus_volume_info *info)
 {
     static const char *const words[] = {"NIFTI_XFORM_SCANNER_ANAT", "NIFTI_XFORM_ALIGNED_ANAT", "NIFTI_XFORM_TALAIRACH",
                                         "NIFTI_XFORM_MNI_152"};
     static const char mark[] = "code ";
-    const conus_volume_info *info = conus_atlas_volume(atlas, 0);
-    const char *code = info && info->role == CONUS_ROLE_PARCELLATION ? strstr(info->transform, mark) : NULL;
+    const char *code = strstr(info->transform, mark);
     size_t index = code ? (size_t)(unsigned char)code[sizeof mark - 1] - '1' : SIZE_MAX;
-    return index < sizeof words / sizeof words[0] ? words[index] : "NIFTI_XFORM_UNKNOWN";
+    return index < sizeof words / sizeof words[0] ? words[index] : unknown_space;
+}
+
+/* The one of all volumes of labels, if there is one. */
+static const char *space_of(const conus_atlas *atlas)
+{
+    size_t count = atlas_parcellation_count(atlas);
+    const char *space = count ? space_of_volume(&atlas->volumes[0].info) : unknown_space;
+    for (size_t i = 1; i < count; i++) {
+        space = strcmp(space, space_of_volume(&atlas->volumes[i].info)) == 0 ? space : unknown_space;
+    }
+    return space;
 }
 
 /* "folder/37_Hippocampus_L.gii"; what a file's name should not hold becomes "_". */

@@ -116,9 +116,9 @@ static conus_status upload_areas(struct colour_pass *pass, const struct volume *
 conus_status colour_upload_objects(struct colour_pass *pass, const conus_atlas *atlas, const bool *drawn,
                                    uint64_t *memory_left)
 {
-    if (!pathways_first(atlas)) {
-        const struct volume *parcellation = atlas_parcellation(atlas);
-        return parcellation ? upload_areas(pass, parcellation, memory_left) : CONUS_OK;
+    size_t grids = atlas_parcellation_count(atlas);
+    if (!pathways_first(atlas) && grids < 2) {
+        return grids ? upload_areas(pass, &atlas->volumes[0], memory_left) : CONUS_OK;
     }
     struct volume joint = {0};
     conus_status status = pathways_join(&joint, atlas, drawn);

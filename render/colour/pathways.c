@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Joins pathways and some areas into one volume of objects. */
+/* Joins pathways and some areas, or areas on several grids, into one volume of objects. */
 #include "render/colour/pathways.h"
 
+#include "atlas/space.h"
 #include "base/math3.h"
 #include "base/memory.h"
 
@@ -81,8 +82,9 @@ static void extend_joint(struct joint *joint, const struct volume *first, const 
     }
 }
 
-/* Of all pathways, and of the areas if @p areas; only of `first` where a common one would be far larger than each. */
-static void find_joint(struct joint *out, const conus_atlas *atlas, const struct volume *first, bool areas)
+/* Of all pathways, and of the areas if @p areas; only of `first` where a common one would be far larger than each,
+ * which is false. */
+static bool find_joint(struct joint *out, const conus_atlas *atlas, const struct volume *first, bool areas)
 {
     enum { LARGER = 4 };
     double most = 0;
@@ -105,14 +107,38 @@ static void find_joint(struct joint *out, const conus_atlas *atlas, const struct
                         m + 4 * a);
         out->info.dim[a] = (size_t)(out->high[a] - out->low[a] + 1);
     }
+    return count <= LARGER * most;
 }
 
-/* The area that is drawn and whose cell holds the world point, 0 if none. */
-static uint32_t area_at(const struct volume *parcellation, const struct choice *choice, const double world[3])
+/* Of areas on several grids: the finest grid that holds them all without being far larger than each; else the coarsest.
+ */
+static void find_finest(struct joint *out, const conus_atlas *atlas)
 {
-    size_t voxel = 0;
-    uint32_t object = volume_find_voxel(&voxel, parcellation, world) ? volume_object(parcellation, voxel) : 0;
-    return is_drawn(choice, object) ? object : 0;
+    bool found = false;
+    double best = 0; /* mm^3 of a voxel */
+    for (size_t i = 0; i < atlas_parcellation_count(atlas); i++) {
+        struct joint joint;
+        bool fits = find_joint(&joint, atlas, &atlas->volumes[i], true);
+        double mm3 = space_voxel_mm3(&atlas->volumes[i].info);
+        if (fits && found ? mm3 < best : fits || (!found && mm3 > best)) {
+            *out = joint;
+            best = mm3;
+            found = fits;
+        }
+    }
+}
+
+/* The first area of labels that is drawn and whose cell holds the world point, 0 if none. */
+static uint32_t area_at(const conus_atlas *atlas, const struct choice *choice, const double world[3])
+{
+    uint32_t area = 0;
+    for (size_t i = 0; i < atlas_parcellation_count(atlas) && !area; i++) {
+        const struct volume *volume = &atlas->volumes[i];
+        size_t voxel = 0;
+        uint32_t object = volume_find_voxel(&voxel, volume, world) ? volume_object(volume, voxel) : 0;
+        area = is_drawn(choice, object) ? object : 0;
+    }
+    return area;
 }
 
 conus_status pathways_join(struct volume *out, const conus_atlas *atlas, const bool *drawn)
@@ -121,8 +147,12 @@ conus_status pathways_join(struct volume *out, const conus_atlas *atlas, const b
     struct joint grid;
     struct volume joint = {0};
     const struct choice choice = {.all = !pathways_shown(atlas), .drawn = drawn};
-    const struct volume *parcellation = choice.all || drawn ? atlas_parcellation(atlas) : NULL;
-    find_joint(&grid, atlas, first, parcellation);
+    const bool areas = (choice.all || drawn) && atlas_parcellation_count(atlas);
+    if (first) {
+        find_joint(&grid, atlas, first, areas);
+    } else {
+        find_finest(&grid, atlas);
+    }
     conus_status status = volume_init(&joint, &grid.info);
     joint.objects32 = status ? NULL : memory_raw(joint.voxel_count, sizeof *joint.objects32);
     if (!joint.objects32) {
@@ -134,7 +164,7 @@ conus_status pathways_join(struct volume *out, const conus_atlas *atlas, const b
         const size_t at[3] = {v % dim[0], v / dim[0] % dim[1], v / dim[0] / dim[1]};
         double p[3] = {(double)at[0], (double)at[1], (double)at[2]};
         mat4_point(p, grid.info.world_from_voxel, p);
-        uint32_t area = parcellation ? area_at(parcellation, &choice, p) : 0;
+        uint32_t area = areas ? area_at(atlas, &choice, p) : 0;
         joint.objects32[v] = area ? area : scalar_at(atlas, &choice, p);
     }
     *out = joint;

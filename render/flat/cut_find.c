@@ -117,7 +117,16 @@ static bool is_beaten(const conus_atlas *atlas, const struct volume *volume, siz
     return atlas_probability(atlas, object, world) >= volume->values[voxel];
 }
 
-/* Later volumes lie over earlier ones, but of areas of probabilities the most probable lies above. */
+/* Whether what there is at the pixel lies above the voxel: of areas of labels the one that was found before, of areas
+ * of probabilities the most probable one. Else later volumes lie over earlier ones. */
+static bool is_covered(const conus_atlas *atlas, const struct volume *volume, size_t voxel, uint32_t object,
+                       const double p[3])
+{
+    return volume->info.role == CONUS_ROLE_PARCELLATION  ? object != 0
+           : volume->info.role == CONUS_ROLE_PROBABILITY ? is_beaten(atlas, volume, voxel, object, p)
+                                                         : false;
+}
+
 static void find_in_volume(struct cut *cut, const struct cut_view *view, const struct volume *volume)
 {
     const size_t *dim = volume->info.dim;
@@ -136,8 +145,7 @@ static void find_in_volume(struct cut *cut, const struct cut_view *view, const s
             size_t voxel = i + dim[0] * (j + dim[1] * k);
             uint32_t object = volume_object(volume, voxel);
             bool shown = object && object != VOLUME_BLOCKER;
-            if (shown &&
-                (volume->info.role != CONUS_ROLE_PROBABILITY || !is_beaten(cut->atlas, volume, voxel, to[column], p))) {
+            if (shown && !is_covered(cut->atlas, volume, voxel, to[column], p)) {
                 to[column] = object;
             }
         }

@@ -170,9 +170,11 @@ static bool fits_block(const struct volume *volume, const struct walk *walk)
 {
     const size_t *dim = volume->info.dim;
     size_t count;
-    uint8_t hidden; /* not as a bool, which damage could make neither */
+    uint8_t hidden; /* not as bools, which damage could make neither */
+    uint8_t joined;
     memcpy(&hidden, &volume->is_hidden, sizeof hidden);
-    return hidden <= 1 && dim[0] && dim[1] && dim[2] && memory_multiply(dim[0], dim[1], &count) &&
+    memcpy(&joined, &volume->is_joined, sizeof joined);
+    return hidden <= 1 && joined <= 1 && dim[0] && dim[1] && dim[2] && memory_multiply(dim[0], dim[1], &count) &&
            memory_multiply(count, dim[2], &count) && count == volume->voxel_count && count <= walk->size;
 }
 

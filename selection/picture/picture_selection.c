@@ -95,10 +95,11 @@ static conus_status add_any_volume(conus_image *image, const conus_atlas *atlas,
     char name[40];
     const conus_volume_info *info = conus_atlas_volume(atlas, index);
     bool is_atlas = info->role == CONUS_ROLE_PARCELLATION && strcmp(info->path, atlas_path(atlas)) == 0;
-    if (info->role == CONUS_ROLE_PARCELLATION) {
+    if (info->role == CONUS_ROLE_PARCELLATION && index == 0) {
         return add_volume(image, info, is_atlas ? "conus:atlas" : "conus:parcellation", is_atlas);
     }
-    snprintf(name, sizeof name, "conus:volume%zu", index);
+    snprintf(name, sizeof name, info->role == CONUS_ROLE_PARCELLATION ? "conus:parcellation%zu" : "conus:volume%zu",
+             index);
     return add_volume(image, info, name, false);
 }
 

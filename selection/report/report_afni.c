@@ -28,15 +28,17 @@ static void write_focus(struct buffer *out, const conus_report *report, const st
     buffer_format(out, "%-15s\t%-3s\t%-32s\t%-3s\t%-3s\n", "Atlas", "Within", "Label", "Prob.", "Code");
 }
 
-/* The file's name without its folder and endings, as AFNI calls an atlas. */
+/* The file's name without its folder and endings, as AFNI calls an atlas; of several files the manifest's. */
 static struct text atlas_name(const conus_report *report, const conus_object *object)
 {
-    const conus_volume_info *info = conus_atlas_volume(report->atlas, 0);
-    if (object->kind == CONUS_KIND_PATHWAY || !info) {
+    const conus_atlas *atlas = report->atlas;
+    const bool several = atlas_parcellation_count(atlas) > 1 || (atlas->volume_count && atlas->volumes[0].is_joined);
+    const char *path = several ? atlas_path(atlas) : atlas->volume_count ? atlas->volumes[0].info.path : NULL;
+    if (object->kind == CONUS_KIND_PATHWAY || !path) {
         return text_from(object->kind == CONUS_KIND_PATHWAY ? "pathway" : "atlas");
     }
-    const char *slash = strrchr(info->path, '/');
-    struct text name = text_from(slash ? slash + 1 : info->path);
+    const char *slash = strrchr(path, '/');
+    struct text name = text_from(slash ? slash + 1 : path);
     const char *dot = memchr(name.data, '.', name.size);
     name.size = dot && dot > name.data ? (size_t)(dot - name.data) : name.size;
     return name;

@@ -407,19 +407,34 @@ static void write_all_bands(struct buffer *out, const conus_atlas *atlas)
     }
 }
 
+/* Where the atlas's place comes from: each way once. */
+static void write_places(struct buffer *out, const conus_atlas *atlas)
+{
+    size_t count = atlas_parcellation_count(atlas);
+    buffer_text(out, count ? "" : "the coordinates in its mesh files");
+    for (size_t i = 0; i < count; i++) {
+        size_t first = 0;
+        while (strcmp(atlas->volumes[first].info.transform, atlas->volumes[i].info.transform) != 0) {
+            first++;
+        }
+        buffer_format(out, "%s%s", i && first == i ? " and by " : "",
+                      first == i ? atlas->volumes[i].info.transform : "");
+    }
+}
+
 /* What the answers rest on: which transform placed the atlas, and from which value on a pathway is one. */
 void table_write_sources(struct buffer *out, const conus_report *report)
 {
     const conus_atlas *atlas = report->atlas;
-    const struct volume *parcellation = atlas_parcellation(atlas);
     if (report->level) {
         buffer_format(out, "areas at level %s\n", report->level);
     }
-    if (parcellation || atlas->mesh_count) {
+    if (atlas_parcellation_count(atlas) || atlas->mesh_count) {
         buffer_text(out, "atlas ");
         write_file_of(out, atlas_path(atlas));
-        buffer_format(out, ", placed by %s\n",
-                      parcellation ? parcellation->info.transform : "the coordinates in its mesh files");
+        buffer_text(out, ", placed by ");
+        write_places(out, atlas);
+        buffer_text(out, "\n");
     }
     if (atlas_has_hidden(atlas)) {
         buffer_text(out, "shown: ");

@@ -33,6 +33,31 @@ said() {
     [ "$(cat hit)" = "pathway fornix" ]
 }
 
+@test "parcellations on two grids are one atlas" {
+    conus phantom slabs -o two --size 24
+    conus phantom sphere -o two --size 40
+    echo '{"conus_atlas": 1, "parcellations": ["slabs.nii.gz", {"file": "sphere.nii.gz", "label_offset": 1000}]}' \
+        >two/two.atlas.json
+    local ask=(query two/two.atlas.json --origin 0,60,0 --toward 0,0,0 --angle 40 --quiet)
+    run -0 "$CONUS" info two/two.atlas.json
+    has 'parcellations: 2 on 2 grids (slabs.nii.gz; sphere.nii.gz)'
+    has 'labels       BIDS label table in slabs.tsv; BIDS label table in sphere.tsv'
+    answers "${ask[@]}" --format afni
+    has 'two            	48.'
+    answers "${ask[@]}" --layers all --format tsv
+    has 'Slab anterior'
+    has 'Slab posterior'
+    has 'Sphere'
+    run -2 "$CONUS" "${ask[@]}" --mask all.nii.gz
+    has 'the areas lie on 2 different grids, name one of them (--mask-object)'
+    answers "${ask[@]}" --mask one.nii.gz --mask-object 1001
+    run -2 "$CONUS" "${ask[@]}" --labels two/slabs.tsv
+    has 'the manifest has 2 parcellations, it can say of each (labels)'
+    run -3 "$CONUS" "${ask[@]}" --hemispheres split
+    has 'split: the areas lie on 2 grids'
+    run -0 "$CONUS" render two/two.atlas.json --origin 0,60,10 --toward 0,0,0 --angle 40 -o two.png
+}
+
 @test "a manifest that is there is never replaced" {
     mkdir scene
     conus phantom sphere -o scene --size 16

@@ -16,7 +16,8 @@ static const char whole[] =
     "  \"conus_atlas\": 1,\n"
     "  \"comment\": \"everything that the schema has\",\n"
     "  \"allow_outside\": true,\n"
-    "  \"parcellation\": {\"file\": \"/data/aal.nii\", \"volume\": 2, \"labels\": \"../aal.txt\"},\n"
+    "  \"parcellation\": {\"file\": \"/data/aal.nii\", \"volume\": 2, \"labels\": \"../aal.txt\", "
+    "\"label_offset\": 3, \"hemisphere\": \"B\", \"comment\": \"c\"},\n"
     "  \"areas\": [\"1.gii\", {\"file\": \"b.ply\", \"label\": 7, \"name\": \"B\", \"abbreviation\": \"b\", \"color\":"
     "    \"#0a0B0c\", \"parent\": 9, \"hemisphere\": \"R\", \"comment\": \"c\"},\n"
     "    {\"files\": \"lh/*.gii\", \"labels\": \"lh.tsv\", \"label_offset\": 1000, \"hemisphere\": \"L\"},\n"
@@ -35,6 +36,29 @@ static const char whole[] =
     "  \"context\": {\"file\": \"t1.nii\", \"volume\": 0, \"transfer\": {\"file\": \"t1.tf\"}, \"blocks\": 80}\n"
     "}\n";
 
+static const char several[] =
+    "{\"conus_atlas\": 1, \"parcellations\": [\"lh.nii.gz\", {\"file\": \"rh.nii.gz\", \"hemisphere\": \"R\", "
+    "\"label_offset\": 1000}, {\"file\": \"wm.tiff\", \"volume\": 1, \"labels\": \"wm.txt\", \"resolution\": "
+    "[1, 2, 3], \"orientation\": \"asr\", \"comment\": \"c\"}]}\n";
+
+static void parcellations_are_kept_in_their_order(void **state)
+{
+    (void)state;
+    struct manifest m;
+    assert_ok(manifest_parse(&m, text_from(several)));
+    assert_int_equal(m.parcellation_count, 3);
+    assert_false(m.single);
+    assert_string_equal(m.parcellations[0].source.file, "lh.nii.gz");
+    assert_int_equal(m.parcellations[0].hemisphere, 0);
+    assert_int_equal(m.parcellations[1].hemisphere, 'R');
+    assert_int_equal(m.parcellations[1].label_offset, 1000);
+    assert_int_equal(m.parcellations[2].source.volume, 1);
+    assert_string_equal(m.parcellations[2].labels, "wm.txt");
+    assert_near(m.parcellations[2].source.resolution[2], 3, 0);
+    assert_string_equal(m.parcellations[2].source.orientation, "asr");
+    manifest_finish(&m);
+}
+
 static void every_key_is_kept(void **state)
 {
     (void)state;
@@ -42,10 +66,14 @@ static void every_key_is_kept(void **state)
     assert_true(manifest_is(text_from(whole)));
     assert_ok(manifest_parse(&m, text_from(whole)));
     assert_true(m.allow_outside);
-    assert_string_equal(m.parcellation.source.file, "/data/aal.nii");
-    assert_true(m.parcellation.source.chosen);
-    assert_int_equal(m.parcellation.source.volume, 2);
-    assert_string_equal(m.parcellation.labels, "../aal.txt");
+    assert_int_equal(m.parcellation_count, 1);
+    assert_true(m.single);
+    assert_string_equal(m.parcellations[0].source.file, "/data/aal.nii");
+    assert_true(m.parcellations[0].source.chosen);
+    assert_int_equal(m.parcellations[0].source.volume, 2);
+    assert_string_equal(m.parcellations[0].labels, "../aal.txt");
+    assert_int_equal(m.parcellations[0].label_offset, 3);
+    assert_int_equal(m.parcellations[0].hemisphere, 'B');
     assert_int_equal(m.area_count, 4);
     assert_string_equal(m.areas[0].file, "1.gii");
     assert_true(m.areas[1].has_label);
@@ -96,8 +124,18 @@ static const struct {
     {"{\"conus_atlas\": 1,\n \"pathways\": [,]}", "line 2, column 15: unexpected token near ','"},
     {"{\"conus_atlas\": 1, \"conus_atlas\": 1}", "line 1, column 32: duplicate object key near '\"conus_atlas\"'"},
     {"{\"conus_atlas\": 1, \"pathway\": []}", "pathway: unknown key, allowed are conus_atlas, comment, "
-                                              "allow_outside, parcellation, areas, space, prefer, tree, "
+                                              "allow_outside, parcellation, parcellations, areas, space, prefer, tree, "
                                               "probabilities, pathways, threshold, context"},
+    {"{\"conus_atlas\": 1, \"parcellations\": []}",
+     "nothing to select: parcellation, areas, probabilities or pathways is needed"},
+    {"{\"conus_atlas\": 1, \"parcellations\": \"a\"}", "parcellations: found \"a\", a list is needed"},
+    {"{\"conus_atlas\": 1, \"parcellations\": [\"a\"], \"parcellation\": \"a\"}",
+     "has parcellation and parcellations, one of them is allowed"},
+    {"{\"conus_atlas\": 1, \"parcellations\": [{\"file\": \"a\", \"hemisphere\": \"l\"}]}",
+     "parcellations[0].hemisphere: found \"l\", \"L\" or \"R\" or \"B\" is needed"},
+    {"{\"conus_atlas\": 1, \"parcellations\": [\"a\", {\"labels\": \"b\"}]}", "parcellations[1].file is missing"},
+    {"{\"conus_atlas\": 1, \"parcellations\": [{\"file\": \"a\", \"label_offset\": -1}]}",
+     "parcellations[0].label_offset: found -1, a whole number from 0 to 4294967295 is needed"},
     {"{\"conus_atlas\": 1, \"areas\": [{\"name\": \"a\"}]}", "areas[0]: file, files or brainglobe is missing"},
     {"{\"conus_atlas\": 1, \"areas\": [{\"files\": \"a\", \"label\": 1}]}",
      "areas[0].label: unknown key, allowed are files, labels, label_offset, parent, hemisphere, comment"},
@@ -201,17 +239,19 @@ static void paths_stay_in_the_folder_unless_allowed(void **state)
 static void every_prefix_is_refused(void **state)
 {
     (void)state;
-    for (size_t size = 0; size < strlen(whole) - 2; size++) {
-        struct manifest m;
-        assert_fails(manifest_parse(&m, (struct text){whole, size}), CONUS_ERROR_DATA);
+    for (size_t i = 0; i < 2; i++) {
+        const char *text = i ? several : whole;
+        for (size_t size = 0; size < strlen(text) - 2; size++) {
+            struct manifest m;
+            assert_fails(manifest_parse(&m, (struct text){text, size}), CONUS_ERROR_DATA);
+        }
     }
 }
 
-static conus_status parse_whole(void *data)
+static conus_status parse_text(void *data)
 {
-    (void)data;
     struct manifest m;
-    conus_status status = manifest_parse(&m, text_from(whole));
+    conus_status status = manifest_parse(&m, text_from(data));
     if (!status) {
         manifest_finish(&m);
     }
@@ -221,7 +261,8 @@ static conus_status parse_whole(void *data)
 static void every_failing_allocation_is_reported(void **state)
 {
     (void)state;
-    test_every_allocation(parse_whole, NULL);
+    test_every_allocation(parse_text, (void *)whole);
+    test_every_allocation(parse_text, (void *)several);
 }
 
 /* ---- Loading ------------------------------------------------------------------------------------------------ */
@@ -482,6 +523,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_key_is_kept),
+        cmocka_unit_test(parcellations_are_kept_in_their_order),
         cmocka_unit_test(what_the_schema_does_not_know_is_refused),
         cmocka_unit_test(paths_stay_in_the_folder_unless_allowed),
         cmocka_unit_test(every_prefix_is_refused),

@@ -1,0 +1,262 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Areas on several grids: the answer is that of each grid by itself, joined at what is nearest. */
+#include "atlas/atlas.h"
+#include "base/memory.h"
+#include "gl_pair.h"
+#include "scene.h"
+#include "test.h"
+
+#include <conus/conus.h>
+
+#include <math.h>
+#include <string.h>
+
+enum { MOST = 3, AREAS = 5, SCENES = 40, POSES = 6 };
+
+/* Parcellations on random grids, together and each by itself. Labels of grid g: 10 g + 1 to 10 g + 5. */
+struct grids {
+    conus_atlas *joint;
+    conus_atlas *single[MOST];
+    size_t count;
+};
+
+static uint32_t *random_labels(uint64_t *state, const conus_volume_info *info, size_t grid)
+{
+    size_t voxels = info->dim[0] * info->dim[1] * info->dim[2];
+    double filled = test_random(state, 0.01, 0.4);
+    uint32_t *labels = memory_zeroed(voxels, sizeof *labels);
+    assert_non_null(labels);
+    for (size_t v = 0; v < voxels; v++) {
+        bool is_area = test_random(state, 0, 1) < filled || v == 0;
+        labels[v] = is_area ? (uint32_t)(10 * grid + 1 + (size_t)test_random(state, 0, AREAS)) : 0;
+    }
+    return labels;
+}
+
+static struct grids make_grids(uint64_t *state)
+{
+    struct grids grids = {.count = 2 + (size_t)test_random(state, 0, MOST - 1)};
+    conus_volume_info infos[MOST];
+    struct labelled_volume volumes[MOST];
+    for (size_t g = 0; g < grids.count; g++) {
+        const size_t dim[3] = {1 + (size_t)test_random(state, 0, 14), 1 + (size_t)test_random(state, 0, 14),
+                               1 + (size_t)test_random(state, 0, 14)};
+        infos[g] = scene_grid(state, dim);
+        volumes[g] = (struct labelled_volume){.info = &infos[g], .labels = random_labels(state, &infos[g], g)};
+        grids.single[g] = scene_parcellation(&infos[g], volumes[g].labels);
+    }
+    struct notes notes = {0};
+    const struct label_table none = {0};
+    assert_ok(atlas_create_of(&grids.joint, volumes, grids.count, &none, "grids", &notes));
+    notes_finish(&notes);
+    for (size_t g = 0; g < grids.count; g++) {
+        memory_free((void *)volumes[g].labels);
+    }
+    return grids;
+}
+
+static void destroy_grids(struct grids *grids)
+{
+    conus_atlas_destroy(grids->joint);
+    for (size_t g = 0; g < grids->count; g++) {
+        conus_atlas_destroy(grids->single[g]);
+    }
+}
+
+static struct evidence trace(const conus_atlas *atlas, const struct cone *cone)
+{
+    struct engine *engine = NULL;
+    assert_ok(engine_rays_create(&engine, atlas, &(struct engine_options){0}));
+    struct evidence evidence = gl_pair_trace(engine, cone);
+    engine_destroy(engine);
+    return evidence;
+}
+
+static uint32_t label_of(const conus_atlas *atlas, uint32_t number)
+{
+    return number ? atlas->objects[number - 1].label : 0;
+}
+
+/* Of grids that a ray enters at the same distance the first counts. */
+static size_t compare_traces(const struct grids *grids, const struct cone *cone)
+{
+    struct evidence joint = trace(grids->joint, cone);
+    struct evidence single[MOST];
+    size_t hits = 0;
+    for (size_t g = 0; g < grids->count; g++) {
+        single[g] = trace(grids->single[g], cone);
+    }
+    for (size_t p = 0; p < (size_t)cone->resolution * cone->resolution; p++) {
+        size_t best = 0;
+        for (size_t g = 1; g < grids->count; g++) {
+            bool nearer = !single[best].object[p] || single[g].distance[p] < single[best].distance[p];
+            best = single[g].object[p] && nearer ? g : best;
+        }
+        assert_int_equal(label_of(grids->joint, joint.object[p]),
+                         label_of(grids->single[best], single[best].object[p]));
+        if (joint.object[p]) {
+            assert_true(joint.distance[p] == single[best].distance[p]);
+            assert_int_equal(joint.voxel[p], single[best].voxel[p]);
+            hits++;
+        }
+    }
+    evidence_finish(&joint);
+    for (size_t g = 0; g < grids->count; g++) {
+        evidence_finish(&single[g]);
+    }
+    return hits;
+}
+
+static void the_nearest_of_all_grids_is_hit(void **state)
+{
+    (void)state;
+    uint64_t random = 11;
+    size_t hits = 0;
+    for (int scene = 0; scene < SCENES; scene++) {
+        struct grids grids = make_grids(&random);
+        for (int pose = 0; pose < POSES; pose++) {
+            struct cone cone = scene_cone(&random, grids.joint);
+            hits += compare_traces(&grids, &cone);
+        }
+        destroy_grids(&grids);
+    }
+    assert_true(hits > 15000);
+}
+
+/* Both begin at the same plane: the earlier grid's area, though its label is the greater. */
+static void of_equals_the_earlier_grid_is_hit(void **state)
+{
+    (void)state;
+    static const uint32_t labels[][1] = {{9}, {3}};
+    const conus_volume_info info = scene_plain_grid((size_t[]){1, 1, 1}, NULL);
+    const struct labelled_volume volumes[] = {{.info = &info, .labels = labels[0]},
+                                              {.info = &info, .labels = labels[1]}};
+    const struct label_table none = {0};
+    struct notes notes = {0};
+    conus_atlas *atlas = NULL;
+    struct cone cone = {.angle = 0.01, .resolution = 2};
+    assert_ok(atlas_create_of(&atlas, volumes, 2, &none, "grids", &notes));
+    assert_ok(conus_pose_along(&cone.pose, (double[]){-10, 0.1, 0.2}, (double[]){1, 0, 0}, NULL));
+    struct evidence evidence = trace(atlas, &cone);
+    assert_int_equal(label_of(atlas, evidence.object[0]), 9);
+    evidence_finish(&evidence);
+    conus_atlas_destroy(atlas);
+    notes_finish(&notes);
+}
+
+/* ---- Answers ----------------------------------------------------------------------------------------------------- */
+
+static conus_selection *ask(conus_selector **selector, const conus_atlas *atlas, const conus_pose *pose, double angle)
+{
+    const conus_selector_options options = {.resolution = 24, .layers = CONUS_LAYERS_ALL};
+    conus_selection *selection = NULL;
+    *selector = NULL;
+    assert_ok(conus_selector_create(selector, atlas, &options));
+    assert_ok(conus_select(&selection, *selector, pose, angle));
+    return selection;
+}
+
+static const conus_result *find_label(const conus_selection *selection, const conus_atlas *atlas, uint32_t label)
+{
+    for (size_t i = 0; i < conus_selection_count(selection); i++) {
+        const conus_result *result = conus_selection_result(selection, i);
+        if (result->object && label_of(atlas, result->object) == label) {
+            return result;
+        }
+    }
+    return NULL;
+}
+
+/* All layers know nothing of each other, so voxels, volume, path, entry and exit are those of the grid by itself. */
+static size_t compare_layers(const conus_selection *got, const conus_atlas *joint, const conus_selection *wanted,
+                             const conus_atlas *single)
+{
+    size_t compared = 0;
+    for (size_t i = 0; i < conus_selection_count(wanted); i++) {
+        const conus_result *of = conus_selection_result(wanted, i);
+        if (of->object) {
+            const conus_result *result = find_label(got, joint, label_of(single, of->object));
+            assert_non_null(result);
+            assert_int_equal(result->voxels, of->voxels);
+            assert_int_equal(result->pierced, of->pierced);
+            assert_memory_equal(&result->volume, &of->volume, sizeof of->volume);
+            assert_memory_equal(&result->path, &of->path, sizeof of->path);
+            assert_memory_equal(&result->entry, &of->entry, sizeof of->entry);
+            assert_memory_equal(&result->exit, &of->exit, sizeof of->exit);
+            assert_memory_equal(result->centroid, of->centroid, sizeof of->centroid);
+            compared++;
+        }
+    }
+    return compared;
+}
+
+static void layers_are_those_of_each_grid(void **state)
+{
+    (void)state;
+    uint64_t random = 23;
+    size_t compared = 0;
+    for (int scene = 0; scene < SCENES; scene++) {
+        struct grids grids = make_grids(&random);
+        struct cone cone = scene_cone(&random, grids.joint);
+        conus_selector *selector = NULL;
+        double angle = fmin(cone.angle, 2);
+        conus_selection *joint = ask(&selector, grids.joint, &cone.pose, angle);
+        size_t rows = 0;
+        for (size_t g = 0; g < grids.count; g++) {
+            conus_selector *other = NULL;
+            conus_selection *single = ask(&other, grids.single[g], &cone.pose, angle);
+            rows += compare_layers(joint, grids.joint, single, grids.single[g]);
+            conus_selection_destroy(single);
+            conus_selector_destroy(other);
+        }
+        for (size_t i = 0; i < conus_selection_count(joint); i++) {
+            rows -= conus_selection_result(joint, i)->object > 0;
+        }
+        assert_int_equal(rows, 0);
+        compared += conus_selection_count(joint);
+        conus_selection_destroy(joint);
+        conus_selector_destroy(selector);
+        destroy_grids(&grids);
+    }
+    assert_true(compared > 100);
+}
+
+/* ---- OpenGL ------------------------------------------------------------------------------------------------------ */
+
+static void both_engines_see_all_grids_alike(void **state)
+{
+    (void)state;
+    uint64_t random = 37;
+    size_t hits = 0;
+    size_t intervals = 0;
+    for (int scene = 0; scene < SCENES; scene++) {
+        struct grids grids = make_grids(&random);
+        struct gl_pair pair = gl_pair_create(grids.joint, CONUS_SAMPLING_EXACT);
+        for (int pose = 0; pose < POSES; pose++) {
+            struct cone cone = scene_cone(&random, grids.joint);
+            hits += gl_pair_same_hits(&pair, &cone);
+            struct layers gl = gl_pair_pierce(pair.gl, &cone);
+            struct layers rays = gl_pair_pierce(pair.rays, &cone);
+            assert_int_equal(gl.count, rays.count);
+            for (size_t s = 0; s < gl.count; s++) {
+                assert_true(gl_pair_same_interval(&gl.intervals[s], &rays.intervals[s]));
+            }
+            intervals += gl.count;
+            layers_finish(&gl);
+            layers_finish(&rays);
+        }
+        gl_pair_destroy(&pair);
+        destroy_grids(&grids);
+    }
+    assert_true(hits > 20000 && intervals > 60000);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_nearest_of_all_grids_is_hit), cmocka_unit_test(of_equals_the_earlier_grid_is_hit),
+        cmocka_unit_test(layers_are_those_of_each_grid),   cmocka_unit_test(both_engines_see_all_grids_alike),
+        cmocka_unit_test(the_driver_was_silent),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
