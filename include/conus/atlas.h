@@ -50,7 +50,7 @@ typedef struct conus_load_options {
  *  - a labelled volume: NIfTI-1/2 (.nii, .hdr/.img, each also .gz), .mgz/.mgh, NRRD, MetaImage, AFNI, a TIFF stack, or
  *    an FSL atlas XML of type Label;
  *  - an FSL atlas XML of another type: areas of probabilities, which may overlap;
- *  - a manifest NAME.atlas.json, which joins a parcellation, surfaces, pathways and context;
+ *  - a manifest NAME.atlas.json, which joins parcellations, surfaces, pathways and a context;
  *  - a surface (GIFTI, FreeSurfer and those of other programs), cut by the labels of its vertices if there are any;
  *  - a folder of surfaces, or a BrainGlobe folder.
  *

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /**
  * @file manifest.h
- * A manifest joins a parcellation, surfaces, pathways and a context into one atlas.
+ * A manifest joins parcellations, surfaces, pathways and a context into one atlas.
  */
 #ifndef CONUS_PUBLIC_MANIFEST_H
 #define CONUS_PUBLIC_MANIFEST_H

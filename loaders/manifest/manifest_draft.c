@@ -104,7 +104,8 @@ static bool set_key(json_t *root, const char *key, json_t *value)
 conus_status manifest_draft_format(struct buffer *out, const struct manifest_draft *draft)
 {
     json_t *root = json_pack("{s:i}", "conus_atlas", MANIFEST_VERSION);
-    bool done = root && set_key(root, "parcellation", draft->parcellation) && set_key(root, "areas", draft->areas) &&
+    const char *parcellation = json_is_array(draft->parcellation) ? "parcellations" : "parcellation";
+    bool done = root && set_key(root, parcellation, draft->parcellation) && set_key(root, "areas", draft->areas) &&
                 set_key(root, "pathways", draft->pathways) && set_key(root, "context", draft->context) &&
                 json_dump_callback(root, put_text, out, JSON_INDENT(2)) == 0;
     json_decref(root);

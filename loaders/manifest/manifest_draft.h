@@ -12,8 +12,9 @@
 struct manifest_draft {
     const char *folder; /**< With '/' at its end. */
     const conus_manifest_options *options;
-    struct names used; /**< Images that an FSL atlas names, from the folder and without ending. */
-    json_t *parcellation, *context, *areas, *pathways;
+    struct names used;    /**< Images that an FSL atlas names, from the folder and without ending. */
+    json_t *parcellation; /**< An object; a list of those that are halves. */
+    json_t *context, *areas, *pathways;
     uint32_t label_offset; /**< Of the next group of surfaces. */
     /** Loads a manifest, to try an entry. NULL: every entry is taken, and one that does not load is the reader's error.
      */

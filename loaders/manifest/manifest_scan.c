@@ -2,6 +2,7 @@
 /* Guesses from its values what a volume is good for, and from names whether surfaces have labels. */
 #include "loaders/manifest/manifest_scan.h"
 
+#include "atlas/areas/sides.h"
 #include "base/buffer.h"
 #include "base/memory.h"
 #include "loaders/labels/label_find.h"
@@ -117,6 +118,24 @@ conus_status volume_guess_make(struct volume_guess *out, const char *path, uint6
     }
     notes_finish(&notes);
     volume_file_finish(&file);
+    return status;
+}
+
+conus_status volume_names_are_halves(bool *out, const char *left, const char *right)
+{
+    const struct text stem = {left, volume_stem_length(left)};
+    const size_t length = volume_stem_length(right);
+    struct side_word word;
+    conus_status status = CONUS_OK;
+    bool found = false;
+    for (size_t from = 0; !status && !found && side_word_find(&word, stem, from); from = word.start + word.size) {
+        struct buffer swapped = {0};
+        side_word_swap(&swapped, stem, &word);
+        status = buffer_status(&swapped);
+        found = !status && word.side == 'L' && swapped.size == length && memcmp(swapped.data, right, length) == 0;
+        buffer_finish(&swapped);
+    }
+    *out = found && strcmp(left + stem.size, right + length) == 0;
     return status;
 }
 

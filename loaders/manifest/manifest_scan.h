@@ -18,6 +18,10 @@ struct volume_guess {
  * is not is the context. All values 0 are CONUS_ERROR_DATA. */
 conus_status volume_guess_make(struct volume_guess *out, const char *path, uint64_t max_memory);
 
+/** Whether the names of volumes @p left and @p right differ only in the word for their side: x_LH.nii.gz and
+ * x_RH.nii.gz, lh.x.mgz and rh.x.mgz. */
+conus_status volume_names_are_halves(bool *out, const char *left, const char *right);
+
 /** Whether labels follow from the names of surfaces: each holds a number, and no two the same first one; or none does.
  */
 bool surface_names_give_labels(const struct names *names);

@@ -17,7 +17,113 @@
 #include "loaders/scene/load_manifest.h"
 #include "loaders/tables/fsl_number.h"
 
+#include <stdio.h>
 #include <string.h>
+
+/* ---- Parcellations ----------------------------------------------------------------------------------------------- */
+
+enum { FIRST_OFFSET = 1000, LAST_OFFSET = 1000000000 };
+
+/* The file of parcellation `index`, NULL past the last. */
+static const char *parcellation_file(const struct manifest_draft *draft, size_t index)
+{
+    const json_t *entry = json_is_array(draft->parcellation) ? json_array_get(draft->parcellation, index)
+                          : index == 0                       ? draft->parcellation
+                                                             : NULL;
+    return json_string_value(json_object_get(entry, "file"));
+}
+
+static bool is_parcellation(const struct manifest_draft *draft, const char *name)
+{
+    const char *file;
+    for (size_t i = 0; (file = parcellation_file(draft, i)); i++) {
+        if (strcmp(file, name) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Only the user knows which of two is meant, or comes first. */
+static conus_status refuse_second(const struct manifest_draft *draft, const char *name)
+{
+    return fail(CONUS_ERROR_DATA,
+                "%s%s and %s are both parcellations, and their names are not left and right of one: give one of them "
+                "as ATLAS, or write the manifest by hand (\"parcellations\", docs/formats.md)",
+                draft->folder, parcellation_file(draft, 0), name);
+}
+
+/* Files whose names say that they belong together, but which do not load so. */
+static conus_status refuse_halves(const struct manifest_draft *draft, const char *left, const char *right)
+{
+    char why[400];
+    snprintf(why, sizeof why, "%s", conus_message());
+    return fail(CONUS_ERROR_DATA, "%s%s and %s are left and right of one, and do not load together: %s", draft->folder,
+                left, right, why);
+}
+
+/* Tries both halves with the labels of the right one as they are, else behind the left one's. */
+static conus_status try_halves(bool *load, uint32_t *offset, const struct manifest_draft *draft, json_t *halves)
+{
+    json_t *right = json_array_get(halves, 1);
+    conus_status status = manifest_draft_try(load, draft, "parcellations", halves, false);
+    *offset = 0;
+    for (uint32_t next = FIRST_OFFSET; !status && !*load && next <= LAST_OFFSET; next *= 10) {
+        *offset = next;
+        status = json_object_set_new(right, "label_offset", json_integer(next))
+                     ? CONUS_ERROR_MEMORY
+                     : manifest_draft_try(load, draft, "parcellations", halves, false);
+    }
+    return status;
+}
+
+/* Takes the two files as one parcellation, if they load. */
+static conus_status take_halves(struct manifest_draft *draft, const char *left, const char *right)
+{
+    bool load = false;
+    uint32_t offset = 0;
+    json_t *halves =
+        json_pack("[{s:s,s:s},{s:s,s:s}]", "file", left, "hemisphere", "L", "file", right, "hemisphere", "R");
+    conus_status status = halves ? try_halves(&load, &offset, draft, halves) : CONUS_ERROR_MEMORY;
+    if (status || !load) {
+        json_decref(halves);
+        return status ? status : refuse_halves(draft, left, right);
+    }
+    status = offset ? manifest_draft_log(draft, "%s: left and right of one with %s; its labels are %u further", right,
+                                         left, offset)
+                    : manifest_draft_log(draft, "%s: left and right of one with %s", right, left);
+    json_decref(draft->parcellation);
+    draft->parcellation = halves;
+    draft->label_offset = offset < MANIFEST_LABEL_STEP ? MANIFEST_LABEL_STEP : 10 * offset;
+    return status;
+}
+
+static conus_status set_second(struct manifest_draft *draft, const char *name)
+{
+    bool halves = false;
+    bool is_right = false;
+    const char *first = parcellation_file(draft, 0);
+    conus_status status = volume_names_are_halves(&is_right, first, name);
+    status = status || is_right ? status : volume_names_are_halves(&halves, name, first);
+    if (status || (!is_right && !halves) || json_is_array(draft->parcellation)) {
+        return status ? status : refuse_second(draft, name);
+    }
+    return take_halves(draft, is_right ? first : name, is_right ? name : first);
+}
+
+static conus_status set_parcellation(struct manifest_draft *draft, const char *name)
+{
+    bool loads = false;
+    json_t *value = json_pack("{s:s}", "file", name);
+    conus_status status = value ? manifest_draft_try(&loads, draft, "parcellation", value, false) : CONUS_ERROR_MEMORY;
+    if (!status && loads && !draft->parcellation) {
+        draft->parcellation = value;
+        draft->label_offset = MANIFEST_LABEL_STEP;
+        return CONUS_OK;
+    }
+    json_decref(value);
+    return status ? status : loads ? set_second(draft, name) : manifest_draft_leave_out(draft, name);
+}
 
 /* ---- FSL atlases ------------------------------------------------------------------------------------------------- */
 
@@ -31,33 +137,6 @@ static conus_status mark_used(struct manifest_draft *draft, const struct fsl_atl
         status = status || !summary ? status : names_add(&draft->used, summary + strspn(summary, "/"));
     }
     return status;
-}
-
-/* A scene has one parcellation: which, only the user knows. */
-static conus_status set_parcellation(struct manifest_draft *draft, const char *name)
-{
-    bool loads = false;
-    const char *first = json_string_value(json_object_get(draft->parcellation, "file"));
-    json_t *value = json_pack("{s:s}", "file", name);
-    conus_status status = value ? manifest_draft_try(&loads, draft, "parcellation", value, false) : CONUS_ERROR_MEMORY;
-    if (!status && loads && first) {
-        status = fail(CONUS_ERROR_DATA,
-                      "%s%s and %s are both parcellations, a manifest has one: give one of them as ATLAS, or write the "
-                      "manifest by hand (docs/formats.md)",
-                      draft->folder, first, name);
-    }
-    if (!status && loads) {
-        draft->parcellation = value;
-        return CONUS_OK;
-    }
-    json_decref(value);
-    return status ? status : manifest_draft_leave_out(draft, name);
-}
-
-static bool is_parcellation(const struct manifest_draft *draft, const char *name)
-{
-    const char *file = json_string_value(json_object_get(draft->parcellation, "file"));
-    return file && strcmp(file, name) == 0;
 }
 
 static conus_status take_fsl(struct manifest_draft *draft, const char *name, const struct fsl_atlas *atlas)
@@ -278,9 +357,11 @@ static conus_status take_cifti(bool *taken, struct manifest_draft *draft, const 
         status = status == CONUS_ERROR_MEMORY ? status : manifest_draft_leave_out(draft, name);
     } else {
         const struct label_table *table = &file.choice.cifti.maps[file.choice.map].table;
-        const char *voxels = manifest.parcellation.source.file;
+        const char *voxels = manifest.parcellation_count ? manifest.parcellations[0].source.file : NULL;
+        uint32_t offset = draft->label_offset;
         *taken = true;
         status = voxels ? set_parcellation(draft, voxels) : CONUS_OK;
+        draft->label_offset = offset; /* the plan keeps surfaces off the file's own voxels */
         status = status || !voxels || !is_parcellation(draft, voxels)
                      ? status
                      : manifest_draft_log(draft, "%s: parcellation, voxels of CIFTI labels", voxels);
@@ -371,7 +452,6 @@ static conus_status scan_folder(struct manifest_draft *draft)
     for (size_t i = 0; !status && i < names.count; i++) {
         status = is_volume(names.names[i]) ? look_at_other(draft, names.names[i], voxels) : CONUS_OK;
     }
-    draft->label_offset = draft->parcellation ? MANIFEST_LABEL_STEP : 0;
     status = status || !cifti ? status : take_cifti(&labelled, draft, cifti);
     status = status || voxels || labelled ? status : manifest_surfaces_add(draft, "");
     for (size_t i = 0; !status && i < names.count; i++) {

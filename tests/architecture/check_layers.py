@@ -57,7 +57,7 @@ LIBRARY = {
     "loaders/surfaces": "base base/formats atlas/surface atlas loaders loaders/tables loaders/cifti"
     " loaders/child loaders/surfaces/foreign",
     "loaders/phantom": "base atlas atlas/phantom loaders/volumes loaders/surfaces",
-    "loaders/manifest": "base base/formats atlas/surface atlas loaders/volumes loaders/tables loaders/labels",
+    "loaders/manifest": "base base/formats atlas/surface atlas atlas/areas loaders/volumes loaders/tables loaders/labels",
     "loaders/plan": "base base/formats atlas loaders loaders/volumes loaders/tables loaders/labels"
     " loaders/cifti loaders/surfaces loaders/manifest loaders/brainglobe",
     "loaders/transform": "base loaders loaders/volumes",

@@ -127,8 +127,15 @@ complaint() {
     conus phantom slabs -o scene --size 24
     mv scene/slabs.nii.gz scene/left.nii.gz
     conus phantom nested -o scene --size 24
-    fails 3 'scene/left.nii.gz and nested.nii.gz are both parcellations, a manifest has one' manifest scene --quiet
+    fails 3 'scene/left.nii.gz and nested.nii.gz are both parcellations, and their names are not left and right of one' \
+        manifest scene --quiet
     [ ! -e scene/scene.atlas.json ]
+    mv scene/nested.nii.gz scene/right.nii.gz
+    makes scene
+    said 'right.nii.gz: left and right of one with left.nii.gz; its labels are 1000 further'
+    cp scene/left.nii.gz scene/other.nii.gz
+    rm scene/scene.atlas.json
+    fails 3 'scene/left.nii.gz and other.nii.gz are both parcellations' manifest scene --quiet
 }
 
 @test "two FSL atlases of labels are refused, too" {

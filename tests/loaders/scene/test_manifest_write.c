@@ -117,6 +117,74 @@ static void names_give_labels_or_do_not(void **state)
     assert_false(surface_names_give_labels(&(struct names){(char **)zero, 2}));
 }
 
+static void names_tell_left_from_right(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *left, *right;
+        bool halves;
+    } cases[] = {
+        {"x_LH.nii.gz", "x_RH.nii.gz", true},
+        {"lh.aparc.mgz", "rh.aparc.mgz", true},
+        {"sub-1_hemi-L_dseg.nii", "sub-1_hemi-R_dseg.nii", true},
+        {"Julich left 31.nii", "Julich right 31.nii", true},
+        {"aal_l.nii.gz", "aal_r.nii.gz", true},
+        {"x_L_left.nii", "x_R_left.nii", true}, /* in one of its words */
+        {"x_RH.nii.gz", "x_LH.nii.gz", false},
+        {"x_LH.nii.gz", "x_RH.nii", false},
+        {"x_LH.nii.gz", "y_RH.nii.gz", false},
+        {"x_L_left.nii", "x_R_right.nii", false},
+        {"x_LH.nii.gz", "x_Rh.nii.gz", false},
+        {"small.nii", "large.nii", false},
+        {"a_l_b.nii", "a_r_b.nii", false}, /* a letter between words */
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        bool halves = !cases[i].halves;
+        assert_ok(volume_names_are_halves(&halves, cases[i].left, cases[i].right));
+        assert_int_equal(halves, cases[i].halves);
+    }
+}
+
+static uint32_t on_the_left(size_t i)
+{
+    return i % 8 < 4 ? in_blocks(i) : 0;
+}
+
+static uint32_t on_the_right(size_t i)
+{
+    return i % 8 < 4 ? 0 : in_blocks(i);
+}
+
+static uint32_t with_other_labels(size_t i)
+{
+    return on_the_right(i) ? 100 + on_the_right(i) : 0;
+}
+
+/* A folder of a left and a right parcellation becomes an atlas with `labels` of its areas, three on each side. */
+static void assert_halves(const char *folder, uint32_t (*right)(size_t i), const uint32_t labels[6])
+{
+    conus_atlas *atlas = NULL;
+    test_folder(folder);
+    assert_ok(write_volume("lh.nii", on_the_left));
+    assert_ok(write_volume("rh.nii", right));
+    assert_ok(conus_manifest_write(test_in("pair.atlas.json"), NULL));
+    assert_ok(conus_atlas_load(&atlas, test_in("pair.atlas.json"), NULL));
+    assert_int_equal(conus_atlas_object_count(atlas), 6);
+    for (size_t i = 0; i < 6; i++) {
+        assert_int_equal(conus_atlas_object(atlas, i + 1)->label, labels[i]);
+        assert_int_equal(conus_atlas_object(atlas, i + 1)->hemisphere, i < 3 ? 'L' : 'R');
+    }
+    conus_atlas_destroy(atlas);
+}
+
+static void halves_are_joined(void **state)
+{
+    (void)state;
+    assert_halves("distinct", with_other_labels, (const uint32_t[]){7, 14, 21, 107, 114, 121});
+    assert_halves("alike", on_the_right, (const uint32_t[]){7, 14, 21, 1007, 1014, 1021});
+    test_folder("folder");
+}
+
 static void what_is_written_loads(void **state)
 {
     (void)state;
@@ -146,6 +214,9 @@ static void every_failing_allocation_is_reported(void **state)
     char path[512];
     snprintf(path, sizeof path, "%s", test_in("again.atlas.json"));
     test_every_allocation(write_again, path);
+    test_folder("alike");
+    snprintf(path, sizeof path, "%s", test_in("again.atlas.json"));
+    test_every_allocation(write_again, path);
 }
 
 int main(void)
@@ -154,6 +225,8 @@ int main(void)
         cmocka_unit_test(volumes_are_detected_from_their_values),
         cmocka_unit_test(masks_and_nothing_are_no_parcellation),
         cmocka_unit_test(names_give_labels_or_do_not),
+        cmocka_unit_test(names_tell_left_from_right),
+        cmocka_unit_test(halves_are_joined),
         cmocka_unit_test(what_is_written_loads),
         cmocka_unit_test(every_failing_allocation_is_reported),
     };
