@@ -10,6 +10,7 @@
 #include <string.h>
 
 enum { PIXELS_AT_ONCE = 1 << 18 };
+static const double JUST_BEFORE = 1e-6; /* mm */
 
 static conus_status mark_cone(conus_selection *selection, const struct aperture *aperture)
 {
@@ -28,8 +29,17 @@ void selection_set_kinds(conus_selection *selection)
     }
 }
 
-/* An interval that the range cut begins in another voxel; where rounding puts that into a neighbour, the old one stays.
- */
+/* Keeps the voxel that was there where the point is in none of the object's. */
+static bool find_voxel(uint64_t *out, const struct volume *volume, uint32_t object, const double point[3])
+{
+    size_t voxel = 0;
+    bool found = volume_find_voxel(&voxel, volume, point) && volume_object(volume, voxel) == object;
+    *out = found ? voxel : *out;
+    return found;
+}
+
+/* An interval that the range cut begins in another voxel: in that of the cut or, where the cut only touches the end of
+ * the interval, in the one just before it. */
 static void move_entries(conus_selection *selection)
 {
     const struct cone *cone = &selection->cone;
@@ -42,12 +52,12 @@ static void move_entries(conus_selection *selection)
         if (volume && interval->entry == cone->range[0] * cone_per_depth(cone, i, j)) {
             double ray[3];
             double point[3];
-            size_t voxel = 0;
             cone_ray(ray, cone, i, j);
             cone_origin(point, cone, i, j);
             vec3_add_scaled(point, point, interval->entry, ray);
-            if (volume_find_voxel(&voxel, volume, point) && volume_object(volume, voxel) == interval->object) {
-                interval->voxel = voxel;
+            if (!find_voxel(&interval->voxel, volume, interval->object, point)) {
+                vec3_add_scaled(point, point, -JUST_BEFORE, ray);
+                (void)find_voxel(&interval->voxel, volume, interval->object, point);
             }
         }
     }

@@ -174,6 +174,9 @@ typedef struct conus_result {
     double mean_value;    /**< Of a pathway: mean of these values. */
     double max_value;     /**< Of a pathway: largest of these values. */
     double centroid[3];   /**< World position, mm: mean of these voxels' centres, weighted by a pathway's values. */
+
+    double contact_value; /**< With or without layers: the value of the voxel at its contact, of a pathway in the scaled
+                             values of its volume, of an area of probabilities from 0 to 1; else NaN. */
 } conus_result;
 
 /**

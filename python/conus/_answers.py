@@ -80,6 +80,7 @@ def _columns(objects: Objects, results: Array, layers: bool) -> dict[str, Any]:
         columns.update(_points("centroid_", results["centroid"]))
         with np.errstate(invalid="ignore"):
             columns["unoccluded"] = results["pixels"] / np.where(results["pierced"], results["pierced"], np.nan)
+    columns["contact_value"] = results["contact_value"]
     return columns
 
 
@@ -114,6 +115,7 @@ class Hit:
     pixels: int  #: that hit it first
     distance_mm: float  #: from the device to its nearest hit
     contact: tuple[float, float, float]  #: where, RAS mm
+    contact_value: float  #: value there of a pathway, or probability of an area of probabilities; else NaN
 
 
 class Selection:
@@ -163,6 +165,7 @@ class Selection:
             int(record["pixels"]),
             float(record["distance"]),
             (float(record["contact"][0]), float(record["contact"][1]), float(record["contact"][2])),
+            float(record["contact_value"]),
         )
 
     def __iter__(self) -> Iterator[Hit]:

@@ -34,13 +34,14 @@ void near_finish(struct near *near)
     *near = (struct near){0};
 }
 
-static void note(struct near *near, uint32_t object, double distance, const double point[3])
+static void note(struct near *near, uint32_t object, double distance, const double point[3], double value)
 {
     struct near_object *found = &near->objects[object];
     if (found->distance == INFINITY) {
         near->touched[near->touched_count++] = object;
     }
     found->distance = distance;
+    found->value = value;
     memcpy(found->point, point, sizeof found->point);
 }
 
@@ -127,13 +128,14 @@ struct search {
     double reach; /* from a cell's centre to its farthest corner, mm */
 };
 
-static void search_cell(struct search *search, const struct volume *volume, uint32_t object, const double voxel[3])
+static void search_cell(struct search *search, const struct volume *volume, size_t voxel, const double at[3])
 {
     struct near *near = search->near;
+    uint32_t object = volume_object(volume, voxel);
     double best = near->objects[object].distance;
     double offset[3];
     double box[2][3];
-    vec3_sub(offset, voxel, search->at);
+    vec3_sub(offset, at, search->at);
     if (length_in(search->gram, offset) - search->reach > fmin(best, search->ball->radius)) {
         return;
     }
@@ -146,7 +148,7 @@ static void search_cell(struct search *search, const struct volume *volume, uint
         double point[3];
         mat4_direction(point, volume->info.world_from_voxel, offset);
         vec3_add_scaled(point, search->ball->origin, 1, point);
-        note(near, object, distance, point);
+        note(near, object, distance, point, volume->values ? (double)volume->values[voxel] : NAN);
     }
 }
 
@@ -157,7 +159,7 @@ static void search_row(void *user, const struct volume *volume, const size_t at[
     for (size_t i = 0; i < count; i++) {
         uint32_t object = volume_object(volume, first + i);
         if (object && search->near->objects[object].distance > 0) {
-            search_cell(search, volume, object, (double[]){(double)(at[0] + i), (double)at[1], (double)at[2]});
+            search_cell(search, volume, first + i, (double[]){(double)(at[0] + i), (double)at[1], (double)at[2]});
         }
     }
 }
@@ -214,7 +216,7 @@ static void search_mesh(struct near *near, uint32_t object, const struct mesh *m
     bool inside = away == 0 && fabs(mesh_winding(mesh, ball->origin)) >= 0.5;
     double distance = inside ? 0 : mesh_nearest(point, mesh, ball->origin, ball->radius);
     if (distance <= ball->radius) {
-        note(near, object, distance, point);
+        note(near, object, distance, point, NAN);
     }
 }
 

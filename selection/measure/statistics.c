@@ -33,7 +33,8 @@ struct tallied {
     double value, maximum;
     double moment[3];      /* sum of position times weight, that being the number of voxels or their values, */
     double weight_in_grid; /* and the sum of the weights                 */
-    double point[3];       /* the nearest one, of what is near           */
+    double point[3];       /* the nearest one, of what is near,          */
+    double point_value;    /* and the value there                        */
 };
 
 /* Of the whole cone. */
@@ -250,6 +251,7 @@ static void add_near(struct tally *tally, const struct gathering *gathering)
         to->in_grid = to->in_grid || !atlas_object_mesh(gathering->atlas, near->touched[i]);
         if (found->distance < to->nearest) {
             to->nearest = found->distance;
+            to->point_value = found->value;
             memcpy(to->point, found->point, sizeof to->point);
         }
     }
@@ -310,7 +312,6 @@ static void describe_layers(conus_result *result, const struct tallied *object, 
         result->fraction = whole > 0 ? result->volume / whole : NAN;
         result->cone_fraction = pathway || totals->areas == 0 ? NAN : result->volume / totals->areas;
     }
-    describe_voxels(result, object, result->object && atlas_object_is_scalar(gathering->atlas, result->object));
 }
 
 conus_result statistics_empty_result(uint32_t number)
@@ -321,13 +322,24 @@ conus_result statistics_empty_result(uint32_t number)
     result.volume = result.fraction = result.cone_fraction = NAN;
     result.sum_value = result.mean_value = result.max_value = NAN;
     result.centroid[0] = result.centroid[1] = result.centroid[2] = NAN;
+    result.contact_value = NAN;
     return result;
+}
+
+/* Where the object, or what is reported as it, is hit first: of the voxel that the engine found there, not of the one
+ * that holds the contact, which lies between two. */
+static double value_at_contact(const struct tallied *object, const struct gathering *gathering)
+{
+    const struct evidence *evidence = gathering->evidence;
+    const struct volume *volume = atlas_object_volume(gathering->atlas, evidence->object[object->pixel]);
+    return volume && volume->values ? (double)volume->values[evidence->voxel[object->pixel]] : NAN;
 }
 
 static conus_result describe(uint32_t number, const struct tallied *object, const struct gathering *gathering,
                              const struct totals *totals)
 {
     const struct cone *cone = gathering->cone;
+    const bool has_values = number && atlas_object_is_scalar(gathering->atlas, number);
     conus_result result = statistics_empty_result(number);
     result.pixels = object->pixels;
     result.share = object->weight / totals->weight;
@@ -337,13 +349,16 @@ static conus_result describe(uint32_t number, const struct tallied *object, cons
         result.distance = object->nearest;
         evidence_position(result.contact, gathering->evidence, cone, object->pixel % cone->resolution,
                           object->pixel / cone->resolution);
+        result.contact_value = has_values ? value_at_contact(object, gathering) : NAN;
     }
     if (number && gathering->near) {
         result.distance = object->nearest;
         memcpy(result.contact, object->point, sizeof result.contact);
+        result.contact_value = has_values ? object->point_value : NAN;
     }
     if (gathering->census) {
         describe_layers(&result, object, gathering, totals);
+        describe_voxels(&result, object, has_values);
     }
     return result;
 }

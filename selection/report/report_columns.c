@@ -157,6 +157,9 @@ static const struct report_column answer_columns[] = {
     {"centroid_z", "mm", "the same, z", OF_ROW(Z, result.centroid), .needs = NEEDS_LAYERS, .layers_only = true},
     {"unoccluded", NULL, "pixels that hit it first, as a part of those that pierce it", .get = get_unoccluded,
      .needs = NEEDS_LAYERS, .layers_only = true},
+    {"contact_value", NULL,
+     "value of the voxel at the contact, of a pathway, or probability there of an area of probabilities",
+     OF_ROW(NUMBER, result.contact_value)},
 };
 
 /* ---- Steps of a track: behind those of answers ---- */

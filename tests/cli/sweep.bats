@@ -56,8 +56,8 @@ aim='--origin 0,-60,0.2 --toward 0,0,0.2'
 @test "--angles gives the shares at each" {
     conus phantom nested -o .
     answers sweep nested.nii.gz $aim --angles 10:60:25 --format tsv
-    [ "$(cut -f 24 <<<"$output" | sort -u | tr '\n' ' ')" = "10 35 60 angle_deg " ]
-    awk -F'\t' 'NR > 1 { sum[$24] += $9 } END { for (a in sum) if (sum[a] < 0.999999 || sum[a] > 1.000001) exit 1 }' \
+    [ "$(cut -f 25 <<<"$output" | sort -u | tr '\n' ' ')" = "10 35 60 angle_deg " ]
+    awk -F'\t' 'NR > 1 { sum[$25] += $9 } END { for (a in sum) if (sum[a] < 0.999999 || sum[a] > 1.000001) exit 1 }' \
         <<<"$output"
     answers query nested.nii.gz $aim --angle 35 --format tsv
     local share
@@ -68,7 +68,7 @@ aim='--origin 0,-60,0.2 --toward 0,0,0.2'
     has 'cones from (0.00, -60.00, 0.20)'
     has '    60      10      35'
     answers sweep nested.nii.gz $aim --angles 0.1:1:0.1 --format tsv
-    [ "$(cut -f 24 <<<"$output" | sort -u | wc -l)" -eq 11 ]
+    [ "$(cut -f 25 <<<"$output" | sort -u | wc -l)" -eq 11 ]
 }
 
 @test "--jitter gives probabilities that sum to 1, the same every time" {

@@ -6,7 +6,8 @@ The atlas is made of areas of Debian's AAL: a voxel's probability to be an area 
 around it that are. So areas overlap, and one below 25 % everywhere is among them. conus gets ATLAS.xml and the 4-D
 image beside it. Of every area: voxels from 25 % on in the whole volume; voxels, mean and largest probability in random
 cones, cylinders and balls (the predicate of compare_census.py); pixels that hit it first, as the nearest entry of all
-areas' intervals along each ray (those of compare_query.py).
+areas' intervals along each ray (those of compare_query.py). The value at a contact is that of the voxel whose cell
+holds the point 1 micrometre behind it, also by slices.
 
 usage: compare_probabilities.py CONUS REGIONS [TEMPLATE_FOLDER]; exit 77 = skipped."""
 
@@ -68,14 +69,14 @@ def write_atlas(folder, aal):
     return path, Maps(nibabel.load(os.path.join(folder, "AAL/AAL-prob-1mm.nii.gz")))
 
 
-def query(conus, path, region):
+def query(conus, path, region, how=("--layers", "all")):
     numbers = lambda values: ",".join(map(repr, values))
     command = [conus, "query", path, "--quiet", "--format", "tsv"]
     if region["shape"] == "ball":
         command += ["--point=" + numbers(region["origin"]), "--radius", repr(region["radius"])]
     else:
-        command += ["--origin=" + numbers(region["origin"]), "--direction=" + numbers(region["direction"]), "--layers",
-                    "all", "--aperture", "square" if region["square"] else "circle"]
+        command += ["--origin=" + numbers(region["origin"]), "--direction=" + numbers(region["direction"]), *how,
+                    "--aperture", "square" if region["square"] else "circle"]
         command += ["--angle", repr(region["angle"])] if region["shape"] == "cone" else ["--radius", repr(region["radius"])]
         command += ["--range", numbers(region["range"])] if region["range"] else []
     out = subprocess.run(command, check=True, capture_output=True, text=True).stdout
@@ -92,6 +93,25 @@ def check_values(where, rows, maps, region):
             for name, value in (("mean_value", values.mean()), ("max_value", values.max())):
                 assert abs(float(row[name]) - value) < 1e-6, f"{where}: area {k + 1}: {name} {row[name]}, {value}"
     return len(rows)
+
+
+def check_contacts(where, rows, maps, region):
+    """Behind a contact is where the ray goes on, or away from the middle of a ball; 9 digits are written."""
+    voxel_from_world = np.linalg.inv(maps.m)
+    checked = 0
+    for index, row in rows.items():
+        if row["contact_x"] == "n/a":
+            assert row["contact_value"] == "n/a", f"{where}: area {index}: {row['contact_value']} without a contact"
+            continue
+        contact = np.array([float(row["contact_" + axis]) for axis in "xyz"])
+        ray = np.array(region["direction"]) if region["shape"] == "cylinder" else contact - region["origin"]
+        ray = ray / max(np.linalg.norm(ray), 1e-9)
+        voxel = np.floor(voxel_from_world @ np.append(contact + 1e-3 * ray, 1) + 0.5).astype(int)[:3]
+        wanted = maps.data[(*voxel, index - 1)] / 100
+        got = float(row["contact_value"])
+        assert abs(got - wanted) < 1e-6, f"{where}: area {index}: {got} at the contact, {wanted} in voxel {voxel}"
+        checked += 1
+    return checked
 
 
 def check_pixels(where, rows, maps, region):
@@ -116,7 +136,7 @@ def main():
         print("skipped: no mricron-data")
         sys.exit(77)
     generator = random.Random("probabilities")
-    rows = pixels = 0
+    rows = contacts = pixels = 0
     with tempfile.TemporaryDirectory() as folder:
         path, maps = write_atlas(folder, nibabel.load(os.path.join(templates, "aal.nii.gz")))
         info = json.loads(subprocess.run([conus, "info", path, "--format", "json"], check=True, capture_output=True).stdout)
@@ -128,9 +148,13 @@ def main():
             where = str(region)
             found = query(conus, path, region)
             rows += check_values(where, found, maps, region)
+            contacts += check_contacts(where, found, maps, region)
+            if i < 4 and region["shape"] != "ball" and not region["range"]:
+                slices = query(conus, path, region, ("--sampling", "slices", "--slice-fraction", "1"))
+                contacts += check_contacts(where + " by slices", slices, maps, region)
             if region["shape"] == "cone" and not region["range"] and not region["square"] and region["angle"] <= 120:
                 pixels += check_pixels(where, found, maps, region)
-    print(f"{len(wanted)} areas, {count} regions: {rows} rows and {pixels} pixels equal")
+    print(f"{len(wanted)} areas, {count} regions: {rows} rows, {contacts} values at contacts and {pixels} pixels equal")
 
 
 if __name__ == "__main__":

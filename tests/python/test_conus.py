@@ -97,6 +97,24 @@ def test_ball_has_the_voxels_around_a_point(atlas):
     assert near.to_dataframe().set_index("name").voxels["right"] == wanted
 
 
+def test_value_at_the_contact(tmp_path):
+    """Along x: the first voxel of the row in an area of 25 % and more, and in the pathway from 300 on."""
+    percent = np.zeros((6, 1, 1, 1), "u1")
+    percent[:, 0, 0, 0] = 0, 10, 24, 42, 80, 0
+    nibabel.save(nibabel.Nifti1Image(percent, np.eye(4)), tmp_path / "maps.nii")
+    header = "<header><type>Probabilistic</type><images><imagefile>/maps</imagefile></images></header>"
+    (tmp_path / "a.xml").write_text(f"<atlas>{header}<data><label index='0'>A</label></data></atlas>")
+    grey = nibabel.Nifti1Image(np.arange(0, 600, 100, dtype="i2").reshape(6, 1, 1), np.eye(4))
+    atlas = conus.load(tmp_path / "a.xml", pathways=[(grey, 300)])
+    hits = atlas.select((-9, 0, 0), direction=(1, 0, 0), radius=0.1)
+    assert hits[0].name == "A" and hits[0].contact[0] == pytest.approx(2.5)
+    assert hits[0].contact_value == pytest.approx(percent[3, 0, 0, 0] / 100)
+    assert math.isnan(hits[-1].contact_value)
+    assert list(hits.to_dataframe()["contact_value"][:1]) == [hits[0].contact_value]
+    near = {hit.name: hit.contact_value for hit in atlas.near((4.2, 0, 0), 0.1)}
+    assert near["A"] == pytest.approx(percent[4, 0, 0, 0] / 100) and near[atlas.objects.names[2]] == 400
+
+
 def test_mask_has_the_voxels_of_the_cone(atlas):
     hits = atlas.select((0, 0, 0), direction=(1, 0, 0), angle=30, layers="all")
     mask = hits.mask()

@@ -170,7 +170,7 @@ static void tsv_has_the_contract_s_columns(void **state)
     const char *text = text_in(report);
     const char *header = "query\tkind\tindex\tname\tabbreviation\trank\tscore\tpixels\tshare\tpierced\tcenter_px\t"
                          "offset_deg\tdistance_mm\tcontact_x\tcontact_y\tcontact_z\tentry_mm\texit_mm\tpath_mm\t"
-                         "volume_mm3\tfraction\tmean_value\tmax_value\n";
+                         "volume_mm3\tfraction\tmean_value\tmax_value\tcontact_value\n";
     assert_int_equal(strncmp(text, header, strlen(header)), 0);
     text += strlen(header);
     assert_int_equal(strncmp(text, "q1\tarea\t10\tten\tn/a\t1\t", 21), 0);

@@ -25,6 +25,8 @@ void assert_same_result(const conus_result *a, const conus_result *b, double tol
     const double mine[] = {a->score, a->share, a->centre_px, a->offset, a->distance, a->entry, a->exit, a->path};
     const double other[] = {b->score, b->share, b->centre_px, b->offset, b->distance, b->entry, b->exit, b->path};
     const double sums[] = {a->volume, a->fraction, a->cone_fraction, a->sum_value, a->mean_value, a->max_value};
+    const double contact[] = {a->contact[0], a->contact[1], a->contact[2], a->contact_value};
+    const double other_contact[] = {b->contact[0], b->contact[1], b->contact[2], b->contact_value};
     const double other_sums[] = {b->volume, b->fraction, b->cone_fraction, b->sum_value, b->mean_value, b->max_value};
     assert_int_equal(a->kind, b->kind);
     assert_int_equal(a->object, b->object);
@@ -33,7 +35,7 @@ void assert_same_result(const conus_result *a, const conus_result *b, double tol
     assert_int_equal(a->pierced, b->pierced);
     assert_int_equal(a->voxels, b->voxels);
     assert_same_doubles(mine, other, sizeof mine / sizeof mine[0]);
-    assert_same_doubles(a->contact, b->contact, 3);
+    assert_same_doubles(contact, other_contact, 4);
     assert_close_doubles(sums, other_sums, sizeof sums / sizeof sums[0], tolerance);
     assert_close_doubles(a->centroid, b->centroid, 3, tolerance);
 }

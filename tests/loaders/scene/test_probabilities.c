@@ -7,6 +7,7 @@
 #include "selection/selection.h"
 #include "test.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -234,6 +235,7 @@ static void overlapping_areas_are_all_reported(void **state)
     assert_near(b->distance, 21, 1e-9);
     assert_near(b->mean_value, 0.75, 1e-7);
     assert_near(b->max_value, 0.9, 1e-7);
+    assert_near(b->contact_value, 0.6, 1e-7); /* voxel 1 */
     assert_near(b->exit, 25, 1e-9);
     assert_int_equal(a->object, 1);
     assert_int_equal(a->pixels, 0);
@@ -241,6 +243,7 @@ static void overlapping_areas_are_all_reported(void **state)
     assert_near(a->exit, 27, 1e-9);
     assert_near(a->mean_value, (0.25 + 0.8) / 2, 1e-7);
     assert_near(a->max_value, 0.8, 1e-7);
+    assert_true(isnan(a->contact_value));      /* occluded: it has no contact */
     assert_near(a->cone_fraction, 0.5, 1e-12); /* 48 of 96 mm^3: voxel 2 counts for both */
     conus_selection_destroy(selection);
     conus_selector_destroy(selector);
@@ -249,6 +252,7 @@ static void overlapping_areas_are_all_reported(void **state)
     assert_ok(conus_select(&selection, selector, &pose, 0));
     assert_int_equal(conus_selection_result(selection, 0)->object, 1);
     assert_near(conus_selection_result(selection, 0)->distance, 23, 1e-9);
+    assert_near(conus_selection_result(selection, 0)->contact_value, 0.25, 1e-7); /* voxel 2 */
     conus_selection_destroy(selection);
     conus_selector_destroy(selector);
     conus_atlas_destroy(atlas);

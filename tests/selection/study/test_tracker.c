@@ -463,7 +463,7 @@ static void steps_are_reported_as_they_come(void **state)
     assert_ok(conus_report_add(report, "a", track.selection));
     assert_ok(conus_report_take(&text, &size, report));
     assert_int_equal(strncmp(text, "query\tkind\t", 11), 0);
-    assert_non_null(strstr(text, "\tmax_value\ttime_s\tselected\tconfirmed\na\tarea\t2\t"));
+    assert_non_null(strstr(text, "\tcontact_value\ttime_s\tselected\tconfirmed\na\tarea\t2\t"));
     assert_non_null(strstr(text, "\t1700000000.125\t1\t0\n"));
     assert_null(strstr(text, "unassigned"));
     step(&track, 1700000000.5, AT_ARM, true);
