@@ -116,7 +116,8 @@ static int load_named(conus_atlas **out, const struct atlas_name *name, const st
                                         .labels_anyway = settings->labels_anyway,
                                         .max_memory = settings->max_memory,
                                         .progress = hear_progress,
-                                        .progress_user = &progress};
+                                        .progress_user = &progress,
+                                        .probability = settings->probability};
     conus_atlas *atlas = NULL;
     conus_status status = conus_atlas_load(&atlas, name->path, &options);
     status = status ? status : conus_atlas_set_hemispheres(atlas, (conus_hemispheres)settings->hemispheres);

@@ -68,8 +68,8 @@ static bool outside(const struct option *option, double number)
     if (option->low == 0 && option->high == 0) {
         return false;
     }
-    return option->open ? number <= option->low || number >= option->high
-                        : number < option->low || number > option->high;
+    return (number < option->low || (number == option->low && (option->open || option->open_below))) ||
+           (number > option->high || (number == option->high && option->open));
 }
 
 static bool refuse_value(const struct option *option, const char *text, const char *wanted)
@@ -80,8 +80,9 @@ static bool refuse_value(const struct option *option, const char *text, const ch
 
 static bool refuse_range(const struct option *option, const char *text)
 {
-    const char *form = option->open ? "--%s: %s is out of range, allowed is more than %.10g and less than %.10g"
-                                    : "--%s: %s is out of range, allowed is %.10g to %.10g";
+    const char *form = option->open         ? "--%s: %s is out of range, allowed is more than %.10g and less than %.10g"
+                       : option->open_below ? "--%s: %s is out of range, allowed is more than %.10g to %.10g"
+                                            : "--%s: %s is out of range, allowed is %.10g to %.10g";
     print_error_line(form, option->name, text, option->low, option->high);
     return false;
 }

@@ -37,7 +37,8 @@ struct option {
     const char *value; /**< What stands for the value in the help. */
     const char *help;
     double low, high; /**< Range of numbers; both 0 = any. */
-    bool open;        /**< The range's ends are outside of it. */
+    bool open;        /**< The range's ends are outside of it, */
+    bool open_below;  /**< or only the low one. */
     bool required;
     const char *const *choices;             /**< NULL-terminated, or: */
     const char *(*choice_at)(size_t index); /**< NULL past the last. */

@@ -14,6 +14,7 @@ struct common_settings {
 struct atlas_settings {
     const char *labels;
     bool labels_anyway;
+    double probability; /* 0 = not given */
     struct option_list pathways;
     size_t hemispheres; /* conus_hemispheres */
     struct option_list only, hide;

@@ -39,6 +39,8 @@ typedef struct conus_load_options {
     bool labels_anyway; /**< Each value is a label, even where the values look like the grey values of an image. */
     conus_log log;      /**< Receives the notes of conus_atlas_note() while the atlas is loaded; NULL = no callback. */
     void *log_user;     /**< Passed to @p log. */
+    double probability; /**< From which probability on a voxel belongs to an area of probabilities, above 0 to 1, in
+                           place of 0.25 and of a manifest's; 0 = those. */
 } conus_load_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -62,7 +64,8 @@ typedef struct conus_load_options {
  * @param options NULL = defaults.
  * @return #CONUS_OK; #CONUS_ERROR_IO or #CONUS_ERROR_DATA where a file cannot be read or is damaged, and
  * #CONUS_ERROR_DATA for a volume that looks like an image unless labels_anyway is set; #CONUS_ERROR_UNSUPPORTED for a
- * valid file beyond this library; #CONUS_ERROR_MEMORY above max_memory.
+ * valid file beyond this library; #CONUS_ERROR_MEMORY above max_memory; #CONUS_ERROR_ARGUMENT for a probability out of
+ * its range, or of an atlas without areas of probabilities.
  * @threads Any.
  * @since 0.1
  */

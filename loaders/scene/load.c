@@ -128,6 +128,13 @@ static conus_status load_any(conus_atlas **out, const char *path, struct load_pr
     return status ? status : mesh_file_is(path) ? surface_load(out, path, progress) : load_volume(out, path, progress);
 }
 
+static conus_status check_probability(double probability)
+{
+    return probability >= 0 && probability <= 1
+               ? CONUS_OK
+               : fail(CONUS_ERROR_ARGUMENT, "--probability: is %g, allowed is above 0 to 1 (0 = default)", probability);
+}
+
 conus_status conus_atlas_load(conus_atlas **out, const char *path, const conus_load_options *options)
 {
     conus_atlas *atlas = NULL;
@@ -135,8 +142,14 @@ conus_status conus_atlas_load(conus_atlas **out, const char *path, const conus_l
         return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_load: a result and a path are needed");
     }
     struct load_progress progress = load_progress_of(path, options_of(conus_load_options, options));
-    conus_status status = load_any(&atlas, path, &progress);
+    const double probability = progress.options->probability;
+    conus_status status = check_probability(probability);
+    status = status ? status : load_any(&atlas, path, &progress);
     load_progress_finish(&progress);
+    if (!status && probability > 0 && !atlas_has_probabilities(atlas)) {
+        status = fail(CONUS_ERROR_ARGUMENT, "--probability %g: %s has no areas of probabilities", probability, path);
+        conus_atlas_destroy(atlas);
+    }
     if (status) {
         return status;
     }

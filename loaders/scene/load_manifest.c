@@ -287,6 +287,12 @@ static uint32_t largest_label(const conus_atlas *atlas)
     return largest;
 }
 
+static double area_threshold(const struct loading *loading, const struct manifest_pathway *entry)
+{
+    const double asked = loading->options->probability;
+    return asked > 0 ? asked : entry->threshold > 0 ? entry->threshold : 0.25; /* as of a pathway */
+}
+
 /* Adds a volume of the file for each label, whose number is that of the volume from 1. The areas' labels are these
  * numbers behind the labels that there are, for a single volume the next one. */
 static conus_status add_labelled(struct loading *loading, const struct manifest_pathway *entry,
@@ -294,7 +300,7 @@ static conus_status add_labelled(struct loading *loading, const struct manifest_
 {
     char words[TEXT_NUMBER_SIZE];
     const uint32_t before = largest_label(loading->atlas);
-    const double threshold = entry->threshold > 0 ? entry->threshold : 0.25; /* as of a pathway */
+    const double threshold = area_threshold(loading, entry);
     struct probability_scale scale;
     conus_status status = probability_scale_of(&scale, file, entry->scale, notes);
     for (size_t i = 0; !status && i < labels->count; i++) {

@@ -150,9 +150,12 @@ def _find(source: Path, labels: Any) -> tuple[Path, Any]:
     return atlas.path, atlas.labels if labels is None else labels
 
 
-def _from_file(path: Path, labels: Any, labels_anyway: bool, max_memory: int, progress: Any) -> Any:
+def _from_file(
+    path: Path, labels: Any, labels_anyway: bool, max_memory: int, progress: Any, probability: float
+) -> Any:
     options, out = ffi.new("conus_load_options *"), ffi.new("conus_atlas **")
     table, file = optional(path_of, "labels", labels), path_of("source", path)
+    options.probability = real("probability", probability)
     options.labels, options.labels_anyway, options.max_memory = table, flag("labels_anyway", labels_anyway), max_memory
     with telling(progress, "file", 1) as tell:
         state = _Callback(tell)
@@ -199,6 +202,7 @@ def load(
     transforms: Iterable[Any] = (),
     max_memory: int = 0,
     progress: LoadProgress = None,
+    probability: float = 0,
 ) -> Atlas:
     """Loads an atlas.
 
@@ -235,6 +239,9 @@ def load(
     progress
         Called with a path, the number of files that are read, and how many there are. True shows
         tqdm's bar, if tqdm is installed.
+    probability
+        Of an atlas of probabilities: from which one on, above 0 to 1, a voxel belongs to an area
+        (default: 0.25, or as the manifest says).
 
     Returns
     -------
@@ -253,7 +260,9 @@ def load(
     max_memory = whole("max_memory", max_memory, high=2**64 - 1)
     if isinstance(source, (str, bytes, os.PathLike)):
         source, labels = _find(source, labels)
-        raw = _from_file(source, labels, labels_anyway, max_memory, progress)
+        raw = _from_file(source, labels, labels_anyway, max_memory, progress, probability)
+    elif probability:
+        raise ArgumentError("probability: an array of labels has no areas of probabilities")
     elif hasattr(source, "dataobj"):
         data, matrix, name, code = _image_parts(source)
         raw = _from_array(data, matrix if affine is None else affine, labels, labels_anyway, name, code)

@@ -112,6 +112,8 @@ def test_value_at_the_contact(tmp_path):
     assert math.isnan(hits[-1].contact_value)
     assert list(hits.to_dataframe()["contact_value"][:1]) == [hits[0].contact_value]
     near = {hit.name: hit.contact_value for hit in atlas.near((4.2, 0, 0), 0.1)}
+    half = conus.load(tmp_path / "a.xml", probability=0.5).select((-9, 0, 0), direction=(1, 0, 0), radius=0.1)
+    assert half[0].contact_value == pytest.approx(percent[4, 0, 0, 0] / 100)
     assert near["A"] == pytest.approx(percent[4, 0, 0, 0] / 100) and near[atlas.objects.names[2]] == 400
 
 

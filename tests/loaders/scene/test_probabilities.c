@@ -302,6 +302,35 @@ static void what_needs_labels_is_refused(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* In percent: of 60 and more A has one voxel and B two; 0.6 as a float is below 0.6, and so is the value. */
+static void the_threshold_is_asked_for(void **state)
+{
+    (void)state;
+    static const double wrong[] = {-0.1, 1.01, NAN};
+    conus_load_options options = {.probability = 0.6};
+    conus_atlas *atlas = NULL;
+    test_folder("asked");
+    write_maps(test_in("maps.nii"), 2, 1, 3);
+    write_text(test_in("a.xml"), xml("Probabilistic"));
+    assert_ok(conus_atlas_load(&atlas, test_in("a.xml"), &options));
+    assert_int_equal(conus_atlas_object(atlas, 1)->voxels, 1);
+    assert_int_equal(conus_atlas_object(atlas, 2)->voxels, 2);
+    assert_near(conus_atlas_volume(atlas, 0)->threshold, 0.6, 0);
+    conus_atlas_destroy(atlas);
+    atlas = NULL;
+    for (size_t i = 0; i < 3; i++) {
+        options.probability = wrong[i];
+        assert_fails(conus_atlas_load(&atlas, test_in("a.xml"), &options), CONUS_ERROR_ARGUMENT);
+        assert_null(atlas);
+    }
+    options.probability = 0.5; /* a pathway of a manifest is no area */
+    write_text(test_in("p.atlas.json"), "{\"conus_atlas\": 1, \"pathways\": [{\"fsl\": \"a.xml\"}]}");
+    assert_fails(conus_atlas_load(&atlas, test_in("p.atlas.json"), &options), CONUS_ERROR_ARGUMENT);
+    assert_non_null(strstr(conus_message(), "--probability 0.5: "));
+    assert_non_null(strstr(conus_message(), "p.atlas.json has no areas of probabilities"));
+    assert_null(atlas);
+}
+
 static conus_status load_any(void *name)
 {
     conus_atlas *atlas = NULL;
@@ -332,6 +361,7 @@ int main(void)
         cmocka_unit_test(overlapping_areas_are_all_reported),
         cmocka_unit_test(pictures_show_the_most_probable),
         cmocka_unit_test(what_needs_labels_is_refused),
+        cmocka_unit_test(the_threshold_is_asked_for),
         cmocka_unit_test(every_allocation_may_fail),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
