@@ -108,6 +108,17 @@ static int show_objects(conus_atlas *atlas, const struct atlas_settings *setting
     return failed ? EXIT_DATA : status ? print_status(status) : EXIT_DONE;
 }
 
+/* Where there are several atlases, an error says which of them has no such hemispheres. */
+static int set_hemispheres(conus_atlas *atlas, const char *path, const struct atlas_settings *settings)
+{
+    conus_status status = conus_atlas_set_hemispheres(atlas, (conus_hemispheres)settings->hemispheres);
+    if (status && settings->more.count) {
+        print_error_line("%s: %s", path, conus_message());
+        return exit_code_of(status);
+    }
+    return status ? print_status(status) : EXIT_DONE;
+}
+
 static int load_named(conus_atlas **out, const struct atlas_name *name, const struct pathway_option *pathways,
                       struct progress progress)
 {
@@ -120,12 +131,11 @@ static int load_named(conus_atlas **out, const struct atlas_name *name, const st
                                         .probability = settings->probability};
     conus_atlas *atlas = NULL;
     conus_status status = conus_atlas_load(&atlas, name->path, &options);
-    status = status ? status : conus_atlas_set_hemispheres(atlas, (conus_hemispheres)settings->hemispheres);
     if (status) {
-        conus_atlas_destroy(atlas);
         return status == CONUS_ERROR_CANCELLED ? EXIT_DATA : print_status(status);
     }
-    int code = transform_options_apply(atlas, &settings->transforms);
+    int code = set_hemispheres(atlas, name->path, settings);
+    code = code ? code : transform_options_apply(atlas, &settings->transforms);
     code = code ? code : add_pathways(atlas, pathways, &progress);
     code = code || !(settings->only.count + settings->hide.count) ? code : show_objects(atlas, settings);
     if (code) {

@@ -107,6 +107,16 @@ const struct option shown_options[] = {
     {0},
 };
 
+const struct option more_atlas_options[] = {
+    {.name = "atlas",
+     .type = OPTION_LIST,
+     .offset = FIELD(atlas_settings, more),
+     .value = "ATLAS",
+     .help = "another atlas in the same space, a file or a name, that gets the same question; --labels, --pathway, "
+             "--only, --hide and --level are of the first atlas only; may be repeated"},
+    {0},
+};
+
 const struct option context_options[] = {
     {.name = "context",
      .type = OPTION_TEXT,

@@ -20,6 +20,7 @@ struct atlas_settings {
     struct option_list only, hide;
     struct option_list transforms;
     uint64_t max_memory;
+    struct option_list more;      /* of --atlas: atlases besides ATLAS (atlases.h) */
     conus_load_progress progress; /* no option: of programs that show it */
     void *progress_user;
 };
@@ -47,16 +48,17 @@ struct context_settings {
     double blocks;
 };
 
-extern const struct option context_options[]; /**< context_settings: --context, --context-blocks */
-extern const struct option quiet_options[];   /**< common_settings: --help, --version, --quiet, --verbose */
-extern const struct option plain_options[];   /**< common_settings: --help, --version */
-extern const struct option atlas_options[];   /**< atlas_settings */
-extern const struct option shown_options[];   /**< atlas_settings: --only, --hide */
-extern const struct option aim_options[];     /**< aim_settings: where from and where to */
-extern const struct option angle_options[];   /**< aim_settings: --angle, --space */
-extern const struct option engine_options[];  /**< engine_settings, without --slices */
-extern const struct option shape_options[];   /**< engine_settings: --layers, --range, --radius */
-extern const struct option slices_options[];  /**< engine_settings: --slices of the ID pass */
+extern const struct option context_options[];    /**< context_settings: --context, --context-blocks */
+extern const struct option quiet_options[];      /**< common_settings: --help, --version, --quiet, --verbose */
+extern const struct option plain_options[];      /**< common_settings: --help, --version */
+extern const struct option atlas_options[];      /**< atlas_settings */
+extern const struct option shown_options[];      /**< atlas_settings: --only, --hide */
+extern const struct option more_atlas_options[]; /**< atlas_settings: --atlas; of commands that answer for several */
+extern const struct option aim_options[];        /**< aim_settings: where from and where to */
+extern const struct option angle_options[];      /**< aim_settings: --angle, --space */
+extern const struct option engine_options[];     /**< engine_settings, without --slices */
+extern const struct option shape_options[];      /**< engine_settings: --layers, --range, --radius */
+extern const struct option slices_options[];     /**< engine_settings: --slices of the ID pass */
 
 enum { DEFAULT_ANGLE = 10 };
 

@@ -1,10 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Loading as the options say, and its end before all is loaded. */
+/* Loading as the options say, one atlas or several, and its end before all is loaded. */
 #include "common/messages.h"
 #include "settings/atlas_input.h"
+#include "settings/atlases.h"
 #include "test.h"
 
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 struct patience {
@@ -51,8 +55,189 @@ static void whoever_cancels_hears_no_more(void **state)
     fclose(said);
 }
 
+/* Runs `say` with stderr in a file, and gives what it wrote there; the caller frees it. */
+static char *words_of(void (*say)(void *user), void *user)
+{
+    char *words = calloc(1, 4096);
+    FILE *said = tmpfile();
+    int own = dup(STDERR_FILENO);
+    assert_true(said && words);
+    dup2(fileno(said), STDERR_FILENO);
+    say(user);
+    dup2(own, STDERR_FILENO);
+    close(own);
+    rewind(said);
+    assert_true(fread(words, 1, 4095, said) < 4095);
+    fclose(said);
+    return words;
+}
+
+struct loading {
+    struct atlases atlases;
+    const char *first;
+    struct atlas_settings settings;
+    struct common_settings common;
+    int code;
+};
+
+static void load(void *user)
+{
+    struct loading *loading = user;
+    loading->code = atlases_load(&loading->atlases, loading->first, &loading->settings);
+}
+
+static void say_spaces(void *user)
+{
+    struct loading *loading = user;
+    atlases_say_spaces(&loading->atlases, &loading->common);
+}
+
+/* A volume of two voxels: area 1 at (x, 0, 0) and area 2 at (x, 1, 0), in a space of that NIfTI code. */
+static const char *write_voxels(const char *name, double x, int code)
+{
+    const uint8_t areas[] = {1, 2};
+    const char *path = test_in(name);
+    conus_voxels voxels = CONUS_VOXELS_INIT;
+    conus_atlas *atlas = NULL;
+    conus_selector *selector = NULL;
+    conus_selection *ball = NULL;
+    conus_grid *grid = NULL;
+    const conus_grid_options labels = {.content = CONUS_GRID_MAP_OF_LABELS};
+    const double matrix[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, x, 0, 0, 1};
+    voxels.data = areas;
+    voxels.type = CONUS_SCALAR_UINT8;
+    voxels.space_code = code;
+    for (int i = 0; i < 3; i++) {
+        voxels.dim[i] = i == 1 ? 2 : 1;
+        voxels.stride[i] = 1;
+    }
+    memcpy(voxels.world_from_voxel, matrix, sizeof matrix);
+    assert_ok(conus_atlas_create(&atlas, &voxels, NULL, 0, NULL));
+    assert_ok(conus_selector_create(&selector, atlas, NULL));
+    assert_ok(conus_select_ball(&ball, selector, (double[]){x, 0, 0}, 2));
+    assert_ok(conus_selection_grid(&grid, ball, &labels));
+    assert_ok(conus_grid_write(grid, path));
+    conus_grid_destroy(grid);
+    conus_selection_destroy(ball);
+    conus_selector_destroy(selector);
+    conus_atlas_destroy(atlas);
+    return path;
+}
+
+/* The file's name without folder and ending, a folder's whole; who comes later is counted on, past names that files
+ * have already: two files "one" and one "one-2" are one, one-2 and one-2-2. */
+static void atlases_have_different_names(void **state)
+{
+    static const char *const wanted[] = {"one", "one-2", "one-2-2", "brain.v2", "lh.x", "a b"};
+    enum { COUNT = sizeof wanted / sizeof wanted[0] };
+    const char *paths[COUNT];
+    (void)state;
+    test_folder("names");
+    paths[0] = strdup(write_voxels("one.nii.gz", 0, 4));
+    paths[1] = strdup(write_voxels("one.nii", 0, 4));
+    paths[2] = strdup(write_voxels("one-2.nii", 0, 4));
+    paths[3] = strdup(test_in("brain.v2/"));
+    paths[4] = strdup(write_voxels("lh.x.nii", 0, 4));
+    paths[5] = strdup(write_voxels("a\nb.nii", 0, 4));
+    assert_int_equal(mkdir(paths[3], 0777), 0);
+    struct loading loading = {.first = paths[0], .settings.more = {paths + 1, COUNT - 1}};
+    assert_int_equal(atlases_name(&loading.atlases, loading.first, &loading.settings), EXIT_DONE);
+    assert_int_equal(loading.atlases.count, COUNT);
+    for (size_t i = 0; i < COUNT; i++) {
+        assert_string_equal(loading.atlases.items[i].name, wanted[i]);
+    }
+    atlases_finish(&loading.atlases);
+    loading.settings.more.count = 2;
+    load(&loading);
+    assert_int_equal(loading.code, EXIT_DONE);
+    for (size_t i = 0; i < 3; i++) {
+        assert_int_equal(conus_atlas_object_count(loading.atlases.items[i].atlas), 2);
+    }
+    atlases_finish(&loading.atlases);
+    for (size_t i = 0; i < COUNT; i++) {
+        free((void *)paths[i]);
+    }
+}
+
+/* Area 1 is hidden in the first atlas alone: its box begins where area 2 does, at y = 0.5 mm. A single atlas has no
+ * name. */
+static void some_options_are_of_the_first_atlas(void **state)
+{
+    const char *hidden = "1";
+    (void)state;
+    test_folder("names");
+    const char *path = write_voxels("one.nii", 0, 4);
+    struct loading loading = {.first = path, .settings = {.hide = {&hidden, 1}, .more = {&path, 1}}};
+    double box[2][3];
+    load(&loading);
+    assert_int_equal(loading.code, EXIT_DONE);
+    assert_ok(conus_atlas_bounds(box[0], box[1], loading.atlases.items[0].atlas));
+    assert_near(box[0][1], 0.5, 1e-12);
+    assert_ok(conus_atlas_bounds(box[0], box[1], loading.atlases.items[1].atlas));
+    assert_near(box[0][1], -0.5, 1e-12);
+    atlases_finish(&loading.atlases);
+    loading.settings.more.count = 0;
+    load(&loading);
+    assert_int_equal(loading.atlases.count, 1);
+    assert_null(loading.atlases.items[0].name);
+    atlases_finish(&loading.atlases);
+}
+
+/* A file that is not there, and areas without left and right, which cannot be merged: the words name the file. */
+static void errors_name_the_atlas(void **state)
+{
+    (void)state;
+    test_folder("names");
+    const char *path = write_voxels("one.nii", 0, 4);
+    const char *absent = test_in("absent.nii");
+    struct loading loading = {.first = path, .settings = {.more = {&absent, 1}}};
+    char *words = words_of(load, &loading);
+    assert_int_equal(loading.code, EXIT_DATA);
+    assert_non_null(strstr(words, absent));
+    free(words);
+    atlases_finish(&loading.atlases);
+    loading.settings = (struct atlas_settings){.hemispheres = CONUS_HEMISPHERES_MERGED, .more = {&path, 1}};
+    words = words_of(load, &loading);
+    assert_int_equal(loading.code, EXIT_DATA);
+    assert_non_null(strstr(words, path));
+    free(words);
+    atlases_finish(&loading.atlases);
+}
+
+/* Codes of NIfTI: 1 scanner, 2 aligned to another, 3 Talairach, 4 MNI 152. A voxel reaches 0.5 mm from its centre. */
+static void notes_say_which_atlases_do_not_belong_together(void **state)
+{
+    static const struct {
+        double x;
+        int code;
+        const char *note; /* NULL = none */
+    } cases[] = {{0, 4, NULL},      {0.9, 4, NULL}, {1.1, 4, "do not overlap"}, {0, 2, NULL},
+                 {0, 1, "scanner"}, {0, 0, NULL},   {9, 2, "do not overlap"},   {9, 3, "Talairach"}};
+    (void)state;
+    test_folder("names");
+    char *first = strdup(write_voxels("one.nii", 0, 4));
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        const char *other = write_voxels("other.nii", cases[i].x, cases[i].code);
+        struct loading loading = {.first = first, .settings.more = {&other, 1}};
+        load(&loading);
+        assert_int_equal(loading.code, EXIT_DONE);
+        char *words = words_of(say_spaces, &loading);
+        assert_true(cases[i].note ? strstr(words, cases[i].note) && strstr(words, "note: one ") : !*words);
+        free(words);
+        loading.common.quiet = true;
+        words = words_of(say_spaces, &loading);
+        assert_string_equal(words, "");
+        free(words);
+        atlases_finish(&loading.atlases);
+    }
+    free(first);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(whoever_cancels_hears_no_more)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(whoever_cancels_hears_no_more), cmocka_unit_test(atlases_have_different_names),
+        cmocka_unit_test(some_options_are_of_the_first_atlas), cmocka_unit_test(errors_name_the_atlas),
+        cmocka_unit_test(notes_say_which_atlases_do_not_belong_together)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,185 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Names and loads several atlases, and compares their spaces. */
+#include "settings/atlases.h"
+
+#include "common/messages.h"
+#include "common/output.h"
+#include "settings/atlas_input.h"
+#include "settings/atlas_name.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+/* ---- Names ------------------------------------------------------------------------------------------------------- */
+
+static size_t count_of(const struct atlas_settings *settings)
+{
+    return 1 + settings->more.count;
+}
+
+static const char *path_at(const char *path, const struct atlas_settings *settings, size_t index)
+{
+    return index ? settings->more.items[index - 1] : path;
+}
+
+/* Length of a file's name without its ending, if that is one of an atlas: "lh.pial" has none. */
+static size_t stem_length(const char *name)
+{
+    static const char *const endings[] = {".nii.gz", ".atlas.json", ".label.gii", ".surf.gii", ".seg.nrrd", ".BRIK.gz",
+                                          ".nii",    ".mgz",        ".mgh",       ".nrrd",     ".nhdr",     ".mha",
+                                          ".mhd",    ".img.gz",     ".img",       ".hdr",      ".HEAD",     ".BRIK",
+                                          ".tif",    ".tiff",       ".gii",       ".annot",    ".obj",      ".ply",
+                                          ".stl",    ".off",        ".mz3",       ".vtk",      ".vtp",      ".json"};
+    for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
+        if (path_ends(name, endings[i])) {
+            return strlen(name) - strlen(endings[i]);
+        }
+    }
+    return strlen(name);
+}
+
+/* The name of the file or folder at `path`; NULL without memory. */
+static char *name_of_path(const char *path)
+{
+    struct stat info;
+    bool is_folder = stat(path, &info) == 0 && S_ISDIR(info.st_mode);
+    const char *volume = strstr(path, ",volume=");
+    size_t end = volume && !is_folder ? (size_t)(volume - path) : strlen(path);
+    while (end > 1 && path[end - 1] == '/') {
+        end--;
+    }
+    size_t start = end;
+    while (start > 0 && path[start - 1] != '/') {
+        start--;
+    }
+    char *name = strndup(path + start, end - start);
+    if (name && !is_folder) {
+        name[stem_length(name)] = '\0';
+    }
+    return name;
+}
+
+static bool is_taken(const struct atlases *atlases, size_t end, const char *name)
+{
+    bool taken = false;
+    for (size_t i = 0; i < end && !taken; i++) {
+        taken = strcmp(atlases->items[i].name, name) == 0;
+    }
+    return taken;
+}
+
+/* Takes `name`, which may be NULL without memory, for atlas `index`; where another has it, with "-2" behind it, and so
+ * on. */
+static bool set_name(struct atlases *atlases, size_t index, char *name)
+{
+    char *distinct = name;
+    if (name) {
+        make_plain_line(name);
+    }
+    for (size_t n = 2; distinct && is_taken(atlases, index, distinct); n++) {
+        if (distinct != name) {
+            free(distinct);
+        }
+        distinct = asprintf(&distinct, "%s-%zu", name, n) < 0 ? NULL : distinct;
+    }
+    if (distinct != name) {
+        free(name);
+    }
+    atlases->items[index].name = distinct;
+    return distinct;
+}
+
+static int name_atlas(struct atlases *atlases, size_t index, const char *path)
+{
+    struct atlas_name found;
+    int code = atlas_name_find(&found, path);
+    if (!code && !set_name(atlases, index, found.atlas ? strdup(found.atlas->name) : name_of_path(found.path))) {
+        print_error_line("not enough memory");
+        code = EXIT_DATA;
+    }
+    atlas_name_finish(&found);
+    return code;
+}
+
+int atlases_name(struct atlases *out, const char *path, const struct atlas_settings *settings)
+{
+    size_t count = count_of(settings);
+    int code = EXIT_DONE;
+    out->items = calloc(count, sizeof *out->items);
+    if (!out->items) {
+        print_error_line("not enough memory");
+        return EXIT_DATA;
+    }
+    out->count = count;
+    for (size_t i = 0; i < count && count > 1 && !code; i++) {
+        code = name_atlas(out, i, path_at(path, settings, i));
+    }
+    return code;
+}
+
+/* ---- Loading ----------------------------------------------------------------------------------------------------- */
+
+int atlases_load(struct atlases *out, const char *path, const struct atlas_settings *settings)
+{
+    struct atlas_settings others = *settings;
+    others.labels = NULL;
+    others.probability = 0;
+    others.pathways = others.only = others.hide = (struct option_list){0};
+    int code = out->items ? EXIT_DONE : atlases_name(out, path, settings);
+    for (size_t i = 0; i < out->count && !code; i++) {
+        struct named_atlas *item = &out->items[i];
+        code = item->atlas ? EXIT_DONE
+                           : settings_load_atlas(&item->atlas, path_at(path, settings, i), i ? &others : settings);
+    }
+    return code;
+}
+
+void atlases_finish(struct atlases *atlases)
+{
+    for (size_t i = 0; i < atlases->count; i++) {
+        conus_atlas_destroy(atlases->items[i].atlas);
+        free(atlases->items[i].name);
+    }
+    free(atlases->items);
+    *atlases = (struct atlases){0};
+}
+
+/* ---- Spaces ------------------------------------------------------------------------------------------------------ */
+
+/* Whether a header names its space. 0 is unknown, and 2, "aligned to another", says not to what. */
+static bool is_named(const conus_volume_info *info)
+{
+    return info && info->space_code != 0 && info->space_code != 2;
+}
+
+static bool overlap(const conus_atlas *a, const conus_atlas *b)
+{
+    double low[2][3];
+    double high[2][3];
+    bool is = true;
+    if (conus_atlas_bounds(low[0], high[0], a) || conus_atlas_bounds(low[1], high[1], b)) {
+        return true; /* there is nothing to compare */
+    }
+    for (int i = 0; i < 3; i++) {
+        is = is && low[0][i] < high[1][i] && low[1][i] < high[0][i];
+    }
+    return is;
+}
+
+void atlases_say_spaces(const struct atlases *atlases, const struct common_settings *settings)
+{
+    const struct named_atlas *first = &atlases->items[0];
+    const conus_volume_info *a = conus_atlas_volume(first->atlas, 0);
+    for (size_t i = 1; i < atlases->count && !settings->quiet; i++) {
+        const struct named_atlas *other = &atlases->items[i];
+        const conus_volume_info *b = conus_atlas_volume(other->atlas, 0);
+        if (is_named(a) && is_named(b) && a->space_code != b->space_code) {
+            print_error_line("note: %s (%s) and %s (%s) name different spaces: one pose may not fit both", first->name,
+                             a->transform, other->name, b->transform);
+        } else if (!overlap(first->atlas, other->atlas)) {
+            print_error_line("note: %s and %s do not overlap: they are hardly in one space", first->name, other->name);
+        }
+    }
+}
