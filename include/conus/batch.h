@@ -66,6 +66,19 @@ CONUS_CHECKED conus_status conus_batch_create(conus_batch **out, conus_selector 
                                               const conus_batch_options *options);
 
 /**
+ * Adds another atlas: for each pose its rows come behind those of the atlases before it. Before the first run.
+ * @param batch Its options have a name in report.atlas.
+ * @param selector Of the atlas, with the options of the batch's but level. Must outlive the batch and is not to be used
+ * during a run.
+ * @param atlas Its name for the column `atlas`. Copied.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a name that is missing or another's, and for a selector with other
+ * options. The batch is unchanged then.
+ * @threads One at a time for each @p batch and @p selector. With the gl engine, the one that made it.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_batch_add(conus_batch *batch, conus_selector *selector, const char *atlas);
+
+/**
  * Ends a batch.
  * @param batch NULL is allowed.
  * @threads One at a time for each @p batch.
@@ -101,13 +114,23 @@ CONUS_CHECKED conus_status conus_batch_run(conus_batch *batch, conus_pose_stream
                                            conus_batch_sink sink, void *user);
 
 /**
- * Gives the findings about the poses answered so far, by their lines in their file.
+ * Gives the findings about the poses answered so far, by their lines in their file, for the first atlas.
  * @param batch The batch.
  * @return A copy.
  * @threads One at a time for each @p batch.
  * @since 0.1
  */
 CONUS_API conus_astray conus_batch_astray(const conus_batch *batch);
+
+/**
+ * Gives the findings for one of several atlases.
+ * @param batch The batch.
+ * @param index 0 is the atlas of conus_batch_create(), then those of conus_batch_add() in their order.
+ * @return A copy; zero for an index that there is not.
+ * @threads One at a time for each @p batch.
+ * @since 0.1
+ */
+CONUS_API conus_astray conus_batch_astray_at(const conus_batch *batch, size_t index);
 
 /**
  * Gives the header row that belongs above the rows, with its end of line.

@@ -62,6 +62,8 @@ typedef struct conus_report_options {
     bool selected_only;     /**< Of a step only what is selected or confirmed; or, if nothing is, what is unassigned. */
     const char *electrodes; /**< For #CONUS_FORMAT_BIDS: the text of the table of which each row is a query, errors
                                among them. NULL = none. */
+    const char *atlas; /**< What a column `atlas`, behind `query`, says in each row; not for #CONUS_FORMAT_AFNI and the
+                          formats behind it. NULL = there is no such column. */
 } conus_report_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -140,11 +142,25 @@ CONUS_CHECKED conus_status conus_report_add_error(conus_report *report, const ch
                                                   const char *reason);
 
 /**
+ * Joins a report on another atlas, which was asked the same: each text of @p report has, for each query, its own rows
+ * and behind them those of @p more, then those of reports that are joined later. The queries are added to each report,
+ * in the same order.
+ * @param report The report of which the texts are taken from now on.
+ * @param more Must outlive the last text of @p report. Its own texts are still its own; it can be joined once.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT unless both have a column `atlas`, each with another name, and the same
+ * options but level.
+ * @threads One at a time for each @p report.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_report_join(conus_report *report, conus_report *more);
+
+/**
  * Writes the whole text in the report's format.
  * @param[out] text UTF-8 with a final NUL. Borrowed until the next call on the report.
  * @param[out] size Bytes, without the NUL.
  * @param report The report.
- * @return #CONUS_OK; #CONUS_ERROR_DATA for answers that the format cannot hold.
+ * @return #CONUS_OK; #CONUS_ERROR_DATA for answers that the format cannot hold; #CONUS_ERROR_ARGUMENT where a joined
+ * report has another number of queries.
  * @threads One at a time for each @p report.
  * @since 0.1
  */
@@ -157,7 +173,7 @@ CONUS_CHECKED conus_status conus_report_text(const char **text, size_t *size, co
  * @param[out] text As of conus_report_text().
  * @param[out] size Bytes, without the NUL.
  * @param report The report.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a format that is one whole.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a format that is one whole, and as of conus_report_text().
  * @threads One at a time for each @p report.
  * @since 0.1
  */
@@ -165,7 +181,7 @@ CONUS_CHECKED conus_status conus_report_take(const char **text, size_t *size, co
 
 /**
  * Writes the voxels hit first (with all layers, and of a ball, all with their centre in it), nearest first, as TSV:
- * query pathway i j k x y z value distance_mm kind index.
+ * query pathway i j k x y z value distance_mm kind index; behind query the column atlas, where the report has it.
  * @param[out] text As of conus_report_text().
  * @param[out] size Bytes, without the NUL.
  * @param report The report.

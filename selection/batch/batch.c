@@ -36,23 +36,54 @@ static conus_status add_report(conus_report **out, const struct batch_worker *wo
     return status;
 }
 
+static void finish_atlas(struct batch_atlas *atlas, size_t threads)
+{
+    for (size_t i = 0; atlas->reports && i < threads; i++) {
+        conus_report_destroy(atlas->reports[i]);
+    }
+    for (size_t i = 0; atlas->workers && i < threads; i++) {
+        batch_worker_finish(&atlas->workers[i]);
+    }
+    memory_free((void *)atlas->reports);
+    memory_free(atlas->workers);
+}
+
+/* Another atlas, behind those that are there. */
+static conus_status add_atlas(conus_batch *batch, conus_selector *selector, const conus_report_options *report)
+{
+    const conus_batch_options *options = &batch->options;
+    struct batch_atlas atlas = {.workers = memory_zeroed(options->threads, sizeof *atlas.workers),
+                                .reports = memory_zeroed(options->threads, sizeof(conus_report *))};
+    void *atlases = batch->atlases;
+    bool fits = memory_reserve(&atlases, &batch->atlas_capacity, batch->atlas_count + 1, sizeof *batch->atlases);
+    conus_status status = fits && atlas.workers && atlas.reports ? CONUS_OK : CONUS_ERROR_MEMORY;
+    batch->atlases = atlases;
+    for (uint32_t i = 0; i < options->threads && !status; i++) {
+        status = batch_worker_init(&atlas.workers[i], selector, options->block, options->angle);
+        status = status ? status : add_report(&atlas.reports[i], &atlas.workers[i], report);
+    }
+    for (uint32_t i = 0; i < options->threads && batch->atlas_count && !status; i++) {
+        status = conus_report_join(batch->atlases[0].reports[i], atlas.reports[i]); /* all can, or the first cannot */
+    }
+    if (status) {
+        finish_atlas(&atlas, options->threads);
+    } else {
+        batch->atlases[batch->atlas_count++] = atlas;
+    }
+    return status;
+}
+
 static conus_status build(conus_batch *batch, conus_selector *selector)
 {
     const conus_batch_options *options = &batch->options;
     batch->block_count = ring_slots(options->threads);
-    batch->workers = memory_zeroed(options->threads, sizeof *batch->workers);
-    batch->reports = memory_zeroed(options->threads, sizeof(conus_report *));
     batch->blocks = memory_zeroed(batch->block_count, sizeof *batch->blocks);
-    conus_status status = batch->workers && batch->reports && batch->blocks ? CONUS_OK : CONUS_ERROR_MEMORY;
-    for (uint32_t i = 0; i < options->threads && !status; i++) {
-        status = batch_worker_init(&batch->workers[i], selector, options->block, options->angle);
-        status = status ? status : add_report(&batch->reports[i], &batch->workers[i], &options->report);
-    }
+    conus_status status = batch->blocks ? add_atlas(batch, selector, &options->report) : CONUS_ERROR_MEMORY;
     for (size_t i = 0; i < batch->block_count && !status; i++) {
         status = batch_block_init(&batch->blocks[i], options->block);
     }
     if (!status) {
-        report_write_header(&batch->header, batch->reports[0]);
+        report_write_header(&batch->header, batch->atlases[0].reports[0]);
         status = buffer_status(&batch->header);
     }
     return status;
@@ -79,22 +110,30 @@ conus_status conus_batch_create(conus_batch **out, conus_selector *selector, con
     return CONUS_OK;
 }
 
+conus_status conus_batch_add(conus_batch *batch, conus_selector *selector, const char *atlas)
+{
+    conus_batch_options own = batch->options;
+    conus_status status = batch_fill_in(&own.threads, &own.block, &own.angle, selector);
+    if (!status && own.threads != batch->options.threads) {
+        status = fail(CONUS_ERROR_ARGUMENT, "threads: %s answers on one, the batch has %u", selector->engine->name,
+                      batch->options.threads);
+    }
+    own.report.atlas = atlas;
+    return status ? status : add_atlas(batch, selector, &own.report);
+}
+
 void conus_batch_destroy(conus_batch *batch)
 {
     if (!batch) {
         return;
     }
-    for (size_t i = 0; batch->reports && i < batch->options.threads; i++) {
-        conus_report_destroy(batch->reports[i]);
-    }
-    for (size_t i = 0; batch->workers && i < batch->options.threads; i++) {
-        batch_worker_finish(&batch->workers[i]);
+    for (size_t i = 0; i < batch->atlas_count; i++) {
+        finish_atlas(&batch->atlases[i], batch->options.threads);
     }
     for (size_t i = 0; batch->blocks && i < batch->block_count; i++) {
         batch_block_finish(&batch->blocks[i]);
     }
-    memory_free((void *)batch->reports);
-    memory_free(batch->workers);
+    memory_free(batch->atlases);
     memory_free(batch->blocks);
     buffer_finish(&batch->header);
     memory_free(batch);
@@ -107,9 +146,14 @@ uint32_t conus_batch_threads(const conus_batch *batch)
 
 conus_astray conus_batch_astray(const conus_batch *batch)
 {
+    return conus_batch_astray_at(batch, 0);
+}
+
+conus_astray conus_batch_astray_at(const conus_batch *batch, size_t index)
+{
     conus_astray sum = {0};
-    for (size_t i = 0; i < batch->options.threads; i++) {
-        aims_merge(&sum, &batch->workers[i].aims.found);
+    for (size_t i = 0; index < batch->atlas_count && i < batch->options.threads; i++) {
+        aims_merge(&sum, &batch->atlases[index].workers[i].aims.found);
     }
     return sum;
 }
@@ -121,7 +165,7 @@ const char *conus_batch_header(const conus_batch *batch)
 
 conus_status conus_batch_sidecar(const char **text, size_t *size, conus_batch *batch)
 {
-    return conus_report_sidecar(text, size, batch->reports[0]);
+    return conus_report_sidecar(text, size, batch->atlases[0].reports[0]);
 }
 
 /* ---- A run ------------------------------------------------------------------------------------------------------- */
@@ -160,7 +204,7 @@ static bool read_block(void *user, size_t slot)
 static void answer_block(void *user, size_t slot, size_t worker, const atomic_bool *stop)
 {
     conus_batch *batch = ((struct run *)user)->batch;
-    batch_block_answer(&batch->blocks[slot], &batch->workers[worker], batch->reports[worker], stop);
+    batch_block_answer(&batch->blocks[slot], batch->atlases, batch->atlas_count, worker, stop);
 }
 
 static bool deliver_block(void *user, size_t slot)

@@ -32,16 +32,22 @@ void batch_block_set_status(struct batch_block *block, conus_status status);
 /** Fills the block with the next poses, at most @p limit and its capacity. Sets its status. */
 void batch_block_read(struct batch_block *block, conus_pose_stream *poses, uint64_t limit);
 
-/** Answers the block's poses into its text, through a report of the worker's selector. Sets its status. Gives up, with
- * part of the text, once @p stop. */
-void batch_block_answer(struct batch_block *block, struct batch_worker *worker, conus_report *report,
+/** What answers for one atlas. */
+struct batch_atlas {
+    struct batch_worker *workers; /**< [conus_batch.options.threads] */
+    conus_report **reports;       /**< [conus_batch.options.threads] Those of the first atlas join the others'. */
+};
+
+/** Answers the block's poses into its text, by worker @p worker of each atlas. Sets its status. Gives up, with part of
+ * the text, once @p stop. */
+void batch_block_answer(struct batch_block *block, const struct batch_atlas *atlases, size_t atlas_count, size_t worker,
                         const atomic_bool *stop);
 
 struct conus_batch {
-    conus_batch_options options;  /**< Defaults filled in. */
-    struct batch_worker *workers; /**< [options.threads] */
-    conus_report **reports;       /**< [options.threads] */
-    struct batch_block *blocks;   /**< [block_count] */
+    conus_batch_options options; /**< Defaults filled in. */
+    struct batch_atlas *atlases; /**< [atlas_count] */
+    size_t atlas_count, atlas_capacity;
+    struct batch_block *blocks; /**< [block_count] */
     size_t block_count;
     struct buffer header;
 };

@@ -87,6 +87,7 @@ void batch_block_read(struct batch_block *block, conus_pose_stream *poses, uint6
 struct writing {
     struct batch_block *block;
     conus_report *report;
+    bool counts; /* a pose without an answer is one error, however many atlases have none */
 };
 
 static conus_status add_to_report(void *user, size_t index, const conus_selection *selection)
@@ -99,20 +100,26 @@ static conus_status add_to_report(void *user, size_t index, const conus_selectio
     if (selection) {
         return conus_report_add(writing->report, id, selection);
     }
-    block->errors++;
+    block->errors += writing->counts;
     return conus_report_add_error(writing->report, id, pose->line,
                                   pose->is_no_pose ? strings + block->words[index].error : conus_message());
 }
 
-void batch_block_answer(struct batch_block *block, struct batch_worker *worker, conus_report *report,
+void batch_block_answer(struct batch_block *block, const struct batch_atlas *atlases, size_t atlas_count, size_t worker,
                         const atomic_bool *stop)
 {
-    struct writing writing = {block, report};
+    conus_report *first = atlases[0].reports[worker];
+    for (size_t i = 0; i < atlas_count && !block->status; i++) {
+        struct writing writing = {block, atlases[i].reports[worker], i == 0};
+        batch_block_set_status(block, batch_worker_answer(&atlases[i].workers[worker], block->poses, block->count, stop,
+                                                          add_to_report, &writing));
+    }
     if (!block->status) {
-        conus_status status = batch_worker_answer(worker, block->poses, block->count, stop, add_to_report, &writing);
-        report->taken = (size_t)block->first;
-        status = status ? status : report_write_part(&block->text, report);
+        first->taken = (size_t)block->first;
+        conus_status status = report_write_part(&block->text, first);
         batch_block_set_status(block, status ? status : buffer_status(&block->text));
     }
-    report_clear(report);
+    for (size_t i = 0; i < atlas_count; i++) {
+        report_clear(atlases[i].reports[worker]);
+    }
 }

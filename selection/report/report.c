@@ -30,6 +30,10 @@ static conus_status check_options(const conus_report_options *options)
     if (foreign && (options->rows != CONUS_ROWS_ANSWERS || options->tracker)) {
         return fail(CONUS_ERROR_ARGUMENT, "format: other programs' are only of answers, and not of a track");
     }
+    if (options->atlas && (foreign || !*options->atlas)) {
+        return fail(CONUS_ERROR_ARGUMENT,
+                    foreign ? "atlas: formats of other programs have no such column" : "atlas: the name is empty");
+    }
     if ((options->format == CONUS_FORMAT_BIDS) != (options->electrodes != NULL)) {
         return fail(CONUS_ERROR_ARGUMENT, "electrodes: BIDS needs the table, and no other format does");
     }
@@ -54,7 +58,8 @@ conus_status conus_report_create(conus_report **out, const conus_selector *selec
     report->options = *options;
     report->options.no_voxels = report->options.no_voxels || report->options.tracker;
     memcpy(report->engine, selector->engine->name, sizeof report->engine);
-    status = keep_level(report, selector);
+    report->name = options->atlas ? text_to_utf8(text_from(options->atlas)) : NULL;
+    status = options->atlas && !report->name ? CONUS_ERROR_MEMORY : keep_level(report, selector);
     status = status || !report->options.electrodes ? status : report_read_electrodes(report);
     if (status) {
         conus_report_destroy(report);
@@ -76,12 +81,50 @@ void report_clear(conus_report *report)
     buffer_clear(&report->voxels);
 }
 
+/* Whether both have the same columns, and answer the same questions in the same way. */
+static bool are_alike(const conus_report *a, const conus_report *b)
+{
+    const conus_report_options *x = &a->options;
+    const conus_report_options *y = &b->options;
+    return x->rows == y->rows && x->format == y->format && x->space == y->space && !x->tracker == !y->tracker &&
+           x->selected_only == y->selected_only && strcmp(a->score, b->score) == 0 && strcmp(a->engine, b->engine) == 0;
+}
+
+static bool are_traced_alike(const conus_selector_options *a, const conus_selector_options *b)
+{
+    return a->aperture == b->aperture && a->sampling == b->sampling && a->resolution == b->resolution &&
+           a->slices == b->slices && a->slice_fraction == b->slice_fraction && a->layers == b->layers &&
+           a->range[0] == b->range[0] && a->range[1] == b->range[1] && a->radius == b->radius;
+}
+
+conus_status conus_report_join(conus_report *report, conus_report *more)
+{
+    conus_report *last = report;
+    if (!report->name || !more->name || more->next || more->is_joined || more == report) {
+        return fail(CONUS_ERROR_ARGUMENT, "report: only one with a column atlas can be joined, and once");
+    }
+    if (!are_alike(report, more) || !are_traced_alike(&report->selector, &more->selector)) {
+        return fail(CONUS_ERROR_ARGUMENT, "report: the one of atlas %s has other options than that of atlas %s",
+                    more->name, report->name);
+    }
+    for (conus_report *with = report; with; with = with->next) {
+        if (strcmp(with->name, more->name) == 0) {
+            return fail(CONUS_ERROR_ARGUMENT, "report: two have the atlas %s", more->name);
+        }
+        last = with;
+    }
+    last->next = more;
+    more->is_joined = true;
+    return CONUS_OK;
+}
+
 void conus_report_destroy(conus_report *report)
 {
     if (!report) {
         return;
     }
     report_clear(report);
+    memory_free(report->name);
     memory_free(report->level);
     memory_free(report->level_areas);
     memory_free(report->queries);
@@ -103,6 +146,7 @@ static conus_status append_query(conus_report *report, const char *id, const str
         return CONUS_ERROR_MEMORY;
     }
     report->queries[report->query_count] = *query;
+    report->queries[report->query_count].first_voxel = report->voxels.size;
     report->queries[report->query_count++].id = copy;
     return CONUS_OK;
 }

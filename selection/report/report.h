@@ -41,10 +41,14 @@ struct report_query {
     conus_jitter_options jitter; /**< Of chances. */
     struct report_roi roi;       /**< Of coverages. */
     size_t first_row;
+    size_t first_voxel; /**< Where in conus_report.voxels its rows begin. */
 };
 
 struct conus_report {
     const conus_atlas *atlas;
+    char *name;         /**< What the column `atlas` says; NULL = there is none. */
+    conus_report *next; /**< Joined: its rows come behind these, query by query. NULL = none. */
+    bool is_joined;     /**< It is the next of another one. */
     conus_selector_options selector;
     char score[FORMULA_LENGTH_LIMIT + 1]; /**< Name or formula of the ranking. */
     char *level;                          /**< NULL = none. */
@@ -70,6 +74,12 @@ conus_status report_append(struct report_row **rows, conus_report *report, const
 
 /** Drops all queries and rows, and keeps the memory. */
 void report_clear(conus_report *report);
+
+/** Behind the last row of a query. */
+static inline size_t report_row_end(const conus_report *report, size_t query)
+{
+    return query + 1 < report->query_count ? report->queries[query + 1].first_row : report->row_count;
+}
 
 /** Whether the text has this row: of summaries only the first of each query is written. */
 static inline bool report_is_shown(const conus_report *report, size_t row)

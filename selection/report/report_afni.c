@@ -78,7 +78,7 @@ static const struct report_row *next_row(const struct report_row *rows, size_t c
 static void write_query(struct buffer *out, const conus_report *report, size_t index)
 {
     const struct report_query *query = &report->queries[index];
-    size_t end = index + 1 < report->query_count ? query[1].first_row : report->row_count;
+    size_t end = report_row_end(report, index);
     const struct report_row *rows = report->rows + query->first_row;
     const struct report_row *row = NULL;
     buffer_text(out, "+++++++ nearby Atlas structures +++++++\n\n");

@@ -111,6 +111,15 @@ static struct cell get_atlas_z(const conus_report *report, const struct report_r
     return own_cell(report, row, 2);
 }
 
+static struct cell get_atlas(const conus_report *report, const struct report_row *row)
+{
+    (void)row;
+    return text_cell(report->name);
+}
+
+/* Behind the first of a report that has a name. */
+static const struct report_column atlas_column = {"atlas", NULL, "name of the atlas that is asked", .get = get_atlas};
+
 static const struct report_column answer_columns[] = {
     {"query", NULL, "query_id of the pose, else its number from 1", .get = get_query},
     {"kind", NULL,
@@ -368,6 +377,14 @@ static void list_answers(struct report_columns *out, const conus_report *report)
     }
 }
 
+static void insert_second(struct report_columns *out, const struct report_column *column)
+{
+    memmove(&out->at[2], &out->at[1], (out->count - 1) * sizeof out->at[0]);
+    out->at[1] = column;
+    out->count++;
+    assert(out->count <= REPORT_COLUMN_LIMIT);
+}
+
 void report_list_columns(struct report_columns *out, const conus_report *report)
 {
     out->count = 0;
@@ -399,6 +416,9 @@ void report_list_columns(struct report_columns *out, const conus_report *report)
         list_named(out, study_common, COUNT_OF(study_common));
         list_table(out, report, chance_columns, COUNT_OF(chance_columns));
         break;
+    }
+    if (report->name) {
+        insert_second(out, &atlas_column);
     }
 }
 
@@ -470,6 +490,7 @@ struct cell report_cell(const conus_report *report, const struct report_column *
                          : report->options.format == CONUS_FORMAT_BIDS ? "area_error"
                                                                        : "name";
     const char *text = !strcmp(column->name, "query")  ? query->id
+                       : column == &atlas_column       ? report->name
                        : !strcmp(column->name, "kind") ? "error"
                        : !strcmp(column->name, reason) ? query->error
                                                        : NULL;

@@ -246,11 +246,26 @@ static json_t *json_from_level_areas(const conus_report *report)
     return whole_or_null(labels, whole);
 }
 
-/* As what areas are reported, unless as themselves. */
-static bool add_level(json_t *settings, const conus_report *report)
+/* The areas that are reported, if there is a level. */
+static bool add_level(json_t *object, const conus_report *report)
 {
-    bool whole = !report->level || put_value(settings, "level", json_from_text(report->level));
-    return (!report->level_area_count || put_value(settings, "level_areas", json_from_level_areas(report))) && whole;
+    return (!report->level || put_value(object, "level", json_from_text(report->level))) &&
+           (!report->level_area_count || put_value(object, "level_areas", json_from_level_areas(report)));
+}
+
+/* Reports that are joined differ in no setting but the level, which therefore is the atlas's. */
+static json_t *json_from_atlases(const conus_report *report)
+{
+    json_t *atlases = json_array();
+    bool whole = true;
+    for (; report; report = report->next) {
+        json_t *named = json_pack("{s: o}", "name", json_from_text(report->name));
+        json_t *atlas = json_from_atlas(report->atlas);
+        whole = json_object_update(named, atlas) == 0 && add_level(named, report) && whole;
+        whole = json_array_append_new(atlases, named) == 0 && whole;
+        json_decref(atlas);
+    }
+    return whole_or_null(atlases, whole);
 }
 
 static json_t *json_from_settings(const conus_report *report)
@@ -274,7 +289,7 @@ static json_t *json_from_settings(const conus_report *report)
              put_value(settings, "range_mm", json_pack("[f, f]", options->range[0], options->range[1])));
     bool tells = options->radius == 0 && (report->is_begun || !report->query_count); /* no query tells it (Eq. 15) */
     whole = (!tells || put_value(settings, "spread", json_string("even beyond 120 degrees"))) && whole;
-    whole = add_level(settings, report) && whole;
+    whole = (report->name || add_level(settings, report)) && whole;
     return whole_or_null(settings, whole && add_track(settings, report->options.tracker));
 }
 
@@ -289,7 +304,8 @@ static json_t *json_from_program(const conus_report *report)
 static bool add_sources(json_t *root, const conus_report *report)
 {
     return put_value(root, "GeneratedBy", json_pack("[o]", json_from_program(report))) &&
-           put_value(root, "Atlas", json_from_atlas(report->atlas)) &&
+           (report->name ? put_value(root, "Atlases", json_from_atlases(report))
+                         : put_value(root, "Atlas", json_from_atlas(report->atlas))) &&
            put_value(root, "Settings", json_from_settings(report)) &&
            (report->is_begun || put_value(root, "Queries", json_from_queries(report))); /* else they are forgotten */
 }
@@ -302,20 +318,27 @@ static bool add_provenance(json_t *root, const conus_report *report)
            add_sources(root, report);
 }
 
+struct collecting {
+    json_t *rows;
+    struct report_columns columns;
+    bool whole;
+};
+
+static void collect_row(void *user, const conus_report *of, const struct report_row *row)
+{
+    struct collecting *collecting = user;
+    collecting->whole =
+        json_array_append_new(collecting->rows, json_from_row(of, &collecting->columns, row)) == 0 && collecting->whole;
+}
+
 conus_status report_write_json(struct buffer *out, const conus_report *report)
 {
     json_t *root = json_object();
-    json_t *rows = json_array();
-    bool whole = true;
-    struct report_columns columns;
-    report_list_columns(&columns, report);
-    for (size_t i = 0; i < report->row_count; i++) {
-        whole = (!report_is_shown(report, i) ||
-                 json_array_append_new(rows, json_from_row(report, &columns, &report->rows[i])) == 0) &&
-                whole;
-    }
-    whole = add_provenance(root, report) && whole;
-    whole = put_value(root, "Rows", rows) && whole;
+    struct collecting collecting = {.rows = json_array(), .whole = true};
+    report_list_columns(&collecting.columns, report);
+    report_each_row(report, collect_row, &collecting);
+    bool whole = add_provenance(root, report) && collecting.whole;
+    whole = put_value(root, "Rows", collecting.rows) && whole;
     return dump(out, whole_or_null(root, whole), JSON_INDENT(1) | digits(report));
 }
 

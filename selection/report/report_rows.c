@@ -126,18 +126,42 @@ static void write_json_row(struct buffer *out, const conus_report *report, const
     buffer_append(out, "}\n", 2);
 }
 
-void report_write_rows(struct buffer *out, const conus_report *report)
+static void take_rows(const conus_report *of, size_t query, report_take_row *take, void *user)
 {
-    struct report_columns columns;
-    report_list_columns(&columns, report);
-    for (size_t i = 0; i < report->row_count; i++) {
-        if (!report_is_shown(report, i)) {
-            continue;
-        }
-        if (report->options.format == CONUS_FORMAT_NDJSON) {
-            write_json_row(out, report, &columns, &report->rows[i]);
-        } else {
-            write_table_row(out, report, &columns, &report->rows[i]);
+    for (size_t i = of->queries[query].first_row; i < report_row_end(of, query); i++) {
+        if (report_is_shown(of, i)) {
+            take(user, of, &of->rows[i]);
         }
     }
+}
+
+void report_each_row(const conus_report *report, report_take_row *take, void *user)
+{
+    for (size_t query = 0; query < report->query_count; query++) {
+        for (const conus_report *of = report; of && query < of->query_count; of = of->next) {
+            take_rows(of, query, take, user);
+        }
+    }
+}
+
+struct writing {
+    struct buffer *out;
+    struct report_columns columns;
+};
+
+static void write_row(void *user, const conus_report *of, const struct report_row *row)
+{
+    struct writing *writing = user;
+    if (of->options.format == CONUS_FORMAT_NDJSON) {
+        write_json_row(writing->out, of, &writing->columns, row);
+    } else {
+        write_table_row(writing->out, of, &writing->columns, row);
+    }
+}
+
+void report_write_rows(struct buffer *out, const conus_report *report)
+{
+    struct writing writing = {.out = out};
+    report_list_columns(&writing.columns, report);
+    report_each_row(report, write_row, &writing);
 }

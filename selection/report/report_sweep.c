@@ -64,23 +64,24 @@ static void write_chance_header(struct buffer *out, const conus_report *report, 
 
 static void write_rows_of(struct buffer *out, const conus_report *report, size_t index, int width)
 {
-    const struct report_query *query = &report->queries[index];
     bool chances = report->options.rows == CONUS_ROWS_CHANCES;
     if (chances) {
         write_chance_header(out, report, width);
     } else {
         write_admission_header(out, width);
     }
-    for (size_t i = query->first_row; i < report->row_count && report->rows[i].query == index; i++) {
+    for (size_t i = report->queries[index].first_row; i < report_row_end(report, index); i++) {
         (chances ? write_chance : write_admission)(out, report, &report->rows[i], width);
     }
-    if (chances) {
-        buffer_format(out,
-                      "%u poses with errors of %.4g degrees about each axis and %.4g mm along each (standard "
-                      "deviations); ranked by %s; engine %s\n",
-                      query->jitter.samples, degrees_from_radians(query->jitter.tilt), query->jitter.shift,
-                      report->score, report->engine);
-    }
+}
+
+static void write_samples(struct buffer *out, const conus_report *report, const struct report_query *query)
+{
+    buffer_format(out,
+                  "%u poses with errors of %.4g degrees about each axis and %.4g mm along each (standard "
+                  "deviations); ranked by %s; engine %s\n",
+                  query->jitter.samples, degrees_from_radians(query->jitter.tilt), query->jitter.shift, report->score,
+                  report->engine);
 }
 
 /* ---- Shares by angle ---- */
@@ -103,11 +104,6 @@ static struct block block_at(const conus_report *report, size_t first)
     return block;
 }
 
-static size_t row_end(const conus_report *report, size_t query)
-{
-    return query + 1 < report->query_count ? report->queries[query + 1].first_row : report->row_count;
-}
-
 /* An object's results at the block's angles; NULL where there is none. */
 struct line {
     const conus_result *at[ANGLES_IN_A_TABLE];
@@ -121,7 +117,7 @@ struct shares {
 static void fill_lines(const struct shares *shares, const conus_report *report)
 {
     for (size_t i = shares->block.first; i < shares->block.end; i++) {
-        for (size_t r = report->queries[i].first_row; r < row_end(report, i); r++) {
+        for (size_t r = report->queries[i].first_row; r < report_row_end(report, i); r++) {
             const conus_result *result = &report->rows[r].result;
             shares->lines[result->object].at[i - shares->block.first] = result;
         }
@@ -149,7 +145,7 @@ static void write_shares_row(struct buffer *out, const conus_report *report, con
 static void write_new_rows(struct buffer *out, const conus_report *report, const struct shares *shares, size_t query,
                            bool nothing, int width)
 {
-    for (size_t r = report->queries[query].first_row; r < row_end(report, query); r++) {
+    for (size_t r = report->queries[query].first_row; r < report_row_end(report, query); r++) {
         const struct report_row *row = &report->rows[r];
         const struct line *line = &shares->lines[row->result.object];
         size_t first = 0;
@@ -184,22 +180,34 @@ static void write_shares(struct buffer *out, const conus_report *report, struct 
     memory_free(shares.lines);
 }
 
+/* The answers of one atlas to a pose. */
+static void write_answers(struct buffer *out, const conus_report *report, struct block block, int width)
+{
+    table_write_atlas(out, report);
+    if (report->options.rows == CONUS_ROWS_SHARES) {
+        write_shares(out, report, block, width);
+    } else {
+        write_rows_of(out, report, block.first, width);
+    }
+}
+
 void report_write_sweep(struct buffer *out, const conus_report *report)
 {
+    bool shares = report->options.rows == CONUS_ROWS_SHARES;
     int width = table_name_width(report);
     for (size_t i = 0; i < report->query_count;) {
-        struct block block = {i, i + 1};
         if (report->queries[i].error) {
             table_write_error(out, &report->queries[i], i + 1 < report->query_count);
             i++;
             continue;
         }
+        const struct block block = shares ? block_at(report, i) : (struct block){i, i + 1};
         table_write_query(out, report, &report->queries[i]);
-        if (report->options.rows == CONUS_ROWS_SHARES) {
-            block = block_at(report, i);
-            write_shares(out, report, block, width);
-        } else {
-            write_rows_of(out, report, i, width);
+        for (const conus_report *of = report; of && block.end <= of->query_count; of = of->next) {
+            write_answers(out, of, block, width);
+        }
+        if (report->options.rows == CONUS_ROWS_CHANCES) {
+            write_samples(out, report, &report->queries[i]);
         }
         i = block.end;
         buffer_text(out, i < report->query_count ? "\n" : "");

@@ -41,11 +41,20 @@ const char *table_label(char out[TABLE_LABEL_SIZE], const conus_report *report, 
 int table_name_width(const conus_report *report)
 {
     int width = 12;
-    for (size_t i = 0; i < report->row_count; i++) {
-        int wanted = width_of(table_name(report, report->rows[i].result.object));
-        width = wanted > width ? wanted : width;
+    for (; report; report = report->next) {
+        for (size_t i = 0; i < report->row_count; i++) {
+            int wanted = width_of(table_name(report, report->rows[i].result.object));
+            width = wanted > width ? wanted : width;
+        }
     }
     return width < NAME_LIMIT ? width : NAME_LIMIT;
+}
+
+void table_write_atlas(struct buffer *out, const conus_report *report)
+{
+    if (report->name) {
+        buffer_format(out, "atlas %s\n", report->name);
+    }
 }
 
 void table_write_name(struct buffer *out, const char *name, int width)
@@ -422,15 +431,15 @@ static void write_places(struct buffer *out, const conus_atlas *atlas)
     }
 }
 
-/* What the answers rest on: which transform placed the atlas, and from which value on a pathway is one. */
-void table_write_sources(struct buffer *out, const conus_report *report)
+/* Which transform placed the atlas, and from which value on a pathway is one. */
+static void write_sources(struct buffer *out, const conus_report *report)
 {
     const conus_atlas *atlas = report->atlas;
     if (report->level) {
         buffer_format(out, "areas at level %s\n", report->level);
     }
     if (atlas_parcellation_count(atlas) || atlas->mesh_count) {
-        buffer_text(out, "atlas ");
+        buffer_format(out, "atlas %s%s", report->name ? report->name : "", report->name ? ": " : "");
         write_file_of(out, atlas_path(atlas));
         buffer_text(out, ", placed by ");
         write_places(out, atlas);
@@ -445,21 +454,35 @@ void table_write_sources(struct buffer *out, const conus_report *report)
     write_all_bands(out, atlas);
 }
 
+void table_write_sources(struct buffer *out, const conus_report *report)
+{
+    for (; report; report = report->next) {
+        write_sources(out, report);
+    }
+}
+
+/* The answers of one atlas to query `index`. */
+static void write_answers(struct buffer *out, const conus_report *report, size_t index, int width)
+{
+    const struct table_form *form = form_of(report, &report->queries[index]);
+    table_write_atlas(out, report);
+    form->header(out, width);
+    for (size_t row = report->queries[index].first_row; row < report_row_end(report, index); row++) {
+        form->result(out, report, &report->rows[row].result, width);
+    }
+}
+
 void report_write_table(struct buffer *out, const conus_report *report)
 {
     int width = table_name_width(report);
-    size_t row = 0;
     for (size_t i = 0; i < report->query_count; i++) {
         if (report->queries[i].error) {
             table_write_error(out, &report->queries[i], i + 1 < report->query_count);
-            row++;
             continue;
         }
-        const struct table_form *form = form_of(report, &report->queries[i]);
         table_write_query(out, report, &report->queries[i]);
-        form->header(out, width);
-        for (; row < report->row_count && report->rows[row].query == i; row++) {
-            form->result(out, report, &report->rows[row].result, width);
+        for (const conus_report *of = report; of && i < of->query_count; of = of->next) {
+            write_answers(out, of, i, width);
         }
         write_summary(out, report, &report->queries[i]);
         buffer_text(out, i + 1 < report->query_count ? "\n" : "");

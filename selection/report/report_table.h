@@ -15,7 +15,7 @@ const char *table_name(const conus_report *report, uint32_t object);
 /** Its label in decimal, written to @p out; nothing for 0. */
 const char *table_label(char out[TABLE_LABEL_SIZE], const conus_report *report, uint32_t object);
 
-/** Columns for the longest name in the report, up to a limit. */
+/** Columns for the longest name in the report and in those joined with it, up to a limit. */
 int table_name_width(const conus_report *report);
 
 /** Writes @p name, cut or padded with spaces to @p width columns. */
@@ -24,10 +24,13 @@ void table_write_name(struct buffer *out, const char *name, int width);
 /** Writes the line that says where the cone of a query is. */
 void table_write_query(struct buffer *out, const conus_report *report, const struct report_query *query);
 
+/** Writes the line above the answers of one of several atlases; nothing where there is one. */
+void table_write_atlas(struct buffer *out, const conus_report *report);
+
 /** Writes the line of a query without an answer. */
 void table_write_error(struct buffer *out, const struct report_query *query, bool more);
 
-/** Writes the lines that say what the answers rest on. */
+/** Writes the lines that say what the answers rest on, of all reports that are joined. */
 void table_write_sources(struct buffer *out, const conus_report *report);
 
 #endif

@@ -62,8 +62,23 @@ void report_write_header(struct buffer *out, const conus_report *report)
     }
 }
 
+static conus_status check_joined(const conus_report *report)
+{
+    for (const conus_report *of = report->next; of; of = of->next) {
+        if (of->query_count != report->query_count) {
+            return fail(CONUS_ERROR_ARGUMENT, "report: atlas %s was asked %zu queries, atlas %s %zu", of->name,
+                        of->query_count, report->name, report->query_count);
+        }
+    }
+    return CONUS_OK;
+}
+
 static conus_status write_text(conus_report *report)
 {
+    conus_status status = check_joined(report);
+    if (status) {
+        return status;
+    }
     buffer_finish(&report->text);
     if (report->options.format == CONUS_FORMAT_JSON) {
         return report_write_json(&report->text, report);
@@ -91,20 +106,41 @@ conus_status conus_report_take(const char **text, size_t *size, conus_report *re
         return fail(CONUS_ERROR_ARGUMENT, "format: this one is one whole, NDJSON can be taken in parts");
     }
     conus_status status = hand_out(report, write_text(report), text, size);
-    if (!status) {
-        report->is_begun = true;
-        report->taken += report->query_count;
-        report_clear(report);
+    for (conus_report *of = report; of && !status; of = of->next) {
+        of->is_begun = true;
+        of->taken += of->query_count;
+        report_clear(of);
     }
     return status;
 }
 
+static void write_voxels(struct buffer *out, const conus_report *report, size_t query)
+{
+    size_t first = report->queries[query].first_voxel;
+    size_t end = query + 1 < report->query_count ? report->queries[query + 1].first_voxel : report->voxels.size;
+    if (end > first) {
+        buffer_append(out, report->voxels.data + first, end - first);
+    }
+}
+
 conus_status conus_report_voxels(const char **text, size_t *size, conus_report *report)
 {
+    conus_status status = check_joined(report);
+    if (status) {
+        return status;
+    }
     buffer_finish(&report->text);
-    buffer_text(&report->text, "query\tpathway\ti\tj\tk\tx\ty\tz\tvalue\tdistance_mm\tkind\tindex\n");
-    buffer_append(&report->text, report->voxels.data, report->voxels.size);
-    return hand_out(report, buffer_status(&report->voxels), text, size);
+    buffer_format(&report->text, "query%s\tpathway\ti\tj\tk\tx\ty\tz\tvalue\tdistance_mm\tkind\tindex\n",
+                  report->name ? "\tatlas" : "");
+    for (size_t query = 0; query < report->query_count; query++) {
+        for (const conus_report *of = report; of && !status; of = of->next) {
+            status = buffer_status(&of->voxels);
+            if (!status) {
+                write_voxels(&report->text, of, query);
+            }
+        }
+    }
+    return hand_out(report, status, text, size);
 }
 
 conus_status conus_report_sidecar(const char **text, size_t *size, conus_report *report)

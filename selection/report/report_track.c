@@ -10,24 +10,47 @@
 
 enum { NAME_LIMIT = 32 };
 
-/* Rows come without end, so the width is that of the longest name there could be. */
-static int name_width(const conus_report *report)
+struct widths {
+    int name;
+    int atlas; /* 0 = there is no such column */
+};
+
+static int wider(int width, const char *text)
 {
-    size_t width = strlen(TABLE_NOTHING);
-    for (size_t i = 1; i <= conus_atlas_object_count(report->atlas); i++) {
-        size_t wanted = strlen(conus_atlas_object(report->atlas, i)->name);
-        width = wanted > width ? wanted : width;
-    }
-    return width < NAME_LIMIT ? (int)width : NAME_LIMIT;
+    size_t wanted = strlen(text);
+    return wanted > NAME_LIMIT ? NAME_LIMIT : (int)wanted > width ? (int)wanted : width;
 }
 
-static void write_header(struct buffer *out, const conus_report *report, int width)
+/* Rows come without end, so the width is that of the longest name there could be. */
+static struct widths widths_of(const conus_report *report)
 {
-    buffer_format(out, "ranked by %s; engine %s\n", report->score, report->engine);
-    buffer_format(out, "%10s  %4s  %-*s  %10s  %10s  %8s  %6s  %8s\n", "time", "rank", width, "name", "label", "score",
-                  "share", "pixels", "off axis");
-    buffer_format(out, "%10s  %4s  %-*s  %10s  %10s  %8s  %6s  %8s\n", "s", "", width, "", "", "", "of cone", "",
-                  "degrees");
+    struct widths widths = {.name = wider(0, TABLE_NOTHING), .atlas = report->name ? wider(0, "atlas") : 0};
+    for (; report; report = report->next) {
+        for (size_t i = 1; i <= conus_atlas_object_count(report->atlas); i++) {
+            widths.name = wider(widths.name, conus_atlas_object(report->atlas, i)->name);
+        }
+        widths.atlas = report->name ? wider(widths.atlas, report->name) : 0;
+    }
+    return widths;
+}
+
+/* A cell of the column `atlas`, where there is one. */
+static void write_atlas(struct buffer *out, const char *text, int width)
+{
+    if (width) {
+        table_write_name(out, text, width);
+        buffer_text(out, "  ");
+    }
+}
+
+static void write_header(struct buffer *out, const conus_report *report, struct widths widths)
+{
+    buffer_format(out, "ranked by %s; engine %s\n%10s  ", report->score, report->engine, "time");
+    write_atlas(out, "atlas", widths.atlas);
+    buffer_format(out, "%4s  %-*s  %10s  %10s  %8s  %6s  %8s\n%10s  ", "rank", widths.name, "name", "label", "score",
+                  "share", "pixels", "off axis", "s");
+    write_atlas(out, "", widths.atlas);
+    buffer_format(out, "%4s  %-*s  %10s  %10s  %8s  %6s  %8s\n", "", widths.name, "", "", "", "of cone", "", "degrees");
 }
 
 static void write_numbers(struct buffer *out, const conus_result *result, const conus_object *object)
@@ -47,8 +70,15 @@ static void write_numbers(struct buffer *out, const conus_result *result, const 
     }
 }
 
-static void write_row(struct buffer *out, const conus_report *report, const struct report_row *row, int width)
+struct writing {
+    struct buffer *out;
+    struct widths widths;
+};
+
+static void write_row(void *user, const conus_report *report, const struct report_row *row)
 {
+    const struct writing *writing = user;
+    struct buffer *out = writing->out;
     const conus_object *object = conus_atlas_object(report->atlas, row->result.object);
     if (!object && !row->result.pixels) {
         return;
@@ -57,8 +87,10 @@ static void write_row(struct buffer *out, const conus_report *report, const stru
     if (object) {
         snprintf(rank, sizeof rank, "%u", row->result.rank);
     }
-    buffer_format(out, "%10.3f  %4s  ", report->queries[row->query].step.time_s, rank);
-    table_write_name(out, table_name(report, row->result.object), width);
+    buffer_format(out, "%10.3f  ", report->queries[row->query].step.time_s);
+    write_atlas(out, report->name, writing->widths.atlas);
+    buffer_format(out, "%4s  ", rank);
+    table_write_name(out, table_name(report, row->result.object), writing->widths.name);
     write_numbers(out, &row->result, object);
     buffer_text(out, report_is_selected(report, row) ? "  selected" : "");
     buffer_text(out, report_is_confirmed(report, row) ? "  confirmed" : "");
@@ -67,11 +99,9 @@ static void write_row(struct buffer *out, const conus_report *report, const stru
 
 void report_write_track(struct buffer *out, const conus_report *report)
 {
-    int width = name_width(report);
+    struct writing writing = {out, widths_of(report)};
     if (!report->is_begun) {
-        write_header(out, report, width);
+        write_header(out, report, writing.widths);
     }
-    for (size_t i = 0; i < report->row_count; i++) {
-        write_row(out, report, &report->rows[i], width);
-    }
+    report_each_row(report, write_row, &writing);
 }

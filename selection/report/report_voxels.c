@@ -77,7 +77,8 @@ static void write_voxel(conus_report *report, const struct listed_voxel *voxel)
     mat4_point(point, volume->info.world_from_voxel, point);
     report_point(report, point);
     const char *query = report->queries[report->query_count - 1].id;
-    buffer_format(&report->voxels, "%s\t%s\t%zu\t%zu\t%zu", query, object->name, at[0], at[1], at[2]);
+    buffer_format(&report->voxels, "%s%s%s\t%s\t%zu\t%zu\t%zu", query, report->name ? "\t" : "",
+                  report->name ? report->name : "", object->name, at[0], at[1], at[2]);
     double value = volume->values ? (double)volume->values[voxel->voxel] : object->label;
     const double numbers[] = {point[0], point[1], point[2], value, voxel->distance};
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {

@@ -7,7 +7,11 @@
 
 struct report_scene report_scene_create(void)
 {
-    uint64_t seed = 8;
+    return report_scene_create_from(8);
+}
+
+struct report_scene report_scene_create_from(uint64_t seed)
+{
     struct report_scene scene = {.atlas = scene_atlas(&seed, 14, 1)};
     const conus_pose pose = scene_generic_pose(&seed, scene.atlas);
     const conus_jitter_options errors = {.tilt = 0.1, .shift = 2, .samples = 16};

@@ -16,6 +16,8 @@ struct report_scene {
 };
 
 struct report_scene report_scene_create(void);
+/** The same from another seed: another atlas, and other questions. */
+struct report_scene report_scene_create_from(uint64_t seed);
 void report_scene_destroy(struct report_scene *scene);
 
 /** One answer and its report. */

@@ -250,6 +250,186 @@ static void summaries_are_the_best_of_each(void **state)
     buffer_finish(&first);
 }
 
+/* ---- Several atlases ---- */
+
+enum { ATLASES = 3 };
+
+static const char *const names[ATLASES] = {"one", "two", "three"};
+
+/* Atlases besides the fixture's. */
+struct others {
+    conus_atlas *atlases[ATLASES - 1];
+    conus_selector *selectors[ATLASES - 1];
+};
+
+static struct others create_others(void)
+{
+    struct others others;
+    uint64_t seed = 21;
+    for (size_t i = 0; i < ATLASES - 1; i++) {
+        others.atlases[i] = scene_atlas(&seed, 16, 0);
+        assert_ok(conus_selector_create(&others.selectors[i], others.atlases[i], NULL));
+    }
+    return others;
+}
+
+static void destroy_others(struct others *others)
+{
+    for (size_t i = 0; i < ATLASES - 1; i++) {
+        conus_selector_destroy(others->selectors[i]);
+        conus_atlas_destroy(others->atlases[i]);
+    }
+}
+
+static conus_status make_joined(conus_batch **out, const struct fixture *fixture, const struct others *others,
+                                uint32_t threads, uint32_t block)
+{
+    const conus_batch_options options = {
+        .threads = threads, .block = block, .report = {.format = CONUS_FORMAT_NDJSON, .atlas = names[0]}};
+    conus_status status = conus_batch_create(out, fixture->selector, &options);
+    for (size_t i = 1; i < ATLASES && !status; i++) {
+        status = conus_batch_add(*out, others->selectors[i - 1], names[i]);
+    }
+    return status;
+}
+
+/* The rows of each pose alone. */
+struct rows_of_poses {
+    struct buffer text;
+    size_t ends[POSES];
+    size_t count;
+};
+
+static bool keep_end(void *user, const conus_batch_block *block)
+{
+    struct rows_of_poses *rows = user;
+    buffer_append(&rows->text, block->text, block->size);
+    rows->ends[rows->count++] = rows->text.size;
+    return true;
+}
+
+static void answer_each_pose(struct rows_of_poses *out, conus_selector *selector, const struct fixture *fixture)
+{
+    const conus_batch_options options = {.threads = 1, .block = 1, .report = {.format = CONUS_FORMAT_NDJSON}};
+    conus_batch *batch = NULL;
+    conus_pose_stream *poses = poses_of(fixture);
+    assert_ok(conus_batch_create(&batch, selector, &options));
+    assert_ok(conus_batch_run(batch, poses, UINT64_MAX, keep_end, out));
+    assert_int_equal(out->count, POSES);
+    conus_pose_stream_destroy(poses);
+    conus_batch_destroy(batch);
+}
+
+/* For each pose the rows of a batch of each atlas alone, with the atlas behind the first comma: no id has one. */
+static void put_joined_rows(struct buffer *out, const struct rows_of_poses rows[ATLASES])
+{
+    for (size_t pose = 0; pose < POSES; pose++) {
+        for (size_t i = 0; i < ATLASES; i++) {
+            const char *at = rows[i].text.data + (pose ? rows[i].ends[pose - 1] : 0);
+            const char *end = rows[i].text.data + rows[i].ends[pose];
+            while (at < end) {
+                const char *comma = strchr(at, ',');
+                const char *next = strchr(at, '\n') + 1;
+                buffer_format(out, "%.*s,\"atlas\":\"%s\"%.*s", (int)(comma - at), at, names[i], (int)(next - comma),
+                              comma);
+                at = next;
+            }
+        }
+    }
+}
+
+static void rows_of_several_atlases_are_those_of_each(void **state)
+{
+    struct fixture *fixture = *state;
+    static const uint32_t settings[][2] = {{1, 1}, {1, 256}, {2, 7}, {4, 50}};
+    struct others others = create_others();
+    static struct rows_of_poses rows[ATLASES];
+    struct buffer wanted = {0};
+    for (size_t i = 0; i < ATLASES; i++) {
+        answer_each_pose(&rows[i], i ? others.selectors[i - 1] : fixture->selector, fixture);
+    }
+    put_joined_rows(&wanted, rows);
+    for (size_t i = 0; i < sizeof settings / sizeof settings[0]; i++) {
+        struct received received = {0};
+        conus_batch *batch = NULL;
+        conus_pose_stream *poses = poses_of(fixture);
+        assert_ok(make_joined(&batch, fixture, &others, settings[i][0], settings[i][1]));
+        assert_ok(conus_batch_run(batch, poses, UINT64_MAX, receive, &received));
+        assert_int_equal(received.poses, POSES);
+        assert_int_equal(received.errors, (POSES + BAD - 1) / BAD); /* not once for each atlas */
+        check_text(&received, wanted.data, wanted.size);
+        for (size_t k = 0; k < ATLASES; k++) {
+            assert_int_equal(conus_batch_astray_at(batch, k).poses, POSES - received.errors);
+        }
+        assert_int_equal(conus_batch_astray_at(batch, ATLASES).poses, 0);
+        buffer_finish(&received.text);
+        conus_pose_stream_destroy(poses);
+        conus_batch_destroy(batch);
+    }
+    for (size_t i = 0; i < ATLASES; i++) {
+        buffer_finish(&rows[i].text);
+    }
+    buffer_finish(&wanted);
+    destroy_others(&others);
+}
+
+/* Without a name for the first, with one that is taken, of another resolution; and then the batch is as it was. */
+static void an_atlas_that_does_not_fit_is_not_added(void **state)
+{
+    struct fixture *fixture = *state;
+    struct others others = create_others();
+    conus_batch *batch = batch_of(fixture, 2, 9);
+    conus_batch *joined = NULL;
+    conus_selector *fine = NULL;
+    struct received received = {0};
+    conus_pose_stream *poses = poses_of(fixture);
+    assert_fails(conus_batch_add(batch, others.selectors[0], "two"), CONUS_ERROR_ARGUMENT);
+    assert_ok(conus_batch_run(batch, poses, UINT64_MAX, receive, &received));
+    check_text(&received, fixture->reference.data, fixture->reference.size);
+    assert_ok(make_joined(&joined, fixture, &others, 2, 9));
+    assert_ok(conus_selector_create(&fine, others.atlases[0], &(conus_selector_options){.resolution = 17}));
+    assert_fails(conus_batch_add(joined, others.selectors[0], names[1]), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_batch_add(joined, others.selectors[0], NULL), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_batch_add(joined, fine, "four"), CONUS_ERROR_ARGUMENT);
+    conus_selector_destroy(fine);
+    buffer_finish(&received.text);
+    conus_pose_stream_destroy(poses);
+    conus_batch_destroy(joined);
+    conus_batch_destroy(batch);
+    destroy_others(&others);
+}
+
+struct joined_attempt {
+    const struct fixture *fixture;
+    const struct others *others;
+};
+
+static conus_status run_joined(void *data)
+{
+    const struct joined_attempt *attempt = data;
+    struct received received = {0};
+    conus_batch *batch = NULL;
+    conus_pose_stream *poses = NULL;
+    const char *text = NULL;
+    size_t size = 0;
+    conus_status status = make_joined(&batch, attempt->fixture, attempt->others, 1, 4);
+    status = status ? status : conus_pose_stream_open(&poses, attempt->fixture->path, NULL);
+    status = status ? status : conus_batch_run(batch, poses, 8, receive, &received);
+    status = status ? status : conus_batch_sidecar(&text, &size, batch);
+    buffer_finish(&received.text);
+    conus_pose_stream_destroy(poses);
+    conus_batch_destroy(batch);
+    return status;
+}
+
+static void every_failing_allocation_is_clean_with_several_atlases(void **state)
+{
+    struct others others = create_others();
+    struct joined_attempt attempt = {*state, &others};
+    test_every_allocation(run_joined, &attempt);
+    destroy_others(&others);
+}
+
 static conus_status run_once(void *data)
 {
     struct fixture *fixture = data;
@@ -307,6 +487,9 @@ int main(void)
         cmocka_unit_test(what_is_no_batch_is_refused),
         cmocka_unit_test(the_header_is_the_report_s),
         cmocka_unit_test(summaries_are_the_best_of_each),
+        cmocka_unit_test(rows_of_several_atlases_are_those_of_each),
+        cmocka_unit_test(an_atlas_that_does_not_fit_is_not_added),
+        cmocka_unit_test(every_failing_allocation_is_clean_with_several_atlases),
         cmocka_unit_test(every_failing_allocation_is_clean),
         cmocka_unit_test(a_failure_ends_the_run),
     };
