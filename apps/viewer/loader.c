@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The thread that loads the atlas, and its progress. */
+/* The thread that loads the atlases, and its progress. */
 #include "viewer/loader.h"
 
 #include "common/messages.h"
@@ -14,8 +14,9 @@
 struct loader {
     pthread_t thread;
     struct loading what;
-    conus_atlas *atlas;
-    size_t total; /* files but for the context; the thread's own */
+    struct atlases atlases;
+    size_t before, total; /* files of the atlases before, and with those of the one at hand; the thread's own */
+    size_t ahead;         /* atlases behind it, a file each, and one for the context; likewise */
     char why[LOADER_WHY];
     atomic_bool cancelled;
     pthread_mutex_t lock; /* guards what follows */
@@ -24,18 +25,64 @@ struct loader {
 };
 
 /* What is read is shown, so that who waits knows what for. */
-static bool note(void *user, const char *path, size_t done, size_t total)
+static bool show(struct loader *loader, const char *path, size_t done, size_t total)
 {
-    struct loader *loader = user;
     const char *slash = strrchr(path, '/');
-    loader->total = total;
-    total += loader->what.context != NULL;
     pthread_mutex_lock(&loader->lock);
     snprintf(loader->progress.file, sizeof loader->progress.file, "%s", slash && slash[1] ? slash + 1 : path);
     make_plain_line(loader->progress.file);
     loader->progress.part = done < total ? (double)done / (double)total : 1;
     pthread_mutex_unlock(&loader->lock);
     return !atomic_load(&loader->cancelled);
+}
+
+/* Each atlas counts its own files, from 0. */
+static bool note(void *user, const char *path, size_t done, size_t total)
+{
+    struct loader *loader = user;
+    if (!done) {
+        loader->before = loader->total;
+        loader->ahead--;
+    }
+    loader->total = loader->before + total;
+    return show(loader, path, loader->before + done, loader->total + loader->ahead);
+}
+
+/* The path of an atlas's context, as conus_atlas_load() takes it; NULL = it has none. */
+static char *context_of(const conus_atlas *atlas)
+{
+    char *path = NULL;
+    for (size_t i = 0; i < conus_atlas_volume_count(atlas); i++) {
+        const conus_volume_info *info = conus_atlas_volume(atlas, i);
+        if (info->role == CONUS_ROLE_CONTEXT &&
+            asprintf(&path, info->volume_count > 1 ? "%s,volume=%zu" : "%s", info->path, info->volume) < 0) {
+            path = NULL;
+        }
+    }
+    return path;
+}
+
+static int set_context(struct loader *loader, size_t index, const char *path)
+{
+    bool goes_on = show(loader, path, loader->total, loader->total + 1);
+    return goes_on ? settings_load_context(loader->atlases.items[index].atlas, path, 0, loader->what.settings)
+                   : EXIT_DATA;
+}
+
+/* Any of the atlases may be drawn: each has the context, but for one that has its own. */
+static int set_contexts(struct loader *loader)
+{
+    const struct atlases *atlases = &loader->atlases;
+    const char *given = loader->what.context;
+    int code = given ? set_context(loader, 0, given) : EXIT_DONE;
+    char *path = context_of(atlases->items[0].atlas);
+    for (size_t i = 1; i < atlases->count && path && !code; i++) {
+        char *own = context_of(atlases->items[i].atlas);
+        code = own ? EXIT_DONE : set_context(loader, i, path);
+        free(own);
+    }
+    free(path);
+    return code;
 }
 
 static void *load(void *user)
@@ -45,15 +92,12 @@ static void *load(void *user)
     struct atlas_settings settings = *what->settings;
     settings.progress = note;
     settings.progress_user = loader;
-    int code = settings_load_atlas(&loader->atlas, what->path, &settings);
-    if (!code && what->context) {
-        bool goes_on = note(loader, what->context, loader->total, loader->total);
-        code = goes_on ? settings_load_context(loader->atlas, what->context, 0, what->settings) : EXIT_DATA;
-    }
+    loader->ahead = settings.more.count + 1 + (what->context != NULL);
+    int code = atlases_load(&loader->atlases, what->path, &settings);
+    code = code ? code : set_contexts(loader);
     if (code || atomic_load(&loader->cancelled)) {
         snprintf(loader->why, sizeof loader->why, "%s", atomic_load(&loader->cancelled) ? "" : error_line());
-        conus_atlas_destroy(loader->atlas);
-        loader->atlas = NULL;
+        atlases_finish(&loader->atlases);
     }
     pthread_mutex_lock(&loader->lock);
     loader->done = true;
@@ -99,12 +143,12 @@ bool loader_done(struct loader *loader)
     return done;
 }
 
-conus_atlas *loader_finish(struct loader *loader, char why[LOADER_WHY])
+bool loader_finish(struct loader *loader, struct atlases *out, char why[LOADER_WHY])
 {
     pthread_join(loader->thread, NULL);
-    conus_atlas *atlas = loader->atlas;
+    *out = loader->atlases;
     memcpy(why, loader->why, LOADER_WHY);
     pthread_mutex_destroy(&loader->lock);
     free(loader);
-    return atlas;
+    return out->count > 0;
 }

@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Loads the atlas on a thread of its own, while the window is open already. */
+/** @file Loads ATLAS and those of --atlas on a thread of its own, while the window is open already. */
 #ifndef CONUS_VIEWER_LOADER_H
 #define CONUS_VIEWER_LOADER_H
 
-#include "settings/settings.h"
+#include "settings/atlases.h"
 
 enum { LOADER_WHY = 512 };
 
 struct loader;
 
 struct loading {
-    const char *path;
+    const char *path; /**< Of the first, or its name. */
     const struct atlas_settings *settings;
-    const char *context; /**< NULL = the atlas's own. */
+    const char *context; /**< NULL = the first atlas's own. Another one that has none of its own gets the same. */
     void (*wake)(void);  /**< Called when it is done. */
 };
 
@@ -26,10 +26,10 @@ struct loader_progress {
 bool loader_start(struct loader **out, const struct loading *what);
 void loader_ask(struct loader *loader, struct loader_progress *out);
 bool loader_done(struct loader *loader);
-/** Nobody wants the atlas any more: the file that is being read is the last one. */
+/** Nobody wants the atlases any more: the file that is being read is the last one. */
 void loader_cancel(struct loader *loader);
-/** Waits, and ends the loader. NULL: there is no atlas, and unless it was cancelled it was said why on stderr, which
- * @p why repeats. */
-conus_atlas *loader_finish(struct loader *loader, char why[LOADER_WHY]);
+/** Waits, and ends the loader. @p out is the caller's. False: there is none, and unless it was cancelled it was said
+ * why on stderr, which @p why repeats. */
+bool loader_finish(struct loader *loader, struct atlases *out, char why[LOADER_WHY]);
 
 #endif

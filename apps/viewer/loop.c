@@ -39,9 +39,10 @@ static void hear_tracker(struct window *window)
 static void send_answer(struct window *window)
 {
     const struct viewer *viewer = window->viewer;
-    if (window->news.clients && viewer->cone.answer && viewer->cone.selector &&
+    if (window->news.clients && viewer->drawn->answer && viewer->drawn->selector &&
         window->sent_answer != viewer->cone.answer_number) {
-        station_send_selection(window->station, viewer->cone.selector, viewer->atlas, viewer_selection(viewer));
+        station_send_selection(window->station, viewer->drawn->selector, viewer->drawn->atlas,
+                               viewer_selection(viewer));
         window->sent_answer = viewer->cone.answer_number;
     }
 }
@@ -50,9 +51,13 @@ static void watch_files(struct window *window)
 {
     char news[WATCH_NEWS];
     double now = clock_ms();
-    if (now - window->watched >= 1e3 * longest_s && window->viewer->watch) {
-        window->watched = now;
-        if (watch_look(window->viewer->watch, news)) {
+    if (now - window->watched < 1e3 * longest_s) {
+        return;
+    }
+    window->watched = now;
+    for (size_t i = 0; i < window->viewer->atlas_count; i++) {
+        struct watch *watch = window->viewer->atlases[i].watch;
+        if (watch && watch_look(watch, news)) {
             viewer_say(window->viewer, "%s", news);
         }
     }

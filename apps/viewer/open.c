@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Loads an atlas while the window says how far that is, and puts it in place of the one before. */
+/* Loads an atlas, or several, while the window says how far that is, and puts it in place of what was open before. */
 #include "viewer/open.h"
 
 #include "common/messages.h"
@@ -51,15 +51,15 @@ static void draw_loading(struct window *window, struct loader *loader, double se
     glfwSwapBuffers(window->handle);
 }
 
-/* Waits for the atlas with the window open. NULL: nobody wants it any more, or `why` has the reason. */
-static conus_atlas *load(struct window *window, const struct loading *what, char why[LOADER_WHY])
+/* Waits with the window open. False: nobody wants them any more, or `why` has the reason. */
+static bool load(struct window *window, const struct loading *what, struct atlases *out, char why[LOADER_WHY])
 {
     struct loader *loader = NULL;
     double begun = glfwGetTime();
     if (!loader_start(&loader, what)) {
         print_error_line("not enough memory");
         snprintf(why, LOADER_WHY, "not enough memory");
-        return NULL;
+        return false;
     }
     while (!loader_done(loader) && !glfwWindowShouldClose(window->handle)) {
         if (window->wanted) {
@@ -72,7 +72,7 @@ static conus_atlas *load(struct window *window, const struct loading *what, char
         loader_cancel(loader);
         glfwHideWindow(window->handle);
     }
-    return loader_finish(loader, why);
+    return loader_finish(loader, out, why);
 }
 
 /* ---- Opening ----------------------------------------------------------------------------------------------------- */
@@ -93,23 +93,37 @@ static void finish(struct viewer *viewer)
     }
 }
 
-/* Takes the atlas over, also where there is not enough memory. */
-static struct viewer *create(conus_atlas *atlas, const char *path, const struct view_settings *settings)
+static void prepare(const struct atlases *atlases, const struct view_settings *settings)
+{
+    for (size_t i = 0; i < atlases->count; i++) {
+        settings_say_notes(atlases->items[i].atlas, &settings->common);
+        if (settings->safe_colours) {
+            conus_atlas_use_safe_colours(atlases->items[i].atlas);
+        }
+    }
+    atlases_say_spaces(atlases, &settings->common);
+}
+
+static struct viewer *create(const struct atlases *atlases, const char *path, const struct view_settings *settings)
 {
     struct viewer *viewer = malloc(sizeof *viewer);
-    settings_say_notes(atlas, &settings->common);
-    if (settings->safe_colours) {
-        conus_atlas_use_safe_colours(atlas);
+    struct view_source *sources = calloc(atlases->count, sizeof *sources);
+    for (size_t i = 0; sources && i < atlases->count; i++) {
+        sources[i] = (struct view_source){.atlas = atlases->items[i].atlas,
+                                          .path = i ? settings->atlas.more.items[i - 1] : path,
+                                          .name = atlases->items[i].name};
     }
-    if (!viewer ||
-        viewer_create(viewer, atlas, path, settings->transfer, settings->common.verbose ? log_line : NULL, loop_wake)) {
+    if (!viewer || !sources ||
+        viewer_create(viewer, sources, atlases->count, settings->transfer, settings->common.verbose ? log_line : NULL,
+                      loop_wake)) {
         print_error_line("not enough memory");
-        conus_atlas_destroy(atlas);
         free(viewer);
-        return NULL;
+        viewer = NULL;
+    } else {
+        viewer->display.safe_colours = settings->safe_colours;
+        set_head(&viewer->head, &settings->station);
     }
-    viewer->display.safe_colours = settings->safe_colours;
-    set_head(&viewer->head, &settings->station);
+    free(sources);
     return viewer;
 }
 
@@ -138,21 +152,38 @@ static void leave_options(struct view_settings *settings)
     settings->context = settings->transfer = settings->session = NULL;
 }
 
-static bool open_path(struct window *window, const char *path, struct view_settings settings, char *why)
+/* The viewer has them then. */
+static void hand_over(struct atlases *atlases)
+{
+    for (size_t i = 0; i < atlases->count; i++) {
+        atlases->items[i].atlas = NULL;
+    }
+}
+
+/* `text` is the path, or the name of an installed atlas. */
+static bool open_path(struct window *window, const char *text, const char *path, struct view_settings settings,
+                      char *why)
 {
     struct viewer *before = window->viewer;
+    struct viewer *viewer = NULL;
+    struct atlases atlases = {0};
+    const struct loading what = {text, &settings.atlas, settings.context, glfwPostEmptyEvent};
     if (before) {
         settings.safe_colours = before->display.safe_colours;
         settings.full_screen = false;
     }
-    const struct loading what = {path, &settings.atlas, settings.context, glfwPostEmptyEvent};
-    conus_atlas *atlas = load(window, &what, why);
-    struct viewer *viewer = atlas ? create(atlas, path, &settings) : NULL;
+    if (load(window, &what, &atlases, why)) {
+        prepare(&atlases, &settings);
+        viewer = create(&atlases, path, &settings);
+    }
+    if (viewer) {
+        hand_over(&atlases);
+    } else if (atlases.count) {
+        snprintf(why, LOADER_WHY, "%s", error_line());
+    }
+    atlases_finish(&atlases);
     if (before && viewer) {
         viewer->display.radiological = before->display.radiological;
-    }
-    if (atlas && !viewer) {
-        snprintf(why, LOADER_WHY, "%s", error_line());
     }
     bool fine = viewer && show(window, viewer, &settings, why);
     if (viewer && !fine) { /* of the session: nothing was open before */
@@ -163,14 +194,13 @@ static bool open_path(struct window *window, const char *path, struct view_setti
 }
 
 /* Opens what the user named, a path or an installed atlas, whose path is what is remembered. */
-static bool open_named(struct window *window, const char *text, struct view_settings *settings, bool remember,
+static bool open_named(struct window *window, const char *text, const struct view_settings *settings, bool remember,
                        char why[LOADER_WHY])
 {
     struct atlas_name name;
     bool fine = atlas_name_find(&name, text) == EXIT_DONE;
     if (fine) {
-        settings->atlas.labels = atlas_name_labels(&name, settings->atlas.labels);
-        fine = open_path(window, name.path, *settings, why);
+        fine = open_path(window, text, name.path, *settings, why);
     } else {
         snprintf(why, LOADER_WHY, "%s", error_line());
     }

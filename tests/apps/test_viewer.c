@@ -22,7 +22,7 @@ static void load(struct viewer *out, const char *kind, const char *file)
     assert_ok(conus_phantom_write(kind, folder, NULL));
     snprintf(path, sizeof path, "%s/%s", folder, file);
     assert_ok(conus_atlas_load(&atlas, path, NULL));
-    assert_ok(viewer_create(out, atlas, "phantom", NULL, NULL, NULL));
+    assert_ok(viewer_create(out, &(struct view_source){.atlas = atlas, .path = "phantom"}, 1, NULL, NULL, NULL));
 }
 
 static const double eye[3] = {0, 90, 0};
@@ -41,7 +41,7 @@ static void the_mouse_hits_what_is_shown(void **state)
         assert_true(hit > 0);
         assert_near(contact[1], 24 - 8 * ball, 1);
         assert_near(contact[0], 0, 1e-9);
-        assert_true(isnan(viewer_value(&viewer, hit, contact)));
+        assert_true(isnan(view_atlas_value(viewer.drawn, hit, contact)));
         viewer_hide(&viewer, hit, true);
     }
     uint32_t hit;
@@ -96,7 +96,7 @@ static void what_comes_hidden_can_be_shown(void **state)
     snprintf(path, sizeof path, "%s/nested.nii.gz", folder);
     assert_ok(conus_atlas_load(&atlas, path, NULL));
     assert_ok(conus_atlas_show(atlas, NULL, "1"));
-    assert_ok(viewer_create(&viewer, atlas, path, NULL, NULL, NULL));
+    assert_ok(viewer_create(&viewer, &(struct view_source){.atlas = atlas, .path = path}, 1, NULL, NULL, NULL));
     assert_int_equal(viewer_shown(&viewer, 1), SHOWN_NOT);
     viewer_aim_along(&viewer, eye, back);
     assert_int_equal(best_of(&viewer), 2);
@@ -112,9 +112,9 @@ static void a_pathway_has_a_value(void **state)
     double middle[3];
     (void)state;
     load(&viewer, "brain", "brain.atlas.json");
-    uint32_t pathway = (uint32_t)viewer.object_count;
-    assert_int_equal(conus_atlas_object(viewer.atlas, pathway)->kind, CONUS_KIND_PATHWAY);
-    assert_ok(conus_atlas_centre(middle, viewer.atlas, pathway));
+    uint32_t pathway = (uint32_t)viewer.drawn->object_count;
+    assert_int_equal(conus_atlas_object(viewer.drawn->atlas, pathway)->kind, CONUS_KIND_PATHWAY);
+    assert_ok(conus_atlas_centre(middle, viewer.drawn->atlas, pathway));
     viewer_isolate(&viewer, pathway);
     bool found = false;
     for (int k = -20; k <= 20 && !found; k++) {
@@ -126,8 +126,8 @@ static void a_pathway_has_a_value(void **state)
             found = true;
             assert_int_equal(hit, pathway);
             double threshold = 16383.75;
-            assert_true(viewer_value(&viewer, pathway, contact) >= threshold);
-            assert_true(isnan(viewer_value(&viewer, pathway, from)));
+            assert_true(view_atlas_value(viewer.drawn, pathway, contact) >= threshold);
+            assert_true(isnan(view_atlas_value(viewer.drawn, pathway, from)));
         }
     }
     assert_true(found);
@@ -361,7 +361,7 @@ static void a_place_has_a_voxel_and_the_crosshair_stays_near(void **state)
     long voxel[3];
     (void)state;
     load(&viewer, "slabs", "slabs.nii.gz");
-    const conus_volume_info *info = conus_atlas_volume(viewer.atlas, 0);
+    const conus_volume_info *info = conus_atlas_volume(viewer.drawn->atlas, 0);
     for (long k = 0; k < (long)info->dim[2]; k += 7) {
         double at[3];
         const long wanted[3] = {3, 5 + k / 2, k};
@@ -409,16 +409,16 @@ static void files_are_watched(void **state)
     char news[WATCH_NEWS];
     (void)state;
     load(&viewer, "slabs", "slabs.nii.gz");
-    snprintf(path, sizeof path, "%s", conus_atlas_volume(viewer.atlas, 0)->path);
-    assert_false(watch_look(viewer.watch, news));
+    snprintf(path, sizeof path, "%s", conus_atlas_volume(viewer.drawn->atlas, 0)->path);
+    assert_false(watch_look(viewer.drawn->watch, news));
     assert_int_equal(unlink(path), 0);
-    assert_true(watch_look(viewer.watch, news));
+    assert_true(watch_look(viewer.drawn->watch, news));
     assert_non_null(strstr(news, "slabs.nii.gz is gone from disk"));
-    assert_false(watch_look(viewer.watch, news));
+    assert_false(watch_look(viewer.drawn->watch, news));
     assert_ok(conus_write_file(path, "other", 5));
-    assert_true(watch_look(viewer.watch, news));
+    assert_true(watch_look(viewer.drawn->watch, news));
     assert_non_null(strstr(news, "slabs.nii.gz changed on disk"));
-    assert_false(watch_look(viewer.watch, news));
+    assert_false(watch_look(viewer.drawn->watch, news));
     viewer_finish(&viewer);
 }
 
@@ -435,7 +435,7 @@ static void load_two_pathways(struct viewer *out)
     assert_ok(conus_atlas_load(&atlas, path, NULL));
     snprintf(path, sizeof path, "%s/brain-pathway.nii.gz", folder);
     assert_ok(conus_atlas_add_pathway(atlas, path, &second));
-    assert_ok(viewer_create(out, atlas, "phantom", NULL, NULL, NULL));
+    assert_ok(viewer_create(out, &(struct view_source){.atlas = atlas, .path = "phantom"}, 1, NULL, NULL, NULL));
 }
 
 /* A threshold that is no number cannot be set: what was set before it goes back. */
@@ -444,27 +444,27 @@ static void settings_of_the_atlas_are_all_set_or_none(void **state)
     struct viewer viewer;
     double thresholds[16] = {0};
     struct atlas_edits edits = {
-        .thresholds = thresholds, .safe_colours = true, .sets_transfer = true, .point_count = 1};
+        .thresholds = (double *[]){thresholds}, .safe_colours = true, .sets_transfer = true, .point_count = 1};
     (void)state;
     load_two_pathways(&viewer);
-    const uint32_t last = (uint32_t)viewer.object_count;
-    const double before = viewer_pathway(&viewer, last - 1)->threshold;
-    const uint64_t voxels = conus_atlas_object(viewer.atlas, last - 1)->voxels;
-    assert_null(viewer_pathway(&viewer, last - 2));
-    assert_null(viewer_pathway(&viewer, last + 1));
+    const uint32_t last = (uint32_t)viewer.drawn->object_count;
+    const double before = view_atlas_pathway(viewer.drawn, last - 1)->threshold;
+    const uint64_t voxels = conus_atlas_object(viewer.drawn->atlas, last - 1)->voxels;
+    assert_null(view_atlas_pathway(viewer.drawn, last - 2));
+    assert_null(view_atlas_pathway(viewer.drawn, last + 1));
     thresholds[last - 1] = 2 * before;
     thresholds[last] = NAN;
     assert_int_equal(viewer_set_up(&viewer, &edits), CONUS_ERROR_ARGUMENT);
-    assert_true(viewer_pathway(&viewer, last - 1)->threshold == before);
-    assert_int_equal(conus_atlas_object(viewer.atlas, last - 1)->voxels, voxels);
-    assert_true(viewer_pathway(&viewer, last)->threshold == 100);
+    assert_true(view_atlas_pathway(viewer.drawn, last - 1)->threshold == before);
+    assert_int_equal(conus_atlas_object(viewer.drawn->atlas, last - 1)->voxels, voxels);
+    assert_true(view_atlas_pathway(viewer.drawn, last)->threshold == 100);
     assert_false(viewer.display.safe_colours);
     assert_false(viewer.transfer_editor.edited);
     thresholds[last] = 200;
     assert_ok(viewer_set_up(&viewer, &edits));
-    assert_true(viewer_pathway(&viewer, last - 1)->threshold == 2 * before);
-    assert_true(conus_atlas_object(viewer.atlas, last - 1)->voxels < voxels);
-    assert_true(viewer_pathway(&viewer, last)->threshold == 200);
+    assert_true(view_atlas_pathway(viewer.drawn, last - 1)->threshold == 2 * before);
+    assert_true(conus_atlas_object(viewer.drawn->atlas, last - 1)->voxels < voxels);
+    assert_true(view_atlas_pathway(viewer.drawn, last)->threshold == 200);
     assert_true(viewer.display.safe_colours && viewer.transfer_editor.edited);
     viewer_finish(&viewer);
 }
@@ -479,7 +479,7 @@ static void edited_points_outlive_other_changes(void **state)
     (void)state;
     load_two_pathways(&viewer);
     assert_ok(viewer_set_up(&viewer, &edits));
-    viewer_set_threshold(&viewer, (uint32_t)viewer.object_count, 300);
+    viewer_set_threshold(&viewer, (uint32_t)viewer.drawn->object_count, 300);
     viewer_use_safe_colours(&viewer, true);
     assert_int_equal(painter_transfer(viewer.painter, used, EDITOR_POINTS), 2);
     for (size_t i = 0; i < 2; i++) {

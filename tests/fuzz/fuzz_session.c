@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Sessions of the window: one that is refused changes nothing; of one that is opened, what is saved opens again and is
- * saved the same. The atlas has an area, a pathway and a context of 16 voxels each way; nothing is selected or drawn.
- */
+ * saved the same. Each of two atlases has an area, a pathway and a context of 16 voxels each way; nothing is selected
+ * or drawn. */
 #include "viewer/session/session.h"
 
 #include <stdio.h>
@@ -115,8 +115,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     static struct viewer viewer;
     static struct window window = {.enlarged = -1, .viewer = &viewer};
     char why[SESSION_REASON];
-    if (!viewer.atlas) {
-        check(!viewer_create(&viewer, make_atlas(), "sphere.nii.gz", NULL, NULL, NULL));
+    if (!viewer.atlases) {
+        const struct view_source sources[] = {{make_atlas(), "sphere.nii.gz", "sphere"},
+                                              {make_atlas(), "again.nii.gz", "again"}};
+        check(!viewer_create(&viewer, sources, 2, NULL, NULL, NULL));
     }
     char *before = session_text(&window);
     bool fine = session_parse(&window, (const char *)data, size, why);

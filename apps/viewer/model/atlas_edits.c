@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What of the atlas itself can be changed while it is shown: thresholds, colours, the context's transfer function. */
+/* What of atlases can be changed while they are shown: thresholds, colours, the context's transfer function, and which
+ * of them is drawn. */
 #include "viewer/model/viewer.h"
 
 #include <math.h>
@@ -10,10 +11,12 @@
 static void rest(struct viewer *viewer)
 {
     painter_destroy(viewer->painter);
-    viewer_rest_selectors(viewer);
-    answer_drop(viewer->cone.answer);
     viewer->painter = NULL;
-    viewer->cone.answer = NULL;
+    for (size_t i = 0; i < viewer->atlas_count; i++) {
+        view_atlas_rest(&viewer->atlases[i]);
+        view_atlas_forget(&viewer->atlases[i]);
+    }
+    viewer->atlas_number++;
     viewer->cone.answer_number++;
 }
 
@@ -24,10 +27,10 @@ static bool pass_transfer(const struct viewer *viewer)
     return viewer->painter && (!editor->edited || painter_set_transfer(viewer->painter, editor->points, editor->count));
 }
 
-static void resume_painter(struct viewer *viewer)
+static void start_painter(struct viewer *viewer)
 {
     struct painter *painter = NULL;
-    if (painter_create(&painter, viewer->atlas, viewer->transfer, viewer->cone.options.log, viewer->wake)) {
+    if (painter_create(&painter, viewer->drawn->atlas, viewer->transfer, viewer->cone.options.log, viewer->wake)) {
         viewer->painter = painter;
         viewer->transfer_editor.ready = false;
     }
@@ -35,7 +38,29 @@ static void resume_painter(struct viewer *viewer)
     if (!pass_transfer(viewer)) {
         viewer_say(viewer, "not enough memory");
     }
+}
+
+static void resume(struct viewer *viewer)
+{
+    start_painter(viewer);
     viewer_reselect(viewer);
+}
+
+void viewer_draw(struct viewer *viewer, size_t index)
+{
+    const struct view_atlas *before = viewer->drawn;
+    struct view_atlas *next = &viewer->atlases[index];
+    if (next == before) {
+        return;
+    }
+    painter_destroy(viewer->painter);
+    viewer->painter = NULL;
+    viewer->drawn = next;
+    viewer->transfer_editor.edited = viewer->transfer_editor.edited && view_atlas_shares_context(before, next);
+    start_painter(viewer);
+    viewer->atlas_number++;
+    viewer->cone.answer_number++;
+    viewer->version++;
 }
 
 void viewer_use_transfer(struct viewer *viewer)
@@ -51,28 +76,23 @@ void viewer_use_transfer(struct viewer *viewer)
 /* ---- Thresholds and colours ----------------------------------------------------------------------------------------
  */
 
-const conus_volume_info *viewer_pathway(const struct viewer *viewer, uint32_t object)
-{
-    const conus_object *pathway = conus_atlas_object(viewer->atlas, object);
-    bool has_threshold = pathway && pathway->kind == CONUS_KIND_PATHWAY && !pathway->is_band;
-    return has_threshold ? conus_atlas_volume(viewer->atlas, pathway->volume) : NULL;
-}
-
 void viewer_set_threshold(struct viewer *viewer, uint32_t object, double threshold)
 {
     rest(viewer);
-    if (conus_atlas_set_threshold(viewer->atlas, object, threshold)) {
+    if (conus_atlas_set_threshold(viewer->drawn->atlas, object, threshold)) {
         viewer_say(viewer, "%s", conus_message());
     }
-    resume_painter(viewer);
+    resume(viewer);
 }
 
 static void set_colours(struct viewer *viewer, bool safe)
 {
-    if (safe) {
-        conus_atlas_use_safe_colours(viewer->atlas);
-    } else {
-        conus_atlas_use_own_colours(viewer->atlas);
+    for (size_t i = 0; i < viewer->atlas_count; i++) {
+        if (safe) {
+            conus_atlas_use_safe_colours(viewer->atlases[i].atlas);
+        } else {
+            conus_atlas_use_own_colours(viewer->atlases[i].atlas);
+        }
     }
     viewer->display.safe_colours = safe;
 }
@@ -81,16 +101,16 @@ void viewer_use_safe_colours(struct viewer *viewer, bool safe)
 {
     rest(viewer);
     set_colours(viewer, safe);
-    resume_painter(viewer);
+    resume(viewer);
 }
 
 /* ---- All at once ---------------------------------------------------------------------------------------------------
  */
 
-static bool differ(const struct viewer *viewer, const double *thresholds)
+static bool differ(const struct view_atlas *on, const double *thresholds)
 {
-    for (uint32_t number = 1; thresholds && number <= viewer->object_count; number++) {
-        const conus_volume_info *info = viewer_pathway(viewer, number);
+    for (uint32_t number = 1; thresholds && number <= on->object_count; number++) {
+        const conus_volume_info *info = view_atlas_pathway(on, number);
         if (info && info->threshold != thresholds[number]) {
             return true;
         }
@@ -98,33 +118,48 @@ static bool differ(const struct viewer *viewer, const double *thresholds)
     return false;
 }
 
-/* Those of pathways before @p end; what they were comes into @p was. */
-static conus_status set_thresholds(struct viewer *viewer, double *was, const double *thresholds, uint32_t *end)
+/* Sets those of pathways before @p end, or up to one that fails, where @p end is then; what they were takes their
+ * place. */
+static conus_status swap_some(struct view_atlas *on, double *thresholds, uint32_t *end)
 {
     conus_status status = CONUS_OK;
-    for (uint32_t number = 1; number < *end && !status; number++) {
-        const conus_volume_info *info = viewer_pathway(viewer, number);
+    for (uint32_t number = 1; number < *end; number++) {
+        const conus_volume_info *info = view_atlas_pathway(on, number);
         if (info) {
-            was[number] = info->threshold;
-            status = conus_atlas_set_threshold(viewer->atlas, number, thresholds[number]);
+            double was = info->threshold;
+            status = conus_atlas_set_threshold(on->atlas, number, thresholds[number]);
+            thresholds[number] = status ? thresholds[number] : was;
             *end = status ? number : *end;
         }
     }
     return status;
 }
 
-static conus_status change_thresholds(struct viewer *viewer, const double *thresholds)
+/* All of an atlas, or none of them. */
+static conus_status swap_thresholds(struct viewer *viewer, struct view_atlas *on, double *thresholds)
 {
-    uint32_t end = (uint32_t)viewer->object_count + 1;
-    double *was = calloc(2 * (size_t)end, sizeof *was);
-    if (!was) {
-        return CONUS_ERROR_MEMORY;
-    }
-    conus_status status = set_thresholds(viewer, was, thresholds, &end);
-    if (status && set_thresholds(viewer, was + viewer->object_count + 1, was, &end)) {
+    uint32_t end = (uint32_t)on->object_count + 1;
+    conus_status status = thresholds ? swap_some(on, thresholds, &end) : CONUS_OK;
+    if (status && swap_some(on, thresholds, &end)) {
         viewer_say(viewer, "not enough memory");
     }
-    free(was);
+    return status;
+}
+
+/* All of all atlases, or none. */
+static conus_status change_thresholds(struct viewer *viewer, double *const *thresholds)
+{
+    conus_status status = CONUS_OK;
+    size_t done = 0;
+    while (done < viewer->atlas_count && !status) {
+        status = swap_thresholds(viewer, &viewer->atlases[done], thresholds[done]);
+        done += !status;
+    }
+    for (size_t i = 0; i < done && status; i++) {
+        if (swap_thresholds(viewer, &viewer->atlases[i], thresholds[i])) {
+            viewer_say(viewer, "not enough memory");
+        }
+    }
     return status;
 }
 
@@ -139,7 +174,10 @@ static void set_points(struct transfer_editor *editor, const struct atlas_edits 
 conus_status viewer_set_up(struct viewer *viewer, const struct atlas_edits *settings)
 {
     struct transfer_editor *editor = &viewer->transfer_editor;
-    bool other = differ(viewer, settings->thresholds);
+    bool other = false;
+    for (size_t i = 0; settings->thresholds && i < viewer->atlas_count; i++) {
+        other = other || differ(&viewer->atlases[i], settings->thresholds[i]);
+    }
     bool back = settings->sets_transfer && editor->edited && !settings->point_count;
     bool rests = other || back || settings->safe_colours != viewer->display.safe_colours;
     conus_status status = CONUS_OK;
@@ -154,7 +192,7 @@ conus_status viewer_set_up(struct viewer *viewer, const struct atlas_edits *sett
         set_points(editor, settings);
     }
     if (rests) {
-        resume_painter(viewer);
+        resume(viewer);
     } else if (settings->sets_transfer && editor->edited) {
         viewer_use_transfer(viewer);
     }

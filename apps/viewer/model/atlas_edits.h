@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Changes of the atlas itself while it is shown: thresholds, colours, the context's transfer function. */
+/** @file Changes of the atlases themselves while they are shown: which of them is drawn, thresholds, colours, the
+ * context's transfer function. */
 #ifndef CONUS_VIEWER_MODEL_ATLAS_EDITS_H
 #define CONUS_VIEWER_MODEL_ATLAS_EDITS_H
 
@@ -20,28 +21,30 @@ struct transfer_editor {
     bool edited; /**< The points are drawn with instead of the function that the context came with. */
 };
 
-/** What a session says of the atlas itself. */
+/** What a session says of the atlases themselves. */
 struct atlas_edits {
-    const double *thresholds; /**< [object_count + 1] by number; those of areas are not read. NULL = as they are. */
+    double *const *thresholds; /**< [atlas_count][object_count + 1] by number; those of areas are not read. NULL, of all
+                                    or of one atlas = as they are. Changed. */
     bool safe_colours;
     bool sets_transfer; /**< Then the points are; none of them = the function that the context came with. */
     conus_transfer_point points[EDITOR_POINTS];
     size_t point_count;
 };
 
-/** Changes from which value on a pathway is one. */
+/** Draws atlas @p index of the viewer from now on; cone, answers and views stay. Points of the transfer function that
+ * were edited stay where both atlases have the same context. */
+void viewer_draw(struct viewer *viewer, size_t index);
+
+/** Changes from which value on a pathway of the drawn atlas is one. */
 void viewer_set_threshold(struct viewer *viewer, uint32_t object, double threshold);
 
-/** The volume of a pathway; NULL of an area. */
-const conus_volume_info *viewer_pathway(const struct viewer *viewer, uint32_t object);
-
-/** Sets all at once; where that fails (memory), the atlas is as it was. */
+/** Sets all at once; where that fails (memory), the atlases are as they were. */
 conus_status viewer_set_up(struct viewer *viewer, const struct atlas_edits *settings);
 
 /** Draws with the editor's points from now on. */
 void viewer_use_transfer(struct viewer *viewer);
 
-/** Colours for any colour vision, or the atlas's own. */
+/** Colours for any colour vision, or the atlases' own. */
 void viewer_use_safe_colours(struct viewer *viewer, bool safe);
 
 #endif

@@ -3,13 +3,14 @@
 #include "viewer/model/picker.h"
 
 #include <math.h>
+#include <string.h>
 
 static const double ray_angle = 1e-3; /* the one pixel's ray is the axis, whatever it is */
 
-static conus_status make_picker(struct viewer *viewer)
+static conus_status make_picker(struct view_atlas *on)
 {
     const conus_selector_options options = {.resolution = 1, .layers = CONUS_LAYERS_ALL};
-    return viewer->picker ? CONUS_OK : conus_selector_create(&viewer->picker, viewer->atlas, &options);
+    return on->picker ? CONUS_OK : conus_selector_create(&on->picker, on->atlas, &options);
 }
 
 /* ---- What the context hides ---------------------------------------------------------------------------------------
@@ -26,8 +27,10 @@ struct veil {
 
 static bool veil_init(struct veil *out, const struct viewer *viewer)
 {
-    *out = (struct veil){.atlas = viewer->atlas, .volume = viewer_context(viewer), .thinned = 1 - viewer->display.fade};
-    if (out->volume < conus_atlas_volume_count(viewer->atlas) && viewer->painter) {
+    *out = (struct veil){.atlas = viewer->drawn->atlas,
+                         .volume = view_atlas_context(viewer->drawn),
+                         .thinned = 1 - viewer->display.fade};
+    if (out->volume < conus_atlas_volume_count(viewer->drawn->atlas) && viewer->painter) {
         out->count = painter_transfer(viewer->painter, out->points, EDITOR_POINTS);
     }
     return out->count > 0;
@@ -75,22 +78,22 @@ static double depth_of_surface(const struct viewer *viewer, const double origin[
 /* ---- What is under the mouse --------------------------------------------------------------------------------------
  */
 
-static bool has_pathways(const struct viewer *viewer)
+static bool has_pathways(const struct view_atlas *on)
 {
-    for (size_t number = viewer->object_count; number > 0; number--) { /* pathways come last */
-        if (conus_atlas_object(viewer->atlas, number)->kind != CONUS_KIND_PATHWAY) {
+    for (size_t number = on->object_count; number > 0; number--) { /* pathways come last */
+        if (conus_atlas_object(on->atlas, number)->kind != CONUS_KIND_PATHWAY) {
             return false;
         }
-        if (!viewer->shown.hidden[number]) {
+        if (!on->shown.hidden[number]) {
             return true;
         }
     }
     return false;
 }
 
-static bool is_hit(const struct viewer *viewer, uint32_t number)
+static bool is_hit(const struct view_atlas *on, uint32_t number)
 {
-    const conus_selection *selection = viewer_selection(viewer);
+    const conus_selection *selection = view_atlas_selection(on);
     for (size_t i = 0; i < conus_selection_count(selection); i++) {
         const conus_result *result = conus_selection_result(selection, i);
         if (result->object == number && result->pixels + result->pierced > 0) {
@@ -101,32 +104,49 @@ static bool is_hit(const struct viewer *viewer, uint32_t number)
 }
 
 /* Areas of voxels would hide pathways: where there are any, the picture has the areas that are hit. */
-static bool is_drawn(const struct viewer *viewer, uint32_t number)
+static bool is_drawn(const struct view_atlas *on, uint32_t number)
 {
-    const conus_object *object = conus_atlas_object(viewer->atlas, number);
-    return object->kind == CONUS_KIND_PATHWAY || object->triangles > 0 || !has_pathways(viewer) ||
-           is_hit(viewer, number);
+    const conus_object *object = conus_atlas_object(on->atlas, number);
+    return object->kind == CONUS_KIND_PATHWAY || object->triangles > 0 || !has_pathways(on) || is_hit(on, number);
 }
 
 /* How far it is to the first that is drawn; INFINITY and 0 where there is none. */
-static double find_first(uint32_t *object, struct viewer *viewer, const conus_pose *pose)
+static double find_first(uint32_t *object, struct view_atlas *on, const conus_pose *pose)
 {
     conus_selection *selection = NULL;
     size_t count = 0;
     double depth = INFINITY;
     *object = 0;
-    if (make_picker(viewer) || conus_select(&selection, viewer->picker, pose, ray_angle)) {
+    if (make_picker(on) || conus_select(&selection, on->picker, pose, ray_angle)) {
         return INFINITY;
     }
     const conus_interval *intervals = conus_selection_intervals(&count, selection);
     for (size_t i = 0; i < count && !*object; i++) {
-        if (is_drawn(viewer, intervals[i].object)) {
+        if (is_drawn(on, intervals[i].object)) {
             *object = intervals[i].object;
             depth = intervals[i].entry;
         }
     }
     conus_selection_destroy(selection);
     return depth;
+}
+
+uint32_t view_atlas_pick(double *depth, struct view_atlas *on, const double origin[3], const double direction[3])
+{
+    conus_pose pose;
+    uint32_t object = 0;
+    *depth = conus_pose_along(&pose, origin, direction, NULL) ? INFINITY : find_first(&object, on, &pose);
+    return object;
+}
+
+uint32_t view_atlas_at(struct view_atlas *on, const double place[3])
+{
+    conus_cut_view view = {.width = 1, .height = 1, .window = {0, 1}};
+    memcpy(view.centre, place, sizeof view.centre);
+    if ((!on->probe && conus_cutter_create(&on->probe, on->atlas)) || conus_cutter_draw(on->probe, &view)) {
+        return 0;
+    }
+    return conus_cutter_objects(on->probe)[0];
 }
 
 bool viewer_pick(uint32_t *object, double contact[3], struct viewer *viewer, const double origin[3],
@@ -143,7 +163,7 @@ bool viewer_pick(uint32_t *object, double contact[3], struct viewer *viewer, con
     for (int a = 0; a < 3; a++) {
         across = hypot(across, origin[a] - viewer->centre[a]);
     }
-    double depth = find_first(object, viewer, &pose);
+    double depth = find_first(object, viewer->drawn, &pose);
     double surface = depth_of_surface(viewer, origin, along, fmin(depth, across + 2 * viewer->radius));
     if (surface < depth) {
         *object = 0;
@@ -162,13 +182,13 @@ static double reach_of(const conus_atlas *atlas, const conus_object *pathway)
     return 0.51 * sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]);
 }
 
-double viewer_value(struct viewer *viewer, uint32_t object, const double place[3])
+double view_atlas_value(struct view_atlas *on, uint32_t object, const double place[3])
 {
-    const conus_object *info = conus_atlas_object(viewer->atlas, object);
+    const conus_object *info = conus_atlas_object(on->atlas, object);
     conus_selection *selection = NULL;
     double value = NAN;
-    if (!info || info->kind != CONUS_KIND_PATHWAY || make_picker(viewer) ||
-        conus_select_ball(&selection, viewer->picker, place, reach_of(viewer->atlas, info))) {
+    if (!info || info->kind != CONUS_KIND_PATHWAY || make_picker(on) ||
+        conus_select_ball(&selection, on->picker, place, reach_of(on->atlas, info))) {
         return NAN;
     }
     for (size_t i = 0; i < conus_selection_count(selection); i++) {

@@ -26,16 +26,17 @@ void shown_finish(struct shown_objects *shown)
 }
 
 /* What is hidden is not in the atlas: it is not hit, not drawn, and blocks nothing. */
-static void hide_in_atlas(struct viewer *viewer)
+static void hide_in_atlas(struct viewer *viewer, struct view_atlas *on)
 {
     if (viewer->painter) {
         painter_hold(viewer->painter);
     }
-    viewer_rest_selectors(viewer);
-    if (conus_atlas_set_hidden(viewer->atlas, viewer->shown.hidden)) {
+    view_atlas_rest(on);
+    viewer->atlas_number++;
+    if (conus_atlas_set_hidden(on->atlas, on->shown.hidden)) {
         viewer_say(viewer, "%s", conus_message());
-        for (size_t number = 1; number <= viewer->object_count; number++) {
-            viewer->shown.hidden[number] = conus_atlas_is_hidden(viewer->atlas, number);
+        for (size_t number = 1; number <= on->object_count; number++) {
+            on->shown.hidden[number] = conus_atlas_is_hidden(on->atlas, number);
         }
     }
     if (viewer->painter) {
@@ -45,25 +46,25 @@ static void hide_in_atlas(struct viewer *viewer)
     viewer_reselect(viewer);
 }
 
-static void remember(struct viewer *viewer)
+static void remember(struct view_atlas *on)
 {
-    bool *copy = malloc((viewer->object_count + 1) * sizeof *copy);
+    bool *copy = malloc((on->object_count + 1) * sizeof *copy);
     if (!copy) {
         return;
     }
-    memcpy(copy, viewer->shown.hidden, (viewer->object_count + 1) * sizeof *copy);
-    if (viewer->shown.undo_count == UNDO_LIMIT) {
-        free(viewer->shown.undo[0]);
-        memmove(viewer->shown.undo, viewer->shown.undo + 1, (UNDO_LIMIT - 1) * sizeof *viewer->shown.undo);
-        viewer->shown.undo_count--;
+    memcpy(copy, on->shown.hidden, (on->object_count + 1) * sizeof *copy);
+    if (on->shown.undo_count == UNDO_LIMIT) {
+        free(on->shown.undo[0]);
+        memmove(on->shown.undo, on->shown.undo + 1, (UNDO_LIMIT - 1) * sizeof *on->shown.undo);
+        on->shown.undo_count--;
     }
-    viewer->shown.undo[viewer->shown.undo_count++] = copy;
+    on->shown.undo[on->shown.undo_count++] = copy;
 }
 
 bool viewer_is_below(const struct viewer *viewer, uint32_t object, uint32_t ancestor)
 {
     while (object && object != ancestor) {
-        object = conus_atlas_object(viewer->atlas, object)->parent;
+        object = conus_atlas_object(viewer->drawn->atlas, object)->parent;
     }
     return object;
 }
@@ -72,10 +73,10 @@ enum shown viewer_shown(const struct viewer *viewer, uint32_t object)
 {
     bool any = false;
     bool all = true;
-    for (uint32_t number = 1; number <= viewer->object_count; number++) {
+    for (uint32_t number = 1; number <= viewer->drawn->object_count; number++) {
         if (viewer_is_below(viewer, number, object)) {
-            any = any || !viewer->shown.hidden[number];
-            all = all && !viewer->shown.hidden[number];
+            any = any || !viewer->drawn->shown.hidden[number];
+            all = all && !viewer->drawn->shown.hidden[number];
         }
     }
     return all ? SHOWN : any ? SHOWN_IN_PART : SHOWN_NOT;
@@ -83,48 +84,48 @@ enum shown viewer_shown(const struct viewer *viewer, uint32_t object)
 
 void viewer_hide(struct viewer *viewer, uint32_t object, bool hide)
 {
-    remember(viewer);
-    for (uint32_t number = 1; number <= viewer->object_count; number++) {
+    remember(viewer->drawn);
+    for (uint32_t number = 1; number <= viewer->drawn->object_count; number++) {
         if (viewer_is_below(viewer, number, object)) {
-            viewer->shown.hidden[number] = hide;
+            viewer->drawn->shown.hidden[number] = hide;
         }
     }
-    hide_in_atlas(viewer);
+    hide_in_atlas(viewer, viewer->drawn);
 }
 
 void viewer_isolate(struct viewer *viewer, uint32_t object)
 {
-    remember(viewer);
-    for (uint32_t number = 1; number <= viewer->object_count; number++) {
-        viewer->shown.hidden[number] = !viewer_is_below(viewer, number, object);
+    remember(viewer->drawn);
+    for (uint32_t number = 1; number <= viewer->drawn->object_count; number++) {
+        viewer->drawn->shown.hidden[number] = !viewer_is_below(viewer, number, object);
     }
-    hide_in_atlas(viewer);
+    hide_in_atlas(viewer, viewer->drawn);
 }
 
 void viewer_show_all(struct viewer *viewer)
 {
-    remember(viewer);
-    memset(viewer->shown.hidden, 0, (viewer->object_count + 1) * sizeof *viewer->shown.hidden);
-    hide_in_atlas(viewer);
+    remember(viewer->drawn);
+    memset(viewer->drawn->shown.hidden, 0, (viewer->drawn->object_count + 1) * sizeof *viewer->drawn->shown.hidden);
+    hide_in_atlas(viewer, viewer->drawn);
 }
 
-void viewer_set_hidden(struct viewer *viewer, bool *hidden)
+void viewer_set_hidden(struct viewer *viewer, struct view_atlas *on, bool *hidden)
 {
-    remember(viewer);
-    free(viewer->shown.hidden);
-    viewer->shown.hidden = hidden;
-    hide_in_atlas(viewer);
+    remember(on);
+    free(on->shown.hidden);
+    on->shown.hidden = hidden;
+    hide_in_atlas(viewer, on);
 }
 
 void viewer_undo(struct viewer *viewer)
 {
-    if (!viewer->shown.undo_count) {
+    if (!viewer->drawn->shown.undo_count) {
         viewer_say(viewer, "nothing to undo");
         return;
     }
-    free(viewer->shown.hidden);
-    viewer->shown.hidden = viewer->shown.undo[--viewer->shown.undo_count];
-    hide_in_atlas(viewer);
+    free(viewer->drawn->shown.hidden);
+    viewer->drawn->shown.hidden = viewer->drawn->shown.undo[--viewer->drawn->shown.undo_count];
+    hide_in_atlas(viewer, viewer->drawn);
 }
 
 static bool contains(const char *text, const char *part)
@@ -147,14 +148,14 @@ static bool fits(const conus_object *object, const char *text)
 
 bool viewer_fits(const struct viewer *viewer, uint32_t object)
 {
-    return fits(conus_atlas_object(viewer->atlas, object), viewer->shown.search);
+    return fits(conus_atlas_object(viewer->drawn->atlas, object), viewer->drawn->shown.search);
 }
 
 uint32_t viewer_find(const struct viewer *viewer, const char *text)
 {
     uint32_t found = 0;
-    for (uint32_t number = 1; number <= viewer->object_count; number++) {
-        const conus_object *object = conus_atlas_object(viewer->atlas, number);
+    for (uint32_t number = 1; number <= viewer->drawn->object_count; number++) {
+        const conus_object *object = conus_atlas_object(viewer->drawn->atlas, number);
         if (strcmp(object->name, text) == 0) {
             return number;
         }

@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Which areas and pathways are shown, and the search among them. */
+/** @file Which areas and pathways of an atlas are shown, and the search among them: of the atlas that is drawn, unless
+ * another is named. */
 #ifndef CONUS_VIEWER_MODEL_SHOWN_H
 #define CONUS_VIEWER_MODEL_SHOWN_H
 
 #include <conus/conus.h>
 
+struct view_atlas;
 struct viewer;
 
 enum shown { SHOWN_NOT = 0, SHOWN_IN_PART, SHOWN };
@@ -27,8 +29,8 @@ void viewer_hide(struct viewer *viewer, uint32_t object, bool hide);
 /** Hides all but an object and what is below it. */
 void viewer_isolate(struct viewer *viewer, uint32_t object);
 void viewer_show_all(struct viewer *viewer);
-/** Hides what @p hidden says, [object_count + 1], which is taken over. */
-void viewer_set_hidden(struct viewer *viewer, bool *hidden);
+/** Hides in @p on, one of the viewer's atlases, what @p hidden says, [object_count + 1], which is taken over. */
+void viewer_set_hidden(struct viewer *viewer, struct view_atlas *on, bool *hidden);
 /** Takes back the last of these. */
 void viewer_undo(struct viewer *viewer);
 /** The first object whose name, abbreviation or label fits @p text best; 0 = none. */

@@ -23,66 +23,65 @@ void viewer_say(struct viewer *viewer, const char *format, ...)
 
 /* ---- Creation --------------------------------------------------------------------------------------------------- */
 
+/* Around all of them: what is seen stays where it is when another one is drawn. */
 static void find_ball(struct viewer *viewer)
 {
     double low[3] = {INFINITY, INFINITY, INFINITY};
     double high[3] = {-INFINITY, -INFINITY, -INFINITY};
-    if (conus_atlas_bounds(low, high, viewer->atlas)) {
-        memset(low, 0, sizeof low);
-        memset(high, 0, sizeof high);
-    }
+    double box[2][3];
     double square = 0;
-    for (int a = 0; a < 3; a++) {
+    for (size_t i = 0; i < viewer->atlas_count; i++) {
+        bool is_empty = conus_atlas_bounds(box[0], box[1], viewer->atlases[i].atlas);
+        for (int a = 0; a < 3 && !is_empty; a++) {
+            low[a] = fmin(low[a], box[0][a]);
+            high[a] = fmax(high[a], box[1][a]);
+        }
+    }
+    for (int a = 0; a < 3 && low[0] <= high[0]; a++) {
         viewer->centre[a] = (low[a] + high[a]) / 2;
         square += (high[a] - low[a]) * (high[a] - low[a]) / 4;
     }
     viewer->radius = fmax(0.72 * sqrt(square), 1); /* brains are round: corners of their boxes are empty */
 }
 
-size_t viewer_context(const struct viewer *viewer)
+static void finish_atlases(struct viewer *viewer, bool with_them)
 {
-    size_t i = 0;
-    while (i < conus_atlas_volume_count(viewer->atlas) &&
-           conus_atlas_volume(viewer->atlas, i)->role != CONUS_ROLE_CONTEXT) {
-        i++;
+    for (size_t i = 0; i < viewer->atlas_count; i++) {
+        view_atlas_finish(&viewer->atlases[i]);
+        conus_atlas_destroy(with_them ? viewer->atlases[i].atlas : NULL);
     }
-    return i;
+    free(viewer->atlases);
+    free((void *)viewer->names);
 }
 
-/* Once, and not for every cut. */
-static void find_window(struct viewer *viewer)
+static bool init_atlases(struct viewer *viewer, const struct view_source *sources, size_t count)
 {
-    size_t context = viewer_context(viewer);
-    if (context < conus_atlas_volume_count(viewer->atlas) &&
-        conus_atlas_window(viewer->display.window, viewer->atlas, context)) {
-        viewer->display.window[0] = viewer->display.window[1] = 0;
+    viewer->atlases = viewer->drawn = calloc(count, sizeof *viewer->atlases);
+    viewer->names = calloc(count, sizeof *viewer->names);
+    bool fine = viewer->atlases && viewer->names;
+    for (size_t i = 0; i < count && fine; i++) {
+        fine = view_atlas_init(&viewer->atlases[i], &sources[i]);
+        viewer->names[i] = fine ? viewer->atlases[i].name : NULL;
+        viewer->atlas_count += fine;
     }
+    return fine;
 }
 
-conus_status viewer_create(struct viewer *out, conus_atlas *atlas, const char *path, const char *transfer,
+conus_status viewer_create(struct viewer *out, const struct view_source *sources, size_t count, const char *transfer,
                            conus_log log, void (*wake)(void))
 {
-    struct viewer viewer = {.atlas = atlas,
-                            .atlas_path = strdup(path),
-                            .transfer = transfer,
-                            .cone = {.angle = default_angle},
-                            .wake = wake};
-    viewer.object_count = conus_atlas_object_count(atlas);
-    bool has_shown = shown_init(&viewer.shown, atlas);
+    struct viewer viewer = {.transfer = transfer, .cone = {.angle = default_angle}, .wake = wake};
     viewer.display.fill = 0.45;
     viewer.cone.options.log = log;
-    viewer.watch = watch_create(atlas);
-    find_ball(&viewer);
-    find_window(&viewer);
     viewer.magnification = 1;
-    memcpy(viewer.crosshair, viewer.centre, sizeof viewer.crosshair);
-    orbit_look_at(&viewer.orbit, viewer.centre, viewer.radius);
-    if (!has_shown || !viewer.atlas_path || !painter_create(&viewer.painter, atlas, transfer, log, wake)) {
-        watch_destroy(viewer.watch);
-        shown_finish(&viewer.shown);
-        free(viewer.atlas_path);
+    if (!init_atlases(&viewer, sources, count) ||
+        !painter_create(&viewer.painter, viewer.drawn->atlas, transfer, log, wake)) {
+        finish_atlases(&viewer, false);
         return CONUS_ERROR_MEMORY;
     }
+    find_ball(&viewer);
+    memcpy(viewer.crosshair, viewer.centre, sizeof viewer.crosshair);
+    orbit_look_at(&viewer.orbit, viewer.centre, viewer.radius);
     *out = viewer;
     return CONUS_OK;
 }
@@ -90,13 +89,7 @@ conus_status viewer_create(struct viewer *out, conus_atlas *atlas, const char *p
 void viewer_finish(struct viewer *viewer)
 {
     painter_destroy(viewer->painter);
-    answer_drop(viewer->cone.answer);
-    conus_selector_destroy(viewer->cone.selector);
-    conus_selector_destroy(viewer->picker);
-    shown_finish(&viewer->shown);
-    watch_destroy(viewer->watch);
-    free(viewer->atlas_path);
-    conus_atlas_destroy(viewer->atlas);
+    finish_atlases(viewer, true);
     *viewer = (struct viewer){0};
 }
 
@@ -104,31 +97,28 @@ void viewer_finish(struct viewer *viewer)
 
 const conus_selection *viewer_selection(const struct viewer *viewer)
 {
-    return answer_selection(viewer->cone.answer);
+    return view_atlas_selection(viewer->drawn);
 }
 
-static conus_status make_selector(struct viewer *viewer)
+static void say_failure(struct viewer *viewer, const struct view_atlas *on, conus_status status)
 {
-    return viewer->cone.selector ? CONUS_OK
-                                 : conus_selector_create(&viewer->cone.selector, viewer->atlas, &viewer->cone.options);
+    viewer_say(viewer, "%s%s%s", on->name, on->name[0] ? ": " : "",
+               status == CONUS_ERROR_MEMORY ? "not enough memory" : conus_message());
 }
 
+/* Of an atlas that cannot answer nothing is left of its answer before. */
 static void select_now(struct viewer *viewer)
 {
-    conus_selection *selection = NULL;
     double angle = viewer->cone.options.radius > 0 ? 0 : viewer->cone.angle * M_PI / 180;
-    conus_status status = make_selector(viewer);
     double begun = clock_ms();
-    status = status ? status : conus_select(&selection, viewer->cone.selector, &viewer->cone.pose, angle);
-    viewer->cone.select_ms = clock_ms() - begun;
-    struct answer *answer = status ? NULL : answer_create(selection);
-    if (!answer) {
-        conus_selection_destroy(selection);
-        viewer_say(viewer, "%s", status ? conus_message() : "not enough memory");
-        return;
+    for (size_t i = 0; i < viewer->atlas_count; i++) {
+        struct view_atlas *on = &viewer->atlases[i];
+        conus_status status = view_atlas_select(on, &viewer->cone.options, &viewer->cone.pose, angle);
+        if (status) {
+            say_failure(viewer, on, status);
+        }
     }
-    answer_drop(viewer->cone.answer);
-    viewer->cone.answer = answer;
+    viewer->cone.select_ms = clock_ms() - begun;
     viewer->cone.answer_number++;
     viewer->version++;
 }
@@ -161,8 +151,6 @@ void viewer_place(struct viewer *viewer)
 
 void viewer_reselect(struct viewer *viewer)
 {
-    conus_selector_destroy(viewer->cone.selector);
-    viewer->cone.selector = NULL;
     viewer->version++;
     if (viewer->cone.has_pose) {
         select_now(viewer);
@@ -178,15 +166,16 @@ static double distance_between(const double a[3], const double b[3])
     return sqrt(square);
 }
 
-void viewer_pin(struct viewer *viewer, uint32_t object, double share, double distance, const double contact[3])
+void viewer_pin(struct viewer *viewer, size_t atlas, uint32_t object, double share, double distance,
+                const double contact[3])
 {
     if (viewer->pin_count == PIN_LIMIT) {
         memmove(viewer->pins, viewer->pins + 1, (PIN_LIMIT - 1) * sizeof *viewer->pins);
         viewer->pin_count--;
     }
     const struct pin *last = viewer->pin_count ? &viewer->pins[viewer->pin_count - 1] : NULL;
-    struct pin pin = {.object = object, .share = share, .distance = distance};
-    snprintf(pin.name, sizeof pin.name, "%s", conus_atlas_object(viewer->atlas, object)->name);
+    struct pin pin = {.atlas = atlas, .object = object, .share = share, .distance = distance};
+    snprintf(pin.name, sizeof pin.name, "%s", conus_atlas_object(viewer->atlases[atlas].atlas, object)->name);
     memcpy(pin.contact, contact, sizeof pin.contact);
     pin.apart = last ? distance_between(last->contact, pin.contact) : NAN;
     viewer->pins[viewer->pin_count++] = pin;
@@ -199,7 +188,8 @@ void viewer_confirm(struct viewer *viewer)
         viewer_say(viewer, "nothing in the cone to confirm");
         return;
     }
-    viewer_pin(viewer, best->object, best->share, best->distance, best->contact);
+    viewer_pin(viewer, (size_t)(viewer->drawn - viewer->atlases), best->object, best->share, best->distance,
+               best->contact);
     viewer_say(viewer, "confirmed: %s, %.1f mm from the device", viewer->pins[viewer->pin_count - 1].name,
                best->distance);
 }
@@ -212,11 +202,13 @@ char *viewer_pins_text(const struct viewer *viewer)
     if (!out) {
         return NULL;
     }
-    fputs("name\tshare\tdistance_mm\tcontact_x\tcontact_y\tcontact_z\tapart_mm\n", out);
+    bool several = viewer->atlas_count > 1;
+    fprintf(out, "%sname\tshare\tdistance_mm\tcontact_x\tcontact_y\tcontact_z\tapart_mm\n", several ? "atlas\t" : "");
     for (size_t i = 0; i < viewer->pin_count; i++) {
         const struct pin *pin = &viewer->pins[i];
-        fprintf(out, "%s\t%.9g\t%.9g\t%.9g\t%.9g\t%.9g\t", pin->name, pin->share, pin->distance, pin->contact[0],
-                pin->contact[1], pin->contact[2]);
+        fprintf(out, "%s%s%s\t%.9g\t%.9g\t%.9g\t%.9g\t%.9g\t", several ? viewer->names[pin->atlas] : "",
+                several ? "\t" : "", pin->name, pin->share, pin->distance, pin->contact[0], pin->contact[1],
+                pin->contact[2]);
         fprintf(out, isnan(pin->apart) ? "n/a\n" : "%.9g\n", pin->apart);
     }
     fclose(out);
@@ -227,9 +219,9 @@ char *viewer_pins_text(const struct viewer *viewer)
 static conus_status make_report(conus_report **report, struct viewer *viewer, const char **text, size_t *size)
 {
     const conus_report_options options = {.format = CONUS_FORMAT_TSV};
-    conus_status status = make_selector(viewer);
-    status = status ? status : conus_report_create(report, viewer->cone.selector, &options);
-    status = status || !viewer->cone.answer ? status : conus_report_add(*report, "1", viewer_selection(viewer));
+    conus_status status = view_atlas_prepare(viewer->drawn, &viewer->cone.options);
+    status = status ? status : conus_report_create(report, viewer->drawn->selector, &options);
+    status = status || !viewer->drawn->answer ? status : conus_report_add(*report, "1", viewer_selection(viewer));
     return status ? status : conus_report_text(text, size, *report);
 }
 
@@ -268,9 +260,9 @@ conus_status viewer_write_picture(const struct viewer *viewer, const struct sigh
                              .frustum = {f[0], f[1], f[2], f[3]},
                              .camera = &fitted.camera,
                              .selection = viewer_selection(viewer),
-                             .chosen = viewer->shown.chosen,
+                             .chosen = viewer->drawn->shown.chosen,
                              .fade = viewer->display.fade};
-    conus_status status = conus_renderer_create(&renderer, viewer->atlas, &options);
+    conus_status status = conus_renderer_create(&renderer, viewer->drawn->atlas, &options);
     const struct transfer_editor *editor = &viewer->transfer_editor;
     if (!status && editor->edited) {
         status = conus_renderer_set_transfer(renderer, editor->points, editor->count);
@@ -280,14 +272,6 @@ conus_status viewer_write_picture(const struct viewer *viewer, const struct sigh
     conus_image_destroy(image);
     conus_renderer_destroy(renderer);
     return status;
-}
-
-void viewer_rest_selectors(struct viewer *viewer)
-{
-    conus_selector_destroy(viewer->cone.selector);
-    conus_selector_destroy(viewer->picker);
-    viewer->cone.selector = viewer->picker = NULL;
-    viewer->atlas_number++;
 }
 
 /* ---- The crosshair ---------------------------------------------------------------------------------------------- */
@@ -329,7 +313,7 @@ static bool find_voxel(double voxel[3], const double m[16], const double at[3])
 bool viewer_voxel(long voxel[3], const struct viewer *viewer, const double at[3])
 {
     double exact[3];
-    const conus_volume_info *info = conus_atlas_volume(viewer->atlas, 0); /* the parcellation is the first */
+    const conus_volume_info *info = conus_atlas_volume(viewer->drawn->atlas, 0); /* the parcellation is the first */
     bool inside = info && find_voxel(exact, info->world_from_voxel, at);
     for (int a = 0; a < 3 && inside; a++) {
         double cell = floor(exact[a] + 0.5);
@@ -342,16 +326,16 @@ bool viewer_voxel(long voxel[3], const struct viewer *viewer, const double at[3]
 void viewer_choose(struct viewer *viewer, uint32_t object)
 {
     double middle[3];
-    viewer->shown.chosen = object;
+    viewer->drawn->shown.chosen = object;
     viewer->version++;
-    if (object && !conus_atlas_centre(middle, viewer->atlas, object)) {
+    if (object && !conus_atlas_centre(middle, viewer->drawn->atlas, object)) {
         viewer_cross(viewer, middle);
     }
 }
 
 void viewer_colour(uint8_t rgb[3], const struct viewer *viewer, uint32_t object)
 {
-    const conus_object *info = conus_atlas_object(viewer->atlas, object);
+    const conus_object *info = conus_atlas_object(viewer->drawn->atlas, object);
     memcpy(rgb, info ? info->rgb : (const uint8_t[]){130, 132, 138}, 3);
 }
 

@@ -10,8 +10,7 @@
 #include "viewer/model/head.h"
 #include "viewer/model/orbit.h"
 #include "viewer/model/painter.h"
-#include "viewer/model/shown.h"
-#include "viewer/model/watch.h"
+#include "viewer/model/view_atlas.h"
 
 enum pointer { POINT_BY_MOUSE = 0, POINT_BY_WAND, POINT_BY_REPLAY, POINT_BY_TRACKER, POINTER_COUNT };
 enum plane { AXIAL = 0, CORONAL, SAGITTAL, PLANE_COUNT };
@@ -19,6 +18,7 @@ enum { PIN_LIMIT = 64, MESSAGE_SIZE_LIMIT = 256 };
 
 /** A confirmed result. */
 struct pin {
+    size_t atlas; /**< Index of the viewer's atlas that was drawn then, in which it is. */
     uint32_t object;
     char name[96];
     double share, distance; /**< mm from the apex. */
@@ -26,36 +26,33 @@ struct pin {
     double apart;           /**< mm from the pin before it; NaN of the first. */
 };
 
-/** Where the cone is, what moves it, and what it hits. */
+/** Where the cone is, what moves it, and how all atlases are asked. */
 struct cone_state {
     enum pointer pointer;
     conus_pose pose;
     bool has_pose, frozen; /**< Frozen: the mouse does not move the cone. */
     double angle;          /**< Full opening, degrees. */
     conus_selector_options options;
-    conus_selector *selector; /**< Made when needed; NULL after options changed. */
-    struct answer *answer;
     unsigned answer_number; /**< Tells answers apart, whose addresses may come again. */
-    double select_ms;
+    double select_ms;       /**< Of all atlases. */
 };
 
 /** How the panes draw. */
 struct display {
     double fade, fill; /**< Of the context in 3-D; opacity of areas in the flat panes. */
-    double window[2];  /**< Grey values that the flat panes show as black and white.   */
     bool no_outlines, radiological, safe_colours;
 };
 
 struct viewer {
-    conus_atlas *atlas;
-    char *atlas_path;
+    struct view_atlas *atlases; /**< [atlas_count] As they were given. */
+    size_t atlas_count;
+    const char **names; /**< [atlas_count] Theirs. */
+    struct view_atlas
+        *drawn; /**< The one of them that pictures show, that is searched, hidden, picked and confirmed. */
     const char *transfer;
-    size_t object_count;
-    double centre[3], radius; /**< A ball around the atlas, world mm. */
-    struct watch *watch;      /**< NULL without memory. */
+    double centre[3], radius; /**< A ball around all atlases, world mm. */
 
     struct cone_state cone;
-    struct shown_objects shown;
     struct display display;
 
     /* where the panes look */
@@ -67,7 +64,6 @@ struct viewer {
     struct pin pins[PIN_LIMIT];
     size_t pin_count;
     char message[MESSAGE_SIZE_LIMIT]; /**< The status line's last news. */
-    conus_selector *picker;           /**< Of picker.c; made when needed. */
     struct painter *painter;
     unsigned atlas_number; /**< Grows when the atlas changes: what was made for it must be made anew. */
     unsigned scene_number; /**< Grows with what the painter draws otherwise than before from the same place. */
@@ -77,9 +73,9 @@ struct viewer {
     unsigned said;    /**< Grows with every message.                    */
 };
 
-/** Gets ready for @p atlas, which is taken over on success, as @p path is not; @p transfer must outlive the viewer; @p
- * log and @p wake (painter.h) may be NULL. */
-conus_status viewer_create(struct viewer *out, conus_atlas *atlas, const char *path, const char *transfer,
+/** Gets ready for @p count atlases, at least one, the first of which is drawn. They are taken over on success, their
+ * strings are not; @p transfer must outlive the viewer; @p log and @p wake (painter.h) may be NULL. */
+conus_status viewer_create(struct viewer *out, const struct view_source *sources, size_t count, const char *transfer,
                            conus_log log, void (*wake)(void));
 void viewer_finish(struct viewer *viewer);
 
@@ -96,10 +92,12 @@ void viewer_aim_along(struct viewer *viewer, const double origin[3], const doubl
 void viewer_place(struct viewer *viewer);
 /** To be called after options, angle or score changed. */
 void viewer_reselect(struct viewer *viewer);
-/** Pins the best result, or else nothing. */
+/** Pins the best result in the drawn atlas, or else nothing. */
 void viewer_confirm(struct viewer *viewer);
-/** Pins a result that was confirmed before. */
-void viewer_pin(struct viewer *viewer, uint32_t object, double share, double distance, const double contact[3]);
+/** Pins a result in atlas @p atlas that was confirmed before. */
+void viewer_pin(struct viewer *viewer, size_t atlas, uint32_t object, double share, double distance,
+                const double contact[3]);
+/** The answer in the drawn atlas; NULL = none. */
 const conus_selection *viewer_selection(const struct viewer *viewer);
 /** The pins as a table to paste, to be freed; NULL without memory. */
 char *viewer_pins_text(const struct viewer *viewer);
@@ -112,9 +110,6 @@ conus_status viewer_write_results(struct viewer *viewer, const char *path);
  * more or less to the left and right. */
 conus_status viewer_write_picture(const struct viewer *viewer, const struct sight *sight, const char *path,
                                   uint32_t width, uint32_t height);
-
-/** Ends what was made for the atlas and would have to be made anew after a change. */
-void viewer_rest_selectors(struct viewer *viewer);
 
 /* ---- Where the panes look -----------------------------------------------------------------------------------------
  */
@@ -129,8 +124,6 @@ void viewer_choose(struct viewer *viewer, uint32_t object);
 /** sRGB of an object, in the palette that is on. */
 void viewer_colour(uint8_t rgb[3], const struct viewer *viewer, uint32_t object);
 
-/** Index of the context volume, or the number of volumes where there is none. */
-size_t viewer_context(const struct viewer *viewer);
 /** The frame of a plane's picture: unit vectors to the right and up. */
 void viewer_plane(double right[3], double up[3], const struct viewer *viewer, enum plane plane);
 

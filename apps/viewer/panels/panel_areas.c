@@ -10,14 +10,14 @@ static ui_colour colour_of(const struct viewer *viewer, uint32_t object)
 {
     uint8_t rgb[3];
     viewer_colour(rgb, viewer, object);
-    return (ui_colour){rgb[0], rgb[1], rgb[2], viewer->shown.hidden[object] ? 60 : 255};
+    return (ui_colour){rgb[0], rgb[1], rgb[2], viewer->drawn->shown.hidden[object] ? 60 : 255};
 }
 
 /* Children are looked for in the whole list: atlases have hundreds of areas, and only open nodes are asked. */
 static bool has_children(const struct viewer *viewer, uint32_t object)
 {
-    for (uint32_t number = 1; number <= viewer->object_count; number++) {
-        if (conus_atlas_object(viewer->atlas, number)->parent == object) {
+    for (uint32_t number = 1; number <= viewer->drawn->object_count; number++) {
+        if (conus_atlas_object(viewer->drawn->atlas, number)->parent == object) {
             return true;
         }
     }
@@ -60,13 +60,13 @@ static void scroll_to(struct window *window, uint32_t number)
 static void draw_area(struct window *window, uint32_t number)
 {
     struct viewer *viewer = window->viewer;
-    const conus_object *object = conus_atlas_object(viewer->atlas, number);
+    const conus_object *object = conus_atlas_object(viewer->drawn->atlas, number);
     enum shown shown = viewer_shown(viewer, number);
     ui_id(number);
     ui_dim(opacities[shown]);
     ui_chip("colour", colour_of(viewer, number));
     ui_same_line();
-    if (viewer->shown.chosen == number) {
+    if (viewer->drawn->shown.chosen == number) {
         scroll_to(window, number);
         ui_text_coloured((ui_colour){255, 200, 90, 255}, "%s%s", object->name,
                          shown == SHOWN_IN_PART ? " (in part)" : "");
@@ -84,8 +84,8 @@ static void draw_area(struct window *window, uint32_t number)
 static void draw_tree(struct window *window, uint32_t parent)
 {
     const struct viewer *viewer = window->viewer;
-    for (uint32_t number = 1; number <= viewer->object_count; number++) {
-        const conus_object *object = conus_atlas_object(viewer->atlas, number);
+    for (uint32_t number = 1; number <= viewer->drawn->object_count; number++) {
+        const conus_object *object = conus_atlas_object(viewer->drawn->atlas, number);
         if (object->parent != parent) {
             continue;
         }
@@ -94,8 +94,8 @@ static void draw_tree(struct window *window, uint32_t parent)
             continue;
         }
         ui_id(number);
-        bool leads = window->listed != viewer->shown.chosen && viewer->shown.chosen != number &&
-                     viewer_is_below(viewer, viewer->shown.chosen, number);
+        bool leads = window->listed != viewer->drawn->shown.chosen && viewer->drawn->shown.chosen != number &&
+                     viewer_is_below(viewer, viewer->drawn->shown.chosen, number);
         bool open = ui_tree("##node", leads ? UI_OPEN_NOW : parent == 0 ? UI_OPEN_FIRST : UI_AS_IT_WAS);
         ui_id_end();
         ui_same_line();
@@ -110,10 +110,10 @@ static void draw_tree(struct window *window, uint32_t parent)
 static void choose_first(struct viewer *viewer)
 {
     uint32_t number = 1;
-    while (number <= viewer->object_count && !viewer_fits(viewer, number)) {
+    while (number <= viewer->drawn->object_count && !viewer_fits(viewer, number)) {
         number++;
     }
-    if (number <= viewer->object_count) {
+    if (number <= viewer->drawn->object_count) {
         viewer_choose(viewer, number);
     }
 }
@@ -121,7 +121,7 @@ static void choose_first(struct viewer *viewer)
 static void draw_found(struct window *window)
 {
     bool any = false;
-    for (uint32_t number = 1; number <= window->viewer->object_count; number++) {
+    for (uint32_t number = 1; number <= window->viewer->drawn->object_count; number++) {
         if (viewer_fits(window->viewer, number)) {
             draw_area(window, number);
             any = true;
@@ -131,8 +131,26 @@ static void draw_found(struct window *window)
         ui_text("nothing fits");
         ui_same_line();
         if (ui_small_button("clear")) {
-            window->viewer->shown.search[0] = '\0';
+            window->viewer->drawn->shown.search[0] = '\0';
         }
+    }
+}
+
+/* Which of several is drawn. */
+static void choose_atlas(struct window *window)
+{
+    struct viewer *viewer = window->viewer;
+    size_t drawn = (size_t)(viewer->drawn - viewer->atlases);
+    if (viewer->atlas_count > 1) {
+        ui_width(window->left.width - 20);
+        if (ui_choose("##atlas", &drawn, viewer->names, viewer->atlas_count)) {
+            viewer_draw(viewer, drawn);
+        }
+        ui_tip("the atlas that is drawn and listed here; N: the next one");
+    }
+    if (window->listed_of != viewer->drawn) {
+        window->listed_of = viewer->drawn;
+        window->listed = 0;
     }
 }
 
@@ -140,9 +158,11 @@ void panel_areas(struct window *window)
 {
     struct viewer *viewer = window->viewer;
     ui_panel("Areas", window->left, 0);
+    choose_atlas(window);
+    ui_id((uint32_t)(viewer->drawn - viewer->atlases)); /* each has a list of its own, scrolled and opened */
     ui_width(window->left.width - 20);
-    ui_type("##search", viewer->shown.search, sizeof viewer->shown.search, "search name or label");
-    if (ui_entered() && viewer->shown.search[0]) {
+    ui_type("##search", viewer->drawn->shown.search, sizeof viewer->drawn->shown.search, "search name or label");
+    if (ui_entered() && viewer->drawn->shown.search[0]) {
         choose_first(viewer);
     }
     if (ui_button("show all")) {
@@ -153,14 +173,15 @@ void panel_areas(struct window *window)
         viewer_undo(viewer);
     }
     ui_same_line();
-    ui_text("%zu", viewer->object_count);
+    ui_text("%zu", viewer->drawn->object_count);
     ui_separator();
     ui_scroll("list", 0);
-    if (viewer->shown.search[0]) {
+    if (viewer->drawn->shown.search[0]) {
         draw_found(window);
     } else {
         draw_tree(window, 0);
     }
     ui_scroll_end();
+    ui_id_end();
     ui_panel_end();
 }

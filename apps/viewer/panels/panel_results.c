@@ -33,25 +33,42 @@ static void draw_tip(const conus_result *result)
     }
 }
 
-static void draw_result(struct window *window, const conus_result *result)
+/* Colours are those of the pictures: an atlas that is not in them has none. */
+static ui_colour colour_of(const struct viewer *viewer, const struct view_atlas *on, uint32_t object)
+{
+    static const ui_colour grey = {130, 132, 138, 255};
+    uint8_t rgb[3];
+    viewer_colour(rgb, viewer, object);
+    return on == viewer->drawn ? (ui_colour){rgb[0], rgb[1], rgb[2], 255} : grey;
+}
+
+/* Only what is drawn can be chosen; wherever it is, the crosshair goes there. */
+static void click(struct viewer *viewer, const struct view_atlas *on, const conus_result *result)
+{
+    if (on == viewer->drawn) {
+        viewer->drawn->shown.chosen = result->object;
+    }
+    if (result->pixels) {
+        viewer_cross(viewer, result->contact);
+    }
+    viewer->version++;
+}
+
+static void draw_result(struct window *window, const struct view_atlas *on, const conus_result *result)
 {
     struct viewer *viewer = window->viewer;
-    const conus_object *object = conus_atlas_object(viewer->atlas, result->object);
-    uint8_t rgb[3];
-    viewer_colour(rgb, viewer, result->object);
-    const ui_colour colour = {rgb[0], rgb[1], rgb[2], 255};
+    const conus_object *object = conus_atlas_object(on->atlas, result->object);
+    const ui_colour colour = colour_of(viewer, on, result->object);
     ui_id(result->object);
     ui_cell();
-    ui_chip("colour", colour);
-    ui_same_line();
+    if (on == viewer->drawn) {
+        ui_chip("colour", colour);
+        ui_same_line();
+    }
     if (!object) {
         ui_text("(nothing hit)");
-    } else if (ui_row(object->name, viewer->shown.chosen == result->object)) {
-        viewer->shown.chosen = result->object;
-        if (result->pixels) {
-            viewer_cross(viewer, result->contact);
-        }
-        viewer->version++;
+    } else if (ui_row(object->name, on == viewer->drawn && on->shown.chosen == result->object)) {
+        click(viewer, on, result);
     }
     draw_tip(result);
     ui_cell();
@@ -68,9 +85,9 @@ static void draw_result(struct window *window, const conus_result *result)
     ui_id_end();
 }
 
-static void draw_results(struct window *window)
+static void draw_results(struct window *window, const struct view_atlas *on, float lines)
 {
-    const conus_selection *selection = viewer_selection(window->viewer);
+    const conus_selection *selection = view_atlas_selection(on);
     size_t count = conus_selection_count(selection);
     const char *columns[5] = {"area", "share"};
     size_t shown = 2;
@@ -81,19 +98,44 @@ static void draw_results(struct window *window)
     if (window->viewer->cone.options.layers == CONUS_LAYERS_ALL) {
         columns[shown++] = "inside";
     }
-    if (ui_table("results", columns, shown, 14 * ui_line())) {
+    if (ui_table("results", columns, shown, lines * ui_line())) {
         for (size_t i = 0; i < count; i++) {
-            draw_result(window, conus_selection_result(selection, i));
+            draw_result(window, on, conus_selection_result(selection, i));
         }
         ui_table_end();
     }
 }
 
+/* Each under its name, in the order in which they were given. */
+static void draw_all_results(struct window *window)
+{
+    struct viewer *viewer = window->viewer;
+    float lines = fmaxf(16.0F / (float)viewer->atlas_count, 5);
+    for (size_t i = 0; i < viewer->atlas_count; i++) {
+        const struct view_atlas *on = &viewer->atlases[i];
+        ui_id((uint32_t)i);
+        ui_text_coloured((ui_colour){255, 200, 90, 255}, "%s", on->name);
+        ui_same_line();
+        if (on == viewer->drawn) {
+            ui_text("drawn");
+        } else {
+            bool next = ui_small_button("draw");
+            ui_tip("shows this atlas in the pictures and the list of areas; N: the next one");
+            if (next) {
+                viewer_draw(viewer, i);
+            }
+        }
+        draw_results(window, on, lines);
+        ui_id_end();
+    }
+}
+
 static void draw_pins(struct window *window)
 {
-    static const char *const columns[] = {"confirmed", "share", "mm", "apart mm"};
     const struct viewer *viewer = window->viewer;
-    if (ui_table("pins", columns, 4, 6 * ui_line())) {
+    const char *columns[5] = {"confirmed", "share", "mm", "apart mm", "atlas"};
+    bool several = viewer->atlas_count > 1;
+    if (ui_table("pins", columns, several ? 5 : 4, 6 * ui_line())) {
         for (size_t i = viewer->pin_count; i > 0; i--) {
             const struct pin *pin = &viewer->pins[i - 1];
             ui_cell();
@@ -101,6 +143,10 @@ static void draw_pins(struct window *window)
             draw_number("%.3f", pin->share);
             draw_number("%.1f", pin->distance);
             draw_number("%.1f", pin->apart);
+            if (several) {
+                ui_cell();
+                ui_text("%s", viewer->names[pin->atlas]);
+            }
         }
         ui_table_end();
     }
@@ -110,7 +156,11 @@ void panel_results(struct window *window)
 {
     struct viewer *viewer = window->viewer;
     ui_panel("Hits of the cone", window->right, 0);
-    draw_results(window);
+    if (viewer->atlas_count > 1) {
+        draw_all_results(window);
+    } else {
+        draw_results(window, viewer->drawn, 14);
+    }
     if (ui_button("confirm")) {
         viewer_confirm(viewer);
     }

@@ -2,6 +2,8 @@
 /* The status line. */
 #include "viewer/panels/panels.h"
 
+#include "viewer/window/hover.h"
+
 #include <math.h>
 
 static void show_place(const struct window *window)
@@ -13,9 +15,9 @@ static void show_place(const struct window *window)
     for (int a = 0; a < 3; a++) {
         at[a] = fabs(given[a]) < 0.05 ? 0 : given[a]; /* no -0.0 */
     }
-    window_hover_text(window, text);
+    hover_text(text, window, "; ");
     long voxel[3];
-    double grey = conus_atlas_value(viewer->atlas, viewer_context(viewer), at);
+    double grey = conus_atlas_value(viewer->drawn->atlas, view_atlas_context(viewer->drawn), at);
     ui_text("%s %.1f, %.1f, %.1f mm RAS", window->hover.has_place ? "mouse" : "cross", at[0], at[1], at[2]);
     if (viewer_voxel(voxel, viewer, at)) {
         ui_same_line();

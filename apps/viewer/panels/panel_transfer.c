@@ -42,15 +42,15 @@ static void count_values(struct transfer_editor *editor, const conus_atlas *atla
 static bool make_ready(struct viewer *viewer)
 {
     struct transfer_editor *editor = &viewer->transfer_editor;
-    size_t volume = viewer_context(viewer);
-    if (editor->ready || !viewer->painter || volume == conus_atlas_volume_count(viewer->atlas)) {
+    size_t volume = view_atlas_context(viewer->drawn);
+    if (editor->ready || !viewer->painter || volume == conus_atlas_volume_count(viewer->drawn->atlas)) {
         return editor->ready;
     }
     editor->count = painter_transfer(viewer->painter, editor->points, EDITOR_POINTS);
     editor->held = EDITOR_POINTS;
     editor->ready = editor->count > 0;
     if (editor->ready) {
-        count_values(editor, viewer->atlas, volume);
+        count_values(editor, viewer->drawn->atlas, volume);
     }
     return editor->ready;
 }
@@ -150,9 +150,9 @@ static void show_band(const conus_object *band)
 
 static void edit_thresholds(struct viewer *viewer)
 {
-    for (uint32_t number = 1; number <= viewer->object_count; number++) {
-        const conus_object *object = conus_atlas_object(viewer->atlas, number);
-        const conus_volume_info *info = viewer_pathway(viewer, number);
+    for (uint32_t number = 1; number <= viewer->drawn->object_count; number++) {
+        const conus_object *object = conus_atlas_object(viewer->drawn->atlas, number);
+        const conus_volume_info *info = view_atlas_pathway(viewer->drawn, number);
         if (object->is_band) {
             show_band(object);
         }
@@ -173,7 +173,8 @@ static void edit_thresholds(struct viewer *viewer)
 void panel_transfer(struct window *window)
 {
     struct viewer *viewer = window->viewer;
-    const conus_object *last = conus_atlas_object(viewer->atlas, viewer->object_count); /* pathways come last */
+    const conus_object *last =
+        conus_atlas_object(viewer->drawn->atlas, viewer->drawn->object_count); /* pathways come last */
     if (make_ready(viewer) && ui_section("Context", false)) {
         edit_transfer(viewer);
     }

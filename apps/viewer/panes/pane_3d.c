@@ -3,6 +3,7 @@
 #include "viewer/panes/panes.h"
 
 #include "viewer/model/picker.h"
+#include "viewer/window/hover.h"
 #include "viewer/window/screen.h"
 
 #include <math.h>
@@ -33,8 +34,8 @@ static void ask_painter(struct window *window, bool moving)
                             .width = (uint32_t)fmaxf(box->width, 1),
                             .height = (uint32_t)fmaxf(box->height, 1),
                             .fade = viewer->display.fade,
-                            .chosen = viewer->shown.chosen,
-                            .answer = viewer->cone.answer,
+                            .chosen = viewer->drawn->shown.chosen,
+                            .answer = viewer->drawn->answer,
                             .answer_number = viewer->cone.answer_number,
                             .scene_number = viewer->scene_number,
                             .moving = moving};
@@ -54,9 +55,20 @@ static void note_picture(struct window *window, double milliseconds)
     times->first_picture = times->first_picture > 0 ? times->first_picture : clock_ms() - times->started;
 }
 
+/* A picture of another atlas is none of this one. */
+static void leave_other(struct window *window)
+{
+    if (window->painted_of != window->viewer->drawn) {
+        texture_drop(&window->painted);
+        window->painted_of = window->viewer->drawn;
+        window->painted_fine = false;
+    }
+}
+
 static void take_picture(struct window *window)
 {
     struct painted picture;
+    leave_other(window);
     if (window->viewer->painter && painter_take(window->viewer->painter, &picture)) {
         bool coarse = picture.width != picture.what.width || picture.height != picture.what.height;
         note_picture(window, picture.milliseconds);
@@ -109,7 +121,7 @@ static void draw_names(const struct window *window)
             }
             taken[shown++] = y;
             ui_draw_circle(at, 4, light, 1.5F);
-            draw_name(window, at, y, conus_atlas_object(window->viewer->atlas, result->object)->name);
+            draw_name(window, at, y, conus_atlas_object(window->viewer->drawn->atlas, result->object)->name);
         }
     }
 }
@@ -213,17 +225,16 @@ static void point(struct window *window)
 static void hover(struct window *window)
 {
     struct viewer *viewer = window->viewer;
-    double eye[3];
-    double direction[3];
+    double *eye = window->hover.eye;
+    double *direction = window->hover.direction;
     find_ray(eye, direction, window);
+    window->hover.by_ray = true;
     window->hover.has_place = viewer_pick(&window->hover.object, window->hover.at, viewer, eye, direction);
     if (window->hover.object) {
-        window->hover.value = viewer_value(viewer, window->hover.object, window->hover.at);
+        window->hover.value = view_atlas_value(viewer->drawn, window->hover.object, window->hover.at);
     }
     if (window->hover.object && (viewer->cone.pointer != POINT_BY_MOUSE || viewer->cone.frozen)) {
-        char tip[HOVER_TEXT];
-        window_hover_text(window, tip);
-        ui_tip(tip);
+        hover_tip(window);
     }
 }
 
@@ -242,7 +253,7 @@ static void use_click(struct window *window, const struct ui_mouse *mouse)
     find_ray(eye, direction, window);
     if (viewer_pick(&object, at, viewer, eye, direction)) {
         viewer_cross(viewer, at);
-        viewer->shown.chosen = object ? object : viewer->shown.chosen;
+        viewer->drawn->shown.chosen = object ? object : viewer->drawn->shown.chosen;
     }
 }
 

@@ -3,6 +3,7 @@
 #include "viewer/panes/panes.h"
 
 #include "viewer/model/picker.h"
+#include "viewer/window/hover.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -42,7 +43,7 @@ static bool have_cutter(struct cut_pane *pane, struct viewer *viewer)
     conus_cutter_destroy(pane->cutter);
     pane->cutter = NULL;
     pane->atlas_number = viewer->atlas_number;
-    return !conus_cutter_create(&pane->cutter, viewer->atlas);
+    return !conus_cutter_create(&pane->cutter, viewer->drawn->atlas);
 }
 
 /* The pane looks at the atlas's middle, but for the depth, which is the crosshair's. */
@@ -74,9 +75,9 @@ static void draw_picture(struct window *window, const struct frame *frame)
                            .height = frame->height,
                            .fill = viewer->display.fill,
                            .no_outlines = viewer->display.no_outlines,
-                           .window = {viewer->display.window[0], viewer->display.window[1]},
+                           .window = {viewer->drawn->window[0], viewer->drawn->window[1]},
                            .selection = viewer_selection(viewer),
-                           .chosen = viewer->shown.chosen};
+                           .chosen = viewer->drawn->shown.chosen};
     memcpy(view.centre, frame->centre, sizeof view.centre);
     memcpy(view.right, frame->right, sizeof view.right);
     memcpy(view.up, frame->up, sizeof view.up);
@@ -236,7 +237,7 @@ static void use_mouse(struct window *window, const struct frame *frame, enum pla
     window->hover.object = object_at(frame->pane, mouse.x, mouse.y);
     memcpy(window->hover.at, at, sizeof at);
     window->hover.has_place = true;
-    window->hover.value = viewer_value(viewer, window->hover.object, at);
+    window->hover.value = view_atlas_value(viewer->drawn, window->hover.object, at);
     if (mouse.wheel != 0 && mouse.control) {
         viewer->magnification = fmin(fmax(viewer->magnification * pow(1.1, (double)mouse.wheel), 0.2), 50);
         viewer->version++;
@@ -247,7 +248,7 @@ static void use_mouse(struct window *window, const struct frame *frame, enum pla
     }
     if (ui_surface_held() && mouse.down[0]) {
         viewer_cross(viewer, at);
-        viewer->shown.chosen = window->hover.object ? window->hover.object : viewer->shown.chosen;
+        viewer->drawn->shown.chosen = window->hover.object ? window->hover.object : viewer->drawn->shown.chosen;
     } else if (ui_surface_held() && mouse.down[1] && viewer->cone.pointer == POINT_BY_WAND) {
         use_wand(viewer, &mouse, at);
     }
@@ -278,9 +279,7 @@ void pane_cut(struct window *window, enum plane plane)
     draw_letters(&frame);
     ui_clip_end();
     if (touched && window->hover.object) {
-        char tip[HOVER_TEXT];
-        window_hover_text(window, tip);
-        ui_tip(tip);
+        hover_tip(window);
     }
     ui_panel_end();
 }

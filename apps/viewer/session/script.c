@@ -188,7 +188,7 @@ static bool do_angle(struct call *call)
 static bool do_search(struct call *call)
 {
     struct viewer *viewer = call->window->viewer;
-    snprintf(viewer->shown.search, sizeof viewer->shown.search, "%s", call->count ? call->words[1] : "");
+    snprintf(viewer->drawn->shown.search, sizeof viewer->drawn->shown.search, "%s", call->count ? call->words[1] : "");
     return true;
 }
 
@@ -203,7 +203,7 @@ static bool do_threshold(struct call *call)
 {
     struct viewer *viewer = call->window->viewer;
     uint32_t object = viewer_find(viewer, call->words[1]);
-    const conus_volume_info *info = viewer_pathway(viewer, object);
+    const conus_volume_info *info = view_atlas_pathway(viewer->drawn, object);
     double threshold;
     bool fine = info && numbers(&threshold, call, 1, 1) && threshold >= info->minimum && threshold <= info->maximum;
     if (fine) {

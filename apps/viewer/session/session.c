@@ -2,6 +2,8 @@
 /* Writes the state of the window as JSON, and reads and checks it. */
 #include "viewer/session/session.h"
 
+#include "viewer/session/session_atlases.h"
+
 #include <errno.h>
 #include <float.h>
 #include <jansson.h>
@@ -65,7 +67,7 @@ static size_t list_fields(struct field fields[FIELD_LIMIT], struct state *state)
     return sizeof all / sizeof all[0];
 }
 
-static bool refuse_session(char why[SESSION_REASON], const char *format, ...)
+bool session_refuse(char why[SESSION_REASON], const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
@@ -170,17 +172,6 @@ static json_t *numbers(const struct field *field)
     return array;
 }
 
-static json_t *hidden_labels(const struct viewer *viewer)
-{
-    json_t *hidden = json_array();
-    for (uint32_t number = 1; number <= viewer->object_count; number++) {
-        if (viewer->shown.hidden[number]) {
-            json_array_append_new(hidden, json_integer(number));
-        }
-    }
-    return hidden;
-}
-
 /* A hidden result that was confirmed has no contact and no distance; one of a session may have no share either. */
 static json_t *number_or_null(double value)
 {
@@ -192,26 +183,16 @@ static json_t *pins_of(const struct viewer *viewer)
     json_t *pins = json_array();
     for (size_t i = 0; i < viewer->pin_count; i++) {
         const struct pin *pin = &viewer->pins[i];
-        json_array_append_new(pins, json_pack("{s: i, s: o, s: o, s: [o, o, o]}", "object", (int)pin->object, "share",
-                                              number_or_null(pin->share), "distance_mm", number_or_null(pin->distance),
-                                              "contact", number_or_null(pin->contact[0]),
-                                              number_or_null(pin->contact[1]), number_or_null(pin->contact[2])));
+        json_t *entry = json_pack("{s: i, s: o, s: o, s: [o, o, o]}", "object", (int)pin->object, "share",
+                                  number_or_null(pin->share), "distance_mm", number_or_null(pin->distance), "contact",
+                                  number_or_null(pin->contact[0]), number_or_null(pin->contact[1]),
+                                  number_or_null(pin->contact[2]));
+        if (viewer->atlas_count > 1) {
+            json_object_set_new(entry, "atlas", json_integer((json_int_t)pin->atlas + 1));
+        }
+        json_array_append_new(pins, entry);
     }
     return pins;
-}
-
-static json_t *thresholds_of(const struct viewer *viewer)
-{
-    json_t *list = json_array();
-    for (uint32_t number = 1; number <= viewer->object_count; number++) {
-        const conus_volume_info *info = viewer_pathway(viewer, number);
-        if (info) {
-            json_array_append_new(list,
-                                  json_pack("{s: s, s: f}", "pathway", conus_atlas_object(viewer->atlas, number)->name,
-                                            "threshold", info->threshold));
-        }
-    }
-    return list;
 }
 
 /* Null where the context is drawn as it came. */
@@ -233,8 +214,8 @@ char *session_text(const struct window *window)
     struct state state;
     take_state(&state, window);
     size_t count = list_fields(fields, &state) - (state.by_head > 0 ? 0 : HEAD_FIELDS);
-    json_t *root = json_pack("{s: i, s: s, s: i, s: s}", "conus_session", SESSION_VERSION, "atlas", viewer->atlas_path,
-                             "objects", (int)viewer->object_count, "score",
+    json_t *root = json_pack("{s: i, s: s, s: i, s: s}", "conus_session", SESSION_VERSION, "atlas",
+                             viewer->atlases->path, "objects", (int)viewer->atlases->object_count, "score",
                              viewer->cone.options.score ? viewer->cone.options.score : "share");
     for (size_t i = 0; root && i < count; i++) {
         json_object_set_new(root, fields[i].key, numbers(&fields[i]));
@@ -242,11 +223,15 @@ char *session_text(const struct window *window)
     if (state.slice_fraction > 0) {
         json_object_set_new(root, "slice_fraction", json_real(state.slice_fraction));
     }
-    json_object_set_new(root, "hidden", hidden_labels(viewer));
+    json_object_set_new(root, "hidden", session_hidden(viewer->atlases));
     json_object_set_new(root, "confirmed", pins_of(viewer));
-    json_object_set_new(root, "thresholds", thresholds_of(viewer));
+    json_object_set_new(root, "thresholds", session_thresholds(viewer->atlases));
     json_object_set_new(root, "transfer", transfer_of(&viewer->transfer_editor));
     json_object_set_new(root, "safe_colours", json_boolean(viewer->display.safe_colours));
+    if (root && viewer->atlas_count > 1) {
+        json_object_set_new(root, "drawn", json_integer(viewer->drawn - viewer->atlases + 1));
+        json_object_set_new(root, "further_atlases", session_further(viewer));
+    }
     char *text = root ? json_dumps(root, JSON_INDENT(1)) : NULL;
     json_decref(root);
     return text;
@@ -258,7 +243,7 @@ bool session_save(const struct window *window, const char *path, char why[SESSIO
     conus_status status = text ? conus_write_file(path, text, strlen(text)) : CONUS_ERROR_MEMORY;
     free(text);
     return !status ||
-           refuse_session(why, "%s",
+           session_refuse(why, "%s",
                           text ? conus_message() : "session: not enough memory, or a name that is not UTF-8");
 }
 
@@ -278,7 +263,7 @@ static bool read_field(const json_t *root, const struct field *field, char why[S
     for (size_t i = 0; fine && i < field->count; i++) {
         fine = read_number(&field->value[i], field->count == 1 ? value : json_array_get(value, i), field);
     }
-    return fine || refuse_session(why, "session: %s: %zu numbers from %g to %g are needed", field->key, field->count,
+    return fine || session_refuse(why, "session: %s: %zu numbers from %g to %g are needed", field->key, field->count,
                                   field->low, field->high);
 }
 
@@ -293,20 +278,6 @@ static const char *known_score(const char *name)
     return NULL;
 }
 
-/* Fills [object_count + 1]. */
-static bool read_hidden(bool *hidden, const json_t *root, size_t object_count, char why[SESSION_REASON])
-{
-    const json_t *list = json_object_get(root, "hidden");
-    for (size_t i = 0; i < json_array_size(list); i++) {
-        json_int_t number = json_integer_value(json_array_get(list, i));
-        if (number < 1 || (uint64_t)number > object_count) {
-            return refuse_session(why, "session: hidden: %lld, allowed is 1 to %zu", (long long)number, object_count);
-        }
-        hidden[number] = true;
-    }
-    return true;
-}
-
 static double number_or_nan(const json_t *value)
 {
     return json_is_number(value) ? json_number_value(value) : NAN;
@@ -319,45 +290,17 @@ static void read_pins(struct viewer *viewer, const json_t *root)
     for (size_t i = 0; i < json_array_size(list) && viewer->pin_count < PIN_LIMIT; i++) {
         const json_t *entry = json_array_get(list, i);
         json_int_t object = json_integer_value(json_object_get(entry, "object"));
+        json_int_t atlas = json_integer_value(json_object_get(entry, "atlas"));
+        size_t of = atlas > 0 ? (size_t)atlas - 1 : 0; /* a session of one atlas does not say of which */
         double contact[3];
         for (size_t a = 0; a < 3; a++) {
             contact[a] = number_or_nan(json_array_get(json_object_get(entry, "contact"), a));
         }
-        if (object > 0 && conus_atlas_object(viewer->atlas, (size_t)object)) {
-            viewer_pin(viewer, (uint32_t)object, number_or_nan(json_object_get(entry, "share")),
+        if (object > 0 && of < viewer->atlas_count && conus_atlas_object(viewer->atlases[of].atlas, (size_t)object)) {
+            viewer_pin(viewer, of, (uint32_t)object, number_or_nan(json_object_get(entry, "share")),
                        number_or_nan(json_object_get(entry, "distance_mm")), contact);
         }
     }
-}
-
-static bool read_threshold(double *out, const json_t *entry, const char *wanted, const conus_volume_info *info,
-                           char why[SESSION_REASON])
-{
-    const char *name = json_string_value(json_object_get(entry, "pathway"));
-    const struct field field = {.low = fmin(info->minimum, info->threshold),
-                                .high = fmax(info->maximum, info->threshold)};
-    if (!name || strcmp(name, wanted) != 0) {
-        return refuse_session(why, "session: thresholds: that of \"%s\" is needed, not of \"%s\"", wanted,
-                              name ? name : "");
-    }
-    return read_number(out, json_object_get(entry, "threshold"), &field) ||
-           refuse_session(why, "session: thresholds: %s: a number from %g to %g is needed", name, field.low,
-                          field.high);
-}
-
-/* One for each pathway, in the atlas's order. Fills [object_count + 1]. */
-static bool read_thresholds(double *out, const struct viewer *viewer, const json_t *list, char why[SESSION_REASON])
-{
-    size_t count = 0;
-    for (uint32_t number = 1; number <= viewer->object_count; number++) {
-        const conus_volume_info *info = viewer_pathway(viewer, number);
-        if (info && !read_threshold(&out[number], json_array_get(list, count++),
-                                    conus_atlas_object(viewer->atlas, number)->name, info, why)) {
-            return false;
-        }
-    }
-    return (json_is_array(list) && json_array_size(list) == count) ||
-           refuse_session(why, "session: thresholds: a list of %zu, one for each pathway, is needed", count);
 }
 
 static bool read_point(conus_transfer_point *out, const json_t *entry, double least)
@@ -372,7 +315,7 @@ static bool read_point(conus_transfer_point *out, const json_t *entry, double le
     return fine;
 }
 
-static bool read_transfer(struct atlas_edits *out, const struct viewer *viewer, const json_t *list,
+static bool read_transfer(struct atlas_edits *out, const struct view_atlas *on, const json_t *list,
                           char why[SESSION_REASON])
 {
     size_t count = json_array_size(list);
@@ -380,8 +323,8 @@ static bool read_transfer(struct atlas_edits *out, const struct viewer *viewer, 
     if (json_is_null(list)) {
         return true;
     }
-    if (viewer_context(viewer) == conus_atlas_volume_count(viewer->atlas)) {
-        return refuse_session(why, "session: transfer: there is no context here, open it with --context");
+    if (view_atlas_context(on) == conus_atlas_volume_count(on->atlas)) {
+        return session_refuse(why, "session: transfer: there is no context here, open it with --context");
     }
     bool fine = json_is_array(list) && count >= 1 && count <= EDITOR_POINTS;
     for (size_t i = 0; fine && i < count; i++) {
@@ -389,38 +332,35 @@ static bool read_transfer(struct atlas_edits *out, const struct viewer *viewer, 
     }
     out->point_count = count;
     return fine ||
-           refuse_session(why,
+           session_refuse(why,
                           "session: transfer: 1 to %d points are needed, each a grey value not less than the one "
                           "before, red, green, blue and opacity from 0 to 1",
                           EDITOR_POINTS);
 }
 
 /* What the session does not say stays as it is. */
-static bool read_atlas_edits(struct atlas_edits *out, double *thresholds, const struct viewer *viewer,
+static bool read_atlas_edits(struct atlas_edits *out, struct session_atlases *atlases, const struct viewer *viewer,
                              const json_t *root, char why[SESSION_REASON])
 {
-    const json_t *list = json_object_get(root, "thresholds");
     const json_t *transfer = json_object_get(root, "transfer");
     const json_t *safe = json_object_get(root, "safe_colours");
-    *out = (struct atlas_edits){.thresholds = list ? thresholds : NULL,
+    if (!session_atlases_read(atlases, viewer, root, why)) {
+        return false;
+    }
+    *out = (struct atlas_edits){.thresholds = atlases->thresholds,
                                 .safe_colours = safe ? json_is_true(safe) : viewer->display.safe_colours};
     if (safe && !json_is_boolean(safe)) {
-        return refuse_session(why, "session: safe_colours: true or false is needed");
+        return session_refuse(why, "session: safe_colours: true or false is needed");
     }
-    return (!list || read_thresholds(thresholds, viewer, list, why)) &&
-           (!transfer || read_transfer(out, viewer, transfer, why));
+    return !transfer || read_transfer(out, &viewer->atlases[atlases->drawn], transfer, why);
 }
 
-static bool read_state(struct state *out, const json_t *root, size_t object_count, char why[SESSION_REASON])
+static bool read_state(struct state *out, const json_t *root, char why[SESSION_REASON])
 {
     struct field fields[FIELD_LIMIT];
     size_t count = list_fields(fields, out) - (json_object_get(root, "by_head") ? 0 : HEAD_FIELDS);
     if (json_integer_value(json_object_get(root, "conus_session")) != SESSION_VERSION) {
-        return refuse_session(why, "no session of this version of conus view");
-    }
-    if ((size_t)json_integer_value(json_object_get(root, "objects")) != object_count) {
-        return refuse_session(why, "session: of an atlas with %lld areas and pathways, this one has %zu",
-                              (long long)json_integer_value(json_object_get(root, "objects")), object_count);
+        return session_refuse(why, "no session of this version of conus view");
     }
     for (size_t i = 0; i < count; i++) {
         if (!read_field(root, &fields[i], why)) {
@@ -431,10 +371,16 @@ static bool read_state(struct state *out, const json_t *root, size_t object_coun
     return !json_object_get(root, part.key) || read_field(root, &part, why);
 }
 
-/* The atlas first, since that may fail. */
-static bool set_up(struct viewer *viewer, const struct atlas_edits *settings, char why[SESSION_REASON])
+/* The atlases first, since that may fail. */
+static bool set_up(struct viewer *viewer, size_t drawn, const struct atlas_edits *settings, char why[SESSION_REASON])
 {
-    return !viewer_set_up(viewer, settings) || refuse_session(why, "session: not enough memory");
+    size_t before = (size_t)(viewer->drawn - viewer->atlases);
+    viewer_draw(viewer, drawn);
+    if (viewer_set_up(viewer, settings)) {
+        viewer_draw(viewer, before);
+        return session_refuse(why, "session: not enough memory");
+    }
+    return true;
 }
 
 static bool read_session(struct window *window, const json_t *root, char why[SESSION_REASON])
@@ -442,37 +388,27 @@ static bool read_session(struct window *window, const json_t *root, char why[SES
     struct viewer *viewer = window->viewer;
     struct state state = {0};
     struct atlas_edits settings;
+    struct session_atlases atlases = {0};
     const char *score = known_score(json_string_value(json_object_get(root, "score")));
-    if (!read_state(&state, root, viewer->object_count, why)) {
-        return false;
+    bool fine = read_state(&state, root, why) && (score || session_refuse(why, "session: score: unknown")) &&
+                read_atlas_edits(&settings, &atlases, viewer, root, why) &&
+                set_up(viewer, atlases.drawn, &settings, why);
+    if (fine) {
+        put_state(window, &state);
+        viewer->cone.options.score = score;
+        session_atlases_hide(&atlases, viewer);
+        read_pins(viewer, root);
+        viewer_reselect(viewer);
     }
-    if (!score) {
-        return refuse_session(why, "session: score: unknown");
-    }
-    bool *hidden = calloc(viewer->object_count + 1, sizeof *hidden);
-    double *thresholds = calloc(viewer->object_count + 1, sizeof *thresholds);
-    bool fine = hidden && thresholds
-                    ? read_hidden(hidden, root, viewer->object_count, why) &&
-                          read_atlas_edits(&settings, thresholds, viewer, root, why) && set_up(viewer, &settings, why)
-                    : refuse_session(why, "session: not enough memory");
-    free(thresholds);
-    if (!fine) {
-        free(hidden);
-        return false;
-    }
-    put_state(window, &state);
-    viewer->cone.options.score = score;
-    viewer_set_hidden(viewer, hidden);
-    read_pins(viewer, root);
-    viewer_reselect(viewer);
-    return true;
+    session_atlases_finish(&atlases);
+    return fine;
 }
 
 static bool use_session(struct window *window, json_t *root, const char *path, const json_error_t *error,
                         char why[SESSION_REASON])
 {
     bool fine =
-        root ? read_session(window, root, why) : refuse_session(why, "%s: line %d: %s", path, error->line, error->text);
+        root ? read_session(window, root, why) : session_refuse(why, "%s: line %d: %s", path, error->line, error->text);
     json_decref(root);
     return fine;
 }
@@ -506,13 +442,13 @@ bool session_load(struct window *window, const char *path, char why[SESSION_REAS
     struct capped from = {.file = fopen(path, "re"), .left = SESSION_LIMIT};
     json_error_t error;
     if (!from.file) {
-        return refuse_session(why, "%s: cannot open: %s", path, strerror(errno));
+        return session_refuse(why, "%s: cannot open: %s", path, strerror(errno));
     }
     json_t *root = json_load_callback(read_capped, &from, JSON_REJECT_DUPLICATES, &error);
     fclose(from.file);
     if (from.is_larger) {
         json_decref(root);
-        return refuse_session(why, "%s: more than the %d bytes that are read", path, SESSION_LIMIT);
+        return session_refuse(why, "%s: more than the %d bytes that are read", path, SESSION_LIMIT);
     }
     return use_session(window, root, path, &error, why);
 }

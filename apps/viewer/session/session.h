@@ -13,6 +13,9 @@ char *session_text(const struct window *window);
 /** Opens what session_text() gave; false, and @p why says why not, in one line; the window stays as it was then. */
 bool session_parse(struct window *window, const char *text, size_t size, char why[SESSION_REASON]);
 
+/** Says why not, in one line; false. */
+bool session_refuse(char why[SESSION_REASON], const char *format, ...) __attribute__((format(printf, 2, 3)));
+
 /** False: @p why says why not, in one line. */
 bool session_save(const struct window *window, const char *path, char why[SESSION_REASON]);
 /** Likewise; the window stays as it was unless the whole file fits. A session of another atlas is refused. */

@@ -32,6 +32,12 @@ void texture_set(struct texture *texture, const uint8_t *rgba, uint32_t width, u
     glTextureSubImage2D(texture->name, 0, 0, 0, (GLsizei)width, (GLsizei)height, GL_RGBA, GL_UNSIGNED_BYTE, rgba);
 }
 
+void texture_drop(struct texture *texture)
+{
+    glDeleteTextures(1, &texture->name);
+    *texture = (struct texture){0};
+}
+
 /* ---- Events ------------------------------------------------------------------------------------------------------ */
 
 /* Widgets need a few frames to answer: hovered, pressed, let go. */
@@ -442,20 +448,14 @@ conus_status window_write(const struct window *window, const char *path)
     return status;
 }
 
-void window_hover_text(const struct window *window, char out[HOVER_TEXT])
-{
-    const conus_object *object = conus_atlas_object(window->viewer->atlas, window->hover.object);
-    int used = snprintf(out, HOVER_TEXT, "%.200s", object ? object->name : "");
-    if (object && isfinite(window->hover.value)) {
-        snprintf(out + used, HOVER_TEXT - (size_t)used, "  %.3g", window->hover.value);
-    }
-}
-
 void window_copy(struct window *window, enum copied what)
 {
     struct viewer *viewer = window->viewer;
     char *text = what == COPY_PINS ? viewer_pins_text(viewer) : viewer_results_text(viewer);
-    size_t rows = what == COPY_PINS ? viewer->pin_count : conus_selection_count(viewer_selection(viewer));
+    size_t rows = what == COPY_PINS ? viewer->pin_count : 0;
+    for (size_t i = 0; i < viewer->atlas_count && what == COPY_RESULTS; i++) {
+        rows += conus_selection_count(view_atlas_selection(&viewer->atlases[i]));
+    }
     if (text) {
         glfwSetClipboardString(window->handle, text);
         viewer_say(viewer, "copied %zu rows", rows);

@@ -11,7 +11,7 @@
 #include "viewer/window/start.h"
 #include "viewer/window/ui.h"
 
-enum { PANE_COUNT = 4, PANE_3D = 3 /**< After the planes. */, KEY_LIMIT = 32, HOVER_TEXT = 256 };
+enum { PANE_COUNT = 4, PANE_3D = 3 /**< After the planes. */, KEY_LIMIT = 32 };
 
 /** A picture on the screen. */
 struct texture {
@@ -31,10 +31,12 @@ struct cut_pane {
 
 /** What is under the mouse. */
 struct hover {
-    uint32_t object; /**< 0 = none. */
+    uint32_t object; /**< Of the drawn atlas; 0 = none. */
     bool has_place;
-    double at[3]; /**< If it has a place. */
-    double value; /**< Of a pathway, there; NaN of an area. */
+    double at[3];                /**< If it has a place. */
+    double value;                /**< Of a pathway, there; NaN of an area. */
+    bool by_ray;                 /**< Found in 3-D, along a ray: */
+    double eye[3], direction[3]; /**< A unit vector. */
 };
 
 struct window {
@@ -54,8 +56,9 @@ struct window {
     struct place before; /**< Where the window was before that.      */
     struct cut_pane cuts[PLANE_COUNT];
     struct texture painted, device_view;
-    struct sight sight;    /**< Of the 3-D pane, in this frame.    */
-    struct painting asked; /**< What the painter was asked last. */
+    const struct view_atlas *painted_of; /**< The atlas that painted shows. */
+    struct sight sight;                  /**< Of the 3-D pane, in this frame.    */
+    struct painting asked;               /**< What the painter was asked last. */
     double painted_ms, frame_ms;
     struct times times;
     bool painted_fine;                  /**< The picture is what was asked last, as fine as it gets. */
@@ -69,13 +72,14 @@ struct window {
     bool show_help;
     bool quiet_status; /**< The status line leaves out what differs from run to run: times and the device. */
     struct hover hover;
-    bool keeps_picture;   /**< The next frame goes into a file.     */
-    uint32_t listed;      /**< What the list of areas was scrolled to last. */
-    float dragged;        /**< Pixels that the mouse moved since it was pressed on the 3-D pane. */
-    unsigned sent_answer; /**< The answer that was sent to the station last. */
-    double watched;       /**< When the atlas's files were looked at last, by clock_ms(). */
-    float next_scale;     /**< That the screen asks for; 0 = no other than before. */
-    bool scale_given;     /**< By the user: the screen is not asked. */
+    bool keeps_picture;                 /**< The next frame goes into a file.     */
+    uint32_t listed;                    /**< What the list of areas was scrolled to last. */
+    const struct view_atlas *listed_of; /**< In the list of this atlas. */
+    float dragged;                      /**< Pixels that the mouse moved since it was pressed on the 3-D pane. */
+    unsigned sent_answer;               /**< The answer that was sent to the station last. */
+    double watched;                     /**< When the atlas's files were looked at last, by clock_ms(). */
+    float next_scale;                   /**< That the screen asks for; 0 = no other than before. */
+    bool scale_given;                   /**< By the user: the screen is not asked. */
 };
 
 /** Opens a window at @p place, hidden where @p hidden, its widgets @p scale times as large as usual (0: as the screen
@@ -118,9 +122,6 @@ bool window_is_settled(const struct window *window);
 /** What the window shows now, as a PNG. */
 conus_status window_write(const struct window *window, const char *path);
 
-/** Name and, of a pathway, value of what is under the mouse. */
-void window_hover_text(const struct window *window, char out[HOVER_TEXT]);
-
 enum copied { COPY_RESULTS = 0, COPY_PINS };
 /** Puts a table on the clipboard. */
 void window_copy(struct window *window, enum copied what);
@@ -128,5 +129,7 @@ void window_copy(struct window *window, enum copied what);
 /** Puts bytes of sRGB, top row first, on the screen's texture; @p smooth: where it is enlarged, pixels run into each
  * other. */
 void texture_set(struct texture *texture, const uint8_t *rgba, uint32_t width, uint32_t height, bool smooth);
+/** There is no picture any more. */
+void texture_drop(struct texture *texture);
 
 #endif

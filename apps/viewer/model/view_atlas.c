@@ -1,0 +1,122 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* An atlas of the window: its making, its question and its end. */
+#include "viewer/model/view_atlas.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Once, and not for every cut. */
+static void find_window(struct view_atlas *on)
+{
+    size_t context = view_atlas_context(on);
+    if (context == conus_atlas_volume_count(on->atlas) || conus_atlas_window(on->window, on->atlas, context)) {
+        on->window[0] = on->window[1] = 0;
+    }
+}
+
+bool view_atlas_init(struct view_atlas *out, const struct view_source *source)
+{
+    struct view_atlas on = {.atlas = source->atlas,
+                            .path = strdup(source->path ? source->path : ""),
+                            .name = strdup(source->name ? source->name : ""),
+                            .object_count = conus_atlas_object_count(source->atlas)};
+    bool has_shown = shown_init(&on.shown, on.atlas);
+    if (!has_shown || !on.path || !on.name) {
+        view_atlas_finish(&on);
+        return false;
+    }
+    on.watch = watch_create(on.atlas);
+    find_window(&on);
+    *out = on;
+    return true;
+}
+
+void view_atlas_finish(struct view_atlas *on)
+{
+    view_atlas_forget(on);
+    view_atlas_rest(on);
+    shown_finish(&on->shown);
+    watch_destroy(on->watch);
+    free(on->name);
+    free(on->path);
+}
+
+/* ---- The question ------------------------------------------------------------------------------------------------ */
+
+/* Of those that the window can change. */
+static bool are_same(const conus_selector_options *a, const conus_selector_options *b)
+{
+    return a->engine == b->engine && a->aperture == b->aperture && a->sampling == b->sampling &&
+           a->resolution == b->resolution && a->slice_fraction == b->slice_fraction && a->layers == b->layers &&
+           a->range[0] == b->range[0] && a->range[1] == b->range[1] && a->radius == b->radius && a->score == b->score;
+}
+
+conus_status view_atlas_prepare(struct view_atlas *on, const conus_selector_options *options)
+{
+    if (on->selector && are_same(options, &on->made_with)) {
+        return CONUS_OK;
+    }
+    conus_selector_destroy(on->selector);
+    on->selector = NULL;
+    on->made_with = *options;
+    return conus_selector_create(&on->selector, on->atlas, options);
+}
+
+conus_status view_atlas_select(struct view_atlas *on, const conus_selector_options *options, const conus_pose *pose,
+                               double angle)
+{
+    conus_selection *selection = NULL;
+    conus_status status = view_atlas_prepare(on, options);
+    status = status ? status : conus_select(&selection, on->selector, pose, angle);
+    struct answer *answer = status ? NULL : answer_create(selection);
+    if (!status && !answer) {
+        conus_selection_destroy(selection);
+        status = CONUS_ERROR_MEMORY;
+    }
+    answer_drop(on->answer);
+    on->answer = answer;
+    return status;
+}
+
+void view_atlas_rest(struct view_atlas *on)
+{
+    conus_selector_destroy(on->selector);
+    conus_selector_destroy(on->picker);
+    conus_cutter_destroy(on->probe);
+    on->selector = on->picker = NULL;
+    on->probe = NULL;
+}
+
+void view_atlas_forget(struct view_atlas *on)
+{
+    answer_drop(on->answer);
+    on->answer = NULL;
+}
+
+const conus_selection *view_atlas_selection(const struct view_atlas *on)
+{
+    return answer_selection(on->answer);
+}
+
+size_t view_atlas_context(const struct view_atlas *on)
+{
+    size_t i = 0;
+    while (i < conus_atlas_volume_count(on->atlas) && conus_atlas_volume(on->atlas, i)->role != CONUS_ROLE_CONTEXT) {
+        i++;
+    }
+    return i;
+}
+
+bool view_atlas_shares_context(const struct view_atlas *a, const struct view_atlas *b)
+{
+    const conus_volume_info *one = conus_atlas_volume(a->atlas, view_atlas_context(a));
+    const conus_volume_info *other = conus_atlas_volume(b->atlas, view_atlas_context(b));
+    return one && other ? strcmp(one->path, other->path) == 0 && one->volume == other->volume : one == other;
+}
+
+const conus_volume_info *view_atlas_pathway(const struct view_atlas *on, uint32_t object)
+{
+    const conus_object *pathway = conus_atlas_object(on->atlas, object);
+    bool has_threshold = pathway && pathway->kind == CONUS_KIND_PATHWAY && !pathway->is_band;
+    return has_threshold ? conus_atlas_volume(on->atlas, pathway->volume) : NULL;
+}

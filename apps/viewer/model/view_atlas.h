@@ -1,0 +1,56 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file One of the atlases in the window: what is hidden in it, and its answer to the question that all of them get.
+ */
+#ifndef CONUS_VIEWER_MODEL_VIEW_ATLAS_H
+#define CONUS_VIEWER_MODEL_VIEW_ATLAS_H
+
+#include "viewer/model/answer.h"
+#include "viewer/model/shown.h"
+#include "viewer/model/watch.h"
+
+struct view_atlas {
+    conus_atlas *atlas;
+    char *path; /**< As it was given. */
+    char *name; /**< Of the column `atlas`; "" where it is the only one. */
+    size_t object_count;
+    double window[2]; /**< Grey values of the context that the cuts show as black and white; both 0 without one. */
+    struct shown_objects shown;
+    struct watch *watch;              /**< NULL without memory. */
+    conus_selector *selector;         /**< Made when needed; NULL after the atlas changed. */
+    conus_selector_options made_with; /**< The selector. */
+    struct answer *answer;            /**< To the newest question; NULL = none. */
+    conus_selector *picker;           /**< Of picker.c; made when needed. */
+    conus_cutter *probe;              /**< Likewise. */
+};
+
+/** What a view_atlas is made of. */
+struct view_source {
+    conus_atlas *atlas;
+    const char *path, *name; /**< NULL = "". */
+};
+
+/** Does not take the atlas over; false without memory. */
+bool view_atlas_init(struct view_atlas *out, const struct view_source *source);
+/** Ends all but the atlas itself. */
+void view_atlas_finish(struct view_atlas *on);
+
+/** Asks for what is in the cone of full opening @p angle, radians. Where that fails, there is no answer. */
+conus_status view_atlas_select(struct view_atlas *on, const conus_selector_options *options, const conus_pose *pose,
+                               double angle);
+/** Makes the selector, unless there is one of these options. */
+conus_status view_atlas_prepare(struct view_atlas *on, const conus_selector_options *options);
+/** Ends what was made for the atlas and would have to be made anew after a change; the answer stays. */
+void view_atlas_rest(struct view_atlas *on);
+/** Ends the answer. */
+void view_atlas_forget(struct view_atlas *on);
+
+/** The answer; NULL = none. */
+const conus_selection *view_atlas_selection(const struct view_atlas *on);
+/** Index of the context volume, or the number of volumes where there is none. */
+size_t view_atlas_context(const struct view_atlas *on);
+/** Whether the same file is the context of both, or none is. */
+bool view_atlas_shares_context(const struct view_atlas *a, const struct view_atlas *b);
+/** The volume of a pathway from a threshold on; NULL of another object. */
+const conus_volume_info *view_atlas_pathway(const struct view_atlas *on, uint32_t object);
+
+#endif

@@ -1,0 +1,91 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Finds the names of what is under the mouse, in each atlas. */
+#include "viewer/window/hover.h"
+
+#include "viewer/model/picker.h"
+
+#include <math.h>
+#include <stdio.h>
+
+enum { NAME_TEXT = 256 };
+
+static const double told_mm = 0.5; /* depths that differ by less are the same */
+
+/* What an atlas has there, and how much farther away that is than what the drawn one has. */
+struct found {
+    uint32_t object;
+    double value, farther; /* NaN of an area; mm */
+};
+
+static void find_along_ray(struct found *out, const struct hover *hover, struct view_atlas *on)
+{
+    double depth;
+    double drawn = 0;
+    double place[3];
+    if (!hover->object) { /* nothing is there, or the context hides it */
+        return;
+    }
+    out->object = view_atlas_pick(&depth, on, hover->eye, hover->direction);
+    for (int a = 0; a < 3 && out->object; a++) {
+        place[a] = hover->eye[a] + depth * hover->direction[a];
+        drawn += (hover->at[a] - hover->eye[a]) * hover->direction[a];
+    }
+    if (out->object) {
+        out->value = view_atlas_value(on, out->object, place);
+        out->farther = depth - drawn;
+    }
+}
+
+static void find(struct found *out, const struct window *window, struct view_atlas *on)
+{
+    const struct hover *hover = &window->hover;
+    const double *at = hover->has_place ? hover->at : window->viewer->crosshair;
+    *out = (struct found){.value = NAN};
+    if (hover->has_place && on == window->viewer->drawn) {
+        out->object = hover->object;
+        out->value = hover->value;
+    } else if (hover->has_place && hover->by_ray) {
+        find_along_ray(out, hover, on);
+    } else {
+        out->object = view_atlas_at(on, at);
+        out->value = view_atlas_value(on, out->object, at);
+    }
+}
+
+static void name(char out[NAME_TEXT], const struct window *window, struct view_atlas *on)
+{
+    struct found found;
+    find(&found, window, on);
+    const conus_object *object = conus_atlas_object(on->atlas, found.object);
+    int used = snprintf(out, NAME_TEXT, "%.200s", object ? object->name : "");
+    if (object && isfinite(found.value)) {
+        used += snprintf(out + used, NAME_TEXT - (size_t)used, "  %.3g", found.value);
+    }
+    if (fabs(found.farther) >= told_mm) {
+        snprintf(out + used, NAME_TEXT - (size_t)used, " (%+.1f mm)", found.farther);
+    }
+}
+
+void hover_text(char out[HOVER_TEXT], const struct window *window, const char *between)
+{
+    const struct viewer *viewer = window->viewer;
+    char text[NAME_TEXT];
+    size_t used = 0;
+    out[0] = '\0';
+    if (viewer->atlas_count == 1 && window->hover.has_place) {
+        name(out, window, viewer->drawn);
+    }
+    for (size_t i = 0; i < viewer->atlas_count && viewer->atlas_count > 1 && used < HOVER_TEXT; i++) {
+        struct view_atlas *on = &viewer->atlases[i];
+        name(text, window, on);
+        used += (size_t)snprintf(out + used, HOVER_TEXT - used, "%s%s: %s", i ? between : "", on->name,
+                                 text[0] ? text : "-");
+    }
+}
+
+void hover_tip(const struct window *window)
+{
+    char tip[HOVER_TEXT];
+    hover_text(tip, window, "\n");
+    ui_tip(tip);
+}

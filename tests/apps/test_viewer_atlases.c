@@ -1,0 +1,362 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Several atlases in the window, without a window: all are asked the same, one of them is drawn. */
+#include "viewer/model/picker.h"
+#include "viewer/session/session.h"
+
+#include "test.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double eye[3] = {0, 90, 0};
+static const double back[3] = {0, -1, 0};
+
+static uint32_t best_of(const struct view_atlas *on)
+{
+    return conus_selection_result(view_atlas_selection(on), 0)->object;
+}
+
+static conus_atlas *load(const char *kind)
+{
+    char name[64];
+    conus_atlas *atlas = NULL;
+    test_folder("phantom");
+    assert_ok(conus_phantom_write(kind, test_in(""), NULL));
+    snprintf(name, sizeof name, "%s.nii.gz", kind);
+    assert_ok(conus_atlas_load(&atlas, test_in(name), NULL));
+    return atlas;
+}
+
+/* Balls of 24, 16 and 8 mm one in the other, and two slabs, in the same space. */
+static void load_two(struct viewer *out)
+{
+    const struct view_source sources[] = {{load("nested"), "nested.nii.gz", "nested"},
+                                          {load("slabs"), "slabs.nii.gz", "slabs"}};
+    assert_ok(viewer_create(out, sources, 2, NULL, NULL, NULL));
+}
+
+/* Every digit; the caller frees it. */
+static char *table_of(const conus_selector *selector, const conus_selection *selection)
+{
+    const conus_report_options options = {.format = CONUS_FORMAT_TSV};
+    conus_report *report = NULL;
+    const char *text;
+    size_t size;
+    assert_ok(conus_report_create(&report, selector, &options));
+    assert_ok(conus_report_add(report, "1", selection));
+    assert_ok(conus_report_text(&text, &size, report));
+    char *copy = strdup(text);
+    conus_report_destroy(report);
+    return copy;
+}
+
+/* As conus query does it: a selector of its own for one question. */
+static void assert_answers(const struct viewer *viewer, size_t index)
+{
+    const struct view_atlas *on = &viewer->atlases[index];
+    conus_selector *selector = NULL;
+    conus_selection *answer = NULL;
+    assert_ok(conus_selector_create(&selector, on->atlas, &viewer->cone.options));
+    assert_ok(conus_select(&answer, selector, &viewer->cone.pose, viewer->cone.angle * M_PI / 180));
+    char *wanted = table_of(selector, answer);
+    char *shown = table_of(on->selector, view_atlas_selection(on));
+    assert_string_equal(shown, wanted);
+    free(wanted);
+    free(shown);
+    conus_selection_destroy(answer);
+    conus_selector_destroy(selector);
+}
+
+static void assert_all_answer(const struct viewer *viewer)
+{
+    for (size_t i = 0; i < viewer->atlas_count; i++) {
+        assert_answers(viewer, i);
+    }
+}
+
+/* Whatever moves or changes the cone, and whichever atlas is drawn. */
+static void all_atlases_are_asked_the_same(void **state)
+{
+    struct viewer viewer;
+    (void)state;
+    load_two(&viewer);
+    assert_null(view_atlas_selection(&viewer.atlases[1]));
+    for (int i = 0; i < 8; i++) {
+        const double from[3] = {70 * cos(i), 70 * sin(i), 9 * i - 30};
+        const double to[3] = {-from[0] + i, -from[1], -from[2]};
+        viewer.cone.angle = 4 + 3 * i;
+        viewer.cone.options.layers = i % 2 ? CONUS_LAYERS_ALL : CONUS_LAYERS_VISIBLE;
+        viewer.cone.options.score = i % 3 ? NULL : "nearness";
+        viewer_aim_along(&viewer, from, to);
+        assert_all_answer(&viewer);
+        viewer_draw(&viewer, (size_t)i / 4);
+        assert_ptr_equal(viewer_selection(&viewer), view_atlas_selection(&viewer.atlases[i / 4]));
+        viewer.cone.angle *= 2;
+        viewer_reselect(&viewer);
+        assert_all_answer(&viewer);
+    }
+    viewer_finish(&viewer);
+}
+
+/* Hidden areas, what is chosen and what is taken back are each atlas's own; colours are all atlases'. */
+static void what_is_drawn_is_what_is_hidden_and_confirmed(void **state)
+{
+    struct viewer viewer;
+    (void)state;
+    load_two(&viewer);
+    viewer.cone.angle = 2;
+    viewer_aim_along(&viewer, eye, back);
+    const uint32_t slab = best_of(&viewer.atlases[1]);
+    viewer_hide(&viewer, 1, true);
+    viewer_confirm(&viewer);
+    unsigned answer = viewer.cone.answer_number;
+    unsigned scene = viewer.scene_number;
+    unsigned atlas = viewer.atlas_number;
+    viewer_draw(&viewer, 1);
+    assert_true(viewer.cone.answer_number != answer && viewer.scene_number != scene && viewer.atlas_number != atlas);
+    assert_ptr_equal(viewer.drawn, &viewer.atlases[1]);
+    assert_int_equal(best_of(viewer.drawn), slab);
+    assert_int_equal(viewer_shown(&viewer, slab), SHOWN);
+    viewer_undo(&viewer); /* nothing is hidden here */
+    viewer_confirm(&viewer);
+    viewer_hide(&viewer, slab, true);
+    assert_true(best_of(viewer.drawn) != slab);
+    assert_int_equal(best_of(&viewer.atlases[0]), 2);
+    assert_all_answer(&viewer);
+    viewer_undo(&viewer);
+    assert_int_equal(best_of(viewer.drawn), slab);
+    assert_int_equal(viewer.pin_count, 2);
+    assert_int_equal(viewer.pins[0].object, 2);
+    char *text = viewer_pins_text(&viewer);
+    assert_memory_equal(text, "atlas\tname\tshare\t", 17);
+    assert_non_null(strstr(text, "\nnested\tShell "));
+    assert_non_null(strstr(text, "\nslabs\tSlab "));
+    free(text);
+    viewer_draw(&viewer, 0);
+    assert_int_equal(viewer_shown(&viewer, 1), SHOWN_NOT);
+    viewer_finish(&viewer);
+}
+
+static void colours_are_those_of_all_atlases(void **state)
+{
+    struct viewer viewer;
+    uint8_t own[2][3];
+    (void)state;
+    load_two(&viewer);
+    for (size_t i = 0; i < 2; i++) {
+        memcpy(own[i], conus_atlas_object(viewer.atlases[i].atlas, 1)->rgb, 3);
+    }
+    viewer_use_safe_colours(&viewer, true);
+    viewer_draw(&viewer, 1);
+    assert_memory_not_equal(own[0], conus_atlas_object(viewer.atlases[0].atlas, 1)->rgb, 3);
+    assert_memory_not_equal(own[1], conus_atlas_object(viewer.atlases[1].atlas, 1)->rgb, 3);
+    viewer_use_safe_colours(&viewer, false);
+    assert_memory_equal(own[0], conus_atlas_object(viewer.atlases[0].atlas, 1)->rgb, 3);
+    assert_memory_equal(own[1], conus_atlas_object(viewer.atlases[1].atlas, 1)->rgb, 3);
+    viewer_finish(&viewer);
+}
+
+/* An atlas that cannot answer shows nothing, least of all what it answered before: a cone of 180 degrees is none. */
+static void no_answer_outlives_its_question(void **state)
+{
+    struct viewer viewer;
+    (void)state;
+    load_two(&viewer);
+    viewer_aim_along(&viewer, eye, back);
+    unsigned before = viewer.cone.answer_number;
+    viewer.cone.angle = 180;
+    viewer_reselect(&viewer);
+    assert_null(view_atlas_selection(&viewer.atlases[0]));
+    assert_null(view_atlas_selection(&viewer.atlases[1]));
+    assert_true(viewer.cone.answer_number != before);
+    assert_memory_equal(viewer.message, "slabs: ", 7); /* the last that was asked */
+    viewer.cone.angle = 10;
+    viewer_reselect(&viewer);
+    assert_all_answer(&viewer);
+    viewer_finish(&viewer);
+}
+
+/* What a place is called: in the middle of the balls the innermost, 20 mm to the left the outermost (from 16 to 24 mm),
+ * and outside nothing. A ray from 90 mm before them meets a ball of 24 mm after 66 mm, to a voxel. */
+static void places_have_a_name_in_each_atlas(void **state)
+{
+    struct viewer viewer;
+    double depth;
+    (void)state;
+    load_two(&viewer);
+    assert_int_equal(view_atlas_at(&viewer.atlases[0], (double[]){0, 0, 0}), 3);
+    assert_int_equal(view_atlas_at(&viewer.atlases[0], (double[]){-20, 0, 0}), 1);
+    assert_int_equal(view_atlas_at(&viewer.atlases[0], (double[]){-30, 0, 0}), 0);
+    assert_int_equal(view_atlas_at(&viewer.atlases[0], (double[]){-1e6, 0, 0}), 0);
+    assert_int_equal(view_atlas_pick(&depth, &viewer.atlases[0], eye, back), 1);
+    assert_near(depth, 66, 1);
+    assert_int_equal(view_atlas_pick(&depth, &viewer.atlases[0], eye, (double[]){0, 1, 0}), 0);
+    assert_true(isinf(depth));
+    viewer_hide(&viewer, 1, true);
+    assert_int_equal(view_atlas_at(&viewer.atlases[0], (double[]){-20, 0, 0}), 0);
+    assert_int_equal(view_atlas_pick(&depth, &viewer.atlases[0], eye, back), 2);
+    assert_near(depth, 74, 1);
+    viewer_finish(&viewer);
+}
+
+/* ---- Sessions ---------------------------------------------------------------------------------------------------- */
+
+/* A ball, and its own voxels as a pathway. */
+static conus_atlas *load_pathway(void)
+{
+    const conus_pathway_options pathway = {.name = "Tract", .threshold = 0.5};
+    conus_atlas *atlas = load("sphere");
+    assert_ok(conus_atlas_add_pathway(atlas, test_in("sphere.nii.gz"), &pathway));
+    return atlas;
+}
+
+/* Three atlases, the last two with a pathway. */
+static void load_three(struct viewer *out)
+{
+    const struct view_source sources[] = {{load("nested"), "nested.nii.gz", "nested"},
+                                          {load_pathway(), "sphere.nii.gz", "sphere"},
+                                          {load_pathway(), "sphere.nii.gz", "sphere-2"}};
+    assert_ok(viewer_create(out, sources, 3, NULL, NULL, NULL));
+}
+
+static void confirm_and_hide(struct viewer *viewer, size_t atlas)
+{
+    viewer_draw(viewer, atlas);
+    viewer_confirm(viewer);
+    viewer_hide(viewer, 1, true);
+}
+
+static void a_session_has_all_atlases(void **state)
+{
+    struct viewer viewer;
+    struct window window = {.enlarged = -1, .viewer = &viewer};
+    char why[SESSION_REASON];
+    (void)state;
+    load_three(&viewer);
+    viewer_aim_along(&viewer, eye, back);
+    char *fresh = session_text(&window);
+    confirm_and_hide(&viewer, 0);
+    confirm_and_hide(&viewer, 2);
+    viewer_draw(&viewer, 1);
+    viewer_set_threshold(&viewer, 2, 0.75);
+    char *left = session_text(&window);
+    assert_true(session_parse(&window, fresh, strlen(fresh), why));
+    char *again = session_text(&window);
+    assert_string_equal(again, fresh);
+    assert_true(view_atlas_pathway(&viewer.atlases[1], 2)->threshold == 0.5);
+    assert_true(session_parse(&window, left, strlen(left), why));
+    free(again);
+    again = session_text(&window);
+    assert_string_equal(again, left);
+    assert_ptr_equal(viewer.drawn, &viewer.atlases[1]);
+    assert_true(conus_atlas_is_hidden(viewer.atlases[0].atlas, 1) && conus_atlas_is_hidden(viewer.atlases[2].atlas, 1));
+    assert_false(conus_atlas_is_hidden(viewer.atlases[1].atlas, 1));
+    assert_true(view_atlas_pathway(&viewer.atlases[1], 2)->threshold == 0.75);
+    assert_true(view_atlas_pathway(&viewer.atlases[2], 2)->threshold == 0.5);
+    assert_int_equal(viewer.pin_count, 2);
+    assert_int_equal(viewer.pins[0].atlas, 0);
+    assert_int_equal(viewer.pins[1].atlas, 2);
+    assert_string_equal(viewer.pins[1].name, "Sphere");
+    assert_all_answer(&viewer);
+    free(again);
+    free(left);
+    free(fresh);
+    viewer_finish(&viewer);
+}
+
+/* @p text with the first @p old replaced; the caller frees it. */
+static char *replaced(const char *text, const char *old, const char *by)
+{
+    const char *at = strstr(text, old);
+    char *out = malloc(strlen(text) + strlen(by) + 1);
+    assert_true(at && out);
+    snprintf(out, strlen(text) + strlen(by) + 1, "%.*s%s%s", (int)(at - text), text, by, at + strlen(old));
+    return out;
+}
+
+/* Each is refused for what is wrong, and changes nothing. */
+static void a_session_that_does_not_fit_changes_no_atlas(void **state)
+{
+    static const struct {
+        const char *old, *by, *why;
+    } cases[] = {
+        {"\"drawn\": 2", "\"drawn\": 4", "drawn: a number from 1 to 3"},
+        {"\"drawn\": 2", "\"drawn\": 0", "drawn: a number from 1 to 3"},
+        {"\"drawn\": 2", "\"drawn\": \"2\"", "drawn: a number from 1 to 3"},
+        {"\"further_atlases\": [", "\"further_atlases\": [{},", "further_atlases: a list of 2 is needed"},
+        {"\"further_atlases\"", "\"further_atlases\": 5, \"x\"", "further_atlases: a list of 2 is needed"},
+        {"\"objects\": 2", "\"objects\": 7", "of an atlas with 7 areas and pathways, sphere has 2"},
+        {"\"objects\": 3", "\"objects\": 2", "of an atlas with 2 areas and pathways, this one has 3"},
+        {"\"threshold\": 0.75", "\"threshold\": 2", "thresholds: Tract: a number from 0 to 1"},
+        {"\"pathway\": \"Tract\"", "\"pathway\": \"Arc\"", "that of \"Tract\" is needed, not of \"Arc\""},
+    };
+    struct viewer viewer;
+    struct window window = {.enlarged = -1, .viewer = &viewer};
+    char why[SESSION_REASON];
+    (void)state;
+    load_three(&viewer);
+    char *before = session_text(&window);
+    confirm_and_hide(&viewer, 0);
+    viewer_draw(&viewer, 1);
+    viewer_set_threshold(&viewer, 2, 0.75);
+    char *other = session_text(&window);
+    assert_true(session_parse(&window, before, strlen(before), why));
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        char *text = replaced(other, cases[i].old, cases[i].by);
+        assert_false(session_parse(&window, text, strlen(text), why));
+        assert_non_null(strstr(why, cases[i].why));
+        char *after = session_text(&window);
+        assert_string_equal(after, before);
+        free(after);
+        free(text);
+    }
+    free(other);
+    free(before);
+    viewer_finish(&viewer);
+}
+
+/* It says nothing of atlases that it did not have; they stay as they are. */
+static void a_session_of_one_atlas_is_that_of_the_first(void **state)
+{
+    struct viewer one;
+    struct viewer two;
+    struct window window = {.enlarged = -1, .viewer = &one};
+    const struct view_source source = {load("nested"), "nested.nii.gz", NULL};
+    char why[SESSION_REASON];
+    (void)state;
+    assert_ok(viewer_create(&one, &source, 1, NULL, NULL, NULL));
+    viewer_aim_along(&one, eye, back);
+    confirm_and_hide(&one, 0);
+    char *text = session_text(&window);
+    assert_null(strstr(text, "drawn"));
+    assert_null(strstr(text, "further"));
+    load_two(&two);
+    window.viewer = &two;
+    viewer_draw(&two, 1);
+    viewer_hide(&two, 2, true);
+    assert_true(session_parse(&window, text, strlen(text), why));
+    assert_ptr_equal(two.drawn, &two.atlases[1]);
+    assert_true(two.atlases[0].shown.hidden[1] && two.atlases[1].shown.hidden[2]);
+    assert_string_equal(two.pins[0].name, one.pins[0].name);
+    assert_all_answer(&two);
+    free(text);
+    viewer_finish(&one);
+    viewer_finish(&two);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(all_atlases_are_asked_the_same),
+        cmocka_unit_test(what_is_drawn_is_what_is_hidden_and_confirmed),
+        cmocka_unit_test(colours_are_those_of_all_atlases),
+        cmocka_unit_test(no_answer_outlives_its_question),
+        cmocka_unit_test(places_have_a_name_in_each_atlas),
+        cmocka_unit_test(a_session_has_all_atlases),
+        cmocka_unit_test(a_session_that_does_not_fit_changes_no_atlas),
+        cmocka_unit_test(a_session_of_one_atlas_is_that_of_the_first),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
