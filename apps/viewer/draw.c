@@ -11,9 +11,7 @@
 
 static void draw_panels(struct window *window)
 {
-    window->hover.has_place = false;
-    window->hover.object = 0;
-    window->hover.value = NAN;
+    window->hover = (struct hover){.value = NAN};
     if (window->start.on) {
         panel_start(window);
         return;

@@ -32,15 +32,15 @@ static void show_all(struct window *window)
 static void hide_chosen(struct window *window)
 {
     struct viewer *viewer = window->viewer;
-    if (viewer->shown.chosen) {
-        viewer_hide(viewer, viewer->shown.chosen, !viewer->shown.hidden[viewer->shown.chosen]);
+    if (viewer->drawn->shown.chosen) {
+        viewer_hide(viewer, viewer->drawn->shown.chosen, !viewer->drawn->shown.hidden[viewer->drawn->shown.chosen]);
     }
 }
 
 static void isolate_chosen(struct window *window)
 {
-    if (window->viewer->shown.chosen) {
-        viewer_isolate(window->viewer, window->viewer->shown.chosen);
+    if (window->viewer->drawn->shown.chosen) {
+        viewer_isolate(window->viewer, window->viewer->drawn->shown.chosen);
     }
 }
 
@@ -100,6 +100,14 @@ static void toggle_head(struct window *window)
 static void change_colours(struct window *window)
 {
     viewer_use_safe_colours(window->viewer, !window->viewer->display.safe_colours);
+}
+
+static void draw_next(struct window *window)
+{
+    struct viewer *viewer = window->viewer;
+    viewer_draw(viewer, (size_t)(viewer->drawn - viewer->atlases + 1) % viewer->atlas_count);
+    viewer_say(viewer, "%s%s", viewer->atlas_count > 1 ? "drawn: " : "there is one atlas: start with --atlas for more",
+               viewer->drawn->name);
 }
 
 static void keep_session(struct window *window)
@@ -215,6 +223,7 @@ static const struct {
     {"r", look_at_all, "look at the whole brain"},
     {"f", flip_sides, "neurological or radiological"},
     {"t", toggle_head, "what a tracked head sees, or what the mouse turns"},
+    {"n", draw_next, "draw the next of several atlases"},
     {"c", change_colours, "colours for any colour vision, or the atlas's own"},
     {"o", keep_session, "save the session: conus-DATE-TIME.json, in the folder where conus was started"},
     {"p", keep_picture, "save what the window shows: conus-DATE-TIME.png, there, too"},
@@ -284,7 +293,7 @@ void keys_draw_help(struct window *window)
     const char *key;
     const char *meaning;
     float width = 520 * window->scale;
-    float height = fminf(710 * window->scale, (float)window->height);
+    float height = fminf(735 * window->scale, (float)window->height);
     ui_panel("Keys and mouse (? closes this)",
              (struct ui_box){((float)window->width - width) / 2, ((float)window->height - height) / 2, width, height},
              UI_IN_FRONT);

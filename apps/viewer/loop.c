@@ -35,14 +35,13 @@ static void hear_tracker(struct window *window)
     }
 }
 
-/* Whoever is connected hears what is selected, by whatever moves the cone. */
+/* Whoever is connected hears what is selected, by whatever moves the cone, in the first atlas. */
 static void send_answer(struct window *window)
 {
     const struct viewer *viewer = window->viewer;
-    if (window->news.clients && viewer->drawn->answer && viewer->drawn->selector &&
-        window->sent_answer != viewer->cone.answer_number) {
-        station_send_selection(window->station, viewer->drawn->selector, viewer->drawn->atlas,
-                               viewer_selection(viewer));
+    const struct view_atlas *first = viewer->atlases;
+    if (window->news.clients && first->answer && first->selector && window->sent_answer != viewer->cone.answer_number) {
+        station_send_selection(window->station, first->selector, first->atlas, view_atlas_selection(first));
         window->sent_answer = viewer->cone.answer_number;
     }
 }

@@ -69,6 +69,7 @@ static const struct option_group groups[] = {
     {"What is shown", own_options, 0},
     {"", atlas_options, offsetof(struct view_settings, atlas)},
     {"", shown_options, offsetof(struct view_settings, atlas)},
+    {"", more_atlas_options, offsetof(struct view_settings, atlas)},
     {"A tracker that points", station_options_table, offsetof(struct view_settings, station)},
     {"A tracked head", screen_options_table, offsetof(struct view_settings, station)},
     {"", quiet_options, offsetof(struct view_settings, common)},

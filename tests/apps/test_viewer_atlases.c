@@ -2,6 +2,7 @@
 /* Several atlases in the window, without a window: all are asked the same, one of them is drawn. */
 #include "viewer/model/picker.h"
 #include "viewer/session/session.h"
+#include "viewer/window/hover.h"
 
 #include "test.h"
 
@@ -201,6 +202,83 @@ static void places_have_a_name_in_each_atlas(void **state)
     viewer_finish(&viewer);
 }
 
+/* In 3-D, the mouse on the ray of `eye`: the first voxels of the ball and of the anterior slab begin at y = 24 and 12.
+ */
+static void point(struct window *window)
+{
+    const struct viewer *viewer = window->viewer;
+    struct hover *hover = &window->hover;
+    *hover = (struct hover){.by_ray = true, .value = NAN};
+    memcpy(hover->eye, eye, sizeof eye);
+    memcpy(hover->direction, back, sizeof back);
+    hover->has_place = viewer_pick(&hover->object, hover->at, window->viewer, eye, back);
+    assert_true(hover->has_place && viewer->drawn);
+}
+
+/* The crosshair at y = -9 is in the middle of the posterior slab, and 9 mm from the middle of the balls of 24, 16 and 8
+ * mm; at x = 20 there is no slab. In a cut the mouse is at a place, not on a ray. */
+static void names_of_all_atlases_are_said(void **state)
+{
+    struct viewer viewer;
+    struct window window = {.viewer = &viewer};
+    char text[HOVER_TEXT];
+    (void)state;
+    load_two(&viewer);
+    viewer_cross(&viewer, (double[]){0.5, -9.5, 0.5});
+    hover_text(text, &window, "; ");
+    assert_string_equal(text, "nested: Shell inner; slabs: Slab posterior");
+    viewer_cross(&viewer, (double[]){20.5, 0, 0.5});
+    hover_text(text, &window, "\n");
+    assert_string_equal(text, "nested: Shell outer\nslabs: -");
+    point(&window);
+    hover_text(text, &window, "; ");
+    assert_string_equal(text, "nested: Shell outer; slabs: Slab anterior (12.0 mm deeper)");
+    window.hover = (struct hover){.object = 2, .has_place = true, .at = {0.5, 9.5, 0.5}, .value = NAN};
+    hover_text(text, &window, "; ");
+    assert_string_equal(text, "nested: Shell inner; slabs: Slab anterior");
+    viewer_draw(&viewer, 1);
+    point(&window);
+    hover_text(text, &window, "; ");
+    assert_string_equal(text, "nested: Shell outer (12.0 mm nearer); slabs: Slab anterior");
+    viewer_finish(&viewer);
+}
+
+/* Of the same question, each atlas's rows in a column of their own name; of an atlas that could not answer that is
+ * said.
+ */
+static void all_answers_are_one_table(void **state)
+{
+    struct viewer viewer;
+    (void)state;
+    load_two(&viewer);
+    char *text = viewer_results_text(&viewer);
+    assert_ptr_equal(strchr(text, '\n'), text + strlen(text) - 1); /* the header */
+    free(text);
+    viewer.cone.angle = 30;
+    viewer_aim_along(&viewer, eye, back);
+    text = viewer_results_text(&viewer);
+    assert_memory_equal(text, "query\tatlas\tkind\t", 17);
+    const char *first = strstr(text, "\n1\tnested\tarea\t1\tShell outer\t");
+    const char *second = strstr(text, "\n1\tslabs\tarea\t1\tSlab anterior\t");
+    assert_true(first && second && first < second);
+    char *path = strdup(test_scratch("all.tsv"));
+    char written[8192] = "";
+    assert_ok(viewer_write_results(&viewer, path));
+    FILE *file = fopen(path, "r");
+    assert_non_null(file);
+    assert_int_equal(fread(written, 1, sizeof written, file), strlen(text));
+    fclose(file);
+    assert_string_equal(written, text);
+    free(path);
+    free(text);
+    view_atlas_forget(&viewer.atlases[0]);
+    text = viewer_results_text(&viewer);
+    assert_non_null(strstr(text, "\n1\tnested\terror\tn/a\tthere is no answer\t"));
+    assert_non_null(strstr(text, "\n1\tslabs\tarea\t1\tSlab anterior\t"));
+    free(text);
+    viewer_finish(&viewer);
+}
+
 /* ---- Sessions ---------------------------------------------------------------------------------------------------- */
 
 /* A ball, and its own voxels as a pathway. */
@@ -354,6 +432,8 @@ int main(void)
         cmocka_unit_test(colours_are_those_of_all_atlases),
         cmocka_unit_test(no_answer_outlives_its_question),
         cmocka_unit_test(places_have_a_name_in_each_atlas),
+        cmocka_unit_test(names_of_all_atlases_are_said),
+        cmocka_unit_test(all_answers_are_one_table),
         cmocka_unit_test(a_session_has_all_atlases),
         cmocka_unit_test(a_session_that_does_not_fit_changes_no_atlas),
         cmocka_unit_test(a_session_of_one_atlas_is_that_of_the_first),

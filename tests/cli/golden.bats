@@ -49,6 +49,12 @@ looks_as() {
     looks_as window-hidden slabs.nii.gz --context sphere.nii.gz
 }
 
+@test "two atlases, the second drawn" {
+    conus phantom nested -o .
+    conus phantom slabs -o .
+    looks_as window-atlases nested.nii.gz --atlas slabs.nii.gz
+}
+
 @test "the last view of a head that is lost" {
     conus phantom u-shape -o .
     looks_as window-head u-shape.nii.gz

@@ -215,34 +215,56 @@ char *viewer_pins_text(const struct viewer *viewer)
     return text;
 }
 
-/* Of what was selected; the report is the caller's to destroy, also on failure. */
-static conus_status make_report(conus_report **report, struct viewer *viewer, const char **text, size_t *size)
+/* The answer of atlas @p index, or why there is none, behind those of the atlases before it. */
+static conus_status add_report(conus_report **reports, struct viewer *viewer, size_t index)
 {
-    const conus_report_options options = {.format = CONUS_FORMAT_TSV};
-    conus_status status = view_atlas_prepare(viewer->drawn, &viewer->cone.options);
-    status = status ? status : conus_report_create(report, viewer->drawn->selector, &options);
-    status = status || !viewer->drawn->answer ? status : conus_report_add(*report, "1", viewer_selection(viewer));
-    return status ? status : conus_report_text(text, size, *report);
+    struct view_atlas *on = &viewer->atlases[index];
+    const conus_report_options options = {.format = CONUS_FORMAT_TSV, .atlas = on->name[0] ? on->name : NULL};
+    bool was_asked = false;
+    for (size_t i = 0; i < viewer->atlas_count; i++) {
+        was_asked = was_asked || viewer->atlases[i].answer;
+    }
+    conus_status status = view_atlas_prepare(on, &viewer->cone.options);
+    status = status ? status : conus_report_create(&reports[index], on->selector, &options);
+    if (!status && on->answer) {
+        status = conus_report_add(reports[index], "1", view_atlas_selection(on));
+    } else if (!status && was_asked) {
+        status = conus_report_add_error(reports[index], "1", 0, "there is no answer");
+    }
+    return status || !index ? status : conus_report_join(reports[0], reports[index]);
+}
+
+/* What was selected in all atlases; to be freed. */
+static conus_status make_table(char **out, struct viewer *viewer)
+{
+    conus_report **reports = calloc(viewer->atlas_count, sizeof(conus_report *));
+    conus_status status = reports ? CONUS_OK : CONUS_ERROR_MEMORY;
+    const char *text;
+    size_t size;
+    for (size_t i = 0; i < viewer->atlas_count && !status; i++) {
+        status = add_report(reports, viewer, i);
+    }
+    status = status ? status : conus_report_text(&text, &size, reports[0]);
+    *out = status ? NULL : strdup(text);
+    for (size_t i = 0; reports && i < viewer->atlas_count; i++) {
+        conus_report_destroy(reports[i]);
+    }
+    free((void *)reports);
+    return status || *out ? status : CONUS_ERROR_MEMORY;
 }
 
 char *viewer_results_text(struct viewer *viewer)
 {
-    conus_report *report = NULL;
-    const char *text;
-    size_t size;
-    char *copy = make_report(&report, viewer, &text, &size) ? NULL : strdup(text);
-    conus_report_destroy(report);
-    return copy;
+    char *text;
+    return make_table(&text, viewer) ? NULL : text;
 }
 
 conus_status viewer_write_results(struct viewer *viewer, const char *path)
 {
-    conus_report *report = NULL;
-    const char *text;
-    size_t size;
-    conus_status status = make_report(&report, viewer, &text, &size);
-    status = status ? status : conus_write_file(path, text, size);
-    conus_report_destroy(report);
+    char *text;
+    conus_status status = make_table(&text, viewer);
+    status = status ? status : conus_write_file(path, text, strlen(text));
+    free(text);
     return status;
 }
 

@@ -101,10 +101,10 @@ void viewer_pin(struct viewer *viewer, size_t atlas, uint32_t object, double sha
 const conus_selection *viewer_selection(const struct viewer *viewer);
 /** The pins as a table to paste, to be freed; NULL without memory. */
 char *viewer_pins_text(const struct viewer *viewer);
-/** What was selected, as a table, likewise. */
+/** What was selected in all atlases, as a table, likewise. */
 char *viewer_results_text(struct viewer *viewer);
 
-/** What was selected, as conus query -o FILE.tsv writes it. */
+/** The same, as conus query -o FILE.tsv writes it. */
 conus_status viewer_write_results(struct viewer *viewer, const char *path);
 /** What is seen in 3-D at any size, off-screen, as fine as conus render draws it; a shape other than the pane's shows
  * more or less to the left and right. */

@@ -62,7 +62,8 @@ static void name(char out[NAME_TEXT], const struct window *window, struct view_a
         used += snprintf(out + used, NAME_TEXT - (size_t)used, "  %.3g", found.value);
     }
     if (fabs(found.farther) >= told_mm) {
-        snprintf(out + used, NAME_TEXT - (size_t)used, " (%+.1f mm)", found.farther);
+        snprintf(out + used, NAME_TEXT - (size_t)used, " (%.1f mm %s)", fabs(found.farther),
+                 found.farther > 0 ? "deeper" : "nearer");
     }
 }
 
