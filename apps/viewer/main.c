@@ -177,7 +177,8 @@ static const struct command cmd_view = {
         "Without ATLAS the window opens with a page that lists what was opened lately. Drop a file or a folder on\n"
         "it, or type a path, or the name of an installed atlas (conus atlases).",
     .examples =
-        "  conus view /usr/share/mricron/templates/aal.nii.gz --context /usr/share/mricron/templates/ch2bet.nii.gz\n",
+        "  conus view /usr/share/mricron/templates/aal.nii.gz --context /usr/share/mricron/templates/ch2bet.nii.gz\n"
+        "  conus view aal --atlas /usr/share/mricron/templates/brodmann.nii.gz\n",
     .groups = groups,
     .settings_size = sizeof(struct view_settings),
     .run = run_view,

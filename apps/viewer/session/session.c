@@ -230,7 +230,10 @@ char *session_text(const struct window *window)
     json_object_set_new(root, "safe_colours", json_boolean(viewer->display.safe_colours));
     if (root && viewer->atlas_count > 1) {
         json_object_set_new(root, "drawn", json_integer(viewer->drawn - viewer->atlases + 1));
-        json_object_set_new(root, "further_atlases", session_further(viewer));
+        if (json_object_set_new(root, "further_atlases", session_further(viewer))) {
+            json_decref(root);
+            root = NULL;
+        }
     }
     char *text = root ? json_dumps(root, JSON_INDENT(1)) : NULL;
     json_decref(root);

@@ -38,13 +38,17 @@ json_t *session_thresholds(const struct view_atlas *on)
 json_t *session_further(const struct viewer *viewer)
 {
     json_t *list = json_array();
-    for (size_t i = 1; i < viewer->atlas_count; i++) {
+    bool fine = list;
+    for (size_t i = 1; i < viewer->atlas_count && fine; i++) {
         const struct view_atlas *on = &viewer->atlases[i];
-        json_array_append_new(list,
-                              json_pack("{s: s, s: i, s: o, s: o}", "atlas", on->path, "objects", (int)on->object_count,
-                                        "hidden", session_hidden(on), "thresholds", session_thresholds(on)));
+        fine = !json_array_append_new(list, json_pack("{s: s, s: i, s: o, s: o}", "atlas", on->path, "objects",
+                                                      (int)on->object_count, "hidden", session_hidden(on), "thresholds",
+                                                      session_thresholds(on)));
     }
-    return list;
+    if (!fine) {
+        json_decref(list);
+    }
+    return fine ? list : NULL;
 }
 
 /* ---- Reading ----------------------------------------------------------------------------------------------------- */
