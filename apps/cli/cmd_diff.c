@@ -69,8 +69,9 @@ static const char *cell_named(const struct results *results, size_t row, const c
 static void put_row(struct comparison *diff, const char *what, const struct results *results, size_t row)
 {
     static const char *const more[] = {"name", "pathway", "i", "j", "k"};
-    fprintf(diff->out, "%-8s  query %s: %s %s", what, cell_named(results, row, "query"),
-            cell_named(results, row, "kind"), cell_named(results, row, "index"));
+    const char *atlas = cell_named(results, row, "atlas");
+    fprintf(diff->out, "%-8s  query %s%s%s: %s %s", what, cell_named(results, row, "query"), atlas ? ", " : "",
+            atlas ? atlas : "", cell_named(results, row, "kind"), cell_named(results, row, "index"));
     for (size_t i = 0; i < sizeof more / sizeof more[0]; i++) {
         const char *cell = cell_named(results, row, more[i]);
         fprintf(diff->out, "%s%s", cell ? " " : "", cell ? cell : "");
@@ -274,9 +275,10 @@ const struct command cmd_diff = {
     .name = "diff",
     .summary = "compare two results or two pictures",
     .operands = {"A", "B"},
-    .description = "Compares two TSV or CSV results row by row, matched by query, kind and index, and names what was\n"
-                   "added, removed or changed; or two pictures, .exr or .png, channel by channel. Exit code 0: the\n"
-                   "same, 1: different.",
+    .description =
+        "Compares two TSV or CSV results row by row, matched by query, atlas, kind and index, and names\n"
+        "what was added, removed or changed; or two pictures, .exr or .png, channel by channel. Exit code 0: the\n"
+        "same, 1: different.",
     .examples = "  conus diff rays.tsv gl.tsv --tolerance 1e-4\n"
                 "  conus diff today.exr yesterday.exr\n",
     .groups = groups,

@@ -40,6 +40,25 @@ static void rows_are_found_by_their_key(void **state)
     results_finish(&other);
 }
 
+/* Of several atlases the name is a part of the key, which a file of one atlas has not. */
+static void rows_of_several_atlases_are_found_by_their_atlas(void **state)
+{
+    (void)state;
+    struct results both, other, alone;
+    size_t found = 99;
+    assert_int_equal(parse(&both, "query\tatlas\tkind\tindex\n1\taal\tarea\t7\n1\tbrodmann\tarea\t7\n"), EXIT_DONE);
+    assert_int_equal(parse(&other, "query\tatlas\tkind\tindex\n1\tbrodmann\tarea\t7\n1\taicha\tarea\t7\n"), EXIT_DONE);
+    assert_int_equal(parse(&alone, "query\tkind\tindex\n1\tarea\t7\n"), EXIT_DONE);
+    assert_true(results_find(&both, &other, 0, &found));
+    assert_int_equal(found, 1);
+    assert_false(results_find(&both, &other, 1, &found));
+    assert_false(results_find(&both, &alone, 0, &found));
+    assert_false(results_find(&alone, &both, 0, &found));
+    results_finish(&both);
+    results_finish(&other);
+    results_finish(&alone);
+}
+
 /* The cells of RFC 4180, section 2, rules 5 to 7; what was written by R, with marks around all texts, too. */
 static void commas_separate_where_there_is_no_tab(void **state)
 {
@@ -122,8 +141,11 @@ static int silence(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(rows_are_found_by_their_key),  cmocka_unit_test(commas_separate_where_there_is_no_tab),
-        cmocka_unit_test(what_is_no_result_is_refused), cmocka_unit_test(every_prefix_is_survived),
+        cmocka_unit_test(rows_are_found_by_their_key),
+        cmocka_unit_test(rows_of_several_atlases_are_found_by_their_atlas),
+        cmocka_unit_test(commas_separate_where_there_is_no_tab),
+        cmocka_unit_test(what_is_no_result_is_refused),
+        cmocka_unit_test(every_prefix_is_survived),
         cmocka_unit_test(every_allocation_may_fail),
     };
     return cmocka_run_group_tests(tests, silence, NULL);

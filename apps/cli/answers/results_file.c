@@ -10,8 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const key_names[RESULTS_KEYS] = {"query", "kind", "index", "i", "j", "k"};
-enum { NEEDED_KEYS = 3, COLUMN_LIMIT = 1000 };
+static const char *const key_names[RESULTS_KEYS] = {"query", "kind", "index", "atlas", "i", "j", "k"};
+enum { NEEDED_KEYS = 3, ATLAS_KEY = 3, COLUMN_LIMIT = 1000 };
 
 const char *results_cell(const struct results *results, size_t row, size_t column)
 {
@@ -43,6 +43,8 @@ static int compare_rows(const struct results *a, size_t row, const struct result
     for (size_t i = 0; i < RESULTS_KEYS && order == 0; i++) {
         if (a->keys[i] && b->keys[i]) {
             order = strcmp(a->keys[i][(row + 1) * a->columns], b->keys[i][(other + 1) * b->columns]);
+        } else if (i == ATLAS_KEY && (a->keys[i] || b->keys[i])) {
+            order = a->keys[i] ? 1 : -1;
         }
     }
     return order;

@@ -7,15 +7,16 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { RESULTS_KEYS = 6 };
+enum { RESULTS_KEYS = 7 };
 
 struct results {
     char *bytes;        /**< What the cells point into. */
     const char **cells; /**< The header's, then each row's, `columns` at a time. */
     size_t columns, rows;
-    char separator;                  /**< Tab or comma. */
-    const char **keys[RESULTS_KEYS]; /**< Header cell of query, kind, index, i, j and k; NULL where there is none. */
-    size_t *order;                   /**< Rows, sorted by their keys. */
+    char separator; /**< Tab or comma. */
+    const char *
+        *keys[RESULTS_KEYS]; /**< Header cell of query, kind, index, atlas, i, j and k; NULL if it is not there. */
+    size_t *order;           /**< Rows, sorted by their keys. */
 };
 
 /** Reads @p path, of at most @p limit bytes. Returns the exit code and prints an error unless it is 0; @p out is then
@@ -30,8 +31,8 @@ const char *results_cell(const struct results *results, size_t row, size_t colum
 /** Index of the column @p name; false if there is none. */
 bool results_column(const struct results *results, const char *name, size_t *column);
 
-/** Row of @p results with the same key (query, kind, index, and i, j, k of a list of voxels) as @p row of @p other;
- * false if there is none. */
+/** Row of @p results with the same key (query, kind, index, the atlas of several, and i, j, k of a list of voxels) as
+ * @p row of @p other; false if there is none. A row that names its atlas is none that does not. */
 bool results_find(const struct results *results, const struct results *other, size_t row, size_t *found);
 
 #endif
