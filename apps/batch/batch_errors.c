@@ -9,8 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The cell behind the first one, which may stand in quotation marks if it is separated by a comma. */
-static const char *second_cell(const char *line, char separator)
+/* The cell behind the first one of `line`, which may stand in quotation marks if it is separated by a comma. */
+static const char *next_cell(const char *line, char separator)
 {
     bool quoted = separator == ',' && *line == '"';
     for (line += quoted; *line && (quoted || *line != separator); line++) {
@@ -19,21 +19,32 @@ static const char *second_cell(const char *line, char separator)
     return *line ? line + 1 : line;
 }
 
-static bool is_error_of_table(const char *line, char separator)
+static bool is_error_cell(const char *cell, char separator)
 {
     static const char kind[] = "error";
-    const char *cell = second_cell(line, separator);
     return strncmp(cell, kind, sizeof kind - 1) == 0 && cell[sizeof kind - 1] == separator;
 }
 
+/* Columns query and kind, */
 static bool in_tsv(const char *line)
 {
-    return is_error_of_table(line, '\t');
+    return is_error_cell(next_cell(line, '\t'), '\t');
 }
 
 static bool in_csv(const char *line)
 {
-    return is_error_of_table(line, ',');
+    return is_error_cell(next_cell(line, ','), ',');
+}
+
+/* or query, atlas and kind. */
+static bool in_tsv_of_atlases(const char *line)
+{
+    return is_error_cell(next_cell(next_cell(line, '\t'), '\t'), '\t');
+}
+
+static bool in_csv_of_atlases(const char *line)
+{
+    return is_error_cell(next_cell(next_cell(line, ','), ','), ',');
 }
 
 static bool in_ndjson(const char *line)
@@ -58,11 +69,13 @@ typedef bool is_error(const char *line);
 /* How errors look in a file with this first line. */
 static is_error *errors_after(const char *first)
 {
-    return strncmp(first, "query\t", 6) == 0    ? in_tsv
-           : strncmp(first, "query,", 6) == 0   ? in_csv
-           : *first == '{'                      ? in_ndjson
-           : strncmp(first, "+++++++ ", 8) == 0 ? in_afni
-                                                : in_bids;
+    return strncmp(first, "query\tatlas\t", 12) == 0 ? in_tsv_of_atlases
+           : strncmp(first, "query,atlas,", 12) == 0 ? in_csv_of_atlases
+           : strncmp(first, "query\t", 6) == 0       ? in_tsv
+           : strncmp(first, "query,", 6) == 0        ? in_csv
+           : *first == '{'                           ? in_ndjson
+           : strncmp(first, "+++++++ ", 8) == 0      ? in_afni
+                                                     : in_bids;
 }
 
 bool batch_errors_count(uint64_t *errors, const char *path)

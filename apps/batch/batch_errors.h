@@ -6,8 +6,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/** Counts them in the file at @p path, in any format that can be a shard; false, after an error message, when it cannot
- * be read. */
+/** Counts their rows, one for each atlas, in the file at @p path, in any format that can be a shard; false, after an
+ * error message, when it cannot be read. */
 bool batch_errors_count(uint64_t *errors, const char *path);
 
 #endif

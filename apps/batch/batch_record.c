@@ -99,8 +99,8 @@ static bool hash_settings(struct sha256_ctx *context, const char *sidecar)
     return text;
 }
 
-int batch_fingerprint(char out[65], conus_batch *batch, const conus_atlas *atlas, const struct batch_settings *settings,
-                      const char *const *sources)
+int batch_fingerprint(char out[65], conus_batch *batch, const struct atlases *atlases,
+                      const struct batch_settings *settings, const char *const *sources)
 {
     const char *text = NULL;
     size_t size = 0;
@@ -123,7 +123,9 @@ int batch_fingerprint(char out[65], conus_batch *batch, const conus_atlas *atlas
     for (; *sources; sources++) {
         hash_text(&context, *sources);
     }
-    hash_objects(&context, atlas);
+    for (size_t i = 0; i < atlases->count; i++) {
+        hash_objects(&context, atlases->items[i].atlas);
+    }
     finish_hash(out, &context);
     return EXIT_DONE;
 }

@@ -13,6 +13,7 @@ struct batch_record {
     struct shard shard;
     uint64_t first, poses, errors; /**< First pose (from 0), how many, and those without an answer. */
     uint64_t bytes, header_size;   /**< Of the file, and of the header row in it. */
+    uint64_t atlases;              /**< Read back: how many were asked, each with rows of its own. */
     uint32_t crc;                  /**< Of the file's bytes. */
     const char *pose_file;         /**< As given; NULL = as the sidecar says already, */
     const char *pose_hash;         /**< its SHA-256, "" of standard input, */
@@ -24,10 +25,10 @@ struct batch_record {
 /** SHA-256 of the file at @p path, in hexadecimal. Returns the exit code and prints an error unless it is 0. */
 int batch_hash_file(char out[65], const char *path);
 
-/** Fingerprint of a batch: of its sidecar, header row, the atlas's objects, how poses are read, and what they are read
+/** Fingerprint of a batch: of its sidecar, header row, the atlases' objects, how poses are read, and what they are read
  * from: the texts of @p sources up to NULL. */
-int batch_fingerprint(char out[65], conus_batch *batch, const conus_atlas *atlas, const struct batch_settings *settings,
-                      const char *const *sources);
+int batch_fingerprint(char out[65], conus_batch *batch, const struct atlases *atlases,
+                      const struct batch_settings *settings, const char *const *sources);
 
 /** The path of the sidecar of @p output: "a.json" of "a.tsv" or "a.csv", else with ".json" behind it.
  * NULL without memory; the caller frees it. */

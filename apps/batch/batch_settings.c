@@ -109,6 +109,7 @@ const struct option_group batch_groups[] = {
     {"What can be hit", atlas_options, FIELD(atlas)},
     {"", shown_options, FIELD(atlas)},
     {"", context_options, FIELD(context)},
+    {"", more_atlas_options, FIELD(atlas)},
     {"What is written", output_options, 0},
     {"How it runs", run_options, 0},
     {"", quiet_options, FIELD(common)},

@@ -4,7 +4,7 @@
 
 #include "common/messages.h"
 #include "common/output.h"
-#include "settings/atlas_input.h"
+#include "settings/aim_notes.h"
 #include "settings/atlas_notes.h"
 
 #include <inttypes.h>
@@ -17,8 +17,12 @@
 void work_finish(struct work *work)
 {
     conus_batch_destroy(work->batch);
-    conus_selector_destroy(work->selector);
-    conus_atlas_destroy(work->atlas);
+    for (size_t i = 0; work->selectors && i < work->atlases.count; i++) {
+        conus_selector_destroy(work->selectors[i]);
+    }
+    free((void *)work->selectors);
+    free(work->astray);
+    atlases_finish(&work->atlases);
     conus_pose_stream_destroy(work->poses);
     free(work->sidecar);
     free(work->command_line);
@@ -28,6 +32,10 @@ static bool check_settings(conus_format *format, const struct batch_settings *se
                            const struct arguments *arguments)
 {
     if (!batch_format(format, settings, arguments)) {
+        return false;
+    }
+    if (settings->atlas.more.count && *format > CONUS_FORMAT_NDJSON) {
+        print_error_line("--format: other programs' have no column for the atlas, tsv, csv and ndjson do");
         return false;
     }
     if (settings->summary && *format > CONUS_FORMAT_NDJSON) {
@@ -107,14 +115,13 @@ static int check_files(const struct work *work)
 {
     static const char *const endings[] = {"", ".part", ".journal"};
     const struct batch_settings *settings = work->settings;
-    const struct input inputs[] = {{"the atlas", work->arguments->operands[0]},
-                                   {"the label table", settings->atlas.labels},
+    const struct input inputs[] = {{"the label table", settings->atlas.labels},
                                    {"the list of areas", settings_level_file(&settings->engine)},
                                    {"the file of poses", settings->poses},
                                    {"the coordinate system", conus_pose_stream_coordsystem(work->poses)},
                                    {"the table of batches", settings->jobs},
                                    {0}};
-    const char *input = work->output ? settings_input(work->atlas, inputs, work->sidecar) : NULL;
+    const char *input = work->output ? atlases_input(&work->atlases, inputs, work->sidecar) : NULL;
     int code = input ? print_usage_error("--output would overwrite %s %s", input, work->sidecar) : EXIT_DONE;
     for (size_t i = 0; work->output && !code && i < sizeof endings / sizeof endings[0]; i++) {
         char *path = NULL;
@@ -122,7 +129,7 @@ static int check_files(const struct work *work)
             print_error_line("not enough memory");
             return EXIT_DATA;
         }
-        input = settings_input(work->atlas, inputs, path);
+        input = atlases_input(&work->atlases, inputs, path);
         code = input ? print_usage_error("--output would overwrite %s %s", input, path) : EXIT_DONE;
         free(path);
     }
@@ -131,13 +138,38 @@ static int check_files(const struct work *work)
 
 /* ---- The atlas and the engine ----------------------------------------------------------------------------------- */
 
-static int load_atlas(struct work *work)
+/* Those that are there already are shared, with their context. */
+static int load_atlases(struct work *work)
 {
     const struct batch_settings *settings = work->settings;
-    int code = settings_load_atlas(&work->atlas, work->arguments->operands[0], &settings->atlas);
-    return code
-               ? code
-               : settings_load_context(work->atlas, settings->context.path, settings->context.blocks, &settings->atlas);
+    struct atlases *atlases = &work->atlases;
+    int code = EXIT_DONE;
+    for (size_t i = 0; i < atlases->count && !code; i++) {
+        if (!atlases->items[i].atlas) {
+            code = atlases_load_at(atlases, i, &settings->atlas);
+            code = code ? code
+                        : settings_load_context(atlases->items[i].atlas, settings->context.path,
+                                                settings->context.blocks, &settings->atlas);
+        }
+    }
+    return code;
+}
+
+/* The selectors, and the batch of them all. */
+static conus_status make_batch(struct work *work, const conus_selector_options *engine,
+                               const conus_batch_options *options)
+{
+    conus_selector_options own = *engine;
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; i < work->atlases.count && !status; i++) {
+        const struct named_atlas *item = &work->atlases.items[i];
+        own.level = i ? NULL : engine->level;
+        status = conus_selector_create(&work->selectors[i], item->atlas, &own);
+        status = status   ? status
+                 : i == 0 ? conus_batch_create(&work->batch, work->selectors[0], options)
+                          : conus_batch_add(work->batch, work->selectors[i], item->name);
+    }
+    return status;
 }
 
 int work_build(struct work *work)
@@ -151,19 +183,26 @@ int work_build(struct work *work)
         .report = {.rows = settings->summary ? CONUS_ROWS_SUMMARIES : CONUS_ROWS_ANSWERS,
                    .format = work->format,
                    .space = (conus_space)settings->aim.space,
-                   .electrodes = work->format == CONUS_FORMAT_BIDS ? conus_pose_stream_electrodes(work->poses) : NULL},
+                   .electrodes = work->format == CONUS_FORMAT_BIDS ? conus_pose_stream_electrodes(work->poses) : NULL,
+                   .atlas = work->atlases.items[0].name},
     };
-    conus_status status = conus_selector_create(&work->selector, work->atlas, &engine);
-    status = status ? status : conus_batch_create(&work->batch, work->selector, &options);
+    work->selectors = calloc(work->atlases.count, sizeof(conus_selector *));
+    work->astray = calloc(work->atlases.count, sizeof *work->astray);
+    if (!work->selectors || !work->astray) {
+        print_error_line("not enough memory");
+        return EXIT_DATA;
+    }
+    conus_status status = make_batch(work, &engine, &options);
     if (!status && settings->common.verbose) {
-        print_error_line("engine: %s; %" PRIu32 " threads", conus_selector_engine(work->selector),
+        print_error_line("engine: %s; %" PRIu32 " threads", conus_selector_engine(work->selectors[0]),
                          conus_batch_threads(work->batch));
     }
     if (status) {
         return print_status(status);
     }
-    settings_say_notes(work->atlas, &settings->common);
-    settings_say_open(work->atlas, &settings->engine, &settings->common);
+    atlases_say_notes(&work->atlases, &settings->common);
+    atlases_say_spaces(&work->atlases, &settings->common);
+    atlases_say_open(&work->atlases, &settings->engine, &settings->common);
     return EXIT_DONE;
 }
 
@@ -181,17 +220,19 @@ int work_init(struct work *out, const struct batch_settings *settings, const str
         return EXIT_DATA;
     }
     int code = out->output ? output_check_file(out->output) : EXIT_DONE;
-    return code || !out->sidecar ? code : output_check_file(out->sidecar);
+    code = code || !out->sidecar ? code : output_check_file(out->sidecar);
+    return code ? code : atlases_name(&out->atlases, arguments->operands[0], &settings->atlas);
 }
 
 int work_open(struct work *work)
 {
     const struct batch_settings *settings = work->settings;
     int code = open_poses(work);
-    code = code || work->atlas ? code : load_atlas(work);
+    code = code ? code : load_atlases(work);
     code = code ? code : check_files(work);
     return code ? code
-                : settings_match_stream(work->poses, settings->poses, work->atlas, &settings->file, &settings->common);
+                : settings_match_stream(work->poses, settings->poses, &work->atlases, &settings->file,
+                                        &settings->common);
 }
 
 /* ---- What the output says about itself --------------------------------------------------------------------------- */
@@ -199,7 +240,7 @@ int work_open(struct work *work)
 /* What a format writes that is not in the sidecar: AFNI's has the name of the atlas's file, but not its folder. */
 static const char *file_in_rows(const struct work *work)
 {
-    const conus_volume_info *info = conus_atlas_volume(work->atlas, 0);
+    const conus_volume_info *info = conus_atlas_volume(work->atlases.items[0].atlas, 0);
     const char *path = info && work->format == CONUS_FORMAT_AFNI ? info->path : "";
     const char *slash = strrchr(path, '/');
     return slash ? slash + 1 : path;
@@ -208,7 +249,7 @@ static const char *file_in_rows(const struct work *work)
 /* Likewise of a manifest, whose name AFNI's format may have instead; NULL if it has none. */
 static const char *manifest_in_rows(const struct work *work)
 {
-    const char *path = work->format == CONUS_FORMAT_AFNI ? conus_atlas_file(work->atlas, 0) : NULL;
+    const char *path = work->format == CONUS_FORMAT_AFNI ? conus_atlas_file(work->atlases.items[0].atlas, 0) : NULL;
     const char *slash = path ? strrchr(path, '/') : NULL;
     return slash ? slash + 1 : path;
 }
@@ -225,7 +266,28 @@ int work_identify(struct work *work)
                                    manifest_in_rows(work),
                                    NULL};
     int code = work->piped ? EXIT_DONE : batch_hash_file(work->pose_hash, settings->poses);
-    return code ? code : batch_fingerprint(work->fingerprint, work->batch, work->atlas, settings, sources);
+    return code ? code : batch_fingerprint(work->fingerprint, work->batch, &work->atlases, settings, sources);
+}
+
+void work_find_aims(struct work *work)
+{
+    for (size_t i = 0; i < work->atlases.count; i++) {
+        work->astray[i] = conus_batch_astray_at(work->batch, i);
+    }
+}
+
+void work_say_aims(const struct work *work)
+{
+    size_t count = work->atlases.count;
+    struct aimed *aimed = calloc(count, sizeof *aimed);
+    for (size_t i = 0; aimed && i < count; i++) {
+        const struct named_atlas *at = &work->atlases.items[i];
+        aimed[i] = (struct aimed){&work->astray[i], work->selectors[i], at->atlas, at->name};
+    }
+    if (aimed) {
+        aim_notes_say(aimed, count, settings_poses_name(work->settings->poses), &work->settings->common);
+    }
+    free(aimed);
 }
 
 int work_check_poses(struct work *work)

@@ -16,8 +16,9 @@ struct work {
     uint64_t first, count; /**< Poses to answer; count UINT64_MAX = all from there on. */
     conus_pose_stream *poses;
     bool piped; /**< They can be read only once: from standard input or a pipe that has a name. */
-    conus_atlas *atlas;
-    conus_selector *selector;
+    struct atlases atlases;
+    conus_selector **selectors; /**< [atlases.count] */
+    conus_astray *astray;       /**< [atlases.count] Where the poses lie and point, once work_find_aims() was called. */
     conus_batch *batch;
     char fingerprint[65], pose_hash[65];
 };
@@ -27,14 +28,14 @@ bool work_is_pipe(const char *path);
 
 /* All others return the exit code and print an error unless it is 0. */
 
-/** Checks the options and names the files. @p out is the caller's to work_finish() in any case. */
+/** Checks the options and names the files and the atlases. @p out is the caller's to work_finish() in any case. */
 int work_init(struct work *out, const struct batch_settings *settings, const struct arguments *arguments);
 void work_finish(struct work *work);
 
-/** Opens the poses and loads the atlas, unless the work has one already. */
+/** Opens the poses and loads the atlases, but those that the work has already. */
 int work_open(struct work *work);
 
-/** Makes the batch, and says what there is to say about the atlas. */
+/** Makes the batch, and says what there is to say about the atlases. */
 int work_build(struct work *work);
 
 /** Goes on to the pose that is @p poses farther. */
@@ -48,6 +49,11 @@ int work_check_poses(struct work *work);
 
 /** Prints an error where something stands in the way of a new output. */
 int work_check_output(const struct work *work);
+
+/** Takes from the batch where the poses that it answered lie and point, */
+void work_find_aims(struct work *work);
+/** and says it. */
+void work_say_aims(const struct work *work);
 
 /** Writes the sidecar; of @p record, what the work knows itself is filled in. */
 int work_write_sidecar(struct work *work, struct batch_record *record);

@@ -7,7 +7,6 @@
 #include "common/messages.h"
 #include "common/output.h"
 #include "common/progress.h"
-#include "settings/aim_notes.h"
 
 #include <string.h>
 
@@ -68,13 +67,11 @@ static void start_progress(struct run *run)
 }
 
 /* Of a run that came to its end. */
-static void say_aims(const struct run *run)
+static void say_aims(struct run *run)
 {
-    const struct work *work = &run->work;
-    const conus_astray astray = conus_batch_astray(work->batch);
     if (!run->code && !interrupt_signal()) {
-        aim_notes_say(&astray, work->selector, work->atlas, settings_poses_name(work->settings->poses),
-                      &work->settings->common);
+        work_find_aims(&run->work);
+        work_say_aims(&run->work);
     }
 }
 

@@ -5,9 +5,10 @@
 #include "cli/inquiry.h"
 #include "common/messages.h"
 #include "common/output.h"
-#include "settings/atlas_input.h"
+#include "settings/atlas_notes.h"
 
 #include <stdio.h>
+#include <string.h>
 
 struct query_settings {
     struct inquiry_settings inquiry; /* first */
@@ -61,6 +62,7 @@ static const struct option_group groups[] = {
     {"", point_options, 0},
     INQUIRY_ENGINE_GROUPS,
     INQUIRY_ATLAS_GROUPS,
+    INQUIRY_MORE_ATLASES,
     {"What is written", query_format_options, INQUIRY_FIELD(answer)},
     {"", answer_output_options, INQUIRY_FIELD(answer)},
     {"", output_options, 0},
@@ -88,11 +90,17 @@ static void query_finish(struct query *query)
 
 static bool check_outputs(const struct query_settings *settings, const struct arguments *arguments)
 {
+    static const char *const of_one_atlas[] = {"image", "deep", "mask"};
     conus_format format;
     if (settings->voxels && output_format(&format, settings->voxels) && format != CONUS_FORMAT_TSV &&
         format != CONUS_FORMAT_TABLE) {
         print_error_line("--voxels: %s ends as what it will not be: TSV is written", settings->voxels);
         return false;
+    }
+    for (size_t i = 0; i < sizeof of_one_atlas / sizeof of_one_atlas[0]; i++) {
+        if (!options_exclude(arguments, "atlas", of_one_atlas[i])) {
+            return false;
+        }
     }
     if (!option_needs(arguments, "voxels-of", "voxels")) {
         return false;
@@ -112,6 +120,10 @@ static bool check_outputs(const struct query_settings *settings, const struct ar
 static bool check_format(const struct inquiry *inquiry)
 {
     conus_format format = inquiry->format;
+    if (format > CONUS_FORMAT_NDJSON && option_given(inquiry->arguments, "atlas")) {
+        print_error_line("--format: other programs' have no column for the atlas, table, tsv, csv, json and ndjson do");
+        return false;
+    }
     bool of_contacts =
         format == CONUS_FORMAT_BIDS || format == CONUS_FORMAT_SPIKEGLX || format == CONUS_FORMAT_OPEN_EPHYS;
     if (of_contacts && !inquiry->settings->aim.pose) {
@@ -167,18 +179,48 @@ static int check_poses(const struct query *query)
                                     : EXIT_DONE;
 }
 
-/* Adds the answer to the report and to what else is written. The image is of the last one. */
-static int add_answer(struct query *query, const char *id, conus_selection *selection)
+/* Adds the answer of one atlas to its report and to what else is written. The image is of the last one. */
+static int add_answer(struct query *query, size_t index, const char *id, conus_selection *selection)
 {
-    conus_status status = conus_report_add(query->inquiry.report, id, selection);
+    conus_status status = conus_report_add(query->inquiry.answerers[index].report, id, selection);
     if (!status && query->settings->image) {
         status = conus_image_of_selection(&query->image, selection);
     }
-    int code = status ? print_status(status) : mask_take(&query->mask, query->inquiry.atlas, selection);
+    int code =
+        status ? print_status(status) : mask_take(&query->mask, query->inquiry.atlases.items[index].atlas, selection);
     if (!code && query->settings->deep) {
         query->selection = selection;
     } else {
         conus_selection_destroy(selection);
+    }
+    return code;
+}
+
+/* What is asked of each atlas: a cone or cylinder, or, with a radius, a ball around a point. */
+struct question {
+    const char *id;
+    conus_pose pose;
+    double angle;
+    double point[3];
+    double ball; /* radius; 0 = a cone or cylinder */
+};
+
+/* Asks all atlases. Where the question itself is at fault, nothing is printed or reported: that is for the caller, and
+ * *fault is set. */
+static int ask(struct query *query, const struct question *question, bool *fault)
+{
+    int code = EXIT_DONE;
+    for (size_t i = 0; i < query->inquiry.atlases.count && !code; i++) {
+        conus_selector *selector = query->inquiry.answerers[i].selector;
+        conus_selection *selection = NULL;
+        conus_status status = question->ball > 0
+                                  ? conus_select_ball(&selection, selector, question->point, question->ball)
+                                  : conus_select(&selection, selector, &question->pose, question->angle);
+        *fault = status == CONUS_ERROR_ARGUMENT && i == 0;
+        if (*fault) {
+            return EXIT_DONE;
+        }
+        code = status ? print_status(status) : add_answer(query, i, question->id, selection);
     }
     return code;
 }
@@ -188,46 +230,40 @@ static int answer_row(void *user, const conus_pose_row *row)
     struct query *query = user;
     struct inquiry *inquiry = &query->inquiry;
     double radius = inquiry->settings->engine.radius;
-    conus_selection *selection = NULL;
-    conus_status status = CONUS_OK;
-    bool ball = row->is_point && radius > 0;
-    if (row->error || (row->is_point && !ball)) {
+    struct question question = {.id = row->id, .pose = row->pose, .ball = row->is_point ? radius : 0};
+    bool fault = false;
+    if (row->error || (row->is_point && radius == 0)) {
         return inquiry_refuse_row(inquiry, row, row->error ? row->error : POINT_HAS_NO_DIRECTION);
     }
-    if (ball) {
-        status = conus_select_ball(&selection, inquiry->selector, row->pose.world_from_device + 12, radius);
+    if (row->is_point) {
+        memcpy(question.point, row->pose.world_from_device + 12, sizeof question.point);
     } else {
-        double angle = inquiry_angle(inquiry, row);
-        status = conus_select(&selection, inquiry->selector, &row->pose, angle);
-        conus_aims_add(inquiry->aims, row->line, &row->pose, angle);
+        question.angle = inquiry_angle(inquiry, row);
+        inquiry_count_pose(inquiry, row->line, &row->pose, question.angle);
     }
-    if (status == CONUS_ERROR_ARGUMENT) {
-        return inquiry_refuse_row(inquiry, row, conus_message());
-    }
-    return status ? print_status(status) : add_answer(query, row->id, selection);
+    int code = ask(query, &question, &fault);
+    return fault ? inquiry_refuse_row(inquiry, row, conus_message()) : code;
 }
 
 static int answer_one(struct query *query)
 {
-    const struct inquiry_settings *settings = query->inquiry.settings;
-    conus_selector *selector = query->inquiry.selector;
-    conus_selection *selection = NULL;
-    conus_pose pose;
-    conus_status status;
-    if (option_given(query->inquiry.arguments, "point")) {
-        double point[3];
-        settings_point(point, query->settings->point, settings->aim.space);
-        status = conus_select_ball(&selection, selector, point, settings->engine.radius);
-        return status ? print_status(status) : add_answer(query, "1", selection);
+    struct inquiry *inquiry = &query->inquiry;
+    const struct inquiry_settings *settings = inquiry->settings;
+    struct question question = {.id = "1"};
+    bool fault = false;
+    if (option_given(inquiry->arguments, "point")) {
+        settings_point(question.point, query->settings->point, settings->aim.space);
+        question.ball = settings->engine.radius;
+    } else {
+        int code = settings_pose(&question.pose, &settings->aim, inquiry->arguments);
+        if (code) {
+            return code;
+        }
+        question.angle = settings_angle(&settings->aim, &settings->engine);
+        inquiry_count_pose(inquiry, 1, &question.pose, question.angle);
     }
-    int code = settings_pose(&pose, &settings->aim, query->inquiry.arguments);
-    if (code) {
-        return code;
-    }
-    double angle = settings_angle(&settings->aim, &settings->engine);
-    status = conus_select(&selection, selector, &pose, angle);
-    conus_aims_add(query->inquiry.aims, 1, &pose, angle);
-    return status ? print_status(status) : add_answer(query, "1", selection);
+    int code = ask(query, &question, &fault);
+    return fault ? print_status(CONUS_ERROR_ARGUMENT) : code;
 }
 
 static conus_status start_query(struct query *query)
@@ -247,12 +283,12 @@ static conus_status start_query(struct query *query)
     report.all_voxels = settings->voxels_of == 1;
     report.no_voxels = !settings->voxels;
     report.electrodes = inquiry->format == CONUS_FORMAT_BIDS ? conus_pose_list_electrodes(inquiry->poses) : NULL;
-    return conus_report_create(&inquiry->report, inquiry->selector, &report);
+    return inquiry_reports(inquiry, &report);
 }
 
 static int write_sidecar(struct query *query)
 {
-    return answer_write_sidecar(query->inquiry.report, query->inquiry.sidecar);
+    return answer_write_sidecar(query->inquiry.answerers[0].report, query->inquiry.sidecar);
 }
 
 static int write_voxels(struct query *query)
@@ -262,7 +298,7 @@ static int write_voxels(struct query *query)
     if (!query->settings->voxels) {
         return EXIT_DONE;
     }
-    conus_status status = conus_report_voxels(&text, &size, query->inquiry.report);
+    conus_status status = conus_report_voxels(&text, &size, query->inquiry.answerers[0].report);
     return status ? print_status(status) : output_write(query->settings->voxels, text, size);
 }
 
@@ -277,7 +313,7 @@ static int write_image(struct query *query)
 
 static int write_answer(struct query *query)
 {
-    return answer_write(query->inquiry.report, query->inquiry.settings->answer.output);
+    return answer_write(query->inquiry.answerers[0].report, query->inquiry.settings->answer.output);
 }
 
 static int write_deep(struct query *query)
@@ -291,7 +327,7 @@ static int write_deep(struct query *query)
 
 static int write_mask(struct query *query)
 {
-    return mask_write(&query->mask, query->inquiry.report);
+    return mask_write(&query->mask, query->inquiry.answerers[0].report);
 }
 
 /* The answer comes last: where it is, all that belongs to it is there, too. */
@@ -311,9 +347,13 @@ static int write_all(struct query *query)
 /* Whether --voxels has something to list. */
 static bool check_voxels(const struct query *query)
 {
-    size_t count = conus_atlas_object_count(query->inquiry.atlas);
-    const conus_object *last = conus_atlas_object(query->inquiry.atlas, count); /* pathways come last */
-    if (query->settings->voxels && !query->settings->voxels_of && !(last && last->kind == CONUS_KIND_PATHWAY)) {
+    bool has_pathways = false;
+    for (size_t i = 0; i < query->inquiry.atlases.count; i++) {
+        const conus_atlas *atlas = query->inquiry.atlases.items[i].atlas;
+        const conus_object *last = conus_atlas_object(atlas, conus_atlas_object_count(atlas)); /* pathways come last */
+        has_pathways = has_pathways || (last && last->kind == CONUS_KIND_PATHWAY);
+    }
+    if (query->settings->voxels && !query->settings->voxels_of && !has_pathways) {
         print_error_line(
             "--voxels lists the voxels of pathways, and there is none; --pathway adds one, --voxels-of all the areas'");
         return false;
@@ -332,7 +372,7 @@ static int load_all(struct query *query)
     if (!code) {
         code = settings_check_electrodes(inquiry->format, conus_pose_list_electrodes(inquiry->poses), poses);
     }
-    return code ? code : inquiry_load_atlas(inquiry);
+    return code ? code : inquiry_load_atlases(inquiry);
 }
 
 static int answer_query(struct query *query)
@@ -357,7 +397,7 @@ static int answer_query(struct query *query)
         return code;
     }
     inquiry_say_notes(inquiry);
-    settings_say_open(inquiry->atlas, &inquiry->settings->engine, &inquiry->settings->common);
+    atlases_say_open(&inquiry->atlases, &inquiry->settings->engine, &inquiry->settings->common);
     inquiry_say_aims(inquiry);
     return inquiry_code(inquiry, write_all(query));
 }

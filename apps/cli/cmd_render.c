@@ -210,7 +210,8 @@ static int load_pose(conus_pose_row *out, const struct picture *picture, const c
     }
     size_t count = conus_pose_list_count(list);
     const conus_pose_row *row = conus_pose_list_row(list, 0);
-    int code = settings_match_poses(list, path, picture->atlas, &settings->file, &settings->common);
+    struct named_atlas atlas = {.atlas = picture->atlas};
+    int code = settings_match_poses(list, path, &(struct atlases){&atlas, 1}, &settings->file, &settings->common);
     if (code) {
         conus_pose_list_destroy(list);
         return code;

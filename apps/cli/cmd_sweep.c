@@ -46,6 +46,7 @@ static const struct option_group groups[] = {
     INQUIRY_AIM_GROUPS,
     INQUIRY_ENGINE_GROUPS,
     INQUIRY_ATLAS_GROUPS,
+    INQUIRY_MORE_ATLASES,
     {"What is written", format_options, INQUIRY_FIELD(answer)},
     {"", answer_output_options, INQUIRY_FIELD(answer)},
     {"", quiet_options, INQUIRY_FIELD(common)},
@@ -221,23 +222,23 @@ static bool check_sweep(struct sweep *sweep, const struct arguments *arguments)
 
 /* ---- Answers ---- */
 
-static conus_status add_shares(struct sweep *sweep, const char *id, const conus_pose *pose)
+static conus_status add_shares(struct sweep *sweep, const struct answerer *answerer, const conus_pose_row *row)
 {
     conus_status status = CONUS_OK;
     for (size_t i = 0; !status && i < sweep->angle_count; i++) {
         conus_selection *selection = NULL;
-        status = conus_select(&selection, sweep->inquiry.selector, pose, sweep->angles[i]);
-        status = status ? status : conus_report_add(sweep->inquiry.report, id, selection);
+        status = conus_select(&selection, answerer->selector, &row->pose, sweep->angles[i]);
+        status = status ? status : conus_report_add(answerer->report, row->id, selection);
         conus_selection_destroy(selection);
     }
     return status;
 }
 
-static conus_status add_admissions(struct sweep *sweep, const char *id, const conus_pose *pose, double angle)
+static conus_status add_admissions(const struct answerer *answerer, const conus_pose_row *row, double angle)
 {
     conus_sweep *admissions = NULL;
-    conus_status status = conus_sweep_create(&admissions, sweep->inquiry.selector, pose, angle);
-    status = status ? status : conus_report_add_sweep(sweep->inquiry.report, id, admissions);
+    conus_status status = conus_sweep_create(&admissions, answerer->selector, &row->pose, angle);
+    status = status ? status : conus_report_add_sweep(answerer->report, row->id, admissions);
     conus_sweep_destroy(admissions);
     return status;
 }
@@ -248,7 +249,8 @@ static bool has_errors(const conus_pose_row *row)
 }
 
 /* What is asked for on the command line wins; of a row's own errors one that is missing is 0. */
-static conus_status add_chances(struct sweep *sweep, const conus_pose_row *row, double angle)
+static conus_status add_chances(struct sweep *sweep, const struct answerer *answerer, const conus_pose_row *row,
+                                double angle)
 {
     conus_jitter *jitter = NULL;
     conus_jitter_options options = sweep->jitter;
@@ -256,8 +258,8 @@ static conus_status add_chances(struct sweep *sweep, const conus_pose_row *row, 
         options.tilt = isfinite(row->error_deg) ? radians(row->error_deg) : 0;
         options.shift = isfinite(row->error_mm) ? row->error_mm : 0;
     }
-    conus_status status = conus_jitter_create(&jitter, sweep->inquiry.selector, &row->pose, angle, &options);
-    status = status ? status : conus_report_add_jitter(sweep->inquiry.report, row->id, jitter);
+    conus_status status = conus_jitter_create(&jitter, answerer->selector, &row->pose, angle, &options);
+    status = status ? status : conus_report_add_jitter(answerer->report, row->id, jitter);
     conus_jitter_destroy(jitter);
     return status;
 }
@@ -272,13 +274,24 @@ static double widest_angle(const struct sweep *sweep, double angle)
     return widest;
 }
 
-static conus_status add_answer(struct sweep *sweep, const conus_pose_row *row)
+static conus_status add_answer(struct sweep *sweep, const struct answerer *answerer, const conus_pose_row *row,
+                               double angle)
 {
-    double angle = inquiry_angle(&sweep->inquiry, row);
-    conus_aims_add(sweep->inquiry.aims, row->line, &row->pose, widest_angle(sweep, angle));
-    return sweep->rows == CONUS_ROWS_SHARES    ? add_shares(sweep, row->id, &row->pose)
-           : sweep->rows == CONUS_ROWS_CHANCES ? add_chances(sweep, row, angle)
-                                               : add_admissions(sweep, row->id, &row->pose, angle);
+    return sweep->rows == CONUS_ROWS_SHARES    ? add_shares(sweep, answerer, row)
+           : sweep->rows == CONUS_ROWS_CHANCES ? add_chances(sweep, answerer, row, angle)
+                                               : add_admissions(answerer, row, angle);
+}
+
+static conus_status add_answers(struct sweep *sweep, const conus_pose_row *row)
+{
+    struct inquiry *inquiry = &sweep->inquiry;
+    double angle = inquiry_angle(inquiry, row);
+    conus_status status = CONUS_OK;
+    inquiry_count_pose(inquiry, row->line, &row->pose, widest_angle(sweep, angle));
+    for (size_t i = 0; i < inquiry->atlases.count && !status; i++) {
+        status = add_answer(sweep, &inquiry->answerers[i], row, angle);
+    }
+    return status;
 }
 
 static int answer_row(void *user, const conus_pose_row *row)
@@ -288,7 +301,7 @@ static int answer_row(void *user, const conus_pose_row *row)
                       : row->is_point                             ? POINT_HAS_NO_DIRECTION
                       : sweep->jitter_of_rows && !has_errors(row) ? "no error_deg or error_mm for --jitter columns"
                                                                   : NULL;
-    conus_status status = why ? CONUS_OK : add_answer(sweep, row);
+    conus_status status = why ? CONUS_OK : add_answers(sweep, row);
     if (status == CONUS_ERROR_ARGUMENT) {
         why = conus_message();
     }
@@ -318,7 +331,7 @@ static int answer_all(struct sweep *sweep)
     }
     conus_pose_row row = {.id = "1", .error_deg = NAN, .error_mm = NAN};
     int code = settings_pose(&row.pose, &inquiry->settings->aim, inquiry->arguments);
-    conus_status status = code ? CONUS_OK : add_answer(sweep, &row);
+    conus_status status = code ? CONUS_OK : add_answers(sweep, &row);
     return status ? print_status(status) : code;
 }
 
@@ -329,14 +342,14 @@ static conus_status start_sweep(struct sweep *sweep)
     conus_report_options report = inquiry_report_options(inquiry);
     report.rows = sweep->rows;
     conus_status status = inquiry_start(inquiry, &engine);
-    return status ? status : conus_report_create(&inquiry->report, inquiry->selector, &report);
+    return status ? status : inquiry_reports(inquiry, &report);
 }
 
 static int answer_sweep(struct sweep *sweep)
 {
     struct inquiry *inquiry = &sweep->inquiry;
     int code = inquiry_load_poses(inquiry);
-    code = code ? code : inquiry_load_atlas(inquiry);
+    code = code ? code : inquiry_load_atlases(inquiry);
     code = code ? code : inquiry_match(inquiry);
     if (code || !inquiry_check_inputs(inquiry, NULL)) {
         return code ? code : EXIT_USAGE;
@@ -348,8 +361,9 @@ static int answer_sweep(struct sweep *sweep)
     }
     inquiry_say_notes(inquiry);
     inquiry_say_aims(inquiry);
-    code = answer_write_sidecar(inquiry->report, inquiry->sidecar);
-    return inquiry_code(inquiry, code ? code : answer_write(inquiry->report, inquiry->settings->answer.output));
+    code = answer_write_sidecar(inquiry->answerers[0].report, inquiry->sidecar);
+    code = code ? code : answer_write(inquiry->answerers[0].report, inquiry->settings->answer.output);
+    return inquiry_code(inquiry, code);
 }
 
 static int run_sweep(const void *given, const struct arguments *arguments)

@@ -130,6 +130,7 @@ static const struct option_group groups[] = {
     INQUIRY_ENGINE_GROUPS,
     {"History", history_options, 0},
     INQUIRY_ATLAS_GROUPS,
+    INQUIRY_MORE_ATLASES,
     {"What is written", format_options, INQUIRY_FIELD(answer)},
     {"", answer_output_options, INQUIRY_FIELD(answer)},
     {"", output_options, 0},
@@ -141,9 +142,9 @@ static const struct option_group groups[] = {
 struct track {
     const struct track_settings *settings;
     struct inquiry inquiry;
-    struct station *station; /* NULL where the poses come from a file */
-    conus_tracker *tracker;
-    FILE *held; /* what goes to a file, which appears whole or not at all; NULL for stdout */
+    struct station *station;  /* NULL where the poses come from a file */
+    conus_tracker **trackers; /* [inquiry.atlases.count] */
+    FILE *held;               /* what goes to a file, which appears whole or not at all; NULL for stdout */
     char *held_text;
     size_t held_size;
 };
@@ -154,7 +155,10 @@ static void track_finish(struct track *track)
         fclose(track->held);
     }
     free(track->held_text);
-    conus_tracker_destroy(track->tracker);
+    for (size_t i = 0; track->trackers && i < track->inquiry.atlases.count; i++) {
+        conus_tracker_destroy(track->trackers[i]);
+    }
+    free((void *)track->trackers);
     station_stop(track->station);
     inquiry_finish(&track->inquiry);
 }
@@ -184,7 +188,7 @@ static int write_steps(struct track *track)
     if (track->inquiry.format == CONUS_FORMAT_JSON) {
         return EXIT_DONE;
     }
-    conus_status status = conus_report_take(&text, &size, track->inquiry.report);
+    conus_status status = conus_report_take(&text, &size, track->inquiry.answerers[0].report);
     if (status) {
         return print_status(status);
     }
@@ -198,41 +202,53 @@ static int write_steps(struct track *track)
     return EXIT_DONE;
 }
 
-static int answer_row(struct track *track, const conus_pose_row *row)
+/* A step of all atlases. A station gets the answer of the first. Where the step itself is at fault, nothing is printed
+ * or reported, and *fault is set. */
+static int answer_step(struct track *track, const conus_pose_row *row, bool *fault)
 {
     struct inquiry *inquiry = &track->inquiry;
     double angle = inquiry_angle(inquiry, row);
-    conus_selection *selection = NULL;
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; i < inquiry->atlases.count && !status; i++) {
+        const struct answerer *answerer = &inquiry->answerers[i];
+        conus_selection *selection = NULL;
+        status = conus_tracker_step(&selection, track->trackers[i], row->time_s, &row->pose, angle, row->trigger);
+        *fault = status == CONUS_ERROR_ARGUMENT && i == 0;
+        if (*fault) {
+            return EXIT_DONE;
+        }
+        status = status ? status : conus_report_add(answerer->report, row->id, selection);
+        if (!status && track->station && i == 0) {
+            station_send_selection(track->station, answerer->selector, inquiry->atlases.items[0].atlas, selection);
+        }
+        conus_selection_destroy(selection);
+    }
+    return status ? print_status(status) : write_steps(track);
+}
+
+static int answer_row(struct track *track, const conus_pose_row *row)
+{
+    struct inquiry *inquiry = &track->inquiry;
+    bool fault = false;
     if (row->error || row->is_point) {
         return inquiry_skip_row(inquiry, row, row->error ? row->error : POINT_HAS_NO_DIRECTION);
     }
     if (isnan(row->time_s)) {
         return inquiry_skip_row(inquiry, row, "no time_s, which a step needs");
     }
-    conus_aims_add(inquiry->aims, row->line, &row->pose, angle);
-    conus_status status = conus_tracker_step(&selection, track->tracker, row->time_s, &row->pose, angle, row->trigger);
-    if (status == CONUS_ERROR_ARGUMENT) {
-        return inquiry_skip_row(inquiry, row, conus_message());
-    }
-    status = status ? status : conus_report_add(inquiry->report, row->id, selection);
-    conus_selection_destroy(selection);
-    return status ? print_status(status) : write_steps(track);
+    inquiry_count_pose(inquiry, row->line, &row->pose, inquiry_angle(inquiry, row));
+    int code = answer_step(track, row, &fault);
+    return fault ? inquiry_skip_row(inquiry, row, conus_message()) : code;
 }
 
 static int answer_news(struct track *track, const struct station_news *news, double time_s)
 {
     char id[24];
-    conus_selection *selection = NULL;
-    const struct inquiry_settings *settings = track->inquiry.settings;
-    double angle = settings_angle(&settings->aim, &settings->engine);
+    bool fault = false;
+    const conus_pose_row row = {.id = id, .pose = news->pose, .time_s = time_s};
     snprintf(id, sizeof id, "%llu", (unsigned long long)news->number);
-    conus_status status = conus_tracker_step(&selection, track->tracker, time_s, &news->pose, angle, false);
-    status = status ? status : conus_report_add(track->inquiry.report, id, selection);
-    if (!status) {
-        station_send_selection(track->station, track->inquiry.selector, track->inquiry.atlas, selection);
-    }
-    conus_selection_destroy(selection);
-    int code = status ? print_status(status) : write_steps(track);
+    int code = answer_step(track, &row, &fault);
+    code = fault ? print_status(CONUS_ERROR_ARGUMENT) : code;
     return code || track->held || !fflush(stdout) ? code : EXIT_DATA;
 }
 
@@ -288,18 +304,18 @@ static conus_status start_track(struct track *track)
     struct inquiry *inquiry = &track->inquiry;
     const conus_selector_options engine = settings_engine(&inquiry->settings->engine, &inquiry->settings->common);
     conus_tracker_options constants = track->settings->constants;
+    conus_report_options report = inquiry_report_options(inquiry);
+    report.selected_only = track->settings->selected;
     if (option_given(inquiry->arguments, "delay") && constants.delay == 0) {
         constants.delay = -1; /* none; 0 is the default */
     }
     conus_status status = inquiry_start(inquiry, &engine);
-    status = status ? status : conus_tracker_create(&track->tracker, inquiry->selector, &constants);
-    if (status) {
-        return status;
+    for (size_t i = 0; i < inquiry->atlases.count && !status; i++) {
+        status = conus_tracker_create(&track->trackers[i], inquiry->answerers[i].selector, &constants);
+        report.tracker = track->trackers[i];
+        status = status ? status : inquiry_report(inquiry, i, &report);
     }
-    conus_report_options report = inquiry_report_options(inquiry);
-    report.tracker = track->tracker;
-    report.selected_only = track->settings->selected;
-    return conus_report_create(&inquiry->report, inquiry->selector, &report);
+    return status;
 }
 
 /* What is left to write when the last row is answered; the answer's own file last. */
@@ -307,9 +323,10 @@ static int write_rest(struct track *track)
 {
     const struct inquiry *inquiry = &track->inquiry;
     const char *output = inquiry->settings->answer.output;
-    int code = answer_write_sidecar(inquiry->report, inquiry->sidecar);
+    conus_report *report = inquiry->answerers[0].report;
+    int code = answer_write_sidecar(report, inquiry->sidecar);
     if (!code && inquiry->format == CONUS_FORMAT_JSON) {
-        return answer_write(inquiry->report, output);
+        return answer_write(report, output);
     }
     if (code || !track->held) {
         return code;
@@ -338,17 +355,22 @@ static int open_poses(struct track *track)
 }
 
 /* A hand points here and there: only where all of the track does it may be in another space or unit. */
-static bool is_astray(const conus_astray *found)
+static bool is_astray(const struct inquiry *inquiry)
 {
-    uint64_t poses = found->poses;
-    return poses && (found->away.count == poses || found->inside.count == poses || found->tiny.count == poses);
+    bool is = false;
+    for (size_t i = 0; i < inquiry->atlases.count && !is; i++) {
+        const conus_astray *found = conus_aims_found(inquiry->answerers[i].aims);
+        uint64_t poses = found->poses;
+        is = poses && (found->away.count == poses || found->inside.count == poses || found->tiny.count == poses);
+    }
+    return is;
 }
 
 static int answer_track(struct track *track)
 {
     struct inquiry *inquiry = &track->inquiry;
     int code = open_poses(track);
-    code = code ? code : inquiry_load_atlas(inquiry);
+    code = code ? code : inquiry_load_atlases(inquiry);
     if (code || !inquiry_check_inputs(inquiry, track->settings->station.world_from_tracker)) {
         return code ? code : EXIT_USAGE;
     }
@@ -357,9 +379,14 @@ static int answer_track(struct track *track)
         return code;
     }
     inquiry_say_notes(inquiry);
+    track->trackers = calloc(inquiry->atlases.count, sizeof(conus_tracker *));
+    if (!track->trackers) {
+        print_error_line("not enough memory");
+        return EXIT_DATA;
+    }
     conus_status status = start_track(track);
     code = status ? print_status(status) : track->station ? answer_station(track) : answer_all(track);
-    if (!code && is_astray(conus_aims_found(inquiry->aims))) {
+    if (!code && is_astray(inquiry)) {
         inquiry_say_aims(inquiry);
     }
     return inquiry_code(inquiry, code ? code : write_rest(track));

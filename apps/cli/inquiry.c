@@ -5,7 +5,6 @@
 #include "common/messages.h"
 #include "common/output.h"
 #include "settings/aim_notes.h"
-#include "settings/atlas_input.h"
 #include "settings/atlas_notes.h"
 
 #include <stdlib.h>
@@ -44,12 +43,15 @@ int inquiry_init(struct inquiry *out, const struct inquiry_settings *settings, c
 
 void inquiry_finish(struct inquiry *inquiry)
 {
-    conus_report_destroy(inquiry->report);
-    conus_aims_destroy(inquiry->aims);
-    conus_selector_destroy(inquiry->selector);
+    for (size_t i = 0; inquiry->answerers && i < inquiry->atlases.count; i++) {
+        conus_report_destroy(inquiry->answerers[i].report);
+        conus_aims_destroy(inquiry->answerers[i].aims);
+        conus_selector_destroy(inquiry->answerers[i].selector);
+    }
+    free(inquiry->answerers);
     conus_pose_stream_destroy(inquiry->stream);
     conus_pose_list_destroy(inquiry->poses);
-    conus_atlas_destroy(inquiry->atlas);
+    atlases_finish(&inquiry->atlases);
     free(inquiry->command_line);
     free(inquiry->sidecar);
 }
@@ -74,8 +76,7 @@ bool inquiry_check_inputs(const struct inquiry *inquiry, const char *matrix)
     const struct inquiry_settings *settings = inquiry->settings;
     const char *coordinates =
         inquiry->poses ? conus_pose_list_coordsystem(inquiry->poses) : conus_pose_stream_coordsystem(inquiry->stream);
-    const struct input inputs[] = {{"the atlas", inquiry->arguments->operands[0]},
-                                   {"the label table", settings->atlas.labels},
+    const struct input inputs[] = {{"the label table", settings->atlas.labels},
                                    {"the list of areas", settings_level_file(&settings->engine)},
                                    {"the file of poses", settings->aim.pose},
                                    {"the coordinate system", coordinates},
@@ -83,7 +84,7 @@ bool inquiry_check_inputs(const struct inquiry *inquiry, const char *matrix)
                                    {0}};
     for (size_t i = 0; i < inquiry->output_count; i++) {
         const struct output *output = &inquiry->outputs[i];
-        const char *input = output->path ? settings_input(inquiry->atlas, inputs, output->path) : NULL;
+        const char *input = output->path ? atlases_input(&inquiry->atlases, inputs, output->path) : NULL;
         if (input) {
             print_error_line("%s would overwrite %s %s", output->what, input, output->path);
             return false;
@@ -106,13 +107,21 @@ int inquiry_load_poses(struct inquiry *inquiry)
     return status ? print_status(status) : EXIT_DONE;
 }
 
-int inquiry_load_atlas(struct inquiry *inquiry)
+int inquiry_load_atlases(struct inquiry *inquiry)
 {
     const struct inquiry_settings *settings = inquiry->settings;
-    int code = settings_load_atlas(&inquiry->atlas, inquiry->arguments->operands[0], &settings->atlas);
-    return code ? code
-                : settings_load_context(inquiry->atlas, settings->context.path, settings->context.blocks,
-                                        &settings->atlas);
+    struct atlases *atlases = &inquiry->atlases;
+    int code = atlases_load(atlases, inquiry->arguments->operands[0], &settings->atlas);
+    for (size_t i = 0; i < atlases->count && !code; i++) {
+        code = settings_load_context(atlases->items[i].atlas, settings->context.path, settings->context.blocks,
+                                     &settings->atlas);
+    }
+    inquiry->answerers = code ? NULL : calloc(1 + settings->atlas.more.count, sizeof *inquiry->answerers);
+    if (!code && !inquiry->answerers) {
+        print_error_line("not enough memory");
+        return EXIT_DATA;
+    }
+    return code;
 }
 
 int inquiry_match(struct inquiry *inquiry)
@@ -120,19 +129,25 @@ int inquiry_match(struct inquiry *inquiry)
     const struct inquiry_settings *settings = inquiry->settings;
     const char *path = settings->aim.pose;
     if (inquiry->poses) {
-        return settings_match_poses(inquiry->poses, path, inquiry->atlas, &settings->file, &settings->common);
+        return settings_match_poses(inquiry->poses, path, &inquiry->atlases, &settings->file, &settings->common);
     }
     return inquiry->stream
-               ? settings_match_stream(inquiry->stream, path, inquiry->atlas, &settings->file, &settings->common)
+               ? settings_match_stream(inquiry->stream, path, &inquiry->atlases, &settings->file, &settings->common)
                : EXIT_DONE;
 }
 
 conus_status inquiry_start(struct inquiry *inquiry, const conus_selector_options *options)
 {
-    conus_status status = conus_selector_create(&inquiry->selector, inquiry->atlas, options);
-    status = status ? status : conus_aims_create(&inquiry->aims, inquiry->selector);
+    conus_selector_options own = *options;
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; i < inquiry->atlases.count && !status; i++) {
+        struct answerer *answerer = &inquiry->answerers[i];
+        own.level = i ? NULL : options->level;
+        status = conus_selector_create(&answerer->selector, inquiry->atlases.items[i].atlas, &own);
+        status = status ? status : conus_aims_create(&answerer->aims, answerer->selector);
+    }
     if (!status && inquiry->settings->common.verbose) {
-        print_error_line("engine: %s", conus_selector_engine(inquiry->selector));
+        print_error_line("engine: %s", conus_selector_engine(inquiry->answerers[0].selector));
     }
     return status;
 }
@@ -142,6 +157,31 @@ conus_report_options inquiry_report_options(const struct inquiry *inquiry)
     return (conus_report_options){.format = inquiry->format,
                                   .space = (conus_space)inquiry->settings->aim.space,
                                   .command = inquiry->command_line};
+}
+
+conus_status inquiry_report(struct inquiry *inquiry, size_t index, const conus_report_options *options)
+{
+    struct answerer *answerer = &inquiry->answerers[index];
+    conus_report_options own = *options;
+    own.atlas = inquiry->atlases.items[index].name;
+    conus_status status = conus_report_create(&answerer->report, answerer->selector, &own);
+    return status || index == 0 ? status : conus_report_join(inquiry->answerers[0].report, answerer->report);
+}
+
+conus_status inquiry_reports(struct inquiry *inquiry, const conus_report_options *options)
+{
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; i < inquiry->atlases.count && !status; i++) {
+        status = inquiry_report(inquiry, i, options);
+    }
+    return status;
+}
+
+void inquiry_count_pose(struct inquiry *inquiry, size_t line, const conus_pose *pose, double angle)
+{
+    for (size_t i = 0; i < inquiry->atlases.count; i++) {
+        conus_aims_add(inquiry->answerers[i].aims, line, pose, angle);
+    }
 }
 
 double inquiry_angle(const struct inquiry *inquiry, const conus_pose_row *row)
@@ -171,21 +211,34 @@ int inquiry_skip_row(struct inquiry *inquiry, const conus_pose_row *row, const c
 
 int inquiry_refuse_row(struct inquiry *inquiry, const conus_pose_row *row, const char *why)
 {
+    conus_status status = CONUS_OK;
     inquiry_skip_row(inquiry, row, why);
-    conus_status status = conus_report_add_error(inquiry->report, row->id, row->line, why);
+    for (size_t i = 0; i < inquiry->atlases.count && !status; i++) {
+        status = conus_report_add_error(inquiry->answerers[i].report, row->id, row->line, why);
+    }
     return status ? print_status(status) : EXIT_DONE;
 }
 
 void inquiry_say_notes(const struct inquiry *inquiry)
 {
-    settings_say_notes(inquiry->atlas, &inquiry->settings->common);
+    atlases_say_notes(&inquiry->atlases, &inquiry->settings->common);
+    atlases_say_spaces(&inquiry->atlases, &inquiry->settings->common);
 }
 
 void inquiry_say_aims(const struct inquiry *inquiry)
 {
     const char *path = inquiry->settings->aim.pose;
-    aim_notes_say(conus_aims_found(inquiry->aims), inquiry->selector, inquiry->atlas,
-                  path ? settings_poses_name(path) : NULL, &inquiry->settings->common);
+    size_t count = inquiry->atlases.count;
+    struct aimed *aimed = calloc(count, sizeof *aimed);
+    for (size_t i = 0; aimed && i < count; i++) {
+        const struct named_atlas *at = &inquiry->atlases.items[i];
+        const struct answerer *answerer = &inquiry->answerers[i];
+        aimed[i] = (struct aimed){conus_aims_found(answerer->aims), answerer->selector, at->atlas, at->name};
+    }
+    if (aimed) {
+        aim_notes_say(aimed, count, path ? settings_poses_name(path) : NULL, &inquiry->settings->common);
+    }
+    free(aimed);
 }
 
 int inquiry_code(const struct inquiry *inquiry, int code)

@@ -36,6 +36,10 @@ struct inquiry_settings {
     {                                                                                                                  \
         "", context_options, INQUIRY_FIELD(context)                                                                    \
     }
+#define INQUIRY_MORE_ATLASES                                                                                           \
+    {                                                                                                                  \
+        "", more_atlas_options, INQUIRY_FIELD(atlas)                                                                   \
+    }
 
 enum { INQUIRY_OUTPUTS = 7 };
 
@@ -43,6 +47,13 @@ enum { INQUIRY_OUTPUTS = 7 };
 struct output {
     const char *what; /**< "--output", for messages. */
     const char *path; /**< NULL = none. */
+};
+
+/** What answers for one atlas. */
+struct answerer {
+    conus_selector *selector;
+    conus_aims *aims;
+    conus_report *report; /**< That of the first atlas has the answers of all. */
 };
 
 /** A query, sweep or track under way. */
@@ -54,13 +65,11 @@ struct inquiry {
     char *sidecar;                          /**< Path; NULL if there is none to write. */
     struct output outputs[INQUIRY_OUTPUTS]; /**< First --output and its sidecar. */
     size_t output_count;
-    conus_atlas *atlas;
-    conus_pose_list *poses;    /**< All of a file; or */
-    conus_pose_stream *stream; /**< one after the other; or both NULL. */
-    conus_selector *selector;
-    conus_aims *aims;
-    conus_report *report;
-    bool failed; /**< Some poses had no answer. */
+    struct atlases atlases;
+    struct answerer *answerers; /**< [atlases.count] */
+    conus_pose_list *poses;     /**< All of a file; or */
+    conus_pose_stream *stream;  /**< one after the other; or both NULL. */
+    bool failed;                /**< Some poses had no answer. */
 };
 
 /** Whether --slices, --score, --context, --angle and --radius fit together; prints an error if not. */
@@ -82,15 +91,22 @@ bool inquiry_check_inputs(const struct inquiry *inquiry, const char *matrix);
 conus_pose_options inquiry_pose_options(const struct inquiry *inquiry);
 /** Loads --pose, where it was given. */
 int inquiry_load_poses(struct inquiry *inquiry);
-/** Loads the atlas with its pathways and the context. */
-int inquiry_load_atlas(struct inquiry *inquiry);
-/** Whether the poses' space can be the atlas's. */
+/** Loads the atlas with its pathways, those of --atlas, and the context of each. */
+int inquiry_load_atlases(struct inquiry *inquiry);
+/** Whether the poses' space can be that of each atlas. */
 int inquiry_match(struct inquiry *inquiry);
 
-/** Makes the selector; the device has @p options. */
+/** Makes the selectors; the device has @p options. */
 conus_status inquiry_start(struct inquiry *inquiry, const conus_selector_options *options);
-/** The options of the report that every command sets alike. */
+/** The options of the reports that every command sets alike. */
 conus_report_options inquiry_report_options(const struct inquiry *inquiry);
+/** Makes the report of atlas @p index, after those before it, and joins it with the first. */
+conus_status inquiry_report(struct inquiry *inquiry, size_t index, const conus_report_options *options);
+/** Makes all reports with the same options. */
+conus_status inquiry_reports(struct inquiry *inquiry, const conus_report_options *options);
+
+/** Counts a pose for each atlas, among those whose notes inquiry_say_aims() prints. */
+void inquiry_count_pose(struct inquiry *inquiry, size_t line, const conus_pose *pose, double angle);
 
 /** The row's angle, radians; without one that of --angle. */
 double inquiry_angle(const struct inquiry *inquiry, const conus_pose_row *row);
@@ -98,10 +114,10 @@ double inquiry_angle(const struct inquiry *inquiry, const conus_pose_row *row);
 int inquiry_each_row(struct inquiry *inquiry, int (*answer)(void *user, const conus_pose_row *row), void *user);
 /** Prints why a row has no answer. */
 int inquiry_skip_row(struct inquiry *inquiry, const conus_pose_row *row, const char *why);
-/** The same, and the report has a row that says it. */
+/** The same, and the reports have a row that says it. */
 int inquiry_refuse_row(struct inquiry *inquiry, const conus_pose_row *row, const char *why);
 
-/** Prints the notes about the atlas, unless --quiet. */
+/** Prints the notes about the atlases, unless --quiet. */
 void inquiry_say_notes(const struct inquiry *inquiry);
 /** Prints, likewise, that cones lie or point where they hardly should. */
 void inquiry_say_aims(const struct inquiry *inquiry);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus-mpi batch: conus batch on all ranks of an MPI job. Rank 0 leads: it alone reads the command's files of jobs and
- * journals, and announces each batch to the others. The first rank of each node loads the atlas for all that run there.
- * Every rank reads the poses' file by itself, and passes over the poses that are others'. */
+ * journals, and announces each batch to the others. The first rank of each node loads the atlases for all that run
+ * there. Every rank reads the poses' file by itself, and passes over the poses that are others'. */
 #include "batch/batch_jobs.h"
 #include "batch/batch_output.h"
 #include "common/interrupt.h"
@@ -12,7 +12,6 @@
 #include "mpi/node_atlas.h"
 #include "mpi/ordered_file.h"
 #include "pages/pages.h"
-#include "settings/aim_notes.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
@@ -29,8 +28,8 @@ struct cluster {
 struct run {
     const struct cluster *cluster;
     struct work work;
-    struct node_atlas shared;
-    struct batch_file kept; /* on rank 0 */
+    struct node_atlas *shared; /* [work.atlases.count]; NULL where the work is not open */
+    struct batch_file kept;    /* on rank 0 */
     struct ordered_file file;
     struct progress progress;
     uint64_t first, left; /* poses to answer; left UINT64_MAX = all from there on */
@@ -118,7 +117,40 @@ static void answer_parts(struct run *run)
 
 /* ---- A batch ----------------------------------------------------------------------------------------------------- */
 
-/* The poses and the atlas: rank 0 first, so that what is wrong on all ranks is said once; then the first rank of each
+/* All ranks at once, each with as many atlases. */
+static int share_atlases(struct run *run)
+{
+    struct atlases *atlases = &run->work.atlases;
+    run->shared = calloc(atlases->count, sizeof *run->shared);
+    if (!run->shared) {
+        print_error_line("not enough memory");
+    }
+    int code = agree(run->shared ? EXIT_DONE : EXIT_DATA);
+    for (size_t i = 0; i < atlases->count && !code; i++) {
+        node_atlas_share(&run->shared[i], &atlases->items[i].atlas, run->cluster->node);
+    }
+    return code;
+}
+
+/* Behind the end of the work. */
+static void finish_shared(struct run *run, const struct batch_settings *settings)
+{
+    for (size_t i = 0; run->shared && i < 1 + settings->atlas.more.count; i++) {
+        node_atlas_finish(&run->shared[i]);
+    }
+    free(run->shared);
+}
+
+static size_t shared_size(const struct run *run)
+{
+    size_t size = 0;
+    for (size_t i = 0; i < run->work.atlases.count; i++) {
+        size += run->shared[i].memory ? run->shared[i].size : 0;
+    }
+    return size;
+}
+
+/* The poses and the atlases: rank 0 first, so that what is wrong on all ranks is said once; then the first rank of each
  * node; then those that need no atlas of their own. */
 static int open_work(struct run *run, const struct batch_settings *settings, const struct arguments *arguments)
 {
@@ -130,7 +162,8 @@ static int open_work(struct run *run, const struct batch_settings *settings, con
             code = work_init(&run->work, settings, arguments);
         }
         if (i == 2) {
-            node_atlas_share(&run->shared, &run->work.atlas, cluster->node);
+            code = agree(code);
+            code = code ? code : share_atlases(run);
         }
         if (i == turn && !code) {
             code = work_open(&run->work);
@@ -195,26 +228,34 @@ static void add_oddity(conus_oddity *sum, const conus_oddity *more)
     sum->count = count;
 }
 
-/* Rank 0 says what all ranks together found of where poses lie and point. */
-static void say_aims(const struct run *run)
+static void add_astray(conus_astray *sum, const conus_astray *more)
 {
-    const struct work *work = &run->work;
-    conus_astray sum = conus_batch_astray(work->batch);
+    sum->poses += more->poses;
+    add_oddity(&sum->inside, &more->inside);
+    add_oddity(&sum->away, &more->away);
+    add_oddity(&sum->tiny, &more->tiny);
+}
+
+/* Rank 0 says what all ranks together found of where poses lie and point. */
+static void say_aims(struct run *run)
+{
+    struct work *work = &run->work;
     int ranks;
+    work_find_aims(work);
     MPI_Comm_size(MPI_COMM_WORLD, &ranks);
-    if (run->cluster->rank > 0) {
-        MPI_Send(&sum, sizeof sum, MPI_BYTE, 0, 0, MPI_COMM_WORLD);
-        return;
+    for (size_t i = 0; i < work->atlases.count; i++) {
+        if (run->cluster->rank > 0) {
+            MPI_Send(&work->astray[i], sizeof work->astray[i], MPI_BYTE, 0, 0, MPI_COMM_WORLD);
+        }
+        for (int rank = 1; rank < ranks && run->cluster->rank == 0; rank++) {
+            conus_astray more;
+            MPI_Recv(&more, sizeof more, MPI_BYTE, rank, 0, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+            add_astray(&work->astray[i], &more);
+        }
     }
-    for (int rank = 1; rank < ranks; rank++) {
-        conus_astray more;
-        MPI_Recv(&more, sizeof more, MPI_BYTE, rank, 0, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
-        sum.poses += more.poses;
-        add_oddity(&sum.inside, &more.inside);
-        add_oddity(&sum.away, &more.away);
-        add_oddity(&sum.tiny, &more.tiny);
+    if (run->cluster->rank == 0) {
+        work_say_aims(work);
     }
-    aim_notes_say(&sum, work->selector, work->atlas, work->settings->poses, &work->settings->common);
 }
 
 /* All of it; on rank 0 also the last words. */
@@ -259,8 +300,9 @@ static int answer_batch(const struct cluster *cluster, const struct batch_settin
     own.common.quiet = settings->common.quiet || cluster->rank > 0;
     own.common.verbose = settings->common.verbose && cluster->rank == 0;
     int code = open_work(&run, &own, arguments);
-    if (!code && own.common.verbose && run.shared.memory) {
-        print_error_line("atlas: %zu bytes, in memory once for all processes of a node", run.shared.size);
+    size_t shared = code ? 0 : shared_size(&run);
+    if (own.common.verbose && shared) {
+        print_error_line("atlas: %zu bytes, in memory once for all processes of a node", shared);
     }
     code = code ? code : open_output(&run);
     if (!code && !run.kept.is_finished) {
@@ -270,7 +312,7 @@ static int answer_batch(const struct cluster *cluster, const struct batch_settin
     batch_file_close(&run.kept);
     free(run.text);
     work_finish(&run.work);
-    node_atlas_finish(&run.shared);
+    finish_shared(&run, settings);
     return code;
 }
 

@@ -12,9 +12,10 @@ enum completion_value completion_value(const struct option *option)
     if (!option->value) {
         return COMPLETION_NONE;
     }
-    return strstr(option->value, "FILE")  ? COMPLETION_FILE
-           : strstr(option->value, "DIR") ? COMPLETION_FOLDER
-                                          : COMPLETION_ANY;
+    return strstr(option->value, "FILE")    ? COMPLETION_FILE
+           : strstr(option->value, "DIR")   ? COMPLETION_FOLDER
+           : strstr(option->value, "ATLAS") ? COMPLETION_ATLAS
+                                            : COMPLETION_ANY;
 }
 
 bool completion_takes_atlas(const struct command *command)

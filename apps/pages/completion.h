@@ -15,7 +15,8 @@ enum completion_value {
     COMPLETION_CHOICES, /**< option_choice() lists them. */
     COMPLETION_FILE,
     COMPLETION_FOLDER,
-    COMPLETION_ANY, /**< A value that only the user knows: a number, a name. */
+    COMPLETION_ATLAS, /**< A file, or a name as of completion_takes_atlas(). */
+    COMPLETION_ANY,   /**< A value that only the user knows: a number, a name. */
 };
 enum completion_value completion_value(const struct option *option);
 

@@ -40,8 +40,10 @@ static void put_pattern(FILE *out, const struct option *option)
 
 static void put_value_cases(FILE *out, const struct command *command)
 {
-    static const char *const words[] = {
-        [COMPLETION_FILE] = "value=file", [COMPLETION_FOLDER] = "value=folder", [COMPLETION_ANY] = "value=any"};
+    static const char *const words[] = {[COMPLETION_FILE] = "value=file",
+                                        [COMPLETION_FOLDER] = "value=folder",
+                                        [COMPLETION_ATLAS] = "value=atlas",
+                                        [COMPLETION_ANY] = "value=any"};
     const struct option *option;
     const char *choice;
     for (size_t i = 0; (option = completion_option(command, i)); i++) {
@@ -136,7 +138,7 @@ void completion_bash(FILE *out, const struct program *program)
           "    none:-*) mapfile -t COMPREPLY < <(compgen -W \"$options\" -- \"$word\") ;;\n"
           "    *) compopt -o filenames 2>/dev/null; mapfile -t COMPREPLY < <(compgen -f -- \"$word\") ;;\n"
           "    esac\n"
-          "    [ \"$atlas:$value\" = yes: ] || return 0\n"
+          "    [ \"$atlas:$value\" = yes: ] || [ \"$value\" = atlas ] || return 0\n"
           "    local source= # \"source:name\" is three words\n"
           "    if [ \"$word\" = : ]; then\n"
           "        source=$before: word=\n"

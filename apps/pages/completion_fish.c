@@ -4,6 +4,8 @@
 
 #include "settings/option_values.h"
 
+#define ATLASES "(conus atlases --quiet --format names 2>/dev/null)"
+
 /* In fish's single quotes a backslash escapes. */
 static void put_quoted(FILE *out, const char *text)
 {
@@ -39,6 +41,9 @@ static void put_option(FILE *out, const struct option *option)
     case COMPLETION_FILE:
         fputs(" -rF", out);
         break;
+    case COMPLETION_ATLAS:
+        fputs(" -rF -a '" ATLASES "'", out);
+        break;
     case COMPLETION_FOLDER:
         fputs(" -xa '(__fish_complete_directories)'", out);
         break;
@@ -56,7 +61,7 @@ static void put_options(FILE *out, const struct program *program, const struct c
     const struct option *option;
     if (completion_takes_atlas(command)) {
         put_start(out, program, program->unnamed ? NULL : command->name);
-        fputs(" -a '(conus atlases --quiet --format names 2>/dev/null)' -d 'installed atlas'\n", out);
+        fputs(" -a '" ATLASES "' -d 'installed atlas'\n", out);
     }
     for (size_t i = 0; (option = completion_option(command, i)); i++) {
         put_start(out, program, program->unnamed ? NULL : command->name);

@@ -6,13 +6,17 @@
 
 #include <stdbool.h>
 
+#define ATLASES "{_files; compadd -- ${(f)\"$(conus atlases --quiet --format names 2>/dev/null)\"}}"
+
 /* What _arguments and _describe would take for their own. */
 static const char special[] = "[]:\\";
 
 static void put_values(FILE *out, const struct option *option)
 {
-    static const char *const actions[] = {
-        [COMPLETION_FILE] = "_files", [COMPLETION_FOLDER] = "_files -/", [COMPLETION_ANY] = " "};
+    static const char *const actions[] = {[COMPLETION_FILE] = "_files",
+                                          [COMPLETION_FOLDER] = "_files -/",
+                                          [COMPLETION_ATLAS] = ATLASES,
+                                          [COMPLETION_ANY] = " "};
     enum completion_value value = completion_value(option);
     const char *choice;
     if (value == COMPLETION_NONE) {
@@ -59,10 +63,7 @@ static void put_arguments(FILE *out, const struct command *command)
         snprintf(form, sizeof form, "--%s", option->name);
         put_form(out, option, form);
     }
-    fprintf(out, " \\\n        '*:%s'",
-            completion_takes_atlas(command)
-                ? "atlas:{_files; compadd -- ${(f)\"$(conus atlases --quiet --format names 2>/dev/null)\"}}"
-                : "file:_files");
+    fprintf(out, " \\\n        '*:%s'", completion_takes_atlas(command) ? "atlas:" ATLASES : "file:_files");
 }
 
 static void put_commands(FILE *out, const struct program *program)

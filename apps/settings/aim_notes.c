@@ -5,42 +5,61 @@
 #include "common/messages.h"
 
 #include <inttypes.h>
+#include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
-static void say_inside(const conus_astray *found, const conus_atlas *atlas, const char *file)
+enum { LINE_SIZE = 1024, LINE_LIMIT = 2 };
+
+/* What is odd, for one atlas. */
+struct lines {
+    char at[LINE_LIMIT][LINE_SIZE];
+    size_t count;
+};
+
+__attribute__((format(printf, 2, 3))) static void add_line(struct lines *lines, const char *format, ...)
 {
-    const conus_oddity *inside = &found->inside;
-    const char *name = conus_atlas_object(atlas, inside->object)->name;
+    va_list args;
+    va_start(args, format);
+    vsnprintf(lines->at[lines->count++], LINE_SIZE, format, args);
+    va_end(args);
+}
+
+static void add_inside(struct lines *out, const struct aimed *aimed, const char *file)
+{
+    const conus_oddity *inside = &aimed->found->inside;
+    const char *name = conus_atlas_object(aimed->atlas, inside->object)->name;
     if (file) {
-        print_error_line("note: %s: %" PRIu64 " of %" PRIu64 " devices lie inside an area, the first in line %" PRIu64
-                         ", inside %s",
-                         file, inside->count, found->poses, inside->first, name);
+        add_line(out,
+                 "%s: %" PRIu64 " of %" PRIu64 " devices lie inside an area, the first in line %" PRIu64 ", inside %s",
+                 file, inside->count, aimed->found->poses, inside->first, name);
     } else {
-        print_error_line("note: the device lies inside %s", name);
+        add_line(out, "the device lies inside %s", name);
     }
 }
 
-static void say_away(const conus_astray *found, const char *file, const char *remedy)
+static void add_away(struct lines *out, const conus_astray *found, const char *file, const char *remedy)
 {
     const conus_oddity *away = &found->away;
     const char *what = away->angle > 0 ? "cone" : "cylinder";
     if (file) {
-        print_error_line("note: %s: %" PRIu64 " of %" PRIu64
-                         " %ss point away from the atlas, the first in line %" PRIu64 "%s",
-                         file, away->count, found->poses, what, away->first, remedy);
+        add_line(out, "%s: %" PRIu64 " of %" PRIu64 " %ss point away from the atlas, the first in line %" PRIu64 "%s",
+                 file, away->count, found->poses, what, away->first, remedy);
     } else {
-        print_error_line("note: the %s points away from the atlas%s", what, remedy);
+        add_line(out, "the %s points away from the atlas%s", what, remedy);
     }
 }
 
-static void say_tiny(const conus_astray *found, const char *file, const char *remedy)
+static void add_tiny(struct lines *out, const conus_astray *found, const char *file, const char *remedy)
 {
     if (file) {
-        print_error_line("note: %s: %" PRIu64 " of %" PRIu64
-                         " devices lie within 1 mm of the world's origin, the first in line %" PRIu64 "%s",
-                         file, found->tiny.count, found->poses, found->tiny.first, remedy);
+        add_line(out,
+                 "%s: %" PRIu64 " of %" PRIu64
+                 " devices lie within 1 mm of the world's origin, the first in line %" PRIu64 "%s",
+                 file, found->tiny.count, found->poses, found->tiny.first, remedy);
     } else {
-        print_error_line("note: the device lies within 1 mm of the world's origin%s", remedy);
+        add_line(out, "the device lies within 1 mm of the world's origin%s", remedy);
     }
 }
 
@@ -55,25 +74,68 @@ static const char *put_reading(char out[256], const conus_reading *reading, cons
     return out;
 }
 
-void aim_notes_say(const conus_astray *found, conus_selector *selector, const conus_atlas *atlas, const char *file,
-                   const struct common_settings *settings)
+static void find_lines(struct lines *out, const struct aimed *aimed, const char *file)
 {
     char words[256];
     conus_reading reading = {0};
-    if (settings->quiet || conus_aims_reading(&reading, found, selector)) {
+    if (conus_aims_reading(&reading, aimed->found, aimed->selector)) {
         return;
     }
-    put_reading(words, &reading, atlas);
+    put_reading(words, &reading, aimed->atlas);
     if (reading.of_tiny) {
-        say_tiny(found, file, words);
+        add_tiny(out, aimed->found, file, words);
         return; /* in metres, all else is otherwise, too */
     }
-    if (found->inside.count) {
-        say_inside(found, atlas, file);
+    if (aimed->found->inside.count) {
+        add_inside(out, aimed, file);
     }
-    if (found->away.count) {
-        say_away(found, file, words);
+    if (aimed->found->away.count) {
+        add_away(out, aimed->found, file, words);
     }
+}
+
+static bool has_line(const struct lines *lines, const char *line)
+{
+    bool has = false;
+    for (size_t i = 0; i < lines->count && !has; i++) {
+        has = strcmp(lines->at[i], line) == 0;
+    }
+    return has;
+}
+
+/* The line of atlas `index`, unless an earlier one has said it. */
+static void say_line(const struct lines *lines, const struct aimed *aimed, size_t count, size_t index, const char *line)
+{
+    char names[LINE_SIZE] = "";
+    size_t size = 0;
+    size_t holders = 0;
+    for (size_t k = 0; k < count; k++) {
+        if (has_line(&lines[k], line)) {
+            if (k < index) {
+                return;
+            }
+            holders++;
+            int more = snprintf(names + size, sizeof names - size, "%s%s", size ? ", " : "",
+                                aimed[k].name ? aimed[k].name : "");
+            size = more > 0 && size + (size_t)more < sizeof names ? size + (size_t)more : size;
+        }
+    }
+    bool is_of_all = holders == count;
+    print_error_line("note: %s%s%s%s", line, is_of_all ? "" : " (", is_of_all ? "" : names, is_of_all ? "" : ")");
+}
+
+void aim_notes_say(const struct aimed *aimed, size_t count, const char *file, const struct common_settings *settings)
+{
+    struct lines *lines = settings->quiet ? NULL : calloc(count, sizeof *lines);
+    for (size_t i = 0; lines && i < count; i++) {
+        find_lines(&lines[i], &aimed[i], file);
+    }
+    for (size_t i = 0; lines && i < count; i++) {
+        for (size_t k = 0; k < lines[i].count; k++) {
+            say_line(lines, aimed, count, i, lines[i].at[k]);
+        }
+    }
+    free(lines);
 }
 
 void aim_notes_of(const conus_pose *pose, double angle, conus_selector *selector, const conus_atlas *atlas,
@@ -84,6 +146,6 @@ void aim_notes_of(const conus_pose *pose, double angle, conus_selector *selector
         return;
     }
     conus_aims_add(aims, 1, pose, angle);
-    aim_notes_say(conus_aims_found(aims), selector, atlas, NULL, settings);
+    aim_notes_say(&(struct aimed){conus_aims_found(aims), selector, atlas, NULL}, 1, NULL, settings);
     conus_aims_destroy(aims);
 }

@@ -5,10 +5,19 @@
 
 #include "settings/settings.h"
 
+/** How poses aim at an atlas. */
+struct aimed {
+    const conus_astray *found;
+    conus_selector *selector;
+    const conus_atlas *atlas;
+    const char *name; /**< NULL where there is one only. */
+};
+
 /** Says on stderr, a line for each kind, unless --quiet, what is odd about the poses; and what one of them would hit
- * in another space or unit, if @p selector finds that it would. @p file is theirs, NULL = there is one pose. */
-void aim_notes_say(const conus_astray *found, conus_selector *selector, const conus_atlas *atlas, const char *file,
-                   const struct common_settings *settings);
+ * in another space or unit, if the selector finds that it would. What is the same for all of @p count atlases is said
+ * once, what is not ends with the names of those for which it is so. @p file is the poses', NULL = there is one pose.
+ */
+void aim_notes_say(const struct aimed *aimed, size_t count, const char *file, const struct common_settings *settings);
 
 /** The same for one pose. */
 void aim_notes_of(const conus_pose *pose, double angle, conus_selector *selector, const conus_atlas *atlas,

@@ -216,30 +216,3 @@ const char *settings_input(const conus_atlas *atlas, const struct input *inputs,
     }
     return NULL;
 }
-
-/* A surface that is not closed has no volume, nor has one whose parts overlap or face different ways. */
-void settings_say_open(const conus_atlas *atlas, const struct engine_settings *engine,
-                       const struct common_settings *settings)
-{
-    size_t surfaces = 0;
-    size_t open = 0;
-    size_t odd = 0;
-    for (size_t number = 1; number <= conus_atlas_object_count(atlas); number++) {
-        const conus_object *object = conus_atlas_object(atlas, number);
-        surfaces += object->triangles > 0;
-        open += object->triangles > 0 && !object->closed;
-        odd += object->closed && object->volume_mm3 == 0;
-    }
-    if (odd && engine->layers == CONUS_LAYERS_ALL && !settings->quiet) {
-        print_error_line(
-            "note: %zu of %zu surfaces overlap themselves, or have parts that face inwards and are no cavities: there "
-            "is no fraction",
-            odd, surfaces);
-    }
-    if (open && engine->layers == CONUS_LAYERS_ALL && !settings->quiet) {
-        print_error_line(
-            "note: %zu of %zu surfaces are not closed: paths count only where a ray goes in and comes out, and "
-            "there is no fraction",
-            open, surfaces);
-    }
-}

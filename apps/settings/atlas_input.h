@@ -22,9 +22,4 @@ struct input {
  * NULL if it is none of them. */
 const char *settings_input(const conus_atlas *atlas, const struct input *inputs, const char *path);
 
-/** Says on stderr, unless --quiet, where all layers are asked for, how many surfaces are not closed and what that means
- * for them. */
-void settings_say_open(const conus_atlas *atlas, const struct engine_settings *engine,
-                       const struct common_settings *settings);
-
 #endif

@@ -4,7 +4,6 @@
 
 #include "common/messages.h"
 #include "common/output.h"
-#include "settings/atlas_input.h"
 #include "settings/atlas_name.h"
 
 #include <stdio.h>
@@ -13,16 +12,6 @@
 #include <sys/stat.h>
 
 /* ---- Names ------------------------------------------------------------------------------------------------------- */
-
-static size_t count_of(const struct atlas_settings *settings)
-{
-    return 1 + settings->more.count;
-}
-
-static const char *path_at(const char *path, const struct atlas_settings *settings, size_t index)
-{
-    return index ? settings->more.items[index - 1] : path;
-}
 
 /* Length of a file's name without its ending, if that is one of an atlas: "lh.pial" has none. */
 static size_t stem_length(const char *name)
@@ -91,10 +80,10 @@ static bool set_name(struct atlases *atlases, size_t index, char *name)
     return distinct;
 }
 
-static int name_atlas(struct atlases *atlases, size_t index, const char *path)
+static int name_atlas(struct atlases *atlases, size_t index)
 {
     struct atlas_name found;
-    int code = atlas_name_find(&found, path);
+    int code = atlas_name_find(&found, atlases->items[index].given);
     if (!code && !set_name(atlases, index, found.atlas ? strdup(found.atlas->name) : name_of_path(found.path))) {
         print_error_line("not enough memory");
         code = EXIT_DATA;
@@ -105,7 +94,7 @@ static int name_atlas(struct atlases *atlases, size_t index, const char *path)
 
 int atlases_name(struct atlases *out, const char *path, const struct atlas_settings *settings)
 {
-    size_t count = count_of(settings);
+    size_t count = 1 + settings->more.count;
     int code = EXIT_DONE;
     out->items = calloc(count, sizeof *out->items);
     if (!out->items) {
@@ -113,25 +102,41 @@ int atlases_name(struct atlases *out, const char *path, const struct atlas_setti
         return EXIT_DATA;
     }
     out->count = count;
-    for (size_t i = 0; i < count && count > 1 && !code; i++) {
-        code = name_atlas(out, i, path_at(path, settings, i));
+    for (size_t i = 0; i < count && !code; i++) {
+        out->items[i].given = i ? settings->more.items[i - 1] : path;
+        code = count > 1 ? name_atlas(out, i) : EXIT_DONE;
     }
     return code;
 }
 
+const char *atlases_prefix(char out[ATLAS_PREFIX_SIZE], const struct named_atlas *atlas)
+{
+    out[0] = '\0';
+    if (atlas->name) {
+        snprintf(out, ATLAS_PREFIX_SIZE, "%s: ", atlas->name);
+    }
+    return out;
+}
+
 /* ---- Loading ----------------------------------------------------------------------------------------------------- */
+
+int atlases_load_at(struct atlases *atlases, size_t index, const struct atlas_settings *settings)
+{
+    struct named_atlas *item = &atlases->items[index];
+    struct atlas_settings own = *settings;
+    if (index) {
+        own.labels = NULL;
+        own.probability = 0;
+        own.pathways = own.only = own.hide = (struct option_list){0};
+    }
+    return settings_load_atlas(&item->atlas, item->given, &own);
+}
 
 int atlases_load(struct atlases *out, const char *path, const struct atlas_settings *settings)
 {
-    struct atlas_settings others = *settings;
-    others.labels = NULL;
-    others.probability = 0;
-    others.pathways = others.only = others.hide = (struct option_list){0};
-    int code = out->items ? EXIT_DONE : atlases_name(out, path, settings);
+    int code = atlases_name(out, path, settings);
     for (size_t i = 0; i < out->count && !code; i++) {
-        struct named_atlas *item = &out->items[i];
-        code = item->atlas ? EXIT_DONE
-                           : settings_load_atlas(&item->atlas, path_at(path, settings, i), i ? &others : settings);
+        code = atlases_load_at(out, i, settings);
     }
     return code;
 }
@@ -144,6 +149,16 @@ void atlases_finish(struct atlases *atlases)
     }
     free(atlases->items);
     *atlases = (struct atlases){0};
+}
+
+const char *atlases_input(const struct atlases *atlases, const struct input *inputs, const char *path)
+{
+    const char *what = NULL;
+    for (size_t i = 0; i < atlases->count && !what; i++) {
+        const struct named_atlas *item = &atlases->items[i];
+        what = paths_equal(item->given, path) ? "the atlas" : settings_input(item->atlas, inputs, path);
+    }
+    return what;
 }
 
 /* ---- Spaces ------------------------------------------------------------------------------------------------------ */

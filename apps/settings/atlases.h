@@ -3,10 +3,11 @@
 #ifndef CONUS_SETTINGS_ATLASES_H
 #define CONUS_SETTINGS_ATLASES_H
 
-#include "settings/settings.h"
+#include "settings/atlas_input.h"
 
 struct named_atlas {
     conus_atlas *atlas;
+    const char *given; /**< The path or name on the command line: borrowed. */
     char *name; /**< What the column `atlas` says: the catalogue's name, or the file's without folder and ending. No two
                      are equal. UTF-8, one line. NULL where there is one atlas only. */
 };
@@ -16,14 +17,23 @@ struct atlases {
     size_t count;
 };
 
-/** Finds out what the atlases are called: @p path and then those of --atlas. Returns the exit code and prints an error
- * unless it is 0. @p out, which the caller zeroes, is the caller's to atlases_finish() in any case. */
-int atlases_name(struct atlases *out, const char *path, const struct atlas_settings *settings);
+enum { ATLAS_PREFIX_SIZE = 256 };
 
-/** Loads all of them, but those that are there already; gives them names, unless they have them. --labels, --pathway,
- * --only and --hide are only of the first. Gives the exit code likewise. */
+/** What a message about one of several atlases begins with, written to @p out: "NAME: "; "" where there is one only. */
+const char *atlases_prefix(char out[ATLAS_PREFIX_SIZE], const struct named_atlas *atlas);
+
+/** Loads @p path and those of --atlas. Returns the exit code and prints an error unless it is 0. @p out, which the
+ * caller zeroes, is the caller's to atlases_finish() in any case. */
 int atlases_load(struct atlases *out, const char *path, const struct atlas_settings *settings);
+/** Only finds out what they are called; then each is to be loaded, or put there. Gives the exit code likewise. */
+int atlases_name(struct atlases *out, const char *path, const struct atlas_settings *settings);
+/** Loads one of them. --labels, --pathway, --only and --hide are only of the first. Gives the exit code likewise. */
+int atlases_load_at(struct atlases *atlases, size_t index, const struct atlas_settings *settings);
 void atlases_finish(struct atlases *atlases);
+
+/** What the file @p path is among the atlases as they were given, @p inputs, and the files that the atlases were read
+ * from, so that no output overwrites it; NULL if it is none of them. */
+const char *atlases_input(const struct atlases *atlases, const struct input *inputs, const char *path);
 
 /** Says on stderr, unless --quiet, which atlas is hardly in the space of the first: where both name their spaces, and
  * these differ, or where no voxel and no triangle of one is in the box around the other. */

@@ -5,6 +5,8 @@
 #include "common/messages.h"
 #include "common/output.h"
 
+#include <string.h>
+
 /* In the order of conus_axis. */
 static const char *const axes[] = {"format", "+x", "-x", "+y", "-y", "+z", "-z", NULL};
 
@@ -81,39 +83,65 @@ void settings_say_no_poses(const char *path, const struct common_settings *commo
     }
 }
 
-static int print_match_error(const char *path)
+static int print_match_error(const char *path, const struct named_atlas *atlas)
 {
-    print_error_line("%s: %s; --any-space takes them nevertheless", settings_poses_name(path), conus_message());
+    print_error_line("%s: %s%s%s; --any-space takes them nevertheless", settings_poses_name(path),
+                     atlas->name ? atlas->name : "", atlas->name ? ": " : "", conus_message());
     return EXIT_DATA;
 }
 
-static void say_note(const char *path, const char *note)
+/* Notes of a list or stream. */
+typedef const char *note_at(const void *poses, size_t index);
+
+static const char *note_of_list(const void *poses, size_t index)
 {
-    print_error_line("note: %s: %s", settings_poses_name(path), note);
+    return conus_pose_list_note(poses, index);
 }
 
-int settings_match_poses(conus_pose_list *poses, const char *path, const conus_atlas *atlas,
-                         const struct pose_file_settings *settings, const struct common_settings *common)
+static const char *note_of_stream(const void *poses, size_t index)
+{
+    return conus_pose_stream_note(poses, index);
+}
+
+/* What was noted for one atlas is not said again for the next. */
+static void say_notes(const void *poses, note_at *at, const char *path, const struct atlases *atlases)
 {
     const char *note;
-    if (!settings->any_space && conus_pose_list_match(poses, atlas)) {
-        return print_match_error(path);
+    for (size_t i = 0; (note = at(poses, i)); i++) {
+        bool said = false;
+        for (size_t k = 0; k < i && atlases->count > 1 && !said; k++) {
+            said = strcmp(at(poses, k), note) == 0;
+        }
+        if (!said) {
+            print_error_line("note: %s: %s", settings_poses_name(path), note);
+        }
     }
-    for (size_t i = 0; !common->quiet && (note = conus_pose_list_note(poses, i)); i++) {
-        say_note(path, note);
+}
+
+int settings_match_poses(conus_pose_list *poses, const char *path, const struct atlases *atlases,
+                         const struct pose_file_settings *settings, const struct common_settings *common)
+{
+    for (size_t i = 0; i < atlases->count && !settings->any_space; i++) {
+        if (conus_pose_list_match(poses, atlases->items[i].atlas)) {
+            return print_match_error(path, &atlases->items[i]);
+        }
+    }
+    if (!common->quiet) {
+        say_notes(poses, note_of_list, path, atlases);
     }
     return EXIT_DONE;
 }
 
-int settings_match_stream(conus_pose_stream *poses, const char *path, const conus_atlas *atlas,
+int settings_match_stream(conus_pose_stream *poses, const char *path, const struct atlases *atlases,
                           const struct pose_file_settings *settings, const struct common_settings *common)
 {
-    const char *note;
-    if (!settings->any_space && conus_pose_stream_match(poses, atlas)) {
-        return print_match_error(path);
+    for (size_t i = 0; i < atlases->count && !settings->any_space; i++) {
+        if (conus_pose_stream_match(poses, atlases->items[i].atlas)) {
+            return print_match_error(path, &atlases->items[i]);
+        }
     }
-    for (size_t i = 0; !common->quiet && (note = conus_pose_stream_note(poses, i)); i++) {
-        say_note(path, note);
+    if (!common->quiet) {
+        say_notes(poses, note_of_stream, path, atlases);
     }
     return EXIT_DONE;
 }

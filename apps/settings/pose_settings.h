@@ -3,7 +3,7 @@
 #ifndef CONUS_SETTINGS_POSE_SETTINGS_H
 #define CONUS_SETTINGS_POSE_SETTINGS_H
 
-#include "settings/settings.h"
+#include "settings/atlases.h"
 
 struct pose_file_settings {
     size_t axis;   /* conus_axis */
@@ -34,12 +34,12 @@ int settings_check_electrodes(conus_format format, const char *electrodes, const
 /** Says, unless --quiet, that there is no pose in the file. */
 void settings_say_no_poses(const char *path, const struct common_settings *common);
 
-/** Whether the poses' space can be the atlas's, and says the notes about them. Returns the exit code and prints an
- * error unless it is 0. */
-int settings_match_stream(conus_pose_stream *poses, const char *path, const conus_atlas *atlas,
+/** Whether the poses' space can be that of each atlas, and says the notes about them. Returns the exit code and prints
+ * an error unless it is 0. */
+int settings_match_stream(conus_pose_stream *poses, const char *path, const struct atlases *atlases,
                           const struct pose_file_settings *settings, const struct common_settings *common);
 /** The same for a list. */
-int settings_match_poses(conus_pose_list *poses, const char *path, const conus_atlas *atlas,
+int settings_match_poses(conus_pose_list *poses, const char *path, const struct atlases *atlases,
                          const struct pose_file_settings *settings, const struct common_settings *common);
 
 #endif

@@ -142,9 +142,9 @@ CONUS_CHECKED conus_status conus_report_add_error(conus_report *report, const ch
                                                   const char *reason);
 
 /**
- * Joins a report on another atlas, which was asked the same: each text of @p report has, for each query, its own rows
- * and behind them those of @p more, then those of reports that are joined later. The queries are added to each report,
- * in the same order.
+ * Joins a report on another atlas, which was asked the same: each text of @p report has, for each query (of
+ * #CONUS_ROWS_SHARES for all answers that belong together), its own rows and behind them those of @p more, then those
+ * of reports that are joined later. The queries are added to each report, in the same order.
  * @param report The report of which the texts are taken from now on.
  * @param more Must outlive the last text of @p report. Its own texts are still its own; it can be joined once.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT unless both have a column `atlas`, each with another name, and the same

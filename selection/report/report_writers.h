@@ -11,7 +11,7 @@ void report_write_cell(struct buffer *out, struct cell cell);
 /** The header row of TSV and CSV. */
 void report_write_names(struct buffer *out, const conus_report *report);
 void report_write_rows(struct buffer *out, const conus_report *report);
-/** Takes the rows that the text has, query by query, of all reports that are joined. */
+/** Takes the rows that the text has, query by query (of shares pose by pose), of all reports that are joined. */
 typedef void report_take_row(void *user, const conus_report *of, const struct report_row *row);
 void report_each_row(const conus_report *report, report_take_row *take, void *user);
 

@@ -22,7 +22,7 @@ APPS = {
     "apps/batch": "apps/common apps/settings",
     "apps/cli/answers": "apps/common apps/settings",
     "apps/cli": "apps/link apps/common apps/settings apps/pages apps/batch apps/cli/answers",
-    "apps/mpi": "apps/common apps/settings apps/pages apps/batch",
+    "apps/mpi": "apps/common apps/pages apps/batch",
     "apps/mesh": "loaders/child",  # mesh_protocol.h: what conus and conus-mesh send each other
     "apps/viewer/model": "apps/link",
     "apps/viewer/window": "apps/common apps/viewer/model",

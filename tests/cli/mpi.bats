@@ -57,6 +57,26 @@ setup_poses() {
     cmp rows.tsv ranks.tsv
 }
 
+@test "several atlases: the file of conus batch, and what it says" {
+    setup_poses 300
+    printf '1\t1\tx\t4\t5\t6\n' >>poses.tsv
+    conus phantom slabs -o . --size 16
+    mkdir own
+    cp slabs.nii.gz slabs.tsv own
+    export CONUS_ATLAS_PATH=$PWD/own
+    both=(sphere.nii.gz --atlas slabs --atlas slabs.nii.gz --poses poses.tsv)
+    conus batch "${both[@]}" -o rows.tsv 2>said || [ $? -eq 1 ]
+    for n in 1 3; do
+        ranks "$n" "${both[@]}" --block 2 -o "ranks$n.tsv" 2>"ranks$n" && return 1 || [ $? -eq 1 ]
+        cmp rows.tsv "ranks$n.tsv"
+        diff <(grep '^conus: ' said) <(grep '^conus: ' "ranks$n")
+    done
+    diff <(grep -v CommandLine rows.json) <(grep -v CommandLine ranks3.json)
+    [ "$(cut -f 2 rows.tsv | sort -u | tr '\n' ' ')" = "atlas slabs slabs-2 sphere " ]
+    ranks 2 "${both[@]}" --verbose -o verbose.tsv 2>ranks && return 1 || [ $? -eq 1 ]
+    grep -q 'conus: atlas: [0-9]* bytes, in memory once' ranks
+}
+
 @test "all ranks hide the same" {
     setup_poses 60
     conus phantom nested -o .
@@ -131,6 +151,15 @@ setup_poses() {
     run ! grep 'in memory once' said
     cmp rows.tsv shared.tsv
     cmp rows.tsv own.tsv
+    # of two atlases the one that can be is shared, and the rows are the same
+    conus phantom slabs -o . --size 16
+    conus batch slabs.nii.gz --atlas sphere.nii.gz --poses poses.tsv --summary -q -o both.tsv
+    (
+        ulimit -f 20000
+        ranks 2 slabs.nii.gz --atlas sphere.nii.gz --poses poses.tsv --summary --block 8 -o one.tsv --verbose 2>said
+    )
+    grep -q 'in memory once' said
+    cmp both.tsv one.tsv
 }
 
 # setup_begun: poses, the rows wanted of them, and a batch killed.tsv that had room for no more than 20 KB of them.

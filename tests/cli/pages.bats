@@ -133,6 +133,8 @@ installed() {
     PATH=$PWD/bin:$PATH
     [ "$(complete_bash pages/conus.bash conus query ball | sort)" = "$(printf 'ball $(touch ran) atlas\nball_atlas')" ]
     [ "$(complete_bash pages/conus.bash conus info sph)" = sphere ]
+    [ "$(complete_bash pages/conus.bash conus query a --atlas sph)" = sphere ]
+    [ "$(complete_bash pages/conus.bash conus query a --atlas = sph)" = sphere ]
     [ -z "$(complete_bash pages/conus.bash conus diff ball)" ]
     [ -z "$(complete_bash pages/conus.bash conus query a --angle ball)" ]
     # "own:ball" comes as three words, of which the last is completed.
@@ -141,6 +143,7 @@ installed() {
     [ "$(complete_bash pages/conus.bash conus query own : sph | sort -u)" = sphere ]
     if command -v fish; then
         complete_fish pages/conus.fish 'conus query own:sph' | sort -u | grep -qx own:sphere
+        complete_fish pages/conus.fish 'conus query a --atlas own:sph' | sort -u | grep -qx own:sphere
     fi
     if command -v zsh; then
         zsh -n pages/_conus
