@@ -94,7 +94,7 @@ static conus_status list_labels(uint32_t **out, size_t *out_count, struct number
         }
     }
     *out = numbers;
-    *out_count = u32_sort_unique(numbers, count);
+    *out_count = numbers ? u32_sort_unique(numbers, count) : 0;
     return status;
 }
 

@@ -113,7 +113,7 @@ static conus_status add_up(struct loss *loss, struct label_map *before)
             loss->gone[loss->gone_count++] = slot->label;
         }
     }
-    loss->gone_count = u32_sort_unique(loss->gone, loss->gone_count);
+    loss->gone_count = status ? 0 : u32_sort_unique(loss->gone, loss->gone_count);
     return status;
 }
 

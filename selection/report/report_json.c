@@ -372,12 +372,18 @@ static json_t *json_from_labels(const conus_atlas *atlas)
     return whole_or_null(labels, whole);
 }
 
+/* Where volumes are joined, that of one is among the other files. */
 static json_t *json_from_paths(const conus_atlas *atlas)
 {
     json_t *paths = json_array();
     bool whole = true;
+    bool joined = false;
     for (size_t i = 0; i < conus_atlas_volume_count(atlas); i++) {
         whole = json_array_append_new(paths, json_from_text(conus_atlas_volume(atlas, i)->path)) == 0 && whole;
+        joined = joined || atlas->volumes[i].is_joined;
+    }
+    for (size_t i = 0; joined && i < atlas->files.count; i++) {
+        whole = json_array_append_new(paths, json_from_text(atlas->files.items[i].path)) == 0 && whole;
     }
     return whole_or_null(paths, whole);
 }

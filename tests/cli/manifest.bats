@@ -42,6 +42,8 @@ said() {
     run -0 "$CONUS" info two/two.atlas.json
     has 'parcellations: 2 on 2 grids (slabs.nii.gz; sphere.nii.gz)'
     has 'labels       BIDS label table in slabs.tsv; BIDS label table in sphere.tsv'
+    answers "${ask[@]}"
+    grep -qx 'atlas two.atlas.json, placed by sform, code 1 (scanner)' <<<"$output"
     answers "${ask[@]}" --format afni
     has 'two            	48.'
     answers "${ask[@]}" --layers all --format tsv

@@ -22,6 +22,29 @@ need_mesh() {
     [ "$(find cache -type f | wc -l)" -eq 1 ]
 }
 
+# Of several files on one grid the first has the same bytes in both scenes, and the labels are the same, too.
+@test "surfaces of joined parcellations are those of all files" {
+    need_mesh
+    for second in sphere torus; do
+        mkdir "$second"
+        conus phantom slabs -o "$second" --size 24
+        conus phantom "$second" -o "$second" --size 24
+        printf '{"conus_atlas": 1, "parcellations": ["slabs.nii.gz", {"file": "%s.nii.gz", "label_offset": 1000}]}' \
+            "$second" >"$second/two.atlas.json"
+        conus mesh "$second/two.atlas.json" -o "$second/out" --format obj --quiet
+        [ "$(find "$second/out" -name '*.obj' | wc -l)" -eq 3 ]
+        grep -h '^v ' "$second"/out/1001_*.obj >"$second.txt"
+    done
+    run -1 cmp -s sphere.txt torus.txt
+    conus phantom nested -o sphere --size 40 # another grid
+    sed -i 's/]/, {"file": "nested.nii.gz", "label_offset": 2000}]/' sphere/two.atlas.json
+    conus mesh sphere/two.atlas.json -o sphere/three --format obj --quiet
+    find sphere/three -name '200*.obj' | grep -q .
+    for mesh in sphere/out/*; do
+        cmp "$mesh" "sphere/three/${mesh##*/}"
+    done
+}
+
 @test "smoothing and decimation change the mesh" {
     need_mesh
     sphere --size 24

@@ -174,16 +174,21 @@ def compare_rays(conus, path, pieces, folder, rng):
 
 
 def compare_sources(conus, path, folder):
-    """The sidecar names every piece with its SHA-256."""
+    """An answer names every piece with its SHA-256, a mask of an area of the left half names them all as sources."""
     out = os.path.join(folder, "answer.json")
+    mask = os.path.join(folder, "mask")
     run(conus, "query", path, "--origin=-90,0,10", "--toward=0,0,10", "--angle", "10", "--quiet", "--engine", "rays",
-        "--format", "json", "-o", out)
+        "--format", "json", "-o", out, "--mask", mask + ".nii.gz", "--mask-object", "1")
+    with open(mask + ".json", encoding="utf-8") as file:
+        sources = {os.path.basename(source) for source in json.load(file)["Sources"]}
+    os.remove(mask + ".nii.gz")
     with open(out, encoding="utf-8") as file:
         atlas = json.load(file)["Atlas"]
     sums = {os.path.basename(entry["path"]): entry["sha256"] for entry in atlas["volumes"] + atlas["files"]}
     wrong = []
     for name in os.listdir(folder):
         if name.endswith((".nii.gz", ".atlas.json")):
+            wrong += [] if name in sources else [f"{name} is no source of the mask"]
             with open(os.path.join(folder, name), "rb") as file:
                 if sums.get(name) != hashlib.sha256(file.read()).hexdigest():
                     wrong.append(f"{name}: SHA-256 {sums.get(name)}")
