@@ -237,21 +237,25 @@ int work_open(struct work *work)
 
 /* ---- What the output says about itself --------------------------------------------------------------------------- */
 
-/* What a format writes that is not in the sidecar: AFNI's has the name of the atlas's file, but not its folder. */
-static const char *file_in_rows(const struct work *work)
+static const char *name_of(const char *path)
 {
-    const conus_volume_info *info = conus_atlas_volume(work->atlases.items[0].atlas, 0);
-    const char *path = info && work->format == CONUS_FORMAT_AFNI ? info->path : "";
     const char *slash = strrchr(path, '/');
     return slash ? slash + 1 : path;
 }
 
-/* Likewise of a manifest, whose name AFNI's format may have instead; NULL if it has none. */
+/* What a format writes that is not in the sidecar: AFNI's has the name of the atlas's file, but not its folder. */
+static const char *file_in_rows(const struct work *work)
+{
+    const conus_volume_info *info = conus_atlas_volume(work->atlases.items[0].atlas, 0);
+    return info && work->format == CONUS_FORMAT_AFNI ? name_of(info->path) : "";
+}
+
+/* Likewise of a manifest, whose name it may have instead; NULL if the atlas is none. */
 static const char *manifest_in_rows(const struct work *work)
 {
-    const char *path = work->format == CONUS_FORMAT_AFNI ? conus_atlas_file(work->atlases.items[0].atlas, 0) : NULL;
-    const char *slash = path ? strrchr(path, '/') : NULL;
-    return slash ? slash + 1 : path;
+    const char *asked = work->arguments->operands[0];
+    const char *first = work->format == CONUS_FORMAT_AFNI ? conus_atlas_file(work->atlases.items[0].atlas, 0) : NULL;
+    return first && strcmp(first, asked) == 0 ? name_of(asked) : NULL;
 }
 
 int work_identify(struct work *work)

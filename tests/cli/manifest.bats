@@ -57,6 +57,15 @@ said() {
     has 'the manifest has 2 parcellations, it can say of each (labels)'
     run -3 "$CONUS" "${ask[@]}" --hemispheres split
     has 'split: the areas lie on 2 grids'
+    # The manifest's name is in AFNI's rows, so another name is another answer.
+    printf 'name\tx\ty\tz\tsize\nA1\t0\t9\t0\tn/a\n' >sub_electrodes.tsv
+    cp two/two.atlas.json two/same.atlas.json
+    for name in two same; do
+        answers batch two/$name.atlas.json --poses sub_electrodes.tsv --radius 2 --format afni -o $name.txt --quiet
+        grep -q "^$name  " $name.txt
+        grep -o '"fingerprint": *"[0-9a-f]*"' $name.txt.json >$name.print
+    done
+    run -1 cmp -s two.print same.print
     run -0 "$CONUS" render two/two.atlas.json --origin 0,60,10 --toward 0,0,0 --angle 40 -o two.png
 }
 

@@ -116,7 +116,8 @@ conus_status viewer_write_picture(const struct viewer *viewer, const struct sigh
 
 /** Puts the crosshair there, but not far from the atlas. */
 void viewer_cross(struct viewer *viewer, const double at[3]);
-/** The voxel that a place is in, of the first parcellation or else of the first volume; false outside of it, or without. */
+/** The voxel that a place is in, of the first parcellation or else of the first volume; false outside of it, or
+ * without. */
 bool viewer_voxel(long voxel[3], const struct viewer *viewer, const double at[3]);
 /** Chooses an object; the crosshair goes to its middle. */
 void viewer_choose(struct viewer *viewer, uint32_t object);
