@@ -104,13 +104,13 @@ static conus_status count_voxels(struct label_map *counts, const struct parcella
     return CONUS_OK;
 }
 
-/* The first part that has voxels of the label; all->count if none has. */
-static conus_status find_owner(size_t *out, const struct parcellations *all, uint32_t label)
+/* Which of the first `count` parts is the first to have voxels of the label; `count` if none has. */
+static conus_status find_owner(size_t *out, const struct parcellations *all, size_t count, uint32_t label)
 {
-    for (*out = 0; *out < all->count; ++*out) {
-        const uint64_t *count = label_map_at(&all->voxels[*out], label);
-        if (!count || *count) {
-            return count ? CONUS_OK : CONUS_ERROR_MEMORY;
+    for (*out = 0; *out < count; ++*out) {
+        const uint64_t *voxels = label_map_at(&all->voxels[*out], label);
+        if (!voxels || *voxels) {
+            return voxels ? CONUS_OK : CONUS_ERROR_MEMORY;
         }
     }
     return CONUS_OK;
@@ -119,13 +119,13 @@ static conus_status find_owner(size_t *out, const struct parcellations *all, uin
 /* The least label that part `p` and one before it have; 0 if there is none. */
 static conus_status find_clash(uint32_t *out, const struct parcellations *all, size_t p)
 {
-    const struct label_map map = all->voxels[p];
+    const struct label_map *map = &all->voxels[p];
     conus_status status = CONUS_OK;
     *out = 0;
-    for (size_t i = 0; !status && map.slots && i <= map.mask; i++) {
+    for (size_t i = 0; !status && map->slots && i <= map->mask; i++) {
         size_t owner = p;
-        const struct label_map_slot *slot = &map.slots[i];
-        status = slot->used && slot->value ? find_owner(&owner, all, slot->label) : CONUS_OK;
+        const struct label_map_slot *slot = &map->slots[i];
+        status = slot->value ? find_owner(&owner, all, p, slot->label) : CONUS_OK;
         *out = owner < p && (!*out || slot->label < *out) ? slot->label : *out;
     }
     return status;
@@ -138,7 +138,7 @@ static conus_status refuse_clashes(const struct parcellations *all)
         uint32_t label;
         size_t owner;
         status = find_clash(&label, all, p);
-        status = status || !label ? status : find_owner(&owner, all, label);
+        status = status || !label ? status : find_owner(&owner, all, p, label);
         if (!status && label) {
             return fail(CONUS_ERROR_DATA,
                         "parcellations[%zu]: label %u of %s is in %s, too (parcellations[%zu]): each needs its own "
@@ -167,7 +167,7 @@ static conus_status settle_hemispheres(struct parcellations *all)
         for (size_t i = 0; !status && i < all->parts[p].table.count; i++) {
             const struct label *label = &all->parts[p].table.entries[i];
             size_t owner;
-            status = find_owner(&owner, all, label->number);
+            status = find_owner(&owner, all, all->count, label->number);
             if (!status && owner == all->count) {
                 settle_hemisphere(all, p, label);
             }
@@ -180,7 +180,7 @@ static conus_status settle_hemispheres(struct parcellations *all)
 static conus_status move_entry(struct parcellations *all, size_t p, struct label *entry)
 {
     size_t owner;
-    conus_status status = find_owner(&owner, all, entry->number);
+    conus_status status = find_owner(&owner, all, all->count, entry->number);
     if (status || (owner < all->count && owner != p)) {
         return status;
     }
@@ -200,7 +200,7 @@ static conus_status add_nameless(struct parcellations *all, const struct parcell
     conus_status status = CONUS_OK;
     for (size_t i = 0; !status && part->hemisphere && voxels->slots && i <= voxels->mask; i++) {
         const struct label_map_slot *slot = &voxels->slots[i];
-        if (slot->used && slot->value && !label_table_find(&part->table, slot->label)) {
+        if (slot->value && !label_table_find(&part->table, slot->label)) {
             struct label *label = label_table_add(&all->table, slot->label);
             status = label ? CONUS_OK : CONUS_ERROR_MEMORY;
             if (label) {

@@ -5,11 +5,13 @@
 #include "base/buffer.h"
 #include "base/file.h"
 #include "base/math3.h"
+#include "loaders/surfaces/mesh_format.h"
 #include "loaders/volumes/nifti_write.h"
 #include "render/colour/pathways.h"
 #include "test.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -40,6 +42,8 @@ static uint32_t coarse(size_t i)
     return i == 1 ? 8 : 9;
 }
 
+static int space_code = 1; /* of the files that are written */
+
 static conus_status write_slabs(const char *name, bool fine, uint32_t (*label)(size_t i))
 {
     conus_volume_info info = {.dim = {fine ? 12 : 8, fine ? 8 : 4, fine ? 8 : 4}};
@@ -53,7 +57,7 @@ static conus_status write_slabs(const char *name, bool fine, uint32_t (*label)(s
     for (size_t i = 0; i < info.dim[0] * info.dim[1] * info.dim[2]; i++) {
         labels[i] = label(i % info.dim[0]);
     }
-    conus_status status = nifti_format_values(&file, &info, labels, 1);
+    conus_status status = nifti_format_values(&file, &info, labels, space_code);
     status = status ? status : conus_write_file(test_in(name), file.data, file.size);
     bytes_finish(&file);
     return status;
@@ -314,6 +318,54 @@ static void areas_without_a_table_have_a_hemisphere(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* A surface that has label 1 instead leaves the layers i = 0 to 4 to the coarse voxels 0 to 2: 8 keeps all, and 9 keeps
+ * i = 0, 2, 6 and 7. */
+static void what_is_a_surface_claims_no_voxels(void **state)
+{
+    (void)state;
+    float positions[12] = {0, 0, 0, 6, 0, 0, 0, 3, 0, 0, 0, 2};
+    uint32_t triangles[12] = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
+    const struct mesh mesh = {.positions = positions, .vertex_count = 4, .triangles = triangles, .triangle_count = 4};
+    const struct mesh_title title = {.label = 1, .name = "Surface", .space = "NIFTI_XFORM_SCANNER_ANAT"};
+    static const char surface[] = ", \"areas\": [{\"file\": \"a.gii\", \"label\": 1}]";
+    struct buffer file = {0};
+    char keys[512];
+    assert_ok(mesh_format(&file, &mesh, &title, CONUS_MESH_GIFTI));
+    assert_ok(conus_write_file(test_in("a.gii"), file.data, file.size));
+    buffer_finish(&file);
+    snprintf(keys, sizeof keys, THREE "%s", surface);
+    assert_refused(keys, "areas[0]: label 1 of a.gii is in the parcellation, too: say \"prefer\": \"areas\" or "
+                         "\"parcellation\"");
+    snprintf(keys, sizeof keys, THREE "%s, \"prefer\": \"areas\"", surface);
+    conus_atlas *atlas = loaded(keys);
+    static const struct wanted wanted[] = {{2, "Back", 'L', 2 * FINE_LAYER, 2 * FINE_LAYER},
+                                           {101, "Front", 'R', 5 * FINE_LAYER, 5 * FINE_LAYER},
+                                           {8, "8", 0, COARSE_LAYER, 8.0 * COARSE_LAYER},
+                                           {9, "9", 0, 4 * COARSE_LAYER, 8.0 * 4 * COARSE_LAYER},
+                                           {1, "Front", 'L', 0, 6}}; /* by the table */
+    assert_areas(atlas, wanted, 5);
+    conus_atlas_destroy(atlas);
+}
+
+/* Between the templates of Talairach (3) and MNI (4) lie some mm. */
+static void spaces_that_differ_are_noted(void **state)
+{
+    (void)state;
+    space_code = 3;
+    assert_ok(write_slabs("talairach.nii", true, left));
+    space_code = 4;
+    assert_ok(write_slabs("mni.nii", false, coarse));
+    space_code = 1;
+    conus_atlas *atlas = loaded("\"parcellations\": [\"talairach.nii\", \"mni.nii\"]");
+    assert_true(test_has_note(atlas,
+                              "talairach.nii is placed by sform, code 3 (Talairach), mni.nii by sform, code 4 (MNI "
+                              "152): their areas may not fit together"));
+    conus_atlas_destroy(atlas);
+    atlas = loaded("\"parcellations\": [\"left.nii\", \"mni.nii\"]");
+    assert_false(test_has_note(atlas, "may not fit"));
+    conus_atlas_destroy(atlas);
+}
+
 static void the_tree_reaches_over_grids(void **state)
 {
     (void)state;
@@ -554,6 +606,8 @@ int main(void)
         cmocka_unit_test(a_table_may_name_the_labels_of_all),
         cmocka_unit_test(names_are_of_the_voxels_own_table),
         cmocka_unit_test(areas_without_a_table_have_a_hemisphere),
+        cmocka_unit_test(what_is_a_surface_claims_no_voxels),
+        cmocka_unit_test(spaces_that_differ_are_noted),
         cmocka_unit_test(the_tree_reaches_over_grids),
         cmocka_unit_test(a_ball_counts_each_grid),
         cmocka_unit_test(a_ray_passes_the_grids_in_order),
