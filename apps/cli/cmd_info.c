@@ -473,9 +473,10 @@ const struct command cmd_info = {
         "areas and pathways. ATLAS is a labelled volume: .nii, .hdr/.img, .mgz, .nrrd, .mha, .HEAD or an FSL\n"
         "atlas .xml; for a 4-D file, FILE,volume=K chooses volume K from 0; FILE,resolution=25,orientation=asr\n"
         "says where a TIFF stack lies, unless metadata.json beside it does. Or it is a manifest, .atlas.json,\n"
-        "that joins the files of a scene; info then checks all that it names. Surfaces, and folders of them, are\n"
-        "atlases, too. Or it is the name of an installed atlas, which conus atlases lists; a file that is there\n"
-        "comes first.",
+        "that joins the files of a scene; info then checks all that it names. Surfaces, folders of them, and\n"
+        "CIFTI labels (.dlabel.nii) beside their surfaces are atlases, too; FILE,map=K or FILE,map=NAME chooses\n"
+        "one of several maps. Or it is the name of an installed atlas, which conus atlases lists; a file that is\n"
+        "there comes first.",
     .examples = "  conus info aal.nii.gz\n"
                 "  conus info aal\n"
                 "  conus info aal.nii.gz --labels my_names.txt --format tsv\n",

@@ -32,7 +32,7 @@ typedef bool (*conus_load_progress)(void *user, const char *path, size_t done, s
 typedef struct conus_load_options {
     size_t struct_size;  /**< Its size, as #CONUS_LOAD_OPTIONS_INIT sets it; 0 = that of this version. */
     const char *labels;  /**< Path of a label table that replaces the one beside or inside the file. For a surface: path
-                            of the labels of its vertices (.label.gii, .annot). NULL = none. */
+                            of the labels of its vertices (.label.gii, .annot, .dlabel.nii). NULL = none. */
     uint64_t max_memory; /**< Largest file, and largest volume unpacked, in bytes; 0 = 8 GiB. */
     conus_load_progress progress; /**< NULL = no callback. */
     void *progress_user;          /**< Passed to @p progress. */
@@ -54,13 +54,14 @@ typedef struct conus_load_options {
  *  - an FSL atlas XML of another type: areas of probabilities, which may overlap;
  *  - a manifest NAME.atlas.json, which joins parcellations, surfaces, pathways and a context;
  *  - a surface (GIFTI, FreeSurfer and those of other programs), cut by the labels of its vertices if there are any;
+ *  - CIFTI labels (.dlabel.nii) of surfaces that lie beside the file, and of voxels;
  *  - a folder of surfaces, or a BrainGlobe folder.
  *
  * Values must be whole numbers from 0 to 4294967295; 0 is background. docs/formats.md says how the label table is
  * found, and how an image is told from labels.
  * @param[out] out The atlas; end it with conus_atlas_destroy().
- * @param path May end in ",volume=K" to choose volume K (from 0) of a 4-D file, and of a TIFF stack in
- * ",resolution=R,orientation=ABC" (docs/spaces.md, "BrainGlobe").
+ * @param path May end in ",volume=K" to choose volume K (from 0) of a 4-D file, of a TIFF stack in
+ * ",resolution=R,orientation=ABC" (docs/spaces.md, "BrainGlobe"), and of CIFTI labels in ",map=K" or ",map=NAME".
  * @param options NULL = defaults.
  * @return #CONUS_OK; #CONUS_ERROR_IO or #CONUS_ERROR_DATA where a file cannot be read or is damaged, and
  * #CONUS_ERROR_DATA for a volume that looks like an image unless labels_anyway is set; #CONUS_ERROR_UNSUPPORTED for a

@@ -7,24 +7,15 @@
 
 #define WHOLE(word, name)                                                                                              \
     {                                                                                                                  \
-        "CIFTI_STRUCTURE_" word,                                                                                       \
-        {                                                                                                              \
-            name, 0                                                                                                    \
-        }                                                                                                              \
+        "CIFTI_STRUCTURE_" word, name, 0                                                                               \
     }
 #define SIDES(word, name)                                                                                              \
-    {"CIFTI_STRUCTURE_" word "_LEFT", {name "Left", 'L'}},                                                             \
+    {"CIFTI_STRUCTURE_" word "_LEFT", name "Left", 'L'},                                                               \
     {                                                                                                                  \
-        "CIFTI_STRUCTURE_" word "_RIGHT",                                                                              \
-        {                                                                                                              \
-            name "Right", 'R'                                                                                          \
-        }                                                                                                              \
+        "CIFTI_STRUCTURE_" word "_RIGHT", name "Right", 'R'                                                            \
     }
 
-static const struct {
-    const char *word;
-    struct cifti_structure structure;
-} structures[] = {
+static const struct cifti_structure structures[] = {
     SIDES("ACCUMBENS", "Accumbens"),
     WHOLE("ALL_WHITE_MATTER", "AllWhiteMatter"),
     WHOLE("ALL_GREY_MATTER", "AllGreyMatter"),
@@ -51,7 +42,7 @@ const struct cifti_structure *cifti_structure_find(const char *word)
 {
     for (size_t i = 0; i < sizeof structures / sizeof structures[0]; i++) {
         if (strcmp(word, structures[i].word) == 0) {
-            return &structures[i].structure;
+            return &structures[i];
         }
     }
     return NULL;

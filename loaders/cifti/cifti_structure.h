@@ -4,6 +4,7 @@
 #define CONUS_LOADERS_CIFTI_CIFTI_STRUCTURE_H
 
 struct cifti_structure {
+    const char *word; /**< In CIFTI: "CIFTI_STRUCTURE_CORTEX_LEFT".              */
     const char *name; /**< In GIFTI's AnatomicalStructurePrimary: "CortexLeft".  */
     char side;        /**< 'L', 'R' or 0.                                        */
 };

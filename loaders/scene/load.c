@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* conus_atlas_load(): a volume, an FSL atlas XML, a manifest, a surface or a folder of surfaces becomes an atlas. */
+/* conus_atlas_load(): a volume, an FSL atlas XML, a manifest, a surface, CIFTI labels or a folder becomes an atlas. */
 #include "atlas/atlas.h"
 #include "base/buffer.h"
 #include "base/formats/xml.h"

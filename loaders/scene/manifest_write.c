@@ -322,17 +322,24 @@ static bool is_volume(const char *name)
 
 /* ---- CIFTI labels ------------------------------------------------------------------------------------------------ */
 
-/* The surfaces that a .dlabel.nii labels, above the labels of a parcellation that is there. */
+/* Lets the labels of what follows begin at a step above `largest`. */
+static void raise_offset(struct manifest_draft *draft, uint64_t largest)
+{
+    uint64_t next = (largest / MANIFEST_LABEL_STEP + 1) * MANIFEST_LABEL_STEP;
+    draft->label_offset = next < UINT32_MAX ? (uint32_t)next : UINT32_MAX;
+}
+
+/* The surfaces that a .dlabel.nii labels by numbers up to `largest`, above those of a parcellation that is there. */
 static conus_status take_labelled(struct manifest_draft *draft, const struct manifest *manifest, uint32_t largest)
 {
     conus_status status = CONUS_OK;
     uint32_t base = draft->label_offset;
+    raise_offset(draft, (uint64_t)base + largest);
     for (size_t i = 0; !status && i < manifest->area_count; i++) {
         bool loads = false;
         const struct manifest_area *area = &manifest->areas[i];
         json_int_t offset = (json_int_t)base + area->label_offset;
-        uint64_t end = ((uint64_t)offset + largest) / MANIFEST_LABEL_STEP * MANIFEST_LABEL_STEP + MANIFEST_LABEL_STEP;
-        draft->label_offset = end < UINT32_MAX ? (uint32_t)end : UINT32_MAX;
+        raise_offset(draft, (uint64_t)offset + largest);
         status = manifest_draft_append_loading(&loads, draft, draft->areas, "areas",
                                                json_pack("{s:s,s:s,s:I}", "file", area->file, "vertex_labels",
                                                          area->vertex_labels, "label_offset", offset));

@@ -71,6 +71,7 @@ static void all_types_in_both_orders(void **state)
         assert_map_one(&choice);
         assert_int_equal(notes.count, 0);
         cifti_choice_finish(&choice);
+        notes_finish(&notes);
         buffer_finish(&bytes);
     }
 }
@@ -96,6 +97,7 @@ static void the_volume_lies_where_the_xml_says(void **state)
             assert_near(choice.cifti.world_from_voxel[i], wanted[i], 1e-12);
         }
         cifti_choice_finish(&choice);
+        notes_finish(&notes);
         buffer_finish(&bytes);
     }
 }
@@ -164,6 +166,7 @@ static void order_in_the_xml_is_free(void **state)
         assert_ok(read_bytes(&choice, &bytes, "one", &notes));
         assert_map_one(&choice);
         cifti_choice_finish(&choice);
+        notes_finish(&notes);
         buffer_finish(&bytes);
     }
 }
@@ -212,6 +215,7 @@ static void voxels_of_two_sides_have_none(void **state)
     memory_free(labels);
     label_table_finish(&table);
     cifti_choice_finish(&choice);
+    notes_finish(&notes);
     buffer_finish(&bytes);
 }
 
@@ -364,6 +368,7 @@ static void labels_must_be_whole_and_in_the_table(void **state)
         }
         assert_ok(read_bytes(&choice, &bytes, "1", &notes)); /* of another map that is no matter */
         cifti_choice_finish(&choice);
+        notes_finish(&notes);
         buffer_finish(&bytes);
     }
 }
@@ -382,6 +387,7 @@ static void every_prefix_is_refused(void **state)
         assert_non_null(exact);
         memcpy(exact, bytes.data, size);
         assert_fails(read_bytes(&choice, &prefix, "0", &notes), CONUS_ERROR_DATA);
+        notes_finish(&notes);
         free(exact);
     }
     buffer_finish(&bytes);
@@ -457,6 +463,7 @@ static void files_are_plain_or_packed(void **state)
         assert_null(strstr(file.path, ",map"));
         assert_fails(cifti_file_open(&file, path, 100, &notes), CONUS_ERROR_MEMORY);
         cifti_file_finish(&file);
+        notes_finish(&notes);
     }
     bool is = true;
     struct cifti_file file = {0};
@@ -468,6 +475,7 @@ static void files_are_plain_or_packed(void **state)
     assert_non_null(strstr(conus_message(), "map: a number from 0 or a name is needed"));
     bytes.data[bytes.size - 5] = 0x78; /* 7 becomes 3.6e34 */
     assert_fails(cifti_file_open(&file, write_bytes("x.dlabel.nii", &bytes), 0, &notes), CONUS_ERROR_DATA);
+    notes_finish(&notes);
     buffer_finish(&bytes);
 }
 

@@ -8,6 +8,7 @@
 
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 
 /* conus_write_file() would wait for the disk. */
 static void write_file(const char *name, const void *data, size_t size)
@@ -324,6 +325,19 @@ static void a_first_manifest_of_a_folder(void **state)
     assert_areas_with(test_in("n.atlas.json"), NULL, "1 l.inflated L 4; 2 l L 4; 3 r R 4");
 }
 
+/* Voxels alone need no surface; those of a folder inside, which are areas of their own, get labels above 8. */
+static void a_first_manifest_of_voxels(void **state)
+{
+    (void)state;
+    static const double values[18] = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 7, 0, 7, 0};
+    test_folder("voxels");
+    assert_int_equal(mkdir(test_in("more"), 0700), 0);
+    write_labels("x.dlabel.nii", &(struct cifti_spec){.values = values});
+    write_surface("more/target.surf.gii", "CortexLeft", NULL, NULL, 10, 4);
+    assert_ok(conus_manifest_write(test_in("m.atlas.json"), NULL));
+    assert_areas_with(test_in("m.atlas.json"), NULL, "7 Thalamus L v2; 10001 target L 4");
+}
+
 static conus_status attempt(void *data)
 {
     conus_atlas *atlas = NULL;
@@ -363,6 +377,7 @@ int main(void)
         cmocka_unit_test(as_labels_of_a_surface),
         cmocka_unit_test(in_a_manifest),
         cmocka_unit_test(a_first_manifest_of_a_folder),
+        cmocka_unit_test(a_first_manifest_of_voxels),
         cmocka_unit_test(every_failing_allocation),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
