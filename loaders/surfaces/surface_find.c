@@ -111,7 +111,7 @@ conus_status surface_list_make(struct surface_list *out, const char *folder, uin
     static const char *const endings[] = {".surf.gii", ".surf.gii.gz", ".gii", ".gii.gz"};
     struct surface_list list = {0};
     conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && i < 4 && (i % 2 || !list.count); i++) {
+    for (size_t i = 0; !status && i < 4 && !(i == 2 && list.count); i++) {
         status = look_for(&list, folder, endings[i], max_memory);
     }
     if (status) {

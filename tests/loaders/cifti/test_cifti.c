@@ -281,6 +281,8 @@ static const struct bend {
     XML("\"2,3,2\"", "\"2,3\"", "8: VolumeDimensions: found \"2,3\", allowed are three whole numbers from 1"),
     XML("\"2,3,2\"", "\"2,3,2,1\"", "8: VolumeDimensions: found \"2,3,2,1\""),
     XML("\"2,3,2\"", "\"2,0,2\"", "8: VolumeDimensions: found \"2,0,2\""),
+    {{.find = "\"2,3,2\"", .replace = "\"1000,1000,1000\""},
+     "XML: VolumeDimensions: found \"1000,1000,1000\", more voxels than fit in 1048576 bytes (--max-memory)"},
     XML("\"2,3,2\"", "\"2,2,2\"", "16: VoxelIndicesIJK of ThalamusLeft: found 1 2 1, the volume has 2 x 2 x 2"),
     XML("</Volume>", "</Volume><Volume VolumeDimensions=\"2,3,2\"/>", "11: Volume twice"),
     XML("MeterExponent=\"-3\"", "MeterExponent=\"-33\"",

@@ -154,6 +154,34 @@ static void a_map_is_chosen(void **state)
     assert_refused(test_in("x.dlabel.nii"), "x.dlabel.nii: map 0, \"one\", has no label but 0");
 }
 
+static void pack_file(const char *name, const char *packed)
+{
+    struct buffer bytes = {0};
+    char content[8192];
+    FILE *stream = fopen(test_in(name), "rb");
+    assert_non_null(stream);
+    size_t size = fread(content, 1, sizeof content, stream);
+    assert_true(size > 0 && size < sizeof content);
+    assert_int_equal(fclose(stream), 0);
+    append_gzip(&bytes, content, size);
+    write_buffer(packed, &bytes);
+    assert_int_equal(remove(test_in(name)), 0);
+}
+
+/* *.surf.gii.gz, and where there is none *.gii.gz; each is looked at once. */
+static void packed_files_are_found(void **state)
+{
+    (void)state;
+    static const char *const surfaces[][2] = {{"l.surf.gii.gz", "r.surf.gii.gz"}, {"l.gii.gz", "r.gii.gz"}};
+    for (size_t i = 0; i < 2; i++) {
+        write_both(i ? "packed_gii" : "packed_surf");
+        pack_file("x.dlabel.nii", "x.dlabel.nii.gz");
+        pack_file("l.surf.gii", surfaces[i][0]);
+        pack_file("r.surf.gii", surfaces[i][1]);
+        assert_areas_with(test_in("x.dlabel.nii.gz"), NULL, "7 Thalamus L v2; 5 A L 4; 10005 A R 2; 10008 B R 2");
+    }
+}
+
 static size_t count_notes(const conus_atlas *atlas, const char *part)
 {
     size_t count = 0;
@@ -369,6 +397,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(surfaces_and_voxels_are_one_atlas),
         cmocka_unit_test(a_map_is_chosen),
+        cmocka_unit_test(packed_files_are_found),
         cmocka_unit_test(notes_of_the_file_are_given_once),
         cmocka_unit_test(labels_of_one_structure_stay),
         cmocka_unit_test(labels_of_all_structures_are_three_areas),
