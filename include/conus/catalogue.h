@@ -93,7 +93,7 @@ CONUS_CHECKED conus_status conus_catalogue_find(const conus_installed **out, con
 
 /**
  * Says whether what a user gave as an atlas is a path, which then is no name: it has a '/', or there is such a file or
- * folder, also where ",volume=K" stands behind it.
+ * folder, also where ",volume=K", ",map=K" and the like stand behind it.
  * @param text What the user gave.
  * @return Whether it is a path for conus_atlas_load(). If not, ask conus_catalogue_find().
  * @threads Any.

@@ -19,13 +19,25 @@ static bool is_there(const char *path)
     return stat(path, &info) == 0 || (errno != ENOENT && errno != ENOTDIR);
 }
 
+/* What may stand behind a path: volume_selector.h, map_choice.h. */
+static const char *find_selector(const char *text)
+{
+    static const char *const selectors[] = {",volume=", ",resolution=", ",orientation=", ",map="};
+    const char *first = NULL;
+    for (size_t i = 0; i < sizeof selectors / sizeof selectors[0]; i++) {
+        const char *at = strstr(text, selectors[i]);
+        first = at && (!first || at < first) ? at : first;
+    }
+    return first;
+}
+
 bool conus_atlas_is_path(const char *text)
 {
-    const char *volume = strstr(text, ",volume=");
+    const char *selector = find_selector(text);
     if (strchr(text, '/') || is_there(text)) {
         return true;
     }
-    char *path = volume ? memory_text(text, (size_t)(volume - text)) : NULL;
+    char *path = selector ? memory_text(text, (size_t)(selector - text)) : NULL;
     bool is = path && is_there(path);
     memory_free(path);
     return is;

@@ -30,7 +30,8 @@ static conus_status describe(struct volume_file *out, const struct cifti_file *f
     out->path = memory_text(file->path, strlen(file->path));
     out->datatype = cifti->datatype;
     out->max_memory = max_memory;
-    *info = (conus_volume_info){.path = out->path, .volume_count = 1, .slope = 1};
+    *info = (conus_volume_info){
+        .path = out->path, .volume = file->choice.map, .volume_count = cifti->map_count, .slope = 1};
     snprintf(info->format, sizeof info->format, "CIFTI-2");
     snprintf(info->datatype, sizeof info->datatype, "%s", volume_datatype_name(cifti->datatype));
     memcpy(info->sha256, file->sha256, sizeof info->sha256);

@@ -65,12 +65,13 @@ static conus_status take_labels(struct planning *planning, const uint32_t *list,
     return CONUS_OK;
 }
 
+/* The map is in it since results of two maps with the same labels differ in nothing else that a sidecar keeps. */
 static conus_status note_surface(struct planning *planning, const struct cifti_model *model, const char *surface,
                                  const char *kind, uint32_t offset)
 {
     const char *path = planning->file->path;
-    conus_status status =
-        notes_add(planning->notes, "%s: labels of %s are on %s (%s)", path, model->structure->name, surface, kind);
+    conus_status status = notes_add(planning->notes, "%s: map %zu: labels of %s are on %s (%s)", path,
+                                    planning->file->choice.map, model->structure->name, surface, kind);
     return status || !offset
                ? status
                : notes_add(planning->notes, "%s: labels of %s are raised by %u, since others have them, too", path,

@@ -117,13 +117,15 @@ static void surfaces_and_voxels_are_one_atlas(void **state)
     write_both("both");
     assert_ok(conus_atlas_load(&atlas, test_in("x.dlabel.nii"), NULL));
     assert_string_equal(areas_of(atlas), "7 Thalamus L v2; 5 A L 4; 10005 A R 2; 10008 B R 2");
-    assert_true(test_has_note(atlas, "labels of CortexLeft are on l.surf.gii (of no known kind)"));
+    assert_true(test_has_note(atlas, "x.dlabel.nii: map 0: labels of CortexLeft are on l.surf.gii (of no known kind)"));
     assert_true(test_has_note(atlas, "labels of CortexRight are raised by 10000, since others have them, too"));
     assert_true(test_has_note(atlas, "2 maps: number 0 (from 0) was used, \"one\""));
     const conus_volume_info *info = conus_atlas_volume(atlas, 0);
     assert_string_equal(info->format, "CIFTI-2");
     assert_int_equal(info->dim[1], 3);
     assert_near(info->world_from_voxel[12], 90, 0);
+    assert_int_equal(info->volume, 0);
+    assert_int_equal(info->volume_count, 2);
     assert_near(info->minimum, 0, 0);
     assert_near(info->maximum, 7, 0);
     conus_atlas_destroy(atlas);
