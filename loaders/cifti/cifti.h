@@ -30,12 +30,12 @@ struct cifti {
     size_t map_count;
     struct cifti_model *models; /**< By their first grayordinate; they follow each other without gap. */
     size_t model_count;
-    size_t count;       /**< Grayordinates.                                                           */
-    const void *values; /**< [count][map_count], borrowed from the file's bytes.                      */
+    size_t count;       /**< Grayordinates. */
+    const void *values; /**< [count][map_count], borrowed from the file's bytes. */
     int datatype;
     bool swapped;
-    size_t dim[3];               /**< Of the volume in which the voxels lie; 0 if there is none.                    */
-    double world_from_voxel[16]; /**< RAS mm.                                                         */
+    size_t dim[3];               /**< Of the volume in which the voxels lie; 0 if there is none. */
+    double world_from_voxel[16]; /**< RAS mm. */
 };
 
 void cifti_finish(struct cifti *cifti);

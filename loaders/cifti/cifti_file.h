@@ -24,8 +24,8 @@ const struct cifti_model *cifti_choice_surface(const struct cifti_choice *choice
 /** Whether the file has voxels. */
 bool cifti_choice_has_voxels(const struct cifti_choice *choice);
 
-/** Appends the labels of @p model, or of all voxels where that is NULL, to *labels, sorted, each once, without 0.
- * *count are there; memory_free() it. */
+/** The labels that @p model has, or all voxels where that is NULL: *labels has *count, sorted, each once, without 0;
+ * the caller's to memory_free(). */
 conus_status cifti_choice_list(uint32_t **labels, size_t *count, const struct cifti_choice *choice,
                                const struct cifti_model *model);
 

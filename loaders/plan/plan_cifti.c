@@ -44,7 +44,9 @@ static conus_status choose_offset(uint32_t *out, const struct planning *planning
     uint64_t largest = shared ? planning->taken[planning->taken_count - 1] : 0;
     uint64_t offset = (largest + MANIFEST_LABEL_STEP - 1) / MANIFEST_LABEL_STEP * MANIFEST_LABEL_STEP;
     if (count && offset + list[count - 1] > UINT32_MAX) {
-        return fail(CONUS_ERROR_DATA, "label %u is of several structures, and no label above %llu is left for it",
+        return fail(CONUS_ERROR_DATA,
+                    "label %u of a structure, raised by %llu since others have its labels, is above "
+                    "4294967295",
                     list[count - 1], (unsigned long long)offset);
     }
     *out = (uint32_t)offset;

@@ -4,6 +4,7 @@
 #include "builders/cifti_builder.h"
 #include "builders/gifti_builder.h"
 #include "builders/nifti_builder.h"
+#include "loaders/volumes/volume_header.h"
 #include "test.h"
 
 #include <stdio.h>
@@ -233,6 +234,20 @@ static void labels_of_all_structures_are_three_areas(void **state)
     assert_areas_with(test_in("x.dlabel.nii"), NULL, "5 A L v2; 10005 A L 4; 20005 A R 4");
 }
 
+/* The step above 4294967290 is 4294970000. */
+static void labels_may_be_too_large_to_be_raised(void **state)
+{
+    (void)state;
+    static const double values[18] = {4294967290, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 4294967290, 0, 0, 0};
+    write_both("large");
+    write_labels("x.dlabel.nii", &(struct cifti_spec){.find = "Key=\"7\"",
+                                                      .replace = "Key=\"4294967290\"",
+                                                      .values = values,
+                                                      .datatype = VOLUME_FLOAT64});
+    assert_refused(test_in("x.dlabel.nii"), "x.dlabel.nii: label 4294967290 of a structure, raised by 4294970000 since "
+                                            "others have its labels, is above 4294967295");
+}
+
 /* The best kind that is there, by the file's own words first, else by its name. Edges of 10 mm: 1000/6 mm^3. */
 static void the_kind_of_surface_is_chosen(void **state)
 {
@@ -403,6 +418,7 @@ int main(void)
         cmocka_unit_test(notes_of_the_file_are_given_once),
         cmocka_unit_test(labels_of_one_structure_stay),
         cmocka_unit_test(labels_of_all_structures_are_three_areas),
+        cmocka_unit_test(labels_may_be_too_large_to_be_raised),
         cmocka_unit_test(the_kind_of_surface_is_chosen),
         cmocka_unit_test(no_surface_is_an_error),
         cmocka_unit_test(as_labels_of_a_surface),
