@@ -32,7 +32,8 @@ typedef bool (*conus_load_progress)(void *user, const char *path, size_t done, s
 typedef struct conus_load_options {
     size_t struct_size;  /**< Its size, as #CONUS_LOAD_OPTIONS_INIT sets it; 0 = that of this version. */
     const char *labels;  /**< Path of a label table that replaces the one beside or inside the file. For a surface: path
-                            of the labels of its vertices (.label.gii, .annot, .dlabel.nii). NULL = none. */
+                            of the labels of its vertices (.label.gii, .annot, .dlabel.nii). For a file of several
+                            volumes, none of them chosen: names of these. NULL = none. */
     uint64_t max_memory; /**< Largest file, and largest volume unpacked, in bytes; 0 = 8 GiB. */
     conus_load_progress progress; /**< NULL = no callback. */
     void *progress_user;          /**< Passed to @p progress. */
@@ -51,7 +52,8 @@ typedef struct conus_load_options {
  *
  *  - a labelled volume: NIfTI-1/2 (.nii, .hdr/.img, each also .gz), .mgz/.mgh, NRRD, MetaImage, AFNI, a TIFF stack, or
  *    an FSL atlas XML of type Label;
- *  - an FSL atlas XML of another type: areas of probabilities, which may overlap;
+ *  - an FSL atlas XML of another type, or a file of several volumes with a table of their names: areas of
+ *    probabilities, which may overlap;
  *  - a manifest NAME.atlas.json, which joins parcellations, surfaces, pathways and a context;
  *  - a surface (GIFTI, FreeSurfer and those of other programs), cut by the labels of its vertices if there are any;
  *  - CIFTI labels (.dlabel.nii) of surfaces that lie beside the file, and of voxels;

@@ -35,16 +35,25 @@ static bool counts_to(const struct label_table *table, size_t last)
     return good;
 }
 
-/* The name of the volume in a table with numbers; NULL if its numbers do not decide. */
-static const char *name_by_number(const struct label_table *table, const conus_volume_info *info)
+/* Makes the numbers of the table those of `count` volumes, from 1. False, and no change, if they do not decide. */
+static conus_status count_from_one(bool *decided, struct label_table *table, size_t count)
 {
-    size_t count = info->volume_count;
     const char *zero = table->zero;
     bool background = !zero || label_is_background(text_from(zero));
-    if (zero && counts_to(table, count - 1) && !same_name(table, zero, 0)) { /* 0 to count - 1 */
-        return info->volume ? table->entries[info->volume - 1].name : zero;
+    if (!zero || !counts_to(table, count - 1) || same_name(table, zero, 0)) {
+        *decided = background && counts_to(table, count);
+        return CONUS_OK;
     }
-    return background && counts_to(table, count) ? table->entries[info->volume].name : NULL;
+    for (size_t i = 0; i < table->count; i++) { /* 0 to count - 1 */
+        table->entries[i].number++;
+    }
+    struct label *first = label_table_add(table, 1);
+    conus_status status = first ? label_set_text(&first->name, text_from(zero)) : CONUS_ERROR_MEMORY;
+    struct notes silent = {0};
+    status = status ? status : label_table_sort(table, &silent);
+    notes_finish(&silent);
+    *decided = !status;
+    return status;
 }
 
 static bool next_name(struct text *rest, struct text *name)
@@ -75,19 +84,14 @@ static conus_status read_lines(struct label_table *out, bool *lines, struct text
     return status;
 }
 
-static conus_status read_table(struct label_table *out, bool *table, const char *path, const conus_volume_info *info,
-                               struct notes *notes)
+static conus_status parse_table(struct label_table *out, bool *table, const struct bytes *bytes,
+                                const conus_volume_info *info)
 {
     static const struct label_use use;
-    struct bytes bytes = {0};
     struct notes silent = {0}; /* it counts from 0 or not: that is asked here */
-    *table = false;
-    if (!file_exists(path)) {
-        return CONUS_OK;
-    }
-    conus_status status = label_file_bytes(&bytes, path, 0);
-    struct text text = text_from_bytes(bytes.data, bytes.size);
-    const struct label_format *format = status || label_is_lut(bytes.data, bytes.size) ? NULL : label_format_of(text);
+    conus_status status = CONUS_OK;
+    struct text text = text_from_bytes(bytes->data, bytes->size);
+    const struct label_format *format = label_is_lut(bytes->data, bytes->size) ? NULL : label_format_of(text);
     if (!status && format && format != &label_format_colours) {
         status = label_text_parse(out, format, text, &use, &silent);
         *table = !status;
@@ -98,46 +102,68 @@ static conus_status read_table(struct label_table *out, bool *table, const char 
         status = read_lines(out, table, text, info->volume_count);
     }
     notes_finish(&silent);
-    bytes_finish(&bytes);
-    return status && status != CONUS_ERROR_MEMORY
-               ? notes_warn(notes, "%s: passed over: %s", path_base(path), conus_message())
-               : status;
+    return status;
 }
 
-static conus_status take_name(struct buffer *name, struct buffer *from, const char *path, const conus_volume_info *info,
-                              struct notes *notes)
+/* The table of the file, whose numbers are those of the volumes, from 1; empty, with a note, if they do not decide. One
+ * that was found is passed over if it is damaged, one that was given is not. */
+static conus_status take_table(struct label_table *out, const char *path, bool given, const conus_volume_info *info,
+                               struct file_sums *read, struct notes *notes)
 {
-    struct label_table table = {0};
-    bool is_table;
-    conus_status status = read_table(&table, &is_table, path, info, notes);
-    const char *found = !status && is_table ? name_by_number(&table, info) : NULL;
-    if (!status && is_table && !found) {
+    struct bytes bytes = {0};
+    bool is_table = false;
+    bool decided = false;
+    conus_status status = label_file_bytes(&bytes, path, 0);
+    status = status ? status : parse_table(out, &is_table, &bytes, info);
+    if (status && !given && status != CONUS_ERROR_MEMORY) {
+        status = notes_warn(notes, "%s: passed over: %s", path_base(path), conus_message());
+        is_table = false;
+    }
+    status = status || !is_table ? status : count_from_one(&decided, out, info->volume_count);
+    if (!status && is_table && !decided) {
         status = notes_warn(notes,
                             "%s is not used for the names of the volumes: needed is another name for each number from "
                             "0 to %zu, or from 1 to %zu",
                             path_base(path), info->volume_count - 1, info->volume_count);
     }
-    if (found) {
-        buffer_text(name, found);
-        buffer_text(from, path_base(path));
-        status = buffer_status(name);
-        status = status ? status : buffer_status(from);
+    status = status || !decided || !read ? status : file_sums_add(read, path, &bytes);
+    if (status || !decided) {
+        label_table_finish(out);
     }
-    label_table_finish(&table);
+    bytes_finish(&bytes);
+    return status;
+}
+
+conus_status label_volume_table(struct label_table *out, struct buffer *from, const char *path,
+                                const conus_volume_info *info, struct file_sums *read, struct notes *notes)
+{
+    static const char *const endings[] = {".nii.txt", ".txt", ".tsv", ".csv", ".json", ".label"};
+    bool several = info->volume_count > 1 && info->volume_count <= VOLUME_LIMIT;
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; several && !status && !out->count && i < (path ? 1 : sizeof endings / sizeof endings[0]); i++) {
+        size_t stem = volume_stem_length(info->path);
+        char *file = path ? memory_text(path, strlen(path)) : path_with_ending(info->path, stem, endings[i]);
+        status = file ? CONUS_OK : CONUS_ERROR_MEMORY;
+        status =
+            status || (!path && !file_exists(file)) ? status : take_table(out, file, path != NULL, info, read, notes);
+        if (!status && out->count) {
+            buffer_text(from, path_base(file));
+            status = buffer_status(from);
+        }
+        memory_free(file);
+    }
     return status;
 }
 
 conus_status label_volume_name(struct buffer *name, struct buffer *from, const conus_volume_info *info,
                                struct notes *notes)
 {
-    static const char *const endings[] = {".nii.txt", ".txt", ".tsv", ".csv", ".json", ".label"};
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; info->volume_count > 1 && info->volume_count <= VOLUME_LIMIT && !status && !from->size &&
-                       i < sizeof endings / sizeof endings[0];
-         i++) {
-        char *path = path_with_ending(info->path, volume_stem_length(info->path), endings[i]);
-        status = path ? take_name(name, from, path, info, notes) : CONUS_ERROR_MEMORY;
-        memory_free(path);
+    struct label_table table = {0};
+    conus_status status = label_volume_table(&table, from, NULL, info, NULL, notes);
+    if (!status && table.count) {
+        buffer_text(name, table.entries[info->volume].name);
+        status = buffer_status(name);
     }
+    label_table_finish(&table);
     return status;
 }

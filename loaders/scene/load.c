@@ -41,6 +41,27 @@ static conus_status load_volume(conus_atlas **out, const char *path, const struc
     return CONUS_OK;
 }
 
+static conus_status load_only(struct load_progress *progress, const char *path)
+{
+    progress->total = 1;
+    return load_progress_report(progress, path, 1);
+}
+
+/* One volume of labels, or several of probabilities. */
+static conus_status load_volumes(conus_atlas **out, const char *path, struct load_progress *progress)
+{
+    struct named_maps maps = {0};
+    conus_status status = named_maps_find(&maps, path, progress->options);
+    if (!status && maps.table.count) {
+        status = named_maps_load(out, path, &maps, progress);
+    } else if (!status) {
+        status = load_only(progress, path);
+        status = status ? status : load_volume(out, path, progress);
+    }
+    named_maps_finish(&maps);
+    return status;
+}
+
 static conus_status load_json(conus_atlas **out, const char *path, struct load_progress *progress)
 {
     struct bytes bytes = {0};
@@ -123,9 +144,11 @@ static conus_status load_any(conus_atlas **out, const char *path, struct load_pr
     if (status || cifti) {
         return status ? status : cifti_load(out, path, progress);
     }
-    progress->total = 1;
-    status = load_progress_report(progress, path, 1);
-    return status ? status : mesh_file_is(path) ? surface_load(out, path, progress) : load_volume(out, path, progress);
+    if (!mesh_file_is(path)) {
+        return load_volumes(out, path, progress);
+    }
+    status = load_only(progress, path);
+    return status ? status : surface_load(out, path, progress);
 }
 
 static conus_status check_probability(double probability)

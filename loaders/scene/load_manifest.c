@@ -28,6 +28,7 @@ struct loading {
     struct volume_file series; /* kept for the pathways that follow, if any of them is of it */
     const char *series_name;   /* as the manifest writes it; NULL without one */
     struct load_progress *progress;
+    struct named_maps *maps; /* whose table names the volumes of a file that is ATLAS; NULL without one */
 };
 
 /* Puts manifest and key in front of the message. What a manifest asks for in vain is its fault, not the caller's. */
@@ -128,7 +129,7 @@ static conus_status refuse_labels(const struct loading *loading)
 
 static conus_status create_empty(struct loading *loading)
 {
-    if (loading->options->labels) {
+    if (loading->options->labels && !loading->maps) {
         return refuse_labels(loading);
     }
     conus_status status = atlas_create_empty(&loading->atlas, loading->names);
@@ -354,8 +355,13 @@ static conus_status add_file_areas(struct loading *loading, const struct manifes
     char *path = file_beside(loading->path, entry->source.file);
     conus_status status = path ? load_progress_at(loading->progress, path) : CONUS_ERROR_MEMORY;
     status = status ? status : volume_file_open_series(&file, path, loading->options->max_memory, &notes);
-    status = status ? status : label_volumes(&labels, entry, &file);
-    status = status ? status : add_labelled(loading, entry, &file, &labels, &notes);
+    if (loading->maps) {
+        status = status ? status : named_maps_check(&file, loading->options->probability, &notes);
+        status = status ? status : add_labelled(loading, entry, &file, &loading->maps->table, &notes);
+    } else {
+        status = status ? status : label_volumes(&labels, entry, &file);
+        status = status ? status : add_labelled(loading, entry, &file, &labels, &notes);
+    }
     label_table_finish(&labels);
     volume_file_finish(&file);
     notes_finish(&notes);
@@ -371,7 +377,7 @@ static conus_status add_probabilities(struct loading *loading)
         const struct manifest_pathway *entry = &loading->manifest->maps[i];
         status = entry->fsl ? add_fsl_areas(loading, entry) : add_file_areas(loading, entry);
         snprintf(key, sizeof key, "probabilities[%zu]", i);
-        status = status ? fail_at(status, loading, key) : CONUS_OK;
+        status = status && !loading->maps ? fail_at(status, loading, key) : status;
     }
     return status;
 }
@@ -518,14 +524,42 @@ conus_status manifest_load_made(conus_atlas **out, const struct manifest *manife
     return load_scene(out, &loading);
 }
 
-conus_status probabilities_load(conus_atlas **out, const char *path, struct load_progress *progress)
+/* An entry of probabilities as an atlas of its own: its path is in the folder of `path`. */
+static conus_status load_entry(conus_atlas **out, const char *path, struct manifest_pathway *entry,
+                               struct named_maps *maps, struct load_progress *progress)
 {
     const char *name = path_base(path);
-    struct manifest_pathway entry = {.fsl = (char *)name};
-    const struct manifest manifest = {.maps = &entry, .map_count = 1};
+    const struct manifest manifest = {.maps = entry, .map_count = 1};
     char *folder = name == path ? memory_text("./", 2) : memory_text(path, (size_t)(name - path));
-    conus_status status =
-        folder ? manifest_load_made(out, &manifest, folder, "FSL atlas XML", progress) : CONUS_ERROR_MEMORY;
+    struct loading loading = {.manifest = &manifest,
+                              .path = folder,
+                              .names = maps ? maps->source : "FSL atlas XML",
+                              .options = progress->options,
+                              .progress = progress,
+                              .maps = maps};
+    conus_status status = folder ? load_scene(out, &loading) : CONUS_ERROR_MEMORY;
     memory_free(folder);
     return status;
+}
+
+conus_status probabilities_load(conus_atlas **out, const char *path, struct load_progress *progress)
+{
+    struct manifest_pathway entry = {.fsl = (char *)path_base(path)};
+    return load_entry(out, path, &entry, NULL, progress);
+}
+
+conus_status named_maps_load(conus_atlas **out, const char *path, struct named_maps *maps,
+                             struct load_progress *progress)
+{
+    struct manifest_pathway entry = {.source.file = (char *)path_base(path)};
+    conus_atlas *atlas = NULL;
+    conus_status status = load_entry(&atlas, path, &entry, maps, progress);
+    status = status ? status : notes_move(&atlas->notes, &maps->notes);
+    status = status ? status : file_sums_move(&atlas->files, &maps->read);
+    if (status) {
+        conus_atlas_destroy(atlas);
+        return status;
+    }
+    *out = atlas;
+    return CONUS_OK;
 }

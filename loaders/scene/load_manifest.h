@@ -6,6 +6,7 @@
 #include "base/file.h"
 #include "loaders/manifest/manifest.h"
 #include "loaders/scene/load_progress.h"
+#include "loaders/scene/named_maps.h"
 
 /** Loads what the manifest in @p file, the bytes of @p path, names. A path that ends in '/' is a folder for which the
  * manifest was made up. The atlas's notes keep the sink. */
@@ -16,6 +17,10 @@ conus_status manifest_load(conus_atlas **out, const char *path, const struct byt
  * where the names of its surfaces come from. */
 conus_status manifest_load_made(conus_atlas **out, const struct manifest *manifest, const char *path, const char *names,
                                 struct load_progress *progress);
+
+/** Loads the volumes of @p path that @p maps names as areas of probabilities, if their values are some. */
+conus_status named_maps_load(conus_atlas **out, const char *path, struct named_maps *maps,
+                             struct load_progress *progress);
 
 /** Loads the FSL atlas XML @p path, of another type than Label: its labels are areas of probabilities, of the finest
  * image. */

@@ -142,6 +142,12 @@ def main():
         info = json.loads(subprocess.run([conus, "info", path, "--format", "json"], check=True, capture_output=True).stdout)
         wanted = [int(member.sum()) for member in maps.members]
         assert [area["voxels"] for area in info["objects"]] == wanted and wanted[-1] == 0, wanted
+        image = os.path.join(folder, "AAL/AAL-prob-1mm")
+        with open(image + ".tsv", "w") as out:
+            out.write("index\tname\n" + "".join(f"{k}\tarea {k}\n" for k in range(1, len(wanted) + 1)))
+        command = [conus, "info", image + ".nii.gz", "--format", "json"]
+        info = json.loads(subprocess.run(command, check=True, capture_output=True).stdout)
+        assert [area["voxels"] for area in info["objects"]] == wanted, "the image with a table beside it"
         corners = box_corners(maps.data.shape[:3], maps.m)
         for i in range(count):
             region = random_region(generator, i, corners)

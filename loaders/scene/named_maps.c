@@ -1,0 +1,206 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Volumes that a table names are probabilities if nothing speaks against it: not their values, which would be a scan's,
+ * not that they are all above 0 at the same places, as images of one thing are, and not that they look like labels. */
+#include "loaders/scene/named_maps.h"
+
+#include "base/buffer.h"
+#include "base/folder.h"
+#include "base/memory.h"
+#include "loaders/labels/label_volumes.h"
+#include "loaders/tables/label_cells.h"
+#include "loaders/volumes/grey.h"
+#include "loaders/volumes/volume_selector.h"
+#include "loaders/volumes/volume_values.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+void named_maps_finish(struct named_maps *maps)
+{
+    label_table_finish(&maps->table);
+    memory_free(maps->source);
+    file_sums_finish(&maps->read);
+    notes_finish(&maps->notes);
+}
+
+/* ---- Names ------------------------------------------------------------------------------------------------------- */
+
+/* A volume of what is no area is none. */
+static conus_status drop_background(struct named_maps *maps)
+{
+    struct label_table *table = &maps->table;
+    if (!table->count || !label_is_background(text_from(table->entries[0].name))) {
+        return CONUS_OK;
+    }
+    conus_status status = notes_add(&maps->notes, "volume 0 is left out: it is called %s", table->entries[0].name);
+    label_finish(&table->entries[0]);
+    memmove(table->entries, table->entries + 1, --table->count * sizeof *table->entries);
+    return status;
+}
+
+static conus_status find_names(struct named_maps *out, const conus_volume_info *info, const char *labels)
+{
+    struct buffer from = {0};
+    conus_status status = label_volume_table(&out->table, &from, labels, info, &out->read, &out->notes);
+    if (!status && labels && !out->table.count) {
+        status =
+            fail(CONUS_ERROR_ARGUMENT,
+                 "%s: has %zu volumes, --labels %s does not name them: needed is another name for each number from "
+                 "0 to %zu, or from 1 to %zu; FILE,volume=K chooses one",
+                 info->path, info->volume_count, path_base(labels), info->volume_count - 1, info->volume_count);
+    }
+    if (!status && out->table.count) {
+        struct buffer source = {0};
+        buffer_format(&source, "names of the volumes in %s", from.data);
+        status = buffer_status(&source);
+        out->source = source.data;
+    }
+    buffer_finish(&from);
+    return status ? status : drop_background(out);
+}
+
+conus_status named_maps_find(struct named_maps *out, const char *path, const conus_load_options *options)
+{
+    struct named_maps maps = {0};
+    struct volume_selector selector = {0};
+    conus_volume_info info;
+    conus_status status = volume_selector_parse(&selector, path);
+    bool several = !status && !selector.chosen && !volume_file_header(&info, path) && info.volume_count > 1;
+    status = status == CONUS_ERROR_MEMORY ? status : CONUS_OK; /* what is wrong is said where it is read */
+    if (several) {
+        info.path = selector.path;
+        status = find_names(&maps, &info, options->labels);
+    }
+    volume_selector_finish(&selector);
+    if (status) {
+        named_maps_finish(&maps);
+        return status;
+    }
+    *out = maps;
+    return CONUS_OK;
+}
+
+/* ---- Values ------------------------------------------------------------------------------------------------------ */
+
+/* What all volumes have in common. */
+struct findings {
+    uint16_t *above; /* [voxels] In how many volumes the value is above 0. */
+    double minimum, maximum;
+    bool fractions;     /* Some value is no whole number.                                    */
+    size_t like_labels; /* Volumes that do not look like an image, if all are whole numbers. */
+};
+
+/* Whether whole numbers look like labels. */
+static conus_status judge(bool *labels, const struct volume_file *file, const float *values)
+{
+    const size_t *dim = file->info.dim;
+    struct grey_verdict verdict = {0};
+    uint32_t *numbers = memory_raw(dim[0] * dim[1] * dim[2], sizeof *numbers);
+    conus_status status = numbers ? CONUS_OK : CONUS_ERROR_MEMORY;
+    for (size_t i = 0; !status && i < dim[0] * dim[1] * dim[2]; i++) {
+        numbers[i] = (uint32_t)values[i];
+    }
+    status = status ? status : grey_judge(&verdict, numbers, dim, &(struct grey_claims){0});
+    *labels = !verdict.grey;
+    memory_free(numbers);
+    return status;
+}
+
+static conus_status add_volume(struct findings *findings, const struct volume_file *file, const float *values)
+{
+    const conus_volume_info *info = &file->info;
+    bool fractions = false;
+    bool labels = false;
+    findings->minimum = fmin(findings->minimum, info->minimum);
+    findings->maximum = fmax(findings->maximum, info->maximum);
+    for (size_t i = 0; i < info->dim[0] * info->dim[1] * info->dim[2]; i++) {
+        findings->above[i] = (uint16_t)(findings->above[i] + (values[i] > 0));
+        fractions = fractions || values[i] != floorf(values[i]);
+    }
+    findings->fractions = findings->fractions || fractions;
+    bool ask = !fractions && info->minimum >= 0 && info->maximum > 1 && info->maximum <= 100;
+    conus_status status = ask ? judge(&labels, file, values) : CONUS_OK;
+    findings->like_labels += labels;
+    return status;
+}
+
+static conus_status gather(struct findings *findings, struct volume_file *file, struct notes *notes)
+{
+    const size_t *dim = file->info.dim;
+    findings->above = memory_zeroed(dim[0] * dim[1] * dim[2], sizeof *findings->above);
+    conus_status status = findings->above ? CONUS_OK : CONUS_ERROR_MEMORY;
+    for (size_t i = 0; !status && i < file->info.volume_count; i++) {
+        float *values = NULL;
+        status = volume_file_select(file, i);
+        status = status ? status : volume_file_values(&values, file, notes);
+        status = status ? status : add_volume(findings, file, values);
+        memory_free(values);
+    }
+    return status;
+}
+
+/* Where a volume is above 0, the part of the others that is so, too. */
+static double overlap(const struct findings *findings, const conus_volume_info *info)
+{
+    double places = 0;
+    double others = 0;
+    for (size_t i = 0; i < info->dim[0] * info->dim[1] * info->dim[2]; i++) {
+        places += findings->above[i] > 0;
+        others += findings->above[i] > 0 ? findings->above[i] - 1 : 0;
+    }
+    return places > 0 ? others / places / (double)(info->volume_count - 1) : 0;
+}
+
+static conus_status refuse(const struct volume_file *file, const char *reason)
+{
+    return fail(CONUS_ERROR_DATA,
+                "%s: a table names its %zu volumes, but %s; FILE,volume=K chooses one, --probability T takes them for "
+                "areas by probabilities",
+                file->path, file->info.volume_count, reason);
+}
+
+static conus_status weigh(const struct findings *findings, const struct volume_file *file)
+{
+    static const double most = 2.0 / 3;
+    char reason[200];
+    double part = overlap(findings, &file->info);
+    if (findings->minimum < 0 || findings->maximum > 100) {
+        snprintf(reason, sizeof reason, "values from %.9g to %.9g are not probabilities, 0 to 1 or percent",
+                 findings->minimum, findings->maximum);
+        return refuse(file, reason);
+    }
+    if (!findings->fractions && findings->like_labels) {
+        snprintf(reason, sizeof reason, "the whole numbers in %zu of them may be labels", findings->like_labels);
+        return refuse(file, reason);
+    }
+    if (part > most) {
+        snprintf(
+            reason, sizeof reason,
+            "where one is above 0, %.0f %% of the others are, too, as in images of one thing; of areas up to 67 %% are",
+            100 * part);
+        return refuse(file, reason);
+    }
+    return CONUS_OK;
+}
+
+/* As BIDS calls probabilities. */
+static bool is_probseg(const char *path)
+{
+    static const char ending[] = "_probseg";
+    const char *name = path_base(path);
+    size_t length = volume_stem_length(name);
+    return length >= strlen(ending) && strncmp(name + length - strlen(ending), ending, strlen(ending)) == 0;
+}
+
+conus_status named_maps_check(struct volume_file *file, double asked, struct notes *notes)
+{
+    struct findings findings = {.minimum = INFINITY, .maximum = -INFINITY};
+    if (asked > 0 || is_probseg(file->path)) {
+        return CONUS_OK;
+    }
+    conus_status status = gather(&findings, file, notes);
+    status = status ? status : weigh(&findings, file);
+    memory_free(findings.above);
+    return status;
+}

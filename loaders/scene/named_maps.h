@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file A file of several volumes that is an atlas of probabilities by itself, because a table names its volumes. */
+#ifndef CONUS_LOADERS_SCENE_NAMED_MAPS_H
+#define CONUS_LOADERS_SCENE_NAMED_MAPS_H
+
+#include "atlas/labels.h"
+#include "base/file_sums.h"
+#include "loaders/volumes/volume_file.h"
+
+struct named_maps {
+    struct label_table table; /**< Its numbers are those of the volumes, from 1; without the background's. */
+    char *source;             /**< For people: where the names come from.                               */
+    struct file_sums read;    /**< The table.                                                             */
+    struct notes notes;
+};
+
+/** Finds out whether all volumes of @p path are named: it has several, none is chosen by ",volume=K", and the table of
+ * @p options, or one beside it, says for certain which name is which volume's. @p out has an empty table where not, or
+ * where it is no volume. CONUS_ERROR_ARGUMENT where the table of @p options does not name them. */
+conus_status named_maps_find(struct named_maps *out, const char *path, const conus_load_options *options);
+
+/** Refuses @p file, opened as a series, where its values may be labels, or images of one thing, and neither its name
+ * ("_probseg") nor @p asked, the probability of the options, says that they are probabilities (docs/formats.md has the
+ * rule). */
+conus_status named_maps_check(struct volume_file *file, double asked, struct notes *notes);
+
+void named_maps_finish(struct named_maps *maps);
+
+#endif
