@@ -89,6 +89,36 @@ static conus_status add_volume(conus_image *image, const conus_volume_info *info
     return status ? status : image_add_text(image, sum_name, info->sha256);
 }
 
+/* "n/a" where a band has no end. */
+static const char *end_text(char out[TEXT_NUMBER_SIZE], double end)
+{
+    return isfinite(end) ? text_number(out, end) : "n/a";
+}
+
+/* From which values on, and up to which, the objects of the volume are. */
+static conus_status add_ends(conus_image *image, const conus_atlas *atlas, size_t index)
+{
+    char name[48];
+    char number[2][TEXT_NUMBER_SIZE];
+    struct buffer bands = {0};
+    const conus_volume_info *info = conus_atlas_volume(atlas, index);
+    for (size_t i = atlas->area_count; i < atlas->object_count; i++) {
+        const conus_object *band = &atlas->objects[i];
+        if (band->is_band && band->volume == index) {
+            buffer_format(&bands, "%s%s\t%s\t%s\n", bands.size ? "" : "low\thigh\tname\n",
+                          end_text(number[0], band->low), end_text(number[1], band->high), band->name);
+        }
+    }
+    conus_status status = buffer_status(&bands);
+    bool has_bands = bands.size > 0;
+    snprintf(name, sizeof name, "conus:volume%zu%s", index, has_bands ? "Bands" : "Threshold");
+    if (!status && (has_bands || info->threshold > 0)) {
+        status = image_add_text(image, name, has_bands ? bands.data : text_number(number[0], info->threshold));
+    }
+    buffer_finish(&bands);
+    return status;
+}
+
 /* The parcellation is the atlas itself, or what a manifest or an XML names. */
 static conus_status add_any_volume(conus_image *image, const conus_atlas *atlas, size_t index)
 {
@@ -100,7 +130,8 @@ static conus_status add_any_volume(conus_image *image, const conus_atlas *atlas,
     }
     snprintf(name, sizeof name, info->role == CONUS_ROLE_PARCELLATION ? "conus:parcellation%zu" : "conus:volume%zu",
              index);
-    return add_volume(image, info, name, false);
+    conus_status status = add_volume(image, info, name, false);
+    return status ? status : add_ends(image, atlas, index);
 }
 
 /* The manifest, surfaces and the like, a line each. */

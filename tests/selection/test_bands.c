@@ -4,6 +4,7 @@
 #include "base/math3.h"
 #include "base/memory.h"
 #include "gl_pair.h"
+#include "shells.h"
 #include "test.h"
 
 #include <conus/conus.h>
@@ -11,51 +12,15 @@
 #include <math.h>
 #include <string.h>
 
-enum { DIM = 64, RANDOM_DIM = 14 };
+enum { DIM = SHELLS_DIM, RANDOM_DIM = 14 };
 
-/* ---- Shells: the value of a voxel is its distance from the middle, mm ----------------------------------------------
- * The middle lies between voxels, so twice the distance is the root of a sum of three odd squares, and a radius R is
- * passed where that sum is 4 R^2 or more: in whole numbers, with no rounding. */
-
-static const conus_band shells[] = {{-INFINITY, 8, "Core"}, {8, 14, "Middle"}, {14, 20, "Outer"}};
-enum { CORE = 1, MIDDLE, OUTER };
-
-static int odd_square(size_t index)
-{
-    int twice = 2 * (int)index - (DIM - 1);
-    return twice * twice;
-}
-
-static uint32_t shell_of(const size_t at[3])
-{
-    int sum = odd_square(at[0]) + odd_square(at[1]) + odd_square(at[2]);
-    return sum < 4 * 8 * 8 ? CORE : sum < 4 * 14 * 14 ? MIDDLE : sum < 4 * 20 * 20 ? OUTER : 0;
-}
-
-static conus_atlas *make_shells(void)
-{
-    static float values[DIM * DIM * DIM];
-    conus_voxels voxels = {.data = values, .type = CONUS_SCALAR_FLOAT32, .dim = {DIM, DIM, DIM}, .name = "ramp"};
-    const conus_pathway_options options = {.bands = shells, .band_count = 3};
-    conus_atlas *atlas = NULL;
-    mat4_identity(voxels.world_from_voxel);
-    for (size_t a = 0; a < 3; a++) {
-        voxels.world_from_voxel[12 + a] = -(DIM - 1) / 2.0; /* the middle is the world's origin */
-    }
-    for (size_t v = 0; v < DIM * DIM * DIM; v++) {
-        const size_t at[3] = {v % DIM, v / DIM % DIM, v / DIM / DIM};
-        values[v] = (float)(sqrt(odd_square(at[0]) + odd_square(at[1]) + odd_square(at[2])) / 2);
-    }
-    assert_ok(conus_atlas_create(&atlas, NULL, NULL, 0, NULL));
-    assert_ok(conus_atlas_add_values(atlas, &voxels, &options));
-    return atlas;
-}
+/* ---- Shells ----------------------------------------------------------------------------------------------------- */
 
 static void bands_are_objects_of_one_volume(void **state)
 {
     (void)state;
     static const double outside[] = {8, 14, 20};
-    conus_atlas *atlas = make_shells();
+    conus_atlas *atlas = shells_atlas();
     uint64_t count[4] = {0};
     for (size_t v = 0; v < DIM * DIM * DIM; v++) {
         const size_t at[3] = {v % DIM, v / DIM % DIM, v / DIM / DIM};
@@ -135,7 +100,7 @@ static void check_column(const conus_atlas *atlas, conus_engine engine, size_t i
 
 static void check_columns(conus_engine engine)
 {
-    conus_atlas *atlas = make_shells();
+    conus_atlas *atlas = shells_atlas();
     check_column(atlas, engine, 31, 31); /* Outer, Middle, Core, Middle, Outer */
     check_column(atlas, engine, 31, 42); /* Outer, Middle, Outer */
     check_column(atlas, engine, 20, 45); /* Outer */
@@ -171,7 +136,7 @@ static void check_share(conus_engine engine, conus_sampling sampling, double fra
     enum { D = 120 };
     const conus_selector_options options = {
         .engine = engine, .sampling = sampling, .slice_fraction = fraction, .resolution = 128};
-    conus_atlas *atlas = make_shells();
+    conus_atlas *atlas = shells_atlas();
     conus_selection *selection = NULL;
     conus_pose pose;
     double h = radians_from_degrees(15);
