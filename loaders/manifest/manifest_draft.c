@@ -16,6 +16,7 @@ void manifest_draft_finish(struct manifest_draft *draft)
     json_decref(draft->context);
     json_decref(draft->areas);
     json_decref(draft->pathways);
+    json_decref(draft->maps);
 }
 
 conus_status manifest_draft_log(const struct manifest_draft *draft, const char *format, ...)
@@ -106,7 +107,8 @@ conus_status manifest_draft_format(struct buffer *out, const struct manifest_dra
     json_t *root = json_pack("{s:i}", "conus_atlas", MANIFEST_VERSION);
     const char *parcellation = json_is_array(draft->parcellation) ? "parcellations" : "parcellation";
     bool done = root && set_key(root, parcellation, draft->parcellation) && set_key(root, "areas", draft->areas) &&
-                set_key(root, "pathways", draft->pathways) && set_key(root, "context", draft->context) &&
+                set_key(root, "probabilities", draft->maps) && set_key(root, "pathways", draft->pathways) &&
+                set_key(root, "context", draft->context) &&
                 json_dump_callback(root, put_text, out, JSON_INDENT(2)) == 0;
     json_decref(root);
     buffer_text(out, "\n");

@@ -15,6 +15,7 @@ struct manifest_draft {
     struct names used;    /**< Images that an FSL atlas names, from the folder and without ending. */
     json_t *parcellation; /**< An object; a list of those that are halves. */
     json_t *context, *areas, *pathways;
+    json_t *maps;          /**< Of probabilities. */
     uint32_t label_offset; /**< Of the next group of surfaces. */
     /** Loads a manifest, to try an entry. NULL: every entry is taken, and one that does not load is the reader's error.
      */

@@ -15,6 +15,7 @@
 #include "loaders/manifest/manifest_surfaces.h"
 #include "loaders/plan/plan_cifti.h"
 #include "loaders/scene/load_manifest.h"
+#include "loaders/scene/named_maps.h"
 #include "loaders/tables/fsl_number.h"
 
 #include <stdio.h>
@@ -143,7 +144,7 @@ static conus_status take_fsl(struct manifest_draft *draft, const char *name, con
 {
     bool loads = false;
     conus_status status = atlas->is_label ? set_parcellation(draft, name)
-                                          : manifest_draft_append_loading(&loads, draft, draft->pathways, "pathways",
+                                          : manifest_draft_append_loading(&loads, draft, draft->maps, "probabilities",
                                                                           json_pack("{s:s}", "fsl", name));
     loads = atlas->is_label ? is_parcellation(draft, name) : loads;
     if (status || !loads) {
@@ -153,7 +154,7 @@ static conus_status take_fsl(struct manifest_draft *draft, const char *name, con
     return status ? status
                   : manifest_draft_log(draft,
                                        atlas->is_label ? "%s: parcellation, an atlas XML of %zu labels"
-                                                       : "%s: FSL atlas, %zu pathways",
+                                                       : "%s: FSL atlas, %zu areas by probabilities",
                                        name, atlas->labels.count);
 }
 
@@ -237,9 +238,29 @@ static conus_status take_volumes(struct manifest_draft *draft, const char *name,
                   : manifest_draft_log(draft, "%s: %zu pathways, %s", name, taken, named ? NAMED : "to be named");
 }
 
+/* Whether the table beside the file and its values make it an atlas of probabilities by itself. */
+static conus_status is_probable(bool *out, const struct manifest_draft *draft, const char *name)
+{
+    const conus_load_options options = {.max_memory = draft->options->max_memory};
+    struct named_maps maps = {0};
+    struct volume_file file = {0};
+    char *path = manifest_draft_path(draft, name);
+    conus_status status = path ? named_maps_find(&maps, path, &options) : CONUS_ERROR_MEMORY;
+    bool named = !status && maps.table.count;
+    status = named ? volume_file_open_series(&file, path, options.max_memory, &maps.notes) : status;
+    named = named && !status && maps.table.count == file.info.volume_count; /* none is the background's */
+    status = named ? named_maps_check(&file, 0, &maps.notes) : status;
+    *out = named && !status;
+    volume_file_finish(&file);
+    named_maps_finish(&maps);
+    memory_free(path);
+    return status == CONUS_ERROR_MEMORY ? status : CONUS_OK;
+}
+
 static conus_status take_series(struct manifest_draft *draft, const char *name, size_t count)
 {
     bool loads = false;
+    bool probable = false;
     bool named = false;
     json_t *names = json_array();
     conus_status status = names ? CONUS_OK : CONUS_ERROR_MEMORY;
@@ -249,12 +270,17 @@ static conus_status take_series(struct manifest_draft *draft, const char *name, 
         status = status ? status : manifest_draft_append(names, json_string(text.data));
         buffer_finish(&text);
     }
+    status = status || !named ? status : is_probable(&probable, draft, name);
+    json_t *list = probable ? draft->maps : draft->pathways;
     status = status ? status
-                    : manifest_draft_append_loading(&loads, draft, draft->pathways, "pathways",
+                    : manifest_draft_append_loading(&loads, draft, list, probable ? "probabilities" : "pathways",
                                                     json_pack("{s:s,s:O}", "file", name, "names", names));
     json_decref(names);
     if (status || !loads) {
         return status ? status : take_volumes(draft, name, count);
+    }
+    if (probable) {
+        return manifest_draft_log(draft, "%s: %zu areas by probabilities, " NAMED, name, count);
     }
     return manifest_draft_log(draft, "%s: %zu pathways, %s", name, count, named ? NAMED : "to be named");
 }
@@ -267,6 +293,18 @@ static conus_status take_pathway(struct manifest_draft *draft, const char *name,
                                       json_pack("{s:s,s:s#}", "file", name, "name", name, volume_stem_length(name)));
     return status  ? status
            : loads ? manifest_draft_log(draft, "%s: pathway, %s", name, words)
+                   : manifest_draft_leave_out(draft, name);
+}
+
+/* A volume whose name says that it is one. */
+static conus_status take_probability(struct manifest_draft *draft, const char *name)
+{
+    bool loads = false;
+    conus_status status =
+        manifest_draft_append_loading(&loads, draft, draft->maps, "probabilities",
+                                      json_pack("{s:s,s:s#}", "file", name, "name", name, volume_stem_length(name)));
+    return status  ? status
+           : loads ? manifest_draft_log(draft, "%s: an area by probabilities, as its name says", name)
                    : manifest_draft_leave_out(draft, name);
 }
 
@@ -283,6 +321,9 @@ static conus_status take_volume(struct manifest_draft *draft, const char *name, 
 {
     if (guess->use == VOLUME_SERIES) {
         return take_series(draft, name, guess->count);
+    }
+    if (named_maps_is_probseg(name)) {
+        return take_probability(draft, name);
     }
     if (guess->use == VOLUME_PATHWAY) {
         return take_pathway(draft, name, guess->words);
@@ -472,6 +513,32 @@ static conus_status scan_folder(struct manifest_draft *draft)
     return status;
 }
 
+/* Areas of probabilities may overlap, so a manifest has them or a parcellation and surfaces: beside those they are
+ * pathways, the first ones. */
+static conus_status settle_maps(struct manifest_draft *draft)
+{
+    conus_status status = CONUS_OK;
+    size_t taken = 0;
+    bool alone = !draft->parcellation && !json_array_size(draft->areas);
+    for (size_t i = 0; !alone && !status && i < json_array_size(draft->maps); i++) {
+        bool loads = false;
+        json_t *entry = json_array_get(draft->maps, i);
+        const char *fsl = json_string_value(json_object_get(entry, "fsl"));
+        const char *name = fsl ? fsl : json_string_value(json_object_get(entry, "file"));
+        status = manifest_draft_try(&loads, draft, "pathways", entry, true);
+        if (!status && loads && json_array_insert(draft->pathways, taken++, entry)) {
+            status = CONUS_ERROR_MEMORY;
+        }
+        status = status  ? status
+                 : loads ? manifest_draft_log(draft,
+                                              "%s: pathways, because a manifest with a parcellation or surfaces "
+                                              "has no areas by probabilities",
+                                              name)
+                         : manifest_draft_leave_out(draft, name);
+    }
+    return status || alone || !json_array_clear(draft->maps) ? status : CONUS_ERROR_MEMORY;
+}
+
 /* What is written must be what the parser reads. */
 static conus_status write_checked(const char *path, const struct buffer *text)
 {
@@ -507,12 +574,15 @@ conus_status conus_manifest_write(const char *path, const conus_manifest_options
         .folder = folder, .options = options_of(conus_manifest_options, options), .load = load_text};
     draft.areas = json_array();
     draft.pathways = json_array();
-    conus_status status = folder && draft.areas && draft.pathways ? CONUS_OK : CONUS_ERROR_MEMORY;
+    draft.maps = json_array();
+    conus_status status = folder && draft.areas && draft.pathways && draft.maps ? CONUS_OK : CONUS_ERROR_MEMORY;
     if (!status && !file_is_folder(folder)) {
         status = fail(CONUS_ERROR_IO, "%s: there is no such folder", folder);
     }
     status = status ? status : scan_folder(&draft);
-    if (!status && !draft.parcellation && !json_array_size(draft.areas) && !json_array_size(draft.pathways)) {
+    status = status ? status : settle_maps(&draft);
+    size_t found = json_array_size(draft.areas) + json_array_size(draft.pathways) + json_array_size(draft.maps);
+    if (!status && !draft.parcellation && !found) {
         status = fail(CONUS_ERROR_DATA, "%s: neither parcellation nor surfaces nor pathways in this folder", folder);
     }
     status = status ? status : manifest_draft_format(&text, &draft);

@@ -184,8 +184,7 @@ static conus_status weigh(const struct findings *findings, const struct volume_f
     return CONUS_OK;
 }
 
-/* As BIDS calls probabilities. */
-static bool is_probseg(const char *path)
+bool named_maps_is_probseg(const char *path)
 {
     static const char ending[] = "_probseg";
     const char *name = path_base(path);
@@ -196,7 +195,7 @@ static bool is_probseg(const char *path)
 conus_status named_maps_check(struct volume_file *file, double asked, struct notes *notes)
 {
     struct findings findings = {.minimum = INFINITY, .maximum = -INFINITY};
-    if (asked > 0 || is_probseg(file->path)) {
+    if (asked > 0 || named_maps_is_probseg(file->path)) {
         return CONUS_OK;
     }
     conus_status status = gather(&findings, file, notes);

@@ -20,9 +20,12 @@ struct named_maps {
 conus_status named_maps_find(struct named_maps *out, const char *path, const conus_load_options *options);
 
 /** Refuses @p file, opened as a series, where its values may be labels, or images of one thing, and neither its name
- * ("_probseg") nor @p asked, the probability of the options, says that they are probabilities (docs/formats.md has the
+ * nor @p asked, the probability of the options, says that they are probabilities (docs/formats.md has the
  * rule). */
 conus_status named_maps_check(struct volume_file *file, double asked, struct notes *notes);
+
+/** Whether the name of the file says that its values are probabilities, as BIDS wants it: X_probseg.nii.gz. */
+bool named_maps_is_probseg(const char *path);
 
 void named_maps_finish(struct named_maps *maps);
 

@@ -87,3 +87,29 @@ row() {
         query sphere.nii.gz $AIM --probability 0.5 --pathway maps.nii,volume=0
     nothing_left maps.nii maps.xml sphere.nii.gz sphere.tsv sphere.json
 }
+
+@test "conus manifest writes probabilities, and pathways beside a parcellation" {
+    maps
+    mkdir xml probseg both
+    cp maps.nii maps.xml xml
+    cp maps.nii probseg/maps_probseg.nii
+    printf 'A\nB\n' >probseg/maps_probseg.txt
+    cp maps.nii maps.xml both
+    conus phantom slabs -o both --size 24
+    # written FOLDER JQ: what jq finds in the folder's manifest, which loads.
+    written() {
+        run -0 --separate-stderr "$CONUS" manifest "$1"
+        run -0 --separate-stderr "$CONUS" info "$1/$1.atlas.json" --format json
+        jq -c "[.objects[] | [.kind, .name, .voxels]]" <<<"$output" >objects
+        jq -c "$2" "$1/$1.atlas.json"
+    }
+    [ "$(written xml .probabilities)" = '[{"fsl":"maps.xml"}]' ]
+    [ "$(cat objects)" = '[["area","A",512],["area","B",512]]' ]
+    [ "$(written probseg .probabilities)" = '[{"file":"maps_probseg.nii","names":["A","B"]}]' ]
+    [ "$(cat objects)" = '[["area","A",512],["area","B",512]]' ]
+    [ "$(written both '[.probabilities, .pathways]')" = '[null,[{"fsl":"maps.xml"}]]' ]
+    [ "$(jq -c '[.[] | .[0]]' objects)" = '["area","area","pathway","pathway"]' ]
+    rm both/both.atlas.json
+    run -0 --separate-stderr "$CONUS" manifest both
+    [[ "$stderr" == *'maps.xml: pathways, because a manifest with a parcellation or surfaces has no areas by'* ]]
+}

@@ -219,6 +219,38 @@ static void every_failing_allocation_is_reported(void **state)
     test_every_allocation(write_again, path);
 }
 
+static uint32_t in_percent(size_t i)
+{
+    return i < 40 ? 70 : 0;
+}
+
+/* In percent, as the name says: by itself an area, beside a parcellation a pathway, before the others. */
+static void probabilities_stand_alone(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = NULL;
+    char path[512];
+    test_folder("probable");
+    snprintf(path, sizeof path, "%s", test_in("scene.atlas.json"));
+    assert_ok(write_volume("x_probseg.nii", in_percent));
+    test_every_allocation(write_again, path);
+    assert_ok(conus_atlas_load(&atlas, path, NULL));
+    assert_int_equal(conus_atlas_object_count(atlas), 1);
+    assert_string_equal(conus_atlas_object(atlas, 1)->name, "x_probseg");
+    assert_int_equal(conus_atlas_volume(atlas, 0)->role, CONUS_ROLE_PROBABILITY);
+    conus_atlas_destroy(atlas);
+    assert_ok(write_volume("blocks.nii", in_blocks));
+    assert_ok(write_volume("spot.nii", in_a_spot));
+    test_every_allocation(write_again, path);
+    assert_ok(conus_atlas_load(&atlas, path, NULL));
+    assert_int_equal(conus_atlas_object_count(atlas), 5);
+    assert_int_equal(conus_atlas_object(atlas, 3)->kind, CONUS_KIND_AREA);
+    assert_string_equal(conus_atlas_object(atlas, 4)->name, "x_probseg");
+    assert_string_equal(conus_atlas_object(atlas, 5)->name, "spot");
+    assert_int_equal(conus_atlas_volume(atlas, 1)->role, CONUS_ROLE_SCALAR);
+    conus_atlas_destroy(atlas);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -229,6 +261,7 @@ int main(void)
         cmocka_unit_test(halves_are_joined),
         cmocka_unit_test(what_is_written_loads),
         cmocka_unit_test(every_failing_allocation_is_reported),
+        cmocka_unit_test(probabilities_stand_alone),
     };
     return cmocka_run_group_tests(tests, write_files, NULL);
 }
