@@ -63,7 +63,8 @@ static void assert_answers(const struct viewer *viewer, size_t index)
     conus_selector *selector = NULL;
     conus_selection *answer = NULL;
     assert_ok(conus_selector_create(&selector, on->atlas, &viewer->cone.options));
-    assert_ok(conus_select(&answer, selector, &viewer->cone.pose, viewer->cone.angle * M_PI / 180));
+    assert_ok(conus_select(&answer, selector, &viewer->cone.pose,
+                           viewer->cone.options.radius > 0 ? 0 : viewer->cone.angle * M_PI / 180));
     char *wanted = table_of(selector, answer);
     char *shown = table_of(on->selector, view_atlas_selection(on));
     assert_string_equal(shown, wanted);
@@ -101,6 +102,43 @@ static void all_atlases_are_asked_the_same(void **state)
         viewer_reselect(&viewer);
         assert_all_answer(&viewer);
     }
+    viewer_finish(&viewer);
+}
+
+/* Each differs from the one before in one thing, for which the selectors have to be made anew. */
+static void each_option_alone_changes_the_answers(void **state)
+{
+    static const conus_selector_options changes[] = {
+        {0},
+        {.score = "nearness"},
+        {.score = "nearness", .layers = CONUS_LAYERS_ALL},
+        {.layers = CONUS_LAYERS_ALL},
+        {.layers = CONUS_LAYERS_ALL, .resolution = 24},
+        {.layers = CONUS_LAYERS_ALL, .resolution = 24, .aperture = CONUS_APERTURE_SQUARE},
+        {.layers = CONUS_LAYERS_ALL, .resolution = 24, .range = {70, 90}},
+        {.layers = CONUS_LAYERS_ALL, .resolution = 24, .range = {80, 90}},
+        {.layers = CONUS_LAYERS_ALL, .resolution = 24, .range = {80, 85}},
+        {.layers = CONUS_LAYERS_ALL, .resolution = 24, .range = {80, 85}, .radius = 4},
+        {.layers = CONUS_LAYERS_ALL, .resolution = 24, .range = {80, 85}, .radius = 6},
+        {.resolution = 24},
+        {.resolution = 24, .sampling = CONUS_SAMPLING_SLICES},
+        {.resolution = 24, .sampling = CONUS_SAMPLING_SLICES, .slice_fraction = 0.05}};
+    struct viewer viewer;
+    char *before = NULL;
+    (void)state;
+    load_two(&viewer);
+    viewer.cone.angle = 30;
+    viewer_aim_along(&viewer, (double[]){3, 90, 20}, (double[]){0, -1, -0.1});
+    for (size_t i = 0; i < sizeof changes / sizeof changes[0]; i++) {
+        viewer.cone.options = changes[i];
+        viewer_reselect(&viewer);
+        assert_all_answer(&viewer);
+        char *now = viewer_results_text(&viewer);
+        assert_true(!before || strcmp(before, now) != 0);
+        free(before);
+        before = now;
+    }
+    free(before);
     viewer_finish(&viewer);
 }
 
@@ -398,6 +436,28 @@ static void a_session_that_does_not_fit_changes_no_atlas(void **state)
     viewer_finish(&viewer);
 }
 
+/* A threshold that is no number cannot be set: those of the atlas before go back. */
+static void thresholds_of_all_atlases_are_set_or_none(void **state)
+{
+    struct viewer viewer;
+    double second[3] = {0, 0, 0.75};
+    double third[3] = {0, 0, NAN};
+    const struct atlas_edits edits = {.thresholds = (double *[]){NULL, second, third}};
+    (void)state;
+    load_three(&viewer);
+    viewer_aim_along(&viewer, eye, back);
+    assert_fails(viewer_set_up(&viewer, &edits), CONUS_ERROR_ARGUMENT);
+    assert_true(view_atlas_pathway(&viewer.atlases[1], 2)->threshold == 0.5);
+    assert_true(view_atlas_pathway(&viewer.atlases[2], 2)->threshold == 0.5);
+    assert_all_answer(&viewer);
+    third[2] = 0.25;
+    assert_ok(viewer_set_up(&viewer, &edits));
+    assert_true(view_atlas_pathway(&viewer.atlases[1], 2)->threshold == 0.75);
+    assert_true(view_atlas_pathway(&viewer.atlases[2], 2)->threshold == 0.25);
+    assert_all_answer(&viewer);
+    viewer_finish(&viewer);
+}
+
 /* JSON has no place for it: no session, rather than one without that atlas. */
 static void a_path_that_is_not_utf8_makes_no_session(void **state)
 {
@@ -444,6 +504,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(all_atlases_are_asked_the_same),
+        cmocka_unit_test(each_option_alone_changes_the_answers),
         cmocka_unit_test(what_is_drawn_is_what_is_hidden_and_confirmed),
         cmocka_unit_test(colours_are_those_of_all_atlases),
         cmocka_unit_test(no_answer_outlives_its_question),
@@ -452,6 +513,7 @@ int main(void)
         cmocka_unit_test(all_answers_are_one_table),
         cmocka_unit_test(a_session_has_all_atlases),
         cmocka_unit_test(a_session_that_does_not_fit_changes_no_atlas),
+        cmocka_unit_test(thresholds_of_all_atlases_are_set_or_none),
         cmocka_unit_test(a_path_that_is_not_utf8_makes_no_session),
         cmocka_unit_test(a_session_of_one_atlas_is_that_of_the_first),
     };
