@@ -69,16 +69,18 @@ static int set_context(struct loader *loader, size_t index, const char *path)
                    : EXIT_DATA;
 }
 
-/* Any of the atlases may be drawn: each has the context, but for one that has its own. */
+/* Any of the atlases may be drawn: each has the context, but for one that has its own. What no option asked for is no
+ * reason to load nothing. */
 static int set_contexts(struct loader *loader)
 {
     const struct atlases *atlases = &loader->atlases;
     const char *given = loader->what.context;
+    char *path = given ? strdup(given) : context_of(atlases->items[0].atlas);
     int code = given ? set_context(loader, 0, given) : EXIT_DONE;
-    char *path = context_of(atlases->items[0].atlas);
     for (size_t i = 1; i < atlases->count && path && !code; i++) {
         char *own = context_of(atlases->items[i].atlas);
-        code = own ? EXIT_DONE : set_context(loader, i, path);
+        int failed = own ? EXIT_DONE : set_context(loader, i, path);
+        code = given ? failed : EXIT_DONE;
         free(own);
     }
     free(path);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Several atlases in the window, without a window: all are asked the same, one of them is drawn. */
+#include "viewer/loader.h"
 #include "viewer/model/picker.h"
 #include "viewer/session/session.h"
 #include "viewer/window/hover.h"
@@ -320,6 +321,80 @@ static void all_answers_are_one_table(void **state)
     viewer_finish(&viewer);
 }
 
+/* ---- Loading ----------------------------------------------------------------------------------------------------- */
+
+static void wake_nobody(void)
+{
+}
+
+/* Loads `more` besides `first`, both files of the folder of phantoms. */
+static bool load_besides(struct atlases *out, const char *first, const char *more, const char *context,
+                         char why[LOADER_WHY])
+{
+    char paths[3][600];
+    const char *further = paths[1];
+    const struct atlas_settings settings = {.more = {&further, 1}};
+    const struct loading what = {paths[0], &settings, context ? paths[2] : NULL, wake_nobody};
+    struct loader *loader = NULL;
+    snprintf(paths[0], sizeof paths[0], "%s", test_in(first));
+    snprintf(paths[1], sizeof paths[1], "%s", test_in(more));
+    snprintf(paths[2], sizeof paths[2], "%s", test_in(context ? context : ""));
+    assert_true(loader_start(&loader, &what));
+    return loader_finish(loader, out, why);
+}
+
+/* The name of the file that is drawn around an atlas; "" = none. */
+static const char *context_of(const struct atlases *atlases, size_t index)
+{
+    const struct view_atlas on = {.atlas = atlases->items[index].atlas};
+    const conus_volume_info *info = conus_atlas_volume(on.atlas, view_atlas_context(&on));
+    return info ? strrchr(info->path, '/') + 1 : "";
+}
+
+/* Whichever is drawn, there is a context around it: that of --context or of the first atlas, unless it has its own. */
+static void all_atlases_have_a_context(void **state)
+{
+    static const char own[] = "{\"conus_atlas\": 1, \"parcellation\": {\"file\": \"slabs.nii.gz\"},"
+                              " \"context\": {\"file\": \"nested.nii.gz\"}}";
+    static const struct {
+        const char *first, *more, *context, *wanted[2];
+    } cases[] = {
+        {"nested.nii.gz", "slabs.nii.gz", NULL, {"", ""}},
+        {"nested.nii.gz", "slabs.nii.gz", "sphere.nii.gz", {"sphere.nii.gz", "sphere.nii.gz"}},
+        {"own.atlas.json", "sphere.nii.gz", NULL, {"nested.nii.gz", "nested.nii.gz"}},
+        {"own.atlas.json", "sphere.nii.gz", "sphere.nii.gz", {"sphere.nii.gz", "sphere.nii.gz"}},
+        {"sphere.nii.gz", "own.atlas.json", "sphere.nii.gz", {"sphere.nii.gz", "nested.nii.gz"}},
+        {"sphere.nii.gz", "own.atlas.json", NULL, {"", "nested.nii.gz"}},
+    };
+    char why[LOADER_WHY];
+    (void)state;
+    conus_atlas_destroy(load("nested"));
+    conus_atlas_destroy(load("slabs"));
+    conus_atlas_destroy(load("sphere"));
+    assert_ok(conus_write_file(test_in("own.atlas.json"), own, strlen(own)));
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        struct atlases atlases = {0};
+        assert_true(load_besides(&atlases, cases[i].first, cases[i].more, cases[i].context, why));
+        assert_int_equal(atlases.count, 2);
+        assert_string_equal(context_of(&atlases, 0), cases[i].wanted[0]);
+        assert_string_equal(context_of(&atlases, 1), cases[i].wanted[1]);
+        atlases_finish(&atlases);
+    }
+}
+
+static void one_that_cannot_be_loaded_is_named(void **state)
+{
+    struct atlases atlases = {0};
+    char why[LOADER_WHY] = "";
+    (void)state;
+    conus_atlas_destroy(load("nested"));
+    assert_false(load_besides(&atlases, "nested.nii.gz", "absent.nii.gz", NULL, why));
+    assert_non_null(strstr(why, "absent.nii.gz"));
+    assert_int_equal(atlases.count, 0);
+    assert_false(load_besides(&atlases, "nested.nii.gz", "nested.nii.gz", "absent.nii.gz", why));
+    assert_non_null(strstr(why, "absent.nii.gz"));
+}
+
 /* ---- Sessions ---------------------------------------------------------------------------------------------------- */
 
 /* A ball, and its own voxels as a pathway. */
@@ -511,6 +586,8 @@ int main(void)
         cmocka_unit_test(places_have_a_name_in_each_atlas),
         cmocka_unit_test(names_of_all_atlases_are_said),
         cmocka_unit_test(all_answers_are_one_table),
+        cmocka_unit_test(all_atlases_have_a_context),
+        cmocka_unit_test(one_that_cannot_be_loaded_is_named),
         cmocka_unit_test(a_session_has_all_atlases),
         cmocka_unit_test(a_session_that_does_not_fit_changes_no_atlas),
         cmocka_unit_test(thresholds_of_all_atlases_are_set_or_none),

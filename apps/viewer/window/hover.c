@@ -11,10 +11,11 @@ enum { NAME_TEXT = 256 };
 
 static const double told_mm = 0.5; /* depths that differ by less are the same */
 
-/* What an atlas has there, and how much farther away that is than what the drawn one has. */
+/* What an atlas has there, and how much deeper that is than what the drawn one has. */
 struct found {
     uint32_t object;
-    double value, farther; /* NaN of an area; mm */
+    double value;  /* of a pathway; NaN of an area */
+    double deeper; /* mm */
 };
 
 static void find_along_ray(struct found *out, const struct hover *hover, struct view_atlas *on)
@@ -32,7 +33,7 @@ static void find_along_ray(struct found *out, const struct hover *hover, struct 
     }
     if (out->object) {
         out->value = view_atlas_value(on, out->object, place);
-        out->farther = depth - drawn;
+        out->deeper = depth - drawn;
     }
 }
 
@@ -61,9 +62,9 @@ static void name(char out[NAME_TEXT], const struct window *window, struct view_a
     if (object && isfinite(found.value)) {
         used += snprintf(out + used, NAME_TEXT - (size_t)used, "  %.3g", found.value);
     }
-    if (fabs(found.farther) >= told_mm) {
-        snprintf(out + used, NAME_TEXT - (size_t)used, " (%.1f mm %s)", fabs(found.farther),
-                 found.farther > 0 ? "deeper" : "nearer");
+    if (fabs(found.deeper) >= told_mm) {
+        snprintf(out + used, NAME_TEXT - (size_t)used, " (%.1f mm %s)", fabs(found.deeper),
+                 found.deeper > 0 ? "deeper" : "nearer");
     }
 }
 

@@ -8,10 +8,8 @@
 enum { HOVER_TEXT = 1024 };
 
 /** Name and, of a pathway, value of what is under the mouse; "" = nothing. Of several atlases "ATLAS: NAME" of each,
- * with
- * @p between between them, also where the mouse is nowhere: at the crosshair. What is under the mouse in an atlas that
- * is not drawn is what would be there if it were; in 3-D with how much farther from the eye it is than in the drawn
- * one. */
+ * and @p between in the gaps; where the mouse is nowhere, of what is at the crosshair. In an atlas that is not drawn it
+ * is what would be under the mouse if it were; in 3-D with how much deeper or nearer that is than in the drawn one. */
 void hover_text(char out[HOVER_TEXT], const struct window *window, const char *between);
 /** The same over the widget before, where the mouse is on it. */
 void hover_tip(const struct window *window);
