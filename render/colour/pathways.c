@@ -110,22 +110,23 @@ static bool find_joint(struct joint *out, const conus_atlas *atlas, const struct
     return count <= LARGER * most;
 }
 
-/* Of areas on several grids: the finest grid that holds them all without being far larger than each; else the coarsest.
+/* Of volumes of labels: the finest one whose grid holds them all without being far larger than each; else the coarsest.
  */
-static void find_finest(struct joint *out, const conus_atlas *atlas)
+static const struct volume *find_finest(const conus_atlas *atlas)
 {
-    bool found = false;
-    double best = 0; /* mm^3 of a voxel */
+    const struct volume *best = NULL;
+    bool best_fits = false;
     for (size_t i = 0; i < atlas_parcellation_count(atlas); i++) {
         struct joint joint;
-        bool fits = find_joint(&joint, atlas, &atlas->volumes[i], true);
-        double mm3 = space_voxel_mm3(&atlas->volumes[i].info);
-        if (fits && found ? mm3 < best : fits || (!found && mm3 > best)) {
-            *out = joint;
-            best = mm3;
-            found = fits;
+        const struct volume *volume = &atlas->volumes[i];
+        bool fits = find_joint(&joint, atlas, volume, true);
+        bool finer = best && space_voxel_mm3(&volume->info) < space_voxel_mm3(&best->info);
+        if (!best || (fits && (finer || !best_fits)) || (!fits && !best_fits && !finer)) {
+            best = volume;
+            best_fits = fits;
         }
     }
+    return best;
 }
 
 /* The first area of labels that is drawn and whose cell holds the world point, 0 if none. */
@@ -148,11 +149,7 @@ conus_status pathways_join(struct volume *out, const conus_atlas *atlas, const b
     struct volume joint = {0};
     const struct choice choice = {.all = !pathways_shown(atlas), .drawn = drawn};
     const bool areas = (choice.all || drawn) && atlas_parcellation_count(atlas);
-    if (first) {
-        find_joint(&grid, atlas, first, areas);
-    } else {
-        find_finest(&grid, atlas);
-    }
+    find_joint(&grid, atlas, first ? first : find_finest(atlas), areas);
     conus_status status = volume_init(&joint, &grid.info);
     joint.objects32 = status ? NULL : memory_raw(joint.voxel_count, sizeof *joint.objects32);
     if (!joint.objects32) {

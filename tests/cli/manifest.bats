@@ -38,7 +38,7 @@ said() {
     conus phantom sphere -o two --size 40
     echo '{"conus_atlas": 1, "parcellations": ["slabs.nii.gz", {"file": "sphere.nii.gz", "label_offset": 1000}]}' \
         >two/two.atlas.json
-    local ask=(query two/two.atlas.json --origin 0,60,0 --toward 0,0,0 --angle 40 --quiet)
+    local ask=(query two/two.atlas.json --origin "0,60,0" --toward "0,0,0" --angle 40 --quiet)
     run -0 "$CONUS" info two/two.atlas.json
     has 'parcellations: 2 on 2 grids (slabs.nii.gz; sphere.nii.gz)'
     has 'labels       BIDS label table in slabs.tsv; BIDS label table in sphere.tsv'

@@ -9,6 +9,7 @@
 #include <conus/conus.h>
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum { MOST = 3, AREAS = 5, SCENES = 40, POSES = 6 };
@@ -144,6 +145,31 @@ static void of_equals_the_earlier_grid_is_hit(void **state)
     notes_finish(&notes);
 }
 
+static void a_packed_atlas_has_all_grids(void **state)
+{
+    (void)state;
+    uint64_t random = 51;
+    struct grids grids = make_grids(&random);
+    conus_atlas *attached = NULL;
+    size_t size = conus_atlas_packed_size(grids.joint);
+    void *memory = aligned_alloc(64, (size + 63) / 64 * 64);
+    assert_non_null(memory);
+    assert_ok(conus_atlas_pack(memory, size, grids.joint));
+    assert_ok(conus_atlas_attach(&attached, memory, size));
+    assert_int_equal(atlas_parcellation_count(attached), grids.count);
+    for (int pose = 0; pose < POSES; pose++) {
+        struct cone cone = scene_cone(&random, grids.joint);
+        struct evidence wanted = trace(grids.joint, &cone);
+        struct evidence got = trace(attached, &cone);
+        gl_pair_same_evidence(&got, &wanted);
+        evidence_finish(&wanted);
+        evidence_finish(&got);
+    }
+    conus_atlas_destroy(attached);
+    free(memory);
+    destroy_grids(&grids);
+}
+
 /* ---- Answers ----------------------------------------------------------------------------------------------------- */
 
 static conus_selection *ask(conus_selector **selector, const conus_atlas *atlas, const conus_pose *pose, double angle)
@@ -254,9 +280,9 @@ static void both_engines_see_all_grids_alike(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_nearest_of_all_grids_is_hit), cmocka_unit_test(of_equals_the_earlier_grid_is_hit),
-        cmocka_unit_test(layers_are_those_of_each_grid),   cmocka_unit_test(both_engines_see_all_grids_alike),
-        cmocka_unit_test(the_driver_was_silent),
+        cmocka_unit_test(the_nearest_of_all_grids_is_hit),  cmocka_unit_test(of_equals_the_earlier_grid_is_hit),
+        cmocka_unit_test(a_packed_atlas_has_all_grids),     cmocka_unit_test(layers_are_those_of_each_grid),
+        cmocka_unit_test(both_engines_see_all_grids_alike), cmocka_unit_test(the_driver_was_silent),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -12,7 +12,6 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* Slabs across x in 12 x 8 x 8 voxels of 1 mm whose first centre is the origin, and in 8 x 4 x 4 voxels of 2 mm whose
@@ -77,7 +76,7 @@ static int write_files(void **state)
     status = status ? status : write_slabs("coarse.nii", false, coarse);
     write_text("left.txt", "1 Front\n2 Back\n");
     write_text("right.txt", "1 Front\n");
-    return status;
+    return status != CONUS_OK;
 }
 
 static conus_status load(conus_atlas **atlas, const char *keys)
@@ -520,31 +519,6 @@ static void areas_of_any_grid_can_be_hidden(void **state)
     conus_atlas_destroy(atlas);
 }
 
-static void packed_they_answer_the_same(void **state)
-{
-    (void)state;
-    conus_atlas *atlas = loaded(THREE);
-    conus_atlas *attached = NULL;
-    size_t size = conus_atlas_packed_size(atlas);
-    void *memory = aligned_alloc(64, (size + 63) / 64 * 64);
-    assert_non_null(memory);
-    assert_ok(conus_atlas_pack(memory, size, atlas));
-    assert_ok(conus_atlas_attach(&attached, memory, size));
-    conus_selector *selectors[2];
-    conus_selection *selections[2] = {select_all(&selectors[0], atlas), select_all(&selectors[1], attached)};
-    assert_int_equal(conus_selection_count(selections[0]), conus_selection_count(selections[1]));
-    for (uint32_t number = 1; number <= 4; number++) {
-        assert_int_equal(result_of(selections[0], number)->voxels, result_of(selections[1], number)->voxels);
-    }
-    for (size_t i = 0; i < 2; i++) {
-        conus_selection_destroy(selections[i]);
-        conus_selector_destroy(selectors[i]);
-    }
-    conus_atlas_destroy(attached);
-    free(memory);
-    conus_atlas_destroy(atlas);
-}
-
 /* What the row along x at y = z = 3 shows: where both grids have an area, from 11.25 to 11.5, the first. */
 static uint32_t seen_at(double x)
 {
@@ -613,7 +587,6 @@ int main(void)
         cmocka_unit_test(a_ray_passes_the_grids_in_order),
         cmocka_unit_test(a_mask_lies_on_one_grid),
         cmocka_unit_test(areas_of_any_grid_can_be_hidden),
-        cmocka_unit_test(packed_they_answer_the_same),
         cmocka_unit_test(cuts_and_pictures_show_the_first),
         cmocka_unit_test(every_failing_allocation_is_reported),
     };
