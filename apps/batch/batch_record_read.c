@@ -17,7 +17,7 @@ static bool read_record(struct batch_record *out, json_t *root)
                              &fingerprint, "shard", &index, &count, "first", &first, "poses", &poses, "errors", &errors,
                              "bytes", &bytes, "heading", &header_size, "crc32", &crc);
     char *end = NULL;
-    bool has_atlases = json_array_size(json_object_get(root, "Atlases")) > 0; /* of one atlas it is "Atlas" */
+    size_t atlases = json_array_size(json_object_get(root, "Atlases")); /* 0: it has "Atlas", which is one */
     unsigned long checksum = failed ? 0 : strtoul(crc, &end, 16);
     if (failed || strlen(fingerprint) != 64 || *end || index < 0 || count <= index || first < 0 || poses < 0 ||
         errors < 0 || header_size < 0 || bytes < header_size) {
@@ -29,7 +29,7 @@ static bool read_record(struct batch_record *out, json_t *root)
                                  .errors = (uint64_t)errors,
                                  .bytes = (uint64_t)bytes,
                                  .header_size = (uint64_t)header_size,
-                                 .atlases = has_atlases ? json_array_size(json_object_get(root, "Atlases")) : 1,
+                                 .atlases = atlases ? atlases : 1,
                                  .crc = (uint32_t)checksum};
     memcpy(out->fingerprint, fingerprint, sizeof out->fingerprint);
     return true;

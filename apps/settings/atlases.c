@@ -16,11 +16,11 @@
 /* Length of a file's name without its ending, if that is one of an atlas: "lh.pial" has none. */
 static size_t stem_length(const char *name)
 {
-    static const char *const endings[] = {".nii.gz", ".atlas.json", ".label.gii", ".surf.gii", ".seg.nrrd", ".BRIK.gz",
-                                          ".nii",    ".mgz",        ".mgh",       ".nrrd",     ".nhdr",     ".mha",
-                                          ".mhd",    ".img.gz",     ".img",       ".hdr",      ".HEAD",     ".BRIK",
-                                          ".tif",    ".tiff",       ".gii",       ".annot",    ".obj",      ".ply",
-                                          ".stl",    ".off",        ".mz3",       ".vtk",      ".vtp",      ".json"};
+    static const char *const endings[] = {
+        ".nii.gz", ".atlas.json", ".label.gii", ".surf.gii", ".seg.nrrd", ".BRIK.gz", ".nii", ".mgz",
+        ".mgh",    ".nrrd",       ".nhdr",      ".mha",      ".mhd",      ".img.gz",  ".img", ".hdr",
+        ".HEAD",   ".BRIK",       ".tif",       ".tiff",     ".gii",      ".annot",   ".obj", ".ply",
+        ".stl",    ".off",        ".mz3",       ".vtk",      ".vtp",      ".json",    ".xml"};
     for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
         if (path_ends(name, endings[i])) {
             return strlen(name) - strlen(endings[i]);
@@ -29,13 +29,24 @@ static size_t stem_length(const char *name)
     return strlen(name);
 }
 
+/* Length of a path without what is said about the file behind it: "FILE,volume=3". */
+static size_t file_length(const char *path)
+{
+    static const char *const keys[] = {",volume=", ",resolution=", ",orientation="};
+    size_t length = strlen(path);
+    for (size_t i = 0; i < sizeof keys / sizeof keys[0]; i++) {
+        const char *key = strstr(path, keys[i]);
+        length = key && (size_t)(key - path) < length ? (size_t)(key - path) : length;
+    }
+    return length;
+}
+
 /* The name of the file or folder at `path`; NULL without memory. */
 static char *name_of_path(const char *path)
 {
     struct stat info;
     bool is_folder = stat(path, &info) == 0 && S_ISDIR(info.st_mode);
-    const char *volume = strstr(path, ",volume=");
-    size_t end = volume && !is_folder ? (size_t)(volume - path) : strlen(path);
+    size_t end = is_folder ? strlen(path) : file_length(path);
     while (end > 1 && path[end - 1] == '/') {
         end--;
     }

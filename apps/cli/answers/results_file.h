@@ -13,10 +13,9 @@ struct results {
     char *bytes;        /**< What the cells point into. */
     const char **cells; /**< The header's, then each row's, `columns` at a time. */
     size_t columns, rows;
-    char separator; /**< Tab or comma. */
-    const char *
-        *keys[RESULTS_KEYS]; /**< Header cell of query, kind, index, atlas, i, j and k; NULL if it is not there. */
-    size_t *order;           /**< Rows, sorted by their keys. */
+    char separator;                  /**< Tab or comma. */
+    const char **keys[RESULTS_KEYS]; /**< Header cells of query, kind, index, atlas, i, j, k; NULL = none. */
+    size_t *order;                   /**< Rows, sorted by their keys. */
 };
 
 /** Reads @p path, of at most @p limit bytes. Returns the exit code and prints an error unless it is 0; @p out is then

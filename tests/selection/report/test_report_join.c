@@ -149,6 +149,35 @@ static void rows_are_those_of_each_atlas_with_its_name(void **state)
     destroy_scenes(&scenes);
 }
 
+/* Two angles of one pose have one id: those of an atlas come before those of the next. */
+static void shares_of_a_pose_stay_together(void **state)
+{
+    const conus_report_options options = {.rows = CONUS_ROWS_SHARES, .format = CONUS_FORMAT_NDJSON};
+    struct scenes scenes = create_scenes();
+    struct buffer wanted = {0};
+    conus_report *reports[ATLASES];
+    const char *text = NULL;
+    size_t size = 0;
+    (void)state;
+    assert_ok(join(reports, &scenes, &options));
+    for (size_t i = 0; i < ATLASES; i++) {
+        conus_report *alone = NULL;
+        assert_ok(conus_report_create(&alone, scenes.at[i].selector, &options));
+        for (int angle = 0; angle < 2; angle++) {
+            assert_ok(conus_report_add(alone, "q", scenes.at[i].cone));
+            assert_ok(conus_report_add(reports[i], "q", scenes.at[i].cone));
+        }
+        assert_ok(conus_report_text(&text, &size, alone));
+        put_with_cell(&wanted, options.format, text, in_json[i]);
+        conus_report_destroy(alone);
+    }
+    assert_ok(conus_report_text(&text, &size, reports[0]));
+    assert_string_equal(text, wanted.data);
+    buffer_finish(&wanted);
+    destroy_all(reports);
+    destroy_scenes(&scenes);
+}
+
 /* Appends the voxels of one pose from a report on one atlas, without the header row, with a cell for the atlas. */
 static void put_voxels(struct buffer *out, const struct report_scene *scene, const char *name)
 {
@@ -291,6 +320,7 @@ static void every_failing_allocation_is_survived(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(rows_are_those_of_each_atlas_with_its_name),
+                                       cmocka_unit_test(shares_of_a_pose_stay_together),
                                        cmocka_unit_test(voxels_have_the_name_of_their_atlas),
                                        cmocka_unit_test(what_does_not_belong_together_is_not_joined),
                                        cmocka_unit_test(some_reports_have_no_such_column),
