@@ -125,10 +125,10 @@ static const char *write_voxels(const char *name, double x, int code)
 }
 
 /* The file's name without folder and ending, a folder's whole; who comes later is counted on, past names that files
- * have already: two files "one" and one "one-2" are one, one-2 and one-2-2. */
+ * have already: two files "one", one "one-2" and one more "one" are one, one-2, one-2-2 and one-3. */
 static void atlases_have_different_names(void **state)
 {
-    static const char *const wanted[] = {"one", "one-2", "one-2-2", "brain.v2", "lh.x", "a b", "s"};
+    static const char *const wanted[] = {"one", "one-2", "one-2-2", "brain.v2", "lh.x", "a b", "s", "one-3"};
     enum { COUNT = sizeof wanted / sizeof wanted[0] };
     const char *paths[COUNT];
     (void)state;
@@ -140,6 +140,7 @@ static void atlases_have_different_names(void **state)
     paths[4] = strdup(write_voxels("lh.x.nii", 0, 4));
     paths[5] = strdup(write_voxels("a\nb.nii", 0, 4));
     paths[6] = strdup(test_in("s.tif,resolution=25,orientation=asr"));
+    paths[7] = strdup(test_in("one.mgz"));
     assert_int_equal(mkdir(paths[3], 0777), 0);
     struct loading loading = {.first = paths[0], .settings.more = {paths + 1, COUNT - 1}};
     assert_int_equal(atlases_name(&loading.atlases, loading.first, &loading.settings), EXIT_DONE);
