@@ -35,7 +35,8 @@ static bool counts_to(const struct label_table *table, size_t last)
     return good;
 }
 
-/* Makes the numbers of the table those of `count` volumes, from 1. False, and no change, if they do not decide. */
+/* Makes the numbers of the table those of `count` volumes, from 1. Not decided, and no change, if they do not say so.
+ */
 static conus_status count_from_one(bool *decided, struct label_table *table, size_t count)
 {
     const char *zero = table->zero;
@@ -84,8 +85,7 @@ static conus_status read_lines(struct label_table *out, bool *lines, struct text
     return status;
 }
 
-static conus_status parse_table(struct label_table *out, bool *table, const struct bytes *bytes,
-                                const conus_volume_info *info)
+static conus_status parse_table(struct label_table *out, bool *table, const struct bytes *bytes, size_t volumes)
 {
     static const struct label_use use;
     struct notes silent = {0}; /* it counts from 0 or not: that is asked here */
@@ -99,7 +99,7 @@ static conus_status parse_table(struct label_table *out, bool *table, const stru
             label_table_finish(out);
         }
     } else if (!status && !format && text.size) {
-        status = read_lines(out, table, text, info->volume_count);
+        status = read_lines(out, table, text, volumes);
     }
     notes_finish(&silent);
     return status;
@@ -107,26 +107,29 @@ static conus_status parse_table(struct label_table *out, bool *table, const stru
 
 /* The table of the file, whose numbers are those of the volumes, from 1; empty, with a note, if they do not decide. One
  * that was found is passed over if it is damaged, one that was given is not. */
-static conus_status take_table(struct label_table *out, const char *path, bool given, const conus_volume_info *info,
-                               struct file_sums *read, struct notes *notes)
+static conus_status take_table(struct label_table *out, const char *path, bool given, const struct label_use *use,
+                               struct notes *notes)
 {
+    const size_t count = use->info->volume_count;
     struct bytes bytes = {0};
     bool is_table = false;
     bool decided = false;
-    conus_status status = label_file_bytes(&bytes, path, 0);
-    status = status ? status : parse_table(out, &is_table, &bytes, info);
+    conus_status status = label_file_bytes(&bytes, path, use->max_memory);
+    if (!status && (status = parse_table(out, &is_table, &bytes, count))) {
+        status = given ? fail_in(status, path) : status;
+    }
     if (status && !given && status != CONUS_ERROR_MEMORY) {
         status = notes_warn(notes, "%s: passed over: %s", path_base(path), conus_message());
         is_table = false;
     }
-    status = status || !is_table ? status : count_from_one(&decided, out, info->volume_count);
+    status = status || !is_table ? status : count_from_one(&decided, out, count);
     if (!status && is_table && !decided) {
         status = notes_warn(notes,
                             "%s is not used for the names of the volumes: needed is another name for each number from "
                             "0 to %zu, or from 1 to %zu",
-                            path_base(path), info->volume_count - 1, info->volume_count);
+                            path_base(path), count - 1, count);
     }
-    status = status || !decided || !read ? status : file_sums_add(read, path, &bytes);
+    status = status || !decided || !use->read ? status : file_sums_add(use->read, path, &bytes);
     if (status || !decided) {
         label_table_finish(out);
     }
@@ -135,8 +138,9 @@ static conus_status take_table(struct label_table *out, const char *path, bool g
 }
 
 conus_status label_volume_table(struct label_table *out, struct buffer *from, const char *path,
-                                const conus_volume_info *info, struct file_sums *read, struct notes *notes)
+                                const struct label_use *use, struct notes *notes)
 {
+    const conus_volume_info *info = use->info;
     static const char *const endings[] = {".nii.txt", ".txt", ".tsv", ".csv", ".json", ".label"};
     bool several = info->volume_count > 1 && info->volume_count <= VOLUME_LIMIT;
     conus_status status = CONUS_OK;
@@ -144,8 +148,7 @@ conus_status label_volume_table(struct label_table *out, struct buffer *from, co
         size_t stem = volume_stem_length(info->path);
         char *file = path ? memory_text(path, strlen(path)) : path_with_ending(info->path, stem, endings[i]);
         status = file ? CONUS_OK : CONUS_ERROR_MEMORY;
-        status =
-            status || (!path && !file_exists(file)) ? status : take_table(out, file, path != NULL, info, read, notes);
+        status = status || (!path && !file_exists(file)) ? status : take_table(out, file, path != NULL, use, notes);
         if (!status && out->count) {
             buffer_text(from, path_base(file));
             status = buffer_status(from);
@@ -159,7 +162,7 @@ conus_status label_volume_name(struct buffer *name, struct buffer *from, const c
                                struct notes *notes)
 {
     struct label_table table = {0};
-    conus_status status = label_volume_table(&table, from, NULL, info, NULL, notes);
+    conus_status status = label_volume_table(&table, from, NULL, &(struct label_use){.info = info}, notes);
     if (!status && table.count) {
         buffer_text(name, table.entries[info->volume].name);
         status = buffer_status(name);

@@ -5,15 +5,15 @@
 
 #include "atlas/labels.h"
 #include "base/buffer.h"
-#include "base/file_sums.h"
 #include "base/notes.h"
-#include "conus/conus.h"
+#include "loaders/tables/label_use.h"
 
-/** The labels of all volumes of the file @p info, numbered by the volumes from 1, all with names: of the table @p path
- * or, where that is NULL, of the one beside the file. Empty where no table says for certain which name is which
- * volume's, which is a note. @p from gets the file of the table appended, and @p read, unless NULL, its sum. */
+/** The labels of all volumes of the file that @p use is about (info, max_memory, read), numbered by the volumes from 1,
+ * all with names: of the table @p path or, where that is NULL, of the one beside the file. Empty where no table says
+ * for certain which name is which volume's, which is a note. @p from gets the file of the table appended. A table that
+ * was given and is damaged is CONUS_ERROR_DATA. */
 conus_status label_volume_table(struct label_table *out, struct buffer *from, const char *path,
-                                const conus_volume_info *info, struct file_sums *read, struct notes *notes);
+                                const struct label_use *use, struct notes *notes);
 
 /** What the table beside the volume's file, X.txt or another, calls the volume: @p name and the table's file, @p from,
  * get text appended; none where there is no such table, or where it does not say for certain which name is which

@@ -39,10 +39,12 @@ static conus_status drop_background(struct named_maps *maps)
     return status;
 }
 
-static conus_status find_names(struct named_maps *out, const conus_volume_info *info, const char *labels)
+static conus_status find_names(struct named_maps *out, const conus_volume_info *info, const conus_load_options *options)
 {
     struct buffer from = {0};
-    conus_status status = label_volume_table(&out->table, &from, labels, info, &out->read, &out->notes);
+    const char *labels = options->labels;
+    const struct label_use use = {.info = info, .max_memory = options->max_memory, .read = &out->read};
+    conus_status status = label_volume_table(&out->table, &from, labels, &use, &out->notes);
     if (!status && labels && !out->table.count) {
         status =
             fail(CONUS_ERROR_ARGUMENT,
@@ -66,11 +68,12 @@ conus_status named_maps_find(struct named_maps *out, const char *path, const con
     struct volume_selector selector = {0};
     conus_volume_info info;
     conus_status status = volume_selector_parse(&selector, path);
-    bool several = !status && !selector.chosen && !volume_file_header(&info, path) && info.volume_count > 1;
+    bool labels = options->labels_anyway; /* each volume is one of labels */
+    bool several = !status && !selector.chosen && !labels && !volume_file_header(&info, path) && info.volume_count > 1;
     status = status == CONUS_ERROR_MEMORY ? status : CONUS_OK; /* what is wrong is said where it is read */
     if (several) {
         info.path = selector.path;
-        status = find_names(&maps, &info, options->labels);
+        status = find_names(&maps, &info, options);
     }
     volume_selector_finish(&selector);
     if (status) {

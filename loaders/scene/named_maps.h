@@ -16,7 +16,8 @@ struct named_maps {
 
 /** Finds out whether all volumes of @p path are named: it has several, none is chosen by ",volume=K", and the table of
  * @p options, or one beside it, says for certain which name is which volume's. @p out has an empty table where not, or
- * where it is no volume. CONUS_ERROR_ARGUMENT where the table of @p options does not name them. */
+ * where it is no volume, or labels_anyway is set. CONUS_ERROR_ARGUMENT where the table of @p options does not name
+ * them. */
 conus_status named_maps_find(struct named_maps *out, const char *path, const conus_load_options *options);
 
 /** Refuses @p file, opened as a series, where its values may be labels, or images of one thing, and neither its name

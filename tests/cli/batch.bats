@@ -78,7 +78,7 @@ wait_for_lines() {
     [[ "$(cell name 4)" == "line 4: "*nan* ]]
     [[ "$(cell name 5)" == "line 5: angle: 180 degrees"* ]]
     [ "$(cell pixels 5)/$(cell share 5)/$(cell index 5)" = n/a/n/a/n/a ]
-    [ "$(awk -F'\t' '{ print NF }' <<<"$output" | sort -u)" = 23 ]
+    [ "$(awk -F'\t' '{ print NF }' <<<"$output" | sort -u)" = 24 ]
     run -1 conus batch sphere.nii.gz --poses poses.tsv --format ndjson
     [[ "${lines[2]}" == '{"query":"b","kind":"error","index":null,"name":"line 3: '* ]]
     run -1 conus batch sphere.nii.gz --poses poses.tsv -o rows.tsv

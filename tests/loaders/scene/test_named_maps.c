@@ -169,6 +169,8 @@ static void a_given_table_does_so(void **state)
     assert_refused("maps.nii", &(conus_load_options){.labels = test_in("four.txt")}, CONUS_ERROR_ARGUMENT,
                    "--labels four.txt does not name them");
     assert_refused("maps.nii", &(conus_load_options){.labels = test_in("gone.txt")}, CONUS_ERROR_IO, "gone.txt");
+    row_text(test_in("bad.tsv"), "index\tname\n1\tA\n2.5\tB\n3\tC\n");
+    assert_refused("maps.nii", &(conus_load_options){.labels = test_in("bad.tsv")}, CONUS_ERROR_DATA, "bad.tsv: ");
 }
 
 static void the_background_is_no_area(void **state)
@@ -196,6 +198,7 @@ static void without_names_one_volume_is_chosen(void **state)
                        "volume: the file has 3, choose one by adding \",volume=K\", K from 0 to 2");
     }
     row_text(test_in("maps.txt"), "1 A\n2 B\n3 C\n");
+    assert_refused("maps.nii", &(conus_load_options){.labels_anyway = true}, CONUS_ERROR_ARGUMENT, "choose one");
     assert_refused("maps.nii,volume=1", NULL, CONUS_ERROR_DATA, "looks like an image, not like labels");
     write_volumes("one.nii", UINT8, 1, masks);
     row_text(test_in("one.txt"), "1 A\n");
