@@ -60,6 +60,13 @@ static double series(size_t volume, const double at[3])
     return 700 + 10 * (double)volume + at[0];
 }
 
+/* The value of voxel `v` of a volume, i fastest. */
+static double value_at(formula *value, size_t volume, size_t v)
+{
+    const size_t index[3] = {v % DIM, v / DIM % DIM, v / DIM / DIM};
+    return value(volume, (double[]){(double)index[0], (double)index[1], (double)index[2]});
+}
+
 static void write_volumes(const char *name, int datatype, size_t count, formula *value)
 {
     struct nifti_builder builder;
@@ -67,9 +74,7 @@ static void write_volumes(const char *name, int datatype, size_t count, formula 
     nifti_set(&builder, "dim", 0, 4);
     nifti_set(&builder, "dim", 4, (double)count);
     for (size_t i = 0; i < count * DIM * DIM * DIM; i++) {
-        size_t v = i % (DIM * DIM * DIM);
-        nifti_voxel(&builder, value(i / (DIM * DIM * DIM),
-                                    (double[]){(double)(v % DIM), (double)(v / DIM % DIM), (double)(v / DIM / DIM)}));
+        nifti_voxel(&builder, value_at(value, i / (DIM * DIM * DIM), i % (DIM * DIM * DIM)));
     }
     assert_ok(conus_write_file(test_in(name), builder.bytes.data, builder.bytes.size));
     buffer_finish(&builder.bytes);
@@ -100,8 +105,7 @@ static void assert_areas(const conus_atlas *atlas, size_t first, const char *con
         const conus_object *area = conus_atlas_object(atlas, volume - first + 1);
         uint64_t voxels = 0;
         for (size_t v = 0; v < DIM * DIM * DIM; v++) {
-            voxels +=
-                value(volume, (double[]){(double)(v % DIM), (double)(v / DIM % DIM), (double)(v / DIM / DIM)}) >= from;
+            voxels += value_at(value, volume, v) >= from;
         }
         assert_int_equal(area->kind, CONUS_KIND_AREA);
         assert_int_equal(area->label, volume + 1);
