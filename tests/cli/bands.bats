@@ -5,23 +5,7 @@ load helpers
 # ramp.nii: 8 x 8 x 12 voxels of 1 mm, uint8, the middle of the grid at the origin; value = 10 k, 0 to 110.
 ramp() {
     command -v python3 >/dev/null || skip 'no python3'
-    python3 - <<'END'
-import struct
-dim = (8, 8, 12)
-head = bytearray(352)
-struct.pack_into("<i", head, 0, 348)
-struct.pack_into("<8h", head, 40, 3, *dim, 1, 1, 1, 1)
-struct.pack_into("<2h", head, 70, 2, 8)
-struct.pack_into("<8f", head, 76, 1, 1, 1, 1, 1, 1, 1, 1)
-struct.pack_into("<2f", head, 108, 352, 1)
-struct.pack_into("<2h", head, 252, 0, 1)
-for row in range(3):
-    line = [0.0] * 4
-    line[row], line[3] = 1, -(dim[row] - 1) / 2
-    struct.pack_into("<4f", head, 280 + 16 * row, *line)
-head[344:348] = b"n+1\0"
-open("ramp.nii", "wb").write(bytes(head) + bytes(10 * (n // 64) for n in range(64 * 12)))
-END
+    PYTHONPATH="$BATS_TEST_DIRNAME" python3 -B -c 'import nifti; nifti.write("ramp.nii", (8, 8, 12), "B", lambda i, j, k: 10 * k)'
     conus phantom sphere -o . --size 16
     printf '%s' '{"conus_atlas": 1, "pathways": [{"file": "ramp.nii", "bands": [
         {"name": "High", "low": 80}, {"name": "Low", "low": 20, "high": 50}, {"name": "Middle", "low": 50, "high": 80}

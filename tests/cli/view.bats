@@ -115,11 +115,24 @@ END
         diff left.tsv - # the session hides it
 }
 
+# scene: scene.atlas.json, two slabs across y with a context and the pathway Arc, which are one map: a ball, 46000 in its
+# middle, 0 from 30 mm on.
+scene() {
+    command -v python3 >/dev/null || skip 'no python3'
+    conus phantom slabs -o . --size 32
+    PYTHONPATH="$BATS_TEST_DIRNAME" python3 -B - <<'END'
+import math, nifti
+nifti.write("ball.nii", (30, 30, 30), "H", lambda *at: int(max(0, 46000 * (1 - math.dist(at, [14.5] * 3) / 15))), 2)
+END
+    printf '%s' '{"conus_atlas": 1, "parcellation": {"file": "slabs.nii.gz"}, "pathways": [{"file": "ball.nii",
+        "name": "Arc"}], "context": {"file": "ball.nii", "transfer": "brain"}}' >scene.atlas.json
+}
+
 @test "a session keeps thresholds, the context's transfer function and colours" {
     need_window
-    conus phantom brain -o .
+    scene
     local aim='--origin 0,150,0 --toward 0,0,0 --angle 30 --layers all'
-    view brain.atlas.json <<'END'
+    view scene.atlas.json <<'END'
 aim 0 150 0 0 0 0
 angle 30
 key l
@@ -133,8 +146,8 @@ open before.json
 results again.tsv
 save again.json
 END
-    sed 's/"name": "Arc"/"name": "Arc", "threshold": 32000.5/' brain.atlas.json >higher.atlas.json
-    conus query brain.atlas.json $aim --format tsv --quiet | diff before.tsv -
+    sed 's/"name": "Arc"/"name": "Arc", "threshold": 32000.5/' scene.atlas.json >higher.atlas.json
+    conus query scene.atlas.json $aim --format tsv --quiet | diff before.tsv -
     conus query higher.atlas.json $aim --format tsv --quiet | diff changed.tsv -
     run -1 cmp -s before.tsv changed.tsv
     diff before.tsv again.tsv
@@ -143,7 +156,7 @@ END
         '[[{"pathway":"Arc","threshold":32000.5}],null,true]' ]
     sed 's/"transfer": null/"transfer": [[0, 0, 0, 0, 0], [100.5, 1, 0.5, 0.25, 0.3]]/' one.json >edited.json
     # edited points stay when what is seen is otherwise changed, and go with a session that has none
-    view brain.atlas.json --session edited.json <<'END'
+    view scene.atlas.json --session edited.json <<'END'
 results left.tsv
 save two.json
 picture edited.png 120 90
@@ -162,17 +175,17 @@ END
     run -1 cmp -s edited.png one.png
     # of an older program: what it does not say stays
     jq 'del(.thresholds, .transfer, .safe_colours)' before.json >old.json
-    printf 'threshold Arc 32000.5\nkey c\nopen old.json\nsave kept.json\n' | view brain.atlas.json
+    printf 'threshold Arc 32000.5\nkey c\nopen old.json\nsave kept.json\n' | view scene.atlas.json
     diff <(jq -S '.thresholds, .safe_colours' one.json) <(jq -S '.thresholds, .safe_colours' kept.json)
 }
 
 @test "settings of the atlas that do not fit are refused, in one line" {
     need_window
-    conus phantom brain -o .
-    printf 'angle 20\nsave fine.json\n' | view brain.atlas.json
+    scene
+    printf 'angle 20\nsave fine.json\n' | view scene.atlas.json
     refused() { # FILTER MESSAGE
         jq ".angle_deg = 33 | .safe_colours = true | $1" fine.json >bad.json
-        run -3 --separate-stderr timeout $HANG "$CONUS" view brain.atlas.json --session bad.json --script /dev/null --quiet
+        run -3 --separate-stderr timeout $HANG "$CONUS" view scene.atlas.json --session bad.json --script /dev/null --quiet
         check_message "$2"
     }
     refused '.thresholds[0].pathway = "Fornix"' 'thresholds: that of "Arc" is needed, not of "Fornix"'
@@ -463,12 +476,16 @@ END
     export ASAN_OPTIONS=detect_leaks=0 # Mesa forgets 128 bytes of a driver that is unloaded before anything was drawn
     need_window
     command -v xdotool >/dev/null || skip "no xdotool"
-    conus phantom nested -o . --size 512 # takes a while to load
+    conus phantom nested -o .
     export XDG_STATE_HOME=$PWD/state
+    hold_file nested.nii.gz
     background timeout $HANG "$CONUS" view nested.nii.gz --quiet
+    wait_until "$child" test -e begun
     wait_until "$child" find_window
     xdotool key --window "$window" --delay 5 plus h u plus h u plus h u plus h u plus h u plus h u
     close_window "$window"
+    wait_until "$child" not find_window # so the keys, which came before, were seen to
+    touch released
     wait "$child"
 }
 

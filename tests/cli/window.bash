@@ -77,12 +77,16 @@ drop() {
     wait "$dropping"
 }
 
-# hold_mesh: two.atlas.json, an atlas of two files. Programs that open the first make the file begun and wait for the
-# file released (hold_open.c); the second is no surface.
+# hold_file NAME: programs that open it make the file begun and wait for the file released (hold_open.c).
+hold_file() {
+    export HOLD_NAME=$1 HOLD_FOLDER=$PWD LD_PRELOAD=$CONUS_HOLD_OPEN
+    export ASAN_OPTIONS=${ASAN_OPTIONS-}:verify_asan_link_order=0
+}
+
+# hold_mesh: two.atlas.json, an atlas of two files, of which the first is held and the second is no surface.
 hold_mesh() {
     printf 'v 0 0 0\nv 9 0 0\nv 0 9 0\nv 0 0 9\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n' >first.obj
     echo '<?xml version="1.0"?><GIFTI Version="1.0">' >second.surf.gii
     echo '{"conus_atlas": 1, "areas": [{"file": "first.obj", "label": 1}, {"file": "second.surf.gii", "label": 2}]}' >two.atlas.json
-    export HOLD_NAME=first.obj HOLD_FOLDER=$PWD LD_PRELOAD=$CONUS_HOLD_OPEN
-    export ASAN_OPTIONS=${ASAN_OPTIONS-}:verify_asan_link_order=0
+    hold_file first.obj
 }

@@ -118,21 +118,34 @@ def run(conus, *arguments):
     return done.stdout
 
 
-def rows(conus, atlas, goal, way, *more):
-    origin = goal - 300 * way  # outside the brain: a mesh, unlike voxels, begins where it is entered
-    text = run(conus, "query", atlas, "--origin=" + ",".join(f"{x:.3f}" for x in origin),
-               "--toward=" + ",".join(f"{x:.3f}" for x in goal), "--format", "tsv", "-q", *more)
-    return list(csv.DictReader(io.StringIO(text), delimiter="\t"))
+def write_aims(base, aims):
+    """A table for --pose of (goal, way). Devices are 300 mm away, outside the brain: a mesh, unlike voxels, begins
+    where it is entered."""
+    path = os.path.join(base, "aims.tsv")
+    with open(path, "w", encoding="utf-8") as file:
+        file.write("x\ty\tz\ttx\tty\ttz\n")
+        for goal, way in aims:
+            file.write("\t".join(f"{x:.3f}" for x in [*(goal - 300 * way), *goal]) + "\n")
+    return path
 
 
-def differences(a, b, keys, tolerance):
-    """Rows of both answers, by name, whose columns differ by more than `tolerance` (mm, or parts)."""
+def answers(conus, atlas, table, *more):
+    """The rows of each aim of a table, in their order."""
+    text = run(conus, "query", atlas, "--pose", table, "--format", "tsv", "-q", *more)
+    found = {}
+    for row in csv.DictReader(io.StringIO(text), delimiter="\t"):
+        found.setdefault(row["query"], []).append(row)
+    return list(found.values())
+
+
+def differences(a, b, tolerances):
+    """Rows of both answers, by name, whose columns differ by more than their tolerance (mm, or parts)."""
     a, b = ({row["name"]: row for row in answer} for answer in (a, b))
     if a.keys() != b.keys():
         return [f"areas {sorted(a.keys() ^ b.keys())}"]
     wrong = []
     for name in a:
-        for key in keys:
+        for key, tolerance in tolerances.items():
             x, y = a[name][key], b[name][key]
             same = x == y or ("n/a" not in (x, y) and abs(float(x) - float(y)) <= tolerance)
             wrong += [] if same else [f"{name}: {key} {x} and {y}"]
@@ -157,24 +170,30 @@ def check(conus, base, orientation, volume, labels, meshes):
         index = [voxel[axis] if sign > 0 else volume.shape[axis] - 1 - voxel[axis] for axis, sign in sides]
         return nibabel.affines.apply_affine(affine, index)
 
-    voxels = [key for key in rows(conus, nifti, np.zeros(3), np.array([1.0, 0, 0]), "--layers", "all")[0]
-              if key not in ("query", "rank", "index", "name", "abbreviation", "parent", "hemisphere")]
+    def compared(aims, one, other, tolerances):
+        """The other's answers, and how those of `one` differ: each an atlas and its options."""
+        table = write_aims(base, aims)
+        both = [answers(conus, atlas, table, *more) for atlas, more in (one, other)]
+        assert len(both[0]) == len(both[1]) == len(aims)
+        return both[1], [line for pair in zip(*both) for line in differences(*pair, tolerances(pair[0][0]))]
+
+    def measured(row):
+        names = ("query", "rank", "index", "name", "abbreviation", "parent", "hemisphere")
+        return {key: 1e-9 for key in row if key not in names}
+
     wrong = []
-    kept = volume * np.isin(volume, meshes)
-    for goal, way in poses(volume, world):
-        for more in ([], ["--layers", "all"], ["--radius", "6", "--layers", "all"]):
-            plain, whole = (rows(conus, atlas, goal, way, *more) for atlas in (nifti, folder))
-            wrong += differences(plain, whole, [key for key in voxels if key in plain[0]], 1e-9)
-        alone = rows(conus, os.path.join(folder, "annotation.tiff"), goal, way)
-        wrong += differences(rows(conus, folder, goal, way), alone, voxels[:0] + ["share", "pixels"], 0)
+    aims = list(poses(volume, world))
+    for more in ([], ["--layers", "all"], ["--radius", "6", "--layers", "all"]):
+        wrong += compared(aims, (nifti, more), (folder, more), measured)[1]
+    alone = (os.path.join(folder, "annotation.tiff"), [])
+    wrong += compared(aims, (folder, []), alone, lambda _: {"share": 0, "pixels": 0})[1]
     if meshes:
-        hit = 0
-        only = ["--only", ",".join(labels[n] for n in meshes)]
-        for goal, way in poses(kept, world):
-            shape = [rows(conus, atlas, goal, way, "--angle", "5", *extra)
-                     for atlas, extra in ((folder, only), (os.path.join(folder, "meshes"), []))]
-            wrong += differences(*shape, ["share"], 0.02) + differences(*shape, ["distance_mm"], 0.05)
-            hit += sum(row["name"] in labels.values() for row in shape[1])
+        aims = list(poses(volume * np.isin(volume, meshes), world))
+        one = (folder, ["--angle", "5", "--only", ",".join(labels[n] for n in meshes)])
+        other = (os.path.join(folder, "meshes"), ["--angle", "5"])
+        seen, apart = compared(aims, one, other, lambda _: {"share": 0.02, "distance_mm": 0.05})
+        wrong += apart
+        hit = sum(row["name"] in labels.values() for shape in seen for row in shape)
         assert hit >= 8, f"{orientation}: the cones hit {hit} areas on the meshes"
     roles = {volume["role"]: os.path.basename(volume["path"])
              for volume in json.loads(run(conus, "info", folder, "--format", "json"))["volumes"]}
@@ -188,8 +207,8 @@ def check(conus, base, orientation, volume, labels, meshes):
     with open(os.path.join(folder, "made.atlas.json"), encoding="utf-8") as file:
         made = json.load(file)
     assert made == {"conus_atlas": 1, "parcellation": {"file": "annotation.tiff"}, "context": {"file": "reference.tiff"}}
-    wrong += differences(rows(conus, folder, goal, way), rows(conus, os.path.join(folder, "made.atlas.json"), goal, way),
-                         ["share"], 0)
+    scene = (os.path.join(folder, "made.atlas.json"), [])
+    wrong += compared(aims, (folder, []), scene, lambda _: {"share": 0})[1]
     print(f"{orientation}: {array.shape}, {len(wrong)} differ")
     return wrong
 

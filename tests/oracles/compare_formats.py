@@ -1,10 +1,11 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""compare_formats.py DUMP_VOLUME CONUS [SHARED_DATA]: one atlas in every format whose header is text, against the NIfTI that it was
-made of.
+"""compare_formats.py DUMP_VOLUME CONUS [SHARED_DATA]: one atlas in every format whose header is text, against the NIfTI
+that it was made of.
 
-AAL is written here with numpy, from what nibabel reads: NRRD, MetaImage and AFNI. teem's unu writes the NRRD again in other encodings, byte
-orders and types; nibabel reads the AFNI files, too, and those of the shared data. Voxels, affine (1e-6) and all rows of a query with all layers must be those of the NIfTI."""
+The middle of AAL is written here with numpy, from what nibabel reads: NRRD, MetaImage and AFNI. teem's unu writes the
+NRRD again in other encodings, byte orders and types; nibabel reads the AFNI files, too, and those of the shared data.
+Voxels, affine (1e-6) and all rows of a query with all layers must be those of the NIfTI."""
 import glob
 import gzip
 import os
@@ -201,10 +202,11 @@ def main():
         return 77
     image = nibabel.load(AAL)
     turn = numpy.array([[0.96, -0.28, 0, 3], [0.28, 0.96, 0, -5], [0, 0, 1, 7], [0, 0, 0, 1]])
-    voxels = numpy.asarray(image.dataobj)
+    voxels = numpy.asarray(image.dataobj)[:, 60:150, 60:120]
+    cropped = image.affine @ nibabel.affines.from_matvec(numpy.eye(3), [0, 60, 60])
     bad = total = 0
     with tempfile.TemporaryDirectory() as folder:
-        for affine in (image.affine, turn @ image.affine):
+        for affine in (cropped, turn @ cropped):
             nifti = os.path.join(folder, "aal.nii")
             nibabel.save(nibabel.Nifti1Image(voxels, affine), nifti)
             placed = nibabel.load(nifti).affine

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Probabilistic atlases in the layout of FSL, against nibabel and numpy.
 
-The atlas is made of areas of Debian's AAL: a voxel's probability to be an area is the percentage of the 7 x 7 x 7 voxels
-around it that are. So areas overlap, and one below 25 % everywhere is among them. conus gets ATLAS.xml and the 4-D
+The atlas is made of areas of Debian's AAL at 2 mm: a voxel's probability to be an area is the percentage of the 5 x 5 x 5
+voxels around it that are. So areas overlap, and one below 25 % everywhere is among them. conus gets ATLAS.xml and the 4-D
 image beside it. Of every area: voxels from 25 % on in the whole volume; voxels, mean and largest probability in random
 cones, cylinders and balls (the predicate of compare_census.py); pixels that hit it first, as the nearest entry of all
 areas' intervals along each ray (those of compare_query.py). The value at a contact is that of the voxel whose cell
@@ -31,7 +31,7 @@ from compare_census import inside, random_region
 from compare_query import box_corners, cone_rays, intervals
 
 LABELS = [1, 2, 3, 4, 29, 30, 37, 38, 79, 80]
-WIDTH = 7
+WIDTH = 5
 
 
 def percentages(mask):
@@ -56,17 +56,18 @@ class Maps:
 
 
 def write_atlas(folder, aal):
-    labels = np.asanyarray(aal.dataobj)
+    labels = np.asanyarray(aal.dataobj)[::2, ::2, ::2]
+    affine = aal.affine @ np.diag([2, 2, 2, 1])
     maps = np.stack([percentages(labels == label) for label in LABELS] + [percentages(labels == 1) // 5], axis=3)
     os.mkdir(os.path.join(folder, "AAL"))
-    nibabel.save(nibabel.Nifti1Image(maps, aal.affine), os.path.join(folder, "AAL/AAL-prob-1mm.nii.gz"))
+    nibabel.save(nibabel.Nifti1Image(maps, affine), os.path.join(folder, "AAL/AAL-prob-2mm.nii.gz"))
     names = "".join(f'<label index="{i}" x="0" y="0" z="0">area {i + 1}</label>' for i in range(maps.shape[3]))
     path = os.path.join(folder, "AAL.xml")
     with open(path, "w") as out:
         out.write("<atlas version='1.0'><header><name>AAL</name><type>Probabilistic</type><images>"
-                  "<imagefile>/AAL/AAL-prob-1mm</imagefile><summaryimagefile>/AAL/none</summaryimagefile></images>"
+                  "<imagefile>/AAL/AAL-prob-2mm</imagefile><summaryimagefile>/AAL/none</summaryimagefile></images>"
                   f"</header><data>{names}</data></atlas>")
-    return path, Maps(nibabel.load(os.path.join(folder, "AAL/AAL-prob-1mm.nii.gz")))
+    return path, Maps(nibabel.load(os.path.join(folder, "AAL/AAL-prob-2mm.nii.gz")))
 
 
 def query(conus, path, region, how=("--layers", "all")):

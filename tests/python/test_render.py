@@ -4,6 +4,7 @@ import gc
 import io
 import multiprocessing
 import os
+import shutil
 import subprocess
 import sys
 import threading
@@ -16,6 +17,7 @@ import pytest
 import conus
 from support import AAL, AFFINE, NAMES, call_conus, needs_aal, page_blocks, plates, same
 
+NAMES_OF_AAL = AAL.replace(".gz", ".txt")
 CONTEXT = "/usr/share/mricron/templates/ch2bet.nii.gz"
 CONE = {"origin": (-90, 20, 20), "toward": (0, -10, 10), "angle": 20}
 SMALL = (200, 150)
@@ -30,9 +32,22 @@ def needs_gl():
         pytest.skip(f"no OpenGL: {error}")
 
 
+@pytest.fixture(name="halved", scope="module")
+def write_halved(tmp_path_factory):
+    """AAL, with its names, and the image for its context, both at 2 mm."""
+    paths = {}
+    for path in (AAL, CONTEXT):
+        image = nibabel.load(path)
+        voxels = np.asanyarray(image.dataobj)[::2, ::2, ::2]
+        paths[path] = tmp_path_factory.getbasetemp() / os.path.basename(path)
+        nibabel.save(nibabel.Nifti1Image(voxels, image.affine @ np.diag([2, 2, 2, 1])), paths[path])
+    shutil.copy(NAMES_OF_AAL, paths[AAL].parent)
+    return paths
+
+
 @pytest.fixture(name="aal", scope="module")
-def load_aal():
-    return conus.load(AAL, context=CONTEXT)
+def load_aal(halved):
+    return conus.load(halved[AAL], context=halved[CONTEXT])
 
 
 def pixels_of(png):
@@ -60,11 +75,11 @@ CASES = {
 
 @needs_aal
 @pytest.mark.parametrize("case", CASES)
-def test_picture_is_the_file_of_the_program(aal, tmp_path, case):
+def test_picture_is_the_file_of_the_program(aal, halved, tmp_path, case):
     """To the byte: one library draws both, and the driver is the same."""
     cone, view, words = CASES[case]
     hits = None
-    words = [*words, f"--context={CONTEXT}", "--size={}x{}".format(*SMALL), "-q", "-o", tmp_path / "theirs.png"]
+    words = [*words, f"--context={halved[CONTEXT]}", "--size={}x{}".format(*SMALL), "-q", "-o", tmp_path / "theirs.png"]
     given = {name: value for name, value in view.items() if not isinstance(value, bool)}
     if cone is not None:
         aim = {name: value for name, value in CONE.items() if name != "angle" or "radius" not in cone}
@@ -73,7 +88,7 @@ def test_picture_is_the_file_of_the_program(aal, tmp_path, case):
     for name, value in given.items():
         text = ",".join(map(str, value)) if isinstance(value, tuple) else value
         words.append(f"--{name.replace('_', '-')}={text}")
-    call_conus("render", AAL, *words)
+    call_conus("render", halved[AAL], *words)
     picture = aal.render(hits, size=SMALL, **view)
     theirs = (tmp_path / "theirs.png").read_bytes()
     assert picture._repr_png_() == theirs
@@ -96,9 +111,9 @@ def test_transfer_of_points_is_that_of_its_name(aal):
 
 
 @needs_aal
-def test_context_fades_and_a_draft_is_rough(aal):
+def test_context_fades_and_a_draft_is_rough(aal, halved):
     """Without its context, the atlas is the picture; a draft has fewer shades at edges."""
-    bare = conus.load(AAL).render(size=SMALL, legend=False, **CAMERA).array
+    bare = conus.load(halved[AAL]).render(size=SMALL, legend=False, **CAMERA).array
     with aal.renderer() as renderer:
         assert np.array_equal(renderer.render(size=SMALL, legend=False, fade=1, **CAMERA).array, bare)
         whole = renderer.render(size=SMALL, legend=False, **CAMERA).array
