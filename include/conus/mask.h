@@ -31,7 +31,7 @@ typedef struct conus_grid_options {
     conus_grid_content content; /**< What the numbers are. */
     uint32_t object; /**< Only this object and those below it in the area tree; 0 = all. A map of values needs a pathway
                         here, unless there is only one; a mask of one is made with it, too. Of the region it only
-                        chooses the grid, and must be a pathway. */
+                        chooses the grid, and must be a pathway, or an area where areas lie on several grids. */
 } conus_grid_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -39,7 +39,7 @@ typedef struct conus_grid_options {
 
 /**
  * Makes a grid of the voxels with their centre in a selection's cone, cylinder or ball (Eq. 10), occluded or not, on
- * the grid of the parcellation, or else of the pathway.
+ * the grid of the parcellation, of several that of the object, or else of the pathway.
  * @param[out] out The grid; end it with conus_grid_destroy().
  * @param selection The selection. Its atlas must still be there.
  * @param options NULL = defaults.
