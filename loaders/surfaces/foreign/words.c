@@ -109,7 +109,7 @@ conus_status words_whole(int64_t *out, struct words *words, int64_t least, const
 
 conus_status words_count(size_t *out, struct words *words, size_t least, const char *what)
 {
-    int64_t count;
+    int64_t count = 0;
     conus_status status = words_whole(&count, words, 0, what);
     if (!status && (uint64_t)count > words->rest.size / least + 1) { /* the last one needs no separator */
         status = fail(CONUS_ERROR_DATA, "%s: %lld, more than the %zu bytes that follow can hold", what,
