@@ -4,7 +4,6 @@
 #include "cli/commands.h"
 #include "common/messages.h"
 #include "common/output.h"
-#include "settings/atlas_input.h"
 #include "settings/atlas_notes.h"
 
 #include <stdlib.h>
@@ -53,10 +52,17 @@ static const struct option_group groups[] = {
     {"What it may cover", atlas_options, FIELD(atlas)},
     {"", shown_options, FIELD(atlas)},
     {"", level_options, 0},
+    {"", more_atlas_options, FIELD(atlas)},
     {"What is written", format_options, FIELD(answer)},
     {"", answer_output_options, FIELD(answer)},
     {"", quiet_options, FIELD(common)},
     {0},
+};
+
+/* What answers for one atlas. */
+struct answerer {
+    conus_selector *selector;
+    conus_report *report; /* the first one's has the others' joined */
 };
 
 /* An overlap under way. */
@@ -66,16 +72,18 @@ struct overlap {
     conus_format format;
     char *command_line;
     char *sidecar; /* path; NULL = none */
-    conus_atlas *atlas;
-    conus_selector *selector;
-    conus_report *report;
+    struct atlases atlases;
+    struct answerer *answerers; /* [atlases.count] */
 };
 
 static void overlap_finish(struct overlap *overlap)
 {
-    conus_report_destroy(overlap->report);
-    conus_selector_destroy(overlap->selector);
-    conus_atlas_destroy(overlap->atlas);
+    for (size_t i = 0; overlap->answerers && i < overlap->atlases.count; i++) {
+        conus_report_destroy(overlap->answerers[i].report);
+        conus_selector_destroy(overlap->answerers[i].selector);
+    }
+    free(overlap->answerers);
+    atlases_finish(&overlap->atlases);
     free(overlap->command_line);
     free(overlap->sidecar);
 }
@@ -99,19 +107,23 @@ static bool is_named(const conus_volume_info *info)
 }
 
 /* What a careful user should know about where a region lies. */
-static void say_place(const struct overlap *overlap, const conus_roi *roi, const conus_overlap *coverages)
+static void say_place(const struct overlap *overlap, size_t index, const conus_roi *roi, const conus_overlap *coverages)
 {
+    char prefix[ATLAS_PREFIX_SIZE];
+    const struct named_atlas *named = &overlap->atlases.items[index];
     const conus_volume_info *info = conus_roi_volume(roi);
     const conus_coverage *best = conus_overlap_coverage(coverages, 0);
-    const conus_volume_info *atlas = conus_atlas_volume(overlap->atlas, 0);
+    const conus_volume_info *atlas = conus_atlas_volume(named->atlas, 0);
     if (overlap->settings->common.quiet) {
         return;
     }
+    atlases_prefix(prefix, named);
     if (!best->object) {
-        print_error_line("note: %s: covers no area and no pathway; are it and the atlas in one space?", info->path);
+        print_error_line("note: %s%s: covers no area and no pathway; are it and the atlas in one space?", prefix,
+                         info->path);
     }
     if (is_named(info) && is_named(atlas) && info->space_code != atlas->space_code) {
-        print_error_line("note: %s: its header names another space (%s) than the atlas's (%s)", info->path,
+        print_error_line("note: %s%s: its header names another space (%s) than the atlas's (%s)", prefix, info->path,
                          info->transform, atlas->transform);
     }
 }
@@ -130,6 +142,20 @@ static bool check_region(const struct overlap *overlap, const conus_roi *roi)
     return true;
 }
 
+/* What the region covers of one atlas. */
+static int add_answer(struct overlap *overlap, size_t index, const char *path, const conus_roi *roi)
+{
+    struct answerer *answerer = &overlap->answerers[index];
+    conus_overlap *coverages = NULL;
+    conus_status status = conus_overlap_create(&coverages, answerer->selector, roi);
+    status = status ? status : conus_report_add_overlap(answerer->report, path, coverages);
+    if (!status) {
+        say_place(overlap, index, roi, coverages);
+    }
+    conus_overlap_destroy(coverages);
+    return status ? print_status(status) : EXIT_DONE;
+}
+
 static int add_region(struct overlap *overlap, const char *path)
 {
     const struct overlap_settings *settings = overlap->settings;
@@ -137,50 +163,62 @@ static int add_region(struct overlap *overlap, const char *path)
                                        .max_memory = settings->atlas.max_memory,
                                        .log = settings->common.quiet ? NULL : log_note};
     conus_roi *roi = NULL;
-    conus_overlap *coverages = NULL;
     conus_status status = conus_roi_load(&roi, path, &options);
-    if (!status && !check_region(overlap, roi)) {
-        conus_roi_destroy(roi);
-        return EXIT_USAGE;
+    int code = status ? print_status(status) : check_region(overlap, roi) ? EXIT_DONE : EXIT_USAGE;
+    for (size_t i = 0; !code && i < overlap->atlases.count; i++) {
+        code = add_answer(overlap, i, path, roi);
     }
-    status = status ? status : conus_overlap_create(&coverages, overlap->selector, roi);
-    status = status ? status : conus_report_add_overlap(overlap->report, path, coverages);
-    if (!status) {
-        say_place(overlap, roi, coverages);
-    }
-    conus_overlap_destroy(coverages);
     conus_roi_destroy(roi);
-    return status ? print_status(status) : EXIT_DONE;
+    return code;
 }
 
 /* ---- Steps ------------------------------------------------------------------------------------------------------ */
 
-static int load_atlas(struct overlap *overlap)
+/* --level is of the first atlas. */
+static conus_status start_answerer(struct overlap *overlap, size_t index)
 {
     const struct overlap_settings *settings = overlap->settings;
-    int code = settings_load_atlas(&overlap->atlas, overlap->arguments->operands[0], &settings->atlas);
-    if (code) {
-        return code;
-    }
-    const conus_selector_options selector = {.level = settings->engine.level, .engine = CONUS_ENGINE_RAYS};
+    const struct named_atlas *named = &overlap->atlases.items[index];
+    struct answerer *answerer = &overlap->answerers[index];
+    const conus_selector_options selector = {.level = index ? NULL : settings->engine.level,
+                                             .engine = CONUS_ENGINE_RAYS};
     const conus_report_options report = {.rows = CONUS_ROWS_COVERAGES,
                                          .format = overlap->format,
                                          .space = (conus_space)settings->space,
                                          .command = overlap->command_line,
-                                         .no_voxels = true};
-    conus_status status = conus_selector_create(&overlap->selector, overlap->atlas, &selector);
-    status = status ? status : conus_report_create(&overlap->report, overlap->selector, &report);
+                                         .no_voxels = true,
+                                         .atlas = named->name};
+    conus_status status = conus_selector_create(&answerer->selector, named->atlas, &selector);
+    status = status ? status : conus_report_create(&answerer->report, answerer->selector, &report);
+    return status || !index ? status : conus_report_join(overlap->answerers[0].report, answerer->report);
+}
+
+static int load_atlases(struct overlap *overlap)
+{
+    struct atlases *atlases = &overlap->atlases;
+    int code = atlases_load(atlases, overlap->arguments->operands[0], &overlap->settings->atlas);
+    conus_status status = CONUS_OK;
+    if (code) {
+        return code;
+    }
+    overlap->answerers = calloc(atlases->count, sizeof *overlap->answerers);
+    if (!overlap->answerers) {
+        print_error_line("not enough memory");
+        return EXIT_DATA;
+    }
+    for (size_t i = 0; i < atlases->count && !status; i++) {
+        status = start_answerer(overlap, i);
+    }
     return status ? print_status(status) : EXIT_DONE;
 }
 
 /* Whether no output is a file that is read. */
 static bool check_output(const struct overlap *overlap, const char *path)
 {
-    const struct input inputs[] = {{"the atlas", overlap->arguments->operands[0]},
-                                   {"the label table", overlap->settings->atlas.labels},
+    const struct input inputs[] = {{"the label table", overlap->settings->atlas.labels},
                                    {"the list of areas", settings_level_file(&overlap->settings->engine)},
                                    {0}};
-    const char *input = path ? settings_input(overlap->atlas, inputs, path) : NULL;
+    const char *input = path ? atlases_input(&overlap->atlases, inputs, path) : NULL;
     if (input) {
         print_error_line("--output would overwrite %s %s", input, path);
     }
@@ -190,7 +228,7 @@ static bool check_output(const struct overlap *overlap, const char *path)
 static int answer(struct overlap *overlap)
 {
     const char *output = overlap->settings->answer.output;
-    int code = load_atlas(overlap);
+    int code = load_atlases(overlap);
     if (!code && (!check_output(overlap, output_is_stdout(output) ? NULL : output) ||
                   !check_output(overlap, overlap->sidecar))) {
         return EXIT_USAGE;
@@ -201,9 +239,10 @@ static int answer(struct overlap *overlap)
     if (code) {
         return code;
     }
-    settings_say_notes(overlap->atlas, &overlap->settings->common);
-    code = answer_write_sidecar(overlap->report, overlap->sidecar);
-    return code ? code : answer_write(overlap->report, output);
+    atlases_say_notes(&overlap->atlases, &overlap->settings->common);
+    atlases_say_spaces(&overlap->atlases, &overlap->settings->common);
+    code = answer_write_sidecar(overlap->answerers[0].report, overlap->sidecar);
+    return code ? code : answer_write(overlap->answerers[0].report, output);
 }
 
 static int run_overlap(const void *given, const struct arguments *arguments)

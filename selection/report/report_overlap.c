@@ -45,15 +45,23 @@ static void write_coverage(struct buffer *out, const conus_report *report, const
                   100 * coverage->roi_fraction, coverage->peak, at[0], at[1], at[2]);
 }
 
+/* Of one atlas. */
+static void write_answers(struct buffer *out, const conus_report *report, size_t query, int width)
+{
+    table_write_atlas(out, report);
+    write_header(out, width);
+    for (size_t i = report->queries[query].first_row; i < report->row_count && report->rows[i].query == query; i++) {
+        write_coverage(out, report, &report->rows[i], width);
+    }
+}
+
 void report_write_overlap(struct buffer *out, const conus_report *report)
 {
     int width = table_name_width(report);
-    size_t row = 0;
     for (size_t i = 0; i < report->query_count; i++) {
         write_region(out, &report->queries[i]);
-        write_header(out, width);
-        for (; row < report->row_count && report->rows[row].query == i; row++) {
-            write_coverage(out, report, &report->rows[row], width);
+        for (const conus_report *of = report; of && i < of->query_count; of = of->next) {
+            write_answers(out, of, i, width);
         }
         buffer_text(out, i + 1 < report->query_count ? "\n" : "");
     }

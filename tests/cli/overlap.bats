@@ -50,6 +50,20 @@ scene() {
     fails 2 "no area tree" overlap nested.nii.gz cone.nii.gz --level 1
 }
 
+@test "several atlases answer as each does by itself" {
+    scene
+    conus phantom slabs -o .
+    answers overlap nested.nii.gz cone.nii.gz cone.nii.gz --atlas slabs.nii.gz --format tsv
+    cp <(printf '%s\n' "$output") both.tsv
+    for atlas in nested slabs; do
+        conus overlap $atlas.nii.gz cone.nii.gz cone.nii.gz --format tsv >one.tsv
+        diff one.tsv <(awk -F'\t' -v atlas=$atlas 'NR == 1 || $2 == atlas' both.tsv | cut -f 1,3-)
+    done
+    [ "$(cut -f 2 both.tsv | uniq | tr '\n' ' ')" = "atlas nested slabs nested slabs " ]
+    answers overlap nested.nii.gz cone.nii.gz --atlas slabs.nii.gz
+    has "atlas slabs"
+}
+
 @test "a region that covers nothing is said" {
     scene
     conus query nested.nii.gz --origin 0,-100,20 --direction 0,1,0 --radius 1 --layers all --mask rim.nii.gz -o along.tsv
