@@ -73,8 +73,8 @@ setup_poses() {
     done
     diff <(grep -v CommandLine rows.json) <(grep -v CommandLine ranks3.json)
     [ "$(cut -f 2 rows.tsv | sort -u | tr '\n' ' ')" = "atlas slabs slabs-2 sphere " ]
-    ranks 2 "${both[@]}" --verbose -o verbose.tsv 2>ranks && return 1 || [ $? -eq 1 ]
-    grep -q 'conus: atlas: [0-9]* bytes, in memory once' ranks
+    ranks 2 "${both[@]}" --verbose -o verbose.tsv 2>loud && return 1 || [ $? -eq 1 ]
+    grep -q 'conus: atlas: [0-9]* bytes, in memory once' loud
 }
 
 @test "all ranks hide the same" {

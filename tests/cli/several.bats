@@ -208,7 +208,7 @@ END
 
 @test "bad input is one line" {
     atlases
-    aim=(--origin 0,0,90 --toward 0,0,0)
+    aim=(--origin '0,0,90' --toward '0,0,0')
     fails 3 'none.nii.gz: cannot open' query ball.nii.gz --atlas ./none.nii.gz "${aim[@]}"
     fails 3 'none: cannot open: No such file or directory, and no installed atlas has that name' query ball.nii.gz --atlas none "${aim[@]}"
     fails 2 '--atlas' query ball.nii.gz --atlas "" "${aim[@]}"
