@@ -95,12 +95,10 @@ static void finish(struct viewer *viewer)
 
 static void prepare(const struct atlases *atlases, const struct view_settings *settings)
 {
-    for (size_t i = 0; i < atlases->count; i++) {
-        settings_say_notes(atlases->items[i].atlas, &settings->common);
-        if (settings->safe_colours) {
-            conus_atlas_use_safe_colours(atlases->items[i].atlas);
-        }
+    for (size_t i = 0; i < atlases->count && settings->safe_colours; i++) {
+        conus_atlas_use_safe_colours(atlases->items[i].atlas);
     }
+    atlases_say_notes(atlases, &settings->common);
     atlases_say_spaces(atlases, &settings->common);
 }
 
