@@ -143,7 +143,7 @@ def main():
         info = json.loads(subprocess.run([conus, "info", path, "--format", "json"], check=True, capture_output=True).stdout)
         wanted = [int(member.sum()) for member in maps.members]
         assert [area["voxels"] for area in info["objects"]] == wanted and wanted[-1] == 0, wanted
-        image = os.path.join(folder, "AAL/AAL-prob-1mm")
+        image = os.path.join(folder, "AAL/AAL-prob-2mm")
         with open(image + ".tsv", "w") as out:
             out.write("index\tname\n" + "".join(f"{k}\tarea {k}\n" for k in range(1, len(wanted) + 1)))
         command = [conus, "info", image + ".nii.gz", "--format", "json"]
