@@ -379,10 +379,11 @@ static void list_answers(struct report_columns *out, const conus_report *report)
 
 static void insert_second(struct report_columns *out, const struct report_column *column)
 {
-    memmove(&out->at[2], &out->at[1], (out->count - 1) * sizeof out->at[0]);
+    list_column(out, column);
+    for (size_t i = out->count - 1; i > 1; i--) {
+        out->at[i] = out->at[i - 1];
+    }
     out->at[1] = column;
-    out->count++;
-    assert(out->count <= REPORT_COLUMN_LIMIT);
 }
 
 void report_list_columns(struct report_columns *out, const conus_report *report)
