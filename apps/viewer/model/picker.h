@@ -13,8 +13,8 @@ bool viewer_pick(uint32_t *object, double contact[3], struct viewer *viewer, con
 /** The first hit of such a ray in what a 3-D picture of one atlas would show, whatever its context hides, and how many
  * mm it is away; 0 and INFINITY = no hit. */
 uint32_t view_atlas_pick(double *depth, struct view_atlas *on, const double origin[3], const double direction[3]);
-/** What is at a place in one atlas, as its cuts would name it there: the object whose voxel or closed surface holds it; 0
- * = nothing. */
+/** What is at a place in one atlas, as its cuts would name it there: the object whose voxel or closed surface holds it;
+ * 0 = nothing. */
 uint32_t view_atlas_at(struct view_atlas *on, const double place[3]);
 /** The largest value of pathway @p object within a voxel of @p place; NaN of an area. */
 double view_atlas_value(struct view_atlas *on, uint32_t object, const double place[3]);
