@@ -141,7 +141,7 @@ conus_status atlas_move(conus_atlas *atlas, const double atlas_from_world[16], c
     return status;
 }
 
-void atlas_own_point(double out[3], const conus_atlas *atlas, const double point[3])
+void conus_atlas_own_point(double out[3], const conus_atlas *atlas, const double point[3])
 {
     if (atlas->is_moved) {
         mat4_point(out, atlas->own_from_world, point);

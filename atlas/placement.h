@@ -10,7 +10,4 @@
  * matrix that cannot be inverted or takes a vertex beyond 1e9 mm; CONUS_ERROR_MEMORY. */
 conus_status atlas_move(conus_atlas *atlas, const double atlas_from_world[16], const char *words);
 
-/** A world point in the atlas's own space: itself, unless the atlas was moved. */
-void atlas_own_point(double out[3], const conus_atlas *atlas, const double point[3]);
-
 #endif

@@ -138,6 +138,16 @@ CONUS_API size_t conus_atlas_volume_count(const conus_atlas *atlas);
 CONUS_API const conus_volume_info *conus_atlas_volume(const conus_atlas *atlas, size_t index);
 
 /**
+ * Finds where a world point is in the atlas's own space, that of its files.
+ * @param[out] out mm; the point itself, unless the atlas was moved (conus_atlas_transform()). May be @p point.
+ * @param atlas The atlas.
+ * @param point World mm.
+ * @threads Any, while none changes the atlas.
+ * @since 0.1
+ */
+CONUS_API void conus_atlas_own_point(double out[3], const conus_atlas *atlas, const double point[3]);
+
+/**
  * Counts the other files that an atlas is made of: a manifest, surfaces, labels of their vertices, lists of what is
  * shown, volumes of labels that are joined with another on its grid.
  * @param atlas NULL counts 0.

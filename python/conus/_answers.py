@@ -19,6 +19,16 @@ Array = np.ndarray[Any, Any]
 _KINDS = np.array(["error", "area", "pathway", "unassigned"], object)
 
 
+def _own_frame(atlas: Any) -> Optional[Array]:
+    """From world mm to the atlas's own space; None where that is the world."""
+    matrix, out = np.eye(4), ffi.new("double[3]")
+    for column, point in enumerate(((1, 0, 0), (0, 1, 0), (0, 0, 1), (0, 0, 0))):
+        lib.conus_atlas_own_point(out, atlas, point)
+        matrix[:3, column] = list(out)
+    matrix[:3, :3] -= matrix[:3, 3:]
+    return None if np.array_equal(matrix, np.eye(4)) else matrix
+
+
 class Objects:
     """Names and sRGB colours of an atlas's objects, by their numbers; entry 0 is "unassigned"."""
 
@@ -29,6 +39,7 @@ class Objects:
         self.abbreviations = np.array([""] + [text(o.abbreviation) for o in objects], object)
         self.labels = np.array([0] + [o.label for o in objects], np.uint32)
         self.colours = np.array([[0xBB] * 3] + [list(o.rgb) for o in objects], np.uint8)
+        self.own_from_world = _own_frame(atlas)
 
     def name(self, number: int) -> Optional[str]:
         """Of an object; None of 0."""
@@ -72,6 +83,9 @@ def _columns(objects: Objects, results: Array, layers: bool) -> dict[str, Any]:
     columns["offset_deg"] = _finite(np.rad2deg(results["offset"]))
     columns["distance_mm"] = _finite(results["distance"])
     columns.update(_points("contact_", results["contact"]))
+    if objects.own_from_world is not None:
+        own = objects.own_from_world
+        columns.update(_points("atlas_", results["contact"] @ own[:3, :3].T + own[:3, 3]))
     if layers:
         for name, member in (("entry_mm", "entry"), ("exit_mm", "exit"), ("path_mm", "path"), ("volume_mm3", "volume")):
             columns[name] = _finite(results[member])

@@ -91,7 +91,7 @@ static struct cell get_unoccluded(const conus_report *report, const struct repor
 static struct cell own_cell(const conus_report *report, const struct report_row *row, int axis)
 {
     double point[3];
-    atlas_own_point(point, report->atlas, row->result.contact);
+    conus_atlas_own_point(point, report->atlas, row->result.contact);
     report_point(report, point);
     return number_cell(point[axis]);
 }

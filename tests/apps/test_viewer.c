@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What the window does, without a window. */
 #include "viewer/model/picker.h"
+#include "viewer/session/session.h"
 #include "viewer/window/place.h"
 #include "viewer/window/start.h"
 
@@ -493,6 +494,27 @@ static void edited_points_outlive_other_changes(void **state)
     viewer_finish(&viewer);
 }
 
+/* Cone and pins would be of other places: the atlas has moved by 7 mm since. */
+static void a_session_is_of_where_the_atlas_lay(void **state)
+{
+    struct viewer viewer;
+    struct window window = {.enlarged = -1, .viewer = &viewer};
+    const double right[16] = {[0] = 1, [5] = 1, [10] = 1, [12] = 7, [15] = 1};
+    char why[SESSION_REASON];
+    (void)state;
+    load(&viewer, "nested", "nested.nii.gz");
+    char *before = session_text(&window);
+    assert_true(session_parse(&window, before, strlen(before), why));
+    assert_ok(conus_atlas_move(viewer.drawn->atlas, right));
+    assert_false(session_parse(&window, before, strlen(before), why));
+    assert_non_null(strstr(why, "--atlas-transform"));
+    char *moved = session_text(&window);
+    assert_true(session_parse(&window, moved, strlen(moved), why));
+    free(before);
+    free(moved);
+    viewer_finish(&viewer);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -513,6 +535,7 @@ int main(void)
         cmocka_unit_test(what_is_opened_comes_first),
         cmocka_unit_test(the_start_page_shows_no_escapes),
         cmocka_unit_test(a_device_without_a_pose_is_put_in_front),
+        cmocka_unit_test(a_session_is_of_where_the_atlas_lay),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

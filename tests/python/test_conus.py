@@ -191,6 +191,18 @@ def test_overlap_of_plates(atlas):
             atlas.overlap(roi, threshold)
 
 
+@needs_aal
+def test_a_moved_atlas_has_the_rows_of_the_program(tmp_path):
+    file = tmp_path / "turn.txt"
+    np.savetxt(file, [[0.8, -0.6, 0, 3], [0.6, 0.8, 0, -2], [0, 0, 1.1, 5], [0, 0, 0, 1]])
+    rows = run_conus("query", AAL, "--origin=-90,20,20", "--toward=0,-10,10", "--angle=20", "--format=tsv", "--quiet",
+                     f"--atlas-transform={file}")
+    frame = conus.load(AAL, transforms=[file]).select((-90, 20, 20), toward=(0, -10, 10), angle=20).to_dataframe()
+    assert_rows_of_the_program(frame, rows)
+    assert list(frame.columns) == [c for c in rows.columns if c in frame.columns]
+    assert "atlas_x" in frame.columns
+
+
 def test_transforms_bring_the_atlas_to_the_poses(tmp_path):
     """The pose's x is the atlas's less 7 mm: the right plate begins at 13 and no longer at 20 mm."""
     matrix = np.eye(4)
@@ -204,6 +216,8 @@ def test_transforms_bring_the_atlas_to_the_poses(tmp_path):
         moved = conus.load(plates(), AFFINE, labels=NAMES, transforms=transforms)
         hits = moved.select((0, 0.3, 0.2), direction=(1, 0, 0), angle=1)
         assert hits[0].contact[0] == pytest.approx(13, abs=1e-3)
+        row = hits.to_dataframe().iloc[0]
+        assert (row.atlas_x - 7, row.atlas_y) == pytest.approx((row.contact_x, row.contact_y))
     for bad, error in (([np.zeros((4, 4))], conus.ArgumentError), (matrix, conus.ArgumentError), (["none"], conus.FileError),
                        ([{"file": file, "colour": 1}], conus.ArgumentError), ([np.eye(3)], conus.ArgumentError)):
         with pytest.raises(error):

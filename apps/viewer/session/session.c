@@ -223,6 +223,7 @@ char *session_text(const struct window *window)
     if (state.slice_fraction > 0) {
         json_object_set_new(root, "slice_fraction", json_real(state.slice_fraction));
     }
+    json_object_set_new(root, "place", session_place(viewer->atlases));
     json_object_set_new(root, "hidden", session_hidden(viewer->atlases));
     json_object_set_new(root, "confirmed", pins_of(viewer));
     json_object_set_new(root, "thresholds", session_thresholds(viewer->atlases));

@@ -35,15 +35,35 @@ json_t *session_thresholds(const struct view_atlas *on)
     return list;
 }
 
+/* Where the origin and a step along each axis are in the atlas's own space: what --atlas-transform says. */
+static void find_place(double out[12], const struct view_atlas *on)
+{
+    for (int i = 0; i < 4; i++) {
+        const double point[3] = {i == 1, i == 2, i == 3};
+        conus_atlas_own_point(out + (ptrdiff_t)3 * i, on->atlas, point);
+    }
+}
+
+json_t *session_place(const struct view_atlas *on)
+{
+    double place[12];
+    json_t *list = json_array();
+    find_place(place, on);
+    for (int i = 0; i < 12; i++) {
+        json_array_append_new(list, json_real(place[i]));
+    }
+    return list;
+}
+
 json_t *session_further(const struct viewer *viewer)
 {
     json_t *list = json_array();
     bool fine = list;
     for (size_t i = 1; i < viewer->atlas_count && fine; i++) {
         const struct view_atlas *on = &viewer->atlases[i];
-        fine = !json_array_append_new(list, json_pack("{s: s, s: i, s: o, s: o}", "atlas", on->path, "objects",
-                                                      (int)on->object_count, "hidden", session_hidden(on), "thresholds",
-                                                      session_thresholds(on)));
+        fine = !json_array_append_new(list, json_pack("{s: s, s: i, s: o, s: o, s: o}", "atlas", on->path, "objects",
+                                                      (int)on->object_count, "place", session_place(on), "hidden",
+                                                      session_hidden(on), "thresholds", session_thresholds(on)));
     }
     if (!fine) {
         json_decref(list);
@@ -98,6 +118,20 @@ static bool read_thresholds(double *out, const struct view_atlas *on, const json
            session_refuse(why, "session: thresholds: a list of %zu, one for each pathway, is needed", count);
 }
 
+/* Whether the atlas lies where it lay. Sessions of before there were transforms do not say. */
+static bool check_place(const struct view_atlas *on, const json_t *list, char why[SESSION_REASON])
+{
+    double place[12];
+    find_place(place, on);
+    for (size_t i = 0; list && i < 12; i++) {
+        double was = json_number_value(json_array_get(list, i));
+        if (json_array_size(list) != 12 || !(fabs(was - place[i]) <= 1e-6)) {
+            return session_refuse(why, "session: the atlas lay elsewhere: the same --atlas-transform is needed");
+        }
+    }
+    return true;
+}
+
 /* What `entry` says of one atlas. */
 static bool read_atlas(struct session_atlases *out, size_t index, const struct view_atlas *on, const json_t *entry,
                        char why[SESSION_REASON])
@@ -107,6 +141,9 @@ static bool read_atlas(struct session_atlases *out, size_t index, const struct v
     if ((size_t)objects != on->object_count) {
         return session_refuse(why, "session: of an atlas with %lld areas and pathways, %s has %zu", (long long)objects,
                               index ? on->name : "this one", on->object_count);
+    }
+    if (!check_place(on, json_object_get(entry, "place"), why)) {
+        return false;
     }
     out->hidden[index] = calloc(on->object_count + 1, sizeof *out->hidden[index]);
     out->thresholds[index] = list ? calloc(on->object_count + 1, sizeof *out->thresholds[index]) : NULL;

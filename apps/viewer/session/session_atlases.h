@@ -11,6 +11,7 @@
 
 json_t *session_hidden(const struct view_atlas *on);
 json_t *session_thresholds(const struct view_atlas *on);
+json_t *session_place(const struct view_atlas *on);
 /** Of the atlases behind the first; NULL without memory, or where a path is not UTF-8. */
 json_t *session_further(const struct viewer *viewer);
 

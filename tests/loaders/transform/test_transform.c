@@ -300,7 +300,7 @@ static void an_atlas_goes_to_the_poses(void **state)
     assert_near(high[0], (12.0 - 1) / 2, 1e-6);
     assert_near(low[2], -0.5 - 3, 1e-6);
     assert_near(high[2], 4 - 3, 1e-6);
-    atlas_own_point(point, atlas, point);
+    conus_atlas_own_point(point, atlas, point);
     assert_near(point[0], 11, 1e-12);
     assert_near(point[2], 0, 1e-12);
     assert_true(test_has_note(atlas, "what was 1 mm^3 is 0.5 mm^3"));
