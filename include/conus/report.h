@@ -147,8 +147,8 @@ CONUS_CHECKED conus_status conus_report_add_error(conus_report *report, const ch
  * of reports that are joined later. The queries are added to each report, in the same order.
  * @param report The report of which the texts are taken from now on.
  * @param more Must outlive the last text of @p report. Its own texts are still its own; it can be joined once.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT unless both have a column `atlas`, each with another name, and the same
- * options but level.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT unless both have a column `atlas`, each with another name, the same options
+ * but level, and both atlases or neither were moved (conus_atlas_move()): rows of moved ones have more columns.
  * @threads One at a time for each @p report.
  * @since 0.1
  */

@@ -87,7 +87,8 @@ static bool are_alike(const conus_report *a, const conus_report *b)
     const conus_report_options *x = &a->options;
     const conus_report_options *y = &b->options;
     return x->rows == y->rows && x->format == y->format && x->space == y->space && !x->tracker == !y->tracker &&
-           x->selected_only == y->selected_only && strcmp(a->score, b->score) == 0 && strcmp(a->engine, b->engine) == 0;
+           x->selected_only == y->selected_only && a->atlas->is_moved == b->atlas->is_moved &&
+           strcmp(a->score, b->score) == 0 && strcmp(a->engine, b->engine) == 0;
 }
 
 static bool are_traced_alike(const conus_selector_options *a, const conus_selector_options *b)
@@ -104,8 +105,10 @@ conus_status conus_report_join(conus_report *report, conus_report *more)
         return fail(CONUS_ERROR_ARGUMENT, "report: only one with a column atlas can be joined, and once");
     }
     if (!are_alike(report, more) || !are_traced_alike(&report->selector, &more->selector)) {
-        return fail(CONUS_ERROR_ARGUMENT, "report: the one of atlas %s has other options than that of atlas %s",
-                    more->name, report->name);
+        return fail(
+            CONUS_ERROR_ARGUMENT,
+            "report: the one of atlas %s has other options than that of atlas %s, or only one of the two was moved",
+            more->name, report->name);
     }
     for (conus_report *with = report; with; with = with->next) {
         if (strcmp(with->name, more->name) == 0) {

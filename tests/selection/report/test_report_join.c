@@ -220,6 +220,35 @@ static void voxels_have_the_name_of_their_atlas(void **state)
     destroy_scenes(&scenes);
 }
 
+/* Rows of a moved atlas have columns that those of another have not. */
+static void a_moved_atlas_is_joined_with_moved_ones_only(void **state)
+{
+    const double identity[16] = {[0] = 1, [5] = 1, [10] = 1, [15] = 1};
+    struct scenes scenes = create_scenes();
+    conus_selector *selector = NULL;
+    conus_report *plain = NULL;
+    conus_report *moved = NULL;
+    (void)state;
+    assert_ok(conus_atlas_move(scenes.at[1].atlas, identity));
+    assert_ok(conus_selector_create(&selector, scenes.at[1].atlas, NULL));
+    assert_ok(conus_report_create(&moved, selector, &(conus_report_options){.atlas = "moved"}));
+    conus_selector_destroy(selector);
+    assert_ok(conus_selector_create(&selector, scenes.at[0].atlas, NULL));
+    assert_ok(conus_report_create(&plain, selector, &(conus_report_options){.atlas = "plain"}));
+    assert_fails(conus_report_join(plain, moved), CONUS_ERROR_ARGUMENT);
+    assert_non_null(strstr(conus_message(), "moved"));
+    conus_selector_destroy(selector);
+    conus_report_destroy(plain);
+    assert_ok(conus_atlas_move(scenes.at[0].atlas, identity));
+    assert_ok(conus_selector_create(&selector, scenes.at[0].atlas, NULL));
+    assert_ok(conus_report_create(&plain, selector, &(conus_report_options){.atlas = "plain"}));
+    assert_ok(conus_report_join(plain, moved));
+    conus_report_destroy(plain);
+    conus_report_destroy(moved);
+    conus_selector_destroy(selector);
+    destroy_scenes(&scenes);
+}
+
 /* Their columns, or the questions, would not be the same. */
 static void what_does_not_belong_together_is_not_joined(void **state)
 {
@@ -323,6 +352,7 @@ int main(void)
                                        cmocka_unit_test(shares_of_a_pose_stay_together),
                                        cmocka_unit_test(voxels_have_the_name_of_their_atlas),
                                        cmocka_unit_test(what_does_not_belong_together_is_not_joined),
+                                       cmocka_unit_test(a_moved_atlas_is_joined_with_moved_ones_only),
                                        cmocka_unit_test(some_reports_have_no_such_column),
                                        cmocka_unit_test(every_failing_allocation_is_survived)};
     return cmocka_run_group_tests(tests, NULL, NULL);
