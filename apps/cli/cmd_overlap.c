@@ -100,12 +100,6 @@ static const char *region_path(const struct overlap *overlap, size_t index)
     return index ? overlap->arguments->more.items[index - 1] : overlap->arguments->operands[1];
 }
 
-/* Whether a header names its space. 0 is unknown, and 2, "aligned to another", says not to what. */
-static bool is_named(const conus_volume_info *info)
-{
-    return info && info->space_code != 0 && info->space_code != 2;
-}
-
 /* What a careful user should know about where a region lies. */
 static void say_place(const struct overlap *overlap, size_t index, const conus_roi *roi, const conus_overlap *coverages)
 {
@@ -122,7 +116,7 @@ static void say_place(const struct overlap *overlap, size_t index, const conus_r
         print_error_line("note: %s%s: covers no area and no pathway; are it and the atlas in one space?", prefix,
                          info->path);
     }
-    if (is_named(info) && is_named(atlas) && info->space_code != atlas->space_code) {
+    if (spaces_differ(info, atlas)) {
         print_error_line("note: %s%s: its header names another space (%s) than the atlas's (%s)", prefix, info->path,
                          info->transform, atlas->transform);
     }

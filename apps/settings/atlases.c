@@ -180,6 +180,11 @@ static bool is_named(const conus_volume_info *info)
     return info && info->space_code != 0 && info->space_code != 2;
 }
 
+bool spaces_differ(const conus_volume_info *a, const conus_volume_info *b)
+{
+    return is_named(a) && is_named(b) && a->space_code != b->space_code;
+}
+
 static bool overlap(const conus_atlas *a, const conus_atlas *b)
 {
     double low[2][3];
@@ -201,7 +206,7 @@ void atlases_say_spaces(const struct atlases *atlases, const struct common_setti
     for (size_t i = 1; i < atlases->count && !settings->quiet; i++) {
         const struct named_atlas *other = &atlases->items[i];
         const conus_volume_info *b = conus_atlas_volume(other->atlas, 0);
-        if (is_named(a) && is_named(b) && a->space_code != b->space_code) {
+        if (spaces_differ(a, b)) {
             print_error_line("note: %s (%s) and %s (%s) name different spaces: one pose may not fit both", first->name,
                              a->transform, other->name, b->transform);
         } else if (!overlap(first->atlas, other->atlas)) {

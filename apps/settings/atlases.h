@@ -35,6 +35,9 @@ void atlases_finish(struct atlases *atlases);
  * from, so that no output overwrites it; NULL if it is none of them. */
 const char *atlases_input(const struct atlases *atlases, const struct input *inputs, const char *path);
 
+/** Whether the headers of two volumes, NULL = none, name different spaces. */
+bool spaces_differ(const conus_volume_info *a, const conus_volume_info *b);
+
 /** Says on stderr, unless --quiet, which atlas is hardly in the space of the first: where both name their spaces, and
  * these differ, or where no voxel and no triangle of one is in the box around the other. */
 void atlases_say_spaces(const struct atlases *atlases, const struct common_settings *settings);

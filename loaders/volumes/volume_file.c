@@ -487,6 +487,7 @@ conus_status volume_file_peek(struct volume_header *out, struct bytes *head, con
     struct notes notes = {0};
     struct volume_header header = {0};
     conus_status status = stored.path ? file_read_head(&stored.bytes, path, HEADER_READ) : CONUS_ERROR_MEMORY;
+    bool is_read = !status; /* else the message has the path */
     stored.packed = !status && gzip_is(stored.bytes.data, stored.bytes.size);
     status = status ? status : parse_head(&header, &stored, default_needed, &notes);
     if (!status && !header.pair) {
@@ -498,7 +499,7 @@ conus_status volume_file_peek(struct volume_header *out, struct bytes *head, con
     }
     notes_finish(&notes);
     stored_finish(&stored);
-    return status ? fail_in(status, path) : CONUS_OK;
+    return status && is_read ? fail_in(status, path) : status;
 }
 
 conus_status volume_file_header(conus_volume_info *out, const char *path)
