@@ -35,6 +35,10 @@ void conus_atlas_destroy(conus_atlas *atlas)
         mesh_finish(&atlas->meshes[i]);
     }
     memory_free(atlas->meshes);
+    for (size_t i = 0; i < atlas->warp_count; i++) {
+        deformation_finish(&atlas->warps[i].field);
+    }
+    memory_free(atlas->warps);
     memory_free(atlas->places);
     memory_free(atlas->path);
     memory_free(atlas->label_source);

@@ -3,6 +3,7 @@
 #ifndef CONUS_ATLAS_ATLAS_H
 #define CONUS_ATLAS_ATLAS_H
 
+#include "atlas/deformation/deformation.h"
 #include "atlas/labels.h"
 #include "atlas/surface/mesh.h"
 #include "atlas/volume.h"
@@ -34,9 +35,11 @@ struct conus_atlas {
     uint32_t half_step; /**< The labels of left halves are their areas' and this, those of right ones twice it;
                            0 = no area is cut in halves.                                       */
     bool has_safe_colours;
-    bool is_moved;             /**< By atlas_move().                                                  */
-    double own_from_world[16]; /**< Then: from where it is to where its files have it.                  */
-    char *path;                /**< As it was asked for; NULL = it was not loaded. */
+    bool is_moved;             /**< By atlas_move() or atlas_warp().                                  */
+    double own_from_world[16]; /**< Then: from where it is to where its files have it; with warps to their input. */
+    struct warp *warps;        /**< Fields behind own_from_world: points go through the last one first. */
+    size_t warp_count;
+    char *path; /**< As it was asked for; NULL = it was not loaded. */
     char *label_source;
     struct file_sums files; /**< Of which it is made, other than those of its volumes: a manifest first.   */
     char *transfer; /**< Transfer function of the context: a preset's name or a file; NULL = the default.       */

@@ -186,6 +186,23 @@ static conus_status check_threshold(const conus_atlas *atlas, size_t number, dou
     return isfinite(threshold) ? CONUS_OK : fail(CONUS_ERROR_ARGUMENT, "threshold: %g, a number is needed", threshold);
 }
 
+/* The voxels from which a warped volume may be resampled once more. */
+static conus_status mark_source(struct volume_source *source, struct step step)
+{
+    if (!source) {
+        return CONUS_OK;
+    }
+    struct volume marked = {.values = source->values, .voxel_count = source->dim[0] * source->dim[1] * source->dim[2]};
+    conus_status status = mark_voxels(&marked, &step, 1);
+    if (!status) {
+        memory_free(source->is_borrowed ? NULL : source->objects16);
+        memory_free(source->is_borrowed ? NULL : source->objects32);
+        source->objects16 = marked.objects16;
+        source->objects32 = marked.objects32;
+    }
+    return status;
+}
+
 conus_status conus_atlas_set_threshold(conus_atlas *atlas, size_t number, double threshold)
 {
     conus_status status = check_threshold(atlas, number, threshold);
@@ -196,6 +213,7 @@ conus_status conus_atlas_set_threshold(conus_atlas *atlas, size_t number, double
     struct step step = step_from(threshold, (uint32_t)number);
     status = volume_own(volume);
     struct volume marked = {.values = volume->values, .voxel_count = volume->voxel_count};
+    status = status ? status : mark_source(volume->source, step);
     status = status ? status : mark_voxels(&marked, &step, 1);
     if (!status) {
         memory_free(volume->objects16);

@@ -145,6 +145,7 @@ void conus_atlas_own_point(double out[3], const conus_atlas *atlas, const double
 {
     if (atlas->is_moved) {
         mat4_point(out, atlas->own_from_world, point);
+        (void)warps_point(out, atlas->warps, atlas->warp_count, out);
     } else {
         memcpy(out, point, 3 * sizeof *out);
     }

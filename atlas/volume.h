@@ -15,6 +15,17 @@ struct hidden_run {
     uint32_t object;
 };
 
+/** The voxels as they were before a deformation field resampled them. */
+struct volume_source {
+    size_t dim[3];
+    double voxel_from_world[16]; /**< From mm behind the first field. */
+    uint16_t *objects16;
+    uint32_t *objects32;
+    float *values;
+    size_t first_warp; /**< The first of the atlas's warps that has moved the volume. */
+    bool is_borrowed;
+};
+
 struct volume {
     conus_volume_info info;
     char *path; /**< Owned; info.path points to it.                                           */
@@ -26,8 +37,9 @@ struct volume {
     bool is_hidden;                 /**< It is a pathway that is hidden.                                           */
     struct hidden_run *hidden_runs; /**< What the objects of a parcellation do not say any more, since it is hidden. */
     size_t hidden_run_count;
-    bool is_joined;        /**< Its labels come from several files, of which info.path is the first.     */
-    bool is_borrowed;      /**< The arrays are not the volume's own, and not to be written.               */
+    bool is_joined;               /**< Its labels come from several files, of which info.path is the first.     */
+    bool is_borrowed;             /**< The arrays are not the volume's own, and not to be written.               */
+    struct volume_source *source; /**< Owned; NULL = it was never resampled. An attached atlas has none. */
     const void *distances; /**< The distance map of borrowed objects (selection/engine/voxels/distance_map.h), in their
                                 memory; NULL = none. */
 };

@@ -135,7 +135,7 @@ static int load_named(conus_atlas **out, const struct atlas_name *name, const st
         return status == CONUS_ERROR_CANCELLED ? EXIT_DATA : print_status(status);
     }
     int code = set_hemispheres(atlas, name->path, settings);
-    code = code ? code : transform_options_apply(atlas, &settings->transforms);
+    code = code ? code : transform_options_apply(atlas, &settings->transforms, settings->max_memory);
     code = code ? code : add_pathways(atlas, pathways, &progress);
     code = code || !(settings->only.count + settings->hide.count) ? code : show_objects(atlas, settings);
     if (code) {

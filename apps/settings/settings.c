@@ -76,10 +76,12 @@ const struct option atlas_options[] = {
     {.name = "atlas-transform",
      .type = OPTION_LIST,
      .offset = FIELD(atlas_settings, transforms),
-     .value = "FILE[,from=IMAGE,to=IMAGE][,inverse]",
+     .value = "FILE[,KEY]...",
      .help =
-         "bring the atlas to the poses: an affine from their space to the atlas's (ITK, FreeSurfer, MNI, 4 x 4; FSL's "
-         "with its two images); inverse: one from the atlas; may be repeated, points go through the first one first"},
+         "bring the atlas to the poses: an affine (ITK, FreeSurfer, MNI, FSL, 4 x 4) or a deformation field (ITK, SPM, "
+         "FSL) from their space to the atlas's; keys: from=IMAGE and to=IMAGE of FSL's, inverse (an affine from the "
+         "atlas), relative or absolute (a field's vectors), grid=IMAGE (voxels for the labels); may be repeated, "
+         "points go through the first one first"},
     {.name = "max-memory",
      .type = OPTION_BYTES,
      .offset = FIELD(atlas_settings, max_memory),

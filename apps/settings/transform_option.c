@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What "FILE[,from=IMAGE,to=IMAGE][,inverse]" says; the text is cut at its commas. */
+/* What "FILE[,from=IMAGE,to=IMAGE][,inverse][,relative|absolute][,grid=IMAGE]" says; the text is cut at its commas. */
 struct transform_option {
     char *path;
     conus_transform_options options;
@@ -18,6 +18,14 @@ static bool take_key(struct transform_option *out, const char *key)
 {
     if (strcmp(key, "inverse") == 0 && !out->options.inverse) {
         return out->options.inverse = true;
+    }
+    if ((strcmp(key, "relative") == 0 || strcmp(key, "absolute") == 0) && !out->options.vectors) {
+        out->options.vectors = key[0] == 'r' ? CONUS_VECTORS_RELATIVE : CONUS_VECTORS_ABSOLUTE;
+        return true;
+    }
+    if (strncmp(key, "grid=", 5) == 0 && !out->options.grid) {
+        out->options.grid = key + 5;
+        return true;
     }
     if (strncmp(key, "from=", 5) == 0 && !out->options.from) {
         out->options.from = key + 5;
@@ -39,7 +47,12 @@ static void parse(struct transform_option *out, char *text)
     }
 }
 
-static int apply(conus_atlas *atlas, const char *given)
+static bool is_empty(const char *text)
+{
+    return text && !*text;
+}
+
+static int apply(conus_atlas *atlas, const char *given, uint64_t max_memory)
 {
     struct transform_option option;
     char *text = strdup(given);
@@ -48,8 +61,9 @@ static int apply(conus_atlas *atlas, const char *given)
         return EXIT_DATA;
     }
     parse(&option, text);
-    bool empty =
-        !option.path[0] || (option.options.from && !*option.options.from) || (option.options.to && !*option.options.to);
+    option.options.max_memory = max_memory;
+    bool empty = is_empty(option.path) || is_empty(option.options.from) || is_empty(option.options.to) ||
+                 is_empty(option.options.grid);
     int code = empty ? print_usage_error("--atlas-transform: \"%s\" names no file, or no image", given) : EXIT_DONE;
     if (!code) {
         conus_status status = conus_atlas_transform(atlas, option.path, &option.options);
@@ -59,11 +73,11 @@ static int apply(conus_atlas *atlas, const char *given)
     return code;
 }
 
-int transform_options_apply(conus_atlas *atlas, const struct option_list *texts)
+int transform_options_apply(conus_atlas *atlas, const struct option_list *texts, uint64_t max_memory)
 {
     int code = EXIT_DONE;
     for (size_t i = texts->count; i > 0 && !code; i--) { /* the atlas goes back through the last one first */
-        code = apply(atlas, texts->items[i - 1]);
+        code = apply(atlas, texts->items[i - 1], max_memory);
     }
     return code;
 }

@@ -247,6 +247,10 @@ conus_status conus_atlas_set_hemispheres(conus_atlas *atlas, conus_hemispheres h
     if (atlas_has_hidden(atlas)) {
         return fail(CONUS_ERROR_ARGUMENT, "hemispheres: objects are hidden already; change the hemispheres first");
     }
+    if (atlas->warp_count) {
+        return fail(CONUS_ERROR_ARGUMENT, "hemispheres: a deformation field has moved the atlas already; change the "
+                                          "hemispheres first");
+    }
     if (atlas->hemispheres == CONUS_HEMISPHERES_MERGED || atlas->hemispheres == hemispheres) {
         return fail(CONUS_ERROR_ARGUMENT, "hemispheres: are %s already",
                     atlas->hemispheres == CONUS_HEMISPHERES_MERGED ? "merged" : "split");

@@ -158,30 +158,47 @@ typedef struct conus_context_options {
 CONUS_CHECKED conus_status conus_atlas_set_context(conus_atlas *atlas, const char *path,
                                                    const conus_context_options *options);
 
+/** What the vectors of a deformation field are. */
+typedef enum conus_vectors {
+    CONUS_VECTORS_AS_STATED = 0, /**< As its header says; FSL's that say nothing, as they look. */
+    CONUS_VECTORS_RELATIVE,      /**< Displacements: ITK's in LPS, FSL's between its two images. */
+    CONUS_VECTORS_ABSOLUTE       /**< Positions: SPM's in RAS, FSL's in the mm of the second image. */
+} conus_vectors;
+
 /** How conus_atlas_transform() reads. */
 typedef struct conus_transform_options {
-    size_t struct_size; /**< Its size, as #CONUS_TRANSFORM_OPTIONS_INIT sets it; 0 = that of this version. */
-    const char *from;   /**< Of FSL's matrices: path of the image whose points it moves; NULL otherwise. */
-    const char *to;     /**< Of FSL's matrices: path of the image to which it moves them; NULL otherwise. */
-    bool inverse;       /**< The file moves points of the atlas to where poses are. */
+    size_t struct_size;  /**< Its size, as #CONUS_TRANSFORM_OPTIONS_INIT sets it; 0 = that of this version. */
+    const char *from;    /**< Of FSL's files: path of the image whose points it moves; NULL otherwise. */
+    const char *to;      /**< Of FSL's files: path of the image to which it moves them; NULL otherwise. */
+    bool inverse;        /**< The file moves points of the atlas to where poses are; of affines only. */
+    const char *grid;    /**< Path of a volume, in the space from which the file takes points. Voxels that a field moves
+                            are    resampled on its grid. NULL = on that of the field. */
+    uint64_t max_memory; /**< As conus_load_options.max_memory, of the field and of what it resamples. */
+    conus_vectors vectors; /**< Of fields: what their vectors are. */
 } conus_transform_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
 #define CONUS_TRANSFORM_OPTIONS_INIT CONUS_INIT_(conus_transform_options)
 
 /**
- * Brings the atlas to where poses are, by an affine that moves points from there to the atlas (ITK's text or .mat,
- * FreeSurfer's .lta, the MNI's .xfm, FSL's matrix, or 4 x 4 numbers of RAS mm): matrices of voxels are composed,
- * exactly, and vertices are moved. All that the atlas has moves with it, its context too; what is added later does not.
- * Lengths and volumes are then those where poses are. Before a selector or renderer is made;
- * conus_atlas_set_hemispheres() comes before, since it takes x = 0 for the midline. Of several transforms, which points
- * go through one after the other, the last one is given first.
+ * Brings the atlas to where poses are, by a file that moves points from there to the atlas. By an affine (ITK's text or
+ * .mat, FreeSurfer's .lta, the MNI's .xfm, FSL's matrix, or 4 x 4 numbers of RAS mm) matrices of voxels are composed,
+ * exactly, and vertices are moved. By a deformation field (of ITK, SPM or FSL, as NIfTI) voxels are resampled: one of
+ * the new grid is what the atlas's own voxel nearest to where its centre goes is, by one search through all that moves
+ * the atlas. Vertices go where the field leads back to them, to 1e-6 mm before rounding to float; triangles with one
+ * for which there is no such place are left out, and a note tells. All that the atlas has moves with it, its context
+ * too; what is added later does not. Lengths and volumes are then those where poses are. Before a selector or renderer
+ * is made, and before something is hidden; conus_atlas_set_hemispheres() comes before, since it takes x = 0 for the
+ * midline. Of several transforms, which points go through one after the other, the last one is given first.
+ * docs/spaces.md has the formats.
  * @param atlas The atlas; unchanged on failure.
  * @param path The file.
  * @param options NULL = defaults.
- * @return #CONUS_OK; #CONUS_ERROR_IO or #CONUS_ERROR_DATA where the file cannot be read or is damaged, and for a matrix
- * that cannot be inverted; #CONUS_ERROR_UNSUPPORTED for a warp or another kind of transform; #CONUS_ERROR_ARGUMENT for
- * an FSL matrix without its images, and for images with another file.
+ * @return #CONUS_OK; #CONUS_ERROR_IO or #CONUS_ERROR_DATA where the file cannot be read or is damaged, for a matrix
+ * that cannot be inverted, and where the field leads to nothing of the atlas, or of a surface;
+ * #CONUS_ERROR_UNSUPPORTED for another kind of transform, and for the inverse of a field; #CONUS_ERROR_ARGUMENT for
+ * FSL's files without their images, for images with another file, for a field that does not say what its vectors are,
+ * for a grid where nothing is resampled, where something is hidden, and for an attached atlas that a field has moved.
  * @threads One at a time, while no other thread uses the atlas.
  * @since 0.1
  */

@@ -1,29 +1,64 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus_atlas_transform(): an atlas goes to where a transform says. */
 #include "atlas/placement.h"
+#include "atlas/warp/warp.h"
 #include "base/math3.h"
 #include "base/options.h"
+#include "loaders/transform/field_file.h"
 #include "loaders/transform/transform_file.h"
+#include "loaders/volumes/volume_file.h"
 
 #include <string.h>
+
+static conus_status move_by_affine(conus_atlas *atlas, const char *path, const conus_transform_options *options,
+                                   struct warp_plan *plan, struct file_sums *read)
+{
+    double atlas_from_world[16];
+    if (options->vectors) {
+        return fail(CONUS_ERROR_ARGUMENT, "%s: vectors of a field are relative or absolute, and this is none", path);
+    }
+    conus_status status = transform_file_read(atlas_from_world, path, options->from, options->to, read);
+    if (!status && options->inverse) {
+        (void)mat4_invert_affine(atlas_from_world, atlas_from_world); /* which the reader has tried */
+    }
+    status = status ? status : file_sums_move(&atlas->files, read);
+    if (status) {
+        return status;
+    }
+    return plan->grid ? atlas_move_onto(atlas, atlas_from_world, plan) : atlas_move(atlas, atlas_from_world, path);
+}
+
+static conus_status move_by_field(conus_atlas *atlas, const char *path, const conus_transform_options *options,
+                                  struct warp_plan *plan, struct file_sums *read)
+{
+    struct deformation field = {0};
+    conus_volume_info nodes;
+    conus_status status = field_file_read(&field, &nodes, path, options, read, &atlas->notes);
+    plan->grid = plan->grid ? plan->grid : &nodes;
+    status = status ? status : file_sums_move(&atlas->files, read);
+    status = status ? status : atlas_warp(atlas, &field, plan);
+    deformation_finish(&field);
+    return status;
+}
 
 conus_status conus_atlas_transform(conus_atlas *atlas, const char *path, const conus_transform_options *options)
 {
     struct file_sums read = {0};
-    double atlas_from_world[16];
+    conus_volume_info grid;
+    bool is_field = false;
     if (!atlas || !path) {
         return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_transform: an atlas and a path are needed");
     }
     options = options_of(conus_transform_options, options);
+    struct warp_plan plan = {.words = path, .grid = options->grid ? &grid : NULL, .max_memory = options->max_memory};
     size_t file_count = atlas->files.count;
-    conus_status status = transform_file_read(atlas_from_world, path, options->from, options->to, &read);
-    if (!status && options->inverse) {
-        (void)mat4_invert_affine(atlas_from_world, atlas_from_world); /* which the reader has tried */
-    }
-    status = status ? status : file_sums_move(&atlas->files, &read);
-    status = status ? status : atlas_move(atlas, atlas_from_world, path);
+    size_t note_count = atlas->notes.count;
+    conus_status status = options->grid ? volume_file_header(&grid, options->grid) : CONUS_OK;
+    status = status ? status : field_file_is(&is_field, path);
+    status = status ? status : (is_field ? move_by_field : move_by_affine)(atlas, path, options, &plan, &read);
     if (status) {
         file_sums_cut(&atlas->files, file_count);
+        notes_cut(&atlas->notes, note_count);
     }
     file_sums_finish(&read);
     return status;

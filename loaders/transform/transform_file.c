@@ -13,11 +13,9 @@
 enum { TRANSFORM_LIMIT = 1 << 20 }; /* bytes: a hundred times what an affine takes */
 
 static const char transform_needed[] = "an affine transform (ITK's text or .mat, FreeSurfer's .lta, the MNI's .xfm, "
-                                       "FSL's matrix, or 4 x 4 numbers)";
+                                       "FSL's matrix, or 4 x 4 numbers), or a deformation field (NIfTI)";
 
-/* FLIRT's coordinates of a voxel: mm along the axes from the first one, x turned around where the axes are right-handed
- * in RAS ("neurological"). */
-static void flirt_from_voxel(double out[16], const conus_volume_info *info)
+void flirt_from_voxel(double out[16], const conus_volume_info *info)
 {
     mat4_identity(out);
     for (int a = 0; a < 3; a++) {
@@ -79,6 +77,17 @@ static conus_status read_matrix(double out[16], struct text text, const char *pa
     return status || !from ? status : place_between(out, from, to);
 }
 
+/* Of what is none of these, ITK's composites in HDF5 can be taken apart. */
+static conus_status fail_kind(const char *path, const struct bytes *file)
+{
+    static const char hdf5[] = "\x89HDF\r\n\x1a\n";
+    return file->size >= sizeof hdf5 - 1 && memcmp(file->data, hdf5, sizeof hdf5 - 1) == 0
+               ? fail(CONUS_ERROR_UNSUPPORTED,
+                      "content: HDF5, as composites of ITK are: 'CompositeTransformUtil --disassemble FILE PREFIX' "
+                      "writes the transforms in it as files, 00_PREFIX... first")
+               : file_kind_fail(path, file, transform_needed);
+}
+
 enum kind { KIND_NONE, KIND_MATRIX, KIND_ITK, KIND_XFM, KIND_LTA, KIND_MATLAB };
 
 static enum kind kind_of(const struct bytes *file, struct text text)
@@ -110,7 +119,7 @@ static conus_status parse_kind(double out[16], const struct bytes *file, const c
     case KIND_NONE:
         break;
     }
-    return file_kind_fail(path, file, transform_needed);
+    return fail_kind(path, file);
 }
 
 conus_status transform_parse(double out[16], const struct bytes *file, const char *path, const char *from,
@@ -144,8 +153,7 @@ conus_status transform_file_read(double out[16], const char *path, const char *f
     if (status) {
         return status;
     }
-    status = file.size == TRANSFORM_LIMIT ? file_kind_fail(path, &file, transform_needed)
-                                          : transform_parse(m, &file, path, from, to);
+    status = file.size == TRANSFORM_LIMIT ? fail_kind(path, &file) : transform_parse(m, &file, path, from, to);
     status = status ? fail_in(status, path) : file_sums_add(read, path, &file);
     bytes_finish(&file);
     if (!status) {

@@ -12,7 +12,7 @@ conus_status transform_parse(double out[16], const struct bytes *file, const cha
 
 /** Reads the affine in @p path as a matrix from points to points, RAS mm. @p from and @p to are the images that an FSL
  * matrix is between; NULL otherwise. What was read goes into @p read. Errors name path, field, value and what is
- * allowed; CONUS_ERROR_UNSUPPORTED for warps and for kinds of transforms that are not read. */
+ * allowed; CONUS_ERROR_UNSUPPORTED for kinds of transforms that are not read. */
 conus_status transform_file_read(double out[16], const char *path, const char *from, const char *to,
                                  struct file_sums *read);
 

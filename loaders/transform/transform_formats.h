@@ -29,4 +29,8 @@ conus_status matrix_text_parse(double out[16], struct text text);
 /** Takes the next @p count numbers off @p rest, row by row into the first rows of @p out; @p what is for messages. */
 conus_status matrix_rows_parse(double out[16], struct text *rest, size_t rows, const char *what);
 
+/** FLIRT's coordinates of a voxel: mm along the axes from the first one, x turned around where the axes are
+ * right-handed in RAS ("neurological"). */
+void flirt_from_voxel(double out[16], const conus_volume_info *info);
+
 #endif

@@ -230,10 +230,11 @@ def load(
     labels_anyway
         Each value is a label, even where the values look like those of an image.
     transforms
-        Affines that bring the atlas to the poses: each moves points from where poses are towards the atlas, the
-        first one first. Paths (ITK, FreeSurfer, MNI, 4 x 4 numbers), (4, 4) arrays of RAS mm, or dictionaries with
-        "file" and "inverse": True, or for FSL's matrices "from" and "to", the paths of their images. Pathways and
-        context are in the space of the poses.
+        Affines and deformation fields that bring the atlas to the poses: each moves points from where poses are
+        towards the atlas, the first one first. Paths (affines of ITK, FreeSurfer, MNI, 4 x 4 numbers; fields of ITK
+        and SPM), (4, 4) arrays of RAS mm, or dictionaries with "file" and: "inverse": True of an affine; for FSL's
+        files "from" and "to", the paths of their images; of a field "vectors", "relative" or "absolute", and "grid",
+        the path of a volume with the voxels for the labels. Pathways and context are in the space of the poses.
     max_memory
         Largest file and volume, bytes; 0 = 8 GiB.
     progress
@@ -273,7 +274,7 @@ def load(
     how = choice("hemispheres", hemispheres, ("as-is", "split", "merged"))
     if how:
         check(lib.conus_atlas_set_hemispheres(raw, how))
-    _move(raw, transforms)
+    _move(raw, transforms, max_memory)
     if isinstance(pathways, (str, bytes, os.PathLike)):
         raise ArgumentError("pathways: a path, wanted is a list")
     for pathway in pathways:
@@ -287,16 +288,20 @@ def load(
     return Atlas(raw)
 
 
-def _transform(atlas: Any, given: Any) -> None:
+def _transform(atlas: Any, given: Any, max_memory: int) -> None:
     if isinstance(given, (str, bytes, os.PathLike, Mapping)):
         keys = dict(given) if isinstance(given, Mapping) else {"file": given}
         options = ffi.new("conus_transform_options *")
         path, inverse = path_of("transforms", keys.pop("file", None)), keys.pop("inverse", False)
-        images = [optional(path_of, "transforms", keys.pop(name, None)) for name in ("from", "to")]
+        images = [optional(path_of, "transforms", keys.pop(name, None)) for name in ("from", "to", "grid")]
+        vectors = choice("transforms: vectors", keys.pop("vectors", "as-stated"), ("as-stated", "relative", "absolute"))
         if keys:
-            raise ArgumentError(f"transforms: {sorted(keys)}, wanted are file, from, to and inverse")
+            raise ArgumentError(
+                f"transforms: {sorted(keys)}, wanted are file, from, to, inverse, vectors and grid"
+            )
         setattr(options, "from", images[0])
         options.to, options.inverse = images[1], flag("transforms: inverse", inverse)
+        options.grid, options.vectors, options.max_memory = images[2], vectors, max_memory
         check(lib.conus_atlas_transform(atlas, path, options))
         return
     matrix = numbers("transforms", given)
@@ -305,11 +310,11 @@ def _transform(atlas: Any, given: Any) -> None:
     check(lib.conus_atlas_move(atlas, matrix.T.ravel().tolist()))
 
 
-def _move(atlas: Any, transforms: Any) -> None:
+def _move(atlas: Any, transforms: Any, max_memory: int) -> None:
     if isinstance(transforms, (str, bytes, os.PathLike, Mapping, np.ndarray)):
         raise ArgumentError("transforms: one, wanted is a list")
     for given in reversed(list(transforms)):
-        _transform(atlas, given)
+        _transform(atlas, given, max_memory)
 
 
 def _bands_of(options: Any, bands: Mapping[str, Any]) -> Any:

@@ -37,7 +37,7 @@ static uint64_t layout_of_structures(void)
 {
     const size_t sizes[] = {sizeof(struct head),         sizeof(conus_atlas),         sizeof(struct volume),
                             sizeof(conus_object),        sizeof(struct object_place), sizeof(struct mesh),
-                            sizeof(struct distance_map), sizeof(struct hidden_run)};
+                            sizeof(struct distance_map), sizeof(struct hidden_run),   sizeof(struct warp)};
     uint64_t layout = 0;
     for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
         layout = 1000003 * layout + sizes[i];
@@ -189,6 +189,7 @@ static struct volume bare_volume(const struct volume *volume)
     bare.values = NULL;
     bare.hidden_runs = NULL;
     bare.distances = NULL;
+    bare.source = NULL;
     bare.is_borrowed = true;
     return bare;
 }
@@ -258,6 +259,54 @@ static void pass_object(struct walk *walk, conus_object *object, struct object_p
     object->abbreviation = abbreviation;
 }
 
+/* A field has its vectors in the block. */
+static bool fits_field(const struct deformation *field, const struct walk *walk)
+{
+    size_t count;
+    uint8_t stays; /* not as a bool, which damage could make neither */
+    memcpy(&stays, &field->stays_outside, sizeof stays);
+    return stays <= 1 && field->dim[0] > 1 && field->dim[1] > 1 && field->dim[2] > 1 &&
+           memory_multiply(field->dim[0], field->dim[1], &count) && memory_multiply(count, field->dim[2], &count) &&
+           count <= walk->size;
+}
+
+static void pass_warp(struct walk *walk, struct warp *warp)
+{
+    struct warp plain = *warp;
+    plain.field.vectors = NULL;
+    plain.field.is_borrowed = true;
+    pass(walk, &plain, sizeof plain);
+    if (!walk->status && walk->mode == ATTACH && !fits_field(&plain.field, walk)) {
+        walk->status = fail_damaged();
+    }
+    if (walk->status) {
+        return;
+    }
+    if (walk->mode == ATTACH) {
+        plain.field.vectors = NULL;
+        plain.field.is_borrowed = true;
+        *warp = plain;
+    }
+    const size_t *dim = plain.field.dim;
+    pass_array(walk, &warp->field.vectors, dim[0] * dim[1] * dim[2], 3 * sizeof *warp->field.vectors);
+    if (!walk->status && walk->mode == ATTACH && !warp->field.vectors) {
+        walk->status = fail_damaged();
+    }
+}
+
+static void pass_warps(struct walk *walk, conus_atlas *atlas, const conus_atlas *counts)
+{
+    atlas->warps = reserve(walk, atlas->warps, counts->warp_count, sizeof *atlas->warps);
+    for (size_t i = 0; i < counts->warp_count && !walk->status; i++) {
+        struct warp warp = walk->mode == ATTACH ? (struct warp){0} : atlas->warps[i];
+        pass_warp(walk, &warp);
+        if (walk->mode == ATTACH) {
+            atlas->warps[i] = warp;
+            atlas->warp_count = i + 1;
+        }
+    }
+}
+
 static void pass_shapes(struct walk *walk, conus_atlas *atlas, const conus_atlas *counts)
 {
     atlas->volumes = reserve(walk, atlas->volumes, counts->volume_count, sizeof *atlas->volumes);
@@ -314,6 +363,7 @@ static conus_atlas bare_atlas(const conus_atlas *atlas)
     conus_atlas bare = *atlas;
     bare.volumes = NULL;
     bare.meshes = NULL;
+    bare.warps = NULL;
     bare.objects = NULL;
     bare.places = NULL;
     bare.label_source = NULL;
@@ -333,12 +383,14 @@ static void pass_atlas(struct walk *walk, conus_atlas *atlas)
     const conus_atlas counts = plain;
     if (walk->mode == ATTACH && !walk->status) {
         *atlas = bare_atlas(&plain);
-        atlas->volume_count = atlas->mesh_count = atlas->object_count = atlas->files.count = atlas->notes.count = 0;
+        atlas->volume_count = atlas->mesh_count = atlas->object_count = atlas->files.count = atlas->notes.count =
+            atlas->warp_count = 0;
     }
     pass_text(walk, &atlas->path);
     pass_text(walk, &atlas->label_source);
     pass_text(walk, &atlas->transfer);
     if (!walk->status) {
+        pass_warps(walk, atlas, &counts);
         pass_shapes(walk, atlas, &counts);
         pass_objects(walk, atlas, &counts);
         pass_lists(walk, atlas, &counts);

@@ -216,7 +216,8 @@ static json_t *json_from_atlas(const conus_atlas *atlas)
     json_t *root = json_pack("{s: o, s: o, s: s, s: o, s: o, s: o}", "path", json_from_text(atlas_path(atlas)),
                              "labels", labels, "hemispheres", hemispheres[atlas->hemispheres], "volumes", volumes,
                              "files", json_from_files(atlas), "notes", notes);
-    whole = (!atlas->is_moved || put_value(root, "atlas_from_world", json_from_matrix(atlas->own_from_world))) && whole;
+    bool affine = atlas->is_moved && !atlas->warp_count; /* else its files and notes say what moved it */
+    whole = (!affine || put_value(root, "atlas_from_world", json_from_matrix(atlas->own_from_world))) && whole;
     return whole_or_null(root, add_hidden(root, atlas) && whole);
 }
 

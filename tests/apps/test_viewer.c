@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What the window does, without a window. */
+#include "atlas/warp/warp.h"
+#include "base/memory.h"
 #include "viewer/model/picker.h"
 #include "viewer/session/session.h"
 #include "viewer/window/place.h"
@@ -515,6 +517,54 @@ static void a_session_is_of_where_the_atlas_lay(void **state)
     viewer_finish(&viewer);
 }
 
+/* Positions for points with x from 10 to 70 mm, `shift` to the right; of the origin the field says nothing. */
+static void warp_atlas(conus_atlas *atlas, double shift)
+{
+    const conus_volume_info grid = {
+        .dim = {15, 15, 15},
+        .spacing = {4, 4, 4},
+        .transform = "by hand",
+        .world_from_voxel = {4, 0, 0, 0, 0, 4, 0, 0, 0, 0, 4, 0, 12, -28, -28, 1},
+    };
+    struct deformation field = {.dim = {2, 2, 2}, .vectors = memory_zeroed(24, sizeof(float))};
+    struct warp_plan plan = {.words = "a field", .grid = &grid};
+    const double place[16] = {60, 0, 0, 0, 0, 60, 0, 0, 0, 0, 60, 0, 40, -30, -30, 1};
+    const double from[16] = {1.0 / 60, 0, 0, 0, 0, 1.0 / 60, 0, 0, 0, 0, 1.0 / 60, 0, -40.0 / 60, 0.5, 0.5, 1};
+    for (int i = 0; i < 16; i++) {
+        field.world_from_voxel[i] = field.base[i] = place[i];
+        field.voxel_from_world[i] = from[i];
+        field.linear[i] = i % 5 == 0;
+    }
+    for (size_t node = 0; node < 8; node++) {
+        field.vectors[3 * node] = (float)shift;
+    }
+    assert_ok(deformation_measure(&field));
+    assert_ok(atlas_warp(atlas, &field, &plan));
+}
+
+/* The same where a field has moved the atlas, which says nothing of some of the points that are compared. */
+static void a_session_is_of_the_field_that_moved_the_atlas(void **state)
+{
+    struct viewer viewer;
+    struct window window = {.enlarged = -1, .viewer = &viewer};
+    char why[SESSION_REASON];
+    (void)state;
+    load(&viewer, "nested", "nested.nii.gz");
+    char *plain = session_text(&window);
+    warp_atlas((conus_atlas *)viewer.drawn->atlas, -40);
+    char *warped = session_text(&window);
+    assert_true(session_parse(&window, warped, strlen(warped), why));
+    assert_false(session_parse(&window, plain, strlen(plain), why));
+    viewer_finish(&viewer);
+    load(&viewer, "nested", "nested.nii.gz");
+    warp_atlas((conus_atlas *)viewer.drawn->atlas, -41);
+    assert_false(session_parse(&window, warped, strlen(warped), why));
+    assert_non_null(strstr(why, "--atlas-transform"));
+    free(plain);
+    free(warped);
+    viewer_finish(&viewer);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -536,6 +586,7 @@ int main(void)
         cmocka_unit_test(the_start_page_shows_no_escapes),
         cmocka_unit_test(a_device_without_a_pose_is_put_in_front),
         cmocka_unit_test(a_session_is_of_where_the_atlas_lay),
+        cmocka_unit_test(a_session_is_of_the_field_that_moved_the_atlas),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -37,8 +37,10 @@ LIBRARY = {
     "base": "",
     "base/formats": "base",
     "atlas/surface": "base",
-    "atlas": "base atlas/surface",
+    "atlas/deformation": "base",
+    "atlas": "base atlas/surface atlas/deformation",
     "atlas/areas": "base atlas",
+    "atlas/warp": "base atlas/deformation atlas",
     "atlas/phantom": "base atlas/surface atlas",
     "poses/rows": "base",
     "poses/programs": "base base/formats poses/rows",
@@ -60,8 +62,8 @@ LIBRARY = {
     "loaders/manifest": "base base/formats atlas/surface atlas atlas/areas loaders/volumes loaders/tables loaders/labels",
     "loaders/plan": "base base/formats atlas loaders loaders/volumes loaders/tables loaders/labels"
     " loaders/cifti loaders/surfaces loaders/manifest loaders/brainglobe",
-    "loaders/transform": "base loaders loaders/volumes",
-    "loaders/scene": "base base/formats atlas/surface atlas loaders loaders/volumes loaders/tables loaders/labels"
+    "loaders/transform": "base base/formats atlas/deformation loaders loaders/volumes",
+    "loaders/scene": "base base/formats atlas/surface atlas atlas/warp loaders loaders/volumes loaders/tables loaders/labels"
     " loaders/cifti loaders/surfaces/foreign loaders/surfaces loaders/manifest loaders/plan loaders/transform",
     "loaders/catalogue": "base base/formats loaders/volumes loaders/tables",
     "loaders/arrays": "base atlas loaders/volumes loaders/plan loaders/scene",

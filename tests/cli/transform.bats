@@ -57,7 +57,7 @@ shifts() {
     fails 2 "are of FSL's matrices" query nested.nii.gz $aim \
         --atlas-transform right.tfm,from=nested.nii.gz,to=nested.nii.gz
     fails 2 "names no file" query nested.nii.gz $aim --atlas-transform ,inverse
-    fails 3 "this is a volume" query nested.nii.gz $aim --atlas-transform nested.nii.gz
+    fails 3 "this is a volume, but no deformation field" query nested.nii.gz $aim --atlas-transform nested.nii.gz
     printf '1 0 0 7\n0 1 0 0\n0 0 0 0\n0 0 0 1\n' >flat.txt
     fails 3 "flat.txt: the matrix is singular" query nested.nii.gz $aim --atlas-transform flat.txt
     answers query nested.nii.gz $aim --atlas-transform right.mat,from=nested.nii.gz,to=nested.nii.gz --quiet

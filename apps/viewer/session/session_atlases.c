@@ -35,22 +35,29 @@ json_t *session_thresholds(const struct view_atlas *on)
     return list;
 }
 
-/* Where the origin and a step along each axis are in the atlas's own space: what --atlas-transform says. */
-static void find_place(double out[12], const struct view_atlas *on)
+enum { PLACES = 10, OLD_PLACES = 4 };
+
+/* Where some points are in the atlas's own space, which is what --atlas-transform says: the origin, a step along each
+ * axis, and what is 40 mm from the origin. Older sessions have the first four, which tell affines apart. */
+static void find_place(double out[3 * PLACES], const struct view_atlas *on)
 {
-    for (int i = 0; i < 4; i++) {
-        const double point[3] = {i == 1, i == 2, i == 3};
+    for (int i = 0; i < PLACES; i++) {
+        double point[3] = {i == 1, i == 2, i == 3};
+        if (i >= OLD_PLACES) {
+            point[(i - OLD_PLACES) / 2] = i % 2 ? 40 : -40;
+        }
         conus_atlas_own_point(out + (ptrdiff_t)3 * i, on->atlas, point);
     }
 }
 
+/* A number, or null where a deformation field says nothing. */
 json_t *session_place(const struct view_atlas *on)
 {
-    double place[12];
+    double place[3 * PLACES];
     json_t *list = json_array();
     find_place(place, on);
-    for (int i = 0; i < 12; i++) {
-        json_array_append_new(list, json_real(place[i]));
+    for (int i = 0; i < 3 * PLACES; i++) {
+        json_array_append_new(list, isfinite(place[i]) ? json_real(place[i]) : json_null());
     }
     return list;
 }
@@ -121,11 +128,15 @@ static bool read_thresholds(double *out, const struct view_atlas *on, const json
 /* Whether the atlas lies where it lay. Sessions of before there were transforms do not say. */
 static bool check_place(const struct view_atlas *on, const json_t *list, char why[SESSION_REASON])
 {
-    double place[12];
+    double place[3 * PLACES];
+    size_t count = json_array_size(list);
     find_place(place, on);
-    for (size_t i = 0; list && i < 12; i++) {
-        double was = json_number_value(json_array_get(list, i));
-        if (json_array_size(list) != 12 || !(fabs(was - place[i]) <= 1e-6)) {
+    for (size_t i = 0; list && (i == 0 || i < count); i++) {
+        const json_t *was = json_array_get(list, i);
+        bool fits = (count == 3 * PLACES || count == 3 * OLD_PLACES) &&
+                    (isfinite(place[i]) ? json_is_number(was) && fabs(json_number_value(was) - place[i]) <= 1e-6
+                                        : json_is_null(was));
+        if (!fits) {
             return session_refuse(why, "session: the atlas lay elsewhere: the same --atlas-transform is needed");
         }
     }

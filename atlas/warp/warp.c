@@ -1,0 +1,194 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Moves an atlas by a deformation field: all is made first, then nothing can fail. */
+#include "atlas/warp/warp.h"
+
+#include "atlas/deformation/deformation_facts.h"
+#include "atlas/placement.h"
+#include "atlas/warp/warp_parts.h"
+#include "base/math3.h"
+#include "base/memory.h"
+
+#define SHORT_WAY 0.1 /* mm; vectors that are all shorter are hardly in mm */
+#define LONG_WAY 300.0
+
+static double percent(size_t part, size_t all)
+{
+    return 100 * (double)part / (double)all;
+}
+
+/* ---- Notes ------------------------------------------------------------------------------------------------------- */
+
+static conus_status note_length(struct notes *notes, const struct deformation_facts *facts, const char *words)
+{
+    if (facts->farthest >= SHORT_WAY && facts->farthest <= LONG_WAY) {
+        return CONUS_OK;
+    }
+    return notes_warn(notes, "%s: the farthest way of a point is %.3g mm: are the field's vectors in mm?", words,
+                      facts->farthest);
+}
+
+static conus_status note_facts(struct notes *notes, const struct deformation *field, const char *words)
+{
+    struct deformation_facts facts;
+    conus_status status = deformation_facts_find(&facts, field);
+    status = status || !field->stays_outside ? status : note_length(notes, &facts, words);
+    if (!status && !(facts.growth >= 0.1 && facts.growth <= 10)) {
+        status =
+            notes_warn(notes, "%s: 1 mm^3 becomes %.3g mm^3 of the atlas: is the field in mm?", words, facts.growth);
+    }
+    if (!status && facts.folds) {
+        status = notes_warn(notes, "%s: the field folds (Jacobian <= 0) in %zu of %zu cells", words, facts.folds,
+                            facts.cells);
+    }
+    if (!status && facts.unstated) {
+        status = notes_warn(notes, "%s: the field has no value at %.3g %% of its nodes: nothing of the atlas is there",
+                            words, percent(facts.unstated, facts.nodes));
+    }
+    if (!status && facts.mirrors) {
+        status = notes_warn(notes, "%s mirrors: left areas of the atlas are right ones where poses are", words);
+    }
+    if (!status && facts.half_turn) {
+        status =
+            notes_warn(notes, "%s turns by half a circle about z, as positions in LPS would: RAS is needed", words);
+    }
+    return status;
+}
+
+static conus_status note_meshes(struct notes *notes, const struct warped_meshes *meshes, bool stays, const char *words)
+{
+    conus_status status = CONUS_OK;
+    if (meshes->outside) {
+        status = notes_warn(notes, "%s: %zu of %zu vertices lie outside of the field%s", words, meshes->outside,
+                            meshes->vertices, stays ? "; those outside of its grid stay where they are" : "");
+    }
+    if (!status && meshes->lost) {
+        status = notes_warn(notes, "%s: %zu of %zu vertices have no place: the field folds there, or has no value",
+                            words, meshes->lost, meshes->vertices);
+    }
+    if (!status && meshes->cut) {
+        status = notes_warn(notes, "%s: %zu of %zu triangles are left out, with a vertex that has no place", words,
+                            meshes->cut, meshes->triangles);
+    }
+    return status;
+}
+
+static conus_status note_move(struct notes *notes, const struct warp_plan *plan)
+{
+    const conus_volume_info *grid = plan->grid;
+    return notes_add(notes,
+                     "warped by %s: voxels are those of the atlas that are nearest, on a grid of %zu x %zu x %zu "
+                     "voxels of %.3g x %.3g x %.3g mm",
+                     plan->words, grid->dim[0], grid->dim[1], grid->dim[2], grid->spacing[0], grid->spacing[1],
+                     grid->spacing[2]);
+}
+
+/* ---- Moves ------------------------------------------------------------------------------------------------------- */
+
+static conus_status check_state(const conus_atlas *atlas)
+{
+    bool attached = false;
+    for (size_t i = 0; i < atlas->volume_count; i++) {
+        attached = attached || (atlas->volumes[i].is_borrowed && !atlas->volumes[i].source);
+    }
+    if (atlas_has_hidden(atlas)) {
+        return fail(CONUS_ERROR_ARGUMENT, "an atlas is warped before something of it is hidden");
+    }
+    return attached && atlas->warp_count
+               ? fail(CONUS_ERROR_ARGUMENT, "an attached atlas that was warped cannot be warped again")
+               : CONUS_OK;
+}
+
+/* What is made before the atlas changes. */
+struct parts {
+    struct warped_volumes volumes;
+    struct warped_meshes meshes;
+    struct notes notes; /* about the surfaces' shapes */
+};
+
+static void parts_finish(struct parts *parts, const conus_atlas *atlas)
+{
+    warped_volumes_finish(&parts->volumes, atlas->volume_count);
+    warped_meshes_finish(&parts->meshes, atlas->mesh_count);
+    notes_finish(&parts->notes);
+}
+
+static conus_status note_parts(conus_atlas *atlas, struct parts *parts, const struct deformation *field,
+                               const struct warp_plan *plan)
+{
+    conus_status status = note_move(&atlas->notes, plan);
+    status = status ? status : note_facts(&atlas->notes, field, plan->words);
+    status = status ? status : warped_volumes_note(&parts->volumes, atlas, plan->words);
+    status = status ? status : note_meshes(&atlas->notes, &parts->meshes, field->stays_outside, plan->words);
+    return status ? status : notes_move(&atlas->notes, &parts->notes);
+}
+
+/* The field becomes the last of the warps. */
+static void remember(conus_atlas *atlas, struct deformation *field)
+{
+    atlas->warps[atlas->warp_count++].field = *field;
+    *field = (struct deformation){0};
+    mat4_identity(atlas->own_from_world);
+    atlas->is_moved = true;
+}
+
+/* A place for one warp more, which counts only when the atlas has moved. */
+static conus_status reserve_warp(struct warp_way *way, conus_atlas *atlas, const struct deformation *field)
+{
+    struct warp *warps = memory_resize(atlas->warps, atlas->warp_count + 1, sizeof *warps);
+    if (!warps) {
+        return CONUS_ERROR_MEMORY;
+    }
+    atlas->warps = warps;
+    warps[atlas->warp_count].field = *field;
+    mat4_identity(warps[atlas->warp_count].after);
+    if (atlas->is_moved) {
+        memcpy(warps[atlas->warp_count].after, atlas->own_from_world, sizeof atlas->own_from_world);
+    }
+    *way = (struct warp_way){.warps = warps, .count = atlas->warp_count + 1};
+    mat4_identity(way->first);
+    return CONUS_OK;
+}
+
+conus_status atlas_warp(conus_atlas *atlas, struct deformation *field, const struct warp_plan *plan)
+{
+    struct parts parts = {0};
+    struct warp_way way;
+    size_t note_count = atlas->notes.count;
+    conus_status status = check_state(atlas);
+    status = status ? status : reserve_warp(&way, atlas, field);
+    status = status ? status : warped_volumes_init(&parts.volumes, atlas, &way, plan);
+    status = status ? status : warped_meshes_init(&parts.meshes, atlas, field, &parts.notes);
+    status = status ? status : note_parts(atlas, &parts, field, plan);
+    if (!status) {
+        warped_volumes_take(&parts.volumes, atlas);
+        warped_meshes_take(&parts.meshes, atlas);
+        remember(atlas, field);
+    } else {
+        notes_cut(&atlas->notes, note_count);
+    }
+    parts_finish(&parts, atlas);
+    return status;
+}
+
+conus_status atlas_move_onto(conus_atlas *atlas, const double atlas_from_world[16], const struct warp_plan *plan)
+{
+    struct warped_volumes volumes = {0};
+    struct warp_way way = {.warps = atlas->warps, .count = atlas->warp_count};
+    size_t note_count = atlas->notes.count;
+    if (!atlas->warp_count) {
+        return fail(CONUS_ERROR_ARGUMENT, "grid: nothing is resampled, since no deformation field has moved the atlas");
+    }
+    mat4_multiply(way.first, atlas->own_from_world, atlas_from_world);
+    conus_status status = check_state(atlas);
+    status = status ? status : warped_volumes_init(&volumes, atlas, &way, plan);
+    status = status ? status : note_move(&atlas->notes, plan);
+    status = status ? status : warped_volumes_note(&volumes, atlas, plan->words);
+    status = status ? status : atlas_move(atlas, atlas_from_world, plan->words);
+    if (!status) {
+        warped_volumes_take(&volumes, atlas);
+    } else {
+        notes_cut(&atlas->notes, note_count);
+    }
+    warped_volumes_finish(&volumes, atlas->volume_count);
+    return status;
+}

@@ -1,0 +1,135 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Surfaces whose vertices go back through a field. */
+#include "atlas/deformation/deformation_find.h"
+#include "atlas/warp/warp_parts.h"
+#include "base/math3.h"
+#include "base/memory.h"
+
+#include <string.h>
+
+void warped_meshes_finish(struct warped_meshes *meshes, size_t count)
+{
+    for (size_t i = 0; meshes->items && i < count; i++) {
+        mesh_finish(&meshes->items[i]);
+    }
+    memory_free(meshes->items);
+    *meshes = (struct warped_meshes){0};
+}
+
+/* NaN for a vertex that has no place. */
+static void move_vertices(struct warped_meshes *out, struct mesh *mesh, const struct deformation *field)
+{
+    for (size_t i = 0; i < mesh->vertex_count; i++) {
+        float *p = &mesh->positions[3 * i];
+        double point[3] = {(double)p[0], (double)p[1], (double)p[2]};
+        enum deformation_found found = deformation_find(point, field, point);
+        out->vertices++;
+        out->outside += found == DEFORMATION_OUTSIDE;
+        out->lost += found == DEFORMATION_LOST;
+        for (int a = 0; a < 3; a++) {
+            p[a] = found == DEFORMATION_LOST ? NAN : (float)point[a];
+        }
+    }
+}
+
+/* Leaves out triangles with a vertex without a place, and these. Returns how many triangles. */
+static size_t cut_triangles(struct mesh *mesh)
+{
+    size_t kept = 0;
+    size_t all = mesh->triangle_count;
+    for (size_t i = 0; i < all; i++) {
+        const uint32_t *corners = &mesh->triangles[3 * i];
+        bool whole = true;
+        for (int k = 0; k < 3; k++) {
+            whole = whole && !isnan(mesh->positions[3 * (size_t)corners[k]]);
+        }
+        if (whole) {
+            memmove(&mesh->triangles[3 * kept++], corners, 3 * sizeof *corners);
+        }
+    }
+    for (size_t i = 0; i < 3 * mesh->vertex_count; i++) { /* of vertices that no triangle has */
+        mesh->positions[i] = isnan(mesh->positions[i]) ? 0 : mesh->positions[i];
+    }
+    mesh->triangle_count = kept;
+    return all - kept;
+}
+
+static void turn_triangles(struct mesh *mesh)
+{
+    for (size_t i = 0; i < mesh->triangle_count; i++) {
+        uint32_t second = mesh->triangles[3 * i + 1];
+        mesh->triangles[3 * i + 1] = mesh->triangles[3 * i + 2];
+        mesh->triangles[3 * i + 2] = second;
+    }
+}
+
+static const char *name_of(const conus_atlas *atlas, size_t mesh)
+{
+    for (size_t i = 0; i < atlas->object_count; i++) {
+        if (atlas->places[i].is_mesh && atlas->places[i].index == mesh) {
+            return atlas->objects[i].name;
+        }
+    }
+    return "a surface";
+}
+
+static conus_status move_mesh(struct warped_meshes *out, size_t index, const conus_atlas *atlas,
+                              const struct deformation *field, struct notes *notes)
+{
+    const struct mesh *old = &atlas->meshes[index];
+    struct mesh *mesh = &out->items[index];
+    conus_status status = mesh_init(mesh, old->vertex_count, old->triangle_count);
+    if (status) {
+        return status;
+    }
+    memcpy(mesh->positions, old->positions, 3 * old->vertex_count * sizeof *mesh->positions);
+    memcpy(mesh->triangles, old->triangles, 3 * old->triangle_count * sizeof *mesh->triangles);
+    mesh->shape = old->shape;
+    move_vertices(out, mesh, field);
+    size_t cut = cut_triangles(mesh);
+    out->triangles += old->triangle_count;
+    out->cut += cut;
+    if (!mesh->triangle_count) {
+        return fail(CONUS_ERROR_DATA, "nothing of %s is where the field leads to", name_of(atlas, index));
+    }
+    if (mat4_determinant3(field->start) * mat4_determinant3(field->world_from_voxel) < 0) {
+        turn_triangles(mesh);
+    }
+    status = cut ? mesh_check(mesh, notes) : mesh_check_numbers(mesh);
+    return status ? status : mesh_measure(&mesh->shape, mesh);
+}
+
+conus_status warped_meshes_init(struct warped_meshes *out, const conus_atlas *atlas, const struct deformation *field,
+                                struct notes *notes)
+{
+    struct warped_meshes meshes = {.items = memory_zeroed(atlas->mesh_count, sizeof *meshes.items)};
+    conus_status status = meshes.items ? CONUS_OK : CONUS_ERROR_MEMORY;
+    for (size_t i = 0; !status && i < atlas->mesh_count; i++) {
+        status = move_mesh(&meshes, i, atlas, field, notes);
+    }
+    if (status) {
+        warped_meshes_finish(&meshes, atlas->mesh_count);
+    } else {
+        *out = meshes;
+    }
+    return status;
+}
+
+void warped_meshes_take(struct warped_meshes *meshes, conus_atlas *atlas)
+{
+    for (size_t i = 0; i < atlas->mesh_count; i++) {
+        struct mesh old = atlas->meshes[i];
+        atlas->meshes[i] = meshes->items[i];
+        atlas->meshes[i].path = old.path;
+        old.path = NULL;
+        meshes->items[i] = old;
+    }
+    for (size_t i = 0; i < atlas->object_count; i++) {
+        if (atlas->places[i].is_mesh) {
+            const struct mesh *mesh = &atlas->meshes[atlas->places[i].index];
+            atlas->objects[i].triangles = mesh->triangle_count;
+            atlas->objects[i].closed = mesh->shape.closed;
+            atlas->objects[i].volume_mm3 = mesh->shape.has_volume ? fabs(mesh->shape.volume_mm3) : 0;
+        }
+    }
+}

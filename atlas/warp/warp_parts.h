@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file The parts of atlas_warp(): what an atlas has after it, made before anything is changed. */
+#ifndef CONUS_ATLAS_WARP_WARP_PARTS_H
+#define CONUS_ATLAS_WARP_WARP_PARTS_H
+
+#include "atlas/warp/warp.h"
+
+/** Where points go until they are in the atlas's own space: first by an affine, then by the warps, the last one first.
+ */
+struct warp_way {
+    double first[16];
+    const struct warp *warps;
+    size_t count;
+};
+
+/** Volumes on a new grid. */
+struct warped_volumes {
+    struct volume *items;    /**< [volume_count] Those that stay as they are have no voxels.  */
+    uint64_t *voxels;        /**< [object_count + 1] How many each object has there.          */
+    size_t sampled, outside; /**< Of some labelled voxels: how many, and which are not there. */
+};
+
+/** Resamples the volumes that @p way warps. */
+conus_status warped_volumes_init(struct warped_volumes *out, const conus_atlas *atlas, const struct warp_way *way,
+                                 const struct warp_plan *plan);
+
+/** Notes what of the atlas they do not have. */
+conus_status warped_volumes_note(const struct warped_volumes *volumes, conus_atlas *atlas, const char *words);
+
+/** Puts them into the atlas; @p volumes has the old ones then. */
+void warped_volumes_take(struct warped_volumes *volumes, conus_atlas *atlas);
+void warped_volumes_finish(struct warped_volumes *volumes, size_t count);
+
+/** Surfaces in their new place. */
+struct warped_meshes {
+    struct mesh *items; /**< [mesh_count] */
+    size_t vertices, outside, lost;
+    size_t triangles, cut; /**< All, and those left out. */
+};
+
+/** Moves the surfaces back through @p field. */
+conus_status warped_meshes_init(struct warped_meshes *out, const conus_atlas *atlas, const struct deformation *field,
+                                struct notes *notes);
+void warped_meshes_take(struct warped_meshes *meshes, conus_atlas *atlas);
+void warped_meshes_finish(struct warped_meshes *meshes, size_t count);
+
+#endif

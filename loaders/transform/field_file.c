@@ -1,0 +1,348 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Reads deformation fields, and finds out what their vectors mean. */
+#include "loaders/transform/field_file.h"
+
+#include "base/formats/gzip.h"
+#include "base/math3.h"
+#include "base/memory.h"
+#include "loaders/transform/field_header.h"
+#include "loaders/transform/transform_formats.h"
+#include "loaders/volumes/nifti.h"
+#include "loaders/volumes/volume_file.h"
+#include "loaders/volumes/volume_values.h"
+
+static const uint64_t DEFAULT_MEMORY = UINT64_C(8) << 30;
+enum { HEAD_READ = 1 << 16, LATTICE = 64 }; /* LATTICE: nodes along an axis that show what vectors are */
+
+#define NEAR 0.01 /* mm by which the field's grid and FSL's image may differ */
+
+/* ---- Headers ----------------------------------------------------------------------------------------------------- */
+
+/* The first unpacked bytes of a NIfTI file; nothing of another one. */
+static conus_status read_head(struct bytes *out, const char *path)
+{
+    struct bytes stored = {0};
+    struct bytes head = {0};
+    conus_status status = file_read_head(&stored, path, HEAD_READ);
+    if (status) {
+        return status;
+    }
+    if (gzip_is(stored.data, stored.size)) {
+        status = gzip_head(&head, stored.data, stored.size, FIELD_HEADER_SIZE);
+    } else {
+        head = stored;
+        stored = (struct bytes){0};
+    }
+    bytes_finish(&stored);
+    if (!status && nifti_has_magic(head.data, head.size)) {
+        *out = head;
+        return CONUS_OK;
+    }
+    bytes_finish(&head);
+    *out = (struct bytes){0};
+    return status == CONUS_ERROR_MEMORY ? status : CONUS_OK; /* what is damaged is nothing that is known here */
+}
+
+conus_status field_file_is(bool *out, const char *path)
+{
+    struct bytes head = {0};
+    conus_status status = read_head(&head, path);
+    *out = !status && head.data;
+    bytes_finish(&head);
+    return status;
+}
+
+static conus_status find_kind(enum field_kind *out, const char *path, const conus_transform_options *options)
+{
+    struct bytes head = {0};
+    struct field_header header;
+    conus_status status = read_head(&head, path);
+    if (status) {
+        return status;
+    }
+    if (!options->from != !options->to) {
+        status = fail(CONUS_ERROR_ARGUMENT, "%s=IMAGE is needed, too", options->from ? "to" : "from");
+    }
+    status = status ? status : field_header_parse(&header, head.data, head.size);
+    status = status ? status : field_header_kind(out, &header, options->from, options->vectors);
+    if (!status && options->inverse) {
+        status = fail(CONUS_ERROR_UNSUPPORTED,
+                      "a deformation field is not inverted; the field of the other direction is needed: "
+                      "1InverseWarp.nii.gz for 1Warp.nii.gz, iy_ for y_, or what FSL's 'invwarp' writes");
+    }
+    bytes_finish(&head);
+    return status ? fail_in(status, path) : CONUS_OK;
+}
+
+/* ---- Vectors ----------------------------------------------------------------------------------------------------- */
+
+static size_t count_nodes(const struct deformation *field)
+{
+    return field->dim[0] * field->dim[1] * field->dim[2];
+}
+
+static conus_status check_memory(size_t nodes, uint64_t max_memory)
+{
+    uint64_t limit = max_memory ? max_memory : DEFAULT_MEMORY;
+    return nodes <= limit / (3 * sizeof(float))
+               ? CONUS_OK
+               : fail(CONUS_ERROR_MEMORY,
+                      "dim: %zu vectors take %zu bytes each, allowed are %llu in all (--max-memory)", nodes,
+                      3 * sizeof(float), (unsigned long long)limit);
+}
+
+/* One component, in the place that it has among the three of each node. */
+static conus_status read_component(float *vectors, struct volume_file *file, size_t component, size_t nodes)
+{
+    float *values = NULL;
+    struct notes unwanted = {0}; /* about numbers that are not finite: the caller counts them */
+    conus_status status = volume_file_select(file, component);
+    status = status ? status : volume_file_values_or_nan(&values, file, &unwanted);
+    for (size_t i = 0; !status && i < nodes; i++) {
+        vectors[3 * i + component] = values[i];
+    }
+    memory_free(values);
+    notes_finish(&unwanted);
+    return status;
+}
+
+static conus_status read_vectors(struct deformation *out, struct volume_file *file, uint64_t max_memory)
+{
+    memcpy(out->dim, file->info.dim, sizeof out->dim);
+    memcpy(out->world_from_voxel, file->info.world_from_voxel, sizeof out->world_from_voxel);
+    if (!mat4_invert_affine(out->voxel_from_world, out->world_from_voxel)) {
+        return fail(CONUS_ERROR_DATA, "%s: the matrix is singular", file->info.transform);
+    }
+    conus_status status = file->info.volume_count == 3 ? CONUS_OK : fail(CONUS_ERROR_IO, FILE_CHANGED);
+    status = status ? status : check_memory(count_nodes(out), max_memory);
+    if (status) {
+        return status;
+    }
+    out->vectors = memory_raw(count_nodes(out), 3 * sizeof *out->vectors);
+    status = out->vectors ? CONUS_OK : CONUS_ERROR_MEMORY;
+    for (size_t n = 0; !status && n < 3; n++) {
+        status = read_component(out->vectors, file, n, count_nodes(out));
+    }
+    return status;
+}
+
+/* Positions may be missing, as SPM's inverses have it outside of the brain; displacements may not. */
+static conus_status check_finite(const struct deformation *field, bool positions)
+{
+    const size_t *dim = field->dim;
+    for (size_t i = 0; i < 3 * count_nodes(field); i++) {
+        if (!positions && !isfinite(field->vectors[i])) {
+            size_t node = i / 3;
+            return fail(CONUS_ERROR_DATA, "voxel (%zu, %zu, %zu): a vector that is not finite", node % dim[0],
+                        node / dim[0] % dim[1], node / dim[0] / dim[1]);
+        }
+    }
+    return CONUS_OK;
+}
+
+/* ---- What they mean ---------------------------------------------------------------------------------------------- */
+
+struct sums {
+    double sum[3], squares[3], count;
+};
+
+/* A vector less x. */
+static void add_vector(struct sums *sums, const float v[3], const double x[3])
+{
+    const double left[3] = {(double)v[0] - x[0], (double)v[1] - x[1], (double)v[2] - x[2]};
+    for (int a = 0; vec3_is_finite(left) && a < 3; a++) {
+        sums->sum[a] += left[a];
+        sums->squares[a] += left[a] * left[a];
+        sums->count += a == 0;
+    }
+}
+
+/* How much some of the vectors differ from each other, after what `reference` makes of the indices was taken off: the
+ * sum of the standard deviations of x, y and z. */
+static double spread(const struct deformation *field, const double reference[16])
+{
+    struct sums sums = {0};
+    const size_t *dim = field->dim;
+    for (size_t k = 0; k < dim[2]; k += dim[2] / LATTICE + 1) {
+        for (size_t j = 0; j < dim[1]; j += dim[1] / LATTICE + 1) {
+            for (size_t i = 0; i < dim[0]; i += dim[0] / LATTICE + 1) {
+                const float *v = &field->vectors[3 * (i + dim[0] * (j + dim[1] * k))];
+                const double q[3] = {(double)i, (double)j, (double)k};
+                double x[3];
+                mat4_point(x, reference, q);
+                add_vector(&sums, v, x);
+            }
+        }
+    }
+    double total = 0;
+    for (int a = 0; a < 3; a++) {
+        double mean = sums.sum[a] / sums.count;
+        total += sqrt(fmax(0, sums.squares[a] / sums.count - mean * mean));
+    }
+    return total;
+}
+
+/* Positions follow the grid, displacements do not: FSL's rule where nobody says which they are. */
+static bool look_like_positions(const struct deformation *field, const double reference[16])
+{
+    static const double nothing[16] = {[15] = 1};
+    return spread(field, nothing) > spread(field, reference);
+}
+
+static void lps_from_voxel(double out[16], const struct deformation *field)
+{
+    static const double flip[16] = {-1, [5] = -1, [10] = 1, [15] = 1};
+    mat4_multiply(out, flip, field->world_from_voxel);
+}
+
+/* ITK's or SPM's: that of which the header says nothing must not look like the other. */
+static conus_status decide_vectors(enum field_kind *kind, const struct deformation *field, struct notes *notes)
+{
+    double lps[16];
+    lps_from_voxel(lps, field);
+    bool positions = look_like_positions(field, field->world_from_voxel) || look_like_positions(field, lps);
+    if (*kind == FIELD_VECTORS && positions) {
+        return fail(CONUS_ERROR_ARGUMENT,
+                    "the vectors look like positions, and the header does not say so: ',absolute' states positions in "
+                    "RAS, as SPM has them, ',relative' displacements in LPS, as ITK has them");
+    }
+    *kind = *kind == FIELD_VECTORS ? FIELD_ITK : *kind;
+    return positions == (*kind == FIELD_SPM)
+               ? CONUS_OK
+               : notes_warn(notes, "the vectors are taken for %s, but look like %s",
+                            positions ? "displacements" : "positions", positions ? "positions" : "displacements");
+}
+
+static conus_status set_vectors(struct deformation *field, enum field_kind kind, struct notes *notes)
+{
+    conus_status status = decide_vectors(&kind, field, notes);
+    mat4_identity(field->linear);
+    if (kind == FIELD_SPM) {
+        field->base[15] = 1;
+    } else {
+        memcpy(field->base, field->world_from_voxel, sizeof field->base);
+        field->linear[0] = field->linear[5] = -1;
+        field->stays_outside = true;
+    }
+    return status ? status : check_finite(field, kind == FIELD_SPM);
+}
+
+/* ---- FSL --------------------------------------------------------------------------------------------------------- */
+
+/* From FSL's mm of an image to the world. */
+static conus_status world_from_flirt(double out[16], const conus_volume_info *info)
+{
+    double flirt[16];
+    double voxel[16];
+    flirt_from_voxel(flirt, info);
+    if (!mat4_invert_affine(voxel, flirt)) {
+        return fail(CONUS_ERROR_DATA, "the matrix of an image is singular");
+    }
+    mat4_multiply(out, info->world_from_voxel, voxel);
+    return CONUS_OK;
+}
+
+/* The field lies on the grid of the image from which it takes points, or on another with the same mm. */
+static conus_status check_from(const conus_volume_info *field, const char *from)
+{
+    conus_volume_info image;
+    double a[16];
+    double b[16];
+    double worst = 0;
+    conus_status status = volume_file_header(&image, from);
+    status = status ? status : world_from_flirt(a, field);
+    status = status ? status : world_from_flirt(b, &image);
+    for (int corner = 0; !status && corner < 8; corner++) {
+        double p[3];
+        double q[3];
+        for (int i = 0; i < 3; i++) {
+            p[i] = corner >> i & 1 ? (double)field->dim[i] * field->spacing[i] : 0;
+        }
+        mat4_point(q, b, p);
+        mat4_point(p, a, p);
+        vec3_sub(p, p, q);
+        worst = fmax(worst, vec3_length(p));
+    }
+    return status || worst <= NEAR ? status
+                                   : fail(CONUS_ERROR_ARGUMENT,
+                                          "from: %s lies up to %.3g mm from where the field does: the image on whose "
+                                          "grid the field was made (--ref) is needed",
+                                          from, worst);
+}
+
+/* Whether FSL's vectors are positions. */
+static conus_status decide_flirt(bool *positions, const struct deformation *field, const double flirt[16],
+                                 enum field_kind kind, conus_vectors vectors, struct notes *notes)
+{
+    bool look = look_like_positions(field, flirt);
+    bool stated = kind == FIELD_FNIRT || vectors;
+    *positions = stated ? vectors == CONUS_VECTORS_ABSOLUTE : look;
+    return *positions == look ? CONUS_OK
+                              : notes_warn(notes, "the vectors are taken for %s, but look like %s",
+                                           look ? "displacements" : "positions", look ? "positions" : "displacements");
+}
+
+static conus_status set_flirt(struct deformation *field, enum field_kind kind, const conus_volume_info *grid,
+                              const conus_transform_options *options, struct notes *notes)
+{
+    conus_volume_info to;
+    double world[16];
+    double flirt[16];
+    bool positions;
+    conus_status status = check_from(grid, options->from);
+    status = status ? status : volume_file_header(&to, options->to);
+    status = status ? status : world_from_flirt(world, &to);
+    flirt_from_voxel(flirt, grid);
+    status = status ? status : decide_flirt(&positions, field, flirt, kind, options->vectors, notes);
+    if (status) {
+        return status;
+    }
+    if (positions) {
+        memset(flirt, 0, sizeof flirt);
+        flirt[15] = 1;
+    }
+    mat4_multiply(field->base, world, flirt);
+    memcpy(field->linear, world, sizeof world);
+    memset(field->linear + 12, 0, 3 * sizeof *world);
+    return check_finite(field, false);
+}
+
+/* ---- Files ------------------------------------------------------------------------------------------------------- */
+
+static conus_status make_field(struct deformation *out, struct volume_file *file, enum field_kind kind,
+                               const conus_transform_options *options, struct notes *notes)
+{
+    conus_status status = read_vectors(out, file, options->max_memory);
+    if (!status) {
+        status = kind == FIELD_FSL || kind == FIELD_FNIRT ? set_flirt(out, kind, &file->info, options, notes)
+                                                          : set_vectors(out, kind, notes);
+    }
+    return status ? status : deformation_measure(out);
+}
+
+conus_status field_file_read(struct deformation *out, conus_volume_info *grid, const char *path,
+                             const conus_transform_options *options, struct file_sums *read, struct notes *notes)
+{
+    struct volume_file file = {0};
+    struct deformation field = {0};
+    struct notes found = {0};
+    enum field_kind kind = FIELD_VECTORS;
+    conus_status status = find_kind(&kind, path, options);
+    status = status ? status : volume_file_open_series(&file, path, options->max_memory, notes);
+    if (status) {
+        return status;
+    }
+    status = make_field(&field, &file, kind, options, &found);
+    status = status ? fail_in(status, path) : file_sums_put(read, file.info.path, file.info.sha256);
+    status = status ? status : notes_move_in(notes, &found, path);
+    if (!status) {
+        *grid = file.info;
+        grid->path = NULL;
+        *out = field;
+    } else {
+        deformation_finish(&field);
+    }
+    notes_finish(&found);
+    volume_file_finish(&file);
+    return status;
+}

@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file What the header of a deformation field says: NIfTI's fields that other volumes have no use for. */
+#ifndef CONUS_LOADERS_TRANSFORM_FIELD_HEADER_H
+#define CONUS_LOADERS_TRANSFORM_FIELD_HEADER_H
+
+#include "base/status.h"
+
+/** How vectors are to be read. */
+enum field_kind {
+    FIELD_VECTORS, /**< ITK's or SPM's: the header does not say which. */
+    FIELD_ITK,     /**< Displacements in mm, LPS.                                                          */
+    FIELD_SPM,     /**< Positions in mm, RAS.                                                              */
+    FIELD_FSL,     /**< In FSL's mm of two images; positions or displacements.                             */
+    FIELD_FNIRT    /**< The same, displacements.                                                           */
+};
+
+struct field_header {
+    int64_t dim[8];
+    int intent_code;
+    char intent_name[17];
+};
+
+enum { FIELD_HEADER_SIZE = 540 }; /**< Bytes that field_header_parse() wants to see, if there are as many. */
+
+/** Takes the fields from @p data, the first bytes of a NIfTI file (nifti_has_magic()), unpacked. */
+conus_status field_header_parse(struct field_header *out, const uint8_t *data, size_t size);
+
+/** Says what the vectors are, by the header and by what is stated: @p has_images, FSL's two. CONUS_ERROR_DATA for what
+ * is no field, CONUS_ERROR_UNSUPPORTED for coefficients of splines, CONUS_ERROR_ARGUMENT where header and statement
+ * contradict each other. */
+conus_status field_header_kind(enum field_kind *out, const struct field_header *header, bool has_images,
+                               conus_vectors vectors);
+
+#endif

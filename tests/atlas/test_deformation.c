@@ -1,0 +1,323 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Deformation fields whose map is known in closed form. tests/oracles/compare_warps.py compares them with numpy. */
+#include "atlas/deformation/deformation.h"
+#include "atlas/deformation/deformation_facts.h"
+#include "atlas/deformation/deformation_find.h"
+#include "base/math3.h"
+#include "test.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* A field of displacements, RAS mm, on nodes 2 mm apart, the first at (-10, -12, -14). */
+struct made {
+    struct deformation field;
+    float vectors[3 * 11 * 13 * 15];
+};
+
+static struct made *make(void (*way)(double out[3], const double p[3]))
+{
+    struct made *made = calloc(1, sizeof *made);
+    struct deformation *field = &made->field;
+    *field = (struct deformation){.dim = {11, 13, 15}, .vectors = made->vectors, .is_borrowed = true};
+    mat4_identity(field->world_from_voxel);
+    for (int a = 0; a < 3; a++) {
+        field->world_from_voxel[5 * a] = 2;
+        field->world_from_voxel[12 + a] = -10 - 2 * a;
+    }
+    assert_true(mat4_invert_affine(field->voxel_from_world, field->world_from_voxel));
+    memcpy(field->base, field->world_from_voxel, sizeof field->base);
+    mat4_identity(field->linear);
+    for (size_t n = 0; n < (size_t)11 * 13 * 15; n++) {
+        const double node[3] = {(double)(n % 11), (double)(n / 11 % 13), (double)(n / 143)};
+        double p[3];
+        double moved[3];
+        mat4_point(p, field->world_from_voxel, node);
+        way(moved, p);
+        for (int a = 0; a < 3; a++) {
+            made->vectors[3 * n + (size_t)a] = (float)moved[a];
+        }
+    }
+    return made;
+}
+
+/* Linear: what is between nodes is exact. (x, y, z) goes to (1.25 x + 0.5 y + 1, y - 0.25 z, z + 3). */
+static void shear(double out[3], const double p[3])
+{
+    out[0] = 0.25 * p[0] + 0.5 * p[1] + 1;
+    out[1] = -0.25 * p[2];
+    out[2] = 3;
+}
+
+/* Slopes below 0.75: no fold. */
+static void wave(double out[3], const double p[3])
+{
+    out[0] = 2 * sin(p[1] / 4);
+    out[1] = 1.5 * cos(p[0] / 3 + p[2] / 5);
+    out[2] = 2 * sin(p[0] / 5 + 1);
+}
+
+static void stay(double out[3], const double p[3])
+{
+    (void)p;
+    memset(out, 0, 3 * sizeof *out);
+}
+
+static void a_linear_field_is_exact_between_nodes(void **state)
+{
+    (void)state;
+    struct made *made = make(shear);
+    uint64_t random = 1;
+    for (int i = 0; i < 1000; i++) {
+        const double p[3] = {test_random(&random, -10, 10), test_random(&random, -12, 12),
+                             test_random(&random, -14, 14)};
+        double q[3];
+        double way[3];
+        double columns[3][3];
+        assert_true(deformation_point(q, &made->field, p));
+        shear(way, p);
+        vec3_add_scaled(way, way, 1, p);
+        assert_near(q[0], way[0], 1e-5); /* the vectors are of single precision */
+        assert_near(q[1], way[1], 1e-5);
+        assert_near(q[2], way[2], 1e-5);
+        mat4_point(q, made->field.voxel_from_world, p);
+        deformation_slope(way, columns, &made->field, q);
+        assert_near(columns[0][0], 2 * 1.25, 1e-5); /* mm a node, of 2 mm */
+        assert_near(columns[1][0], 2 * 0.5, 1e-5);
+        assert_near(columns[2][1], 2 * -0.25, 1e-5);
+        assert_near(columns[2][2], 2, 1e-5);
+        assert_near(columns[0][1], 0, 1e-5);
+    }
+    free(made);
+}
+
+/* Node (5, 6, 7) is at (0, 0, 0), (6, 6, 7) at (2, 0, 0): a quarter of the way between vectors (1, 0, 0) and (5, 0, 0).
+ */
+static void a_point_between_two_nodes_has_a_part_of_both(void **state)
+{
+    (void)state;
+    struct made *made = make(stay);
+    size_t node = 5 + 11 * (6 + 13 * 7);
+    double p[3] = {0.5, 0, 0};
+    made->vectors[3 * node] = 1;
+    made->vectors[3 * (node + 1)] = 5;
+    assert_true(deformation_point(p, &made->field, p));
+    assert_near(p[0], 0.5 + 2, 1e-12);
+    assert_near(p[1], 0, 1e-12);
+    double q[3] = {5, 6.5, 7}; /* in indices, between (1, 0, 0) and (0, 0, 0) */
+    deformation_at(p, &made->field, q);
+    assert_near(p[0], 0.5, 1e-12);
+    assert_near(p[1], 1, 1e-12);
+    free(made);
+}
+
+/* The last node along x is at 10, so the grid ends at 11; there the vector is the border's, (3, 0, 0). */
+static void the_grid_ends_half_a_step_outside_of_its_nodes(void **state)
+{
+    (void)state;
+    struct made *made = make(stay);
+    for (size_t n = 0; n < (size_t)11 * 13 * 15; n++) {
+        made->vectors[3 * n] = 3;
+    }
+    const double last[3] = {10.999, 0, 0};
+    const double first[3] = {-11, 0, 0};
+    const double beyond[3] = {11, 0, 0};
+    double out[3];
+    assert_true(deformation_point(out, &made->field, last));
+    assert_near(out[0], 13.999, 1e-12);
+    assert_true(deformation_point(out, &made->field, first));
+    assert_near(out[0], -8, 1e-12);
+    assert_false(deformation_point(out, &made->field, beyond));
+    assert_true(isnan(out[0]) && isnan(out[2]));
+    made->field.stays_outside = true;
+    assert_true(deformation_point(out, &made->field, beyond));
+    assert_near(out[0], 11, 0);
+    free(made);
+}
+
+/* What lies between a node with a value and one without has none; the node itself has. */
+static void nodes_without_a_value_take_points_nowhere(void **state)
+{
+    (void)state;
+    struct made *made = make(stay);
+    size_t node = 5 + 11 * (6 + 13 * 7); /* at (0, 0, 0) */
+    double p[3] = {0, 0, 0};
+    made->vectors[3 * node + 1] = NAN;
+    assert_false(deformation_point(p, &made->field, p));
+    const double beside[3] = {2, 0, 0};
+    assert_true(deformation_point(p, &made->field, beside));
+    const double before[3] = {-2, 0, 0};
+    assert_true(deformation_point(p, &made->field, before));
+    const double between[3] = {1.9, 0, 0};
+    assert_false(deformation_point(p, &made->field, between));
+    struct deformation_facts facts;
+    assert_ok(deformation_measure(&made->field));
+    assert_ok(deformation_facts_find(&facts, &made->field));
+    assert_int_equal(facts.nodes, 11 * 13 * 15);
+    assert_int_equal(facts.unstated, 1);
+    assert_int_equal(facts.folds, 0);
+    free(made);
+}
+
+static void check_way_back(void (*way)(double out[3], const double p[3]), double reach)
+{
+    struct made *made = make(way);
+    uint64_t random = 2;
+    assert_ok(deformation_measure(&made->field));
+    for (int i = 0; i < 2000; i++) {
+        const double p[3] = {test_random(&random, -reach, reach), test_random(&random, -reach, reach),
+                             test_random(&random, -reach, reach)};
+        double there[3];
+        double back[3];
+        assert_true(deformation_point(there, &made->field, p));
+        assert_int_equal(deformation_find(back, &made->field, there), DEFORMATION_FOUND);
+        for (int a = 0; a < 3; a++) {
+            assert_near(back[a], p[a], 1e-5); /* the tolerance, by the slope of the way back, below 10 */
+        }
+    }
+    free(made);
+}
+
+static void the_way_back_leads_back(void **state)
+{
+    (void)state;
+    check_way_back(shear, 9);
+    check_way_back(wave, 9);
+    check_way_back(stay, 9.9);
+}
+
+/* Cells of one step along x, in which x goes to x + v: v of 0 and -3 at neighbours 2 mm apart is a slope of -0.5. */
+static void folds_are_counted_cell_by_cell(void **state)
+{
+    (void)state;
+    struct made *made = make(stay);
+    struct deformation_facts facts;
+    size_t node = 5 + 11 * (6 + 13 * 7);
+    made->vectors[3 * node] = -3; /* the edge before it turns over, that behind it does not */
+    assert_ok(deformation_measure(&made->field));
+    assert_ok(deformation_facts_find(&facts, &made->field));
+    assert_int_equal(facts.cells, 10 * 12 * 14);
+    assert_int_equal(facts.folds, 4); /* the four cells round that edge */
+    assert_near(facts.farthest, 3, 1e-6);
+    assert_near(facts.growth, 1, 0.01);
+    assert_false(facts.mirrors || facts.half_turn);
+    free(made);
+}
+
+static void mirror(double out[3], const double p[3])
+{
+    out[0] = -2 * p[0];
+    out[1] = out[2] = 0;
+}
+
+static void half_turn(double out[3], const double p[3])
+{
+    out[0] = -2 * p[0];
+    out[1] = -2 * p[1];
+    out[2] = p[2];
+}
+
+static void the_whole_is_seen_to_mirror_turn_and_grow(void **state)
+{
+    (void)state;
+    struct deformation_facts facts;
+    struct made *made = make(mirror);
+    assert_ok(deformation_measure(&made->field));
+    assert_ok(deformation_facts_find(&facts, &made->field));
+    assert_true(facts.mirrors && !facts.half_turn && facts.folds == 0);
+    free(made);
+    made = make(half_turn);
+    assert_ok(deformation_measure(&made->field));
+    assert_ok(deformation_facts_find(&facts, &made->field));
+    assert_true(!facts.mirrors && facts.half_turn && facts.folds == 0);
+    assert_near(facts.growth, 2, 1e-6);
+    free(made);
+}
+
+/* All of it shifted by 5 mm along x: from -15 to 16 - 11 + ... the nodes go to -5 to 15, the grid's ends to -6 to 16.
+ */
+static void five(double out[3], const double p[3])
+{
+    (void)p;
+    out[0] = 5;
+    out[1] = out[2] = 0;
+}
+
+static void what_nothing_goes_to_is_outside(void **state)
+{
+    (void)state;
+    struct made *made = make(five);
+    double out[3];
+    assert_ok(deformation_measure(&made->field));
+    const double held[3] = {-5.9, 0, 0};
+    assert_int_equal(deformation_find(out, &made->field, held), DEFORMATION_FOUND);
+    assert_near(out[0], -10.9, 1e-6);
+    const double before[3] = {-6.1, 0, 0};
+    assert_int_equal(deformation_find(out, &made->field, before), DEFORMATION_OUTSIDE);
+    assert_true(isnan(out[0]));
+    const double far[3] = {500, 0, 0};
+    assert_int_equal(deformation_find(out, &made->field, far), DEFORMATION_OUTSIDE);
+    made->field.stays_outside = true;
+    assert_int_equal(deformation_find(out, &made->field, far), DEFORMATION_OUTSIDE);
+    assert_near(out[0], 500, 0);
+    assert_int_equal(deformation_find(out, &made->field, before), DEFORMATION_OUTSIDE); /* it would go away itself */
+    assert_true(isnan(out[0]));
+    free(made);
+}
+
+static void constant(double out[3], const double p[3])
+{
+    vec3_scale(out, p, -1);
+}
+
+static void a_field_to_one_point_is_none(void **state)
+{
+    (void)state;
+    struct made *made = make(constant);
+    assert_fails(deformation_measure(&made->field), CONUS_ERROR_DATA);
+    for (size_t i = 0; i < 3 * (size_t)11 * 13 * 15; i++) {
+        made->vectors[i] = NAN;
+    }
+    assert_fails(deformation_measure(&made->field), CONUS_ERROR_DATA);
+    free(made);
+}
+
+/* Points go through the last one first: 5 to the right, doubled behind that, then sheared, 1 added behind. */
+static void warps_are_a_chain(void **state)
+{
+    (void)state;
+    struct made *first = make(shear);
+    struct made *last = make(five);
+    struct warp warps[2] = {{.field = first->field}, {.field = last->field}};
+    mat4_identity(warps[0].after);
+    warps[0].after[12] = 1;
+    mat4_identity(warps[1].after);
+    warps[1].after[0] = 0.5;
+    double p[3] = {1, 4, 8}; /* (6, 4, 8), (3, 4, 8), (1.25 3 + 2 + 1, 4 - 2, 11), and 1 to the right */
+    assert_true(warps_point(p, warps, 2, p));
+    assert_near(p[0], 7.75, 1e-5);
+    assert_near(p[1], 2, 1e-5);
+    assert_near(p[2], 11, 1e-5);
+    const double outside[3] = {0, 0, 90};
+    assert_false(warps_point(p, warps, 2, outside));
+    assert_true(isnan(p[0]));
+    free(first);
+    free(last);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_linear_field_is_exact_between_nodes),
+        cmocka_unit_test(a_point_between_two_nodes_has_a_part_of_both),
+        cmocka_unit_test(the_grid_ends_half_a_step_outside_of_its_nodes),
+        cmocka_unit_test(nodes_without_a_value_take_points_nowhere),
+        cmocka_unit_test(the_way_back_leads_back),
+        cmocka_unit_test(folds_are_counted_cell_by_cell),
+        cmocka_unit_test(the_whole_is_seen_to_mirror_turn_and_grow),
+        cmocka_unit_test(what_nothing_goes_to_is_outside),
+        cmocka_unit_test(a_field_to_one_point_is_none),
+        cmocka_unit_test(warps_are_a_chain),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

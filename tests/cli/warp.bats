@@ -1,0 +1,127 @@
+#!/usr/bin/env bats
+# --atlas-transform with deformation fields: of ITK, SPM and FSL, in chains, and what is no such field.
+
+load helpers
+
+aim='--origin -8,-100,0 --toward -8,0,10 --angle 20'
+
+# field KIND [MM]: KIND.nii.gz, in which points go 8 mm to the right, or MM, on the grid of the phantom.
+field() {
+    [ -e nested.nii.gz ] || "$CONUS" phantom nested -o . >/dev/null
+    python3 "$BATS_TEST_DIRNAME/fields.py" "$1" nested.nii.gz "$1.nii.gz" "${2:-8}"
+}
+
+# coarse.nii: voxels of 2 mm around the origin.
+coarse() {
+    python3 -c "import sys; sys.path.insert(0, '$BATS_TEST_DIRNAME'); import nifti
+nifti.write('coarse.nii', (32, 32, 32), 'B', lambda i, j, k: 0, 2)"
+}
+
+images=,from=nested.nii.gz,to=nested.nii.gz
+
+@test "a shift is the same as an affine and as a field of each program" {
+    field itk
+    printf '1 0 0 8\n0 1 0 0\n0 0 1 0\n0 0 0 1\n' >right.txt
+    answers query nested.nii.gz --atlas-transform right.txt $aim --layers all --format tsv --quiet
+    affine=$output
+    [ -n "$(cell atlas_x 1)" ]
+    for kind in spm rel abs; do
+        field $kind
+    done
+    for file in itk.nii.gz spm.nii.gz rel.nii.gz$images abs.nii.gz$images itk.nii.gz,relative spm.nii.gz,absolute \
+        abs.nii.gz$images,absolute; do
+        run -0 --separate-stderr "$CONUS" query nested.nii.gz --atlas-transform $file $aim --layers all --format tsv
+        [[ "$stderr" == "conus: note: warped by ${file%%,*}: voxels are those"*" 64 x 64 x 64 voxels of 1 x 1 x 1 mm" ]]
+        [ "$output" = "$affine" ]
+    done
+}
+
+@test "fields and affines are a chain, and the rows say where the contact is in the atlas" {
+    field itk
+    printf '1 0 0 5\n0 1 0 0\n0 0 1 0\n0 0 0 1\n' >five.txt
+    printf '1 0 0 -5\n0 1 0 0\n0 0 1 0\n0 0 0 1\n' >back.txt
+    answers query nested.nii.gz --atlas-transform itk.nii.gz $aim --layers all --format tsv --quiet
+    plain=$output
+    answers query nested.nii.gz --atlas-transform five.txt --atlas-transform itk.nii.gz --atlas-transform back.txt $aim \
+        --layers all --format tsv --quiet
+    [ "$output" = "$plain" ]
+    [ "$(cell atlas_y 1)" = "$(cell contact_y 1)" ]
+    awk -v moved="$(cell contact_x 1)" -v own="$(cell atlas_x 1)" 'BEGIN { exit (moved + 8 - own) ^ 2 > 1e-12 }'
+    # two fields of 4 mm, and one after the other back: once sought, nothing is lost
+    field itk 4
+    answers query nested.nii.gz --atlas-transform itk.nii.gz --atlas-transform itk.nii.gz $aim --layers all \
+        --format tsv --quiet
+    [ "$output" = "$plain" ]
+    answers query nested.nii.gz --atlas-transform itk.nii.gz $aim --format json --quiet
+    [ "$(jq -r .Atlas.files[-1].path <<<"$output")" = itk.nii.gz ]
+    [ "$(jq -r .Atlas.files[-1].sha256 <<<"$output")" = "$(sha256sum itk.nii.gz | cut -d' ' -f1)" ]
+    [ "$(jq -r .Atlas.volumes[0].transform <<<"$output")" = "sform, code 1 (scanner), warped" ]
+    [ "$(jq '.Atlas | has("atlas_from_world")' <<<"$output")" = false ]
+}
+
+@test "labels are on the grid that is asked for" {
+    field itk
+    coarse
+    run -0 --separate-stderr "$CONUS" query nested.nii.gz --atlas-transform itk.nii.gz,grid=coarse.nii $aim
+    [[ "$stderr" == *"on a grid of 32 x 32 x 32 voxels of 2 x 2 x 2 mm" ]]
+    printf '1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n' >same.txt
+    fails 2 "grid: nothing is resampled" query nested.nii.gz --atlas-transform same.txt,grid=nested.nii.gz $aim
+    fails 3 "no.nii" query nested.nii.gz --atlas-transform itk.nii.gz,grid=no.nii $aim
+    fails 2 "names no file" query nested.nii.gz --atlas-transform itk.nii.gz,grid= $aim
+}
+
+@test "engines agree about a warped atlas" {
+    field itk
+    answers query nested.nii.gz --atlas-transform itk.nii.gz $aim --layers all --format tsv --quiet
+    rays=$output
+    gl query nested.nii.gz --atlas-transform itk.nii.gz $aim --layers all --format tsv --quiet --engine gl
+    [ "$output" = "$rays" ]
+}
+
+@test "notes tell what is odd about a field" {
+    field metres
+    run -0 --separate-stderr "$CONUS" query nested.nii.gz --atlas-transform metres.nii.gz $aim
+    [[ "$stderr" == *"the farthest way of a point is 0.008 mm: are the field's vectors in mm?"* ]]
+    field lps
+    run -0 --separate-stderr "$CONUS" query nested.nii.gz --atlas-transform lps.nii.gz $aim
+    [[ "$stderr" == *"turns by half a circle about z, as positions in LPS would"* ]]
+    field itk 20
+    run -0 --separate-stderr "$CONUS" query nested.nii.gz --atlas-transform itk.nii.gz $aim
+    [[ "$stderr" == *" % of the atlas's voxels lie outside of the field, and are lost"* ]]
+    field fold 2
+    run -0 --separate-stderr "$CONUS" query nested.nii.gz --atlas-transform fold.nii.gz $aim
+    [[ "$stderr" == *"the field folds (Jacobian <= 0) in "*" of 250047 cells"* ]]
+    field abs
+    run -0 --separate-stderr "$CONUS" query nested.nii.gz --atlas-transform abs.nii.gz$images,relative $aim
+    [[ "$stderr" == *"the vectors are taken for displacements, but look like positions"* ]]
+}
+
+@test "what is no field of points is refused" {
+    move="query nested.nii.gz $aim --atlas-transform"
+    for kind in itk spm rel nan unsaid spline reg two; do
+        field $kind
+    done
+    fails 3 "no deformation field" $move nested.nii.gz
+    fails 3 "no deformation field" $move two.nii.gz
+    fails 3 "a deformation field is not inverted" $move itk.nii.gz,inverse
+    fails 2 "from=IMAGE and to=IMAGE are needed" $move rel.nii.gz
+    fails 2 "to=IMAGE is needed, too" $move rel.nii.gz,from=nested.nii.gz
+    fails 2 "are of FSL's fields" $move itk.nii.gz$images
+    fails 3 "coefficients of fnirt; 'convertwarp" $move spline.nii.gz$images
+    fails 3 "voxel (0, 0, 0): a vector that is not finite" $move nan.nii.gz
+    fails 2 "look like positions, and the header does not say so" $move unsaid.nii.gz
+    fails 2 "not relative" $move spm.nii.gz,relative
+    fails 3 "NiftyReg's" $move reg.nii.gz
+    fails 3 "bytes" $move itk.nii.gz --max-memory 1M
+    printf '1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n' >same.txt
+    fails 2 "relative or absolute" $move same.txt,absolute
+    printf '\211HDF\r\n\032\n and more' >composite.h5
+    fails 3 "CompositeTransformUtil --disassemble" $move composite.h5
+    gzip -dc itk.nii.gz | head -c 100000 >cut.nii
+    fails 3 "cut.nii" $move cut.nii
+    field itk 500
+    fails 3 "nothing of the atlas is where the field leads to" $move itk.nii.gz
+    coarse
+    fails 2 "from: coarse.nii lies up to 0.866 mm from where the field does" $move \
+        rel.nii.gz,from=coarse.nii,to=nested.nii.gz
+}

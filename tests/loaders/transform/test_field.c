@@ -1,0 +1,531 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Files of deformation fields, and atlases that they move, by shifts whose effect follows by hand. tests/cli/warp.bats
+ * has FSL's, tests/oracles/compare_warps.py fields that are not constant. */
+#include "atlas/deformation/deformation.h"
+#include "atlas/warp/warp.h"
+#include "base/math3.h"
+#include "base/memory.h"
+#include "builders/nifti_builder.h"
+#include "loaders/transform/field_file.h"
+#include "loaders/transform/field_header.h"
+#include "mesh_scene.h"
+#include "scene.h"
+#include "test.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- Files ------------------------------------------------------------------------------------------------------ */
+
+enum { NX = 20, NY = 10, NZ = 11 };
+
+/* A field on nodes 1 mm apart, the first at (-4, -3, -3). */
+struct file {
+    int version;
+    bool big;
+    int datatype;
+    bool positions; /* SPM's, else ITK's */
+    double shift;   /* all points go so far along x */
+    double nothing; /* nodes with x from there on have no value */
+};
+
+static const struct file itk = {1, false, 16, false, 1.25, INFINITY};
+static const struct file spm = {1, false, 16, true, 1.25, INFINITY};
+
+static void begin(struct nifti_builder *builder, const struct file *file)
+{
+    const int64_t dim[3] = {NX, NY, NZ};
+    const double srow[12] = {1, 0, 0, -4, 0, 1, 0, -3, 0, 0, 1, -3};
+    nifti_begin(builder, file->version, file->big, file->datatype, dim);
+    for (size_t i = 0; i < 12; i++) {
+        nifti_set(builder, "srow", i, srow[i]);
+    }
+    nifti_set(builder, "dim", 0, 5);
+    nifti_set(builder, "dim", 4, 1);
+    nifti_set(builder, "dim", 5, 3);
+    nifti_set(builder, "intent_code", 0, 1007);
+    if (file->positions) {
+        memcpy(builder->bytes.data + (file->version == 1 ? 328 : 508), "Mapping", sizeof "Mapping");
+    }
+}
+
+static double value(const struct file *file, int component, const double p[3])
+{
+    const double there[3] = {p[0] + file->shift, p[1], p[2]};
+    double displacement = component == 0 ? -file->shift : 0; /* LPS */
+    return p[0] >= file->nothing ? NAN : file->positions ? there[component] : displacement;
+}
+
+static void build(struct buffer *out, const struct file *file)
+{
+    struct nifti_builder builder;
+    begin(&builder, file);
+    for (int component = 0; component < 3; component++) {
+        for (int n = 0; n < NX * NY * NZ; n++) {
+            const double p[3] = {n % NX - 4, n / NX % NY - 3, n / NX / NY - 3}; /* NOLINT: whole numbers */
+            nifti_voxel(&builder, value(file, component, p));
+        }
+    }
+    *out = builder.bytes;
+}
+
+/* Packed or not; the path is good for a few more files. */
+static const char *write_field(const struct file *file, bool packed)
+{
+    struct buffer bytes;
+    build(&bytes, file);
+    const char *path = packed ? write_packed("field.nii.gz", &bytes) : write_bytes("field.nii", &bytes);
+    buffer_finish(&bytes);
+    return path;
+}
+
+static void check_file(const struct file *file, bool packed)
+{
+    struct deformation field = {0};
+    conus_volume_info grid;
+    struct file_sums read = {0};
+    struct notes notes = {0};
+    const conus_transform_options options = {0};
+    const char *path = write_field(file, packed);
+    double p[3] = {1, 2, 3};
+    assert_ok(field_file_read(&field, &grid, path, &options, &read, &notes));
+    assert_int_equal(grid.dim[0], NX);
+    assert_true(deformation_point(p, &field, p));
+    assert_near(p[0], 1 + file->shift, 1e-6);
+    assert_near(p[1], 2, 1e-6);
+    assert_near(p[2], 3, 1e-6);
+    assert_int_equal(field.stays_outside, !file->positions);
+    assert_int_equal(read.count, 1);
+    assert_string_equal(read.items[0].path, path);
+    deformation_finish(&field);
+    file_sums_finish(&read);
+    notes_finish(&notes);
+}
+
+static void both_headers_and_byte_orders_are_read(void **state)
+{
+    (void)state;
+    for (int n = 0; n < 16; n++) {
+        const struct file file = {n & 1 ? 2 : 1, (n & 2) != 0, n & 4 ? 64 : 16, (n & 8) != 0, 1.25, INFINITY};
+        check_file(&file, (n & 1) != 0);
+    }
+}
+
+/* ---- Headers ---------------------------------------------------------------------------------------------------- */
+
+static enum field_kind kind_of(int code, const char *name, conus_vectors vectors)
+{
+    struct field_header header = {.dim = {5, 9, 9, 9, 1, 3}, .intent_code = code};
+    enum field_kind kind = FIELD_FSL;
+    strncpy(header.intent_name, name, sizeof header.intent_name - 1);
+    assert_ok(field_header_kind(&kind, &header, false, vectors));
+    return kind;
+}
+
+static void headers_say_whose_field_it_is(void **state)
+{
+    (void)state;
+    assert_int_equal(kind_of(1007, "", 0), FIELD_VECTORS);
+    assert_int_equal(kind_of(1006, "", 0), FIELD_VECTORS);
+    assert_int_equal(kind_of(1007, "Mapping", 0), FIELD_SPM);
+    assert_int_equal(kind_of(1007, "", CONUS_VECTORS_RELATIVE), FIELD_ITK);
+    assert_int_equal(kind_of(0, "", CONUS_VECTORS_ABSOLUTE), FIELD_SPM);
+    assert_int_equal(kind_of(1007, "NREG_TRANS", CONUS_VECTORS_ABSOLUTE), FIELD_SPM);
+    struct field_header header = {.dim = {4, 9, 9, 9, 3, 0}, .intent_code = 2006};
+    enum field_kind kind;
+    assert_ok(field_header_kind(&kind, &header, true, 0));
+    assert_int_equal(kind, FIELD_FNIRT);
+    assert_ok(field_header_kind(&kind, &header, true, CONUS_VECTORS_ABSOLUTE));
+    assert_int_equal(kind, FIELD_FSL);
+    header.intent_code = 0;
+    assert_ok(field_header_kind(&kind, &header, true, 0));
+    assert_int_equal(kind, FIELD_FSL);
+}
+
+static void check_refused(struct field_header header, bool images, conus_vectors vectors, conus_status wanted,
+                          const char *words)
+{
+    enum field_kind kind = FIELD_FSL;
+    conus_status status = field_header_kind(&kind, &header, images, vectors);
+    if (status != wanted || !strstr(conus_message(), words) || kind != FIELD_FSL) {
+        fail_msg("status %d, \"%s\", wanted: %s", (int)status, conus_message(), words);
+    }
+}
+
+static void bad_headers_say_what_is_wrong(void **state)
+{
+    (void)state;
+    const struct field_header good = {.dim = {5, 9, 9, 9, 1, 3}, .intent_code = 1007};
+    struct field_header bad = good;
+    bad.dim[0] = 3;
+    check_refused(bad, false, 0, CONUS_ERROR_DATA, "found 3: 9 x 9 x 9 x 1 x 1: this is a volume");
+    bad = good;
+    bad.dim[5] = 2;
+    check_refused(bad, false, 0, CONUS_ERROR_DATA, "no deformation field");
+    bad = good;
+    bad.dim[4] = 2;
+    check_refused(bad, false, 0, CONUS_ERROR_DATA, "no deformation field");
+    bad = good;
+    bad.dim[2] = 1;
+    check_refused(bad, false, 0, CONUS_ERROR_DATA, "dim[2]: found 1, a field has 2 or more");
+    bad = good;
+    bad.intent_code = 0;
+    check_refused(bad, false, 0, CONUS_ERROR_DATA, "intent_code: found 0");
+    check_refused(good, true, 0, CONUS_ERROR_ARGUMENT, "are of FSL's fields");
+    memcpy(bad.intent_name, "Mapping", sizeof "Mapping");
+    check_refused(bad, false, CONUS_VECTORS_RELATIVE, CONUS_ERROR_ARGUMENT, "not relative");
+    memcpy(bad.intent_name, "NREG_TRANS", sizeof "NREG_TRANS");
+    check_refused(bad, false, 0, CONUS_ERROR_UNSUPPORTED, "NiftyReg");
+    const struct field_header fsl = {.dim = {4, 9, 9, 9, 3}, .intent_code = 2006};
+    check_refused(fsl, false, 0, CONUS_ERROR_ARGUMENT, "from=IMAGE and to=IMAGE are needed");
+    static const int others[] = {2007, 2008, 2009, 2016, 2017, 2018};
+    for (size_t i = 0; i < sizeof others / sizeof others[0]; i++) {
+        bad = fsl;
+        bad.intent_code = others[i];
+        check_refused(bad, true, 0, CONUS_ERROR_UNSUPPORTED, i < 3 ? "invwarp" : "topup");
+    }
+}
+
+static void no_prefix_is_a_field(void **state)
+{
+    (void)state;
+    struct buffer bytes;
+    conus_atlas *atlas = mesh_scene_atlas();
+    const struct file file = {2, false, 16, false, 1.25, INFINITY};
+    build(&bytes, &file);
+    size_t size = bytes.size;
+    for (size_t cut = 0; cut < size; cut += cut < 560 ? 1 : 997) {
+        bytes.size = cut;
+        const char *path = write_bytes("cut.nii", &bytes);
+        assert_true(conus_atlas_transform(atlas, path, NULL) != CONUS_OK);
+        assert_non_null(strstr(conus_message(), "cut.nii"));
+    }
+    buffer_finish(&bytes);
+    conus_atlas_destroy(atlas);
+}
+
+/* ---- Atlases ---------------------------------------------------------------------------------------------------- */
+
+/* Voxels of 1 mm with centres 0 to 3, whose label is 1 and the number along x; a pathway of values x + 1, from 3 on; a
+ * box from (10, 0, 0) to (12, 3, 4). */
+static conus_atlas *make_atlas(void)
+{
+    uint32_t labels[64];
+    float *values = memory_raw(64, sizeof *values);
+    for (uint32_t i = 0; i < 64; i++) {
+        labels[i] = 1 + i % 4;
+        values[i] = (float)(1 + i % 4);
+    }
+    conus_volume_info grid = scene_plain_grid((const size_t[]){4, 4, 4}, NULL);
+    conus_atlas *atlas = scene_parcellation(&grid, labels);
+    struct mesh box = mesh_scene_box((const double[]){10, 0, 0}, (const double[]){12, 3, 4});
+    mesh_scene_add(atlas, &box);
+    grid.role = CONUS_ROLE_SCALAR;
+    grid.threshold = 3;
+    grid.minimum = 1;
+    grid.maximum = 4;
+    assert_ok(atlas_add_pathway(atlas, &grid, values, "tract"));
+    return atlas;
+}
+
+/* The label at a world point, 0 where nothing is. */
+static uint32_t label_at(const conus_atlas *atlas, size_t volume, double x, double y, double z)
+{
+    size_t voxel;
+    const double point[3] = {x, y, z};
+    uint32_t object =
+        volume_find_voxel(&voxel, &atlas->volumes[volume], point) ? volume_object(&atlas->volumes[volume], voxel) : 0;
+    return object ? atlas->objects[object - 1].label : 0;
+}
+
+/* A shift of 1.25: node p is label floor(p + 1.25 + 0.5) + 1, so -1 is 1, and 2 is 4; the box goes to 8.75 to 10.75. */
+static void check_shifted(const conus_atlas *atlas)
+{
+    double own[3] = {2, 1, 1};
+    assert_int_equal(label_at(atlas, 0, -2, 1, 1), 0);
+    for (uint32_t label = 1; label <= 4; label++) {
+        assert_int_equal(label_at(atlas, 0, (double)label - 2, 1, 3), label);
+        assert_int_equal(atlas->objects[label - 1].voxels, 16);
+        assert_near(atlas->objects[label - 1].volume_mm3, 16, 1e-9);
+    }
+    assert_int_equal(label_at(atlas, 0, 3, 1, 1), 0);
+    assert_int_equal(label_at(atlas, 0, 1, 4, 1), 0);
+    assert_near(atlas->meshes[0].shape.low[0], 8.75, 1e-5);
+    assert_near(atlas->meshes[0].shape.high[0], 10.75, 1e-5);
+    assert_near(atlas->objects[4].volume_mm3, 24, 1e-3);
+    assert_int_equal(label_at(atlas, 1, 0, 1, 1), 0);
+    assert_int_equal(label_at(atlas, 1, 1, 1, 1), 1); /* the first pathway */
+    assert_int_equal(atlas->objects[5].voxels, 32);
+    conus_atlas_own_point(own, atlas, own);
+    assert_near(own[0], 3.25, 1e-6);
+    assert_near(own[1], 1, 1e-6);
+}
+
+static void an_atlas_goes_where_the_field_has_it(void **state)
+{
+    (void)state;
+    for (int n = 0; n < 2; n++) {
+        conus_atlas *atlas = make_atlas();
+        const char *path = write_field(n ? &spm : &itk, true);
+        assert_ok(conus_atlas_transform(atlas, path, NULL));
+        check_shifted(atlas);
+        assert_int_equal(conus_atlas_note_count(atlas), 1);
+        assert_true(test_has_note(atlas, "on a grid of 20 x 10 x 11 voxels of 1 x 1 x 1 mm"));
+        assert_string_equal(conus_atlas_file(atlas, conus_atlas_file_count(atlas) - 1), path);
+        assert_non_null(strstr(conus_atlas_volume(atlas, 0)->transform, ", warped"));
+        double far[3] = {90, 0, 0};
+        conus_atlas_own_point(far, atlas, far);
+        assert_true(n ? isnan(far[0]) : far[0] == 90.0); /* SPM says nothing; ITK's points stay */
+        conus_atlas_destroy(atlas);
+    }
+}
+
+/* Two shifts of 1.25: node p is floor(p + 2.5 + 0.5) + 1, -3 to 0. One after the other would be floor(floor(p + 1.75) +
+ * 1.75), -2 to 1. Between them an affine by 0.5 further makes it floor(p + 3.5) + 1: -3 to 0 again, for whole p. */
+static void several_fields_are_one_search(void **state)
+{
+    (void)state;
+    const char *path = write_field(&itk, false);
+    conus_atlas *atlas = make_atlas();
+    double half[16];
+    mat4_identity(half);
+    half[12] = 0.25;
+    assert_ok(conus_atlas_transform(atlas, path, NULL));
+    assert_ok(conus_atlas_transform(atlas, path, NULL));
+    for (uint32_t label = 1; label <= 4; label++) {
+        assert_int_equal(label_at(atlas, 0, (double)label - 4, 1, 3), label);
+    }
+    assert_int_equal(label_at(atlas, 0, 1, 1, 1), 0);
+    assert_near(atlas->meshes[0].shape.low[0], 7.5, 1e-5);
+    conus_atlas_destroy(atlas);
+    atlas = make_atlas();
+    assert_ok(conus_atlas_transform(atlas, path, NULL));
+    assert_ok(conus_atlas_move(atlas, half));
+    assert_ok(conus_atlas_transform(atlas, path, NULL));
+    double own[3] = {0, 0, 0};
+    conus_atlas_own_point(own, atlas, own);
+    assert_near(own[0], 2.75, 1e-6);
+    assert_int_equal(label_at(atlas, 0, 0, 1, 1), 4);
+    assert_int_equal(label_at(atlas, 0, -3, 1, 1), 1);
+    conus_atlas_destroy(atlas);
+}
+
+/* The parcellation was moved twice, the pathway that came between only once. */
+static void what_is_added_later_does_not_move_with_it(void **state)
+{
+    (void)state;
+    const char *path = write_field(&itk, false);
+    conus_atlas *atlas = make_atlas();
+    float *values = memory_zeroed(64, sizeof *values);
+    values[0] = 5;
+    conus_volume_info grid = scene_plain_grid((const size_t[]){4, 4, 4}, NULL);
+    grid.role = CONUS_ROLE_SCALAR;
+    grid.threshold = 3;
+    assert_ok(conus_atlas_transform(atlas, path, NULL));
+    assert_ok(atlas_add_pathway(atlas, &grid, values, "later"));
+    assert_ok(conus_atlas_transform(atlas, path, NULL));
+    assert_int_equal(label_at(atlas, 2, -1, 0, 0), 2); /* 0.25 is nearest to 0 */
+    assert_int_equal(label_at(atlas, 0, 0, 1, 1), 4);
+    conus_atlas_destroy(atlas);
+}
+
+/* A threshold of 4 leaves the last layer, also when the voxels are sought anew. */
+static void thresholds_last(void **state)
+{
+    (void)state;
+    const char *path = write_field(&itk, false);
+    conus_atlas *atlas = make_atlas();
+    assert_ok(conus_atlas_transform(atlas, path, NULL));
+    assert_ok(conus_atlas_set_threshold(atlas, 6, 4));
+    assert_int_equal(atlas->objects[5].voxels, 16);
+    assert_int_equal(label_at(atlas, 1, 1, 1, 1), 0);
+    assert_int_equal(label_at(atlas, 1, 2, 1, 1), 1);
+    assert_ok(conus_atlas_transform(atlas, path, NULL));
+    assert_int_equal(atlas->objects[5].voxels, 16);
+    assert_int_equal(label_at(atlas, 1, 0, 1, 1), 1);
+    assert_int_equal(label_at(atlas, 1, -1, 1, 1), 0);
+    conus_atlas_destroy(atlas);
+}
+
+/* Half as large voxels: eight times as many, of the same volume. */
+static void labels_are_on_the_grid_that_is_given(void **state)
+{
+    (void)state;
+    struct nifti_builder builder;
+    const int64_t dim[3] = {40, 20, 22};
+    const double srow[12] = {0.5, 0, 0, -4.125, 0, 0.5, 0, -3.125, 0, 0, 0.5, -3.125};
+    nifti_begin(&builder, 1, false, 2, dim);
+    for (size_t i = 0; i < 12; i++) {
+        nifti_set(&builder, "srow", i, srow[i]);
+    }
+    for (int i = 0; i < 40 * 20 * 22; i++) {
+        nifti_voxel(&builder, 0);
+    }
+    const char *grid = write_bytes("grid.nii", &builder.bytes);
+    buffer_finish(&builder.bytes);
+    conus_atlas *atlas = make_atlas();
+    assert_ok(conus_atlas_transform(atlas, write_field(&itk, false), &(conus_transform_options){.grid = grid}));
+    assert_int_equal(conus_atlas_volume(atlas, 0)->dim[2], 22);
+    for (size_t i = 0; i < 4; i++) {
+        assert_int_equal(atlas->objects[i].voxels, 128);
+        assert_near(atlas->objects[i].volume_mm3, 16, 1e-9);
+    }
+    double turn[16];
+    mat4_identity(turn);
+    assert_fails(conus_atlas_transform(atlas, "no such file", &(conus_transform_options){.grid = "none.nii"}),
+                 CONUS_ERROR_IO);
+    conus_atlas_destroy(atlas);
+}
+
+/* Positions end at x = 9: the box, which comes to 8.75 to 10.75, has lost the corners on its right side. */
+static void what_the_field_does_not_reach_is_cut(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = make_atlas();
+    const struct file part = {1, false, 16, true, 1.25, 10};
+    assert_ok(conus_atlas_transform(atlas, write_field(&part, false), NULL));
+    assert_int_equal(atlas->objects[4].triangles, 2); /* of 12: those of the left side */
+    assert_false(atlas->objects[4].closed);
+    assert_true(test_has_note(atlas, "10 of 12 triangles are left out"));
+    assert_true(test_has_note(atlas, "4 of 8 vertices have no place"));
+    assert_true(test_has_note(atlas, "no value at 30 % of its nodes")); /* 6 of 20 along x */
+    conus_atlas_destroy(atlas);
+    atlas = make_atlas();
+    const struct file less = {1, false, 16, true, 1.25, 8};
+    assert_fails(conus_atlas_transform(atlas, write_field(&less, false), NULL), CONUS_ERROR_DATA);
+    assert_non_null(strstr(conus_message(), "is where the field leads to"));
+    assert_false(atlas->is_moved);
+    conus_atlas_destroy(atlas);
+}
+
+static void areas_that_are_lost_are_named(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = make_atlas();
+    const struct file far = {1, false, 16, false, 5.25, INFINITY}; /* labels 1 and 2 would lie at -5 and -4 */
+    assert_ok(conus_atlas_transform(atlas, write_field(&far, false), NULL));
+    assert_int_equal(label_at(atlas, 0, -4, 1, 1), 2);
+    assert_true(test_has_note(atlas, "no voxel is left of "));
+    assert_true(test_has_note(atlas, "25 % of the atlas's voxels lie outside of the field"));
+    assert_int_equal(atlas->objects[0].voxels, 0);
+    conus_atlas_destroy(atlas);
+}
+
+static void what_cannot_be_warped_stays(void **state)
+{
+    (void)state;
+    const char *path = write_field(&itk, false);
+    conus_atlas *atlas = make_atlas();
+    size_t notes = conus_atlas_note_count(atlas);
+    bool hidden[7] = {[2] = true};
+    const struct file nan = {1, false, 16, false, 1.25, 10};
+    assert_fails(conus_atlas_transform(atlas, path, &(conus_transform_options){.inverse = true}),
+                 CONUS_ERROR_UNSUPPORTED);
+    assert_fails(conus_atlas_transform(atlas, path, &(conus_transform_options){.max_memory = 20000}),
+                 CONUS_ERROR_MEMORY);
+    assert_fails(conus_atlas_transform(atlas, write_field(&nan, true), NULL), CONUS_ERROR_DATA);
+    assert_ok(conus_atlas_set_hidden(atlas, hidden));
+    assert_fails(conus_atlas_transform(atlas, path, NULL), CONUS_ERROR_ARGUMENT);
+    assert_ok(conus_atlas_set_hidden(atlas, NULL));
+    assert_int_equal(conus_atlas_note_count(atlas), notes);
+    assert_int_equal(conus_atlas_file_count(atlas), 0);
+    assert_false(atlas->is_moved);
+    assert_int_equal(label_at(atlas, 0, 3, 1, 1), 4);
+    assert_ok(conus_atlas_transform(atlas, path, NULL));
+    assert_fails(conus_atlas_set_hemispheres(atlas, CONUS_HEMISPHERES_MERGED), CONUS_ERROR_ARGUMENT);
+    conus_atlas_destroy(atlas);
+}
+
+static void a_packed_atlas_knows_its_own_space(void **state)
+{
+    (void)state;
+    const char *path = write_field(&spm, false);
+    conus_atlas *atlas = make_atlas();
+    conus_atlas *attached = NULL;
+    assert_ok(conus_atlas_transform(atlas, path, NULL));
+    size_t size = conus_atlas_packed_size(atlas);
+    uint8_t *memory = aligned_alloc(64, (size + 63) / 64 * 64);
+    assert_ok(conus_atlas_pack(memory, size, atlas));
+    conus_atlas_destroy(atlas);
+    assert_ok(conus_atlas_attach(&attached, memory, size));
+    check_shifted(attached);
+    double half[16];
+    mat4_identity(half);
+    half[12] = 0.5;
+    assert_ok(conus_atlas_move(attached, half));
+    double own[3] = {0, 0, 0};
+    conus_atlas_own_point(own, attached, own);
+    assert_near(own[0], 1.75, 1e-6);
+    assert_fails(conus_atlas_transform(attached, path, NULL), CONUS_ERROR_ARGUMENT);
+    conus_atlas_destroy(attached);
+    free(memory);
+}
+
+/* An attached atlas that no field has moved can be moved by one, and its block stays as it is. */
+static void an_attached_atlas_is_warped(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = make_atlas();
+    conus_atlas *attached = NULL;
+    size_t size = conus_atlas_packed_size(atlas);
+    uint8_t *memory = aligned_alloc(64, (size + 63) / 64 * 64);
+    assert_ok(conus_atlas_pack(memory, size, atlas));
+    conus_atlas_destroy(atlas);
+    uint8_t *copy = malloc(size);
+    memcpy(copy, memory, size);
+    assert_ok(conus_atlas_attach(&attached, memory, size));
+    assert_ok(conus_atlas_transform(attached, write_field(&itk, false), NULL));
+    check_shifted(attached);
+    assert_ok(conus_atlas_set_threshold(attached, 6, 4));
+    conus_atlas_destroy(attached);
+    assert_memory_equal(copy, memory, size);
+    free(copy);
+    free(memory);
+}
+
+struct attempt {
+    conus_atlas *atlas;
+    const char *path;
+    bool done;
+};
+
+static conus_status transform(void *data)
+{
+    struct attempt *attempt = data;
+    conus_status status = conus_atlas_transform(attempt->atlas, attempt->path, NULL);
+    assert_int_equal(attempt->atlas->warp_count, status == CONUS_OK);
+    assert_int_equal(label_at(attempt->atlas, 0, 3, 1, 1), status ? 4 : 0);
+    assert_int_equal(conus_atlas_file_count(attempt->atlas), status == CONUS_OK);
+    return status;
+}
+
+static void every_failing_allocation_is_survived(void **state)
+{
+    (void)state;
+    struct attempt attempt = {.atlas = make_atlas(), .path = write_field(&itk, true)};
+    test_every_allocation(transform, &attempt);
+    conus_atlas_destroy(attempt.atlas);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(both_headers_and_byte_orders_are_read),
+        cmocka_unit_test(headers_say_whose_field_it_is),
+        cmocka_unit_test(bad_headers_say_what_is_wrong),
+        cmocka_unit_test(no_prefix_is_a_field),
+        cmocka_unit_test(an_atlas_goes_where_the_field_has_it),
+        cmocka_unit_test(several_fields_are_one_search),
+        cmocka_unit_test(what_is_added_later_does_not_move_with_it),
+        cmocka_unit_test(thresholds_last),
+        cmocka_unit_test(labels_are_on_the_grid_that_is_given),
+        cmocka_unit_test(what_the_field_does_not_reach_is_cut),
+        cmocka_unit_test(areas_that_are_lost_are_named),
+        cmocka_unit_test(what_cannot_be_warped_stays),
+        cmocka_unit_test(a_packed_atlas_knows_its_own_space),
+        cmocka_unit_test(an_attached_atlas_is_warped),
+        cmocka_unit_test(every_failing_allocation_is_survived),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
