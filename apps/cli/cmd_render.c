@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus render: draws an atlas, with or without a cone, into a picture file. */
 #include "cli/commands.h"
+#include "cli/render_rows.h"
 #include "common/messages.h"
 #include "common/output.h"
 #include "settings/aim_notes.h"
@@ -17,6 +18,7 @@ struct render_settings {
     struct engine_settings engine;
     struct common_settings common;
     const char *output;
+    struct row_choice choice;
     uint32_t size[2];
     uint32_t slices;
     const char *camera;
@@ -34,7 +36,8 @@ static const struct option picture_options[] = {
      .type = OPTION_TEXT,
      .offset = offsetof(struct render_settings, output),
      .value = "FILE",
-     .help = ".png, or .exr with linear light as float",
+     .help = ".png, or .exr with linear light as float; of several poses {query} stands for each one's name, {row} for "
+             "its number",
      .required = true},
     {.name = "size",
      .type = OPTION_SIZE,
@@ -107,9 +110,31 @@ static const struct option picture_options[] = {
     {0},
 };
 
+static const struct option row_options[] = {
+    {.name = "poses",
+     .type = OPTION_TEXT,
+     .offset = offsetof(struct render_settings, aim) + offsetof(struct aim_settings, pose),
+     .value = "FILE",
+     .help = "the same as --pose"},
+    {.name = "row",
+     .type = OPTION_COUNT,
+     .offset = offsetof(struct render_settings, choice) + offsetof(struct row_choice, number),
+     .value = "N",
+     .help = "only the file's N-th pose, from 1",
+     .low = 1,
+     .high = UINT32_MAX},
+    {.name = "query-id",
+     .type = OPTION_TEXT,
+     .offset = offsetof(struct render_settings, choice) + offsetof(struct row_choice, id),
+     .value = "NAME",
+     .help = "only the pose of that name (column query_id)"},
+    {0},
+};
+
 static const struct option_group groups[] = {
     {"Picture", picture_options, 0},
     {"Cone to draw", aim_options, offsetof(struct render_settings, aim)},
+    {"", row_options, 0},
     {"", pose_file_options, offsetof(struct render_settings, file)},
     {"", angle_options, offsetof(struct render_settings, aim)},
     {"", shape_options, offsetof(struct render_settings, engine)},
@@ -120,31 +145,39 @@ static const struct option_group groups[] = {
     {0},
 };
 
-/** A picture under way. */
+/** Pictures under way. */
 struct picture {
     const struct render_settings *settings;
     const struct arguments *arguments;
     conus_atlas *atlas;
     conus_selector *selector;
-    conus_selection *selection;
     conus_renderer *renderer;
-    conus_image *image;
+    conus_aims *aims;
+    conus_pose_list *poses;
+    struct drawn_rows rows; /* of them */
     conus_pose camera;
-    bool has_camera, has_cone;
+    bool has_camera;
+    bool failed; /* Some poses have no picture. */
 };
 
 static void picture_finish(struct picture *picture)
 {
-    conus_image_destroy(picture->image);
     conus_renderer_destroy(picture->renderer);
-    conus_selection_destroy(picture->selection);
+    conus_aims_destroy(picture->aims);
     conus_selector_destroy(picture->selector);
     conus_atlas_destroy(picture->atlas);
+    render_rows_finish(&picture->rows);
+    conus_pose_list_destroy(picture->poses);
 }
 
 static bool has_camera(const struct arguments *arguments)
 {
     return option_given(arguments, "camera") || option_given(arguments, "camera-origin");
+}
+
+static bool has_file(const struct arguments *arguments)
+{
+    return option_given(arguments, "pose") || option_given(arguments, "poses");
 }
 
 /* Options about the cone mean nothing without one. */
@@ -157,7 +190,7 @@ static bool check_cone(const struct render_settings *settings, const struct argu
         !settings_check_shape(&settings->aim, &settings->engine, arguments)) {
         return false;
     }
-    bool cone = option_given(arguments, "origin") || option_given(arguments, "pose");
+    bool cone = option_given(arguments, "origin") || has_file(arguments);
     if (!cone && settings->atlas.hemispheres == CONUS_HEMISPHERES_MERGED) {
         print_error_line("--hemispheres merged has no effect without a cone: --origin or --pose");
         return false;
@@ -190,39 +223,71 @@ static bool check_camera(const struct arguments *arguments)
            options_exclude(arguments, "frustum", "field-of-view") && check_frustum(arguments);
 }
 
+/* What is about files of poses, and names that differ from picture to picture. */
+static bool check_rows(const struct render_settings *settings, const struct arguments *arguments)
+{
+    static const char *const of_file[] = {"row", "query-id", NULL};
+    bool file = has_file(arguments);
+    if (!options_exclude(arguments, "pose", "poses") || !options_exclude(arguments, "origin", "poses") ||
+        !options_exclude(arguments, "row", "query-id")) {
+        return false;
+    }
+    for (size_t i = 0; of_file[i]; i++) {
+        if (!file && !option_needs(arguments, of_file[i], "poses")) {
+            return false;
+        }
+    }
+    if (!file && render_pattern_varies(settings->output)) {
+        print_error_line("--output: {query} and {row} stand for poses of a file, --poses FILE");
+        return false;
+    }
+    return (!file || render_pattern_check(settings->output)) &&
+           (file || settings_check_pose_file(arguments, "pose", "camera"));
+}
+
 static bool check_picture(const struct render_settings *settings, const struct arguments *arguments)
 {
     return path_check_ending("output", settings->output, ".png", ".exr") && check_cone(settings, arguments) &&
-           check_camera(arguments) && settings_check_pose_file(arguments, "pose", "camera") &&
-           option_needs(arguments, "transfer", "context");
+           check_camera(arguments) && check_rows(settings, arguments) && option_needs(arguments, "transfer", "context");
 }
 
-/* Reads the file's one pose. */
-static int load_pose(conus_pose_row *out, const struct picture *picture, const char *path)
+/* ---- Poses ------------------------------------------------------------------------------------------------------ */
+
+static int load_poses(conus_pose_list **out, const struct render_settings *settings, const char *path)
 {
-    const struct render_settings *settings = picture->settings;
-    conus_pose_list *list = NULL;
     const conus_pose_options options =
         settings_pose_options(&settings->file, settings->aim.space, settings->atlas.max_memory);
-    conus_status status = conus_pose_list_load(&list, path, &options);
-    if (status) {
-        return print_status(status);
-    }
-    size_t count = conus_pose_list_count(list);
-    const conus_pose_row *row = conus_pose_list_row(list, 0);
+    conus_status status = conus_pose_list_load(out, path, &options);
+    return status ? print_status(status) : EXIT_DONE;
+}
+
+static const char *why_no_pose(const conus_pose_row *row)
+{
+    return row->error ? row->error : row->is_point ? POINT_HAS_NO_DIRECTION : NULL;
+}
+
+static int match_poses(const struct picture *picture, conus_pose_list *poses, const char *path)
+{
     struct named_atlas atlas = {.atlas = picture->atlas};
-    int code = settings_match_poses(list, path, &(struct atlases){&atlas, 1}, &settings->file, &settings->common);
-    if (code) {
-        conus_pose_list_destroy(list);
-        return code;
-    }
-    if (count != 1) {
-        code = print_usage_error("%s has %zu poses, a picture takes one", path, count);
-    } else if (row->error || row->is_point) {
-        print_error_line("%s:%zu: %s", path, row->line, row->error ? row->error : POINT_HAS_NO_DIRECTION);
+    const struct render_settings *settings = picture->settings;
+    return settings_match_poses(poses, path, &(struct atlases){&atlas, 1}, &settings->file, &settings->common);
+}
+
+/* The file's one pose. */
+static int load_camera(struct picture *picture)
+{
+    const char *path = picture->settings->camera;
+    conus_pose_list *list = NULL;
+    int code = load_poses(&list, picture->settings, path);
+    code = code ? code : match_poses(picture, list, path);
+    const conus_pose_row *row = conus_pose_list_row(list, 0);
+    if (!code && conus_pose_list_count(list) != 1) {
+        code = print_usage_error("%s has %zu poses, a camera takes one", path, conus_pose_list_count(list));
+    } else if (!code && why_no_pose(row)) {
+        print_error_line("%s:%zu: %s", path, row->line, why_no_pose(row));
         code = EXIT_DATA;
-    } else {
-        *out = *row;
+    } else if (!code) {
+        picture->camera = row->pose;
     }
     conus_pose_list_destroy(list);
     return code;
@@ -231,50 +296,53 @@ static int load_pose(conus_pose_row *out, const struct picture *picture, const c
 static int find_camera(struct picture *picture)
 {
     const struct render_settings *settings = picture->settings;
-    conus_pose_row row = {0};
     int code = EXIT_DONE;
+    picture->has_camera = has_camera(picture->arguments);
     if (settings->camera) {
-        code = load_pose(&row, picture, settings->camera);
-        picture->camera = row.pose;
-    } else if (option_given(picture->arguments, "camera-origin")) {
+        code = load_camera(picture);
+    } else if (picture->has_camera) {
         code = settings_pose_toward(&picture->camera, settings->camera_origin, settings->camera_toward,
                                     option_given(picture->arguments, "camera-up") ? settings->camera_up : NULL,
                                     settings->aim.space);
-    } else {
-        return EXIT_DONE;
     }
-    picture->has_camera = true;
     return code;
 }
 
-static int find_cone(struct picture *picture, conus_pose *pose, double *angle)
+/* --angle is of poses without their own. */
+static int check_angle(const struct picture *picture)
 {
-    const struct aim_settings *aim = &picture->settings->aim;
-    *angle = settings_angle(aim, &picture->settings->engine);
-    if (!aim->pose) {
-        return settings_pose(pose, aim, picture->arguments);
+    const struct drawn_rows *rows = &picture->rows;
+    bool have_own = false;
+    for (size_t i = 0; i < rows->count && picture->settings->aim.angle != 0; i++) {
+        const conus_pose_row *row = rows->items[i].row;
+        have_own = have_own || !row->error;
+        if (!row->error && row->angle == 0) {
+            return EXIT_DONE;
+        }
     }
-    conus_pose_row row = {0};
-    int code = load_pose(&row, picture, aim->pose);
-    if (code) {
-        return code;
-    }
-    if (row.angle != 0 && aim->angle != 0) {
-        return print_usage_error("--angle has no effect: the pose in %s has its own", aim->pose);
-    }
-    *pose = row.pose;
-    *angle = row.angle != 0 ? row.angle : *angle;
-    return EXIT_DONE;
+    return have_own ? print_usage_error("--angle has no effect: %s pose in %s has its own",
+                                        rows->count == 1 ? "the" : "every", rows->file)
+                    : EXIT_DONE;
 }
 
-static int load_atlas(struct picture *picture)
+static int find_rows(struct picture *picture)
 {
     const struct render_settings *settings = picture->settings;
-    int code = settings_load_atlas(&picture->atlas, picture->arguments->operands[0], &settings->atlas);
-    code = code ? code : settings_load_context(picture->atlas, settings->context, 0, &settings->atlas);
-    if (code) {
-        return code;
+    const char *path = settings->aim.pose;
+    if (!path) {
+        return EXIT_DONE;
     }
+    picture->rows.file = settings_poses_name(path);
+    int code = load_poses(&picture->poses, settings, path);
+    code = code ? code : render_rows_choose(&picture->rows, picture->poses, &settings->choice, settings->output);
+    return code ? code : check_angle(picture);
+}
+
+/* ---- What is drawn ---------------------------------------------------------------------------------------------- */
+
+static int check_output(const struct picture *picture, const char *output)
+{
+    const struct render_settings *settings = picture->settings;
     const struct input inputs[] = {{"the atlas", picture->arguments->operands[0]},
                                    {"the label table", settings->atlas.labels},
                                    {"the file of poses", settings->aim.pose},
@@ -282,46 +350,68 @@ static int load_atlas(struct picture *picture)
                                    {"the transfer function", settings->transfer},
                                    {"the list of areas", settings_level_file(&settings->engine)},
                                    {0}};
-    const char *input = settings_input(picture->atlas, inputs, settings->output);
-    return input ? print_usage_error("--output would overwrite %s %s", input, settings->output) : EXIT_DONE;
+    const char *input = output ? settings_input(picture->atlas, inputs, output) : NULL;
+    return input ? print_usage_error("--output would overwrite %s %s", input, output) : EXIT_DONE;
 }
 
-static int aim_cone(struct picture *picture)
+static int check_outputs(const struct picture *picture)
+{
+    if (!picture->poses) {
+        return check_output(picture, picture->settings->output);
+    }
+    int code = EXIT_DONE;
+    for (size_t i = 0; i < picture->rows.count && !code; i++) {
+        code = check_output(picture, picture->rows.items[i].path);
+    }
+    return code;
+}
+
+static int load_atlas(struct picture *picture)
 {
     const struct render_settings *settings = picture->settings;
-    conus_pose pose;
-    double angle;
-    int code = find_cone(picture, &pose, &angle);
-    if (code) {
-        return code;
-    }
+    int code = settings_load_atlas(&picture->atlas, picture->arguments->operands[0], &settings->atlas);
+    code = code ? code : settings_load_context(picture->atlas, settings->context, 0, &settings->atlas);
+    code = code ? code : check_outputs(picture);
+    return code || !picture->poses ? code : match_poses(picture, picture->poses, settings->aim.pose);
+}
+
+static conus_status make_selector(struct picture *picture)
+{
+    const struct render_settings *settings = picture->settings;
     struct engine_settings engine = settings->engine;
     engine.slices = engine.sampling == CONUS_SAMPLING_SLICES ? settings->slices : 0;
     const conus_selector_options options = settings_engine(&engine, &settings->common);
     conus_status status = conus_selector_create(&picture->selector, picture->atlas, &options);
-    if (!status) {
-        status = conus_select(&picture->selection, picture->selector, &pose, angle);
-    }
-    if (status) {
-        return print_status(status);
-    }
-    aim_notes_of(&pose, angle, picture->selector, picture->atlas, &settings->common);
-    return EXIT_DONE;
+    return status ? status : conus_aims_create(&picture->aims, picture->selector);
 }
 
-static int draw_picture(struct picture *picture)
+static conus_status make_renderer(struct picture *picture)
 {
     const struct render_settings *settings = picture->settings;
     const conus_renderer_options options = {.transfer = settings->transfer,
                                             .max_memory = settings->atlas.max_memory,
                                             .log = settings->common.verbose ? log_line : NULL};
     conus_status status = conus_renderer_create(&picture->renderer, picture->atlas, &options);
-    if (status) {
-        return print_status(status);
-    }
-    if (settings->common.verbose) {
+    if (!status && settings->common.verbose) {
         print_error_line("OpenGL: %s", conus_renderer_device(picture->renderer));
     }
+    return status;
+}
+
+static int prepare(struct picture *picture)
+{
+    bool cone = picture->poses || option_given(picture->arguments, "origin");
+    conus_status status = cone ? make_selector(picture) : CONUS_OK;
+    status = status ? status : make_renderer(picture);
+    return status ? print_status(status) : EXIT_DONE;
+}
+
+/* ---- Pictures --------------------------------------------------------------------------------------------------- */
+
+static conus_status draw_picture(const struct picture *picture, const conus_selection *selection, const char *path)
+{
+    const struct render_settings *settings = picture->settings;
+    conus_image *image = NULL;
     const double *f = settings->frustum;
     const conus_view view = {.width = settings->size[0],
                              .height = settings->size[1],
@@ -329,13 +419,100 @@ static int draw_picture(struct picture *picture)
                              .field_of_view = radians(settings->field_of_view),
                              .frustum = {f[0], f[1], f[2], f[3]},
                              .camera = picture->has_camera ? &picture->camera : NULL,
-                             .selection = picture->selection,
+                             .selection = selection,
                              .no_skipping = settings->no_skipping,
                              .no_legend = settings->no_legend};
-    status = conus_render(&picture->image, picture->renderer, &view);
-    if (!status) {
-        status = conus_image_write(picture->image, settings->output);
+    conus_status status = conus_render(&image, picture->renderer, &view);
+    status = status ? status : conus_image_write(image, path);
+    conus_image_destroy(image);
+    return status;
+}
+
+/* Draws a cone; *fault where the pose itself is at fault, which is the caller's to say. */
+static int draw_cone(struct picture *picture, const conus_pose *pose, double angle, const char *path, bool *fault)
+{
+    conus_selection *selection = NULL;
+    conus_status status = conus_select(&selection, picture->selector, pose, angle);
+    *fault = status == CONUS_ERROR_ARGUMENT;
+    status = status ? status : draw_picture(picture, selection, path);
+    conus_selection_destroy(selection);
+    return status && !*fault ? print_status(status) : EXIT_DONE;
+}
+
+/* The exit code is that of a run of which this pose is all; of several poses the others are drawn. */
+static int refuse_row(struct picture *picture, const conus_pose_row *row, const char *why, int code)
+{
+    print_error_line("%s:%zu: %s", picture->rows.file, row->line, why);
+    picture->failed = true;
+    return picture->rows.count == 1 ? code : EXIT_DONE;
+}
+
+static int draw_row(struct picture *picture, const struct drawn_row *drawn)
+{
+    const struct render_settings *settings = picture->settings;
+    const conus_pose_row *row = drawn->row;
+    if (why_no_pose(row)) {
+        return refuse_row(picture, row, why_no_pose(row), EXIT_DATA);
     }
+    double angle = row->angle != 0 ? row->angle : settings_angle(&settings->aim, &settings->engine);
+    bool fault = false;
+    int code = draw_cone(picture, &row->pose, angle, drawn->path, &fault);
+    if (fault) {
+        return refuse_row(picture, row, conus_message(), EXIT_USAGE);
+    }
+    conus_aims_add(picture->aims, row->line, &row->pose, angle);
+    return code;
+}
+
+static void say_aims(const struct picture *picture)
+{
+    const struct aimed aimed = {conus_aims_found(picture->aims), picture->selector, picture->atlas, NULL};
+    aim_notes_say(&aimed, 1, picture->rows.count > 1 ? picture->rows.file : NULL, &picture->settings->common);
+}
+
+static int draw_rows(struct picture *picture)
+{
+    const struct drawn_rows *rows = &picture->rows;
+    int code = EXIT_DONE;
+    if (!rows->count) {
+        settings_say_no_poses(picture->settings->aim.pose, &picture->settings->common);
+    }
+    for (size_t i = 0; i < rows->count && !code; i++) {
+        code = draw_row(picture, &rows->items[i]);
+    }
+    if (!code) {
+        say_aims(picture);
+    }
+    return code;
+}
+
+static int draw_origin(struct picture *picture)
+{
+    const struct render_settings *settings = picture->settings;
+    conus_pose pose;
+    int code = settings_pose(&pose, &settings->aim, picture->arguments);
+    if (code) {
+        return code;
+    }
+    bool fault = false;
+    double angle = settings_angle(&settings->aim, &settings->engine);
+    code = draw_cone(picture, &pose, angle, settings->output, &fault);
+    if (fault) {
+        return print_status(CONUS_ERROR_ARGUMENT);
+    }
+    conus_aims_add(picture->aims, 1, &pose, angle);
+    if (!code) {
+        say_aims(picture);
+    }
+    return code;
+}
+
+static int draw_all(struct picture *picture)
+{
+    if (picture->selector) {
+        return picture->poses ? draw_rows(picture) : draw_origin(picture);
+    }
+    conus_status status = draw_picture(picture, NULL, picture->settings->output);
     return status ? print_status(status) : EXIT_DONE;
 }
 
@@ -346,19 +523,14 @@ static int run_render(const void *given, const struct arguments *arguments)
         return EXIT_USAGE;
     }
     struct picture picture = {.settings = settings, .arguments = arguments};
-    picture.has_cone = settings->aim.pose || option_given(arguments, "origin");
     int code = find_camera(&picture);
-    if (!code) {
-        code = load_atlas(&picture);
-    }
-    if (!code && picture.has_cone) {
-        code = aim_cone(&picture);
-    }
-    if (!code) {
-        code = draw_picture(&picture);
-    }
+    code = code ? code : find_rows(&picture);
+    code = code ? code : load_atlas(&picture);
+    code = code ? code : prepare(&picture);
+    code = code ? code : draw_all(&picture);
     if (!code) {
         settings_say_notes(picture.atlas, &settings->common);
+        code = picture.failed ? EXIT_DIFFERENT : EXIT_DONE;
     }
     picture_finish(&picture);
     return code;
@@ -384,6 +556,7 @@ const struct command cmd_render = {
                    "and a legend of its first hits. Needs OpenGL 4.5, in hardware or software.",
     .examples = "  conus render aal.nii.gz -o aal.png --context ch2bet.nii.gz\n"
                 "  conus render aal.nii.gz -o cone.png --origin -90,20,20 --toward 0,-10,10 --angle 20\n"
+                "  conus render aal.nii.gz --poses session.tsv -o 'fig-{query}.png'\n"
                 "  conus render aal.nii.gz -o top.exr --camera-origin 0,0,500 --camera-toward 0,0,0\n",
     .groups = groups,
     .settings_size = sizeof(struct render_settings),

@@ -50,10 +50,57 @@ png_size() {
     fails 2 '--angle has no effect: the pose in cone.csv has its own' \
         render sphere.nii.gz -o c.png --pose cone.csv --angle 5
     printf '0,0,60,0,0,0,20\n' >>cone.csv
-    fails 2 'cone.csv has 2 poses, a picture takes one' render sphere.nii.gz -o c.png --pose cone.csv
+    fails 2 'cone.csv has 2 poses, a picture takes one: --output needs' render sphere.nii.gz -o c.png --pose cone.csv
     printf 'x,y,z,tx,ty,tz\n0,0,60,0,0,60\n' >bad.csv
     fails 3 'bad.csv:2: toward: is the origin itself' render sphere.nii.gz -o c.png --camera bad.csv
     [ ! -e c.png ]
+}
+
+# session: six poses on a sphere, of which one is broken and one is a file's nightmare.
+session() {
+    printf 'query_id,x,y,z,tx,ty,tz,angle\n' >session.csv
+    printf '%s\n' 'left,-60,0,0,0,0,0,20' 'top,0,0,60,0,0,0,20' 'broken,0,0,60,0,0,60,20' \
+        '../a/b:c,60,0,0,0,0,0,20' 'left,-60,0,5,0,0,0,20' ',0,60,0,0,0,0,20' >>session.csv
+}
+
+@test "every pose of a file becomes a picture with a name of its own" {
+    sphere --size 32
+    session
+    run --separate-stderr "$CONUS" render sphere.nii.gz --poses session.csv -o 'fig-{row}-{query}.exr' $SMALL -q
+    [ "$status" -ne 4 ] || skip "no OpenGL 4.5"
+    [ "$status" -eq 1 ]
+    check_message 'session.csv:4: toward: is the origin itself'
+    [ "$(echo ./*.exr)" = './fig-1-left.exr ./fig-2-top.exr ./fig-4-_._a_b_c.exr ./fig-5-left.exr ./fig-6-6.exr' ]
+    gl render sphere.nii.gz --origin 0,0,60 --toward 0,0,0 --angle 20 -o alone.exr $SMALL
+    answers diff alone.exr fig-2-top.exr
+    gl render sphere.nii.gz --pose session.csv --row 5 -o fifth.exr $SMALL
+    answers diff fifth.exr fig-5-left.exr
+    gl render sphere.nii.gz --poses session.csv --query-id top -o 'x-{query}.exr' $SMALL
+    cmp x-top.exr fig-2-top.exr
+    run -1 conus diff fig-1-left.exr fig-5-left.exr
+}
+
+@test "poses that cannot all be drawn are refused before any is" {
+    sphere --size 16
+    session
+    local render=(render sphere.nii.gz --poses session.csv)
+    fails 2 'session.csv has 6 poses, a picture takes one: --output needs {query} or {row}' "${render[@]}" -o a.png
+    fails 2 'session.csv has 2 poses, a picture takes one' "${render[@]}" -o a.png --query-id left
+    fails 2 'the poses in lines 2 and 6 would both be drawn into left.png' "${render[@]}" -o '{query}.png'
+    fails 2 '--output: "{name}" stands for nothing, allowed are {query} and {row}' "${render[@]}" -o '{row}{name}.png'
+    fails 2 '--output: "{row.png" stands for nothing' "${render[@]}" -o '{row.png'
+    fails 2 '--output: {query} and {row} stand for poses of a file' render sphere.nii.gz -o '{query}.png'
+    fails 2 '--row 7: session.csv has 6 poses' "${render[@]}" -o a.png --row 7
+    fails 2 '--query-id: session.csv has no pose "tp", did you mean "top"?' "${render[@]}" -o a.png --query-id tp
+    fails 2 '--row and --query-id exclude each other' "${render[@]}" -o a.png --row 1 --query-id top
+    fails 2 '--row has no effect without --poses' render sphere.nii.gz -o a.png --row 1
+    fails 2 '--pose and --poses exclude each other' "${render[@]}" --pose session.csv -o a.png
+    fails 2 '--angle has no effect: every pose in session.csv has its own' "${render[@]}" -o '{row}.png' --angle 5
+    cp session.csv session.png
+    fails 2 '--output would overwrite the file of poses session.png' \
+        render sphere.nii.gz --poses session.png --query-id top -o 'session.png'
+    fails 3 'session.csv:4: toward: is the origin itself' "${render[@]}" -o a.png --row 3
+    [ ! -e a.png ] && [ ! -e 1.png ] && [ ! -e left.png ]
 }
 
 @test "a symmetric frustum is a field of view, another one is off-axis" {
