@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus render: draws an atlas, with or without a cone, into a picture file. */
 #include "cli/commands.h"
+#include "cli/figure.h"
 #include "cli/render_rows.h"
 #include "common/messages.h"
 #include "common/output.h"
@@ -19,7 +20,7 @@ struct render_settings {
     struct common_settings common;
     const char *output;
     struct row_choice choice;
-    uint32_t size[2];
+    struct figure_settings figure;
     uint32_t slices;
     const char *camera;
     double camera_origin[3], camera_toward[3], camera_up[3];
@@ -27,7 +28,7 @@ struct render_settings {
     double frustum[4];
     const char *context;
     const char *transfer;
-    bool no_skipping, no_legend;
+    bool no_skipping;
 };
 
 static const struct option picture_options[] = {
@@ -39,13 +40,6 @@ static const struct option picture_options[] = {
      .help = ".png, or .exr with linear light as float; of several poses {query} stands for each one's name, {row} for "
              "its number",
      .required = true},
-    {.name = "size",
-     .type = OPTION_SIZE,
-     .offset = offsetof(struct render_settings, size),
-     .value = "WxH",
-     .help = "pixels, each 1 to 16384 (default 1400x1050)",
-     .low = 1,
-     .high = 16384},
     {.name = "camera",
      .type = OPTION_TEXT,
      .offset = offsetof(struct render_settings, camera),
@@ -55,7 +49,7 @@ static const struct option picture_options[] = {
      .type = OPTION_VECTOR,
      .offset = offsetof(struct render_settings, camera_origin),
      .value = "X,Y,Z",
-     .help = "or position of the camera, mm (default: the whole atlas from the cone's side)"},
+     .help = "or position of the camera, mm (default: as --view says)"},
     {.name = "camera-toward",
      .type = OPTION_VECTOR,
      .offset = offsetof(struct render_settings, camera_toward),
@@ -99,10 +93,6 @@ static const struct option picture_options[] = {
      .offset = offsetof(struct render_settings, transfer),
      .value = "NAME|FILE",
      .help = "colours and opacities of the context by its values: a preset or a file (docs/formats.md)"},
-    {.name = "no-legend",
-     .type = OPTION_FLAG,
-     .offset = offsetof(struct render_settings, no_legend),
-     .help = "leave out the text"},
     {.name = "no-skipping",
      .type = OPTION_FLAG,
      .offset = offsetof(struct render_settings, no_skipping),
@@ -133,6 +123,7 @@ static const struct option row_options[] = {
 
 static const struct option_group groups[] = {
     {"Picture", picture_options, 0},
+    {"", figure_options, offsetof(struct render_settings, figure)},
     {"Cone to draw", aim_options, offsetof(struct render_settings, aim)},
     {"", row_options, 0},
     {"", pose_file_options, offsetof(struct render_settings, file)},
@@ -219,7 +210,8 @@ static bool check_camera(const struct arguments *arguments)
     return option_needs(arguments, "camera-toward", "camera-origin") &&
            option_needs(arguments, "camera-origin", "camera-toward") &&
            option_needs(arguments, "camera-up", "camera-origin") &&
-           options_exclude(arguments, "camera", "camera-origin") &&
+           options_exclude(arguments, "camera", "camera-origin") && options_exclude(arguments, "view", "camera") &&
+           options_exclude(arguments, "view", "camera-origin") &&
            options_exclude(arguments, "frustum", "field-of-view") && check_frustum(arguments);
 }
 
@@ -248,7 +240,8 @@ static bool check_rows(const struct render_settings *settings, const struct argu
 static bool check_picture(const struct render_settings *settings, const struct arguments *arguments)
 {
     return path_check_ending("output", settings->output, ".png", ".exr") && check_cone(settings, arguments) &&
-           check_camera(arguments) && check_rows(settings, arguments) && option_needs(arguments, "transfer", "context");
+           check_camera(arguments) && check_rows(settings, arguments) && figure_check(&settings->figure, arguments) &&
+           option_needs(arguments, "transfer", "context");
 }
 
 /* ---- Poses ------------------------------------------------------------------------------------------------------ */
@@ -388,6 +381,9 @@ static conus_status make_selector(struct picture *picture)
 static conus_status make_renderer(struct picture *picture)
 {
     const struct render_settings *settings = picture->settings;
+    if (settings->figure.safe_colours) {
+        conus_atlas_use_safe_colours(picture->atlas);
+    }
     const conus_renderer_options options = {.transfer = settings->transfer,
                                             .max_memory = settings->atlas.max_memory,
                                             .log = settings->common.verbose ? log_line : NULL};
@@ -413,15 +409,13 @@ static conus_status draw_picture(const struct picture *picture, const conus_sele
     const struct render_settings *settings = picture->settings;
     conus_image *image = NULL;
     const double *f = settings->frustum;
-    const conus_view view = {.width = settings->size[0],
-                             .height = settings->size[1],
-                             .slices = settings->slices,
-                             .field_of_view = radians(settings->field_of_view),
-                             .frustum = {f[0], f[1], f[2], f[3]},
-                             .camera = picture->has_camera ? &picture->camera : NULL,
-                             .selection = selection,
-                             .no_skipping = settings->no_skipping,
-                             .no_legend = settings->no_legend};
+    conus_view view = {.slices = settings->slices,
+                       .field_of_view = radians(settings->field_of_view),
+                       .frustum = {f[0], f[1], f[2], f[3]},
+                       .camera = picture->has_camera ? &picture->camera : NULL,
+                       .selection = selection,
+                       .no_skipping = settings->no_skipping};
+    figure_view(&view, &settings->figure);
     conus_status status = conus_render(&image, picture->renderer, &view);
     status = status ? status : conus_image_write(image, path);
     conus_image_destroy(image);

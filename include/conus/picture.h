@@ -37,7 +37,7 @@ typedef struct conus_renderer_options {
     size_t struct_size;   /**< Its size, as #CONUS_RENDERER_OPTIONS_INIT sets it; 0 = that of this version. */
     const char *transfer; /**< Preset name or TF file (docs/formats.md) of the context; NULL = the manifest's, or else
                              "brain". */
-    uint64_t max_memory;  /**< Of textures, in bytes; 0 = 8 GiB. */
+    uint64_t max_memory;  /**< Of textures, and of a picture, in bytes; 0 = 8 GiB. */
     conus_log log;        /**< NULL = silent. */
     void *log_user;       /**< Passed to @p log. */
 } conus_renderer_options;
@@ -112,6 +112,33 @@ CONUS_CHECKED conus_status conus_renderer_set_transfer(conus_renderer *renderer,
  */
 CONUS_CHECKED conus_status conus_renderer_update(conus_renderer *renderer);
 
+/** A side of the head from which a picture shows it. */
+typedef enum conus_side {
+    CONUS_SIDE_OF_CONE = 0, /**< The cone's; without one from the front, left and above. */
+    CONUS_SIDE_LEFT,        /**< From the left, anterior to the left of the picture. */
+    CONUS_SIDE_RIGHT,       /**< From the right, anterior to the right of the picture. */
+    CONUS_SIDE_FRONT,       /**< From the front, the person's right to the left of the picture. */
+    CONUS_SIDE_BACK,        /**< From the back. */
+    CONUS_SIDE_TOP,         /**< From above, anterior up. */
+    CONUS_SIDE_BOTTOM       /**< From below, anterior up, the person's right to the left of the picture. */
+} conus_side;
+
+/** Where a picture's legend is. */
+typedef enum conus_legend {
+    CONUS_LEGEND_INSIDE = 0, /**< In a corner of the drawing, which leaves a margin for it. */
+    CONUS_LEGEND_RIGHT,      /**< Beside the drawing, of which it takes at most half the width; the picture becomes
+                                higher than asked for where the legend is. */
+    CONUS_LEGEND_BELOW,      /**< Below the drawing: the picture becomes higher by it. */
+    CONUS_LEGEND_NONE        /**< Nowhere; letters of directions and the scale stay. */
+} conus_legend;
+
+/** What lies behind a drawing. */
+typedef enum conus_background {
+    CONUS_BACKGROUND_LIGHT = 0,  /**< A light grey, darker below. */
+    CONUS_BACKGROUND_COLOUR,     /**< One colour. */
+    CONUS_BACKGROUND_TRANSPARENT /**< Nothing; text is dark. */
+} conus_background;
+
 /** What conus_render() draws. */
 typedef struct conus_view {
     size_t struct_size;   /**< Its size, as #CONUS_VIEW_INIT sets it; 0 = that of this version. */
@@ -128,20 +155,31 @@ typedef struct conus_view {
     bool no_skipping;                 /**< Blend every sample: the same picture, slower (for comparison). */
     bool no_legend;                   /**< Leave out the text. */
     bool draft;                       /**< Leave edges rough: quicker. */
-    double fade; /**< How much the context is thinned: 0 = as its transfer function says, 1 = gone. */
+    double fade;                 /**< How much the context is thinned: 0 = as its transfer function says, 1 = gone. */
+    conus_side side;             /**< Without a camera: from where the whole atlas is seen. */
+    conus_legend legend;         /**< Where the legend is; it is there only with a selection. */
+    conus_background background; /**< What lies behind. */
+    uint8_t background_rgb[3];   /**< sRGB, of #CONUS_BACKGROUND_COLOUR. */
+    double dpi; /**< Pixels per inch, up to 100000: letters have 7.5 points, and files say it; 0 = not known, letters
+                   are as high as a 54th of the shorter side. */
 } conus_view;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
 #define CONUS_VIEW_INIT CONUS_INIT_(conus_view)
 
 /**
- * Draws the atlas over a light background: its areas, or its pathways where it has any (all areas would hide them), and
+ * Draws the atlas: its areas, or its pathways where it has any (all areas would hide them), and
  * then of the areas those that the selection hits, or with #CONUS_LAYERS_ALL passes. A draft has those of the picture
  * before.
- * @param[out] out Channels R, G, B, A: float, linear light, premultiplied; A is 1. End it with conus_image_destroy().
+ * Where left and right, or the like, are across the picture to within 15 degrees, letters at its edges say so; else a
+ * cross of all directions does. The legend lists what conus_selection_result() lists, with whole names where there is
+ * room for letters of at least three fifths of their size.
+ * @param[out] out Channels R, G, B, A: float, linear light, premultiplied; A is 1 unless the background is transparent.
+ * End it with conus_image_destroy().
  * @param renderer The renderer.
  * @param view What to draw.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a view out of its range; #CONUS_ERROR_GL where the driver fails.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a view out of its range; #CONUS_ERROR_MEMORY for a picture above the
+ * renderer's max_memory, 32 bytes per pixel; #CONUS_ERROR_GL where the driver fails.
  * @threads The one that made the renderer.
  * @since 0.1
  */

@@ -203,6 +203,7 @@ def load(
     max_memory: int = 0,
     progress: LoadProgress = None,
     probability: float = 0,
+    safe_colours: bool = False,
 ) -> Atlas:
     """Loads an atlas.
 
@@ -243,6 +244,8 @@ def load(
     probability
         Of an atlas of probabilities: from which one on, above 0 to 1, a voxel belongs to an area
         (default: 0.25, or as the manifest says).
+    safe_colours
+        Colours of areas and pathways that people with any colour vision can tell apart.
 
     Returns
     -------
@@ -285,6 +288,8 @@ def load(
         _set_context(raw, context, context_blocks, max_memory)
     if only is not None or hide is not None:
         check(lib.conus_atlas_show(raw, optional(utf8, "only", only), optional(utf8, "hide", hide)))
+    if flag("safe_colours", safe_colours):
+        lib.conus_atlas_use_safe_colours(raw)
     return Atlas(raw)
 
 

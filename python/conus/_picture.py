@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import re
 import threading
 from typing import TYPE_CHECKING, Any, Callable, Optional, Sequence, Union
 
@@ -16,10 +17,12 @@ from ._library import (
     GLError,
     array_of,
     check,
+    choice,
     dtype_of,
     numbers,
     owned,
     path_of,
+    real,
     text,
     vector,
     whole,
@@ -76,6 +79,8 @@ class GLOwner:
 _SRGB = (np.arange(255) + 0.5) / 255
 _STEPS = np.where(_SRGB <= 0.04045, _SRGB / 12.92, ((_SRGB + 0.055) / 1.055) ** 2.4).astype(np.float32)
 _POINT = dtype_of("conus_transfer_point")
+_SIDES = ("cone", "left", "right", "front", "back", "top", "bottom")
+_LEGENDS = ("inside", "right", "below", "none")
 
 
 class Picture:
@@ -111,11 +116,14 @@ class Picture:
 
     @property
     def array(self) -> Array:
-        """(height, width, 4) uint8, top row first: sRGB and opacity 255, the pixels of the PNG."""
+        """(height, width, 4) uint8, top row first: sRGB and opacity, the pixels of the PNG."""
         width, height = self.size
-        rgba = np.full((height, width, 4), 255, np.uint8)
+        rgba = np.zeros((height, width, 4), np.uint8)
+        opacity = self.channel("A")
+        shows = opacity > 0
         for i, name in enumerate("RGB"):
-            rgba[..., i] = np.searchsorted(_STEPS, self.channel(name), "right")
+            rgba[shows, i] = np.searchsorted(_STEPS, self.channel(name)[shows] / opacity[shows], "right")
+        rgba[..., 3] = np.rint(255 * np.minimum(opacity, 1))
         return rgba
 
     def save(self, path: Path) -> None:
@@ -232,7 +240,7 @@ class Renderer:
         self,
         selection: Optional[Selection] = None,
         *,
-        size: tuple[int, int] = (1400, 1050),
+        size: Optional[tuple[int, int]] = None,
         camera: Any = None,
         camera_origin: Any = None,
         camera_toward: Any = None,
@@ -242,9 +250,14 @@ class Renderer:
         slices: Optional[int] = None,
         chosen: Union[str, int, None] = None,
         fade: float = 0,
-        legend: bool = True,
+        legend: Union[bool, str] = True,
         skipping: bool = True,
         draft: bool = False,
+        view: str = "cone",
+        background: str = "light",
+        width_mm: Optional[float] = None,
+        height_mm: Optional[float] = None,
+        dpi: Optional[float] = None,
     ) -> Picture:
         """Draws the atlas as ``conus render`` does.
 
@@ -254,7 +267,7 @@ class Renderer:
             Of this atlas: its cone, axis and contacts are drawn, with a legend. With layers="all", areas
             that are in the cone but occluded are striped.
         size : (int, int)
-            Width and height, pixels, each 1 to 16384.
+            Width and height, pixels, each 1 to 16384; (1400, 1050) if not given.
         camera
             (4, 4) matrix from the camera to the world; the camera points along its -z. Without a
             camera, the picture shows the whole atlas from the cone's side.
@@ -271,17 +284,27 @@ class Renderer:
             An object that is never pale, with those below it in the area tree.
         fade : float
             How much the context is thinned: 0 not at all, 1 it is gone.
-        legend : bool
-            Text.
+        legend : bool or str
+            False leaves out all text. True or "inside" has the legend in a corner, "right" and "below"
+            outside the drawing, where the picture becomes higher, and "none" nowhere.
         skipping : bool
             Skip empty space: the same picture, quicker.
         draft : bool
             Leave edges rough: quicker.
+        view : str
+            Without a camera, the side from which the atlas is seen: "cone", "left", "right", "front",
+            "back", "top" or "bottom".
+        background : str
+            "light", "white", "black", "transparent" or "#rrggbb".
+        width_mm, height_mm, dpi : float
+            In place of size: the width and height on paper, mm (the height is three quarters of the
+            width if not given), and pixels per inch (300 if not given). With dpi letters have 7.5
+            points, and files say how large they are.
 
         Returns
         -------
         Picture
-            With a light background.
+            Opaque, unless its background is transparent.
 
         Raises
         ------
@@ -290,20 +313,24 @@ class Renderer:
         GLError
             Where the driver fails.
         """
-        pointer, view, out = self._mine(), ffi.new("conus_view *"), ffi.new("conus_image **")
-        view.width, view.height = (whole("size", side, 1) for side in size)
+        pointer, options, out = self._mine(), ffi.new("conus_view *"), ffi.new("conus_image **")
+        _set_size(options, size, width_mm, height_mm, dpi)
         alive = _camera_of(camera, camera_origin, camera_toward, camera_up)
-        view.camera = alive or ffi.NULL
-        _set_lens(view, field_of_view, frustum)
+        options.camera = alive or ffi.NULL
+        _set_lens(options, field_of_view, frustum)
         if slices is not None:
-            view.slices = whole("slices", slices, 1)
+            options.slices = whole("slices", slices, 1)
         if selection is not None:
             if selection.atlas is not self.atlas:
                 raise ArgumentError("selection: it is of another atlas")
-            view.selection = selection._p
-        view.chosen = 0 if chosen is None else self.atlas.find(chosen)
-        view.fade, view.draft, view.no_legend, view.no_skipping = fade, draft, not legend, not skipping
-        check(lib.conus_render(out, pointer, view))
+            options.selection = selection._p
+        options.chosen = 0 if chosen is None else self.atlas.find(chosen)
+        options.fade, options.draft, options.no_skipping = fade, draft, not skipping
+        options.side = choice("view", view, _SIDES)
+        options.no_legend = legend is False
+        options.legend = choice("legend", legend, _LEGENDS) if isinstance(legend, str) else 0
+        _set_background(options, background)
+        check(lib.conus_render(out, pointer, options))
         return Picture(out[0], self.device)
 
     def __repr__(self) -> str:
@@ -318,6 +345,40 @@ def _camera_of(camera: Any, origin: Any, toward: Any, up: Any) -> Any:
         return pose_of(origin, toward, None, up, camera)
     except ArgumentError as error:
         raise ArgumentError(f"camera: {error}") from None
+
+
+def _pixels(name: str, mm: float, dpi: float) -> int:
+    pixels = real(name, mm) / 25.4 * dpi
+    if not 0.5 < pixels < 16384.5:
+        raise ArgumentError(f"{name}: {mm} mm at {dpi} dpi, allowed is what makes 1 to 16384 pixels")
+    return round(pixels)
+
+
+def _set_size(view: Any, size: Optional[tuple[int, int]], width_mm: Optional[float], height_mm: Optional[float],
+              dpi: Optional[float]) -> None:
+    if width_mm is None and height_mm is not None:
+        raise ArgumentError("height_mm: there is no width_mm")
+    if width_mm is not None and size is not None:
+        raise ArgumentError("size: there is a width_mm")
+    if dpi == 0:  # which is the library's word for none
+        raise ArgumentError("dpi: 0, allowed is more than 0")
+    view.dpi = real("dpi", dpi) if dpi is not None else 0 if width_mm is None else 300
+    if width_mm is not None:
+        height = 0.75 * width_mm if height_mm is None else height_mm
+        view.width, view.height = _pixels("width_mm", width_mm, view.dpi), _pixels("height_mm", height, view.dpi)
+    else:
+        view.width, view.height = (whole("size", side, 1) for side in size or (1400, 1050))
+
+
+def _set_background(view: Any, background: str) -> None:
+    named = {"light": (0, 0), "white": (1, 255), "black": (1, 0), "transparent": (2, 0)}
+    if isinstance(background, str) and re.fullmatch("#[0-9a-fA-F]{6}", background):
+        view.background, view.background_rgb = 1, list(bytes.fromhex(background[1:]))
+    elif isinstance(background, str) and background in named:
+        view.background, grey = named[background]
+        view.background_rgb = [grey] * 3
+    else:
+        raise ArgumentError(f"background: {background!r}, allowed is {', '.join(named)}, #rrggbb")
 
 
 def _set_lens(view: Any, field_of_view: Optional[float], frustum: Optional[Sequence[float]]) -> None:

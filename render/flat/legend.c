@@ -6,6 +6,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 /* Lengths in em. */
 static const double MARGIN = 0.9;
@@ -36,6 +37,7 @@ struct layout {
     double name_width, column_width[LEGEND_DETAILS];
     bool has_header;
     struct draw_box panel;
+    float bright[4], dim[4];
 };
 
 double legend_size(const conus_image *image)
@@ -66,6 +68,53 @@ static double head_height(const struct layout *layout)
     return height * layout->em;
 }
 
+static void find_header(struct layout *layout)
+{
+    for (int c = 0; c < LEGEND_DETAILS; c++) {
+        layout->has_header = layout->has_header || layout->legend->header[c];
+    }
+}
+
+/* Measures the columns, and the names, of the rows that are shown. Gives the width of all columns but the names. */
+static double measure_columns(struct layout *layout)
+{
+    double details = 0;
+    for (int c = 0; c < LEGEND_DETAILS; c++) {
+        layout->column_width[c] = column_width(layout, c);
+        details += layout->column_width[c];
+    }
+    for (size_t i = 0; i < layout->shown; i++) {
+        double width = width_of(layout, layout->em, layout->legend->rows[i].name);
+        layout->name_width = fmax(layout->name_width, width);
+    }
+    return details;
+}
+
+/* As wide as its columns, or as the lines above them. */
+static double content_width(const struct layout *layout, double details)
+{
+    const struct legend *legend = layout->legend;
+    double width = (CHIP + CHIP_GAP) * layout->em + layout->name_width + details;
+    width = fmax(width, width_of(layout, TITLE * layout->em, legend->title));
+    return fmax(width, width_of(layout, layout->em, legend->subtitle));
+}
+
+double legend_fit(double size[2], struct font *font, const struct legend *legend, const double limit[2], double largest,
+                  double smallest)
+{
+    static const double step = 0.96;
+    double em = largest / step;
+    do {
+        em = fmax(em * step, smallest);
+        struct layout layout = {.legend = legend, .font = font, .em = em, .shown = legend->count};
+        find_header(&layout);
+        double details = measure_columns(&layout);
+        size[0] = content_width(&layout, details) + 2 * (MARGIN + PADDING) * em + 1; /* the panel is of whole pixels */
+        size[1] = head_height(&layout) + (LINE * (double)legend->count + 2 * (MARGIN + PADDING)) * em + 1;
+    } while (em > smallest && (size[0] > limit[0] || size[1] > limit[1]));
+    return em;
+}
+
 static void choose_rows(struct layout *layout)
 {
     double space = layout->image->height - 2 * (MARGIN + PADDING) * layout->em - head_height(layout);
@@ -78,14 +127,7 @@ static void choose_rows(struct layout *layout)
 static double choose_columns(struct layout *layout)
 {
     double em = layout->em;
-    double details = 0;
-    for (int c = 0; c < LEGEND_DETAILS; c++) {
-        layout->column_width[c] = column_width(layout, c);
-        details += layout->column_width[c];
-    }
-    for (size_t i = 0; i < layout->shown; i++) {
-        layout->name_width = fmax(layout->name_width, width_of(layout, em, layout->legend->rows[i].name));
-    }
+    double details = measure_columns(layout);
     double widest = layout->legend->widest > 0 ? layout->legend->widest : WIDEST;
     double space = widest * layout->image->width - (MARGIN + 2 * PADDING + CHIP + CHIP_GAP) * em;
     double shortest = fmin(layout->name_width, SHORTEST_NAME * em);
@@ -94,10 +136,7 @@ static double choose_columns(struct layout *layout)
         details -= layout->column_width[--layout->columns];
     }
     layout->name_width = fmin(layout->name_width, space - details);
-    double width = (CHIP + CHIP_GAP) * em + layout->name_width + details;
-    width = fmax(width, width_of(layout, TITLE * em, layout->legend->title));
-    width = fmax(width, width_of(layout, em, layout->legend->subtitle));
-    return fmin(width, space + (CHIP + CHIP_GAP) * em);
+    return fmin(content_width(layout, details), space + (CHIP + CHIP_GAP) * em);
 }
 
 /* False where nothing fits. */
@@ -105,9 +144,7 @@ static bool measure_layout(struct layout *layout)
 {
     const struct legend *legend = layout->legend;
     double em = layout->em;
-    for (int c = 0; c < LEGEND_DETAILS; c++) {
-        layout->has_header = layout->has_header || legend->header[c];
-    }
+    find_header(layout);
     choose_rows(layout);
     double width = choose_columns(layout) + 2 * PADDING * em;
     size_t lines = layout->shown + (layout->shown < legend->count);
@@ -116,6 +153,8 @@ static bool measure_layout(struct layout *layout)
     bool bottom = legend->corner == LEGEND_BOTTOM_LEFT || legend->corner == LEGEND_BOTTOM_RIGHT;
     double left = rint(right ? layout->image->width - MARGIN * em - width : MARGIN * em);
     double top = rint(bottom ? layout->image->height - MARGIN * em - height : MARGIN * em);
+    left = legend->at ? rint(legend->at[0] + MARGIN * em) : left;
+    top = legend->at ? rint(legend->at[1] + MARGIN * em) : top;
     layout->panel = (struct draw_box){left, top, left + rint(width), top + rint(height)};
     return (layout->shown > 0 || legend->count == 0) && layout->name_width >= 0 && left >= 0 && top >= 0;
 }
@@ -156,16 +195,17 @@ static conus_status write_head(const struct layout *layout, double *y)
     conus_status status = CONUS_OK;
     if (legend->title) {
         *y += TITLE * LINE * em;
-        status = write_text(layout, (double[]){left, *y - BELOW_BASELINE * TITLE * em}, TITLE * em, limit, BRIGHT,
-                            legend->title);
+        status = write_text(layout, (double[]){left, *y - BELOW_BASELINE * TITLE * em}, TITLE * em, limit,
+                            layout->bright, legend->title);
     }
     if (!status && legend->subtitle) {
         *y += LINE * em;
-        status = write_text(layout, (double[]){left, *y - BELOW_BASELINE * em}, em, limit, DIM, legend->subtitle);
+        status =
+            write_text(layout, (double[]){left, *y - BELOW_BASELINE * em}, em, limit, layout->dim, legend->subtitle);
     }
     if (!status && layout->has_header) {
         *y += LINE * em;
-        status = write_details(layout, *y - BELOW_BASELINE * em, legend->header, DIM);
+        status = write_details(layout, *y - BELOW_BASELINE * em, legend->header, layout->dim);
     }
     return status;
 }
@@ -177,6 +217,9 @@ static void draw_chip(const struct layout *layout, double left, double baseline,
     const struct draw_box box = {rint(left), rint(bottom - CHIP * layout->em), rint(left + CHIP * layout->em),
                                  rint(bottom)};
     draw_colour(colour, row->rgb, 1);
+    if (row->hollow && layout->legend->ink) {
+        memcpy(colour, layout->dim, sizeof colour);
+    }
     draw_frame(layout->image, &box, 0.18 * layout->em, row->hollow ? fmax(1, 0.08 * layout->em) : 0, colour);
 }
 
@@ -190,16 +233,26 @@ static conus_status write_rows(const struct layout *layout, double y)
         y += LINE * em;
         double at[2] = {left + (CHIP + CHIP_GAP) * em, rint(y - BELOW_BASELINE * em)};
         draw_chip(layout, left, at[1], row);
-        status = write_text(layout, at, em, layout->name_width + 0.01, row->hollow ? DIM : BRIGHT, row->name);
-        status = status ? status : write_details(layout, at[1], row->detail, row->hollow ? DIM : BRIGHT);
+        status = write_text(layout, at, em, layout->name_width + 0.01, row->hollow ? layout->dim : layout->bright,
+                            row->name);
+        status =
+            status ? status : write_details(layout, at[1], row->detail, row->hollow ? layout->dim : layout->bright);
     }
     if (!status && layout->shown < layout->legend->count) {
         char text[64];
         snprintf(text, sizeof text, "\xe2\x80\xa6 and %zu more", layout->legend->count - layout->shown);
         double at[2] = {left + (CHIP + CHIP_GAP) * em, rint(y + (LINE - BELOW_BASELINE) * em)};
-        status = font_draw(layout->font, layout->image, at, em, DIM, text);
+        status = font_draw(layout->font, layout->image, at, em, layout->dim, text);
     }
     return status;
+}
+
+static void choose_colours(struct layout *layout)
+{
+    const float *ink = layout->legend->ink;
+    memcpy(layout->bright, ink ? ink : BRIGHT, sizeof layout->bright);
+    memcpy(layout->dim, ink ? ink : DIM, sizeof layout->dim);
+    layout->dim[3] *= ink ? 0.87F : 1;
 }
 
 conus_status legend_draw(conus_image *image, struct font *font, const struct legend *legend)
@@ -210,11 +263,14 @@ conus_status legend_draw(conus_image *image, struct font *font, const struct leg
     }
     struct layout layout = {.legend = legend, .font = font, .image = image};
     layout.em = legend->size > 0 ? legend->size : legend_size(image);
+    choose_colours(&layout);
     if (!measure_layout(&layout)) {
         return CONUS_OK;
     }
-    draw_box(image, &layout.panel, 0.45 * layout.em, PANEL);
-    draw_frame(image, &layout.panel, 0.45 * layout.em, fmax(1, 0.06 * layout.em), RIM);
+    if (!legend->ink) {
+        draw_box(image, &layout.panel, 0.45 * layout.em, PANEL);
+        draw_frame(image, &layout.panel, 0.45 * layout.em, fmax(1, 0.06 * layout.em), RIM);
+    }
     double y = layout.panel.top + PADDING * layout.em;
     conus_status status = write_head(&layout, &y);
     return status ? status : write_rows(&layout, y);

@@ -23,12 +23,20 @@ struct legend {
     const struct legend_row *rows;
     size_t count;
     enum legend_corner corner;
-    double widest; /**< The part of the image's width that it may take, with its margin; 0 = 0.42.              */
-    double size;   /**< Of the letters, pixels per em; 0 = a 54th of the image's shorter side, at least 11.   */
+    const double *at; /**< Left and top, pixels, in place of a corner; NULL = the corner.                           */
+    const float *ink; /**< Linear colour and opacity of its letters where it has no panel; NULL = a dark panel.     */
+    double widest;    /**< The part of the image's width that it may take, with its margin; 0 = 0.42.              */
+    double size;      /**< Of the letters, pixels per em; 0 = a 54th of the image's shorter side, at least 11.   */
 };
 
 /** Size of the letters that a legend of default size has in @p image: for other text to match. */
 double legend_size(const conus_image *image);
+
+/** Measures a legend with all rows, whole names and its margins. @p limit is the width and height that it may take,
+ * pixels: where it takes more with letters of @p largest pixels per em, they become smaller, down to @p smallest.
+ * Returns their size, and in @p size the legend's, which may be above the limit. */
+double legend_fit(double size[2], struct font *font, const struct legend *legend, const double limit[2], double largest,
+                  double smallest);
 
 /** Draws the panel onto R, G, B, A. It keeps within `widest` and the image's height: names that are too long
  * end in an ellipsis, columns that do not fit are left out from the last on, and of too many rows the first are shown

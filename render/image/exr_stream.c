@@ -95,6 +95,9 @@ exr_result_t exr_stream_attributes(exr_context_t file, const conus_image *image)
             code = exr_attr_set_string(file, 0, attribute->name, attribute->text);
         }
     }
+    if (!code && image->dpi > 0) {
+        code = exr_attr_set_float(file, 0, "xDensity", (float)image->dpi); /* OpenEXR's own: pixels per inch */
+    }
     return code;
 }
 

@@ -40,6 +40,7 @@ struct conus_image {
     uint8_t *png_rgba; /**< [png_width * png_height * 4] sRGB, A not premultiplied: what a PNG shows instead of R, G,
                             B, A; NULL if none. May be larger than the image, for pictures too small to see. */
     uint32_t png_width, png_height;
+    double dpi;           /**< Pixels per inch; 0 = not known. */
     struct bytes encoded; /**< Of conus_image_encode(). */
 };
 

@@ -23,6 +23,7 @@ struct job {
     png_infop info;
     bool no_memory;
     char message[128];
+    double dpi; /* written */
     struct buffer written;
     const uint8_t *data; /* read */
     size_t size, offset;
@@ -81,6 +82,15 @@ static void flush_nothing(png_structp png)
     (void)png;
 }
 
+/* Whole pixels per metre. */
+static void write_density(const struct job *job)
+{
+    if (job->dpi > 0) {
+        png_uint_32 per_metre = (png_uint_32)lrint(job->dpi / 0.0254);
+        png_set_pHYs(job->png, job->info, per_metre, per_metre, PNG_RESOLUTION_METER);
+    }
+}
+
 static bool write_png(struct job *job, const uint8_t *rgba, uint32_t width, uint32_t height)
 {
     if (setjmp(png_jmpbuf(job->png))) {
@@ -90,6 +100,7 @@ static bool write_png(struct job *job, const uint8_t *rgba, uint32_t width, uint
     png_set_IHDR(job->png, job->info, width, height, 8, PNG_COLOR_TYPE_RGB_ALPHA, PNG_INTERLACE_NONE,
                  PNG_COMPRESSION_TYPE_BASE, PNG_FILTER_TYPE_BASE);
     png_set_sRGB(job->png, job->info, PNG_sRGB_INTENT_RELATIVE);
+    write_density(job);
     png_write_info(job->png, job->info);
     for (uint32_t y = 0; y < height; y++) {
         png_write_row(job->png, rgba + (size_t)y * width * 4);
@@ -98,9 +109,9 @@ static bool write_png(struct job *job, const uint8_t *rgba, uint32_t width, uint
     return true;
 }
 
-static conus_status format_rows(struct bytes *out, const uint8_t *rgba, uint32_t width, uint32_t height)
+static conus_status format_rows(struct bytes *out, const uint8_t *rgba, uint32_t width, uint32_t height, double dpi)
 {
-    struct job job = {0};
+    struct job job = {.dpi = dpi};
     job.png = png_create_write_struct_2(PNG_LIBPNG_VER_STRING, &job, jump, ignore, &job, allocate, release);
     job.info = job.png ? png_create_info_struct(job.png) : NULL;
     job.no_memory = !job.info;
@@ -117,11 +128,11 @@ static conus_status format_rows(struct bytes *out, const uint8_t *rgba, uint32_t
 conus_status image_format_png(struct bytes *out, const conus_image *image)
 {
     if (image->png_rgba) {
-        return format_rows(out, image->png_rgba, image->png_width, image->png_height);
+        return format_rows(out, image->png_rgba, image->png_width, image->png_height, 0);
     }
     uint8_t *rgba = NULL;
     conus_status status = image_srgb_bytes(&rgba, image);
-    status = status ? status : format_rows(out, rgba, image->width, image->height);
+    status = status ? status : format_rows(out, rgba, image->width, image->height, image->dpi);
     memory_free(rgba);
     return status;
 }

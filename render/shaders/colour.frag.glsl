@@ -189,14 +189,16 @@ vec3 lit(vec3 albedo, vec3 normal, vec3 view)
     return albedo * (0.30 + 0.75 * diffuse(normal)) + 0.06 * highlight;
 }
 
-// Of an opaque surface at depth t: pale where it is not emphasised, with the outline of the cone's footprint.
+// Of a surface at depth t: pale where it is not emphasised, with the outline of the cone's footprint on the side that
+// faces the apex.
 vec3 object_colour(uint object, vec3 normal, vec3 direction, vec3 view, float t)
 {
     vec4 entry = palette[object];
     bool stripe = mod(gl_FragCoord.x + gl_FragCoord.y, HATCH) < 0.5 * HATCH;
     vec3 albedo = mix(0.16 * entry.rgb + 0.30, entry.rgb, entry.a > 1.5 ? float(stripe) : entry.a);
     float wall = distance_to_cone(t * direction);
-    albedo = abs(wall) < line.y ? cone_colour.rgb : albedo;
+    bool faces = dot(normal, mat3(world_from_camera) * (t * direction - apex.xyz)) < 0.0;
+    albedo = abs(wall) < line.y && faces ? cone_colour.rgb : albedo;
     return lit(albedo, normal, view);
 }
 

@@ -4,14 +4,23 @@
 #define CONUS_SELECTION_PICTURE_PICTURE_H
 
 #include "render/colour/renderer.h"
+#include "render/flat/font.h"
 #include "selection/selection.h"
 
 /** Tangents of a frustum's edges are at most so large. */
 enum { PICTURE_FRUSTUM_LIMIT = 1000 };
 
+struct picture_legend;
+
 struct picture {
     conus_view options; /**< Defaults filled in. */
     const conus_atlas *atlas;
+    uint32_t drawing[2];           /**< Width and height of the drawing, in the image's top left corner.       */
+    uint32_t sheet_height;         /**< Of the image, which is options.width wide.                             */
+    struct font *font;             /**< NULL = no text.                                                        */
+    struct picture_legend *legend; /**< NULL = none.                                                   */
+    double em, line;               /**< Size of letters, and of the thinnest line, pixels.             */
+    float ink[4];                  /**< Colour of letters, as draw.h has it.                           */
     struct camera camera;
     struct camera_frame frame;
     double centre[3], radius; /**< A ball around what shows, world mm. */
@@ -21,9 +30,17 @@ struct picture {
     float *rgba;       /**< [height * width * 4], bottom row first. */
 };
 
-/** Lays the legend of the areas hit, a scale bar and the directions (R L A P S I) over @p image.
- * CONUS_ERROR_UNSUPPORTED where there is no font, and the image has no text. */
+/** Lays the legend of the areas hit, a scale bar and the directions (R L A P S I) over @p image; with a font. */
 conus_status picture_annotate(conus_image *image, const struct picture *picture);
+
+/** Makes the legend of a picture that has a selection, and place for it beside or below the drawing. */
+conus_status picture_legend_init(struct picture *picture);
+void picture_legend_finish(struct picture *picture);
+
+/** The width that a legend takes inside of the drawing, pixels; 0 where there is none. */
+double picture_legend_width(const struct picture *picture);
+
+conus_status picture_legend_draw(conus_image *image, const struct picture *picture);
 
 /** Whether a legend of what is hit first lists @p result. */
 static inline bool picture_lists(const conus_result *result)

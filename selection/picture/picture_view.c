@@ -7,10 +7,14 @@
 #include "base/options.h"
 #include "base/text.h"
 #include "render/image/image.h"
+#include "render/image/image_srgb.h"
 
 #include <stdio.h>
 
-enum { DEFAULT_WIDTH = 1400, DEFAULT_HEIGHT = 1050, SIDE_LIMIT = 16384, SLICE_LIMIT = 65536 };
+enum { DEFAULT_WIDTH = 1400, DEFAULT_HEIGHT = 1050, SIDE_LIMIT = 16384, SLICE_LIMIT = 65536, DPI_LIMIT = 100000 };
+
+/* Letters, points of a 72nd inch. */
+static const double POINTS = 7.5;
 
 static bool has_frustum(const conus_view *view)
 {
@@ -36,10 +40,29 @@ static conus_status check_frustum(const conus_view *view)
     return CONUS_OK;
 }
 
+/* The sheet: from where, with which margins and letters, on what. */
+static conus_status check_sheet(const conus_view *view)
+{
+    if (view->side > CONUS_SIDE_BOTTOM || view->legend > CONUS_LEGEND_NONE ||
+        view->background > CONUS_BACKGROUND_TRANSPARENT) {
+        return fail(CONUS_ERROR_ARGUMENT, "side %d, legend %d, background %d; allowed are at most %d, %d, %d",
+                    (int)view->side, (int)view->legend, (int)view->background, CONUS_SIDE_BOTTOM, CONUS_LEGEND_NONE,
+                    CONUS_BACKGROUND_TRANSPARENT);
+    }
+    if (view->side && view->camera) {
+        return fail(CONUS_ERROR_ARGUMENT, "side: there is a camera");
+    }
+    if (!(view->dpi >= 0 && view->dpi <= DPI_LIMIT)) {
+        return fail(CONUS_ERROR_ARGUMENT, "%g dpi; allowed is 0 to %d", view->dpi, DPI_LIMIT);
+    }
+    return CONUS_OK;
+}
+
 static conus_status fill_options(conus_view *out, const conus_view *view)
 {
     conus_view options = *options_of(conus_view, view);
     conus_status status = check_frustum(&options);
+    status = status ? status : check_sheet(&options);
     if (status) {
         return status;
     }
@@ -188,13 +211,19 @@ static void add_cone(struct picture *picture)
 
 static void set_frame(struct picture *picture)
 {
-    uint32_t width = picture->options.width;
-    uint32_t height = picture->options.height;
-    bool legend = picture->options.selection && !picture->options.no_legend;
-    picture->frame = (struct camera_frame){.width = width, .height = height};
-    picture->frame.top = picture->frame.bottom = height / 24;
-    picture->frame.right = width / 28;
-    picture->frame.left = legend ? width / 4 : width / 28;
+    uint32_t width = picture->drawing[0];
+    uint32_t height = picture->drawing[1];
+    bool letters = picture->font && picture->options.side;
+    uint32_t least = letters ? (uint32_t)lrint(2 * picture->em) : 0; /* at the edges */
+    uint32_t across = width / 28 > least ? width / 28 : least;
+    uint32_t upward = height / 24 > least ? height / 24 : least;
+    uint32_t legend = (uint32_t)fmin(picture_legend_width(picture), 0.45 * width);
+    picture->frame = (struct camera_frame){.width = width, .height = height, .left = across, .right = across};
+    picture->frame.top = picture->frame.bottom = upward;
+    picture->frame.left += legend;
+    if (picture->frame.left + across >= width || 2 * upward >= height) { /* too small for margins */
+        picture->frame = (struct camera_frame){.width = width, .height = height};
+    }
 }
 
 /* The apex, or where the cone comes near, so that a far device does not make the brain a dot. */
@@ -211,6 +240,22 @@ static void near_end(double out[3], const struct picture *picture)
     }
 }
 
+static const double forwards[][3] = {
+    [CONUS_SIDE_LEFT] = {1, 0, 0}, [CONUS_SIDE_RIGHT] = {-1, 0, 0}, [CONUS_SIDE_FRONT] = {0, -1, 0},
+    [CONUS_SIDE_BACK] = {0, 1, 0}, [CONUS_SIDE_TOP] = {0, 0, -1},   [CONUS_SIDE_BOTTOM] = {0, 0, 1}};
+
+static void find_forward(double out[3], const conus_view *options)
+{
+    camera_default_forward(out);
+    if (options->side) {
+        memcpy(out, forwards[options->side], 3 * sizeof *out);
+    } else if (options->selection) {
+        double axis[3];
+        cone_axis(axis, &options->selection->cone);
+        camera_cone_forward(out, axis);
+    }
+}
+
 static conus_status place_camera(struct picture *picture, const struct colour_pass *pass)
 {
     const conus_view *options = &picture->options;
@@ -221,12 +266,12 @@ static conus_status place_camera(struct picture *picture, const struct colour_pa
         if (!status && has_frustum(options)) {
             camera_from_frustum(&picture->camera, &pose, options->frustum);
         } else if (!status) {
-            camera_from_pose(&picture->camera, &pose, options->field_of_view, options->width, options->height);
+            camera_from_pose(&picture->camera, &pose, options->field_of_view, picture->drawing[0], picture->drawing[1]);
         }
         return status ? fail_in(status, "camera") : CONUS_OK;
     }
     double forward[3];
-    camera_default_forward(forward);
+    find_forward(forward, options);
     double(*points)[3] = memory_raw(pass->content_count + 1, sizeof *points);
     if (!points) {
         return CONUS_ERROR_MEMORY;
@@ -234,9 +279,6 @@ static conus_status place_camera(struct picture *picture, const struct colour_pa
     memcpy(points, pass->content, pass->content_count * sizeof *points);
     size_t count = pass->content_count;
     if (options->selection) {
-        double axis[3];
-        cone_axis(axis, &options->selection->cone);
-        camera_cone_forward(forward, axis);
         near_end(points[count++], picture);
     }
     camera_frame_points(&picture->camera, points[0], count, forward, options->field_of_view, &picture->frame);
@@ -246,28 +288,59 @@ static conus_status place_camera(struct picture *picture, const struct colour_pa
 
 /* ---- Pixels --------------------------------------------------------------------------------------------------- */
 
-/* Lays the drawing over a light background, top row first. */
-static void lay_over_background(conus_image *image, const float *rgba)
+/* Linear light, premultiplied, and opacity of the background in a row. */
+static void background_at(float out[4], const conus_view *options, float part)
 {
+    bool transparent = options->background == CONUS_BACKGROUND_TRANSPARENT;
+    for (int c = 0; c < 3; c++) {
+        out[c] = options->background == CONUS_BACKGROUND_LIGHT ? 0.90F - 0.22F * part
+                 : transparent                                 ? 0
+                               : (float)linear_from_srgb(options->background_rgb[c] / 255.0);
+    }
+    out[3] = transparent ? 0 : 1;
+}
+
+/* Lays the drawing over the background, top row first. */
+static void lay_over_background(conus_image *image, const struct picture *picture)
+{
+    static const float nothing[4] = {0};
     struct image_rgba to = image_rgba(image);
+    const uint32_t *drawing = picture->drawing;
     for (uint32_t row = 0; row < image->height; row++) {
-        const float *from = rgba + (size_t)4 * image->width * (image->height - 1 - row);
-        float part = (float)row / (float)image->height;
+        bool drawn = row < drawing[1];
+        const float *from = picture->rgba + (drawn ? (size_t)4 * drawing[0] * (drawing[1] - 1 - row) : 0);
+        float under[4];
+        background_at(under, &picture->options, (float)row / (float)image->height);
         for (uint32_t column = 0; column < image->width; column++) {
             size_t at = (size_t)image->width * row + column;
-            const float *pixel = from + (size_t)4 * column;
+            const float *pixel = drawn && column < drawing[0] ? from + (size_t)4 * column : nothing;
             for (int c = 0; c < 3; c++) {
-                to.plane[c][at] = pixel[c] + (1 - pixel[3]) * (0.90F - 0.22F * part);
+                to.plane[c][at] = pixel[c] + (1 - pixel[3]) * under[c];
             }
-            to.plane[3][at] = 1;
+            to.plane[3][at] = pixel[3] + (1 - pixel[3]) * under[3];
         }
     }
 }
 
-/* Text where there is a font, and else a word about it in the log. */
-static conus_status annotate(conus_image *image, const struct picture *picture, const conus_renderer *renderer)
+/* ---- Text ------------------------------------------------------------------------------------------------------- */
+
+/* Dark, or white on what is dark. */
+static void choose_ink(struct picture *picture)
 {
-    conus_status status = picture->options.no_legend ? CONUS_OK : picture_annotate(image, picture);
+    float under[4];
+    background_at(under, &picture->options, 0);
+    float light = 0.2126F * under[0] + 0.7152F * under[1] + 0.0722F * under[2];
+    bool dark = under[3] > 0 && light < 0.18F;
+    for (int c = 0; c < 3; c++) {
+        picture->ink[c] = dark ? 0.9F : c < 2 ? 0.02F : 0.025F;
+    }
+    picture->ink[3] = 1;
+}
+
+/* Where there is no font, a word about it in the log, and no text. */
+static conus_status find_font(struct picture *picture, const conus_renderer *renderer)
+{
+    conus_status status = picture->options.no_legend ? CONUS_OK : font_create(&picture->font);
     if (status == CONUS_ERROR_UNSUPPORTED) {
         if (renderer->log) {
             const conus_note note = {.severity = CONUS_SEVERITY_WARNING, .line = conus_message()};
@@ -277,6 +350,27 @@ static conus_status annotate(conus_image *image, const struct picture *picture, 
     }
     return status;
 }
+
+static conus_status prepare_sheet(struct picture *picture, const conus_renderer *renderer)
+{
+    const conus_view *options = &picture->options;
+    uint64_t bytes = UINT64_C(32) * options->width * options->height; /* as drawn, and laid over the background */
+    if (bytes > renderer->max_memory) {
+        return fail(CONUS_ERROR_MEMORY, "picture of %u x %u pixels: %llu bytes, allowed are %llu", options->width,
+                    options->height, (unsigned long long)bytes, (unsigned long long)renderer->max_memory);
+    }
+    picture->drawing[0] = options->width;
+    picture->drawing[1] = picture->sheet_height = options->height;
+    picture->em =
+        options->dpi > 0 ? POINTS / 72 * options->dpi : fmax(11, fmin(options->width, options->height) / 54.0);
+    picture->line = options->dpi > 0 ? picture->em / 19 : 1;
+    choose_ink(picture);
+    conus_status status = find_font(picture, renderer);
+    bool legend = picture->font && options->selection && options->legend != CONUS_LEGEND_NONE;
+    return status || !legend ? status : picture_legend_init(picture);
+}
+
+/* ---- Attributes ------------------------------------------------------------------------------------------------- */
 
 static conus_status add_cone_attributes(conus_image *image, const struct cone *cone)
 {
@@ -316,10 +410,11 @@ static conus_status add_attributes(conus_image *image, const struct picture *pic
 static conus_status make_image(conus_image **out, const struct picture *picture, const conus_renderer *renderer)
 {
     conus_image *image = NULL;
-    conus_status status = image_create_rgba(&image, picture->options.width, picture->options.height);
+    conus_status status = image_create_rgba(&image, picture->options.width, picture->sheet_height);
     if (!status) {
-        lay_over_background(image, picture->rgba);
-        status = annotate(image, picture, renderer);
+        image->dpi = picture->options.dpi;
+        lay_over_background(image, picture);
+        status = picture->font ? picture_annotate(image, picture) : CONUS_OK;
     }
     status = status ? status : add_attributes(image, picture, renderer);
     if (status) {
@@ -334,8 +429,8 @@ static conus_status draw(struct picture *picture, conus_renderer *renderer)
 {
     struct colour_view *view = &picture->view;
     view->camera = &picture->camera;
-    view->width = picture->options.width;
-    view->height = picture->options.height;
+    view->width = picture->drawing[0];
+    view->height = picture->drawing[1];
     view->slices = picture->options.slices;
     view->no_skipping = picture->options.no_skipping;
     view->fade = picture->options.fade;
@@ -365,9 +460,12 @@ conus_status conus_render(conus_image **out, conus_renderer *renderer, const con
     if (!status && picture.options.selection) {
         add_cone(&picture);
     }
+    status = status ? status : prepare_sheet(&picture, renderer);
     status = status ? status : place_camera(&picture, &renderer->colour);
     status = status ? status : draw(&picture, renderer);
     status = status ? status : make_image(out, &picture, renderer);
+    picture_legend_finish(&picture);
+    font_destroy(picture.font);
     memory_free(picture.emphasis);
     memory_free(picture.rgba);
     return status;

@@ -103,6 +103,46 @@ session() {
     [ ! -e a.png ] && [ ! -e 1.png ] && [ ! -e left.png ]
 }
 
+# 85 mm at 300 pixels per 25.4 mm are 1003.94 pixels, three quarters of it 752.95.
+@test "a figure for a paper has its width in mm, and says so" {
+    sphere --size 16
+    gl render sphere.nii.gz -o a.png --width-mm 85 --slices 20
+    [ "$(png_size a.png)" = 1004x753 ]
+    # 300 / 0.0254 = 11811.02 per metre
+    [ "$(grep -abo pHYs a.png | head -1 | cut -d : -f 1)" -gt 0 ]
+    [ "$(grep -ao 'pHYs........' a.png | head -c 12 | tail -c 4 | od -An -tx1 | tr -d ' ')" = 00002e23 ]
+    gl render sphere.nii.gz -o b.png --width-mm 50 --height-mm 20 --dpi 127 --slices 20
+    [ "$(png_size b.png)" = 250x100 ]
+    local cone=(--origin=-60,0,0 --toward=0,0,0 --angle 20 --size 320x240 --slices 20)
+    gl render sphere.nii.gz -o c.png "${cone[@]}" --legend below --background white --view left
+    [[ "$(png_size c.png)" = 320x* ]] && [ "$(png_size c.png)" != 320x240 ]
+    gl render sphere.nii.gz -o d.png "${cone[@]}" --legend right --background '#102030' --view top --safe-colours
+    [ "$(png_size d.png)" = 320x240 ]
+}
+
+@test "figures that cannot be are refused before anything is loaded" {
+    fails 2 '--size and --width-mm exclude each other' render a.nii -o a.png --size 10x10 --width-mm 85
+    fails 2 '--height-mm has no effect without --width-mm' render a.nii -o a.png --height-mm 85
+    fails 2 '--width-mm: 39370 x 29528 pixels at 10000 dpi, allowed is up to 16384' \
+        render a.nii -o a.png --width-mm 100 --dpi 10000
+    fails 2 '--width-mm: 0 is out of range' render a.nii -o a.png --width-mm 0
+    fails 2 '--size: 0x0 is out of range' render a.nii -o a.png --size 0x0
+    fails 2 '--dpi: 1 is out of range' render a.nii -o a.png --dpi 1
+    fails 2 '--view: "above" is none of' render a.nii -o a.png --view above
+    fails 2 '--legend: "top" is none of' render a.nii -o a.png --legend top
+    fails 2 '--background: "green"; allowed are light, white, black, transparent and #RRGGBB' \
+        render a.nii -o a.png --background green
+    fails 2 '--background: "#12345"' render a.nii -o a.png --background '#12345'
+    fails 2 '--view and --camera exclude each other' render a.nii -o a.png --view top --camera c.csv
+    fails 2 '--legend and --no-legend exclude each other' render a.nii -o a.png --legend below --no-legend
+    sphere --size 16
+    run --separate-stderr "$CONUS" render sphere.nii.gz -o a.png --size 4000x4000 --max-memory 100M
+    [ "$status" -ne 4 ] || skip "no OpenGL 4.5"
+    [ "$status" -eq 3 ]
+    check_message 'picture of 4000 x 4000 pixels: 512000000 bytes, allowed are'
+    [ ! -e a.png ]
+}
+
 @test "a symmetric frustum is a field of view, another one is off-axis" {
     sphere --size 32
     local camera=(--camera-origin 0,300,0 --camera-toward 0,0,0 --no-legend)

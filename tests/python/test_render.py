@@ -70,6 +70,9 @@ CASES = {
     "no legend": ({}, {"legend": False}, ("--no-legend",)),
     "no skipping": (None, {"skipping": False}, ("--no-skipping",)),
     "transfer": (None, {"transfer": "surface"}, ()),
+    "legend below": ({}, {"view": "left", "background": "white", "legend": "below", "dpi": 100}, ()),
+    "legend right": ({}, {"view": "back", "background": "transparent", "legend": "right"}, ()),
+    "colour": ({}, {"view": "top", "background": "#804020", "legend": "none"}, ()),
 }
 
 
@@ -108,6 +111,21 @@ def test_transfer_of_points_is_that_of_its_name(aal):
         assert np.array_equal(other.render(size=SMALL).array, wanted)
         assert np.array_equal(aal.render(size=SMALL, transfer=surface.transfer).array, wanted)
     assert {"brain", "surface"} <= {*conus.transfer_presets()}
+
+
+def test_figure_has_its_width_in_mm(atlas):
+    """85 mm at 300 pixels per 25.4 mm are 1003.94 pixels, three quarters of it 752.95; 11811 = 0x2e23 per metre."""
+    picture = atlas.render(width_mm=85, background="transparent", legend=False)
+    assert picture.size == (1004, 753)
+    assert b"pHYs" + bytes([0, 0, 0x2E, 0x23] * 2) in picture._repr_png_()
+    assert picture.array[0, 0].tolist() == [0, 0, 0, 0] and picture.array[..., 3].max() == 255
+    assert np.array_equal(picture.array, pixels_of(picture._repr_png_()))
+
+
+def test_safe_colours_are_other_colours():
+    own, safe = (conus.load(plates(), AFFINE, labels=NAMES, safe_colours=safe) for safe in (False, True))
+    pictures = [atlas.render(size=(60, 40), legend=False).array for atlas in (own, safe)]
+    assert not np.array_equal(*pictures)
 
 
 @needs_aal
@@ -223,6 +241,21 @@ def test_a_renderer_is_used_again_and_closed(atlas):
         {"transfer": [[0, 0, 0, 0, 0]]},
         {"transfer": np.zeros((2, 4))},
         {"max_memory": -1},
+        {"view": "above"},
+        {"view": "top", "camera": np.eye(4)},
+        {"legend": "top"},
+        {"background": "green"},
+        {"background": "#12345"},
+        {"background": "#rrggbb"},
+        {"background": None},
+        {"dpi": 0},
+        {"dpi": np.nan},
+        {"height_mm": 20},
+        {"width_mm": 85},
+        {"size": None, "width_mm": 0},
+        {"size": None, "width_mm": np.nan},
+        {"size": None, "width_mm": 85, "dpi": 1e5},
+        {"size": None, "width_mm": 85, "height_mm": 1e6},
     ],
 )
 def test_bad_view_is_an_error(atlas, view):

@@ -281,6 +281,39 @@ static void every_failing_allocation_is_survived(void **state)
     conus_image_destroy(image);
 }
 
+/* What is measured is what is drawn: with the letters found and the place asked for, nothing lies outside it, and no
+ * name ends in an ellipsis, which would make the narrower picture differ from the wide one. */
+static void a_legend_that_fits_is_whole(void **state)
+{
+    (void)state;
+    static const float black[4] = {0, 0, 0, 1};
+    static const struct legend_row rows[] = {
+        {.name = "a name that is longer than most of them are", .detail = {"41.1 %", "37.2 mm"}},
+        {.name = "short", .detail = {"1.0 %", "9.9 mm"}},
+        {.name = "unassigned", .hollow = true, .detail = {"0.0 %"}}};
+    struct font *font = need_font();
+    for (int width = 200; width <= 800; width += 300) {
+        const double limit[2] = {width, 400};
+        const double at[2] = {31, 17};
+        struct legend legend = {.title = "Title", .header = {"share"}, .rows = rows, .count = 3, .at = at};
+        double size[2];
+        legend.ink = black;
+        legend.widest = 1;
+        legend.size = legend_fit(size, font, &legend, limit, 20, 2);
+        assert_true(size[0] <= limit[0] && size[1] <= limit[1] && legend.size <= 20);
+        assert_true(legend.size < 20 || width == 800);
+        conus_image *narrow = make_image((uint32_t)ceil(at[0] + size[0]), (uint32_t)ceil(at[1] + size[1]));
+        conus_image *wide = make_image(1600, 800);
+        assert_ok(legend_draw(narrow, font, &legend));
+        assert_ok(legend_draw(wide, font, &legend));
+        assert_true(inked(narrow) > 50);
+        assert_near(inked(narrow), inked(wide), 1e-3);
+        conus_image_destroy(narrow);
+        conus_image_destroy(wide);
+    }
+    font_destroy(font);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -295,6 +328,7 @@ int main(void)
         cmocka_unit_test(legend_needs_colours),
         cmocka_unit_test(missing_fonts_are_told_apart),
         cmocka_unit_test(every_failing_allocation_is_survived),
+        cmocka_unit_test(a_legend_that_fits_is_whole),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

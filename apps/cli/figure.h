@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file The options of conus render about the sheet: its size, side, background, legend and letters. */
+#ifndef CONUS_CLI_FIGURE_H
+#define CONUS_CLI_FIGURE_H
+
+#include "settings/options.h"
+
+#include <conus/conus.h>
+
+struct figure_settings {
+    uint32_t size[2];
+    double width_mm, height_mm, dpi; /* 0 = not given */
+    size_t side, legend;             /* conus_side, conus_legend */
+    const char *background;
+    bool safe_colours, no_legend;
+};
+
+extern const struct option figure_options[];
+
+/** Whether the options go together, and the background is one; prints an error if not. */
+bool figure_check(const struct figure_settings *settings, const struct arguments *arguments);
+
+/** Sets what of @p view these options are about; they have been checked. */
+void figure_view(conus_view *view, const struct figure_settings *settings);
+
+#endif

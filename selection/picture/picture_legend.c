@@ -1,0 +1,227 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The legend of a picture: its rows, the place that it takes, and the corner of the drawing where it hides least. */
+#include "selection/picture/picture.h"
+
+#include "base/math3.h"
+#include "base/memory.h"
+#include "render/colour/pathways.h"
+#include "render/flat/legend.h"
+
+#include <stdio.h>
+
+enum { TEXT_SIZE = 128, CELL_SIZE = 24, PATHWAY_ROWS = 5 };
+
+/* Inside, of the picture's width, while letters of SMALLEST of their size are enough; else all of it. */
+static const double INSIDE = 0.42;
+static const double BESIDE = 0.5;
+static const double SMALLEST = 0.6;
+
+/* The words of one row, which legend_row points to. */
+struct cells {
+    char share[CELL_SIZE], distance[CELL_SIZE];
+};
+
+struct picture_legend {
+    struct legend legend;
+    struct legend_row *rows;
+    struct cells *cells;
+    char subtitle[TEXT_SIZE], words[TEXT_SIZE];
+    double at[2], size[2]; /* pixels of the image */
+};
+
+/* ---- Rows ------------------------------------------------------------------------------------------------------- */
+
+static void fill_row(struct legend_row *row, struct cells *cells, const conus_atlas *atlas, const conus_result *result)
+{
+    snprintf(cells->share, sizeof cells->share, "%.1f %%", 100 * result->share);
+    snprintf(cells->distance, sizeof cells->distance, "%.1f mm", result->distance);
+    row->detail[0] = cells->share;
+    row->hollow = !result->object;
+    row->name = "unassigned";
+    if (result->object) {
+        const conus_object *object = &atlas->objects[result->object - 1];
+        row->name = object->name;
+        memcpy(row->rgb, object->rgb, sizeof row->rgb);
+        row->detail[1] = cells->distance;
+    }
+}
+
+/* What of an atlas with pathways the picture shows beside what is hit: pathways that are not, each while they are few,
+ * and that the other areas are left out. */
+static size_t add_pathways(struct legend_row rows[PATHWAY_ROWS], char words[TEXT_SIZE], const struct picture *picture)
+{
+    const conus_atlas *atlas = picture->atlas;
+    size_t count = 0;
+    size_t others = 0;
+    for (size_t number = atlas->area_count + 1; number <= atlas->object_count; number++) {
+        if (!conus_atlas_is_hidden(atlas, number) && picture->emphasis[number] == EMPHASIS_PALE) {
+            const conus_object *pathway = &atlas->objects[number - 1];
+            if (others++ < PATHWAY_ROWS - 1) {
+                rows[count++] = (struct legend_row){.name = pathway->name, .detail = {"not hit"}};
+                memcpy(rows[count - 1].rgb, pathway->rgb, sizeof pathway->rgb);
+            }
+        }
+    }
+    if (others > count) {
+        snprintf(words, TEXT_SIZE, "%zu pathways", others);
+        rows[0] = (struct legend_row){.name = words, .hollow = true, .detail = {"not hit"}};
+        count = 1;
+    }
+    if (pathways_first(atlas) && atlas_parcellation_count(atlas)) {
+        rows[count++] = (struct legend_row){.name = "other areas", .hollow = true, .detail = {"not drawn"}};
+    }
+    return count;
+}
+
+static void describe_cone(char out[TEXT_SIZE], const struct cone *cone)
+{
+    const double *apex = cone->pose.world_from_device + 12;
+    bool rod = cone->radius > 0;
+    snprintf(out, TEXT_SIZE, "%s%.4g%s from %.4g, %.4g, %.4g, RAS mm", rod ? "radius " : "",
+             rod ? cone->radius : degrees_from_radians(cone->angle), rod ? " mm" : "\u00b0", apex[0], apex[1], apex[2]);
+}
+
+static void fill_rows(struct picture_legend *out, const struct picture *picture)
+{
+    const conus_selection *selection = picture->options.selection;
+    size_t count = 0;
+    for (size_t i = 0; i < conus_selection_count(selection); i++) {
+        const conus_result *result = conus_selection_result(selection, i);
+        if (picture_lists(result)) {
+            fill_row(&out->rows[count], &out->cells[count], picture->atlas, result);
+            count++;
+        }
+    }
+    count += add_pathways(out->rows + count, out->words, picture);
+    describe_cone(out->subtitle, &selection->cone);
+    out->legend = (struct legend){.title = "First hits of the cone",
+                                  .subtitle = out->subtitle,
+                                  .header = {"share", "distance"},
+                                  .rows = out->rows,
+                                  .count = count};
+}
+
+/* ---- Place ------------------------------------------------------------------------------------------------------ */
+
+static void place_inside(struct picture_legend *legend, const struct picture *picture, double em)
+{
+    const double width = picture->options.width;
+    const double limit[2] = {INSIDE * width, picture->options.height};
+    legend->legend.size = legend_fit(legend->size, picture->font, &legend->legend, limit, em, SMALLEST * em);
+    if (legend->size[0] > limit[0]) {
+        legend->legend.widest = 1;
+        legend->legend.size =
+            legend_fit(legend->size, picture->font, &legend->legend, (double[]){width, limit[1]}, em, SMALLEST * em);
+    }
+}
+
+/* Makes place beside or below the drawing. */
+static void place_outside(struct picture_legend *legend, struct picture *picture, double em)
+{
+    const bool right = picture->options.legend == CONUS_LEGEND_RIGHT;
+    const double limit[2] = {(right ? BESIDE : 1) * picture->options.width, INFINITY};
+    struct legend *drawn = &legend->legend;
+    drawn->widest = 1;
+    drawn->size = legend_fit(legend->size, picture->font, drawn, limit, em, SMALLEST * em);
+    drawn->size = legend->size[0] > limit[0] ? legend_fit(legend->size, picture->font, drawn, limit, SMALLEST * em, 1)
+                                             : drawn->size;
+    double width = fmin(ceil(legend->size[0]), right ? picture->options.width - 1 : picture->options.width);
+    double height = ceil(legend->size[1]);
+    if (right) {
+        picture->drawing[0] -= (uint32_t)width;
+        legend->at[0] = picture->drawing[0];
+        picture->sheet_height = (uint32_t)fmax(picture->sheet_height, height);
+    } else {
+        legend->at[1] = picture->drawing[1];
+        picture->sheet_height += (uint32_t)height;
+    }
+    drawn->at = legend->at;
+    drawn->ink = picture->ink;
+}
+
+static void legend_destroy(struct picture_legend *legend)
+{
+    if (legend) {
+        memory_free(legend->rows);
+        memory_free(legend->cells);
+        memory_free(legend);
+    }
+}
+
+void picture_legend_finish(struct picture *picture)
+{
+    legend_destroy(picture->legend);
+    picture->legend = NULL;
+}
+
+conus_status picture_legend_init(struct picture *picture)
+{
+    size_t results = conus_selection_count(picture->options.selection);
+    struct picture_legend *legend = memory_zeroed(1, sizeof *legend);
+    if (legend) {
+        legend->rows = memory_zeroed(results + PATHWAY_ROWS, sizeof *legend->rows);
+        legend->cells = memory_zeroed(results + 1, sizeof *legend->cells);
+    }
+    if (!legend || !legend->rows || !legend->cells) {
+        legend_destroy(legend);
+        return CONUS_ERROR_MEMORY;
+    }
+    fill_rows(legend, picture);
+    if (picture->options.legend == CONUS_LEGEND_INSIDE) {
+        place_inside(legend, picture, picture->em);
+    } else {
+        place_outside(legend, picture, picture->em);
+    }
+    picture->legend = legend;
+    return CONUS_OK;
+}
+
+double picture_legend_width(const struct picture *picture)
+{
+    bool inside = picture->legend && picture->options.legend == CONUS_LEGEND_INSIDE;
+    return inside ? picture->legend->size[0] : 0;
+}
+
+/* ---- Drawing ---------------------------------------------------------------------------------------------------- */
+
+/* Opacity that was drawn under a legend in a corner of the drawing. */
+static double covered(const struct picture *picture, enum legend_corner corner)
+{
+    const uint32_t *drawing = picture->drawing;
+    uint32_t width = (uint32_t)fmin(drawing[0], picture->legend->size[0]);
+    uint32_t height = (uint32_t)fmin(drawing[1], picture->legend->size[1]);
+    uint32_t left = corner == LEGEND_TOP_RIGHT ? drawing[0] - width : 0;
+    uint32_t bottom = corner == LEGEND_BOTTOM_LEFT ? 0 : drawing[1] - height;
+    double sum = 0;
+    for (uint32_t y = bottom; y < bottom + height; y++) {
+        for (uint32_t x = left; x < left + width; x++) {
+            sum += (double)picture->rgba[4 * ((size_t)y * drawing[0] + x) + 3];
+        }
+    }
+    return sum;
+}
+
+/* The corner in which the legend hides least; the fourth one is taken by the directions. */
+static enum legend_corner free_corner(const struct picture *picture)
+{
+    static const enum legend_corner corners[] = {LEGEND_TOP_LEFT, LEGEND_TOP_RIGHT, LEGEND_BOTTOM_LEFT};
+    enum legend_corner best = LEGEND_TOP_LEFT;
+    double least = INFINITY;
+    for (size_t i = 0; i < sizeof corners / sizeof *corners; i++) {
+        double hidden = covered(picture, corners[i]);
+        if (hidden < 0.8 * least) {
+            least = hidden;
+            best = corners[i];
+        }
+    }
+    return best;
+}
+
+conus_status picture_legend_draw(conus_image *image, const struct picture *picture)
+{
+    struct legend legend = picture->legend->legend;
+    if (picture->options.legend == CONUS_LEGEND_INSIDE) {
+        legend.corner = free_corner(picture);
+    }
+    return legend_draw(image, picture->font, &legend);
+}

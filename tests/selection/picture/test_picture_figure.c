@@ -1,0 +1,420 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Pictures for papers: sides, backgrounds, letters, places of the legend, and sizes on paper. */
+#include "base/math3.h"
+#include "picture_scene.h"
+#include "render/flat/font.h"
+#include "render/image/image.h"
+#include "test.h"
+#include "test_gl.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { WIDTH = 160, HEIGHT = 120 };
+
+struct scene {
+    conus_atlas *atlas;
+    conus_selector *selector;
+    conus_selection *selection;
+    conus_renderer *renderer;
+};
+
+/* Six balls: 1 right, 2 left, 3 anterior, 4 posterior, 5 superior, 6 inferior. */
+static double balls(const double p[3])
+{
+    for (int n = 0; n < 6; n++) {
+        double centre[3] = {0, 0, 0};
+        double offset[3];
+        centre[n / 2] = n % 2 ? -20 : 20;
+        vec3_sub(offset, p, centre);
+        if (vec3_length(offset) < 8) {
+            return n + 1;
+        }
+    }
+    return 0;
+}
+
+/* The atlas of balls, hit from the left. */
+static int make_scene(void **state)
+{
+    static struct scene scene;
+    conus_volume_info grid = picture_grid((size_t[]){60, 60, 60}, (double[]){1, 1, 1}, picture_identity);
+    conus_pose pose;
+    scene.atlas = picture_atlas(&grid, balls, NULL, NULL);
+    assert_ok(conus_selector_create(&scene.selector, scene.atlas, NULL));
+    assert_ok(conus_pose_toward(&pose, (double[]){-60, 0, 0}, (double[]){0, 0, 0}, NULL));
+    assert_ok(conus_select(&scene.selection, scene.selector, &pose, radians_from_degrees(60)));
+    *state = &scene;
+    return 0;
+}
+
+/* With its renderer; skips the test where there is no GL. */
+static struct scene need_scene(void **state)
+{
+    struct scene *scene = *state;
+    if (!scene->renderer) {
+        gl_context_destroy(test_gl_context(NULL, NULL));
+        assert_ok(conus_renderer_create(&scene->renderer, scene->atlas, NULL));
+    }
+    return *scene;
+}
+
+static int finish_scene(void **state)
+{
+    struct scene *scene = *state;
+    conus_renderer_destroy(scene->renderer);
+    conus_selection_destroy(scene->selection);
+    conus_selector_destroy(scene->selector);
+    conus_atlas_destroy(scene->atlas);
+    return 0;
+}
+
+static conus_image *render(const struct scene *scene, conus_view view)
+{
+    view.width = view.width ? view.width : WIDTH;
+    view.height = view.height ? view.height : HEIGHT;
+    conus_image *image = NULL;
+    assert_ok(conus_render(&image, scene->renderer, &view));
+    return image;
+}
+
+static void need_font(void)
+{
+    struct font *font = NULL;
+    conus_status status = font_create(&font);
+    font_destroy(font);
+    if (status) {
+        skip();
+    }
+}
+
+/* ---- Sides ------------------------------------------------------------------------------------------------------ */
+
+/* Which object's colour a pixel has, whatever the light; 0 where it is transparent. */
+static uint32_t object_at(const struct scene *scene, const conus_image *image, uint32_t x, uint32_t y)
+{
+    const struct image_rgba planes = image_rgba(image);
+    size_t pixel = (size_t)y * image->width + x;
+    double colour[3];
+    double best = -1;
+    uint32_t object = 0;
+    for (int c = 0; c < 3; c++) {
+        colour[c] = (double)planes.plane[c][pixel];
+    }
+    for (uint32_t n = 1; n <= 6 && planes.plane[3][pixel] > 0.5F; n++) {
+        double own[3];
+        for (int c = 0; c < 3; c++) {
+            double srgb = scene->atlas->objects[n - 1].rgb[c] / 255.0;
+            own[c] = srgb <= 0.04045 ? srgb / 12.92 : pow((srgb + 0.055) / 1.055, 2.4);
+        }
+        double alike = vec3_dot(own, colour) / vec3_length(own) / vec3_length(colour);
+        if (alike > best) {
+            best = alike;
+            object = n;
+        }
+    }
+    return object;
+}
+
+/* The first object on the way from the middle of an edge to the middle of the picture. */
+static uint32_t first_from(const struct scene *scene, const conus_image *image, int dx, int dy)
+{
+    long x = dx > 0 ? 0 : dx < 0 ? WIDTH - 1 : WIDTH / 2;
+    long y = dy > 0 ? 0 : dy < 0 ? HEIGHT - 1 : HEIGHT / 2;
+    uint32_t object = 0;
+    while (!object) {
+        x += dx;
+        y += dy;
+        object = object_at(scene, image, (uint32_t)(x + dx), (uint32_t)(y + dy)); /* one pixel in: no blended edge */
+    }
+    return object;
+}
+
+/* What a person sees who stands on that side, superior up; from above and below, anterior up. */
+static void each_side_shows_what_is_there(void **state)
+{
+    static const struct {
+        conus_side side;
+        uint32_t middle, left, right, top, bottom;
+    } cases[] = {
+        {CONUS_SIDE_LEFT, 2, 3, 4, 5, 6}, {CONUS_SIDE_RIGHT, 1, 4, 3, 5, 6}, {CONUS_SIDE_FRONT, 3, 1, 2, 5, 6},
+        {CONUS_SIDE_BACK, 4, 2, 1, 5, 6}, {CONUS_SIDE_TOP, 5, 2, 1, 3, 4},   {CONUS_SIDE_BOTTOM, 6, 1, 2, 3, 4},
+    };
+    struct scene scene = need_scene(state);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        conus_image *image = render(
+            &scene, (conus_view){.side = cases[i].side, .no_legend = true, .background = CONUS_BACKGROUND_TRANSPARENT});
+        assert_int_equal(object_at(&scene, image, WIDTH / 2, HEIGHT / 2), cases[i].middle);
+        assert_int_equal(first_from(&scene, image, 1, 0), cases[i].left);
+        assert_int_equal(first_from(&scene, image, -1, 0), cases[i].right);
+        assert_int_equal(first_from(&scene, image, 0, 1), cases[i].top);
+        assert_int_equal(first_from(&scene, image, 0, -1), cases[i].bottom);
+        conus_image_destroy(image);
+    }
+}
+
+/* ---- Letters ---------------------------------------------------------------------------------------------------- */
+
+/* Of white paper. */
+static double ink_at(const conus_image *image, uint32_t x, uint32_t y)
+{
+    return 1 - (double)conus_image_floats(image, "R")[(size_t)y * image->width + x];
+}
+
+struct box {
+    uint32_t left, top, right, bottom; /* the last two are one past the end */
+};
+
+/* The box around the ink. */
+static struct box shrink(const conus_image *image, struct box in)
+{
+    struct box box = {in.right, in.bottom, in.left, in.top};
+    for (uint32_t y = in.top; y < in.bottom; y++) {
+        for (uint32_t x = in.left; x < in.right; x++) {
+            if (ink_at(image, x, y) > 0.5) {
+                box.left = x < box.left ? x : box.left;
+                box.top = y < box.top ? y : box.top;
+                box.right = x >= box.right ? x + 1 : box.right;
+                box.bottom = y >= box.bottom ? y + 1 : box.bottom;
+            }
+        }
+    }
+    return box;
+}
+
+static double ink_in(const conus_image *image, struct box box)
+{
+    double sum = 0;
+    for (uint32_t y = box.top; y < box.bottom; y++) {
+        for (uint32_t x = box.left; x < box.right; x++) {
+            sum += ink_at(image, x, y);
+        }
+    }
+    return sum;
+}
+
+/* The ink in the upper right quarter of the letter at the left or right edge: an L has none there, R, A and P have. The
+ * whole letter's is in *all. */
+static double quarter_ink(double *all, const conus_image *image, bool at_right)
+{
+    uint32_t tenth = image->width / 10;
+    const struct box edge = {at_right ? image->width - tenth : 0, image->height / 3, at_right ? image->width : tenth,
+                             image->height * 2 / 3};
+    struct box letter = shrink(image, edge);
+    *all = ink_in(image, edge);
+    letter.left = (letter.left + letter.right) / 2 + 1;
+    letter.bottom = (letter.top + letter.bottom) / 2;
+    return ink_in(image, letter);
+}
+
+static void letters_tell_left_from_right(void **state)
+{
+    static const struct {
+        conus_side side;
+        bool left_is_l, right_is_l;
+    } cases[] = {{CONUS_SIDE_FRONT, false, true},  {CONUS_SIDE_BACK, true, false},  {CONUS_SIDE_TOP, true, false},
+                 {CONUS_SIDE_BOTTOM, false, true}, {CONUS_SIDE_LEFT, false, false}, {CONUS_SIDE_RIGHT, false, false}};
+    need_font();
+    struct scene scene = need_scene(state);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const conus_view view = {.side = cases[i].side,
+                                 .width = 300,
+                                 .height = 200,
+                                 .background = CONUS_BACKGROUND_COLOUR,
+                                 .background_rgb = {255, 255, 255}};
+        conus_image *image = render(&scene, view);
+        double left_all, right_all;
+        double left = quarter_ink(&left_all, image, false);
+        double right = quarter_ink(&right_all, image, true);
+        assert_true(left_all > 10 && right_all > 10);
+        assert_true((left < 0.02 * left_all) == cases[i].left_is_l);
+        assert_true((right < 0.02 * right_all) == cases[i].right_is_l);
+        conus_image_destroy(image);
+    }
+    conus_image *oblique = render(&scene, (conus_view){.width = 300,
+                                                       .height = 200,
+                                                       .background = CONUS_BACKGROUND_COLOUR,
+                                                       .background_rgb = {255, 255, 255}});
+    double all;
+    quarter_ink(&all, oblique, false);
+    assert_near(all, 0, 1e-6);
+    conus_image_destroy(oblique);
+}
+
+/* ---- Backgrounds ------------------------------------------------------------------------------------------------ */
+
+/* What is drawn on nothing, laid over a colour, is what is drawn on that colour. */
+static void backgrounds_lie_behind(void **state)
+{
+    struct scene scene = need_scene(state);
+    conus_view view = {.no_legend = true, .selection = scene.selection, .background = CONUS_BACKGROUND_TRANSPARENT};
+    conus_image *clear = render(&scene, view);
+    view.background = CONUS_BACKGROUND_COLOUR;
+    memcpy(view.background_rgb, (uint8_t[]){255, 0, 188}, 3); /* 188 is 0.5029 of linear light */
+    conus_image *pink = render(&scene, view);
+    static const double linear[3] = {1, 0, 0.502886};
+    const struct image_rgba a = image_rgba(clear);
+    const struct image_rgba b = image_rgba(pink);
+    size_t empty = 0;
+    for (size_t i = 0; i < (size_t)WIDTH * HEIGHT; i++) {
+        empty += a.plane[3][i] == 0;
+        assert_true(b.plane[3][i] == 1);
+        for (int c = 0; c < 3; c++) {
+            double expected = (double)a.plane[c][i] + (1 - (double)a.plane[3][i]) * linear[c];
+            assert_near((double)b.plane[c][i], expected, 1e-5);
+        }
+    }
+    assert_true(empty > 1000 && a.plane[3][0] == 0);
+    conus_image_destroy(clear);
+    conus_image_destroy(pink);
+}
+
+/* ---- Legend ----------------------------------------------------------------------------------------------------- */
+
+static void assert_same_top(const conus_image *a, const conus_image *b, uint32_t width)
+{
+    for (int c = 0; c < 3; c++) {
+        for (uint32_t y = 0; y < HEIGHT * 2; y++) {
+            const float *row = image_rgba(a).plane[c] + (size_t)y * a->width;
+            const float *other = image_rgba(b).plane[c] + (size_t)y * b->width;
+            assert_memory_equal(row, other, width * sizeof *row);
+        }
+    }
+}
+
+static void a_legend_outside_leaves_the_drawing_alone(void **state)
+{
+    need_font();
+    struct scene scene = need_scene(state);
+    conus_view view = {.width = 2 * WIDTH,
+                       .height = 2 * HEIGHT,
+                       .side = CONUS_SIDE_LEFT,
+                       .selection = scene.selection,
+                       .background = CONUS_BACKGROUND_COLOUR,
+                       .legend = CONUS_LEGEND_NONE};
+    conus_image *none = render(&scene, view);
+    view.legend = CONUS_LEGEND_BELOW;
+    conus_image *below = render(&scene, view);
+    assert_int_equal(conus_image_height(none), 2 * HEIGHT);
+    assert_int_equal(conus_image_width(below), 2 * WIDTH);
+    assert_true(conus_image_height(below) > 2 * HEIGHT + 50);
+    assert_same_top(none, below, 2 * WIDTH);
+    view.legend = CONUS_LEGEND_RIGHT;
+    conus_image *right = render(&scene, view);
+    assert_int_equal(conus_image_width(right), 2 * WIDTH);
+    assert_int_equal(conus_image_height(right), 2 * HEIGHT);
+    conus_image_destroy(none);
+    conus_image_destroy(below);
+    conus_image_destroy(right);
+}
+
+/* ---- Paper ------------------------------------------------------------------------------------------------------ */
+
+static const uint8_t *find_bytes(const uint8_t *data, size_t size, const char *word)
+{
+    size_t length = strlen(word);
+    for (size_t i = 0; i + length <= size; i++) {
+        if (memcmp(data + i, word, length) == 0) {
+            return data + i;
+        }
+    }
+    return NULL;
+}
+
+/* 300 pixels per 25.4 mm are 11811 per metre, 0x2e23; PNG says it big-endian with the unit 1, OpenEXR as a float in
+ * little-endian bytes: 300 = 0x43960000. */
+static void files_say_how_large_they_are(void **state)
+{
+    struct scene scene = need_scene(state);
+    conus_image *image = render(&scene, (conus_view){.dpi = 300});
+    conus_image *plain = render(&scene, (conus_view){.no_legend = true});
+    const uint8_t *data = NULL;
+    size_t size = 0;
+    assert_ok(conus_image_encode(&data, &size, image, "png"));
+    const uint8_t *chunk = find_bytes(data, size, "pHYs");
+    assert_non_null(chunk);
+    assert_memory_equal(chunk + 4, ((uint8_t[]){0, 0, 0x2e, 0x23, 0, 0, 0x2e, 0x23, 1}), 9);
+    assert_ok(conus_image_encode(&data, &size, image, "exr"));
+    chunk = find_bytes(data, size, "xDensity");
+    assert_non_null(chunk);
+    assert_memory_equal(chunk, "xDensity\0float\0\4\0\0\0\0\0\x96\x43", 23);
+    assert_ok(conus_image_encode(&data, &size, plain, "png"));
+    assert_null(find_bytes(data, size, "pHYs"));
+    assert_ok(conus_image_encode(&data, &size, plain, "exr"));
+    assert_null(find_bytes(data, size, "xDensity"));
+    conus_image_destroy(image);
+    conus_image_destroy(plain);
+}
+
+/* Twice the pixels per inch on twice the pixels: the same sheet, legend included, to a few pixels. */
+static void letters_grow_with_the_resolution(void **state)
+{
+    need_font();
+    struct scene scene = need_scene(state);
+    uint32_t extra[2];
+    for (uint32_t times = 1; times <= 2; times++) {
+        conus_image *image = render(&scene, (conus_view){.width = 200 * times,
+                                                         .height = 150 * times,
+                                                         .dpi = 60 * times,
+                                                         .selection = scene.selection,
+                                                         .legend = CONUS_LEGEND_BELOW});
+        extra[times - 1] = conus_image_height(image) - (150 * times);
+        conus_image_destroy(image);
+    }
+    assert_near(extra[1], 2.0 * extra[0], 6);
+}
+
+static void views_out_of_range_are_refused(void **state)
+{
+    struct scene scene = need_scene(state);
+    conus_pose camera;
+    assert_ok(conus_pose_toward(&camera, (double[]){-150, 0, 0}, (double[]){0, 0, 0}, NULL));
+    const conus_view views[] = {{.side = CONUS_SIDE_BOTTOM + 1},
+                                {.legend = CONUS_LEGEND_NONE + 1},
+                                {.background = CONUS_BACKGROUND_TRANSPARENT + 1},
+                                {.side = CONUS_SIDE_TOP, .camera = &camera},
+                                {.dpi = -1},
+                                {.dpi = NAN},
+                                {.dpi = 100001}};
+    conus_image *image = NULL;
+    for (size_t i = 0; i < sizeof views / sizeof *views; i++) {
+        assert_fails(conus_render(&image, scene.renderer, &views[i]), CONUS_ERROR_ARGUMENT);
+        assert_null(image);
+    }
+    const conus_renderer_options little = {.max_memory = 2000000}; /* a picture of 400 x 300 takes 3,840,000 bytes */
+    conus_renderer *renderer = NULL;
+    assert_ok(conus_renderer_create(&renderer, scene.atlas, &little));
+    assert_fails(conus_render(&image, renderer, &(conus_view){.width = 400, .height = 300}), CONUS_ERROR_MEMORY);
+    assert_null(image);
+    conus_renderer_destroy(renderer);
+}
+
+static conus_status attempt(void *data)
+{
+    const struct scene *scene = data;
+    conus_image *image = NULL;
+    const conus_view view = {
+        .width = 64, .height = 48, .selection = scene->selection, .legend = CONUS_LEGEND_BELOW, .dpi = 100};
+    conus_status status = conus_render(&image, scene->renderer, &view);
+    assert_true((status == CONUS_OK) == (image != NULL));
+    conus_image_destroy(image);
+    return status;
+}
+
+static void allocations_may_fail(void **state)
+{
+    struct scene scene = need_scene(state);
+    test_every_allocation(attempt, &scene);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(each_side_shows_what_is_there),  cmocka_unit_test(letters_tell_left_from_right),
+        cmocka_unit_test(backgrounds_lie_behind),         cmocka_unit_test(a_legend_outside_leaves_the_drawing_alone),
+        cmocka_unit_test(files_say_how_large_they_are),   cmocka_unit_test(letters_grow_with_the_resolution),
+        cmocka_unit_test(views_out_of_range_are_refused), cmocka_unit_test(allocations_may_fail),
+    };
+    return cmocka_run_group_tests(tests, make_scene, finish_scene);
+}
