@@ -271,10 +271,10 @@ static conus_status unpack_growing(struct stream *stream, uint64_t limit)
     return status;
 }
 
-conus_status gzip_unpack_all(struct bytes *out, const uint8_t *data, size_t size, uint64_t limit)
+static conus_status unpack_all(struct bytes *out, const uint8_t *data, size_t size, uint64_t limit, bool zlib)
 {
     struct stream *stream = NULL;
-    conus_status status = stream_open(&stream, data, size, false);
+    conus_status status = stream_open(&stream, data, size, zlib);
     if (status) {
         return status;
     }
@@ -288,6 +288,16 @@ conus_status gzip_unpack_all(struct bytes *out, const uint8_t *data, size_t size
     }
     stream_close(stream);
     return status;
+}
+
+conus_status gzip_unpack_all(struct bytes *out, const uint8_t *data, size_t size, uint64_t limit)
+{
+    return unpack_all(out, data, size, limit, false);
+}
+
+conus_status gzip_unpack_zlib(struct bytes *out, const uint8_t *data, size_t size, uint64_t limit)
+{
+    return unpack_all(out, data, size, limit, true);
 }
 
 conus_status gzip_read(struct bytes *out, const char *path, uint64_t limit, struct file_sums *read)

@@ -17,6 +17,9 @@ conus_status gzip_head(struct bytes *out, const uint8_t *data, size_t size, size
  * CONUS_ERROR_MEMORY; anything but zeros after the last member is CONUS_ERROR_DATA. */
 conus_status gzip_unpack_all(struct bytes *out, const uint8_t *data, size_t size, uint64_t limit);
 
+/** The same of one stream of zlib (RFC 1950), which ends with @p data. */
+conus_status gzip_unpack_zlib(struct bytes *out, const uint8_t *data, size_t size, uint64_t limit);
+
 /** Reads the whole file @p path, packed or not, and unpacks it: at most @p limit bytes, which are the caller's to raise
  * by --max-memory. @p read, if not NULL, gets the file as it is stored. Errors carry the path. */
 conus_status gzip_read(struct bytes *out, const char *path, uint64_t limit, struct file_sums *read);

@@ -1,0 +1,469 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Parses MAT-files of level 5: the variables, then their parts, each where the array around it is parsed. */
+#include "base/formats/matlab.h"
+
+#include "base/byte_order.h"
+#include "base/formats/gzip.h"
+#include "base/memory.h"
+
+#include <stdio.h>
+
+enum { HEADER = 128, TAG = 8, SMALL = 4, DEPTH_LIMIT = 32, DIMENSION_LIMIT = 32 };
+
+/* Types of elements. */
+enum {
+    INT8 = 1,
+    UINT8,
+    INT16,
+    UINT16,
+    INT32,
+    UINT32,
+    SINGLE,
+    DOUBLE = 9,
+    INT64 = 12,
+    UINT64,
+    MATRIX,
+    COMPRESSED,
+    UTF8,
+    UTF16,
+    TYPES
+};
+
+/* Bytes of a value; 0 where a type is no value that is read. */
+static const uint8_t value_size[TYPES] = {
+    [INT8] = 1,   [UINT8] = 1,  [INT16] = 2, [UINT16] = 2, [INT32] = 4, [UINT32] = 4,
+    [SINGLE] = 4, [DOUBLE] = 8, [INT64] = 8, [UINT64] = 8, [UTF8] = 1,  [UTF16] = 2};
+
+struct element {
+    uint32_t type;
+    struct text bytes;
+};
+
+static const uint8_t *at(struct text text)
+{
+    return (const uint8_t *)text.data;
+}
+
+static struct text rest_of(struct text text, size_t used)
+{
+    return (struct text){text.data + used, text.size - used};
+}
+
+bool matlab_is(struct text text)
+{
+    return text_starts(text, "MATLAB 5.0 MAT-file");
+}
+
+/* Takes an element off: a tag of eight bytes and what it announces, up to the next multiple of eight but for packed
+ * ones; or four bytes of both. */
+static conus_status take_element(struct element *out, struct text *rest, bool swapped)
+{
+    if (rest->size < TAG) {
+        return fail(CONUS_ERROR_DATA, "cut off: %zu bytes where an element begins, %d are needed", rest->size, TAG);
+    }
+    uint32_t type = order_u32(at(*rest), swapped);
+    uint32_t size = order_u32(at(*rest) + SMALL, swapped);
+    bool is_small = type >> 16;
+    size = is_small ? type >> 16 : size;
+    size_t left = is_small ? SMALL : rest->size - TAG;
+    if (size > left) {
+        return fail(CONUS_ERROR_DATA, "an element of %u bytes, where there are %zu", size, left);
+    }
+    *out = (struct element){is_small ? type & 0xffff : type, {rest->data + (is_small ? SMALL : TAG), size}};
+    size_t padded = type == COMPRESSED ? size : ((size_t)size + 7) & ~(size_t)7;
+    *rest = rest_of(*rest, is_small ? TAG : TAG + (padded < left ? padded : left));
+    return CONUS_OK;
+}
+
+static conus_status take_typed(struct text *out, struct text *rest, bool swapped, uint32_t type, const char *what)
+{
+    struct element element;
+    conus_status status = take_element(&element, rest, swapped);
+    if (!status && element.type != type) {
+        status = fail(CONUS_ERROR_DATA, "%s: an element of type %u, %u is needed", what, element.type, type);
+    }
+    *out = status ? *out : element.bytes;
+    return status;
+}
+
+/* ---- Memory ----------------------------------------------------------------------------------------------------- */
+
+static conus_status use_memory(struct matlab *matlab, uint64_t bytes)
+{
+    if (bytes > matlab->limit - matlab->used) {
+        return fail(CONUS_ERROR_MEMORY,
+                    "MATLAB's file needs more than the %llu bytes that are allowed; see --max-memory",
+                    (unsigned long long)matlab->limit);
+    }
+    matlab->used += bytes;
+    return CONUS_OK;
+}
+
+/* @p count arrays more, side by side, that are still to be parsed. */
+static conus_status add_arrays(struct matlab *matlab, size_t count)
+{
+    size_t bytes;
+    if (!memory_multiply(count, sizeof *matlab->arrays, &bytes)) {
+        return fail(CONUS_ERROR_MEMORY, "too many arrays");
+    }
+    conus_status status = use_memory(matlab, bytes);
+    if (!status && !memory_reserve(&matlab->arrays, &matlab->capacity, matlab->count + count, sizeof *matlab->arrays)) {
+        status = CONUS_ERROR_MEMORY;
+    }
+    for (size_t i = 0; !status && i < count; i++) {
+        matlab->arrays[matlab->count++] = (struct matlab_array){0};
+    }
+    return status;
+}
+
+/* ---- Arrays ----------------------------------------------------------------------------------------------------- */
+
+static conus_status take_flags(struct matlab_array *array, struct text *rest)
+{
+    struct text flags = {"", 0};
+    conus_status status = take_typed(&flags, rest, array->swapped, UINT32, "flags of an array");
+    if (status || flags.size != 8) {
+        return status ? status : fail(CONUS_ERROR_DATA, "flags of an array: %zu bytes, 8 are needed", flags.size);
+    }
+    enum { COMPLEX = 0x800 };
+    uint32_t word = order_u32(at(flags), array->swapped);
+    uint32_t kind = word & 0xff;
+    bool is_read = kind == MATLAB_CELL || kind == MATLAB_STRUCT || kind == MATLAB_CHAR ||
+                   (kind >= MATLAB_DOUBLE && kind <= MATLAB_UINT64);
+    array->kind = is_read ? (enum matlab_class)kind : MATLAB_OTHER;
+    array->is_complex = word & COMPLEX;
+    return CONUS_OK;
+}
+
+static conus_status take_dimensions(struct matlab_array *array, struct text *rest)
+{
+    struct text bytes = {"", 0};
+    conus_status status = take_typed(&bytes, rest, array->swapped, INT32, "dimensions of an array");
+    if (!status && (bytes.size % 4 || bytes.size < 8 || bytes.size > (size_t)4 * DIMENSION_LIMIT)) {
+        status = fail(CONUS_ERROR_DATA, "dimensions of an array: %zu bytes, allowed are 2 to %d numbers of 4",
+                      bytes.size, DIMENSION_LIMIT);
+    }
+    array->count = 1;
+    for (size_t i = 0; !status && i < bytes.size / 4; i++) {
+        int32_t length = order_i32(at(bytes) + 4 * i, array->swapped);
+        if (length < 0 || !memory_multiply(array->count, (size_t)length, &array->count)) {
+            status = fail(CONUS_ERROR_DATA, "dimensions of an array: %d is number %zu of them", length, i + 1);
+        }
+        array->rows = i == 0 ? (size_t)length : array->rows;
+        array->columns = i == 1 ? (size_t)length : array->columns;
+    }
+    return status;
+}
+
+static conus_status take_name(struct matlab_array *array, struct text *rest)
+{
+    return take_typed(&array->name, rest, array->swapped, INT8, "name of an array");
+}
+
+/* Values of numbers: as many as the dimensions say. Of characters in UTF-8 there may be more bytes. */
+static conus_status take_values(struct matlab_array *array, struct text *rest)
+{
+    struct element element;
+    size_t bytes;
+    conus_status status = take_element(&element, rest, array->swapped);
+    if (status) {
+        return status;
+    }
+    uint8_t size = element.type < TYPES ? value_size[element.type] : 0;
+    if (!size || (array->kind != MATLAB_CHAR && element.type >= UTF8)) {
+        return fail(CONUS_ERROR_DATA, "%s has values of type %u", matlab_class_name(array), element.type);
+    }
+    bool fits = memory_multiply(array->count, size, &bytes) && bytes == element.bytes.size;
+    if (!fits && element.type != UTF8) {
+        return fail(CONUS_ERROR_DATA, "%s of %zu values has %zu bytes, %u each are needed", matlab_class_name(array),
+                    array->count, element.bytes.size, size);
+    }
+    array->type = (uint8_t)element.type;
+    array->bytes = element.bytes;
+    return CONUS_OK;
+}
+
+/* Each part is an element of its own, in which at least its tag is. What is in it is parsed in its turn. */
+static conus_status take_parts(struct matlab *matlab, size_t index, struct text *rest)
+{
+    struct matlab_array array = matlab->arrays[index];
+    size_t count = array.count;
+    bool fits = array.kind == MATLAB_CELL || memory_multiply(array.count, array.fields, &count);
+    if (!fits || count > rest->size / TAG) {
+        return fail(CONUS_ERROR_DATA, "%s of %zu elements in %zu bytes", matlab_class_name(&array), array.count,
+                    rest->size);
+    }
+    if (array.depth == DEPTH_LIMIT) {
+        return fail(CONUS_ERROR_DATA, "arrays in arrays, more than %d deep", DEPTH_LIMIT);
+    }
+    matlab->arrays[index].parts = matlab->count;
+    conus_status status = add_arrays(matlab, count);
+    for (size_t i = 0; !status && i < count; i++) {
+        struct matlab_array part = {.depth = (uint8_t)(array.depth + 1), .swapped = array.swapped};
+        status = take_typed(&part.bytes, rest, array.swapped, MATRIX, "a part of an array");
+        matlab->arrays[matlab->count - count + i] = part;
+    }
+    return status;
+}
+
+/* The names of fields, each in as many bytes, ended by a zero. */
+static conus_status take_field_names(struct matlab_array *array, struct text *rest)
+{
+    struct text length = {"", 0};
+    conus_status status = take_typed(&length, rest, array->swapped, INT32, "length of names of fields");
+    int32_t size = !status && length.size == 4 ? order_i32(at(length), array->swapped) : 0;
+    status = status ? status : take_typed(&array->bytes, rest, array->swapped, INT8, "names of fields");
+    if (!status && (size < 1 || array->bytes.size % (size_t)size)) {
+        status = fail(CONUS_ERROR_DATA, "names of fields: %zu bytes, of %d each", array->bytes.size, size);
+    }
+    array->fields = status ? 0 : array->bytes.size / (size_t)size;
+    return status;
+}
+
+/* An array is parsed from its bytes, which are then its values. */
+static conus_status parse_array(struct matlab *matlab, size_t index)
+{
+    struct matlab_array *array = &matlab->arrays[index];
+    struct text rest = array->bytes;
+    array->bytes = (struct text){"", 0};
+    array->name = array->bytes;
+    if (!rest.size) {
+        return CONUS_OK; /* MATLAB_EMPTY */
+    }
+    conus_status status = take_flags(array, &rest);
+    if (status || array->kind == MATLAB_OTHER) { /* of which nothing else is known */
+        array->name = (struct text){"", 0};
+        return status;
+    }
+    status = take_dimensions(array, &rest);
+    status = status ? status : take_name(array, &rest);
+    if (!status && array->kind == MATLAB_STRUCT) {
+        status = take_field_names(array, &rest);
+    }
+    bool has_parts = array->kind == MATLAB_CELL || array->kind == MATLAB_STRUCT;
+    return status ? status : has_parts ? take_parts(matlab, index, &rest) : take_values(array, &rest);
+}
+
+/* ---- Files ------------------------------------------------------------------------------------------------------ */
+
+static conus_status check_header(bool *swapped, struct text text)
+{
+    if (text.size < HEADER) {
+        return fail(CONUS_ERROR_DATA, "MATLAB's header: %zu bytes, %d are needed", text.size, HEADER);
+    }
+    const uint8_t *end = at(text) + HEADER - 4; /* version and byte order, two bytes each */
+    bool is_big = end[2] == 'M' && end[3] == 'I';
+    if (!is_big && !(end[2] == 'I' && end[3] == 'M')) {
+        return fail(CONUS_ERROR_DATA, "MATLAB's header: byte order %02x %02x, allowed are IM and MI", end[2], end[3]);
+    }
+    *swapped = is_big == BIG_ENDIAN_IS_SWAPPED;
+    uint16_t version = order_u16(end, *swapped);
+    return version == 0x100 ? CONUS_OK
+                            : fail(CONUS_ERROR_DATA, "MATLAB's header: version %#x, allowed is 0x100", version);
+}
+
+static conus_status unpack_variable(struct matlab *matlab, size_t index, struct text packed)
+{
+    struct bytes *bytes = &matlab->unpacked[index];
+    conus_status status = gzip_unpack_zlib(bytes, at(packed), packed.size, matlab->limit - matlab->used);
+    if (!status) {
+        uint8_t *less = memory_resize(bytes->data, bytes->size, 1); /* it was unpacked into more than it takes */
+        bytes->data = less ? less : bytes->data;
+        status = use_memory(matlab, bytes->size);
+    }
+    return status;
+}
+
+/* One variable, packed or not: its bytes as an array that is still to be parsed. */
+static conus_status take_variable(struct matlab *matlab, size_t index, struct text *rest, bool swapped)
+{
+    struct element element;
+    struct matlab_array *array = &matlab->arrays[index];
+    array->swapped = swapped;
+    conus_status status = take_element(&element, rest, swapped);
+    if (!status && element.type == COMPRESSED) {
+        status = unpack_variable(matlab, index, element.bytes);
+        struct text inner = {(const char *)matlab->unpacked[index].data, matlab->unpacked[index].size};
+        status = status ? status : take_element(&element, &inner, swapped);
+        if (!status && inner.size) {
+            status = fail(CONUS_ERROR_DATA, "%zu bytes behind the packed array", inner.size);
+        }
+    }
+    if (!status && element.type != MATRIX) {
+        status = fail(CONUS_ERROR_DATA, "an element of type %u, an array (%d) is needed", element.type, MATRIX);
+    }
+    array->bytes = status ? (struct text){"", 0} : element.bytes;
+    return status;
+}
+
+/* How many elements there are, which are all variables. */
+static conus_status count_variables(size_t *count, struct text rest, bool swapped)
+{
+    struct element element;
+    conus_status status = CONUS_OK;
+    for (*count = 0; !status && rest.size; ++*count) {
+        status = take_element(&element, &rest, swapped);
+    }
+    return status;
+}
+
+static conus_status parse_variables(struct matlab *matlab, struct text rest, bool swapped)
+{
+    conus_status status = count_variables(&matlab->variables, rest, swapped);
+    if (status) {
+        matlab->variables = 0;
+        return status;
+    }
+    matlab->unpacked = memory_zeroed(matlab->variables, sizeof *matlab->unpacked);
+    status = matlab->unpacked ? add_arrays(matlab, matlab->variables) : CONUS_ERROR_MEMORY;
+    for (size_t i = 0; !status && i < matlab->variables; i++) {
+        char where[64];
+        status = take_variable(matlab, i, &rest, swapped);
+        snprintf(where, sizeof where, "variable %zu of MATLAB's file", i + 1);
+        status = status ? fail_in(status, where) : CONUS_OK;
+    }
+    for (size_t i = 0; !status && i < matlab->count; i++) { /* it grows on the way */
+        status = parse_array(matlab, i);
+        status = status ? fail_in(status, "MATLAB's file") : CONUS_OK;
+    }
+    return status;
+}
+
+conus_status matlab_parse(struct matlab *out, struct text text, uint64_t limit)
+{
+    struct matlab matlab = {.limit = limit};
+    bool swapped = false;
+    conus_status status = check_header(&swapped, text);
+    status = status ? status : parse_variables(&matlab, rest_of(text, HEADER), swapped);
+    if (status) {
+        matlab_finish(&matlab);
+        return status;
+    }
+    *out = matlab;
+    return CONUS_OK;
+}
+
+void matlab_finish(struct matlab *matlab)
+{
+    for (size_t i = 0; matlab->unpacked && i < matlab->variables; i++) {
+        bytes_finish(&matlab->unpacked[i]);
+    }
+    memory_free(matlab->unpacked);
+    memory_free(matlab->arrays);
+    *matlab = (struct matlab){0};
+}
+
+/* ---- Values ----------------------------------------------------------------------------------------------------- */
+
+const struct matlab_array *matlab_variable(const struct matlab *matlab, const char *name)
+{
+    for (size_t i = 0; i < matlab->variables; i++) {
+        if (text_equal(matlab->arrays[i].name, name)) {
+            return &matlab->arrays[i];
+        }
+    }
+    return NULL;
+}
+
+const struct matlab_array *matlab_field(const struct matlab *matlab, const struct matlab_array *array, size_t index,
+                                        const char *name)
+{
+    bool has_any = array && array->kind == MATLAB_STRUCT && index < array->count;
+    for (size_t i = 0; has_any && i < array->fields; i++) {
+        size_t size = array->bytes.size / array->fields;
+        struct text field = {array->bytes.data + i * size, size};
+        field.size = strnlen(field.data, size);
+        if (text_equal(field, name)) {
+            return &matlab->arrays[array->parts + index * array->fields + i];
+        }
+    }
+    return NULL;
+}
+
+bool matlab_is_real(const struct matlab_array *array)
+{
+    return array->kind >= MATLAB_DOUBLE && array->kind <= MATLAB_UINT64 && !array->is_complex;
+}
+
+double matlab_number(const struct matlab_array *array, size_t index)
+{
+    const uint8_t *data = at(array->bytes) + index * value_size[array->type];
+    switch (array->type) {
+    case INT8:
+        return (int8_t)*data;
+    case UINT8:
+        return *data;
+    case INT16:
+        return order_i16(data, array->swapped);
+    case UINT16:
+        return order_u16(data, array->swapped);
+    case INT32:
+        return order_i32(data, array->swapped);
+    case UINT32:
+        return order_u32(data, array->swapped);
+    case SINGLE:
+        return (double)order_f32(data, array->swapped);
+    case INT64:
+        return (double)order_i64(data, array->swapped);
+    case UINT64:
+        return (double)order_u64(data, array->swapped);
+    default:
+        return order_f64(data, array->swapped);
+    }
+}
+
+static size_t put_character(char out[4], uint32_t c)
+{
+    if (c < 0x80) {
+        out[0] = (char)c;
+        return 1;
+    }
+    size_t size = c < 0x800 ? 2 : c < 0x10000 ? 3 : 4;
+    static const uint8_t first[] = {0, 0, 0xc0, 0xe0, 0xf0};
+    for (size_t i = size; i-- > 1; c >>= 6) {
+        out[i] = (char)(0x80 | (c & 0x3f));
+    }
+    out[0] = (char)(first[size] | c);
+    return size;
+}
+
+/* Code units of two bytes; a pair of surrogates is one character. */
+static size_t put_units(char *out, size_t size, const struct matlab_array *array)
+{
+    size_t used = 0;
+    for (size_t i = 0; i < array->bytes.size / 2 && used + 4 <= size; i++) {
+        uint32_t unit = order_u16(at(array->bytes) + 2 * i, array->swapped);
+        if (unit >> 10 == 0x36 && i + 1 < array->bytes.size / 2) {
+            uint32_t low = order_u16(at(array->bytes) + 2 * i + 2, array->swapped);
+            bool is_pair = low >> 10 == 0x37;
+            unit = is_pair ? 0x10000 + ((unit & 0x3ff) << 10) + (low & 0x3ff) : unit;
+            i += is_pair;
+        }
+        used += put_character(out + used, unit);
+    }
+    return used;
+}
+
+struct text matlab_text(char *out, size_t size, const struct matlab_array *array)
+{
+    if (!array || array->kind != MATLAB_CHAR || array->rows != 1) {
+        return (struct text){"", 0};
+    }
+    if (array->type == UTF16 || array->type == UINT16 || array->type == INT16) {
+        return (struct text){out, put_units(out, size, array)};
+    }
+    size_t used = value_size[array->type] != 1 ? 0 : array->bytes.size < size ? array->bytes.size : size;
+    memcpy(out, array->bytes.data, used);
+    return (struct text){out, used};
+}
+
+const char *matlab_class_name(const struct matlab_array *array)
+{
+    return array->kind == MATLAB_EMPTY    ? "an empty array"
+           : array->kind == MATLAB_CELL   ? "a cell array"
+           : array->kind == MATLAB_STRUCT ? "a structure"
+           : array->kind == MATLAB_CHAR   ? "an array of characters"
+           : array->kind == MATLAB_OTHER  ? "an object"
+           : array->is_complex            ? "an array of complex numbers"
+                                          : "an array of numbers";
+}

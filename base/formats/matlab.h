@@ -1,0 +1,75 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * MATLAB's MAT-files of level 5 (MathWorks, "MAT-File Format"), which scipy and Octave write, too: numbers, characters,
+ * cells and structures, of either byte order, packed by zlib or not. Nothing is trusted: each element lies inside the
+ * one around it, each array has as many values as its dimensions say, and memory has a limit. Level 7.3 is HDF5, and
+ * not read. */
+#ifndef CONUS_BASE_FORMATS_MATLAB_H
+#define CONUS_BASE_FORMATS_MATLAB_H
+
+#include "base/file.h"
+#include "base/text.h"
+
+/** What MATLAB calls the class of an array. */
+enum matlab_class {
+    MATLAB_EMPTY = 0, /**< [], written as nothing at all. */
+    MATLAB_CELL = 1,
+    MATLAB_STRUCT = 2,
+    MATLAB_CHAR = 4,
+    MATLAB_DOUBLE = 6, /**< And up to MATLAB_UINT64 the other kinds of number. */
+    MATLAB_UINT64 = 15,
+    MATLAB_OTHER /**< Objects, sparse arrays, functions: their values are not read. */
+};
+
+/** An array, a variable or a part of one; its bytes are the file's. */
+struct matlab_array {
+    enum matlab_class kind;
+    bool is_complex;
+    uint8_t type;  /**< Of the values, as the file numbers it. */
+    uint8_t depth; /**< Of a variable 0. */
+    bool swapped;
+    size_t rows, columns;
+    size_t count;      /**< rows * columns * ... */
+    struct text name;  /**< Of a variable. */
+    struct text bytes; /**< Values; of a structure the names of its fields. */
+    size_t fields;     /**< Of a structure. */
+    size_t parts; /**< Index in matlab.arrays of the first part: of a cell [count], of a structure [count][fields]. */
+};
+
+struct matlab {
+    struct matlab_array *arrays; /**< Variables first, then their parts, those of one array side by side. */
+    size_t count, capacity;
+    size_t variables;
+    struct bytes *unpacked; /**< [variables] */
+    uint64_t used, limit;   /**< Bytes of memory. */
+};
+
+/** True where @p text begins like such a file. */
+bool matlab_is(struct text text);
+
+/** Parses @p text, which must outlive it, in at most @p limit bytes. CONUS_ERROR_DATA for one that is damaged;
+ * CONUS_ERROR_MEMORY where more is needed. End it with matlab_finish(). */
+conus_status matlab_parse(struct matlab *out, struct text text, uint64_t limit);
+void matlab_finish(struct matlab *matlab);
+
+/** The variable @p name; NULL if there is none. */
+const struct matlab_array *matlab_variable(const struct matlab *matlab, const char *name);
+
+/** Field @p name of element @p index of a structure; NULL where @p array is no structure, has no such element or field,
+ * or is NULL. */
+const struct matlab_array *matlab_field(const struct matlab *matlab, const struct matlab_array *array, size_t index,
+                                        const char *name);
+
+/** Whether @p array has numbers that are not complex. */
+bool matlab_is_real(const struct matlab_array *array);
+
+/** Value @p index, column by column, of an array of which matlab_is_real() is true. */
+double matlab_number(const struct matlab_array *array, size_t index);
+
+/** The characters of a row, as UTF-8 in @p out (they end where it is full); "" for anything else. */
+struct text matlab_text(char *out, size_t size, const struct matlab_array *array);
+
+/** "a cell array", "a structure" and so on, for messages. */
+const char *matlab_class_name(const struct matlab_array *array);
+
+#endif
