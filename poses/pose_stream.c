@@ -2,14 +2,20 @@
 /* conus_pose_stream: detects the format, then reads rows line by line or, of some formats, all at once. */
 #include "poses/pose_stream.h"
 
+#include "base/formats/matlab.h"
 #include "base/memory.h"
 #include "base/options.h"
+#include "poses/pose_bytes.h"
 #include "poses/pose_table.h"
 #include "poses/programs/pose_brainsight.h"
 #include "poses/programs/pose_coordsystem.h"
 #include "poses/programs/pose_electrodes.h"
+#include "poses/programs/pose_invesalius.h"
+#include "poses/programs/pose_lead_dbs.h"
 #include "poses/programs/pose_localite.h"
 #include "poses/programs/pose_markups.h"
+#include "poses/programs/pose_nibs.h"
+#include "poses/programs/pose_simnibs.h"
 #include "poses/rows/pose_lines.h"
 #include "poses/rows/pose_list.h"
 #include "poses/rows/pose_row.h"
@@ -22,8 +28,6 @@
 #include <sys/eventfd.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-static const uint64_t DEFAULT_MEMORY = UINT64_C(1) << 30;
 
 struct conus_pose_stream {
     conus_pose_options options;
@@ -59,6 +63,7 @@ static conus_pose_format format_of(struct text line)
     return pose_is_point(line)                                        ? CONUS_POSE_FORMAT_POINTS
            : text_word(&rest, &word) && text_to_double(word, &number) ? CONUS_POSE_FORMAT_MATRIX
            : pose_electrodes_header(line)                             ? CONUS_POSE_FORMAT_ELECTRODES
+           : pose_nibs_header(line)                                   ? CONUS_POSE_FORMAT_NIBS
                                                                       : CONUS_POSE_FORMAT_TABLE;
 }
 
@@ -70,6 +75,10 @@ static conus_pose_format guess_format(struct text text, bool all, size_t *used)
     const char *begin = text.data;
     const char *end = text.data + text.size;
     struct text line;
+    if (matlab_is(text)) { /* which program's is found when all of it is read */
+        *used = 0;
+        return CONUS_POSE_FORMAT_SIMNIBS;
+    }
     *used = text.size;
     while (text_line(&text, &line)) {
         struct text trimmed = text_trim(line);
@@ -77,39 +86,14 @@ static conus_pose_format guess_format(struct text text, bool all, size_t *used)
             return CONUS_POSE_FORMAT_AUTO;
         }
         *used = (size_t)(line.data + line.size - begin);
-        if (pose_brainsight_line(line)) {
-            return CONUS_POSE_FORMAT_BRAINSIGHT;
+        if (pose_brainsight_line(line) || pose_invesalius_line(line)) {
+            return pose_brainsight_line(line) ? CONUS_POSE_FORMAT_BRAINSIGHT : CONUS_POSE_FORMAT_INVESALIUS;
         }
         if (trimmed.size && trimmed.data[0] != '#') {
             return format_of(trimmed);
         }
     }
     return all ? CONUS_POSE_FORMAT_TABLE : CONUS_POSE_FORMAT_AUTO;
-}
-
-/* What the first bytes show not to be a text, as it is said to the user; NULL if nothing. */
-static const char *kind_of_bytes(struct text text)
-{
-    static const struct {
-        const char *bytes, *kind;
-    } kinds[] = {
-        {"\x1f\x8b", "packed by gzip: unpack it, or let gzip -dc write it to standard input"},
-        {"\xfd"
-         "7zXZ",
-         "packed by xz: unpack it, or let xz -dc write it to standard input"},
-        {"BZh", "packed by bzip2: unpack it, or let bzip2 -dc write it to standard input"},
-        {"\x28\xb5\x2f\xfd", "packed by zstd: unpack it, or let zstd -dc write it to standard input"},
-        {"PK\x03\x04", "a zip file or a spreadsheet: unpack it, or export it as text with tabs or commas"},
-        {"\xd0\xcf\x11\xe0", "a spreadsheet: export it as text with tabs or commas"},
-        {"\xff\xfe", "UTF-16 text: save it as UTF-8"},
-        {"\xfe\xff", "UTF-16 text: save it as UTF-8"},
-    };
-    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
-        if (text_starts(text, kinds[i].bytes)) {
-            return kinds[i].kind;
-        }
-    }
-    return NULL;
 }
 
 /* Looks no farther than it must, so that it finds the same however the text comes in. */
@@ -127,7 +111,7 @@ static conus_status find_format(conus_pose_stream *stream)
             status = pose_lines_fill(lines, lines->size + 1);
         }
     }
-    const char *kind = status ? NULL : kind_of_bytes((struct text){lines->data, lines->size});
+    const char *kind = status ? NULL : pose_bytes_kind((struct text){lines->data, lines->size});
     if (kind) {
         return fail(CONUS_ERROR_DATA, "%s", kind);
     }
@@ -202,6 +186,11 @@ static const struct {
     [CONUS_POSE_FORMAT_LOCALITE] = {"localite", pose_localite_parse},
     [CONUS_POSE_FORMAT_ELECTRODES] = {"electrodes", pose_electrodes_parse},
     [CONUS_POSE_FORMAT_MARKUPS] = {"markups", pose_markups_parse},
+    [CONUS_POSE_FORMAT_SIMNIBS] = {"simnibs", pose_simnibs_parse},
+    [CONUS_POSE_FORMAT_NIBS] = {"nibs", pose_nibs_parse},
+    [CONUS_POSE_FORMAT_INVESALIUS] = {"invesalius", pose_invesalius_parse},
+    [CONUS_POSE_FORMAT_LEAD_DBS] = {"lead-dbs", pose_lead_dbs_parse},
+    [CONUS_POSE_FORMAT_LEAD_DBS_NATIVE] = {"lead-dbs-native", pose_lead_dbs_parse_native},
 };
 
 enum { FORMATS = sizeof formats / sizeof formats[0] };
@@ -226,15 +215,22 @@ static conus_status keep_electrodes(conus_pose_list *list, struct text text)
     return list->electrodes ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
+static bool has_coordsystem(conus_pose_format format)
+{
+    return format == CONUS_POSE_FORMAT_ELECTRODES || format == CONUS_POSE_FORMAT_NIBS;
+}
+
 static conus_status read_whole(conus_pose_stream *stream)
 {
     struct bytes bytes = {0};
-    conus_status status = stream->format == CONUS_POSE_FORMAT_ELECTRODES && stream->path
+    conus_status status = has_coordsystem(stream->format) && stream->path
                               ? pose_coordsystem_find(&stream->whole, stream->path)
                               : CONUS_OK;
-    uint64_t limit = stream->options.max_memory ? stream->options.max_memory : DEFAULT_MEMORY;
-    status = status ? status : pose_lines_rest(&bytes, &stream->lines, limit);
+    status = status ? status : pose_lines_rest(&bytes, &stream->lines, pose_memory(&stream->options));
     const struct text text = {(const char *)bytes.data, bytes.size};
+    if (!status && stream->options.format == CONUS_POSE_FORMAT_AUTO) {
+        status = pose_bytes_program(&stream->format, text, &stream->options);
+    }
     status = status ? status : formats[stream->format].parse(&stream->whole, text, &stream->options);
     if (!status && stream->format == CONUS_POSE_FORMAT_ELECTRODES) {
         status = keep_electrodes(&stream->whole, text);

@@ -163,7 +163,7 @@ const struct option aim_options[] = {
      .value = "FILE",
      .help =
          "poses from a file instead, - for standard input: a table with a header, a 4x4 matrix, or what Brainsight, "
-         "Localite, 3D Slicer or BIDS write (docs/formats.md)"},
+         "Localite, 3D Slicer, SimNIBS, InVesalius, Lead-DBS or BIDS write (docs/formats.md)"},
     {0},
 };
 

@@ -46,7 +46,12 @@ typedef enum conus_pose_format {
     CONUS_POSE_FORMAT_BRAINSIGHT, /**< Brainsight's export: targets, samples, electrodes. */
     CONUS_POSE_FORMAT_LOCALITE,   /**< Localite's InstrumentMarker*.xml and TriggerMarkers*.xml. */
     CONUS_POSE_FORMAT_ELECTRODES, /**< BIDS *_electrodes.tsv, with the *_coordsystem.json beside it: points. */
-    CONUS_POSE_FORMAT_MARKUPS     /**< 3D Slicer's .mrk.json: lines, and points. */
+    CONUS_POSE_FORMAT_MARKUPS,    /**< 3D Slicer's .mrk.json: lines, and points. */
+    CONUS_POSE_FORMAT_SIMNIBS,    /**< SimNIBS's matsimnibs, in MATLAB's files or as text. */
+    CONUS_POSE_FORMAT_NIBS,       /**< The proposal NIBS-BIDS: *_markers.tsv, with the *_coordsystem.json beside it. */
+    CONUS_POSE_FORMAT_INVESALIUS, /**< InVesalius's markers, .mkss. */
+    CONUS_POSE_FORMAT_LEAD_DBS,   /**< Lead-DBS's reconstruction: contacts in MNI space, points. */
+    CONUS_POSE_FORMAT_LEAD_DBS_NATIVE /**< The same in the patient's own space. */
 } conus_pose_format;
 
 /**
@@ -78,7 +83,8 @@ typedef struct conus_pose_options {
 /** One row of a pose file. */
 typedef struct conus_pose_row {
     const char *id;    /**< Column query_id, or the row's number from 1. Ids may repeat. */
-    size_t line;       /**< Line in the file, from 1; of #CONUS_POSE_FORMAT_MARKUPS the markup. */
+    size_t line;       /**< Line in the file, from 1; of #CONUS_POSE_FORMAT_MARKUPS the markup, of MATLAB's files
+                            the row. */
     conus_pose pose;   /**< Where the device is and points. */
     bool is_point;     /**< The row has only a position, no direction: the pose is not turned. */
     bool trigger;      /**< Column trigger; false if absent. */
@@ -198,7 +204,7 @@ CONUS_API bool conus_pose_stream_has_times(const conus_pose_stream *stream);
 CONUS_API const char *conus_pose_stream_electrodes(const conus_pose_stream *stream);
 
 /**
- * Gives the path of the *_coordsystem.json that says what the positions of electrodes (BIDS) are in.
+ * Gives the path of the *_coordsystem.json that says what the positions of electrodes or markers (BIDS) are in.
  * @param stream The stream.
  * @return "" where there is none. Borrowed from the stream.
  * @threads One at a time for each @p stream.

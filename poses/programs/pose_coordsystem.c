@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Finds and parses the *_coordsystem.json of a table of electrodes. */
+/* Finds and parses the *_coordsystem.json of a table of electrodes, or of markers of NIBS-BIDS. */
 #include "poses/programs/pose_coordsystem.h"
 
 #include "base/buffer.h"
@@ -11,7 +11,7 @@
 #include <stdio.h>
 #include <string.h>
 
-static const char table_ending[] = "electrodes.tsv";
+static const char *const table_endings[] = {"electrodes.tsv", "markers.tsv"};
 static const char system_ending[] = "coordsystem.json";
 
 enum { FILE_LIMIT = 1 << 20 };
@@ -26,7 +26,7 @@ static const struct {
     {"ICBM452", POSE_BRAIN_TEMPLATE},    {"IXI549", POSE_BRAIN_TEMPLATE},     {"NIHPD", POSE_BRAIN_TEMPLATE},
     {"OASIS30", POSE_BRAIN_TEMPLATE},    {"UNCInfant", POSE_BRAIN_TEMPLATE},  {"ScanRAS", POSE_BRAIN_SUBJECT},
     {"scanner", POSE_BRAIN_SUBJECT},     {"individual", POSE_BRAIN_SUBJECT},  {"ACPC", POSE_BRAIN_SUBJECT},
-    {"fsnative", POSE_BRAIN_SUBJECT},
+    {"fsnative", POSE_BRAIN_SUBJECT},    {"Individual", POSE_BRAIN_SUBJECT},
 };
 
 /* Systems of a head or a helmet, with origins and axes of their own, and pixels: no image's world. */
@@ -62,10 +62,10 @@ static conus_status set_scale(struct pose_space *out, struct text units)
     return fail(CONUS_ERROR_DATA, "CoordinateUnits \"%.*s\", allowed are mm, cm and m", pose_quote(units), units.data);
 }
 
-/* The key of intracranial electrodes, or else that of EEG's. */
+/* The key of intracranial electrodes, or else that of EEG's, or that of stimulation. */
 static struct text find_text(const json_t *root, const char *key)
 {
-    static const char *const modalities[] = {"iEEG", "EEG"};
+    static const char *const modalities[] = {"iEEG", "EEG", "NIBS"};
     char name[64];
     for (size_t i = 0; i < sizeof modalities / sizeof modalities[0]; i++) {
         snprintf(name, sizeof name, "%s%s", modalities[i], key);
@@ -84,7 +84,7 @@ conus_status pose_coordsystem_parse(struct pose_space *out, struct text text)
     conus_status status = json_text_load(&root, text);
     struct text name = find_text(root, "CoordinateSystem");
     if (!status && !name.size) {
-        status = fail(CONUS_ERROR_DATA, "no iEEGCoordinateSystem");
+        status = fail(CONUS_ERROR_DATA, "no iEEGCoordinateSystem, EEGCoordinateSystem or NIBSCoordinateSystem");
     }
     status = status ? status : set_space(&space, name);
     status = status ? status : set_scale(&space, find_text(root, "CoordinateUnits"));
@@ -99,14 +99,18 @@ static struct text file_name(const char *path)
     return text_from(slash ? slash + 1 : path);
 }
 
+enum { CANDIDATES = 4 };
+
 static bool is_kept(struct text entity, int candidate)
 {
     bool of_person = text_starts(entity, "sub-") || text_starts(entity, "ses-");
-    return candidate == 0 || of_person || (candidate == 1 && text_starts(entity, "space-"));
+    bool of_task = text_starts(entity, "task-") || text_starts(entity, "stimsys-");
+    return candidate == 0 || of_person || (candidate == 1 && of_task) ||
+           (candidate <= 2 && text_starts(entity, "space-"));
 }
 
-/* The table's name with all entities (candidate 0), those of person and space (1), or of the person only (2): files
- * that hold for several tables lack the rest. NULL without memory. */
+/* The table's name with all entities (candidate 0), those of person, task and space (1), of person and space (2), or of
+ * the person only (3): files that hold for several tables lack the rest. NULL without memory. */
 static char *system_path(const char *path, int candidate)
 {
     struct text rest = file_name(path);
@@ -150,12 +154,21 @@ static conus_status space_of_name(conus_pose_list *list, const char *path)
     return CONUS_OK;
 }
 
+static bool is_table(const char *path)
+{
+    size_t size = strlen(path);
+    bool found = false;
+    for (size_t i = 0; i < sizeof table_endings / sizeof table_endings[0]; i++) {
+        size_t ending = strlen(table_endings[i]);
+        found = found || (size > ending && strcmp(path + size - ending, table_endings[i]) == 0);
+    }
+    return found;
+}
+
 conus_status pose_coordsystem_find(conus_pose_list *list, const char *path)
 {
-    size_t size = text_from(path).size;
-    size_t ending = sizeof table_ending - 1;
-    bool is_bids = size > ending && strcmp(path + size - ending, table_ending) == 0;
-    for (int candidate = 0; is_bids && candidate < 3; candidate++) {
+    bool is_bids = is_table(path);
+    for (int candidate = 0; is_bids && candidate < CANDIDATES; candidate++) {
         char *beside = system_path(path, candidate);
         if (!beside) {
             return CONUS_ERROR_MEMORY;
@@ -168,6 +181,6 @@ conus_status pose_coordsystem_find(conus_pose_list *list, const char *path)
     }
     conus_status status = space_of_name(list, path);
     return status ? status
-                  : notes_warn(&list->notes, "no *_%s beside it: contacts are taken as mm, and no space is known",
+                  : notes_warn(&list->notes, "no *_%s beside it: positions are taken as mm, and no space is known",
                                system_ending);
 }

@@ -8,6 +8,11 @@
 #include <stdio.h>
 #include <string.h>
 
+uint64_t pose_memory(const conus_pose_options *options)
+{
+    return options->max_memory ? options->max_memory : UINT64_C(1) << 30;
+}
+
 conus_pose_row pose_row_at(size_t line)
 {
     return (conus_pose_row){.line = line, .time_s = NAN, .error_deg = NAN, .error_mm = NAN};

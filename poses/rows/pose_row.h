@@ -16,6 +16,9 @@ enum {
 #define POSE_FORMATS                                                                                                   \
     "a header line and one line per pose, a 4 x 4 matrix, lines of x y z, or another program's file (docs/formats.md)"
 
+/** Bytes that a file that is read whole may take: what @p options say, or 1 GiB. */
+uint64_t pose_memory(const conus_pose_options *options);
+
 /** A row that says nothing yet: no times, no errors, no angle. */
 conus_pose_row pose_row_at(size_t line);
 

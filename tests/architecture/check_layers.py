@@ -44,7 +44,7 @@ LIBRARY = {
     "atlas/phantom": "base atlas/surface atlas",
     "poses/rows": "base",
     "poses/programs": "base base/formats poses/rows",
-    "poses": "base poses/rows poses/programs",
+    "poses": "base base/formats poses/rows poses/programs",
     # file_kind.c asks the readers what a file is; they ask it for the words of their errors.
     "loaders": "base base/formats loaders/volumes loaders/tables loaders/surfaces",
     "loaders/tiff": "base",

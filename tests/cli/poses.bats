@@ -410,3 +410,61 @@ same_answers() {
     header x,,y,z,tx,ty
     fails 3 '"" is no name of a column' query sphere.nii.gz --pose bad.csv
 }
+
+# A coil of SimNIBS that faces downwards from 90 mm above (-40, -20, 0), its handle towards HANDLE: x = y cross z.
+# matsimnibs HANDLE_X HANDLE_Y: y = (hx, hy, 0), z = (0, 0, -1), so x = (-hy, hx, 0).
+matsimnibs() { printf '%s %s 0 -40\n%s %s 0 -20\n0 0 -1 90\n0 0 0 1\n' "-$2" "$1" "$1" "$2"; }
+
+@test "a coil of SimNIBS over the precentral gyrus reaches it from outside, whichever way its handle goes" {
+    need_aal
+    printf 'x,y,z,dx,dy,dz\n-40,-20,90,0,0,-1\n' >down.csv
+    answers query "$aal" --pose down.csv --angle 20 --format tsv
+    [ "$(cell name 1)" = Precentral_L ]
+    local wanted
+    wanted=$(cut -f 1-8 <<<"$output")
+    for handle in '0 1' '0.6 0.8' '0.8 0.6'; do
+        # shellcheck disable=SC2086 # two numbers
+        matsimnibs $handle >coil.txt
+        answers query "$aal" --pose coil.txt --poses-format simnibs --any-space --angle 20 --format tsv
+        [ "$(cut -f 1-8 <<<"$output")" = "$wanted" ]
+    done
+    # The same 16 numbers by themselves are a matrix, which points along -z: away from the brain.
+    run -0 --separate-stderr "$CONUS" query "$aal" --pose coil.txt --angle 20 --format tsv
+    [ "$(cell name 1)" = unassigned ]
+    [[ "$stderr" == *'looking the other way it would hit Precentral_L first' ]]
+}
+
+@test "coils and contacts of other labs pass through every command" {
+    sphere --size 16
+    for file in simnibs.mat invesalius.mkss markers.tsv; do
+        run -1 --separate-stderr "$CONUS" query sphere.nii.gz --pose "$SAMPLES/$file" --format tsv --quiet
+        local wanted=$output
+        [ "$(wc -l <<<"$wanted")" -ge 4 ]
+        run -1 --separate-stderr "$CONUS" batch sphere.nii.gz --poses "$SAMPLES/$file" --format tsv --quiet
+        [ "$output" = "$wanted" ]
+        run -1 --separate-stderr "$CONUS" batch sphere.nii.gz --poses - --format tsv --quiet <"$SAMPLES/$file"
+        [ "$output" = "$wanted" ]
+        run -1 --separate-stderr "$CONUS" sweep sphere.nii.gz --pose "$SAMPLES/$file" --angles 10,20 --format tsv --quiet
+        [ "$(cell query 1)" = "$(cut -f 1 <<<"$wanted" | sed -n 2p)" ]
+    done
+    answers query sphere.nii.gz --pose "$SAMPLES/lead-dbs.mat" --radius 2 --format tsv -q
+    [ "$(cut -f 1 <<<"$output" | tail -n +2 | uniq | paste -sd ' ')" = 'R1 R2 R3 R4 L1 L2' ]
+    local wanted=$output
+    run -0 --separate-stderr "$CONUS" batch sphere.nii.gz --poses "$SAMPLES/lead-dbs.mat" --radius 2
+    [ "$output" = "$wanted" ]
+    [[ "$stderr" == *'reco.mni'* ]]
+}
+
+@test "heads of subjects are refused for a template, contacts in MNI space are not" {
+    need_aal
+    fails 3 'simnibs.mat: positions are in "SimNIBS head model", the atlas in another space' \
+        query "$aal" --pose "$SAMPLES/simnibs.mat"
+    fails 3 'invesalius.mkss: positions are in "InVesalius world", the atlas in another space' \
+        query "$aal" --pose "$SAMPLES/invesalius.mkss"
+    fails 3 'lead-dbs.mat: positions are in "Lead-DBS scrf", the atlas in another space' \
+        batch "$aal" --poses "$SAMPLES/lead-dbs.mat" --poses-format lead-dbs-native --radius 2
+    answers query "$aal" --pose "$SAMPLES/lead-dbs.mat" --radius 2 --format tsv -q
+    printf 'MATLAB 7.3 MAT-file\n' >new.mat
+    fails 3 "new.mat: MATLAB's level 7.3, which is HDF5: save it anew with MATLAB's save(..., '-v7')" \
+        query "$aal" --pose new.mat
+}

@@ -37,9 +37,13 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     const struct text text = {(const char *)data, size};
     const conus_pose_options axes = {.space = CONUS_SPACE_LPS, .axis = (conus_axis)(size % 7)};
     const conus_pose_options shafts = {.format = CONUS_POSE_FORMAT_ELECTRODES, .along_shafts = true};
+    const conus_pose_options coils = {.format = CONUS_POSE_FORMAT_SIMNIBS, .max_memory = 1 << 20};
+    const conus_pose_options leads = {.format = CONUS_POSE_FORMAT_LEAD_DBS_NATIVE, .max_memory = 1 << 20};
     size_t count = read_rows(text, NULL);
     (void)read_rows(text, &axes);
     (void)read_rows(text, &shafts);
+    (void)read_rows(text, &coils);
+    (void)read_rows(text, &leads);
     conus_pose_stream *stream = NULL;
     uint64_t passed = 0;
     if (count && pose_stream_parse(&stream, text, NULL) == CONUS_OK) {

@@ -3,11 +3,14 @@
 """The readers of poses against writers that share nothing with them, as a user would run them.
 
 Random devices are written in every format, space and matrix convention of docs/formats.md, by the definitions of the
-programs that those formats come from (SimNIBS's axes for Brainsight and Localite, Slicer's schema, BIDS); conus query
-must give their poses back within what the format's digits allow.
+programs that those formats come from (SimNIBS's axes for Brainsight and Localite, Slicer's schema, BIDS, SimNIBS's
+structures, InVesalius's angles, the tables of NIBS-BIDS, Lead-DBS's cells); conus query must give their poses back
+within what the format's digits allow. scipy writes the files of MATLAB; without it they are left out.
 
 usage: compare_poses.py CONUS; exit 77 = skipped."""
 
+import importlib.util
+import io
 import json
 import os
 import subprocess
@@ -107,10 +110,103 @@ def electrodes(coils):
     return "\n".join(lines) + "\n"
 
 
+def simnibs_text(coils):
+    return "\n".join("\n".join(" ".join(repr(float(n)) for n in row) for row in coil) + "\n" for coil in coils)
+
+
+def simnibs_session(coils, packed):
+    """As SimNIBS's sim_struct2mat() has it: a SESSION with a cell of two TMSLISTs, each with an array of POSITIONs."""
+    import scipy.io
+    fields = ["type", "name", "date", "istrig", "matORG", "orient", "matsimnibs", "didt", "fnamefem", "centre", "pos_ydir",
+              "distance"]
+    kind = np.dtype([(field, "O") for field in fields])
+    rows = [np.array([("POSITION", f"coil {i}", "", False, "", "", coil.tolist(), 1e6, "", "", "", 4.0)], dtype=kind)
+            for i, coil in enumerate(coils)]
+    lists = [{"type": "TMSLIST", "fnamecoil": "coil.ccd", "pos": np.concatenate(part)} for part in (rows[:7], rows[7:])]
+    file = io.BytesIO()
+    scipy.io.savemat(file, {"type": "SESSION", "poslist": lists, "fiducials": {"Nz": []}}, do_compression=packed)
+    return file.getvalue()
+
+
+def invesalius(coils):
+    """Its coil's z points out of the head: SimNIBS's x and z turned round. Angles by the formula of Tait and Bryan: the
+    turn is Rz(gamma) Ry(beta) Rx(alpha)."""
+    names = ["marker_id", "x", "y", "z", "alpha", "beta", "gamma", "label", "marker_type", "x_world", "y_world", "z_world",
+             "alpha_world", "beta_world", "gamma_world"]
+    lines = ["##INVESALIUS3_MARKER_FILE_4", "\t".join(f'"{name}"' for name in names)]
+    for i, coil in enumerate(coils):
+        m = coil @ np.diag([-1.0, 1.0, -1.0, 1.0])
+        angles = np.degrees([np.arctan2(m[2, 1], m[2, 2]), np.arcsin(-m[2, 0]), np.arctan2(m[1, 0], m[0, 0])])
+        world = "\t".join(repr(float(n)) for n in [*m[:3, 3], *angles])
+        lines.append(f'{i}\t1.0\t2.0\t3.0\t4.0\t5.0\t6.0\t"coil {i}"\t3\t{world}')
+    return "\n".join(lines) + "\n"
+
+
+def nibs(coils, columns, values):
+    """A table of NIBS-BIDS: @p values gives the numbers of each coil in threes."""
+    header = ["nibs_position_id"] + [f"{column}_{k}" for column in columns for k in "xyz"]
+    lines = ["\t".join(header)]
+    for i, coil in enumerate(coils):
+        lines.append("\t".join([f"coil {i}"] + [repr(float(n)) for vector in values(i, coil) for n in vector]))
+    return "\n".join(lines) + "\n"
+
+
+def nibs_tables(coils):
+    def ahead(coil, depth):
+        return (coil @ [0, 0, depth, 1])[:3]
+
+    def towards(i, coil):
+        return [ahead(coil, 0), ahead(coil, 60)]
+
+    def beams(i, coil):
+        return [ahead(coil, 0), 3 * coil[:3, 2], ahead(coil, -9)]
+
+    def normals(i, coil):  # of both signs; the target is 5 mm beside the beam, and says which is right
+        return [ahead(coil, 0), (-1) ** i * coil[:3, 2], ahead(coil, 40) + 5 * coil[:3, 0]]
+
+    matrices = ["nibs_position_id\tposition_coil_transform"]
+    matrices += [f"coil {i}\t{json.dumps(coil.tolist())}" for i, coil in enumerate(coils)]
+    return [("coil_markers.tsv", nibs(coils, ["position_coil", "position"], towards), [], 1e-7, False),
+            ("old_markers.tsv", nibs(coils, ["entry", "target"], towards), [], 1e-7, False),
+            ("beam_markers.tsv", nibs(coils, ["position_transducer", "position_beam", "position"], beams), [], 1e-7, False),
+            ("normal_markers.tsv", nibs(coils, ["coil", "normal", "target"], normals), [], 1e-7, False),
+            ("matrix_markers.tsv", "\n".join(matrices) + "\n", ["--axis", "+z"], 1e-7, True)]
+
+
+def reconstruction(coils):
+    """Eight contacts each of a right and a left lead, in three spaces; [0] of them is the template's."""
+    import scipy.io
+    spaces = [[np.array([coil[:3, 3] for coil in coils[8 * k:8 * k + 8]]) + shift for k in (0, 1)] for shift in (0, 7, 30)]
+    reco = {}
+    for name, leads in zip(("mni", "scrf", "native"), spaces):
+        cells = np.empty((1, 2), dtype=object)
+        cells[0, 0], cells[0, 1] = leads
+        reco[name] = {"coords_mm": cells, "trajectory": cells}
+    file = io.BytesIO()
+    scipy.io.savemat(file, {"reco": reco}, do_compression=True)
+    return file.getvalue(), spaces
+
+
+def compare_contacts(conus, coils):
+    data, spaces = reconstruction(coils)
+    worst = 0
+    for options, leads in (([], spaces[0]), (["--poses-format", "lead-dbs-native"], spaces[1])):
+        with open("ea_reconstruction.mat", "wb") as file:
+            file.write(data)
+        done = subprocess.run([conus, "query", "sphere.nii.gz", "--pose", "ea_reconstruction.mat", "--radius", "1",
+                               "--any-space", "--quiet", "--format", "json"] + options, stdout=subprocess.PIPE, check=True)
+        points = {query["query"]: query["point_ras"] for query in json.loads(done.stdout)["Queries"]}
+        wanted = {f"{side}{i + 1}": point for side, lead in zip("RL", leads) for i, point in enumerate(lead)}
+        worst = max(worst, np.abs(np.array([points[name] for name in wanted]) - list(wanted.values())).max())
+        worst = worst if list(points) == list(wanted) else np.inf
+    print(f"ea_reconstruction.mat: {len(wanted)} contacts in two spaces, largest difference {worst:.2g}, allowed 1e-07")
+    return not worst <= 1e-7
+
+
 def read(conus, atlas, text, name, options):
     """The poses that conus answers, in its own axes: [n] world_from_device in RAS."""
-    with open(name, "w", encoding="utf-8") as file:
-        file.write(text)
+    with open(name, "wb") as file:
+        file.write(text if isinstance(text, bytes) else text.encode())
     done = subprocess.run([conus, "query", atlas, "--pose", name, "--any-space", "--quiet", "--format", "json"] + options,
                           stdout=subprocess.PIPE, check=True)
     queries = json.loads(done.stdout)["Queries"]
@@ -131,7 +227,12 @@ def main():
              ("ras.csv", matrices(coils, "ras"), ["--axis", "+z"], 1e-7, True),
              ("lps.csv", matrices(coils, "lps"), ["--axis", "+z", "--space", "lps"], 1e-7, True),
              ("along.tsv", directions(coils, False), [], 1e-7, True),
-             ("toward.tsv", directions(coils, True), [], 1e-7, True)]
+             ("toward.tsv", directions(coils, True), [], 1e-7, True),
+             ("markers.mkss", invesalius(coils), [], 1e-7, True),
+             *nibs_tables(coils)]
+    has_scipy = importlib.util.find_spec("scipy") is not None
+    if has_scipy:
+        cases += [(f"session{packed:d}.mat", simnibs_session(coils, packed), [], 1e-7, True) for packed in (False, True)]
     failed = 0
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
@@ -146,6 +247,14 @@ def main():
                     worst = max(worst, np.abs(m[:3, 1] - coil[:3, 1]).max())
             failed += not worst <= tolerance
             print(f"{name}: {len(poses)} poses, largest difference {worst:.2g}, allowed {tolerance:g}")
+        poses = read(conus, "sphere.nii.gz", simnibs_text(coils), "matsimnibs.txt", ["--poses-format", "simnibs"])
+        worst = max([np.abs(m - coil @ np.diag([-1.0, 1, -1, 1])).max() for (_, m), coil in zip(poses, coils)])
+        failed += not (worst <= 1e-7 and len(poses) == COUNT)
+        print(f"matsimnibs.txt: {len(poses)} poses, largest difference {worst:.2g}, allowed 1e-07")
+        if has_scipy:
+            failed += compare_contacts(conus, coils)
+        else:
+            print("no python3-scipy: the files of MATLAB are left out")
         poses = dict(read(conus, "sphere.nii.gz", electrodes(coils), "sub-01_electrodes.tsv", ["--along-shafts"]))
         worst = max(np.abs(-poses[f"S{i}-{k}"][:3, 2] - coil[:3, 2]).max() for i, coil in enumerate(coils) for k in (1, 2))
         failed += not worst <= 1e-7

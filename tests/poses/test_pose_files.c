@@ -283,27 +283,29 @@ static void write_text(const char *path, const char *text)
 static void coordinate_systems_are_found(void **state)
 {
     (void)state;
-    static const char *const systems[] = {"sub-01_acq-a_space-MNI152Lin_coordsystem.json",
+    static const char *const systems[] = {"sub-01_task-x_acq-a_space-MNI152Lin_coordsystem.json",
+                                          "sub-01_task-x_space-MNI152Lin_coordsystem.json",
                                           "sub-01_space-MNI152Lin_coordsystem.json", "sub-01_coordsystem.json"};
+    enum { SYSTEMS = sizeof systems / sizeof systems[0] };
     static const char json[] = "{\"iEEGCoordinateSystem\":\"MNI152Lin\",\"iEEGCoordinateUnits\":\"cm\"}";
     char table[4096];
-    snprintf(table, sizeof table, "%s", test_scratch("sub-01_acq-a_space-MNI152Lin_electrodes.tsv"));
+    snprintf(table, sizeof table, "%s", test_scratch("sub-01_task-x_acq-a_space-MNI152Lin_electrodes.tsv"));
     write_text(table, "name\tx\ty\tz\tsize\nA1\t-2\t3\t4\t5\n");
-    for (size_t i = 0; i <= 3; i++) {
+    for (size_t i = 0; i <= SYSTEMS; i++) {
         conus_pose_stream *stream = NULL;
         conus_pose_row row;
         size_t count = 0;
-        if (i < 3) {
+        if (i < SYSTEMS) {
             write_text(test_scratch(systems[i]), json);
         }
         assert_ok(conus_pose_stream_open(&stream, table, &(conus_pose_options){.space = CONUS_SPACE_LPS}));
         assert_string_equal(conus_pose_stream_space(stream), "MNI152Lin");
-        assert_string_equal(conus_pose_stream_coordsystem(stream), i < 3 ? test_scratch(systems[i]) : "");
+        assert_string_equal(conus_pose_stream_coordsystem(stream), i < SYSTEMS ? test_scratch(systems[i]) : "");
         assert_ok(conus_pose_stream_read(&row, &count, stream, 1));
-        assert_near(row.pose.world_from_device[12], i < 3 ? -20 : -2, 1e-12); /* a named space is RAS */
-        assert_non_null(strstr(conus_pose_stream_note(stream, i == 3), "positions are RAS"));
+        assert_near(row.pose.world_from_device[12], i < SYSTEMS ? -20 : -2, 1e-12); /* a named space is RAS */
+        assert_non_null(strstr(conus_pose_stream_note(stream, i == SYSTEMS), "positions are RAS"));
         conus_pose_stream_destroy(stream);
-        if (i < 3) {
+        if (i < SYSTEMS) {
             remove(test_scratch(systems[i]));
         }
     }

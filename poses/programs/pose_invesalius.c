@@ -1,0 +1,152 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Parses InVesalius's table of markers. */
+#include "poses/programs/pose_invesalius.h"
+
+#include "base/math3.h"
+#include "poses/rows/pose_columns.h"
+#include "poses/rows/pose_row.h"
+
+static const char first_line[] = "##INVESALIUS3_MARKER_FILE_";
+
+enum { NEWEST_VERSION = 4 };
+
+enum column { LABEL, TYPE, ALPHA, X, Y, Z, ALPHA_WORLD, BETA_WORLD, GAMMA_WORLD, COLUMNS };
+
+static const char *const names[COLUMNS] = {"label",   "marker_type", "alpha",      "x_world",    "y_world",
+                                           "z_world", "alpha_world", "beta_world", "gamma_world"};
+
+struct reading {
+    conus_pose_list *list;
+    const conus_pose_options *options;
+    struct pose_columns columns;
+    size_t fiducials;
+};
+
+bool pose_invesalius_line(struct text line)
+{
+    return text_starts(line, first_line);
+}
+
+static conus_status read_version(struct reading *reading, struct text line)
+{
+    enum { SKIPPED = sizeof first_line - 1 };
+    struct text number = text_trim((struct text){line.data + SKIPPED, line.size - SKIPPED});
+    uint64_t version;
+    if (!text_to_uint(number, UINT32_MAX, &version)) {
+        return fail(CONUS_ERROR_DATA, "%s: \"%.*s\" is no version", first_line, pose_quote(number), number.data);
+    }
+    return version <= NEWEST_VERSION
+               ? CONUS_OK
+               : notes_warn(&reading->list->notes,
+                            "markers of InVesalius, version %llu; 0 to %d are known, and this one is read as they are",
+                            (unsigned long long)version, NEWEST_VERSION);
+}
+
+static conus_status read_header(struct reading *reading, struct text line)
+{
+    conus_status status = pose_columns_find(&reading->columns, line);
+    for (size_t i = X; !status && i < COLUMNS; i++) {
+        if (!pose_columns_has(&reading->columns, i)) {
+            status =
+                fail(CONUS_ERROR_DATA,
+                     "markers of InVesalius without the column %s: x, y and z are in its own space, which only its "
+                     "image tells; save them anew with a version that writes x_world",
+                     names[i]);
+        }
+    }
+    return status;
+}
+
+/* Angles about fixed axes, first x, then y, then z, in degrees. */
+static void turn_by(double m[16], const double degrees[3])
+{
+    double c[3];
+    double s[3];
+    for (int i = 0; i < 3; i++) {
+        c[i] = cos(radians_from_degrees(degrees[i]));
+        s[i] = sin(radians_from_degrees(degrees[i]));
+    }
+    const double columns[3][3] = {
+        {c[1] * c[2], c[1] * s[2], -s[1]},
+        {s[0] * s[1] * c[2] - c[0] * s[2], s[0] * s[1] * s[2] + c[0] * c[2], s[0] * c[1]},
+        {c[0] * s[1] * c[2] + s[0] * s[2], c[0] * s[1] * s[2] - s[0] * c[2], c[0] * c[1]},
+    };
+    for (int i = 0; i < 12; i++) {
+        m[i] = i % 4 < 3 ? columns[i / 4][i % 4] : 0;
+    }
+}
+
+/* The world columns of a marker without orientation have one nevertheless. */
+static conus_status read_pose(conus_pose_row *row, const struct reading *reading, const struct text *fields)
+{
+    double position[3];
+    double angles[3];
+    double m[16] = {[15] = 1};
+    if (pose_field_is_absent(fields[X])) {
+        return fail(CONUS_ERROR_DATA, "x_world: not known; InVesalius knows the world of NIfTI images only");
+    }
+    conus_status status = pose_columns_point(position, &reading->columns, fields, X, 1);
+    row->is_point = pose_columns_has(&reading->columns, ALPHA) && pose_field_is_absent(fields[ALPHA]);
+    if (status || row->is_point) {
+        return status ? status : pose_of_point(&row->pose, position);
+    }
+    status = pose_columns_point(angles, &reading->columns, fields, ALPHA_WORLD, 1);
+    if (!status) {
+        turn_by(m, angles);
+        memcpy(m + 12, position, sizeof position);
+        status = conus_pose_from_matrix(&row->pose, m);
+    }
+    if (!status) {
+        pose_turn(&row->pose, reading->options->axis);
+    }
+    return status;
+}
+
+/* Points on the head, for registration. Old files know them by their labels. */
+static bool is_fiducial(const struct text *fields)
+{
+    bool is_named =
+        text_equal(fields[LABEL], "LEI") || text_equal(fields[LABEL], "REI") || text_equal(fields[LABEL], "NAI");
+    return fields[TYPE].size ? text_equal(fields[TYPE], "0") : is_named;
+}
+
+static conus_status read_row(struct reading *reading, struct text line, size_t number)
+{
+    struct text fields[COLUMNS];
+    conus_pose_row row = pose_row_at(number);
+    conus_status bad = pose_columns_split(fields, &reading->columns, line);
+    if (!bad && is_fiducial(fields)) {
+        reading->fiducials++;
+        return CONUS_OK;
+    }
+    bad = bad ? bad : read_pose(&row, reading, fields);
+    return pose_list_add(reading->list, &row, fields[LABEL], bad ? conus_message() : NULL);
+}
+
+static conus_status read_lines(struct reading *reading, struct text text)
+{
+    struct text line;
+    bool begun = false;
+    conus_status status = text_line(&text, &line) && pose_invesalius_line(line)
+                              ? read_version(reading, line)
+                              : fail(CONUS_ERROR_DATA, "the first line is not %s0 to %d", first_line, NEWEST_VERSION);
+    for (size_t number = 2; !status && text_line(&text, &line); number++) {
+        if (text_trim(line).size) {
+            status = begun ? read_row(reading, line, number) : read_header(reading, line);
+            begun = true;
+        }
+    }
+    return status || begun ? status : fail(CONUS_ERROR_DATA, "markers of InVesalius without a header");
+}
+
+conus_status pose_invesalius_parse(conus_pose_list *list, struct text text, const conus_pose_options *options)
+{
+    struct reading reading = {.list = list, .options = options, .columns = {.names = names, .count = COLUMNS}};
+    list->space = pose_space_named(text_from("InVesalius world"), POSE_BRAIN_SUBJECT);
+    conus_status status = pose_note_space(&list->notes, options, false);
+    status = status ? status : read_lines(&reading, text);
+    if (!status && reading.fiducials) {
+        status = notes_add(&list->notes, "%zu fiducials were passed over", reading.fiducials);
+    }
+    return status ? status : pose_list_note_metres(list, "InVesalius");
+}
