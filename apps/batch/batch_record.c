@@ -2,48 +2,17 @@
 /* Writes the record of a batch into its sidecar, with the hashes that identify its inputs. */
 #include "batch/batch_record.h"
 
-#include "common/input_file.h"
 #include "common/messages.h"
 #include "common/output.h"
+#include "common/provenance.h"
 
-#include <errno.h>
 #include <inttypes.h>
 #include <jansson.h>
 #include <nettle/sha2.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { CHUNK = 1 << 16, DIGITS = 9 };
-
-static void finish_hash(char out[65], struct sha256_ctx *context)
-{
-    uint8_t digest[SHA256_DIGEST_SIZE];
-    sha256_digest(context, sizeof digest, digest);
-    for (size_t i = 0; i < sizeof digest; i++) {
-        snprintf(out + 2 * i, 3, "%02x", digest[i]);
-    }
-}
-
-int batch_hash_file(char out[65], const char *path)
-{
-    uint8_t chunk[CHUNK];
-    struct sha256_ctx context;
-    FILE *file = input_file_open(path);
-    if (!file) {
-        return EXIT_DATA;
-    }
-    sha256_init(&context);
-    for (size_t n; (n = fread(chunk, 1, sizeof chunk, file)) > 0;) {
-        sha256_update(&context, n, chunk);
-    }
-    bool failed = ferror(file);
-    fclose(file);
-    if (failed) {
-        return print_system_error(path, "read");
-    }
-    finish_hash(out, &context);
-    return EXIT_DONE;
-}
+enum { DIGITS = 9 };
 
 /* With its final NUL, so that two texts do not run into each other. */
 static void hash_text(struct sha256_ctx *context, const char *text)
@@ -126,16 +95,8 @@ int batch_fingerprint(char out[65], conus_batch *batch, const struct atlases *at
     for (size_t i = 0; i < atlases->count; i++) {
         hash_objects(&context, atlases->items[i].atlas);
     }
-    finish_hash(out, &context);
+    provenance_hash_finish(out, &context);
     return EXIT_DONE;
-}
-
-char *batch_sidecar_path(const char *output)
-{
-    bool is_table = path_ends(output, ".tsv") || path_ends(output, ".csv");
-    size_t length = strlen(output) - (is_table ? strlen(".tsv") : 0);
-    char *path = NULL;
-    return asprintf(&path, "%.*s.json", (int)length, output) < 0 ? NULL : path;
 }
 
 static json_t *json_from_record(const struct batch_record *record)
@@ -189,7 +150,9 @@ int batch_record_write(const char *path, const char *text, const struct batch_re
     json_t *root = json_loads(text, 0, NULL);
     char *whole = NULL;
     json_object_del(root, "Queries");
-    if (root && set_record(root, json_from_record(record)) && set_command(root, command)) {
+    json_object_del(root, "Checksum"); /* of a shard */
+    if (root && set_record(root, json_from_record(record)) && set_command(root, command) &&
+        provenance_put_input(root, record->level_file) && provenance_seal(root)) {
         char *dumped = json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(DIGITS));
         whole = dumped && asprintf(&whole, "%s\n", dumped) >= 0 ? whole : NULL;
         free(dumped);

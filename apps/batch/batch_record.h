@@ -19,20 +19,14 @@ struct batch_record {
     const char *pose_hash;         /**< its SHA-256, "" of standard input, */
     const char *coordsystem;       /**< The file that says what its positions are in; "" = none, */
     const char *coordsystem_hash;  /**< its SHA-256, */
+    const char *level_file;        /**< Of areas, "--level @FILE"; NULL = none. */
     double angle;                  /**< and the angle of poses without one, degrees. */
 };
-
-/** SHA-256 of the file at @p path, in hexadecimal. Returns the exit code and prints an error unless it is 0. */
-int batch_hash_file(char out[65], const char *path);
 
 /** Fingerprint of a batch: of its sidecar, header row, the atlases' objects, how poses are read, and what they are read
  * from: the texts of @p sources up to NULL. */
 int batch_fingerprint(char out[65], conus_batch *batch, const struct atlases *atlases,
                       const struct batch_settings *settings, const char *const *sources);
-
-/** The path of the sidecar of @p output: "a.json" of "a.tsv" or "a.csv", else with ".json" behind it.
- * NULL without memory; the caller frees it. */
-char *batch_sidecar_path(const char *output);
 
 /** Writes the sidecar: @p text, a JSON object, with the record in it, and with @p command as the command line. */
 int batch_record_write(const char *path, const char *text, const struct batch_record *record, const char *command);

@@ -4,6 +4,7 @@
 
 #include "common/messages.h"
 #include "common/output.h"
+#include "common/provenance.h"
 #include "settings/aim_notes.h"
 #include "settings/atlas_notes.h"
 
@@ -214,7 +215,7 @@ int work_init(struct work *out, const struct batch_settings *settings, const str
     }
     out->output = output_is_stdout(settings->output) ? NULL : settings->output;
     out->command_line = arguments_text(arguments);
-    out->sidecar = out->output ? batch_sidecar_path(out->output) : NULL;
+    out->sidecar = out->output ? provenance_path(out->output) : NULL;
     if (!out->command_line || (out->output && !out->sidecar)) {
         print_error_line("not enough memory");
         return EXIT_DATA;
@@ -269,7 +270,7 @@ int work_identify(struct work *work)
                                    file_in_rows(work),
                                    manifest_in_rows(work),
                                    NULL};
-    int code = work->piped ? EXIT_DONE : batch_hash_file(work->pose_hash, settings->poses);
+    int code = work->piped ? EXIT_DONE : provenance_hash_file(work->pose_hash, settings->poses);
     return code ? code : batch_fingerprint(work->fingerprint, work->batch, &work->atlases, settings, sources);
 }
 
@@ -326,6 +327,7 @@ int work_write_sidecar(struct work *work, struct batch_record *record)
     record->pose_hash = work->pose_hash;
     record->coordsystem = conus_pose_stream_coordsystem(work->poses);
     record->coordsystem_hash = conus_pose_stream_coordsystem_sha256(work->poses);
+    record->level_file = settings_level_file(&work->settings->engine);
     record->angle = angle * (180 / M_PI);
     memcpy(record->fingerprint, work->fingerprint, sizeof record->fingerprint);
     conus_status status = conus_batch_sidecar(&text, &size, work->batch);

@@ -7,6 +7,7 @@
 #include "common/input_file.h"
 #include "common/messages.h"
 #include "common/output.h"
+#include "common/provenance.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -293,14 +294,14 @@ static bool init(struct merge *merge, const struct arguments *arguments)
     merge->count = arguments->operand_count + arguments->more.count;
     merge->parts = calloc(merge->count, sizeof *merge->parts);
     merge->command_line = arguments_text(arguments);
-    merge->sidecar = batch_sidecar_path(merge->settings->output);
+    merge->sidecar = provenance_path(merge->settings->output);
     if (asprintf(&merge->temporary, "%s.XXXXXX.part", merge->settings->output) < 0) {
         merge->temporary = NULL;
     }
     bool whole = merge->parts && merge->command_line && merge->sidecar && merge->temporary;
     for (size_t i = 0; i < merge->count && whole; i++) {
         merge->parts[i].path = i ? arguments->more.items[i - 1] : arguments->operands[0];
-        merge->parts[i].sidecar = batch_sidecar_path(merge->parts[i].path);
+        merge->parts[i].sidecar = provenance_path(merge->parts[i].path);
         whole = merge->parts[i].sidecar;
     }
     return whole || (print_error_line("not enough memory"), false);

@@ -235,8 +235,9 @@ static int answer(struct overlap *overlap)
     }
     atlases_say_notes(&overlap->atlases, &overlap->settings->common);
     atlases_say_spaces(&overlap->atlases, &overlap->settings->common);
-    code = answer_write_sidecar(overlap->answerers[0].report, overlap->sidecar);
-    return code ? code : answer_write(overlap->answerers[0].report, output);
+    struct provenance provenance = {0};
+    provenance_add_input(&provenance, settings_level_file(&overlap->settings->engine));
+    return answer_write(overlap->answerers[0].report, output, overlap->sidecar, &provenance);
 }
 
 static int run_overlap(const void *given, const struct arguments *arguments)
@@ -250,12 +251,11 @@ static int run_overlap(const void *given, const struct arguments *arguments)
         return EXIT_USAGE;
     }
     overlap.command_line = arguments_text(arguments);
-    int code = EXIT_DATA;
-    if (!overlap.command_line || !answer_sidecar(&overlap.sidecar, overlap.format, settings->answer.output)) {
+    int code = overlap.command_line ? answer_sidecar(&overlap.sidecar, overlap.format, &settings->answer) : EXIT_DATA;
+    if (!overlap.command_line) {
         print_error_line("not enough memory");
-    } else {
-        code = answer(&overlap);
     }
+    code = code ? code : answer(&overlap);
     overlap_finish(&overlap);
     return code;
 }

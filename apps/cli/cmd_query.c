@@ -286,11 +286,6 @@ static conus_status start_query(struct query *query)
     return inquiry_reports(inquiry, &report);
 }
 
-static int write_sidecar(struct query *query)
-{
-    return answer_write_sidecar(query->inquiry.answerers[0].report, query->inquiry.sidecar);
-}
-
 static int write_voxels(struct query *query)
 {
     const char *text = NULL;
@@ -311,11 +306,6 @@ static int write_image(struct query *query)
     return status ? print_status(status) : EXIT_DONE;
 }
 
-static int write_answer(struct query *query)
-{
-    return answer_write(query->inquiry.answerers[0].report, query->inquiry.settings->answer.output);
-}
-
 static int write_deep(struct query *query)
 {
     if (!query->selection) {
@@ -325,16 +315,26 @@ static int write_deep(struct query *query)
     return status ? print_status(status) : EXIT_DONE;
 }
 
-static int write_mask(struct query *query)
+/* The answer with its sidecar, which names the other outputs. */
+static int write_answer(struct query *query)
 {
-    return mask_write(&query->mask, query->inquiry.answerers[0].report);
+    const struct query_settings *settings = query->settings;
+    const struct inquiry *inquiry = &query->inquiry;
+    conus_report *report = inquiry->answerers[0].report;
+    struct provenance provenance = {0};
+    inquiry_list_inputs(&provenance, inquiry);
+    int code = mask_write(&query->mask, report, &provenance);
+    provenance_add_output(&provenance, "voxels", settings->voxels, NULL, 0);
+    provenance_add_output(&provenance, "image", settings->image, NULL, 0);
+    provenance_add_output(&provenance, "deep", settings->deep, NULL, 0);
+    provenance_add_output(&provenance, "mask", settings->mask.path, NULL, 0);
+    return code ? code : answer_write(report, settings->inquiry.answer.output, inquiry->sidecar, &provenance);
 }
 
 /* The answer comes last: where it is, all that belongs to it is there, too. */
 static int write_all(struct query *query)
 {
-    static int (*const steps[])(struct query *) = {write_sidecar, write_voxels, write_image,
-                                                   write_deep,    write_mask,   write_answer};
+    static int (*const steps[])(struct query *) = {write_voxels, write_image, write_deep, write_answer};
     for (size_t i = 0; i < sizeof steps / sizeof steps[0]; i++) {
         int code = steps[i](query);
         if (code) {

@@ -361,8 +361,9 @@ static int answer_sweep(struct sweep *sweep)
     }
     inquiry_say_notes(inquiry);
     inquiry_say_aims(inquiry);
-    code = answer_write_sidecar(inquiry->answerers[0].report, inquiry->sidecar);
-    code = code ? code : answer_write(inquiry->answerers[0].report, inquiry->settings->answer.output);
+    struct provenance provenance = {0};
+    inquiry_list_inputs(&provenance, inquiry);
+    code = answer_write(inquiry->answerers[0].report, inquiry->settings->answer.output, inquiry->sidecar, &provenance);
     return inquiry_code(inquiry, code);
 }
 

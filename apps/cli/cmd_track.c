@@ -324,18 +324,17 @@ static int write_rest(struct track *track)
     const struct inquiry *inquiry = &track->inquiry;
     const char *output = inquiry->settings->answer.output;
     conus_report *report = inquiry->answerers[0].report;
-    int code = answer_write_sidecar(report, inquiry->sidecar);
-    if (!code && inquiry->format == CONUS_FORMAT_JSON) {
-        return answer_write(report, output);
+    struct provenance provenance = {0};
+    inquiry_list_inputs(&provenance, inquiry);
+    if (inquiry->format == CONUS_FORMAT_JSON) {
+        return answer_write(report, output, NULL, &provenance);
     }
-    if (code || !track->held) {
-        return code;
-    }
-    if (fflush(track->held)) {
+    if (track->held && fflush(track->held)) {
         print_error_line("not enough memory");
         return EXIT_DATA;
     }
-    return output_write(output, track->held_text, track->held_size);
+    int code = answer_write_sidecar(report, output, inquiry->sidecar, &provenance, track->held_text, track->held_size);
+    return code || !track->held ? code : output_write(output, track->held_text, track->held_size);
 }
 
 static int open_poses(struct track *track)

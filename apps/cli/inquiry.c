@@ -32,13 +32,14 @@ int inquiry_init(struct inquiry *out, const struct inquiry_settings *settings, c
         return EXIT_USAGE;
     }
     out->command_line = arguments_text(arguments);
-    if (!out->command_line || !answer_sidecar(&out->sidecar, out->format, output)) {
+    if (!out->command_line) {
         print_error_line("not enough memory");
         return EXIT_DATA;
     }
+    int code = answer_sidecar(&out->sidecar, out->format, &settings->answer);
     inquiry_add_output(out, "--output", output_is_stdout(output) ? NULL : output);
-    inquiry_add_output(out, "the .json beside --output", out->sidecar);
-    return EXIT_DONE;
+    inquiry_add_output(out, settings->answer.sidecar ? "--sidecar" : "the .json beside --output", out->sidecar);
+    return code;
 }
 
 void inquiry_finish(struct inquiry *inquiry)
@@ -71,15 +72,19 @@ bool inquiry_check_outputs(const struct inquiry *inquiry)
     return true;
 }
 
+static const char *coordinates_of(const struct inquiry *inquiry)
+{
+    return inquiry->poses ? conus_pose_list_coordsystem(inquiry->poses)
+                          : conus_pose_stream_coordsystem(inquiry->stream);
+}
+
 bool inquiry_check_inputs(const struct inquiry *inquiry, const char *matrix)
 {
     const struct inquiry_settings *settings = inquiry->settings;
-    const char *coordinates =
-        inquiry->poses ? conus_pose_list_coordsystem(inquiry->poses) : conus_pose_stream_coordsystem(inquiry->stream);
     const struct input inputs[] = {{"the label table", settings->atlas.labels},
                                    {"the list of areas", settings_level_file(&settings->engine)},
                                    {"the file of poses", settings->aim.pose},
-                                   {"the coordinate system", coordinates},
+                                   {"the coordinate system", coordinates_of(inquiry)},
                                    {"the tracker's matrix", matrix},
                                    {0}};
     for (size_t i = 0; i < inquiry->output_count; i++) {
@@ -91,6 +96,14 @@ bool inquiry_check_inputs(const struct inquiry *inquiry, const char *matrix)
         }
     }
     return true;
+}
+
+void inquiry_list_inputs(struct provenance *out, const struct inquiry *inquiry)
+{
+    const struct inquiry_settings *settings = inquiry->settings;
+    provenance_add_input(out, settings->aim.pose);
+    provenance_add_input(out, coordinates_of(inquiry));
+    provenance_add_input(out, settings_level_file(&settings->engine));
 }
 
 conus_pose_options inquiry_pose_options(const struct inquiry *inquiry)

@@ -87,6 +87,9 @@ bool inquiry_check_outputs(const struct inquiry *inquiry);
 /** Whether no output is a file that is read, @p matrix (NULL = none) or the atlas's among them; likewise. */
 bool inquiry_check_inputs(const struct inquiry *inquiry, const char *matrix);
 
+/** Adds what was read besides the atlases: the poses, their coordinate system, the areas of --level. */
+void inquiry_list_inputs(struct provenance *out, const struct inquiry *inquiry);
+
 /** The options of the library for the file of poses. */
 conus_pose_options inquiry_pose_options(const struct inquiry *inquiry);
 /** Loads --pose, where it was given. */

@@ -80,7 +80,41 @@ load helpers
     grep -q 'pixels in the cone' c.txt
     answers query sphere.nii.gz $aim -o - --format ndjson
     has '"Sphere"'
-    nothing_left sphere.{nii.gz,tsv,json} a.{tsv,json} b.json c.txt
+    jq -e '.Outputs[0].path == "c.txt" and .Outputs[0].sha256 == $sum' c.txt.json \
+        --arg sum "$(sha256sum c.txt | cut -d ' ' -f 1)"
+    nothing_left sphere.{nii.gz,tsv,json} a.{tsv,json} b.json c.txt{,.json}
+}
+
+# checksum SIDECAR: as docs/formats.md says it; numbers stand as they are in the file, which has 9 digits.
+checksum() {
+    python3 - "$1" <<'END'
+import hashlib, json, re, sys
+text = json.load(open(sys.argv[1], encoding="utf-8"), parse_float=lambda digits: f"@{digits}@")
+keys = "Space GeneratedBy Atlas Atlases Settings Queries Batch Inputs Outputs Sources".split()
+part = json.dumps({key: text[key] for key in keys if key in text}, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
+print(hashlib.sha256(re.sub('"@([^@]*)@"', r"\1", part).encode()).hexdigest())
+END
+}
+
+@test "a sidecar says what was read and written, and an answer on standard output has one, too" {
+    sphere --size 16
+    printf 'query_id\tx\ty\tz\ttx\tty\ttz\n1\t0\t0\t90\t0\t0\t0\n' >poses.tsv
+    local sums=()
+    conus query sphere.nii.gz --pose poses.tsv --format tsv --sidecar one.json --mask in.nii.gz >rows.tsv
+    for file in poses.tsv in.nii.gz rows.tsv; do
+        sums+=("$(sha256sum $file | cut -d ' ' -f 1)")
+    done
+    [ "$(jq -r '.Inputs[], .Outputs[] | .sha256' one.json)" = "$(printf '%s\n' "${sums[@]}")" ]
+    [ "$(jq -c '[.Outputs[].path]' one.json)" = '["in.nii.gz",null]' ]
+    [ "$(jq '[.Inputs[], .Outputs[], .Atlas.volumes[], .Atlas.files[] | .bytes] | add' one.json)" -eq \
+        "$(cat poses.tsv in.nii.gz rows.tsv sphere.nii.gz sphere.tsv | wc -c)" ]
+    # As docs/formats.md says it, by another program.
+    [ "$(jq -r .Checksum one.json)" = "$(checksum one.json)" ]
+    fails 2 'does not end in .json' query sphere.nii.gz --pose poses.tsv --sidecar rows.tsv
+    fails 2 'has no effect with JSON' query sphere.nii.gz --pose poses.tsv --sidecar a.json --format json
+    fails 2 'are the same file' query sphere.nii.gz --pose poses.tsv -o b.tsv --sidecar in.json --mask in.nii.gz
+    mv sphere.tsv t.json
+    fails 2 'overwrite the label table' query sphere.nii.gz --pose poses.tsv --sidecar t.json --labels t.json
 }
 
 @test "outputs keep off the inputs and each other" {

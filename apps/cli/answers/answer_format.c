@@ -40,7 +40,12 @@ const struct option answer_output_options[] = {
      .type = OPTION_TEXT,
      .offset = offsetof(struct answer_settings, output),
      .value = "FILE",
-     .help = "write the answer to FILE; a .json beside a .tsv or .csv describes its columns, settings and sources"},
+     .help = "write the answer to FILE; a .json beside it describes its columns, settings and sources"},
+    {.name = "sidecar",
+     .type = OPTION_TEXT,
+     .offset = offsetof(struct answer_settings, sidecar),
+     .value = "FILE.json",
+     .help = "write that .json to FILE.json, also of an answer on standard output"},
     {0},
 };
 
@@ -58,35 +63,80 @@ bool answer_format(conus_format *out, const struct arguments *arguments, const s
             false);
 }
 
-bool answer_sidecar(char **out, conus_format format, const char *output)
+int answer_sidecar(char **out, conus_format format, const struct answer_settings *settings)
 {
-    char *path = NULL;
-    bool has_columns = format == CONUS_FORMAT_TSV || format == CONUS_FORMAT_CSV || format == CONUS_FORMAT_BIDS;
-    if (!output_is_stdout(output) && has_columns && (path_ends(output, ".tsv") || path_ends(output, ".csv"))) {
-        int stem = (int)(strlen(output) - strlen(".tsv"));
-        if (asprintf(&path, "%.*s.json", stem, output) < 0) {
-            return false;
-        }
+    const char *given = settings->sidecar;
+    *out = NULL;
+    if (given && format == CONUS_FORMAT_JSON) {
+        return print_usage_error("--sidecar has no effect with JSON, which says everything itself");
     }
-    *out = path;
-    return true;
-}
-
-int answer_write_sidecar(conus_report *report, const char *path)
-{
-    const char *text = NULL;
-    size_t size = 0;
-    if (!path) {
+    if (given && (output_is_stdout(given) || !path_ends(given, ".json"))) {
+        return print_usage_error("--sidecar: \"%s\" does not end in .json", given);
+    }
+    if ((!given && output_is_no_file(settings->output)) || format == CONUS_FORMAT_JSON) {
         return EXIT_DONE;
     }
-    conus_status status = conus_report_sidecar(&text, &size, report);
-    return status ? print_status(status) : output_write(path, text, size);
+    *out = given ? strdup(given) : provenance_path(settings->output);
+    if (!*out) {
+        print_error_line("not enough memory");
+        return EXIT_DATA;
+    }
+    return EXIT_DONE;
 }
 
-int answer_write(conus_report *report, const char *path)
+int answer_write_sidecar(conus_report *report, const char *path, const char *sidecar,
+                         const struct provenance *provenance, const char *text, size_t size)
+{
+    struct provenance own = *provenance;
+    const char *head = NULL;
+    size_t length = 0;
+    char *whole = NULL;
+    if (!sidecar) {
+        return EXIT_DONE;
+    }
+    provenance_add_output(&own, "output", output_is_stdout(path) ? NULL : path, text, size);
+    conus_status status = conus_report_sidecar(&head, &length, report);
+    int code = status ? print_status(status) : provenance_complete(&whole, head, length, &own);
+    code = code ? code : output_write(sidecar, whole, strlen(whole));
+    free(whole);
+    return code;
+}
+
+/* JSON, which is its own sidecar. The checksum is of its rows. */
+static int write_json(const char *path, const struct provenance *provenance, const char *text, size_t size)
+{
+    struct provenance own = *provenance;
+    const char *rows = provenance_json_rows(text, size);
+    char *whole = NULL;
+    provenance_add_output(&own, "output", output_is_stdout(path) ? NULL : path, rows, size - (size_t)(rows - text));
+    int code = provenance_complete(&whole, text, size, &own);
+    code = code ? code : output_write(path, whole, strlen(whole));
+    free(whole);
+    return code;
+}
+
+int answer_write(conus_report *report, const char *path, const char *sidecar, const struct provenance *provenance)
 {
     const char *text = NULL;
     size_t size = 0;
     conus_status status = conus_report_text(&text, &size, report);
-    return status ? print_status(status) : output_write(path, text, size);
+    if (status) {
+        return print_status(status);
+    }
+    if (provenance_json_rows(text, size)) {
+        return write_json(path, provenance, text, size);
+    }
+    if (!sidecar) {
+        return output_write(path, text, size);
+    }
+    char *kept = malloc(size + 1); /* the sidecar takes its place in the report */
+    if (!kept) {
+        print_error_line("not enough memory");
+        return EXIT_DATA;
+    }
+    memcpy(kept, text, size);
+    int code = answer_write_sidecar(report, path, sidecar, provenance, kept, size);
+    code = code ? code : output_write(path, kept, size);
+    free(kept);
+    return code;
 }

@@ -105,18 +105,26 @@ int mask_take(struct mask *mask, const conus_atlas *atlas, const conus_selection
     return status ? print_status(status) : EXIT_DONE;
 }
 
-int mask_write(const struct mask *mask, conus_report *report)
+/* Beside the mask, which is there. */
+static int write_sidecar(const struct mask *mask, conus_report *report, const struct provenance *provenance)
 {
+    struct provenance own = *provenance;
     const char *text = NULL;
     size_t size = 0;
+    char *whole = NULL;
+    provenance_add_output(&own, "mask", mask->settings->path, NULL, 0);
+    conus_status status = conus_report_grid_sidecar(&text, &size, report, mask->grid);
+    int code = status ? print_status(status) : provenance_complete(&whole, text, size, &own);
+    code = code ? code : output_write(mask->sidecar, whole, strlen(whole));
+    free(whole);
+    return code;
+}
+
+int mask_write(const struct mask *mask, conus_report *report, const struct provenance *provenance)
+{
     if (!mask->grid) {
         return EXIT_DONE;
     }
-    conus_status status = conus_report_grid_sidecar(&text, &size, report, mask->grid);
-    int code = status ? print_status(status) : output_write(mask->sidecar, text, size);
-    if (code) {
-        return code;
-    }
-    status = conus_grid_write(mask->grid, mask->settings->path);
-    return status ? print_status(status) : EXIT_DONE;
+    conus_status status = conus_grid_write(mask->grid, mask->settings->path);
+    return status ? print_status(status) : write_sidecar(mask, report, provenance);
 }

@@ -3,6 +3,7 @@
 #ifndef CONUS_CLI_ANSWERS_MASK_H
 #define CONUS_CLI_ANSWERS_MASK_H
 
+#include "common/provenance.h"
 #include "settings/options.h"
 
 #include <conus/conus.h>
@@ -33,7 +34,7 @@ void mask_finish(struct mask *mask);
 /** Makes the mask of @p selection, if one is wanted. Returns the exit code and prints an error unless it is 0. */
 int mask_take(struct mask *mask, const conus_atlas *atlas, const conus_selection *selection);
 
-/** Writes it and its sidecar, likewise. */
-int mask_write(const struct mask *mask, conus_report *report);
+/** Writes it and its sidecar, which lists the inputs of @p provenance, likewise. */
+int mask_write(const struct mask *mask, conus_report *report, const struct provenance *provenance);
 
 #endif

@@ -1,0 +1,253 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Completes sidecars with what was read and written, and seals them. */
+#include "common/provenance.h"
+
+#include "common/input_file.h"
+#include "common/messages.h"
+#include "common/output.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+enum { CHUNK = 1 << 16, DIGITS = 9 };
+
+/* All that conus writes but descriptions of columns, rows, and what was added by others. */
+static const char *const sealed[] = {"Space",   "GeneratedBy", "Atlas",  "Atlases", "Settings",
+                                     "Queries", "Batch",       "Inputs", "Outputs", "Sources"};
+
+/* ---- Checksums --------------------------------------------------------------------------------------------------- */
+
+void provenance_hash_finish(char out[SHA256_TEXT], struct sha256_ctx *context)
+{
+    uint8_t digest[SHA256_DIGEST_SIZE];
+    sha256_digest(context, sizeof digest, digest);
+    for (size_t i = 0; i < sizeof digest; i++) {
+        snprintf(out + 2 * i, 3, "%02x", digest[i]);
+    }
+}
+
+void provenance_hash(char out[SHA256_TEXT], const char *text, size_t size)
+{
+    struct sha256_ctx context;
+    sha256_init(&context);
+    sha256_update(&context, size, (const uint8_t *)text);
+    provenance_hash_finish(out, &context);
+}
+
+int provenance_hash_file(char out[SHA256_TEXT], const char *path)
+{
+    uint8_t chunk[CHUNK];
+    struct sha256_ctx context;
+    FILE *file = input_file_open(path);
+    if (!file) {
+        return EXIT_DATA;
+    }
+    sha256_init(&context);
+    for (size_t n; (n = fread(chunk, 1, sizeof chunk, file)) > 0;) {
+        sha256_update(&context, n, chunk);
+    }
+    bool failed = ferror(file);
+    fclose(file);
+    if (failed) {
+        return print_system_error(path, "read");
+    }
+    provenance_hash_finish(out, &context);
+    return EXIT_DONE;
+}
+
+bool provenance_checksum(char out[SHA256_TEXT], const json_t *root)
+{
+    json_t *part = json_object();
+    bool whole = part;
+    for (size_t i = 0; i < sizeof sealed / sizeof sealed[0]; i++) {
+        json_t *value = json_object_get(root, sealed[i]);
+        whole = whole && (!value || json_object_set(part, sealed[i], value) == 0);
+    }
+    char *text = whole ? json_dumps(part, JSON_COMPACT | JSON_SORT_KEYS | JSON_REAL_PRECISION(DIGITS)) : NULL;
+    if (text) {
+        provenance_hash(out, text, strlen(text));
+    }
+    json_decref(part);
+    free(text);
+    return text;
+}
+
+/* ---- Files ------------------------------------------------------------------------------------------------------- */
+
+char *provenance_path(const char *output)
+{
+    bool is_table = path_ends(output, ".tsv") || path_ends(output, ".csv");
+    size_t length = strlen(output) - (is_table ? strlen(".tsv") : 0);
+    char *path = NULL;
+    return asprintf(&path, "%.*s.json", (int)length, output) < 0 ? NULL : path;
+}
+
+void provenance_add_input(struct provenance *provenance, const char *path)
+{
+    if (path && *path) {
+        assert(provenance->input_count < PROVENANCE_FILES);
+        provenance->inputs[provenance->input_count++] = path;
+    }
+}
+
+void provenance_add_output(struct provenance *provenance, const char *option, const char *path, const char *text,
+                           size_t size)
+{
+    if (path || text) {
+        assert(provenance->output_count < PROVENANCE_FILES);
+        provenance->outputs[provenance->output_count++] = (struct provenance_output){option, path, text, size};
+    }
+}
+
+static bool is_file(const char *path, size_t *size)
+{
+    struct stat info;
+    bool is = path && !output_is_stdout(path) && stat(path, &info) == 0 && S_ISREG(info.st_mode);
+    *size = is ? (size_t)info.st_size : 0;
+    return is;
+}
+
+/* Whatever has a path and its SHA-256. */
+static bool add_sizes(json_t *value)
+{
+    const char *key;
+    size_t index;
+    size_t size;
+    json_t *inner;
+    bool whole = true;
+    const char *path = json_string_value(json_object_get(value, "path"));
+    if (path && json_is_string(json_object_get(value, "sha256")) && !json_object_get(value, "bytes") &&
+        is_file(path, &size)) {
+        whole = json_object_set_new(value, "bytes", json_integer((json_int_t)size)) == 0;
+    }
+    json_object_foreach(value, key, inner)
+    {
+        whole = add_sizes(inner) && whole;
+    }
+    json_array_foreach(value, index, inner)
+    {
+        whole = add_sizes(inner) && whole;
+    }
+    return whole;
+}
+
+bool provenance_seal(json_t *root)
+{
+    char checksum[SHA256_TEXT];
+    return root && add_sizes(root) && provenance_checksum(checksum, root) &&
+           json_object_set_new(root, "Checksum", json_string(checksum)) == 0;
+}
+
+/* A path of other bytes than UTF-8 is null: it cannot be found again. */
+static json_t *json_from_path(const char *path)
+{
+    json_t *text = json_string(path);
+    return text ? text : json_null();
+}
+
+static json_t *json_from_input(const char *path)
+{
+    size_t size;
+    char sum[SHA256_TEXT];
+    bool known = is_file(path, &size) && !provenance_hash_file(sum, path);
+    return known
+               ? json_pack("{s: o, s: I, s: s}", "path", json_from_path(path), "bytes", (json_int_t)size, "sha256", sum)
+               : json_pack("{s: o, s: n}", "path", json_from_path(path), "sha256");
+}
+
+static json_t *json_from_output(const struct provenance_output *output)
+{
+    char sum[SHA256_TEXT] = "";
+    size_t size = output->size;
+    if (output->text) {
+        provenance_hash(sum, output->text, size);
+    } else if (!is_file(output->path, &size) || provenance_hash_file(sum, output->path)) {
+        return json_pack("{s: s, s: o, s: n}", "option", output->option, "path", json_from_path(output->path),
+                         "sha256");
+    }
+    return json_pack("{s: s, s: o, s: I, s: s}", "option", output->option, "path",
+                     output->path ? json_from_path(output->path) : json_null(), "bytes", (json_int_t)size, "sha256",
+                     sum);
+}
+
+bool provenance_put_input(json_t *root, const char *path)
+{
+    json_t *inputs = json_object_get(root, "Inputs");
+    if (!inputs) {
+        inputs = json_array();
+        json_object_set_new(root, "Inputs", inputs);
+    }
+    return !path || json_array_append_new(inputs, json_from_input(path)) == 0;
+}
+
+static bool add_files(json_t *root, const struct provenance *provenance)
+{
+    json_t *outputs = json_array();
+    bool whole = outputs && provenance_put_input(root, NULL);
+    for (size_t i = 0; i < provenance->input_count; i++) {
+        whole = provenance_put_input(root, provenance->inputs[i]) && whole;
+    }
+    for (size_t i = 0; i < provenance->output_count; i++) {
+        whole = json_array_append_new(outputs, json_from_output(&provenance->outputs[i])) == 0 && whole;
+    }
+    return json_object_set_new(root, "Outputs", outputs) == 0 && whole;
+}
+
+/* ---- Texts ------------------------------------------------------------------------------------------------------- */
+
+const char *provenance_json_rows(const char *text, size_t size)
+{
+    static const char mark[] = "\n \"Rows\": [";
+    bool is_object = size > 1 && text[0] == '{' && text[1] == '\n'; /* no table begins so, and no NDJSON */
+    return is_object ? memmem(text, size, mark, sizeof mark - 1) : NULL;
+}
+
+json_t *provenance_parse(const char *text, size_t size, json_error_t *error)
+{
+    const char *rows = provenance_json_rows(text, size);
+    size_t length = rows ? (size_t)(rows - text) : size;
+    char *head = malloc(length + 1);
+    json_t *root = NULL;
+    if (head) {
+        memcpy(head, text, length);
+        if (rows) {
+            head[length - 1] = '}'; /* in place of the comma before the rows */
+        }
+        root = json_loadb(head, length, JSON_REJECT_DUPLICATES, error);
+    }
+    free(head);
+    return root;
+}
+
+/* An object and what follows it; rows stand in it, in place of its last line. */
+static char *join(const char *object, const char *rest, size_t size, bool are_rows)
+{
+    size_t length = strlen(object) - (are_rows ? 2 : 0);
+    char *joined = malloc(length + size + 2);
+    if (joined) {
+        char *end = mempcpy(joined, object, length);
+        *end = ',';
+        end += are_rows;
+        *(char *)mempcpy(end, rest, size) = '\0';
+    }
+    return joined;
+}
+
+int provenance_complete(char **out, const char *text, size_t size, const struct provenance *provenance)
+{
+    const char *rows = provenance_json_rows(text, size);
+    json_error_t error;
+    json_t *root = provenance_parse(text, size, &error);
+    bool whole = root && add_files(root, provenance) && provenance_seal(root);
+    char *dumped = whole ? json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(DIGITS)) : NULL;
+    json_decref(root);
+    *out = dumped ? join(dumped, rows ? rows : "\n", rows ? size - (size_t)(rows - text) : 1, rows != NULL) : NULL;
+    free(dumped);
+    if (!*out) {
+        print_error_line("not enough memory");
+        return EXIT_DATA;
+    }
+    return EXIT_DONE;
+}

@@ -1,0 +1,68 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * What a sidecar says so that `conus verify` can tell whether a result, its sources and the sidecar itself are as they
+ * were: bytes and SHA-256 of the files that were read and written, and a checksum of it all (docs/formats.md). */
+#ifndef CONUS_COMMON_PROVENANCE_H
+#define CONUS_COMMON_PROVENANCE_H
+
+#include <jansson.h>
+#include <nettle/sha2.h>
+#include <stdbool.h>
+#include <stddef.h>
+
+enum { PROVENANCE_FILES = 8, SHA256_TEXT = 65 };
+
+/** A file that was written, or is about to be. */
+struct provenance_output {
+    const char *option; /**< "output", "voxels", ... */
+    const char *path;   /**< NULL = standard output. */
+    const char *text;   /**< What it will hold; NULL = it is there and is read. */
+    size_t size;        /**< Of the text, bytes. */
+};
+
+/** What the library does not know of an answer. Zeroed, it is nothing. */
+struct provenance {
+    const char *inputs[PROVENANCE_FILES]; /**< Files that were read, besides those of the atlas. */
+    struct provenance_output outputs[PROVENANCE_FILES];
+    size_t input_count, output_count;
+};
+
+/** The path of the sidecar of @p output: "a.json" of "a.tsv" or "a.csv", else with ".json" behind it. NULL without
+ * memory; the caller frees it. */
+char *provenance_path(const char *output);
+
+/** Adds a file that was read; NULL is none. What is no regular file is listed without a checksum. */
+void provenance_add_input(struct provenance *provenance, const char *path);
+/** Adds a file that was written; without @p text, a NULL path is none. */
+void provenance_add_output(struct provenance *provenance, const char *option, const char *path, const char *text,
+                           size_t size);
+
+/** Makes *out of @p text, a JSON object of @p size bytes: with "Inputs", "Outputs", the "bytes" of every file that has
+ * a SHA-256, and the "Checksum". Of a report in JSON the rows stay as they are. The caller frees *out. Returns the exit
+ * code and prints an error unless it is 0. */
+int provenance_complete(char **out, const char *text, size_t size, const struct provenance *provenance);
+
+/** Adds a file to "Inputs", which it makes if there is none; a NULL path only makes it. False without memory. */
+bool provenance_put_input(json_t *root, const char *path);
+
+/** Adds the "bytes" and the "Checksum" to an object. False without memory. */
+bool provenance_seal(json_t *root);
+/** The checksum of an object: of all that conus says in it about sources, settings and outputs. False without memory.
+ */
+bool provenance_checksum(char out[SHA256_TEXT], const json_t *root);
+
+/** SHA-256 of bytes and of a file, in hexadecimal. The latter returns the exit code and prints an error unless it is 0.
+ */
+void provenance_hash(char out[SHA256_TEXT], const char *text, size_t size);
+int provenance_hash_file(char out[SHA256_TEXT], const char *path);
+/** The end of a SHA-256 that was begun with sha256_init(). */
+void provenance_hash_finish(char out[SHA256_TEXT], struct sha256_ctx *context);
+
+/** The object that @p text is, of a report in JSON without its rows; NULL where it is none, with *error, which stays as
+ * it was without memory. The caller ends it with json_decref(). */
+json_t *provenance_parse(const char *text, size_t size, json_error_t *error);
+
+/** Where the rows of a report in JSON begin, which come last; NULL if it has none. */
+const char *provenance_json_rows(const char *text, size_t size);
+
+#endif
