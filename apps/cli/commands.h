@@ -18,7 +18,11 @@ extern const struct command cmd_manifest;
 extern const struct command cmd_mesh;
 extern const struct command cmd_phantom;
 extern const struct command cmd_diff;
+extern const struct command cmd_verify;
 extern const struct command cmd_view; /**< Another program's. */
+
+/** All of them, and NULL. */
+extern const struct command *const commands[];
 
 /** Turns this program into conus-view, with @p words as its command line; gives an exit code where that fails. */
 int view_run(char **words);

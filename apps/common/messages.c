@@ -11,6 +11,7 @@ enum { LINE_SIZE = 2048, WORD_SIZE = 64 };
 
 /* The thread's newest. */
 static _Thread_local char said[LINE_SIZE];
+static _Thread_local bool is_held;
 
 void make_plain_line(char *text)
 {
@@ -24,7 +25,14 @@ static void print_error_list(const char *format, va_list args)
 {
     vsnprintf(said, sizeof said, format, args);
     make_plain_line(said);
-    fprintf(stderr, "conus: %s\n", said);
+    if (!is_held) {
+        fprintf(stderr, "conus: %s\n", said);
+    }
+}
+
+void messages_hold(bool held)
+{
+    is_held = held;
 }
 
 const char *error_line(void)

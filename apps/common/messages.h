@@ -5,6 +5,8 @@
 
 #include <conus/conus.h>
 
+#include <stdbool.h>
+
 enum exit_code {
     EXIT_DONE = 0,
     EXIT_DIFFERENT = 1, /**< Some queries failed, or the two things compared differ. */
@@ -15,6 +17,9 @@ enum exit_code {
 
 /** Writes "conus: " and the line to stderr; control characters become spaces. */
 void print_error_line(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
+/** While lines are held, this thread prints none; error_line() has the last one. */
+void messages_hold(bool held);
 
 /** The line that this thread wrote last, without "conus: "; "" if there is none. Until it writes the next. */
 const char *error_line(void);

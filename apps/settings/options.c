@@ -115,6 +115,18 @@ static const char *take_value(struct cursor *cursor, const struct option *option
     return word;
 }
 
+static int keep_use(struct arguments *arguments, const struct option *option, const char *value)
+{
+    struct option_use *uses = realloc(arguments->uses, (arguments->use_count + 1) * sizeof *uses);
+    if (!uses) {
+        print_error_line("not enough memory");
+        return EXIT_DATA;
+    }
+    arguments->uses = uses;
+    arguments->uses[arguments->use_count++] = (struct option_use){option, value};
+    return CONTINUE;
+}
+
 static int take_option(struct cursor *cursor, struct found found, const char *attached)
 {
     struct arguments *arguments = cursor->arguments;
@@ -130,7 +142,7 @@ static int take_option(struct cursor *cursor, struct found found, const char *at
         return EXIT_USAGE;
     }
     arguments->given |= UINT64_C(1) << found.ordinal;
-    return option_read(option, found.field, value) ? CONTINUE : EXIT_USAGE;
+    return option_read(option, found.field, value) ? keep_use(arguments, option, value) : EXIT_USAGE;
 }
 
 static int print_unknown_option(const struct command *command, const char *word, const char *name)
@@ -261,6 +273,9 @@ void options_finish(void *settings, struct arguments *arguments)
             free(list->items);
         }
     }
+    free(arguments->uses);
+    arguments->uses = NULL;
+    arguments->use_count = 0;
     free(arguments->more.items);
     arguments->more = (struct option_list){0};
 }

@@ -52,6 +52,12 @@ struct option_group {
 
 enum { OPTION_LIMIT = 64, OPERAND_LIMIT = 2 };
 
+/** An option as it was given. */
+struct option_use {
+    const struct option *option;
+    const char *value; /**< NULL of a flag. */
+};
+
 /** What was on the command line. */
 struct arguments {
     const struct command *command;
@@ -59,7 +65,9 @@ struct arguments {
     size_t operand_count;
     struct option_list more; /**< Operands behind those, of a command that repeats the last one. */
     uint64_t given;          /**< Bit n: the command's n-th option. */
-    int count;               /**< The whole command line, for the provenance. */
+    struct option_use *uses; /**< [use_count] In their order. */
+    size_t use_count;
+    int count; /**< The whole command line, for the provenance. */
     char **words;
 };
 

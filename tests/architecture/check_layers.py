@@ -21,7 +21,8 @@ APPS = {
     "apps/pages": "apps/common apps/settings",
     "apps/batch": "apps/common apps/settings",
     "apps/cli/answers": "apps/common apps/settings",
-    "apps/cli": "apps/link apps/common apps/settings apps/pages apps/batch apps/cli/answers",
+    "apps/cli/verify": "apps/common apps/settings",
+    "apps/cli": "apps/link apps/common apps/settings apps/pages apps/batch apps/cli/answers apps/cli/verify",
     "apps/mpi": "apps/common apps/pages apps/batch",
     "apps/mesh": "loaders/child",  # mesh_protocol.h: what conus and conus-mesh send each other
     "apps/viewer/model": "apps/link",

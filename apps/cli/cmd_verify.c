@@ -1,0 +1,106 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* conus verify: answers a result again from its sidecar, and says whether it is the same, or why not. */
+#include "cli/commands.h"
+#include "cli/verify/verdict.h"
+#include "common/messages.h"
+#include "common/output.h"
+#include "settings/settings.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+struct verify_settings {
+    struct common_settings common;
+    struct verdict_settings verdict;
+    size_t format;
+};
+
+static const char *const formats[] = {"table", "json", NULL};
+static const char *const engines[] = {"rays", "gl", NULL};
+
+#define FIELD(member) offsetof(struct verify_settings, member)
+
+static const struct option own_options[] = {
+    {.name = "sidecar",
+     .type = OPTION_TEXT,
+     .offset = FIELD(verdict.sidecar),
+     .value = "FILE.json",
+     .help = "the sidecar of RESULT, if it is not beside it"},
+    {.name = "search",
+     .type = OPTION_LIST,
+     .offset = FIELD(verdict.folders),
+     .value = "FOLDER",
+     .help = "look here, and in the folders below, for files that are no longer where they were, by size and SHA-256; "
+             "may be repeated"},
+    {.name = "engine",
+     .type = OPTION_CHOICE,
+     .offset = FIELD(verdict.engine),
+     .value = "NAME",
+     .help = "answer with this engine in place of the one that was asked for:",
+     .choices = engines},
+    {.name = "format",
+     .type = OPTION_CHOICE,
+     .offset = FIELD(format),
+     .value = "FORMAT",
+     .help = "what is written: lines for people (the default), or everything for programs:",
+     .choices = formats},
+    {.name = "max-memory",
+     .type = OPTION_BYTES,
+     .offset = FIELD(verdict.max_memory),
+     .value = "SIZE",
+     .help = "largest RESULT to read, like 512M or 2G (default 4G)"},
+    {0},
+};
+
+static const struct option_group groups[] = {
+    {"Options", own_options, 0},
+    {"", plain_options, FIELD(common)},
+    {0},
+};
+
+static int write_verdict(const struct verdict *verdict, const struct verify_settings *settings)
+{
+    char *text = settings->format ? verdict_json(verdict) : verdict_text(verdict);
+    if (!text) {
+        print_error_line("not enough memory");
+        return EXIT_DATA;
+    }
+    int code = output_write(NULL, text, strlen(text));
+    free(text);
+    return code;
+}
+
+/* What could not be compared is an error, but not for programs. */
+static int run_verify(const void *given, const struct arguments *arguments)
+{
+    static const int codes[] = {
+        [VERDICT_IDENTICAL] = EXIT_DONE, [VERDICT_DIFFERENT] = EXIT_DIFFERENT, [VERDICT_NONE] = EXIT_DATA};
+    const struct verify_settings *settings = given;
+    struct verdict_settings own = settings->verdict;
+    struct verdict verdict;
+    own.engine_name = option_given(arguments, "engine") ? engines[own.engine] : NULL;
+    int code = verdict_find(&verdict, arguments->operands[0], &own, commands);
+    if (!code && verdict.kind == VERDICT_NONE && !settings->format) {
+        verdict_print_error(&verdict);
+    } else if (!code) {
+        code = write_verdict(&verdict, settings);
+    }
+    code = code ? code : codes[verdict.kind];
+    verdict_finish(&verdict);
+    return code;
+}
+
+const struct command cmd_verify = {
+    .name = "verify",
+    .summary = "answer a result again from its sidecar and compare",
+    .operands = {"RESULT"},
+    .description =
+        "RESULT is what query, batch, merge, sweep, track or overlap wrote, with its .json beside it. Checks the\n"
+        "SHA-256 of all that was read, answers again in a folder of its own, and compares byte for byte. Exit code\n"
+        "0: identical, 1: something differs, and which row and why, 3: it cannot be answered again, and why.",
+    .examples = "  conus verify answers.tsv\n"
+                "  conus verify answers.tsv --search ~/atlases --search /data/study\n",
+    .groups = groups,
+    .settings_size = sizeof(struct verify_settings),
+    .run = run_verify,
+};

@@ -1,0 +1,185 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Tries the places where a file may be, by its size first and then by its SHA-256. */
+#include "cli/verify/find_file.h"
+
+#include "common/messages.h"
+#include "common/output.h"
+#include "common/provenance.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+const char *const file_state_names[] = {"same", "moved", "not recorded", "changed", "missing"};
+
+/* ---- The folders of --search ------------------------------------------------------------------------------------- */
+
+static bool add_candidate(struct places *places, const char *path, int64_t bytes)
+{
+    size_t count = places->candidate_count;
+    if (!(count & (count - 1))) { /* a power of two is full */
+        struct place *more = realloc(places->candidates, (count ? 2 * count : 1) * sizeof *more);
+        if (!more) {
+            return false;
+        }
+        places->candidates = more;
+    }
+    char *copy = strdup(path);
+    if (copy) {
+        places->candidates[places->candidate_count++] = (struct place){copy, bytes};
+    }
+    return copy;
+}
+
+/* A folder that cannot be read has nothing that could be found. */
+static bool walk(struct places *places, const char *folder, size_t *entries, int depth)
+{
+    DIR *open = depth < SEARCH_DEPTH ? opendir(folder) : NULL;
+    struct dirent *entry;
+    bool whole = true;
+    while (open && whole && (entry = readdir(open))) {
+        struct stat info;
+        char *path = NULL;
+        if (strcmp(entry->d_name, ".") == 0 || strcmp(entry->d_name, "..") == 0) {
+            continue;
+        }
+        places->is_cut = places->is_cut || ++*entries > SEARCH_ENTRIES;
+        if (places->is_cut) {
+            break;
+        }
+        whole = asprintf(&path, "%s/%s", folder, entry->d_name) >= 0;
+        if (whole && lstat(path, &info) == 0) { /* links are not followed */
+            whole = S_ISDIR(info.st_mode)   ? walk(places, path, entries, depth + 1)
+                    : S_ISREG(info.st_mode) ? add_candidate(places, path, info.st_size)
+                                            : true;
+        }
+        free(path);
+    }
+    if (open) {
+        closedir(open);
+    }
+    return whole;
+}
+
+int places_add(struct places *places, const char *folder)
+{
+    struct stat info;
+    size_t entries = places->candidate_count;
+    if (stat(folder, &info)) {
+        return print_system_error(folder, "search");
+    }
+    if (!S_ISDIR(info.st_mode)) {
+        return print_usage_error("--search: %s is no folder", folder);
+    }
+    if (!walk(places, folder, &entries, 0)) {
+        print_error_line("not enough memory");
+        return EXIT_DATA;
+    }
+    return EXIT_DONE;
+}
+
+void places_finish(struct places *places)
+{
+    for (size_t i = 0; i < places->candidate_count; i++) {
+        free(places->candidates[i].path);
+    }
+    free(places->candidates);
+    free(places->base);
+    *places = (struct places){0};
+}
+
+char *base_folder(const char *recorded, const char *actual)
+{
+    const char *name = recorded ? strrchr(recorded, '/') : NULL;
+    const char *own = strrchr(actual, '/');
+    size_t folders = name ? (size_t)(name - recorded) + 1 : 0; /* "out/" of "out/rows.tsv" */
+    size_t length = own ? (size_t)(own - actual) + 1 : 0;
+    bool fits = length >= folders && (length == folders || !folders || actual[length - folders - 1] == '/') &&
+                memcmp(actual + length - folders, recorded ? recorded : "", folders) == 0;
+    return fits && !(recorded && *recorded == '/') ? strndup(actual, length - folders) : NULL;
+}
+
+/* ---- One file ---------------------------------------------------------------------------------------------------- */
+
+static bool is_file(const char *path, int64_t *bytes)
+{
+    struct stat info;
+    bool is = stat(path, &info) == 0 && S_ISREG(info.st_mode);
+    *bytes = is ? info.st_size : 0;
+    return is;
+}
+
+static bool has_sum(const struct recorded_file *file, const char *path, int64_t bytes)
+{
+    char sum[SHA256_TEXT];
+    return (file->bytes < 0 || file->bytes == bytes) && access(path, R_OK) == 0 && !provenance_hash_file(sum, path) &&
+           strcmp(sum, file->sha256) == 0;
+}
+
+/* Takes `path`, which it frees, if it is the file; else, where it was, keeps in mind that there is another one. */
+static bool try_path(struct found_file *out, const struct recorded_file *file, char *path, enum file_state state)
+{
+    int64_t bytes;
+    bool is = path && is_file(path, &bytes);
+    bool known = file->sha256;
+    bool same = is && known && has_sum(file, path, bytes);
+    if (same || (is && state == FILE_SAME && !out->path)) {
+        free(out->path);
+        out->path = realpath(path, NULL);
+        out->state = same ? state : known ? FILE_CHANGED : FILE_UNKNOWN;
+    }
+    free(path);
+    return same || (is && state == FILE_SAME && !known);
+}
+
+static const char *name_of(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+static char *path_beside(const char *other, const char *name)
+{
+    char *path = NULL;
+    return other && asprintf(&path, "%.*s%s", (int)(name_of(other) - other), other, name) >= 0 ? path : NULL;
+}
+
+static char *path_from(const char *folder, const char *path)
+{
+    char *joined = NULL;
+    return folder && *path != '/' && asprintf(&joined, "%s%s", folder, path) >= 0 ? joined : NULL;
+}
+
+/* Files of its name come first: of a thousand files of one size it is hardly another one. */
+static bool search(struct found_file *out, const struct recorded_file *file, const struct places *places)
+{
+    for (int named = 1; named >= 0; named--) {
+        for (size_t i = 0; i < places->candidate_count; i++) {
+            const struct place *place = &places->candidates[i];
+            bool is_named = strcmp(name_of(place->path), name_of(file->path)) == 0;
+            if (is_named == named && (file->bytes < 0 || file->bytes == place->bytes) &&
+                has_sum(file, place->path, place->bytes)) {
+                return try_path(out, file, strdup(place->path), FILE_MOVED);
+            }
+        }
+    }
+    return false;
+}
+
+bool file_find(struct found_file *out, const struct recorded_file *file, const struct places *places)
+{
+    *out = (struct found_file){.state = FILE_MISSING};
+    bool found = !output_is_stdout(file->path) && try_path(out, file, strdup(file->path), FILE_SAME);
+    found = found || try_path(out, file, path_from(places->base, file->path), FILE_SAME);
+    for (size_t i = 0; i < 2 && !found; i++) {
+        found = try_path(out, file, path_beside(places->beside[i], name_of(file->path)), FILE_MOVED);
+    }
+    found = found || (file->sha256 && search(out, file, places));
+    if (out->state != FILE_MISSING && !out->path) {
+        print_error_line("%s: %s", file->path, strerror(errno));
+    }
+    return out->state == FILE_MISSING || out->path;
+}

@@ -1,0 +1,275 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Parses sidecars: the command line, the files with their checksums, and the seal. */
+#include "cli/verify/record.h"
+
+#include "common/provenance.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { WHY_SIZE = 256, DEPTH = 16 };
+
+static _Thread_local char why[WHY_SIZE];
+
+static const char *refuse(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
+static const char *refuse(const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    vsnprintf(why, sizeof why, format, args);
+    va_end(args);
+    return why;
+}
+
+static bool is_sha256(const char *text)
+{
+    return strlen(text) == SHA256_TEXT - 1 && strspn(text, "0123456789abcdef") == SHA256_TEXT - 1;
+}
+
+/* ---- Files ------------------------------------------------------------------------------------------------------- */
+
+static const char *read_file(struct recorded_file *out, const json_t *entry, const char *where)
+{
+    const json_t *path = json_object_get(entry, "path");
+    const json_t *sum = json_object_get(entry, "sha256");
+    const json_t *bytes = json_object_get(entry, "bytes");
+    *out = (struct recorded_file){.path = json_string_value(path),
+                                  .sha256 = json_string_value(sum),
+                                  .option = json_string_value(json_object_get(entry, "option")),
+                                  .bytes = bytes ? json_integer_value(bytes) : -1,
+                                  .crc32 = -1};
+    if ((path && !out->path && !json_is_null(path)) || (out->path && !*out->path)) {
+        return refuse("%s: path: is no file's", where);
+    }
+    if (out->sha256 ? !is_sha256(out->sha256) : (sum && !json_is_null(sum))) {
+        return refuse("%s: sha256: is not 64 digits of 0 to 9 and a to f", where);
+    }
+    return bytes && (!json_is_integer(bytes) || out->bytes < 0)
+               ? refuse("%s: bytes: is not a whole number from 0", where)
+               : NULL;
+}
+
+static const char *add_file(struct recorded_file **files, size_t *count, const struct recorded_file *file)
+{
+    if (*count == RECORD_FILES) {
+        return refuse("more than %d files", RECORD_FILES);
+    }
+    if (!(*count & (*count - 1))) { /* a power of two is full */
+        struct recorded_file *more = realloc(*files, (*count ? 2 * *count : 1) * sizeof *more);
+        if (!more) {
+            return "does not fit into memory";
+        }
+        *files = more;
+    }
+    (*files)[(*count)++] = *file;
+    return NULL;
+}
+
+/* All objects with a path and its checksum, wherever they are. */
+static const char *add_inputs(struct record *out, const json_t *value, const char *where, int depth)
+{
+    const char *key;
+    size_t index;
+    json_t *inner;
+    struct recorded_file file;
+    const char *bad = depth == DEPTH ? refuse("%s: too deep", where) : NULL;
+    if (!bad && json_object_get(value, "path") && json_object_get(value, "sha256")) {
+        bad = read_file(&file, value, where);
+        bad = bad || !file.path ? bad : add_file(&out->inputs, &out->input_count, &file);
+    }
+    json_object_foreach((json_t *)value, key, inner)
+    {
+        bad = bad ? bad : add_inputs(out, inner, where, depth + 1);
+    }
+    json_array_foreach(value, index, inner)
+    {
+        bad = bad ? bad : add_inputs(out, inner, where, depth + 1);
+    }
+    return bad;
+}
+
+static int by_path(const void *a, const void *b)
+{
+    const struct recorded_file *one = a;
+    const struct recorded_file *other = b;
+    return strcmp(one->path, other->path);
+}
+
+static const char *join_equal(struct record *out)
+{
+    size_t kept = 0;
+    if (out->input_count) {
+        qsort(out->inputs, out->input_count, sizeof *out->inputs, by_path);
+    }
+    for (size_t i = 0; i < out->input_count; i++) {
+        const struct recorded_file *file = &out->inputs[i];
+        struct recorded_file *last = kept ? &out->inputs[kept - 1] : NULL;
+        if (!last || strcmp(last->path, file->path) != 0) {
+            out->inputs[kept++] = *file;
+        } else if (last->sha256 && file->sha256 && strcmp(last->sha256, file->sha256) != 0) {
+            return refuse("%.100s has two different SHA-256", file->path);
+        } else if (!last->sha256) {
+            *last = *file;
+        }
+    }
+    out->input_count = kept;
+    return NULL;
+}
+
+static const char *read_outputs(struct record *out)
+{
+    const json_t *outputs = json_object_get(out->root, "Outputs");
+    const char *bad = outputs && !json_is_array(outputs) ? refuse("Outputs: is no list") : NULL;
+    size_t index;
+    json_t *entry;
+    json_array_foreach(outputs, index, entry)
+    {
+        struct recorded_file file = {0};
+        bad = bad ? bad : read_file(&file, entry, "Outputs");
+        bad = bad || file.option ? bad : refuse("Outputs: option: is missing");
+        bad = bad ? bad : add_file(&out->outputs, &out->output_count, &file);
+    }
+    return bad;
+}
+
+/* ---- Batches ----------------------------------------------------------------------------------------------------- */
+
+static const char *add_named(struct record *out, const json_t *batch, const char *path_key, const char *sum_key)
+{
+    const char *path = json_string_value(json_object_get(batch, path_key));
+    const char *sum = json_string_value(json_object_get(batch, sum_key));
+    if (!path) {
+        return NULL;
+    }
+    if (!*path || (sum && !is_sha256(sum))) {
+        return refuse("Batch: %s or %s is none", path_key, sum_key);
+    }
+    return add_file(&out->inputs, &out->input_count,
+                    &(struct recorded_file){.path = path, .sha256 = sum, .bytes = -1, .crc32 = -1});
+}
+
+/* Its rows are known by their length and CRC-32, which a stream has when it ends. */
+static const char *read_batch(struct record *out)
+{
+    json_t *batch = json_object_get(out->root, "Batch");
+    json_int_t bytes = 0;
+    const char *crc = NULL;
+    char *end = NULL;
+    json_int_t shard[2] = {0, 1};
+    if (!batch) {
+        return NULL;
+    }
+    if (json_unpack(batch, "{s: [I, I], s: I, s: s}", "shard", &shard[0], &shard[1], "bytes", &bytes, "crc32", &crc) ||
+        shard[0] < 0 || shard[1] <= shard[0] || bytes < 0 || strlen(crc) != 8 || strspn(crc, "0123456789abcdef") != 8) {
+        return refuse("Batch: no shard, bytes and crc32 as conus batch writes them");
+    }
+    out->is_batch = true;
+    out->shard[0] = shard[0];
+    out->shard[1] = shard[1];
+    const struct recorded_file rows = {.option = "output", .bytes = bytes, .crc32 = (int64_t)strtoul(crc, &end, 16)};
+    const char *bad = add_file(&out->outputs, &out->output_count, &rows);
+    bad = bad ? bad : add_named(out, batch, "pose_file", "pose_file_sha256");
+    return bad ? bad : add_named(out, batch, "coordsystem_file", "coordsystem_file_sha256");
+}
+
+/* ---- The whole --------------------------------------------------------------------------------------------------- */
+
+static const char *read_command(struct record *out)
+{
+    const char *name = NULL;
+    const char *command = NULL;
+    const json_t *programs = json_object_get(out->root, "GeneratedBy");
+    json_t *program = json_array_get(programs, 0); /* of a batch that was merged, the batch */
+    if (json_unpack(program, "{s: s, s: s}", "Name", &name, "Version", &out->version) || strcmp(name, "conus") != 0) {
+        return refuse("GeneratedBy: does not name conus and its version: not a sidecar of conus");
+    }
+    if (json_unpack(program, "{s: s}", "CommandLine", &command)) {
+        return refuse(
+            "GeneratedBy: has no CommandLine: written by the library or its Python package, not by the program");
+    }
+    const char *bad = command_line_parse(&out->line, command);
+    return bad ? refuse("GeneratedBy: CommandLine %s", bad) : NULL;
+}
+
+static const char *read_seal(struct record *out)
+{
+    char sum[SHA256_TEXT];
+    const json_t *seal = json_object_get(out->root, "Checksum");
+    const char *given = json_string_value(seal);
+    if (!seal) {
+        return NULL;
+    }
+    if (!provenance_checksum(sum, out->root)) {
+        return "does not fit into memory";
+    }
+    out->is_sealed = true;
+    out->is_intact = given && strcmp(given, sum) == 0;
+    return NULL;
+}
+
+static const char *read_all(struct record *out)
+{
+    static const char *const parts[] = {"Atlas", "Atlases", "Queries", "Inputs"};
+    const char *bad = read_command(out);
+    for (size_t i = 0; i < sizeof parts / sizeof parts[0] && !bad; i++) {
+        const json_t *part = json_object_get(out->root, parts[i]);
+        bad = part ? add_inputs(out, part, parts[i], 0) : NULL;
+    }
+    bad = bad ? bad : read_outputs(out);
+    bad = bad ? bad : read_batch(out);
+    bad = bad ? bad : join_equal(out);
+    out->has_inputs = json_object_get(out->root, "Inputs");
+    return bad ? bad : read_seal(out);
+}
+
+const char *record_parse(struct record *out, const char *text, size_t size)
+{
+    json_error_t error = {.text = "does not fit into memory"};
+    *out = (struct record){.root = provenance_parse(text, size, &error), .shard = {0, 1}};
+    if (!json_is_object(out->root)) {
+        record_finish(out);
+        return refuse("is no JSON object: %.120s", error.text);
+    }
+    const char *bad = read_all(out);
+    if (bad) {
+        record_finish(out);
+    }
+    return bad;
+}
+
+void record_finish(struct record *record)
+{
+    command_line_finish(&record->line);
+    free(record->inputs);
+    free(record->outputs);
+    json_decref(record->root);
+    *record = (struct record){0};
+}
+
+bool record_add_input(struct record *record, const char *path)
+{
+    for (size_t i = 0; i < record->input_count; i++) {
+        if (strcmp(record->inputs[i].path, path) == 0) {
+            return true;
+        }
+    }
+    struct recorded_file *more = realloc(record->inputs, (record->input_count + 1) * sizeof *more);
+    if (!more) {
+        return false;
+    }
+    record->inputs = more;
+    record->inputs[record->input_count++] = (struct recorded_file){.path = path, .bytes = -1, .crc32 = -1};
+    return true;
+}
+
+const char *record_atlas(const struct record *record, size_t index)
+{
+    const json_t *several = json_object_get(record->root, "Atlases");
+    const json_t *atlas = several ? json_array_get(several, index)
+                          : index ? NULL
+                                  : json_object_get(record->root, "Atlas");
+    return json_string_value(json_object_get(atlas, "path"));
+}

@@ -1,0 +1,46 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file What a sidecar, or a result in JSON, records about how it was made. Untrusted input. */
+#ifndef CONUS_CLI_VERIFY_RECORD_H
+#define CONUS_CLI_VERIFY_RECORD_H
+
+#include "cli/verify/command_line.h"
+
+#include <jansson.h>
+#include <stdint.h>
+
+enum { RECORD_FILES = 100000, RECORD_LIMIT = 1 << 26 /* bytes of a sidecar */ };
+
+/** A file that was read or written. Its texts are those of the record. */
+struct recorded_file {
+    const char *path;   /**< NULL = standard output. */
+    const char *sha256; /**< 64 digits; NULL = not recorded. */
+    const char *option; /**< Of a file that was written: "output", ...; else NULL. */
+    int64_t bytes;      /**< -1 = not recorded. */
+    int64_t crc32;      /**< Of a batch's rows, in place of a SHA-256; -1 = not recorded. */
+};
+
+struct record {
+    json_t *root;
+    const char *version;
+    struct command_line line;
+    struct recorded_file *inputs, *outputs; /**< Each path of an input is there once. */
+    size_t input_count, output_count;
+    bool has_inputs;  /**< It lists all inputs: those of older versions do not. */
+    bool is_sealed;   /**< It has a checksum, */
+    bool is_intact;   /**< which fits. */
+    bool is_batch;    /**< Of conus batch. */
+    int64_t shard[2]; /**< I of N of a batch. */
+};
+
+/** Reads a sidecar of @p size bytes. Returns NULL, or why it is none, a text that lasts until the thread's next call.
+ * @p out is then the caller's to record_finish(). */
+const char *record_parse(struct record *out, const char *text, size_t size);
+void record_finish(struct record *record);
+
+/** Adds a file that was read, of which no checksum is recorded, unless it is there. False without memory. */
+bool record_add_input(struct record *record, const char *path);
+
+/** Path that the record's atlas @p index was loaded from, of several in their order; NULL if it does not say. */
+const char *record_atlas(const struct record *record, size_t index);
+
+#endif

@@ -1,0 +1,39 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * Answers again what a sidecar records: in a child process, in a new folder in which there is nothing but links to the
+ * files that were found, and which gets all outputs. */
+#ifndef CONUS_CLI_VERIFY_REPLAY_H
+#define CONUS_CLI_VERIFY_REPLAY_H
+
+#include "cli/verify/find_file.h"
+#include "settings/options.h"
+
+enum { REPLAY_WHY = 512 };
+
+/** A replay under way. Zeroed, there is none. */
+struct replay {
+    const struct record *record;
+    const struct found_file *found; /**< [record->input_count] */
+    const struct command *command;
+    const char *result; /**< The name of the result, for --jobs. */
+    const char *engine; /**< --engine in place of the recorded one; NULL = that. */
+    struct arguments arguments;
+    void *settings;
+    char *folder;         /**< Made by replay_start(); replay_finish() removes it. */
+    char why[REPLAY_WHY]; /**< What went wrong. */
+};
+
+/** Checks the recorded command line against @p commands, a list that ends with NULL: it must be a question that can be
+ * asked again. False, with out->why, where it is not. @p out is the caller's to replay_finish() in any case. */
+bool replay_check(struct replay *out, const struct command *const *commands);
+
+/** Answers. False, with replay->why, where there is no answer. */
+bool replay_run(struct replay *replay);
+
+/** Path of the output that option @p option asked for; NULL if there is none, or without memory. The caller frees it.
+ */
+char *replay_output(const struct replay *replay, const char *option);
+
+void replay_finish(struct replay *replay);
+
+#endif

@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Where two texts that should be the same differ: line, column, and what stands there. */
+#ifndef CONUS_CLI_VERIFY_ROWS_DIFFER_H
+#define CONUS_CLI_VERIFY_ROWS_DIFFER_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+enum { DIFFERENCES = 10 /* listed of all */ };
+
+struct difference {
+    size_t line;  /**< From 1, of the first text; the second's where the first has ended. */
+    char *where;  /**< "query 1, Sphere: share" of a table, else ""; */
+    char *before; /**< what stands there in the first text; NULL = it has ended, */
+    char *after;  /**< and in the second, likewise. */
+};
+
+struct differences {
+    struct difference items[DIFFERENCES];
+    size_t listed, count, lines; /**< Of all lines of the longer text so many differ. */
+};
+
+/** Compares two texts line by line. In a table of tabs or commas that has a header the first cell that differs is
+ * named. @p first_line: the number of the texts' first line. False without memory; @p out is the caller's to
+ * differences_finish() in any case. */
+bool differences_find(struct differences *out, const char *before, size_t before_size, const char *after,
+                      size_t after_size, size_t first_line);
+void differences_finish(struct differences *differences);
+
+#endif

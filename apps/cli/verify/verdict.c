@@ -1,0 +1,476 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Reads a result and its sidecar, finds the files, answers again, and gathers what is not as it was. */
+#include "cli/verify/verdict.h"
+
+#include "cli/verify/settings_differ.h"
+#include "common/input_file.h"
+#include "common/messages.h"
+#include "common/output.h"
+#include "common/provenance.h"
+
+#include <inttypes.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+#include <zlib.h>
+
+static const uint64_t DEFAULT_MEMORY = UINT64_C(4) << 30;
+
+/* A result on the way. */
+struct checking {
+    struct verdict *verdict;
+    const struct verdict_settings *settings;
+    char *text; /* of the result */
+    size_t size;
+    const struct recorded_file *output; /* what the result is among those recorded; NULL = not recorded */
+};
+
+/* ---- Lines ------------------------------------------------------------------------------------------------------- */
+
+static void say(struct lines *lines, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+static void say(struct lines *lines, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    char *line = NULL;
+    if (lines->count == VERDICT_LINES || vasprintf(&line, format, args) < 0) {
+        lines->more++;
+    } else {
+        make_plain_line(line);
+        lines->items[lines->count++] = line;
+    }
+    va_end(args);
+}
+
+static void lines_finish(struct lines *lines)
+{
+    for (size_t i = 0; i < lines->count; i++) {
+        free(lines->items[i]);
+    }
+}
+
+void verdict_finish(struct verdict *verdict)
+{
+    for (size_t i = 0; verdict->found && i < verdict->record.input_count; i++) {
+        free(verdict->found[i].path);
+    }
+    free(verdict->found);
+    free(verdict->sidecar);
+    lines_finish(&verdict->why);
+    lines_finish(&verdict->notes);
+    differences_finish(&verdict->differences);
+    record_finish(&verdict->record);
+}
+
+static const char *name_of(const char *path)
+{
+    const char *slash = path ? strrchr(path, '/') : NULL;
+    return slash ? slash + 1 : path;
+}
+
+/* ---- The result and its sidecar ---------------------------------------------------------------------------------- */
+
+/* "a.json" of "a.tsv", "a.nii.gz", "a.png" and "a". */
+static char *path_without_ending(const char *result)
+{
+    static const char *const endings[] = {".nii.gz", ".tsv", ".csv", ".nii", ".png", ".exr"};
+    size_t length = strlen(result);
+    char *path = NULL;
+    for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
+        if (path_ends(result, endings[i])) {
+            length -= strlen(endings[i]);
+            break;
+        }
+    }
+    return asprintf(&path, "%.*s.json", (int)length, result) < 0 ? NULL : path;
+}
+
+char *sidecar_find(const char *result)
+{
+    char *beside = NULL;
+    if (path_ends(result, ".json") && access(result, F_OK) == 0) {
+        return strdup(result);
+    }
+    if (asprintf(&beside, "%s.json", result) < 0) {
+        return NULL;
+    }
+    if (access(beside, F_OK)) {
+        free(beside);
+        beside = path_without_ending(result);
+    }
+    if (beside && access(beside, F_OK)) {
+        free(beside);
+        beside = NULL;
+    }
+    return beside;
+}
+
+static bool read_sidecar(struct checking *checking)
+{
+    struct verdict *verdict = checking->verdict;
+    bool own = provenance_json_rows(checking->text, checking->size);
+    char *text = NULL;
+    size_t size = 0;
+    verdict->sidecar = checking->settings->sidecar ? strdup(checking->settings->sidecar)
+                       : own                       ? strdup(verdict->result)
+                                                   : sidecar_find(verdict->result);
+    if (!verdict->sidecar) {
+        say(&verdict->why, "there is no .json beside it that says how it was made; --sidecar FILE.json names it");
+        return false;
+    }
+    if (own && !checking->settings->sidecar) {
+        const char *bad = record_parse(&verdict->record, checking->text, checking->size);
+        return !bad || (say(&verdict->why, "%s", bad), false);
+    }
+    messages_hold(true);
+    int code = input_file_read(&text, &size, verdict->sidecar, INPUT_FILE, RECORD_LIMIT);
+    messages_hold(false);
+    if (code) {
+        say(&verdict->why, "%s", error_line());
+        return false;
+    }
+    const char *bad = record_parse(&verdict->record, text, size);
+    free(text);
+    return !bad || (say(&verdict->why, "%s: %s", verdict->sidecar, bad), false);
+}
+
+/* The rows of a result in JSON, else all of it. */
+static const char *rows_of(const char *text, size_t size, size_t *rows_size)
+{
+    const char *rows = provenance_json_rows(text, size);
+    *rows_size = rows ? size - (size_t)(rows - text) : size;
+    return rows ? rows : text;
+}
+
+static uint32_t crc_of(const char *text, size_t size)
+{
+    return (uint32_t)crc32_z(0, (const Bytef *)text, size);
+}
+
+static bool is_recorded(const struct recorded_file *output, const char *rows, size_t size)
+{
+    char sum[SHA256_TEXT];
+    if (output->crc32 >= 0) {
+        return (uint64_t)output->bytes == size && output->crc32 == crc_of(rows, size);
+    }
+    provenance_hash(sum, rows, size);
+    return output->sha256 && strcmp(output->sha256, sum) == 0;
+}
+
+/* Which of the recorded outputs the result is: by its name, or else by its checksum. */
+static void find_output(struct checking *checking)
+{
+    struct verdict *verdict = checking->verdict;
+    const struct record *record = &verdict->record;
+    const struct recorded_file *named = NULL;
+    size_t size;
+    const char *rows = rows_of(checking->text, checking->size, &size);
+    const struct recorded_file *equal = NULL;
+    for (size_t i = 0; i < record->output_count; i++) {
+        const struct recorded_file *output = &record->outputs[i];
+        bool is_named = !output->path || strcmp(name_of(output->path), name_of(verdict->result)) == 0;
+        bool is_equal = is_recorded(output, rows, size);
+        named = is_named && (!named || is_equal) ? output : named;
+        equal = is_equal && !equal ? output : equal;
+    }
+    checking->output = named && is_recorded(named, rows, size) ? named : named ? NULL : equal;
+    if (checking->output) {
+        return;
+    }
+    if (!record->output_count) {
+        say(&verdict->notes, "%s is of an older conus and has no SHA-256 of the result", verdict->sidecar);
+    } else if (named) {
+        say(&verdict->why, "%s was changed after conus wrote it: it has another %s than %s records", verdict->result,
+            named->crc32 >= 0 ? "length or CRC-32" : "SHA-256", verdict->sidecar);
+    } else {
+        say(&verdict->why, "%s is the sidecar of %s, and neither name nor SHA-256 of %s are recorded there",
+            verdict->sidecar, record->outputs[record->output_count - 1].path, verdict->result);
+    }
+    checking->output = named;
+}
+
+/* ---- What was read ----------------------------------------------------------------------------------------------- */
+
+static void say_file(struct verdict *verdict, const struct recorded_file *file, const struct found_file *found)
+{
+    switch (found->state) {
+    case FILE_SAME:
+        break;
+    case FILE_MOVED:
+        say(&verdict->notes, "%s is now %s", file->path, found->path);
+        break;
+    case FILE_UNKNOWN:
+        say(&verdict->notes, "%s has no recorded SHA-256: taken as it is", file->path);
+        break;
+    case FILE_CHANGED:
+        say(&verdict->why, "%s changed: its SHA-256 is not the recorded one", file->path);
+        break;
+    case FILE_MISSING:
+        say(&verdict->why, "%s is missing; --search FOLDER looks for it by its SHA-256", file->path);
+        break;
+    }
+}
+
+static const char *output_path(const struct checking *checking)
+{
+    const struct record *record = &checking->verdict->record;
+    const struct recorded_file *output = checking->output;
+    for (size_t i = 0; i < record->output_count && !(output && output->path); i++) {
+        output = &record->outputs[i];
+    }
+    return output ? output->path : NULL;
+}
+
+/* Whether all files are there, changed or not. */
+static int find_files(struct checking *checking, const char *written, bool *there)
+{
+    struct verdict *verdict = checking->verdict;
+    const struct record *record = &verdict->record;
+    struct places places = {.beside = {verdict->result, verdict->sidecar}};
+    int code = EXIT_DONE;
+    *there = true;
+    for (size_t i = 0; i < checking->settings->folders.count && !code; i++) {
+        code = places_add(&places, checking->settings->folders.items[i]);
+    }
+    if (places.is_cut) {
+        say(&verdict->notes, "--search stopped after %d files and folders", SEARCH_ENTRIES);
+    }
+    places.base = base_folder(written ? written : output_path(checking), verdict->result);
+    verdict->found = calloc(record->input_count + 1, sizeof *verdict->found);
+    for (size_t i = 0; i < record->input_count && !code; i++) {
+        bool done = verdict->found && file_find(&verdict->found[i], &record->inputs[i], &places);
+        code = done ? EXIT_DONE : EXIT_DATA;
+        if (done) {
+            say_file(verdict, &record->inputs[i], &verdict->found[i]);
+            *there = *there && verdict->found[i].state != FILE_MISSING;
+        }
+    }
+    places_finish(&places);
+    return code;
+}
+
+/* ---- Comparing --------------------------------------------------------------------------------------------------- */
+
+static bool is_picture(const char *path)
+{
+    return path_ends(path, ".exr") || path_ends(path, ".png");
+}
+
+/* Pictures have attributes that say when and where they were made: pixels count. */
+static bool same_pixels(struct verdict *verdict, const char *again)
+{
+    conus_image *a = NULL;
+    conus_image *b = NULL;
+    conus_image_difference found = {0};
+    conus_status status = conus_image_load(&a, verdict->result);
+    status = status ? status : conus_image_load(&b, again);
+    status = status ? status : conus_image_compare(&found, a, b, 0);
+    if (status) {
+        say(&verdict->why, "its bytes differ from those of the new answer: %s", conus_message());
+    } else if (found.differing) {
+        say(&verdict->why, "%llu of %llu pixels differ, the largest difference is %.9g, of channel %s at (%u, %u)",
+            (unsigned long long)found.differing, (unsigned long long)found.pixels, found.max_difference, found.channel,
+            found.x, found.y);
+    }
+    conus_image_destroy(a);
+    conus_image_destroy(b);
+    return !status && !found.differing;
+}
+
+static size_t lines_in(const char *text, size_t size)
+{
+    size_t count = 0;
+    for (const char *at = text; (at = memchr(at, '\n', size - (size_t)(at - text))); at++) {
+        count++;
+    }
+    return count;
+}
+
+static int compare_texts(struct checking *checking, const char *again, size_t again_size, const char *path)
+{
+    struct verdict *verdict = checking->verdict;
+    size_t size;
+    size_t other_size;
+    const char *rows = rows_of(checking->text, checking->size, &size);
+    const char *other = rows_of(again, again_size, &other_size);
+    verdict->compared = true;
+    verdict->same = size == other_size && memcmp(rows, other, size) == 0;
+    if (verdict->same) {
+        return EXIT_DONE;
+    }
+    if (is_picture(path)) {
+        verdict->same = same_pixels(verdict, path);
+        return EXIT_DONE;
+    }
+    if (memchr(rows, '\0', size) || memchr(other, '\0', other_size)) {
+        say(&verdict->why, "its bytes differ from those of the new answer");
+        return EXIT_DONE;
+    }
+    if (!differences_find(&verdict->differences, rows, size, other, other_size,
+                          1 + lines_in(checking->text, (size_t)(rows - checking->text)))) {
+        print_error_line("not enough memory");
+        return EXIT_DATA;
+    }
+    return EXIT_DONE;
+}
+
+/* What the two sidecars say about settings, and in what they differ. */
+static void compare_sidecars(struct checking *checking, const char *path)
+{
+    struct verdict *verdict = checking->verdict;
+    char *sidecar = sidecar_find(path);
+    char *text = NULL;
+    size_t size = 0;
+    json_error_t error;
+    bool read = sidecar && access(sidecar, F_OK) == 0 &&
+                !input_file_read(&text, &size, sidecar, INPUT_FILE, checking->settings->max_memory);
+    json_t *now = read ? provenance_parse(text, size, &error) : NULL;
+    char *difference = now ? settings_difference(verdict->record.root, now) : NULL;
+    bool is_broken = verdict->record.is_sealed && !verdict->record.is_intact;
+    if (difference && (is_broken || (!verdict->same && !verdict->why.count))) { /* else it follows from the rest */
+        say(&verdict->why, "%s: %s", verdict->sidecar, difference);
+    }
+    free(difference);
+    json_decref(now);
+    free(text);
+    free(sidecar);
+}
+
+/* What explains other rows where nothing else does. */
+static void say_versions(struct checking *checking)
+{
+    struct verdict *verdict = checking->verdict;
+    const struct record *record = &verdict->record;
+    const char *engine = json_string_value(json_object_get(json_object_get(record->root, "Settings"), "engine"));
+    if (strcmp(record->version, conus_version()) != 0) {
+        say(verdict->same ? &verdict->notes : &verdict->why, "it was written by conus %s; this is %s", record->version,
+            conus_version());
+    }
+    if (!verdict->same && !verdict->why.count) {
+        say(&verdict->why, "all files are as recorded, and so is the result: this conus answers another way%s%s",
+            engine ? "; it was answered by the engine " : "", engine ? engine : "");
+    }
+}
+
+static bool endings_equal(const char *a, const char *b)
+{
+    const char *one = strrchr(name_of(a), '.');
+    const char *other = strrchr(name_of(b), '.');
+    return strcmp(one ? one : "", other ? other : "") == 0;
+}
+
+static int compare(struct checking *checking, struct replay *replay)
+{
+    struct verdict *verdict = checking->verdict;
+    const char *option = checking->output ? checking->output->option : "output";
+    char *path = replay_output(replay, option);
+    char *text = NULL;
+    size_t size = 0;
+    int code = EXIT_DONE;
+    if (path && !checking->output && verdict->record.output_count && !endings_equal(path, verdict->result)) {
+        free(path); /* another result's: of another kind, there is nothing to compare */
+        return EXIT_DONE;
+    }
+    if (!path) {
+        say(&verdict->why, "its command line writes nothing with --%.40s", option);
+    } else if (input_file_read(&text, &size, path, INPUT_FILE, checking->settings->max_memory)) {
+        say(&verdict->why, "%s", error_line());
+    } else {
+        code = compare_texts(checking, text, size, path);
+        compare_sidecars(checking, path);
+    }
+    free(text);
+    free(path);
+    return code;
+}
+
+/* ---- The whole --------------------------------------------------------------------------------------------------- */
+
+/* Of older sidecars: the poses, whose checksum is not recorded. */
+static bool add_poses(struct replay *replay, struct record *record)
+{
+    const struct arguments *arguments = &replay->arguments;
+    for (size_t i = 0; i < arguments->use_count; i++) {
+        const struct option_use *use = &arguments->uses[i];
+        if ((strcmp(use->option->name, "pose") == 0 || strcmp(use->option->name, "poses") == 0) &&
+            !record_add_input(record, use->value)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static const char *written_as(const struct arguments *arguments)
+{
+    for (size_t i = 0; i < arguments->use_count; i++) {
+        if (strcmp(arguments->uses[i].option->name, "output") == 0) {
+            return arguments->uses[i].value;
+        }
+    }
+    return NULL;
+}
+
+static int answer(struct checking *checking, struct replay *replay)
+{
+    struct verdict *verdict = checking->verdict;
+    bool there = false;
+    int code = find_files(checking, checking->output && checking->output->path ? NULL : written_as(&replay->arguments),
+                          &there);
+    if (code || !there) {
+        return code;
+    }
+    replay->found = verdict->found;
+    if (!replay_run(replay)) {
+        say(&verdict->why, "%s", replay->why);
+        return EXIT_DONE;
+    }
+    code = compare(checking, replay);
+    if (verdict->compared) {
+        say_versions(checking);
+    }
+    return code;
+}
+
+static int check(struct checking *checking, const struct command *const *commands)
+{
+    struct verdict *verdict = checking->verdict;
+    struct record *record = &verdict->record;
+    struct replay replay = {
+        .record = record, .result = name_of(verdict->result), .engine = checking->settings->engine_name};
+    if (!read_sidecar(checking)) {
+        return EXIT_DONE;
+    }
+    if (record->is_sealed && !record->is_intact) {
+        say(&verdict->why, "%s was changed after conus wrote it: its Checksum does not fit", verdict->sidecar);
+    } else if (!record->is_sealed) {
+        say(&verdict->notes, "%s is of an older conus and has no Checksum: it may have been changed", verdict->sidecar);
+    }
+    find_output(checking);
+    int code = EXIT_DONE;
+    if (!replay_check(&replay, commands)) {
+        say(&verdict->why, "%s", replay.why);
+    } else if (!add_poses(&replay, record)) {
+        print_error_line("not enough memory");
+        code = EXIT_DATA;
+    } else {
+        code = answer(checking, &replay);
+    }
+    replay_finish(&replay);
+    return code;
+}
+
+int verdict_find(struct verdict *out, const char *result, const struct verdict_settings *settings,
+                 const struct command *const *commands)
+{
+    struct verdict_settings own = *settings;
+    struct checking checking = {.verdict = out, .settings = &own};
+    *out = (struct verdict){.kind = VERDICT_NONE, .result = result};
+    own.max_memory = own.max_memory ? own.max_memory : DEFAULT_MEMORY;
+    int code = input_file_read(&checking.text, &checking.size, result, INPUT_FILE, own.max_memory);
+    code = code ? code : check(&checking, commands);
+    free(checking.text);
+    out->kind = !out->compared ? VERDICT_NONE : out->same && !out->why.count ? VERDICT_IDENTICAL : VERDICT_DIFFERENT;
+    return code;
+}

@@ -1,0 +1,395 @@
+#!/usr/bin/env bats
+# conus verify: results of every kind are answered again from their sidecars, and what is changed is named.
+load helpers
+
+# make NAME COMMAND ARGUMENT...: a result out/NAME; rows without an answer are one, too.
+make() {
+    local name=$1
+    shift
+    conus "$@" -q -o "out/$name" || [ $? -eq 1 ]
+    results+=("out/$name")
+}
+
+inputs() {
+    conus phantom sphere -o atlas --size 24 --spacing 3,3,3
+    conus phantom slabs -o atlas --size 16 --spacing 4,4,4
+    conus phantom nested -o atlas --size 24 --spacing 3,3,3
+    conus phantom brain -o brain
+    printf 'index\tname\tparent_id\n1\tOuter\t20\n300\tInner\t20\n20\tShell\tn/a\n4000000001\tCore\tn/a\n' >tree.tsv
+    printf 'Shell\nCore\n' >list.txt
+    printf '1 0 0 7\n0 1 0 0\n0 0 1 0\n0 0 0 1\n' >right.txt
+    printf 'query_id\tx\ty\tz\ttx\tty\ttz\tangle\terror_deg\n' >poses.tsv
+    printf 'front\t0\t100\t0\t0\t0\t0\t5\t1\nlost\t0\t0\t0\t0\t0\t0\t5\t1\nleft\t-90\t9\t9\t0\t0\t0\tn/a\t2\n' >>poses.tsv
+    printf 'time_s\tx\ty\tz\ttx\tty\ttz\ttrigger\n0\t0\t0\t90\t0\t0\t0\t0\n0.1\t0\t0\t90\t0\t9\t0\t0\n0.3\t0\t0\t90\t3\t0\t0\t1\n' >hand.tsv
+    printf 'name\tx\ty\tz\tsize\nR1\t80\t0\t0\t1\nR2\t70\t0\t0\t1\n' >in_electrodes.tsv
+    printf '{"iEEGCoordinateSystem": "Other", "iEEGCoordinateUnits": "mm"}\n' >in_coordsystem.json
+    printf 'name\tx\ty\tz\tsize\nA0\t0\t-12\t0.5\t1\nA1\t0\t-11\t0.5\t1\nA2\t0\t-10\t0.5\t1\n' >probe.tsv
+    mkdir -p out own
+    cp atlas/sphere.nii.gz own/ball_atlas.nii.gz
+    cp atlas/sphere.tsv own/ball_atlas.tsv
+}
+
+# Every kind of result, of every command that has one, in the folder study. The list of them is study/results.
+setup_file() {
+    local aim='--origin 0,-100,0 --toward 0,0,0 --angle 30' results=()
+    local S=atlas/sphere.nii.gz L=atlas/slabs.nii.gz N=atlas/nested.nii.gz
+    mkdir "$BATS_FILE_TMPDIR/study" "$BATS_FILE_TMPDIR/cache"
+    cd "$BATS_FILE_TMPDIR/study"
+    inputs
+    make q.tsv query $S $aim
+    make qc.csv query $S $aim
+    make qj.json query $S $aim
+    make q.ndjson query $S $aim
+    make q.txt query $S $aim
+    make q-format query $S $aim --format tsv
+    make layers.tsv query $N $aim --layers all --voxels out/voxels.tsv --voxels-of all --image out/seen.exr \
+        --deep out/deep.exr --mask out/in_dseg.nii.gz
+    make mask.tsv query $N $aim --mask out/in_mask.nii.gz --mask-object Core --image out/seen.png
+    make range.tsv query $S $aim --range 70,95 --aperture square --resolution 40
+    make tube.tsv query $S --origin=-90,1,2 --direction=1,0.1,0 --up 0,1,1 --radius 4
+    make slices.tsv query $S $aim --sampling slices --slices 90 --slice-fraction 0.5
+    make score.tsv query $N $aim --score '0.5*share+0.5*centre'
+    make lps.tsv query $L $aim --space lps --hemispheres split
+    make level.tsv query $N --labels tree.tsv $aim --level 1 --layers all
+    make list.tsv query $N --labels tree.tsv $aim --level @list.txt
+    make only.tsv query $N --labels tree.tsv $aim --only @list.txt --hide Inner
+    make context.tsv query $S $aim --context $N --context-blocks 1
+    make pathway.tsv query $S $aim --pathway "$N,threshold=1,name=a path" --pathway "$L,band=1:9:low" --layers all
+    make moved.tsv query $S $aim --atlas-transform right.txt --atlas-transform right.txt,inverse
+    make several.tsv query $S --atlas $L --atlas $N $aim
+    make all.json query $S --atlas $L $aim
+    make point.tsv query $S --point 0,-23,0 --radius 5
+    make scene.tsv query brain/brain.atlas.json --origin=-200,3,4 --toward 0,0,0 --layers all
+    make folder.tsv query brain --origin=-200,3,4 --toward 0,0,0
+    make surface.tsv query brain/brain-11-Cor.surf.gii --origin=-200,3,4 --toward 0,0,0
+    make poses.tsv query $S --pose poses.tsv --angle 7
+    make afni query $S --pose poses.tsv --format afni
+    make out_electrodes.tsv query $S --pose in_electrodes.tsv --radius 2 --format bids --any-space
+    make shafts.tsv query $S --pose in_electrodes.tsv --radius 2 --along-shafts --any-space
+    make glx query $S --pose probe.tsv --radius 2 --format spikeglx
+    make ephys query $S --pose probe.tsv --radius 2 --format open-ephys
+    CONUS_ATLAS_PATH=own make name.tsv query ball-atlas $aim
+    make quotes.tsv query "atlas/../atlas/./sphere.nii.gz" $aim --score "share + centre"
+    make batch.tsv batch $S --poses poses.tsv
+    make threads.csv batch $S --atlas $L --poses poses.tsv --threads 3 --block 1 --force
+    make batch.ndjson batch $S --poses poses.tsv --summary --resume
+    make batch-list.tsv batch $N --labels tree.tsv --poses poses.tsv --level @list.txt
+    make batch-afni batch $S --poses poses.tsv --format afni
+    conus batch $S --poses poses.tsv --shard 0/2 -q -o out/s0.tsv || [ $? -eq 1 ]
+    conus batch $S --poses poses.tsv --shard 1/2 -q -o out/s1.tsv
+    conus merge out/s0.tsv out/s1.tsv -o out/merged.tsv
+    printf 'atlas\tposes\toutput\n%s\tposes.tsv\tout/job1.tsv\n%s\thand.tsv\tout/job2.csv\n' $S $L >jobs.tsv
+    conus batch --jobs jobs.tsv --angle 12 -q || [ $? -eq 1 ]
+    make sweep.tsv sweep $N $aim
+    make angles.csv sweep $N --origin 0,-100,0 --toward 0,0,20 --angles 5:25:5
+    make jitter.tsv sweep $S $aim --jitter 3,2 --samples 64
+    make columns.json sweep $S --pose poses.tsv --jitter columns --samples 16
+    make track.tsv track $S --poses hand.tsv --score intenselect
+    make selected.json track $S --atlas $L --poses hand.tsv --selected --delay 0.1
+    make track.ndjson track $S --poses hand.tsv
+    make overlap.tsv overlap $N out/in_mask.nii.gz
+    make regions.json overlap $N out/in_mask.nii.gz atlas/slabs.nii.gz --atlas $L --threshold 1
+    make listed.csv overlap $N --labels tree.tsv out/in_mask.nii.gz --level @list.txt
+    conus query $S $aim --format tsv -q --sidecar out/stdout.tsv.json >out/stdout.tsv
+    results+=(out/{s0,s1,merged,job1}.tsv out/job2.csv out/in_dseg.nii.gz out/in_mask.nii.gz out/stdout.tsv)
+    printf '%s\n' "${results[@]}" >results
+    cp -r . "$BATS_FILE_TMPDIR/kept"
+    rm -f "$BATS_FILE_TMPDIR/kept/results"
+}
+
+# The folder of one test: all that was made, unchanged.
+study() {
+    cp -r "$BATS_FILE_TMPDIR/study/." .
+}
+
+# says CODE TEXT ARGUMENT...: verify ends with CODE and writes TEXT, on stderr where there is no verdict.
+says() {
+    local code=$1 text=$2
+    shift 2
+    if [ "$code" -eq 3 ]; then
+        fails 3 "$text" verify "$@"
+    else
+        run -"$code" --separate-stderr "$CONUS" verify "$@"
+        [ -z "$stderr" ] || { echo "said: $stderr"; return 1; }
+        has "$text"
+    fi
+    [ -z "$(find "${TMPDIR:-/tmp}" -maxdepth 1 -name 'conus-verify-*' -user "$USER" -newer results 2>/dev/null)" ]
+}
+
+@test "results of every kind are identical, in any locale, time zone and folder" {
+    study
+    [ "$(wc -l <results)" -ge 50 ]
+    export CONUS_ATLAS_PATH=own TZ=Asia/Kathmandu LC_ALL=C.UTF-8
+    while read -r result; do
+        says 0 "$result: identical" "$result"
+    done <results
+    [ -z "$(find . -newer results -type f)" ] # it wrote nothing here
+    says 0 identical out/voxels.tsv --sidecar out/layers.json
+    says 0 identical out/seen.exr --sidecar out/layers.json
+    says 0 identical out/deep.exr --sidecar out/layers.json
+    says 0 identical out/seen.png --sidecar out/mask.json
+    cd /
+    says 0 identical "$BATS_TEST_TMPDIR/work/out/layers.tsv"
+}
+
+@test "rows that were edited are named, in every format" {
+    study
+    sed -i '2s/0.797241093/0.797241094/' out/q.tsv
+    says 1 'line 2, query 1, Sphere: score: 0.797241094, answered again: 0.797241093' out/q.tsv
+    has '1 of 3 lines differ'
+    has 'why: out/q.tsv was changed after conus wrote it: it has another SHA-256 than out/q.json records'
+    sed -i 2d out/layers.tsv
+    says 1 'why: out/layers.tsv was changed' out/layers.tsv
+    sed -i 's/another point is needed/another point is neaded/' out/threads.csv
+    says 1 'line 6, query lost, sphere, "line 3: toward: is the origin itself, another point is neaded": name: ' out/threads.csv
+    has 'another length or CRC-32 than out/threads.json records'
+    sed -i '1s/score/Score/' out/qc.csv
+    says 1 'line 1, query query, name: score: Score, answered again: score' out/qc.csv
+    sed -i 's/"pixels": 164/"pixels": 163/' out/qj.json
+    says 1 '"pixels": 163,, answered again: "pixels": 164,' out/qj.json
+    has 'was changed after conus wrote it: it has another SHA-256'
+    printf ' ' >>out/q.txt
+    says 1 'why: out/q.txt was changed' out/q.txt
+    truncate -s -1 out/q.ndjson
+    says 1 '1 of 2 lines differ' out/q.ndjson
+    : >out/sweep.tsv
+    says 1 'nothing, answered again: query' out/sweep.tsv
+    cp atlas/nested.nii.gz out/in_mask.nii.gz
+    says 1 'its bytes differ from those of the new answer' out/in_mask.nii.gz
+    has 'out/in_mask.nii.gz was changed after conus wrote it'
+    cp out/seen.exr kept.exr
+    cp out/deep.exr out/seen.exr
+    says 1 'its bytes differ' out/seen.exr --sidecar out/layers.json
+    conus query atlas/nested.nii.gz --origin 0,-100,1 --toward 0,0,0 --angle 30 --layers all --image out/seen.exr -q -o x.tsv
+    says 1 'of 256 pixels differ' out/seen.exr --sidecar out/layers.json
+}
+
+@test "one byte of a source changed: the source is named, and the rows that it changes" {
+    study
+    local aim='--origin 0,-100,0 --toward 0,0,0 --angle 30'
+    sed -i 's/Sphere/Sphare/' atlas/sphere.tsv
+    says 1 'line 2, query 1, Sphere: name: Sphere, answered again: Sphare' out/q.tsv
+    has 'why: atlas/sphere.tsv changed: its SHA-256 is not the recorded one'
+    study
+    sed -i 's/left\t-90/left\t-91/' poses.tsv
+    says 1 'why: poses.tsv changed' out/poses.tsv
+    has ', query left, Sphere: '
+    says 1 'why: poses.tsv changed' out/batch.tsv
+    study
+    printf '\xff' | dd of=atlas/sphere.nii.gz bs=1 seek=300 conv=notrunc status=none
+    says 3 'atlas/sphere.nii.gz changed: its SHA-256 is not the recorded one; atlas/sphere.nii.gz: ' out/q.tsv
+    gzip -dc "$BATS_FILE_TMPDIR/kept/atlas/sphere.nii.gz" >voxels
+    printf 'x' | dd of=voxels bs=1 seek=148 conv=notrunc status=none # of the header's description
+    gzip -nc voxels >atlas/sphere.nii.gz
+    says 1 'answered the same again, but not all else is as it was' out/q.tsv
+    has 'atlas/sphere.nii.gz changed'
+    study
+    printf '1 0 0 8\n0 1 0 0\n0 0 1 0\n0 0 0 1\n' >right.txt
+    says 1 'why: right.txt changed' out/moved.tsv
+    sed -i 's/Core/Core /' list.txt
+    says 1 'why: list.txt changed' out/only.tsv
+    says 1 'why: list.txt changed' out/list.tsv
+    says 1 'why: list.txt changed' out/batch-list.tsv
+    sed -i 's/Shell/Shall/' tree.tsv
+    says 1 'name: Shell, answered again: Shall' out/level.tsv
+    sed -i 's/Other/other/' in_coordsystem.json
+    says 1 'why: in_coordsystem.json changed' out/out_electrodes.tsv
+    sed -i '1s/{/{ /' brain/brain.atlas.json
+    says 1 'why: brain/brain.atlas.json changed' out/scene.tsv
+    cp atlas/sphere.nii.gz out/in_mask.nii.gz
+    says 1 'why: out/in_mask.nii.gz changed' out/overlap.tsv
+    cp atlas/nested.nii.gz atlas/slabs.nii.gz
+    says 1 'why: atlas/slabs.nii.gz changed' out/several.tsv
+    says 1 'why: atlas/slabs.nii.gz changed' out/pathway.tsv
+}
+
+@test "a sidecar that was changed is named, and what it changes" {
+    study
+    sed -i 's/--angle 30/--angle 31/' out/q.json
+    says 1 'why: out/q.json was changed after conus wrote it: its Checksum does not fit' out/q.tsv
+    has 'Queries[0].angle_deg is 30.0 there, and 31.0 when it is answered again'
+    has 'line 2, query 1, Sphere: score: 0.797241093, answered again: 0.7'
+    study
+    sed -i 's/"resolution": 16/"resolution": 17/' out/q.json
+    says 1 'Settings.resolution is 17 there, and 16 when it is answered again' out/q.tsv
+    has 'its Checksum does not fit'
+    sum=$(jq -r '.Atlas.volumes[0].sha256' out/range.json)
+    sed -i "s/$sum/0${sum:1}/" out/range.json
+    says 1 'out/range.json was changed' out/range.tsv
+    has 'atlas/sphere.nii.gz changed'
+    sed -i 's/"Description": "query_id/"Description": "Query_id/; 2i "TaskName": "rest",' out/tube.json
+    says 0 identical out/tube.tsv
+    sed -i 's/"Version": "[^"]*"/"Version": "0.0.1"/' out/lps.json
+    says 1 'it was written by conus 0.0.1; this is' out/lps.tsv
+    sed -i 's/"shard": \[/"shard": [ /; s/--poses poses.tsv/--poses hand.tsv/' out/batch.json
+    says 1 'out/batch.json was changed' out/batch.tsv
+    sed -i 's/"CommandLine": "conus track/"CommandLine": "conus trick/' out/selected.json
+    says 3 'begins with "conus trick"' out/selected.json
+}
+
+@test "sidecars of older versions are answered again, and what they lack is said" {
+    study
+    for name in q poses batch layers; do
+        jq 'del(.Inputs, .Outputs, .Checksum) | del(.. | .bytes?)' out/$name.json >old
+        mv old out/$name.json
+    done
+    says 0 identical out/q.tsv
+    has 'note: out/q.json is of an older conus and has no Checksum'
+    has 'note: out/q.json is of an older conus and has no SHA-256 of the result'
+    says 0 'note: poses.tsv has no recorded SHA-256: taken as it is' out/poses.tsv
+    sed -i '2s/1/2/' out/poses.tsv
+    says 1 'line 2' out/poses.tsv
+    sed -i 's/"Version": "[^"]*"/"Version": "0.0.1"/' out/poses.json
+    says 1 'why: it was written by conus 0.0.1; this is' out/poses.tsv
+    jq 'del(.GeneratedBy[0].CommandLine)' out/q.json >old
+    mv old out/q.json
+    says 3 'written by the library or its Python package, not by the program' out/q.tsv
+}
+
+@test "results and sources that moved are found by their checksums" {
+    study
+    mkdir -p else/far else/atlas
+    mv out/q.tsv out/q.json else/
+    says 3 'atlas/sphere.nii.gz is missing; --search FOLDER looks for it by its SHA-256' else/q.tsv --sidecar else/q.json || true
+    cp -r atlas/. else/atlas
+    mv atlas away
+    mv else/atlas/sphere.nii.gz else/far/renamed.bin
+    mv else/atlas/sphere.tsv else/far/names
+    says 3 'atlas/sphere.nii.gz is missing' else/q.tsv
+    says 0 'note: atlas/sphere.nii.gz is now ' else/q.tsv --search else
+    has '/else/far/renamed.bin'
+    says 0 'note: atlas/sphere.tsv is now ' out/batch.tsv --search else
+    # Links are not followed.
+    mkdir links
+    ln -s ../away links/away
+    ln -s ../../away/slabs.nii.gz links/slabs.nii.gz
+    says 3 'slabs.nii.gz is missing' out/lps.tsv --search links
+    # A manifest, with everything below it.
+    mv brain elsewhere
+    says 0 identical out/scene.tsv --search elsewhere
+    says 0 identical out/folder.tsv --search elsewhere
+    fails 2 'is no folder' verify out/q.txt --search poses.tsv
+    fails 3 'cannot search' verify out/q.txt --search none
+}
+
+@test "absolute paths that moved, and names of atlases that are no longer installed" {
+    study
+    local here=$PWD aim='--origin 0,-100,0 --toward 0,0,0'
+    mkdir a
+    cp -r atlas right.txt tree.tsv list.txt a
+    conus query "$here/a/atlas/nested.nii.gz" --labels "$here/a/tree.tsv" --level "@$here/a/list.txt" $aim -q \
+        --pathway "$here/a/atlas/slabs.nii.gz,threshold=1" -o abs.tsv
+    conus overlap "$here/a/atlas/nested.nii.gz" "$here/a/atlas/slabs.nii.gz" -q --threshold 1 --format json >region.json
+    says 0 identical abs.tsv
+    mv a b
+    says 0 identical abs.tsv --search b
+    # What `overlap` calls a region is its path, which is another one now: that is said.
+    says 1 "\"query\": \"$here/a/atlas/slabs.nii.gz" region.json --search b
+    CONUS_ATLAS_PATH=own says 0 identical out/name.tsv
+    says 0 identical out/name.tsv
+    mv own owned
+    says 0 identical out/name.tsv --search owned
+}
+
+@test "what cannot be verified is said" {
+    study
+    rm out/q.json
+    says 3 'no .json beside it that says how it was made; --sidecar FILE.json names it' out/q.tsv
+    says 3 'cannot open' out/none.tsv
+    cp out/tube.json out/range.json
+    says 1 'out/range.json is the sidecar of out/tube.tsv, and neither name nor SHA-256 of out/range.tsv are recorded there' out/range.tsv
+    cp out/threads.json out/lps.json
+    says 3 'lps.json' out/lps.tsv || true
+    : >out/tube.json
+    says 3 'is no JSON object' out/tube.tsv
+    conus query atlas/sphere.nii.gz --pose - -q -o piped.tsv <poses.tsv || [ $? -eq 1 ]
+    says 3 'its poses came from standard input' piped.tsv
+    conus render --help >out/x.tsv
+    says 3 'no .json beside it' out/x.tsv
+    says 3 'not a sidecar of conus' atlas/sphere.tsv --sidecar atlas/sphere.json
+}
+
+# hostile COMMAND-LINE TEXT: a sidecar with it is refused, and nothing else happens.
+hostile() {
+    jq --arg line "$1" '.GeneratedBy[0].CommandLine = $line | del(.Checksum)' "$BATS_FILE_TMPDIR/kept/out/q.json" >out/q.json
+    cp "$BATS_FILE_TMPDIR/kept/out/q.tsv" out/q.tsv
+    touch -r results out/q.json out/q.tsv
+    says "${3:-3}" "$2" out/q.tsv
+    [ -z "$(find . -newer results -type f)" ] || { find . -newer results -type f; return 1; }
+}
+
+@test "a hostile sidecar writes nowhere and starts nothing" {
+    study
+    local aim="--origin 0,-100,0 --toward 0,0,0"
+    hostile 'conus mesh atlas/sphere.nii.gz -o meshes' 'only conus query, batch, sweep, track and overlap'
+    hostile 'conus phantom sphere -o .' 'begins with "conus phantom"'
+    hostile 'conus view --script x' 'begins with "conus view"'
+    hostile 'conus' 'begins with "conus "'
+    hostile 'sh -c touch' 'begins with "sh -c"'
+    hostile "conus query atlas/sphere.nii.gz $aim; touch x" 'is not quoted as conus does it'
+    hostile "conus query atlas/sphere.nii.gz $aim  -q" 'is not quoted as conus does it'
+    hostile "conus query atlas/sphere.nii.gz \$(touch x)" 'is not quoted as conus does it'
+    hostile "conus query 'atlas" 'is not quoted as conus does it'
+    hostile '' 'is empty'
+    hostile "conus query --help" 'begins with "conus query"'
+    hostile "conus track atlas/sphere.nii.gz --listen 18944" 'came from a tracker'
+    hostile "conus track atlas/sphere.nii.gz --poses hand.tsv --world-from-tracker poses.tsv" 'has --world-from-tracker'
+    hostile "conus query atlas/sphere.nii.gz $aim --nonsense 1" 'does not take its command line: unknown option'
+    hostile "conus query atlas/sphere.nii.gz $aim -o $PWD/evil.tsv --voxels $PWD/evil2.tsv --voxels-of all --sidecar $PWD/evil.json --mask $PWD/evil.nii.gz" 'angle_deg' 1
+    hostile "conus query atlas/sphere.nii.gz $aim -o ../../../evil.tsv --image ..png" 'angle_deg' 1
+    hostile "conus batch atlas/sphere.nii.gz --poses poses.tsv -o $PWD/evil.tsv --force" 'differ' 1
+    # Paths of files that lead out of the folder.
+    jq '.Inputs = [{path: "../../../../x/../../y", sha256: null}]' "$BATS_FILE_TMPDIR/kept/out/q.json" >out/q.json
+    says 3 'x/../../y is missing' out/q.tsv
+    jq '.Inputs = [{path: "/a/../../y", bytes: 1, sha256: "short"}]' "$BATS_FILE_TMPDIR/kept/out/q.json" >out/q.json
+    says 3 'sha256: is not 64 digits' out/q.tsv
+    jq --arg sum "$(sha256sum poses.tsv | cut -d ' ' -f 1)" '.Inputs = [{path: "/a/../../y", sha256: $sum}]' \
+        "$BATS_FILE_TMPDIR/kept/out/q.json" >out/q.json
+    says 3 '/a/../../y: has ".." in it, and moved' out/q.tsv --search .
+}
+
+@test "the verdict as JSON" {
+    study
+    run -0 "$CONUS" verify out/q.tsv --format json
+    [ "$(jq -c '[.verdict, .same_rows, .why, [.files[].state], .lines_that_differ]' <<<"$output")" = '["identical",true,[],["same","same"],0]' ]
+    sed -i 's/Sphere/Sphare/' out/q.tsv
+    run -1 "$CONUS" verify out/q.tsv --format json
+    [ "$(jq -c '[.verdict, .same_rows, (.why | length), .differences[0]]' <<<"$output")" = \
+        '["different",false,1,{"line":2,"where":"query 1, Sphare: name","recorded":"Sphare","again":"Sphere"}]' ]
+    rm poses.tsv
+    run -3 --separate-stderr "$CONUS" verify out/poses.tsv --format json
+    [ "$(jq -c '[.verdict, ([.files[] | select(.path == "poses.tsv") | .state])]' <<<"$output")" = '["not verified",["missing"]]' ]
+    [ -z "$stderr" ]
+}
+
+@test "AAL, by its path and by its name, on one processor and by the other engine" {
+    need_aal
+    conus query "$aal" --origin=-90,20,20 --toward 0,-10,10 --angle 20 -q -o path.tsv
+    conus query aal --origin=-90,20,20 --toward 0,-10,10 --angle 20 -q -o name.csv --sidecar name.json
+    touch results
+    says 0 'path.tsv: identical' path.tsv
+    run -0 taskset -c 0 "$CONUS" verify name.csv
+    has 'name.csv: identical'
+    run --separate-stderr "$CONUS" verify path.tsv --engine gl
+    [ "$status" -eq 0 ] || [[ "$stderr" == *GL* ]] || { echo "$output$stderr"; return 1; }
+    sed -i '2s/Oper/Opel/' path.tsv
+    says 1 'line 2, query 1, Frontal_Inf_Opel_L: name: Frontal_Inf_Opel_L, answered again: Frontal_Inf_Oper_L' path.tsv
+}
+
+# Every option with a text must be one that verify knows, or a sidecar with it is refused.
+@test "every option of the commands that are answered again is known, or refused on purpose" {
+    study
+    local text='--angles --atlas --atlas-transform --connect --context --deep --hide --image --jitter --jobs --labels
+        --level --listen --mask --mask-object --only --output --pathway --pose --poses --reference --score --shard --sidecar
+        --tool --voxels --world-from-tracker'
+    for command in query batch sweep track overlap; do
+        conus $command --help
+    done | sed -nE 's/^  +(-[a-z], )?(--[a-z-]+) [A-Z@].*/\2/p' | sort -u >options
+    grep -vxFf <(tr -s ' \n' '\n' <<<"$text") options >others
+    # Numbers, vectors and choices are kept as they are.
+    printf -- '--%s\n' angle aperture axis block context-blocks decay delay direction engine enlarge exponent eye format \
+        growth head hemispheres layers mask-of max-memory origin point poses-format probability progress radius range rate \
+        resolution samples sampling screen-mm screen-pose seconds slice-fraction slices snappiness space stickiness threads \
+        threshold tool-axis toward up voxels-of window | grep -vxFf - others >unknown || true
+    [ ! -s unknown ] || { cat unknown; echo 'these options are not known to apps/cli/verify/replay.c'; return 1; }
+}
