@@ -2,6 +2,7 @@
 /* The table of keys, what each does, and the help that lists them. */
 #include "viewer/keys.h"
 
+#include "viewer/pointing/point.h"
 #include "viewer/session/keep.h"
 #include "viewer/window/screen.h"
 
@@ -44,11 +45,30 @@ static void isolate_chosen(struct window *window)
     }
 }
 
-static void freeze(struct window *window)
+static void hold(struct window *window)
 {
-    window->viewer->cone.frozen = !window->viewer->cone.frozen;
-    viewer_say(window->viewer,
-               window->viewer->cone.frozen ? "the cone stays where it is" : "the cone follows the mouse");
+    point_hold(window->viewer);
+}
+
+/* First what covers the brain, then the cone. */
+static void clear(struct window *window)
+{
+    if (window->show_help) {
+        window->show_help = false;
+    } else {
+        viewer_clear(window->viewer);
+        viewer_say(window->viewer, "cleared");
+    }
+}
+
+static void use_eye(struct window *window)
+{
+    point_use_eye(window->viewer, !window->viewer->cone.apex_at_eye);
+}
+
+static void use_ray(struct window *window)
+{
+    point_use_ray(window->viewer, !window->viewer->cone.one_ray);
 }
 
 static void scale_angle(struct window *window, double factor)
@@ -212,7 +232,10 @@ static const struct {
 } keys[] = {
     {"?", toggle_help, "this list"},
     {"enter", confirm, "confirm: pin the best result"},
-    {"space", freeze, "hold the cone, or let it follow the mouse again"},
+    {"space", hold, "hold the cone, or let it follow the mouse again, as a click does"},
+    {"escape", clear, "clear the cone"},
+    {"1", use_ray, "one area, by a single ray, or all areas in the cone"},
+    {"x", use_eye, "the mouse's cone begins at the surface, or at your eye"},
     {"+", widen, "a wider cone"},
     {"-", narrow, "a narrower cone"},
     {"l", toggle_layers, "first hits, or all hits"},
@@ -304,8 +327,8 @@ void keys_draw_help(struct window *window)
     }
     ui_separator();
     ui_text_wrapped(
-        "3-D: left button turns, right button moves, wheel comes nearer, a click sets the crosshair, a double click "
-        "confirms; where the mouse points, the cone follows it from your eye.\n"
+        "3-D: left button turns, right button moves, wheel comes nearer; the cone follows the mouse, a click holds it "
+        "and sets the crosshair, another one lets it go, a double click confirms.\n"
         "Flat panes: left button sets the crosshair, wheel goes through the cuts, Ctrl and wheel magnify; with "
         "the wand, right button puts the device there, with Shift it points there.");
     ui_panel_end();

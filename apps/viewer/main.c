@@ -171,9 +171,9 @@ static const struct command cmd_view = {
     .operands = {"ATLAS"},
     .optional = true,
     .description =
-        "Four panes: the brain in 3-D and its axial, coronal and sagittal cuts. The cone follows the mouse, or a\n"
-        "wand moved by keys; the areas that it hits are named, ranked and highlighted. Press ? in the window for\n"
-        "the keys.\n\n"
+        "Four panes: the brain in 3-D and its axial, coronal and sagittal cuts. The cone follows the mouse, from the\n"
+        "surface under it, or a wand moved by keys; the areas that it hits are named, ranked and highlighted. A click\n"
+        "holds it, Escape clears it. Press ? in the window for the keys.\n\n"
         "Without ATLAS the window opens with a page that lists what was opened lately. Drop a file or a folder on\n"
         "it, or type a path, or the name of an installed atlas (conus atlases).",
     .examples =

@@ -27,12 +27,13 @@ APPS = {
     "apps/mesh": "loaders/child",  # mesh_protocol.h: what conus and conus-mesh send each other
     "apps/viewer/model": "apps/link",
     "apps/viewer/window": "apps/common apps/viewer/model",
-    "apps/viewer/panes": "apps/viewer/model apps/viewer/window",
-    "apps/viewer/panels": "apps/settings apps/viewer/window",
-    "apps/viewer/session": "apps/common apps/viewer/window",
+    "apps/viewer/pointing": "apps/viewer/model",
+    "apps/viewer/panes": "apps/viewer/model apps/viewer/pointing apps/viewer/window",
+    "apps/viewer/panels": "apps/settings apps/viewer/pointing apps/viewer/window",
+    "apps/viewer/session": "apps/common apps/viewer/pointing apps/viewer/window",
     # draw.c joins the panes and panels; the window itself knows neither.
-    "apps/viewer": "apps/link apps/common apps/settings apps/pages apps/viewer/window apps/viewer/panes apps/viewer/panels"
-    " apps/viewer/session",
+    "apps/viewer": "apps/link apps/common apps/settings apps/pages apps/viewer/pointing apps/viewer/window apps/viewer/panes"
+    " apps/viewer/panels apps/viewer/session",
 }
 LIBRARY = {
     "base": "",

@@ -250,6 +250,7 @@ END
     need_window
     conus phantom nested -o .
     view nested.nii.gz <<'END'
+key x
 screen -280 200 -240 -280 0 -240 1280 800
 head 30 900 60
 angle 6
@@ -291,6 +292,7 @@ END
     need_window
     conus phantom nested -o .
     view nested.nii.gz <<'END'
+key x
 screen 0 200 0 0 0 0 1280 800
 head 300 900 60
 angle 6
@@ -351,7 +353,7 @@ END
     until look '.eye == [30, 900, 60]'; do
         runs "$sender"
     done
-    tell 'angle 6' 'point 0.5 0.5' 'results head.tsv' 'picture seen.png 207 307' 'save left.json'
+    tell 'angle 6' 'key x' 'point 0.5 0.5' 'results head.tsv' 'picture seen.png 207 307' 'save left.json'
     wait_until "$sender" test -e lost
     tell 'wait 2' 'picture lost.png 207 307' 'save lost.json'
     leave
@@ -420,6 +422,101 @@ END
     xdotool mouseup 1
     leave
     grep -q Sphere mouse.tsv
+}
+
+# at_apex FILE.json: the options of conus query for the cone of a session.
+at_apex() {
+    jq -r '.world_from_device | "--origin=\(.[12]),\(.[13]),\(.[14]) --direction=\(-.[8]),\(-.[9]),\(-.[10])"' "$1"
+}
+
+@test "the mouse's cone begins at the surface, and is one ray where one area is wanted" {
+    need_window
+    conus phantom sphere -o .
+    conus phantom nested -o .
+    printf 'point 0.5 0.5\nsave ball.json\n' | view sphere.nii.gz
+    # a ball of 20 mm: its voxels of 1 mm have their faces within half a diagonal of that
+    jq -e '.angle_deg == 5 and .apex_at_eye == 0 and
+        ([.world_from_device[12:15][] | . * .] | add | sqrt | . > 19.1 and . < 20.9)' ball.json
+    view nested.nii.gz <<'END'
+angle 20
+point 0.5 0.5
+point 0.01 0.01
+results cone.tsv
+save cone.json
+key l
+key 1
+results ray.tsv
+save ray.json
+key 1
+key l
+key x
+open ray.json
+results opened.tsv
+save opened.json
+key x
+point 0.01 0.01
+results eye.tsv
+key escape
+results none.tsv
+save none.json
+END
+    # shellcheck disable=SC2046 # several words
+    conus query nested.nii.gz $(at_apex cone.json) --angle 20 --format tsv -q | diff cone.tsv -
+    # shellcheck disable=SC2046
+    conus query nested.nii.gz $(at_apex ray.json) --angle 0.1 --resolution 1 --format tsv -q | diff ray.tsv -
+    diff ray.tsv opened.tsv
+    diff ray.json opened.json
+    [ "$(jq -c '[.one_ray, .layers]' ray.json)" = '[1,1]' ]
+    [ "$(grep -c area ray.tsv)" -eq 1 ]
+    run -1 grep -q area eye.tsv # past the ball, at a corner of the pane
+    grep -q unassigned eye.tsv
+    [ "$(wc -l <none.tsv)" -eq 1 ]
+    [ "$(jq -c '[.has_pose, .frozen]' none.json)" = '[0,0]' ]
+    # a session of before says nothing of it
+    jq 'del(.one_ray, .apex_at_eye)' cone.json >old.json
+    printf 'key 1\nkey x\nopen old.json\nsave kept.json\n' | view nested.nii.gz
+    [ "$(jq -c '[.one_ray, .apex_at_eye]' kept.json)" = '[1,1]' ]
+}
+
+@test "a click holds the cone, another lets it go, panels do not move it, Escape clears it" {
+    need_window
+    conus phantom sphere -o .
+    live sphere.nii.gz
+    local step=0 pose
+    until look '.has_pose == 1'; do # over the middle of the 3-D pane
+        step=$((step + 1))
+        xdotool mousemove --window "$window" $((340 + step % 20)) 155
+    done
+    pose=$(jq -c .world_from_device "look$looks.json")
+    until look ".world_from_device != $pose"; do # it follows
+        step=$((step + 1))
+        xdotool mousemove --window "$window" $((340 + step % 20)) 155
+    done
+    xdotool click 1
+    until look '.frozen == 1'; do :; done
+    pose=$(jq -c .world_from_device "look$looks.json")
+    xdotool mousemove --window "$window" 355 150 mousemove --window "$window" 345 160 mousemove --window "$window" 100 300
+    look ".frozen == 1 and .world_from_device == $pose"
+    xdotool mousedown 1 # pressed on a panel, it is no click of the pane
+    look true
+    xdotool mousemove --window "$window" 355 155
+    look true
+    xdotool mouseup 1
+    look ".frozen == 1 and .world_from_device == $pose"
+    xdotool click 1
+    until look '.frozen == 0'; do :; done
+    until look ".world_from_device != $pose"; do
+        step=$((step + 1))
+        xdotool mousemove --window "$window" $((340 + step % 20)) 155
+    done
+    xdotool mousemove --window "$window" 300 300 # to the pane's corner, beside the ball, then to the panels
+    look true
+    pose=$(jq -c .world_from_device "look$looks.json")
+    xdotool mousemove --window "$window" 100 300 mousemove --window "$window" 900 300 mousemove --window "$window" 900 600
+    look ".frozen == 0 and .world_from_device == $pose"
+    xdotool key --window "$window" Escape
+    until look '.has_pose == 0'; do :; done
+    leave
 }
 
 @test "what a script cannot do is said with its line" {

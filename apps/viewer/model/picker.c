@@ -139,6 +139,21 @@ uint32_t view_atlas_pick(double *depth, struct view_atlas *on, const double orig
     return object;
 }
 
+double view_atlas_depth(struct view_atlas *on, const double origin[3], const double direction[3])
+{
+    conus_selection *selection = NULL;
+    conus_pose pose;
+    size_t count = 0;
+    if (conus_pose_along(&pose, origin, direction, NULL) || make_picker(on) ||
+        conus_select(&selection, on->picker, &pose, ray_angle)) {
+        return INFINITY;
+    }
+    const conus_interval *intervals = conus_selection_intervals(&count, selection);
+    double depth = count ? intervals[0].entry : INFINITY; /* of one pixel they are ordered by it */
+    conus_selection_destroy(selection);
+    return depth;
+}
+
 uint32_t view_atlas_at(struct view_atlas *on, const double place[3])
 {
     conus_cut_view view = {.width = 1, .height = 1, .window = {0, 1}};

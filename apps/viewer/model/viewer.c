@@ -10,7 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double default_angle = 10;
+static const double default_angle = 5; /* degrees, of the window; from the scalp that is about one area */
+static const double ray_angle = 0.1;   /* degrees: drawn as a line; one pixel's ray is the axis, whatever it is */
 
 void viewer_say(struct viewer *viewer, const char *format, ...)
 {
@@ -106,14 +107,28 @@ static void say_failure(struct viewer *viewer, const struct view_atlas *on, conu
                status == CONUS_ERROR_MEMORY ? "not enough memory" : conus_message());
 }
 
+double viewer_question(conus_selector_options *options, const struct viewer *viewer)
+{
+    const struct cone_state *cone = &viewer->cone;
+    *options = cone->options;
+    if (cone->one_ray) {
+        options->resolution = 1;
+        options->radius = 0;
+        options->layers = CONUS_LAYERS_VISIBLE;
+    }
+    double angle = cone->one_ray ? ray_angle : cone->angle;
+    return options->radius > 0 ? 0 : angle * M_PI / 180;
+}
+
 /* Of an atlas that cannot answer nothing is left of its answer before. */
 static void select_now(struct viewer *viewer)
 {
-    double angle = viewer->cone.options.radius > 0 ? 0 : viewer->cone.angle * M_PI / 180;
+    conus_selector_options options;
+    double angle = viewer_question(&options, viewer);
     double begun = clock_ms();
     for (size_t i = 0; i < viewer->atlas_count; i++) {
         struct view_atlas *on = &viewer->atlases[i];
-        conus_status status = view_atlas_select(on, &viewer->cone.options, &viewer->cone.pose, angle);
+        conus_status status = view_atlas_select(on, &options, &viewer->cone.pose, angle);
         if (status) {
             say_failure(viewer, on, status);
         }
@@ -138,6 +153,16 @@ void viewer_aim_along(struct viewer *viewer, const double origin[3], const doubl
     } else {
         viewer_aim(viewer, &pose);
     }
+}
+
+void viewer_clear(struct viewer *viewer)
+{
+    viewer->cone.has_pose = viewer->cone.frozen = false;
+    for (size_t i = 0; i < viewer->atlas_count; i++) {
+        view_atlas_forget(&viewer->atlases[i]);
+    }
+    viewer->cone.answer_number++;
+    viewer->version++;
 }
 
 void viewer_place(struct viewer *viewer)
@@ -220,11 +245,13 @@ static conus_status add_report(conus_report **reports, struct viewer *viewer, si
 {
     struct view_atlas *on = &viewer->atlases[index];
     const conus_report_options options = {.format = CONUS_FORMAT_TSV, .atlas = on->name[0] ? on->name : NULL};
+    conus_selector_options asked;
     bool was_asked = false;
     for (size_t i = 0; i < viewer->atlas_count; i++) {
         was_asked = was_asked || viewer->atlases[i].answer;
     }
-    conus_status status = view_atlas_prepare(on, &viewer->cone.options);
+    viewer_question(&asked, viewer);
+    conus_status status = view_atlas_prepare(on, &asked);
     status = status ? status : conus_report_create(&reports[index], on->selector, &options);
     if (!status && on->answer) {
         status = conus_report_add(reports[index], "1", view_atlas_selection(on));

@@ -31,6 +31,8 @@ struct cone_state {
     enum pointer pointer;
     conus_pose pose;
     bool has_pose, frozen; /**< Frozen: the mouse does not move the cone. */
+    bool apex_at_eye;      /**< Of the mouse's cones: not at the surface that the mouse is over. */
+    bool one_ray;          /**< In place of the cone there is one ray along its axis, first hits only. */
     double angle;          /**< Full opening, degrees. */
     conus_selector_options options;
     unsigned answer_number; /**< Tells answers apart, whose addresses may come again. */
@@ -88,6 +90,10 @@ void viewer_say(struct viewer *viewer, const char *format, ...) __attribute__((f
 void viewer_aim(struct viewer *viewer, const conus_pose *pose);
 /** Aims from @p origin along @p direction. */
 void viewer_aim_along(struct viewer *viewer, const double origin[3], const double direction[3]);
+/** There is no cone any more, and no answer; the mouse is free to make another one. */
+void viewer_clear(struct viewer *viewer);
+/** How all atlases are asked: the cone's options and its full opening, radians; with one_ray those of that ray. */
+double viewer_question(conus_selector_options *options, const struct viewer *viewer);
 /** Puts the device in front of the brain, looking at its middle, unless it has a pose already. */
 void viewer_place(struct viewer *viewer);
 /** To be called after options, angle or score changed. */

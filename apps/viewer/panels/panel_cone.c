@@ -2,6 +2,8 @@
 /* The panel of the cone: score, angle, shape, engine. */
 #include "viewer/panels/panels.h"
 
+#include "viewer/pointing/point.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -28,6 +30,29 @@ static bool choose_score(struct viewer *viewer)
     bool changed = ui_choose("score", &chosen, names, count);
     viewer->cone.options.score = names[chosen];
     return changed;
+}
+
+/* Of the mouse's cone: where it begins. */
+static void choose_apex(struct viewer *viewer)
+{
+    static const char *const places[] = {"at the surface", "at your eye"};
+    size_t place = viewer->cone.apex_at_eye;
+    if (ui_choose("begins", &place, places, 2)) {
+        point_use_eye(viewer, place);
+    }
+    ui_tip("where the mouse's cone has its apex: at the first surface under the mouse, of the context or of an\n"
+           "area, or at the eye that looks at the 3-D pane; X changes it");
+}
+
+/* Whether there is a cone, and not one ray. */
+static bool choose_ray(struct viewer *viewer)
+{
+    bool one_ray = viewer->cone.one_ray;
+    if (ui_check("one area only", &one_ray)) {
+        point_use_ray(viewer, one_ray);
+    }
+    ui_tip("in place of the cone a single ray along its axis, which names the area that it hits first; 1 changes it");
+    return viewer->cone.one_ray;
 }
 
 static bool choose_shape(struct viewer *viewer)
@@ -85,7 +110,7 @@ static void show_pose(struct viewer *viewer)
     double origin[3] = {m[12], m[13], m[14]};
     double along[3] = {-m[8], -m[9], -m[10]};
     if (!viewer->cone.has_pose) {
-        ui_text("no pose yet: move the mouse over the brain");
+        ui_text("no pose yet");
         return;
     }
     bool moved = ui_numbers("from, mm", origin, "%.1f");
@@ -107,12 +132,17 @@ void panel_cone(struct window *window)
         viewer->version++;
     }
     panel_source(window);
+    if (viewer->cone.pointer == POINT_BY_MOUSE) {
+        choose_apex(viewer);
+    }
     show_pose(viewer);
-    bool changed = choose_shape(viewer);
-    changed = choose_score(viewer) || changed;
-    changed = choose_look(viewer) || changed;
-    if (changed) {
-        viewer_reselect(viewer);
+    if (!choose_ray(viewer)) {
+        bool changed = choose_shape(viewer);
+        changed = choose_score(viewer) || changed;
+        changed = choose_look(viewer) || changed;
+        if (changed) {
+            viewer_reselect(viewer);
+        }
     }
     if (ui_section("View", false)) {
         bool shown = ui_slider("context", &viewer->display.fade, 0, 1, "%.2f faded", false);

@@ -2,6 +2,8 @@
 /* The table of results and the one of confirmed results. */
 #include "viewer/panels/panels.h"
 
+#include "viewer/pointing/notice.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -20,6 +22,11 @@ static void draw_number(const char *format, double value)
 static bool shows_score(const struct viewer *viewer)
 {
     return viewer->cone.options.score && strcmp(viewer->cone.options.score, "share") != 0;
+}
+
+static bool shows_path(const struct viewer *viewer)
+{
+    return viewer->cone.options.layers == CONUS_LAYERS_ALL && !viewer->cone.one_ray;
 }
 
 /* Of the name: where it was hit. */
@@ -79,7 +86,7 @@ static void draw_result(struct window *window, const struct view_atlas *on, cons
         draw_number("%.3f", result->score);
     }
     draw_number("%.1f", result->distance);
-    if (viewer->cone.options.layers == CONUS_LAYERS_ALL) {
+    if (shows_path(viewer)) {
         draw_number("%.1f", result->path);
     }
     ui_id_end();
@@ -95,7 +102,7 @@ static void draw_results(struct window *window, const struct view_atlas *on, flo
         columns[shown++] = "score";
     }
     columns[shown++] = "mm";
-    if (window->viewer->cone.options.layers == CONUS_LAYERS_ALL) {
+    if (shows_path(window->viewer)) {
         columns[shown++] = "inside";
     }
     if (ui_table("results", columns, shown, lines * ui_line())) {
@@ -155,12 +162,19 @@ static void draw_pins(struct window *window)
 void panel_results(struct window *window)
 {
     struct viewer *viewer = window->viewer;
+    struct notice notice;
+    notice_find(&notice, viewer, window->station, &window->news, window->replay.poses);
     ui_panel("Hits of the cone", window->right, 0);
+    if (notice.is_old) { /* what follows is pale */
+        ui_text_coloured((ui_colour){255, 150, 30, 255}, "%s", notice.text);
+    }
+    ui_dim(notice.is_old ? 0.4F : 1);
     if (viewer->atlas_count > 1) {
         draw_all_results(window);
     } else {
         draw_results(window, viewer->drawn, 14);
     }
+    ui_dim_end();
     if (ui_button("confirm")) {
         viewer_confirm(viewer);
     }

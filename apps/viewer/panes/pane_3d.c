@@ -3,6 +3,8 @@
 #include "viewer/panes/panes.h"
 
 #include "viewer/model/picker.h"
+#include "viewer/pointing/notice.h"
+#include "viewer/pointing/point.h"
 #include "viewer/window/hover.h"
 #include "viewer/window/screen.h"
 
@@ -190,13 +192,22 @@ static void draw_waiting(const struct window *window)
     }
 }
 
-static void draw_head(const struct window *window)
+/* At the lower edge: what is to be said of the head, and above it of the cone. */
+static void draw_notices(const struct window *window)
 {
     const struct ui_box *box = &window->panes[PANE_3D];
+    const struct viewer *viewer = window->viewer;
+    struct notice notice;
     bool is_well;
-    const char *text = head_text(&window->viewer->head, &is_well);
+    float at[2] = {box->x + 8, box->y + box->height - 1.4F * ui_line()};
+    const char *text = head_text(&viewer->head, &is_well);
     if (text) {
-        ui_draw_text((float[]){box->x + 8, box->y + box->height - 1.4F * ui_line()}, is_well ? light : orange, text);
+        ui_draw_text(at, is_well ? light : orange, text);
+        at[1] -= 1.4F * ui_line();
+    }
+    notice_find(&notice, viewer, window->station, &window->news, window->replay.poses);
+    if (notice.text) {
+        ui_draw_text(at, notice.is_trouble ? orange : light, notice.text);
     }
 }
 
@@ -218,7 +229,7 @@ static void point(struct window *window)
     double eye[3];
     double direction[3];
     find_ray(eye, direction, window);
-    viewer_aim_along(window->viewer, eye, direction);
+    point_through(window->viewer, eye, direction);
 }
 
 /* Names what is under the mouse; where the cone follows the mouse, it has its name there already. */
@@ -238,7 +249,7 @@ static void hover(struct window *window)
     }
 }
 
-/* A click that turned nothing sets the crosshair to what is under it. */
+/* A click that turned nothing sets the crosshair to what is under it; it holds the mouse's cone, or lets it go. */
 static void use_click(struct window *window, const struct ui_mouse *mouse)
 {
     struct viewer *viewer = window->viewer;
@@ -246,9 +257,15 @@ static void use_click(struct window *window, const struct ui_mouse *mouse)
     double at[3];
     double eye[3];
     double direction[3];
-    window->dragged = mouse->pressed[0] ? 0 : window->dragged + fabsf(mouse->moved_x) + fabsf(mouse->moved_y);
-    if (!mouse->released[0] || window->dragged >= click) {
+    bool is_click = mouse->released[0] && window->click_left > 0;
+    bool is_pressed = mouse->pressed[0] && ui_surface_held(); /* and not on a panel, whence it came */
+    float left = is_pressed ? click : window->click_left - fabsf(mouse->moved_x) - fabsf(mouse->moved_y);
+    window->click_left = mouse->released[0] ? 0 : fmaxf(left, 0);
+    if (!is_click) {
         return;
+    }
+    if (viewer->cone.pointer == POINT_BY_MOUSE && (viewer->cone.has_pose || viewer->cone.frozen)) {
+        point_hold(viewer);
     }
     find_ray(eye, direction, window);
     if (viewer_pick(&object, at, viewer, eye, direction)) {
@@ -327,7 +344,7 @@ void pane_3d(struct window *window)
     draw_crosshair(window);
     draw_names(window);
     draw_waiting(window);
-    draw_head(window);
+    draw_notices(window);
     draw_device_view(window);
     ui_clip_end();
     ui_panel_end();

@@ -3,6 +3,7 @@
 #include "viewer/session/script.h"
 
 #include "common/messages.h"
+#include "viewer/pointing/point.h"
 #include "viewer/session/script_words.h"
 #include "viewer/session/session.h"
 #include "viewer/window/screen.h"
@@ -114,7 +115,7 @@ static bool do_point(struct call *call)
     }
     window_sight(call->window, &sight);
     sight_ray(direction, &sight, (double[]){1, 1}, part);
-    viewer_aim_along(call->window->viewer, sight.camera.world_from_device + 12, direction);
+    point_through(call->window->viewer, sight.camera.world_from_device + 12, direction);
     return true;
 }
 

@@ -27,6 +27,7 @@ struct field {
 struct state {
     double pose[16], angle, radius, range[2], resolution, layers, aperture, sampling, engine, pointer, has_pose, frozen;
     double slice_fraction; /* only with slices; 0 = default */
+    double apex_at_eye, one_ray;
     double fade, fill, outlines, radiological;
     double orbit[6]; /* centre, distance, azimuth, elevation */
     double crosshair[3], magnification, enlarged;
@@ -67,6 +68,16 @@ static size_t list_fields(struct field fields[FIELD_LIMIT], struct state *state)
     return sizeof all / sizeof all[0];
 }
 
+enum { OPTIONAL_FIELDS = 3 };
+
+/* Those that a session may lack; then they stay as they are. */
+static void list_optional(struct field fields[OPTIONAL_FIELDS], struct state *state)
+{
+    fields[0] = (struct field){"slice_fraction", &state->slice_fraction, 1, 0, 1};
+    fields[1] = (struct field){"apex_at_eye", &state->apex_at_eye, 1, 0, 1};
+    fields[2] = (struct field){"one_ray", &state->one_ray, 1, 0, 1};
+}
+
 bool session_refuse(char why[SESSION_REASON], const char *format, ...)
 {
     va_list arguments;
@@ -95,6 +106,8 @@ static void take_state(struct state *out, const struct window *window)
                           .pointer = (double)viewer->cone.pointer,
                           .has_pose = viewer->cone.has_pose,
                           .frozen = viewer->cone.frozen,
+                          .apex_at_eye = viewer->cone.apex_at_eye,
+                          .one_ray = viewer->cone.one_ray,
                           .fade = viewer->display.fade,
                           .fill = viewer->display.fill,
                           .outlines = !viewer->display.no_outlines,
@@ -133,6 +146,8 @@ static void put_state(struct window *window, const struct state *state)
     memcpy(viewer->cone.pose.world_from_device, state->pose, sizeof state->pose);
     viewer->cone.has_pose = state->has_pose > 0;
     viewer->cone.frozen = state->frozen > 0;
+    viewer->cone.apex_at_eye = state->apex_at_eye > 0;
+    viewer->cone.one_ray = state->one_ray > 0;
     viewer->cone.pointer = (enum pointer)state->pointer;
     viewer->cone.angle = state->angle;
     options->radius = state->radius;
@@ -220,8 +235,9 @@ char *session_text(const struct window *window)
     for (size_t i = 0; root && i < count; i++) {
         json_object_set_new(root, fields[i].key, numbers(&fields[i]));
     }
-    if (state.slice_fraction > 0) {
-        json_object_set_new(root, "slice_fraction", json_real(state.slice_fraction));
+    list_optional(fields, &state);
+    for (size_t i = state.slice_fraction > 0 ? 0 : 1; root && i < OPTIONAL_FIELDS; i++) {
+        json_object_set_new(root, fields[i].key, numbers(&fields[i]));
     }
     json_object_set_new(root, "place", session_place(viewer->atlases));
     json_object_set_new(root, "hidden", session_hidden(viewer->atlases));
@@ -371,8 +387,12 @@ static bool read_state(struct state *out, const json_t *root, char why[SESSION_R
             return false;
         }
     }
-    const struct field part = {"slice_fraction", &out->slice_fraction, 1, 0, 1};
-    return !json_object_get(root, part.key) || read_field(root, &part, why);
+    bool fine = true;
+    list_optional(fields, out);
+    for (size_t i = 0; i < OPTIONAL_FIELDS && fine; i++) {
+        fine = !json_object_get(root, fields[i].key) || read_field(root, &fields[i], why);
+    }
+    return fine;
 }
 
 /* The atlases first, since that may fail. */
@@ -390,7 +410,7 @@ static bool set_up(struct viewer *viewer, size_t drawn, const struct atlas_edits
 static bool read_session(struct window *window, const json_t *root, char why[SESSION_REASON])
 {
     struct viewer *viewer = window->viewer;
-    struct state state = {0};
+    struct state state = {.apex_at_eye = viewer->cone.apex_at_eye, .one_ray = viewer->cone.one_ray};
     struct atlas_edits settings;
     struct session_atlases atlases = {0};
     const char *score = known_score(json_string_value(json_object_get(root, "score")));

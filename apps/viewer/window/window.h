@@ -75,7 +75,8 @@ struct window {
     bool keeps_picture;                 /**< The next frame goes into a file.     */
     uint32_t listed;                    /**< What the list of areas was scrolled to last. */
     const struct view_atlas *listed_of; /**< In the list of this atlas. */
-    float dragged;                      /**< Pixels that the mouse moved since it was pressed on the 3-D pane. */
+    float click_left;                   /**< Pixels that the mouse, pressed on the 3-D pane, may move and it is a click;
+                                             0 = it is not pressed there. */
     unsigned sent_answer;               /**< The answer that was sent to the station last. */
     double watched;                     /**< When the atlas's files were looked at last, by clock_ms(). */
     float next_scale;                   /**< That the screen asks for; 0 = no other than before. */

@@ -1,0 +1,19 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file What the window says of the cone: that it is held, that it is not there yet, that its tool is lost. */
+#ifndef CONUS_VIEWER_POINTING_NOTICE_H
+#define CONUS_VIEWER_POINTING_NOTICE_H
+
+#include "viewer/model/source.h"
+
+struct notice {
+    const char *text; /**< One line; NULL = there is nothing to say. */
+    bool is_trouble;  /**< The cone is not, or no longer, where its tool is. */
+    bool is_old;      /**< So the answer is one from before. */
+};
+
+/** @p station tells whether there is a tracker, of which @p news are; @p has_poses whether there is a file to replay.
+ */
+void notice_find(struct notice *out, const struct viewer *viewer, bool has_station, const struct station_news *news,
+                 bool has_poses);
+
+#endif

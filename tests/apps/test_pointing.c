@@ -1,0 +1,265 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The mouse's cone without a window: where it begins, when it stays, what is said of it. */
+#include "viewer/model/picker.h"
+#include "viewer/pointing/notice.h"
+#include "viewer/pointing/point.h"
+
+#include "test.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Voxels of 1 mm, whose indices from the middle are mm: x and z to HALF_SIDE, y to HALF_LENGTH. */
+enum {
+    HALF_SIDE = 30,
+    HALF_LENGTH = 80,
+    SIDE = 2 * HALF_SIDE + 1,
+    LENGTH = 2 * HALF_LENGTH + 1,
+    VOXELS = SIDE * LENGTH * SIDE
+};
+
+static const double eye[3] = {0, 90, 0};
+static const double back[3] = {0, -1, 0};
+
+static size_t voxel_of(int x, int y, int z)
+{
+    return (size_t)(x + HALF_SIDE) +
+           (size_t)SIDE * ((size_t)(y + HALF_LENGTH) + (size_t)LENGTH * (size_t)(z + HALF_SIDE));
+}
+
+/* A block of the label 1 where x < 0 and 2 beside it, up to @p front voxels to each side of the middle along y. */
+static conus_atlas *make_blocks(int front)
+{
+    conus_atlas *atlas = NULL;
+    uint8_t *labels = calloc(VOXELS, 1);
+    assert_non_null(labels);
+    for (int z = -20; z <= 20; z++) {
+        for (int y = -front; y <= front; y++) {
+            for (int x = -20; x <= 20; x++) {
+                labels[voxel_of(x, y, z)] = x < 0 ? 1 : 2;
+            }
+        }
+    }
+    const conus_voxels voxels = {
+        .data = labels,
+        .type = CONUS_SCALAR_UINT8,
+        .dim = {SIDE, LENGTH, SIDE},
+        .world_from_voxel = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -HALF_SIDE, -HALF_LENGTH, -HALF_SIDE, 1}};
+    assert_ok(conus_atlas_create(&atlas, &voxels, NULL, 0, NULL));
+    free(labels);
+    return atlas;
+}
+
+/* A head of grey 100 where |y| is at most 40, and before it a voxel of noise, at y = 60. */
+static void add_head(conus_atlas *atlas)
+{
+    float *grey = calloc(VOXELS, sizeof *grey);
+    assert_non_null(grey);
+    for (int z = -HALF_SIDE; z <= HALF_SIDE; z++) {
+        for (int y = -40; y <= 40; y++) {
+            for (int x = -HALF_SIDE; x <= HALF_SIDE; x++) {
+                grey[voxel_of(x, y, z)] = 100;
+            }
+        }
+    }
+    grey[voxel_of(0, 60, 0)] = 100;
+    const conus_voxels voxels = {
+        .data = grey,
+        .type = CONUS_SCALAR_FLOAT32,
+        .dim = {SIDE, LENGTH, SIDE},
+        .world_from_voxel = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -HALF_SIDE, -HALF_LENGTH, -HALF_SIDE, 1}};
+    assert_ok(conus_atlas_set_context_values(atlas, &voxels, NULL));
+    free(grey);
+}
+
+static void open_atlases(struct viewer *out, conus_atlas *first, conus_atlas *second)
+{
+    const struct view_source sources[] = {{.atlas = first, .path = "a"}, {.atlas = second, .path = "b"}};
+    assert_ok(viewer_create(out, sources, second ? 2 : 1, NULL, NULL, NULL));
+}
+
+/* The front faces of the voxels at y = 20 are at 20.5, which is 69.5 mm from the eye at y = 90. */
+static void without_a_context_the_atlas_is_the_surface(void **state)
+{
+    struct viewer viewer;
+    (void)state;
+    open_atlases(&viewer, make_blocks(20), NULL);
+    assert_near(point_depth(&viewer, eye, back), 69.5, 1e-9);
+    assert_true(isinf(point_depth(&viewer, eye, (double[]){0, 1, 0})));
+    assert_true(isinf(point_depth(&viewer, (double[]){-25, 90, 0}, back)));
+    viewer_hide(&viewer, 2, true); /* x = 0 is in it */
+    assert_true(isinf(point_depth(&viewer, eye, back)));
+    assert_near(point_depth(&viewer, (double[]){-10, 90, 0}, back), 69.5, 1e-9);
+    viewer_finish(&viewer);
+}
+
+/* Between the centres at y = 40 (100) and 41 (0) the grey falls to 20, a fifth of the cuts' window of 0 to 100, at y =
+ * 40.8: 49.2 mm from the eye. The noise is no skin, though it is brighter than that for 1.6 mm: two voxels are 2 mm. */
+static void a_context_is_the_surface_where_its_skin_is(void **state)
+{
+    struct viewer viewer;
+    conus_atlas *atlas = make_blocks(20);
+    (void)state;
+    add_head(atlas);
+    open_atlases(&viewer, atlas, NULL);
+    assert_near(viewer.drawn->window[0], 0, 1e-9);
+    assert_near(viewer.drawn->window[1], 100, 1e-4);
+    assert_near(point_depth(&viewer, eye, back), 49.2, 0.02);
+    assert_near(point_depth(&viewer, (double[]){5, 200, 5}, back), 159.2, 0.02);
+    viewer.display.fade = 1; /* a head that is not drawn is a head still */
+    assert_near(point_depth(&viewer, eye, back), 49.2, 0.02);
+    viewer_finish(&viewer);
+}
+
+/* The second atlas reaches to 50.5, before the head of the first: 39.5 mm. */
+static void the_nearest_atlas_is_the_surface(void **state)
+{
+    struct viewer viewer;
+    conus_atlas *atlas = make_blocks(20);
+    (void)state;
+    add_head(atlas);
+    open_atlases(&viewer, atlas, make_blocks(50));
+    assert_near(point_depth(&viewer, eye, back), 39.5, 1e-9);
+    viewer_finish(&viewer);
+}
+
+static void the_mouse_puts_the_apex_there(void **state)
+{
+    struct viewer viewer;
+    const double *m = viewer.cone.pose.world_from_device;
+    (void)state;
+    open_atlases(&viewer, make_blocks(20), NULL);
+    assert_near(viewer.cone.angle, 5, 0);
+    assert_false(point_through(&viewer, eye, (double[]){0, 1, 0}));
+    assert_false(viewer.cone.has_pose);
+    assert_true(point_through(&viewer, eye, back));
+    assert_near(m[12], 0, 1e-9);
+    assert_near(m[13], 20.5, 1e-9);
+    assert_near(m[9], 1, 1e-9); /* it looks along -z, its third column is +y */
+    assert_near(conus_selection_result(viewer_selection(&viewer), 0)->distance, 0, 1e-6);
+    unsigned number = viewer.cone.answer_number;
+    assert_false(point_through(&viewer, eye, (double[]){0, 1, 0})); /* beside the brain it stays */
+    assert_near(m[13], 20.5, 1e-9);
+    assert_int_equal(viewer.cone.answer_number, number);
+    point_use_eye(&viewer, true);
+    assert_true(point_through(&viewer, eye, (double[]){0, 1, 0}));
+    assert_near(m[13], 90, 1e-9);
+    assert_near(m[9], -1, 1e-9);
+    viewer_finish(&viewer);
+}
+
+static void it_is_held_and_freed_and_cleared(void **state)
+{
+    struct viewer viewer;
+    (void)state;
+    open_atlases(&viewer, make_blocks(20), make_blocks(50));
+    point_hold(&viewer);
+    assert_false(viewer.cone.frozen); /* there is nothing to hold */
+    point_through(&viewer, eye, back);
+    point_hold(&viewer);
+    assert_true(viewer.cone.frozen);
+    assert_true(viewer.cone.has_pose);
+    point_hold(&viewer);
+    assert_false(viewer.cone.frozen);
+    point_hold(&viewer);
+    unsigned version = viewer.version;
+    unsigned number = viewer.cone.answer_number;
+    viewer_clear(&viewer);
+    assert_false(viewer.cone.frozen);
+    assert_false(viewer.cone.has_pose);
+    assert_null(viewer_selection(&viewer));
+    assert_null(view_atlas_selection(&viewer.atlases[1]));
+    assert_true(viewer.version > version && viewer.cone.answer_number > number);
+    viewer_hide(&viewer, 1, true); /* asks again only where there is a cone */
+    assert_null(viewer_selection(&viewer));
+    viewer_finish(&viewer);
+}
+
+/* At x = -1, 70 mm before both blocks, a cone of 30 degrees hits both; its axis hits the first. */
+static void one_ray_names_one_area(void **state)
+{
+    struct viewer viewer;
+    const double from[3] = {-1, 90.5, 0};
+    (void)state;
+    open_atlases(&viewer, make_blocks(20), NULL);
+    viewer.cone.angle = 30;
+    viewer.cone.options.layers = CONUS_LAYERS_ALL;
+    viewer_aim_along(&viewer, from, back);
+    assert_int_equal(conus_selection_count(viewer_selection(&viewer)), 3); /* with what is unassigned */
+    point_use_ray(&viewer, true);
+    const conus_selection *selection = viewer_selection(&viewer);
+    assert_int_equal(conus_selection_count(selection), 2);
+    assert_int_equal(conus_selection_result(selection, 0)->object, 1);
+    assert_near(conus_selection_result(selection, 0)->share, 1, 1e-12);
+    assert_near(conus_selection_result(selection, 0)->distance, 70, 1e-6);
+    assert_near(conus_selection_result(selection, 0)->contact[0], -1, 1e-6);
+    viewer.cone.options.radius = 5; /* nor is it a cylinder */
+    viewer_reselect(&viewer);
+    assert_int_equal(conus_selection_result(viewer_selection(&viewer), 0)->pixels, 1);
+    viewer.cone.options.radius = 0;
+    point_use_ray(&viewer, false);
+    assert_int_equal(conus_selection_count(viewer_selection(&viewer)), 3);
+    viewer_finish(&viewer);
+}
+
+/* What is said in each state of each source; an answer is old where the tracker, whose it was, does not see its tool.
+ */
+static void what_is_wrong_with_the_cone_is_said(void **state)
+{
+    static const struct {
+        enum pointer pointer;
+        bool has_pose, frozen, has_source;
+        enum station_state state;
+        const char *part; /* of the text; NULL = no text */
+        bool is_trouble, is_old;
+    } cases[] = {
+        {POINT_BY_MOUSE, false, false, false, 0, "move the mouse", false, false},
+        {POINT_BY_MOUSE, true, false, false, 0, NULL, false, false},
+        {POINT_BY_MOUSE, true, true, false, 0, "held", false, false},
+        {POINT_BY_WAND, false, false, false, 0, "press W", false, false},
+        {POINT_BY_WAND, true, true, false, 0, NULL, false, false},
+        {POINT_BY_REPLAY, false, false, false, 0, "--poses", true, false},
+        {POINT_BY_REPLAY, false, false, true, 0, "choose a row", false, false},
+        {POINT_BY_REPLAY, true, false, true, 0, NULL, false, false},
+        {POINT_BY_TRACKER, false, false, false, 0, "--listen", true, false},
+        {POINT_BY_TRACKER, true, false, false, 0, "--listen", true, true},
+        {POINT_BY_TRACKER, false, false, true, STATION_WAITING, "no tracker", true, false},
+        {POINT_BY_TRACKER, false, false, true, STATION_LOST, "does not see", true, false},
+        {POINT_BY_TRACKER, true, false, true, STATION_WAITING, "OLD ANSWER: the tracker is gone", true, true},
+        {POINT_BY_TRACKER, true, false, true, STATION_SILENT, "OLD ANSWER", true, true},
+        {POINT_BY_TRACKER, true, false, true, STATION_LOST, "OLD ANSWER: the tool is lost", true, true},
+        {POINT_BY_TRACKER, true, false, true, STATION_STALE, "OLD ANSWER: the tool is silent", true, true},
+        {POINT_BY_TRACKER, false, false, true, STATION_SEEN, "tracking", false, false},
+        {POINT_BY_TRACKER, true, false, true, STATION_SEEN, NULL, false, false},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        const struct viewer viewer = {
+            .cone = {.pointer = cases[i].pointer, .has_pose = cases[i].has_pose, .frozen = cases[i].frozen}};
+        const struct station_news news = {.state = cases[i].state};
+        struct notice notice;
+        notice_find(&notice, &viewer, cases[i].has_source, &news, cases[i].has_source);
+        if (!cases[i].part) {
+            assert_null(notice.text);
+        } else if (!notice.text || !strstr(notice.text, cases[i].part)) {
+            fail_msg("case %zu: %s", i, notice.text ? notice.text : "nothing");
+        }
+        assert_int_equal(notice.is_trouble, cases[i].is_trouble);
+        assert_int_equal(notice.is_old, cases[i].is_old);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(without_a_context_the_atlas_is_the_surface),
+        cmocka_unit_test(a_context_is_the_surface_where_its_skin_is),
+        cmocka_unit_test(the_nearest_atlas_is_the_surface),
+        cmocka_unit_test(the_mouse_puts_the_apex_there),
+        cmocka_unit_test(it_is_held_and_freed_and_cleared),
+        cmocka_unit_test(one_ray_names_one_area),
+        cmocka_unit_test(what_is_wrong_with_the_cone_is_said),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
