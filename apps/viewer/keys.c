@@ -57,6 +57,7 @@ static void clear(struct window *window)
         window->show_help = false;
     } else {
         viewer_clear(window->viewer);
+        viewer_choose(window->viewer, 0);
         viewer_say(window->viewer, "cleared");
     }
 }
@@ -233,7 +234,7 @@ static const struct {
     {"?", toggle_help, "this list"},
     {"enter", confirm, "confirm: pin the best result"},
     {"space", hold, "hold the cone, or let it follow the mouse again, as a click does"},
-    {"escape", clear, "clear the cone"},
+    {"escape", clear, "clear the cone, and choose no area"},
     {"1", use_ray, "one area, by a single ray, or all areas in the cone"},
     {"x", use_eye, "the mouse's cone begins at the surface, or at your eye"},
     {"+", widen, "a wider cone"},

@@ -26,9 +26,10 @@ APPS = {
     "apps/mpi": "apps/common apps/pages apps/batch",
     "apps/mesh": "loaders/child",  # mesh_protocol.h: what conus and conus-mesh send each other
     "apps/viewer/model": "apps/link",
-    "apps/viewer/window": "apps/common apps/viewer/model",
+    "apps/viewer/window": "apps/common apps/viewer/model apps/viewer/chosen",
     "apps/viewer/pointing": "apps/viewer/model",
-    "apps/viewer/panes": "apps/viewer/model apps/viewer/pointing apps/viewer/window",
+    "apps/viewer/chosen": "apps/viewer/model",
+    "apps/viewer/panes": "apps/viewer/model apps/viewer/pointing apps/viewer/chosen apps/viewer/window",
     "apps/viewer/panels": "apps/settings apps/viewer/pointing apps/viewer/window",
     "apps/viewer/session": "apps/common apps/viewer/pointing apps/viewer/window",
     # draw.c joins the panes and panels; the window itself knows neither.

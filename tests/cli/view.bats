@@ -398,6 +398,44 @@ END
     run -1 conus diff again.png found.png
 }
 
+@test "the chosen area is outlined in all panes, and through others in 3-D" {
+    need_window
+    /usr/bin/python3 -c 'import OpenImageIO' 2>/dev/null || skip "no python3-openimageio"
+    conus phantom nested -o .
+    # the innermost of three balls; hidden; again; then none is chosen, and the crosshair is in its middle still
+    view nested.nii.gz <<'END'
+quiet-status
+settle
+screenshot none.png
+choose "Core"
+settle
+screenshot chosen.png
+key h
+settle
+screenshot hidden.png
+key h
+settle
+screenshot again.png
+key escape
+settle
+screenshot escaped.png
+END
+    /usr/bin/python3 - <<'END'
+import OpenImageIO as oiio
+corners = {"3-D": (250, 0), "axial": (458, 0), "coronal": (250, 308), "sagittal": (458, 308)} # of 207 x 307 pixels
+def panes(name):
+    pixels = oiio.ImageBuf(name + ".png").get_pixels(oiio.UINT8)[..., :3].astype(int)
+    return {pane: pixels[y:y + 307, x:x + 207] for pane, (x, y) in corners.items()}
+none, chosen, hidden, again, escaped = map(panes, ("none", "chosen", "hidden", "again", "escaped"))
+for pane in corners:
+    amber = abs(chosen[pane] - (255, 200, 90)).max(axis=2) < 40 # nearly as the outline and the name
+    changed = (chosen[pane] != none[pane]).any(axis=2)
+    assert (amber & changed).sum() > 100, pane
+    assert (again[pane] == chosen[pane]).all() and (escaped[pane] == none[pane]).all(), pane
+assert (hidden["3-D"] == none["3-D"]).all() # where it was not to be seen before
+END
+}
+
 @test "the mouse points, turns and confirms" {
     need_window
     conus phantom sphere -o .
@@ -834,6 +872,7 @@ status_at() {
     for name in Sphere Ball; do
         printf 'index\tname\n1\t%s\n' "$name" >sphere.tsv
         watched sphere.nii.gz
+        cp before.png "$name-cross.png" # the mouse is over the panels
         status_at 560 150 "$name.png"
         status_at 575 150 beside.png
         status_at 560 150 "$name-again.png"
@@ -849,12 +888,14 @@ status_at() {
     leave
     /usr/bin/python3 - <<'END'
 import OpenImageIO as oiio
-names = ("Sphere", "Sphere-again", "beside", "Ball", "Ball-again", "both", "space", "both-again")
+names = ("Sphere", "Sphere-again", "beside", "Ball", "Ball-again", "both", "space", "both-again", "Sphere-cross",
+         "Ball-cross")
 line = {name: oiio.ImageBuf(name + ".png").get_pixels(oiio.UINT8)[-24:] for name in names}
 assert (line["Sphere"] == line["Sphere-again"]).all()
 assert (line["Ball"] == line["Ball-again"]).all()
 assert (line["Ball"] != line["beside"]).any()  # the place
 assert (line["Sphere"] != line["Ball"]).any()  # the name
+assert (line["Sphere-cross"] != line["Ball-cross"]).any()
 assert (line["both"] != line["Ball"]).any()    # two names
 assert (line["both"] != line["space"]).any()
 assert (line["both"] == line["both-again"]).all()

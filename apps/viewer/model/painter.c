@@ -51,15 +51,9 @@ struct painter {
 
 bool painting_shows_same(const struct painting *a, const struct painting *b)
 {
-    bool same = a->width == b->width && a->height == b->height && a->fade == b->fade && a->chosen == b->chosen &&
-                a->answer_number == b->answer_number && a->scene_number == b->scene_number;
-    for (int i = 0; i < 16; i++) {
-        same = same && a->sight.camera.world_from_device[i] == b->sight.camera.world_from_device[i];
-    }
-    for (int i = 0; i < 4; i++) {
-        same = same && a->sight.frustum[i] == b->sight.frustum[i];
-    }
-    return same;
+    return a->width == b->width && a->height == b->height && a->fade == b->fade && a->chosen == b->chosen &&
+           a->answer_number == b->answer_number && a->scene_number == b->scene_number &&
+           sight_is_same(&a->sight, &b->sight);
 }
 
 /* With the lock held; ends it. */

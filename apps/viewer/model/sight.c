@@ -4,6 +4,18 @@
 
 #include <math.h>
 
+bool sight_is_same(const struct sight *a, const struct sight *b)
+{
+    bool same = true;
+    for (int i = 0; i < 16; i++) {
+        same = same && a->camera.world_from_device[i] == b->camera.world_from_device[i];
+    }
+    for (int i = 0; i < 4; i++) {
+        same = same && a->frustum[i] == b->frustum[i];
+    }
+    return same;
+}
+
 void sight_fit(struct sight *sight, const double size[2])
 {
     double *f = sight->frustum;

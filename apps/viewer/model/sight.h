@@ -14,6 +14,8 @@ struct sight {
 
 /** Of a picture of width x height pixels. */
 void sight_of_orbit(struct sight *out, const struct orbit *orbit, const double size[2]);
+/** Whether both see the same. */
+bool sight_is_same(const struct sight *a, const struct sight *b);
 /** Takes as much to the left and right as square pixels of a picture of that size need. */
 void sight_fit(struct sight *sight, const double size[2]);
 

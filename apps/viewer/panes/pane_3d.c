@@ -340,12 +340,14 @@ void pane_3d(struct window *window)
     }
     ask_painter(window, window->moving);
     ui_clip(*box);
+    pane_chosen(window);
     pane_compass(window);
     draw_crosshair(window);
     draw_names(window);
     draw_waiting(window);
     draw_notices(window);
     draw_device_view(window);
+    pane_chosen_name(window);
     ui_clip_end();
     ui_panel_end();
 }

@@ -63,6 +63,19 @@ static bool is_drawn(const struct cut_pane *pane, const struct viewer *viewer, c
     return same;
 }
 
+/* With the outline of what is chosen. */
+static void show_cut(struct cut_pane *pane, const struct viewer *viewer, uint32_t width, uint32_t height)
+{
+    const uint8_t *rgba = conus_cutter_rgba(pane->cutter);
+    bool *wanted = outline_wanted(viewer);
+    pane->top = (struct outline_top){0};
+    uint8_t *outlined =
+        wanted ? outline_cut(&pane->top, rgba, conus_cutter_objects(pane->cutter), width, height, wanted) : NULL;
+    texture_set(&pane->texture, outlined ? outlined : rgba, width, height, false);
+    free(outlined);
+    free(wanted);
+}
+
 static void draw_picture(struct window *window, const struct frame *frame)
 {
     struct viewer *viewer = window->viewer;
@@ -86,7 +99,7 @@ static void draw_picture(struct window *window, const struct frame *frame)
     if (!have_cutter(pane, viewer) || conus_cutter_draw(pane->cutter, &view)) {
         viewer_say(viewer, "%s", conus_message());
     } else {
-        texture_set(&pane->texture, conus_cutter_rgba(pane->cutter), view.width, view.height, false);
+        show_cut(pane, viewer, view.width, view.height);
     }
 }
 
@@ -188,6 +201,15 @@ static void draw_title(const struct window *window, struct frame *frame, enum pl
     }
 }
 
+static void draw_chosen(const struct window *window, const struct cut_pane *pane)
+{
+    const struct view_atlas *drawn = window->viewer->drawn;
+    const conus_object *chosen = conus_atlas_object(drawn->atlas, drawn->shown.chosen);
+    if (pane->top.is_there && chosen) {
+        pane_name(&pane->box, pane->box.x + (float)pane->top.x, pane->box.y + (float)pane->top.y, chosen->name);
+    }
+}
+
 /* ---- The mouse --------------------------------------------------------------------------------------------------- */
 
 /* The first time it looks at the brain's middle, unless it is put there. */
@@ -277,6 +299,7 @@ void pane_cut(struct window *window, enum plane plane)
     draw_crosshair(window, &frame);
     draw_title(window, &frame, plane);
     draw_letters(&frame);
+    draw_chosen(window, frame.pane);
     ui_clip_end();
     if (touched && window->hover.object) {
         hover_tip(window);

@@ -7,6 +7,11 @@
 
 void pane_cut(struct window *window, enum plane plane);
 void pane_3d(struct window *window);
+/** The chosen area over the picture of the 3-D pane, whatever lies before it. */
+void pane_chosen(struct window *window);
+void pane_chosen_name(const struct window *window); /**< And its name. */
+/** The name of the chosen area above a place in a pane. */
+void pane_name(const struct ui_box *box, float x, float y, const char *name);
 void pane_compass(const struct window *window); /**< Over it: which way it looks. */
 
 #endif

@@ -74,7 +74,7 @@ void hover_text(char out[HOVER_TEXT], const struct window *window, const char *b
     char text[NAME_TEXT];
     size_t used = 0;
     out[0] = '\0';
-    if (viewer->atlas_count == 1 && window->hover.has_place) {
+    if (viewer->atlas_count == 1) {
         name(out, window, viewer->drawn);
     }
     for (size_t i = 0; i < viewer->atlas_count && viewer->atlas_count > 1 && used < HOVER_TEXT; i++) {

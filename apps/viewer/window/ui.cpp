@@ -416,6 +416,12 @@ void ui_draw_image(uint32_t texture, struct ui_box box)
     list->AddCallback(blend_again, nullptr);
 }
 
+void ui_draw_overlay(uint32_t texture, struct ui_box box)
+{
+    ImGui::GetWindowDrawList()->AddImage(reinterpret_cast<ImTextureID>(static_cast<uintptr_t>(texture)),
+                                         ImVec2(box.x, box.y), ImVec2(box.x + box.width, box.y + box.height));
+}
+
 void ui_clip(struct ui_box box)
 {
     ImGui::GetWindowDrawList()->PushClipRect(ImVec2(box.x, box.y), ImVec2(box.x + box.width, box.y + box.height), true);

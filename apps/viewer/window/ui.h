@@ -112,6 +112,8 @@ void ui_table_end(void);
 
 /** A picture, @p texture of GL, opaque. */
 void ui_draw_image(uint32_t texture, struct ui_box box);
+/** Likewise, but its opacity counts. */
+void ui_draw_overlay(uint32_t texture, struct ui_box box);
 void ui_clip(struct ui_box box); /**< What is drawn up to ui_clip_end() stays in it. */
 void ui_clip_end(void);
 void ui_draw_line(const float from[2], const float to[2], ui_colour colour, float width);

@@ -243,8 +243,9 @@ bool window_open(struct window *out, const struct place *place, double scale, bo
 /* Pictures of the viewer's, and what makes them. */
 static void drop_pictures(struct window *window)
 {
-    GLuint names[] = {window->painted.name, window->device_view.name, window->cuts[0].texture.name,
-                      window->cuts[1].texture.name, window->cuts[2].texture.name};
+    GLuint names[] = {window->painted.name,         window->device_view.name,     window->shadow.texture.name,
+                      window->cuts[0].texture.name, window->cuts[1].texture.name, window->cuts[2].texture.name};
+    cells_finish(&window->shadow.cells);
     glDeleteTextures(sizeof names / sizeof names[0], names);
     for (int p = 0; p < PLANE_COUNT; p++) {
         conus_cutter_destroy(window->cuts[p].cutter);

@@ -4,6 +4,8 @@
 #ifndef CONUS_VIEWER_WINDOW_WINDOW_H
 #define CONUS_VIEWER_WINDOW_WINDOW_H
 
+#include "viewer/chosen/cells.h"
+#include "viewer/chosen/outline.h"
 #include "viewer/model/source.h"
 #include "viewer/model/times.h"
 #include "viewer/model/viewer.h"
@@ -27,6 +29,19 @@ struct cut_pane {
     unsigned atlas_number; /**< Of the viewer, when the cutter was made. */
     unsigned version;      /**< Of the viewer, when it was drawn. */
     double centre[3];
+    struct outline_top top; /**< Of the chosen area. */
+};
+
+/** The chosen area over the 3-D picture. */
+struct shadow {
+    struct cells cells;
+    const struct view_atlas *of; /**< Whose cells they are, */
+    uint32_t chosen;             /**< of which object, */
+    unsigned atlas_number;       /**< and at which of the viewer's numbers. */
+    struct texture texture;
+    uint32_t width, height; /**< Of the texture; 0 = it is to be drawn anew. */
+    struct sight sight;     /**< That it shows. */
+    struct outline_top top;
 };
 
 /** What is under the mouse. */
@@ -56,6 +71,7 @@ struct window {
     struct place before; /**< Where the window was before that.      */
     struct cut_pane cuts[PLANE_COUNT];
     struct texture painted, device_view;
+    struct shadow shadow;
     const struct view_atlas *painted_of; /**< The atlas that painted shows. */
     struct sight sight;                  /**< Of the 3-D pane, in this frame.    */
     struct painting asked;               /**< What the painter was asked last. */

@@ -1,0 +1,104 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The chosen area over the picture of the 3-D pane, seen through what lies before it, and its name. */
+#include "viewer/panes/panes.h"
+
+#include "viewer/chosen/cells.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { COARSE = 2 /* pixels of the pane per pixel of the shadow */, OPACITY = 80 /* of 255, within the outline */ };
+
+/* Anew where another area is chosen, or the atlas changed. */
+static void find_cells(struct shadow *shadow, struct viewer *viewer)
+{
+    bool same = shadow->of == viewer->drawn && shadow->chosen == viewer->drawn->shown.chosen &&
+                shadow->atlas_number == viewer->atlas_number;
+    if (same) {
+        return;
+    }
+    bool *wanted = outline_wanted(viewer);
+    cells_finish(&shadow->cells);
+    shadow->of = viewer->drawn;
+    shadow->chosen = viewer->drawn->shown.chosen;
+    shadow->atlas_number = viewer->atlas_number;
+    shadow->width = 0;
+    if (wanted && cells_find(&shadow->cells, viewer->drawn->atlas, wanted)) { /* said once */
+        viewer_say(viewer, "%s", conus_message());
+    }
+    free(wanted);
+}
+
+static bool shows_same(const struct shadow *shadow, const struct sight *sight, uint32_t width, uint32_t height)
+{
+    return shadow->width == width && shadow->height == height && sight_is_same(&shadow->sight, sight);
+}
+
+/* The shadow's colour, with its outline. */
+static void draw_shadow(struct shadow *shadow, uint8_t *rgba, const uint8_t *mask, const uint8_t rgb[3])
+{
+    size_t pixels = (size_t)shadow->width * shadow->height;
+    for (size_t pixel = 0; pixel < pixels; pixel++) {
+        memcpy(rgba + 4 * pixel, rgb, 3);
+        rgba[4 * pixel + 3] = mask[pixel] ? OPACITY : 0;
+    }
+    outline_draw(rgba, &shadow->top, mask, shadow->width, shadow->height);
+}
+
+static void cast(struct window *window, uint32_t width, uint32_t height)
+{
+    struct shadow *shadow = &window->shadow;
+    uint8_t *mask = calloc(width, height);
+    uint8_t *rgba = malloc((size_t)4 * width * height);
+    shadow->top.is_there = false;
+    shadow->width = width;
+    shadow->height = height;
+    shadow->sight = window->sight;
+    if (mask && rgba) {
+        uint8_t rgb[3];
+        viewer_colour(rgb, window->viewer, shadow->chosen);
+        cells_cast(mask, width, height, &shadow->cells, &shadow->sight);
+        draw_shadow(shadow, rgba, mask, rgb);
+        texture_set(&shadow->texture, rgba, width, height, true);
+    }
+    free(mask);
+    free(rgba);
+}
+
+void pane_chosen_name(const struct window *window)
+{
+    const struct shadow *shadow = &window->shadow;
+    const struct ui_box *box = &window->panes[PANE_3D];
+    if (shadow->cells.count && shadow->top.is_there) {
+        const char *name = conus_atlas_object(window->viewer->drawn->atlas, shadow->chosen)->name;
+        pane_name(box, box->x + (float)(COARSE * shadow->top.x), box->y + (float)(COARSE * shadow->top.y), name);
+    }
+}
+
+void pane_name(const struct ui_box *box, float x, float y, const char *name)
+{
+    static const ui_colour amber = {255, 200, 90, 255};
+    float width = ui_text_width(name);
+    const float at[2] = {fmaxf(fminf(x - width / 2, box->x + box->width - width - 6), box->x + 6),
+                         fmaxf(y - 1.2F * ui_line(), box->y + 2)};
+    ui_draw_text(at, amber, name);
+}
+
+void pane_chosen(struct window *window)
+{
+    struct shadow *shadow = &window->shadow;
+    const struct ui_box *box = &window->panes[PANE_3D];
+    uint32_t width = (uint32_t)fmaxf(box->width / COARSE, 1);
+    uint32_t height = (uint32_t)fmaxf(box->height / COARSE, 1);
+    find_cells(shadow, window->viewer);
+    if (!shadow->cells.count) {
+        return;
+    }
+    if (!shows_same(shadow, &window->sight, width, height)) {
+        cast(window, width, height);
+    }
+    if (shadow->top.is_there) {
+        ui_draw_overlay(shadow->texture.name, *box);
+    }
+}

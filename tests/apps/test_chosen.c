@@ -1,0 +1,232 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The shape of the chosen area, its shadow and its outline, without a window. */
+#include "viewer/chosen/cells.h"
+#include "viewer/chosen/outline.h"
+
+#include "test.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static conus_atlas *load(const char *kind)
+{
+    conus_atlas *atlas = NULL;
+    char path[600];
+    char folder[512];
+    snprintf(folder, sizeof folder, "%s", test_scratch("phantom"));
+    assert_ok(conus_phantom_write(kind, folder, NULL));
+    snprintf(path, sizeof path, "%s/%s.nii.gz", folder, kind);
+    assert_ok(conus_atlas_load(&atlas, path, NULL));
+    return atlas;
+}
+
+static double from_middle(const double p[3])
+{
+    return sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
+}
+
+/* Around a ball of 20 mm in voxels of 1 mm, which lie within half their diagonal, 0.87 mm, of its surface; a cell at
+ * the surface has its middle inside, and a neighbour's, an edge away, outside. */
+static void check_ball(const struct cells *cells, double radius)
+{
+    double low[3] = {INFINITY, INFINITY, INFINITY};
+    double high[3] = {-INFINITY, -INFINITY, -INFINITY};
+    assert_true(cells->count > 1000);
+    assert_true(cells->edge < (2 * radius + 8) / 60); /* a cell of the first look, 1 mm, and a voxel to each side */
+    for (size_t i = 0; i < cells->count; i++) {
+        double r = from_middle(cells->middles[i]);
+        assert_true(r <= radius + 0.87 && r >= radius - 0.87 - cells->edge * 1.01);
+        for (int a = 0; a < 3; a++) {
+            low[a] = fmin(low[a], cells->middles[i][a]);
+            high[a] = fmax(high[a], cells->middles[i][a]);
+        }
+    }
+    for (int a = 0; a < 3; a++) { /* all sides of it are there */
+        assert_near(low[a], -radius, 1.5);
+        assert_near(high[a], radius, 1.5);
+    }
+}
+
+static void cells_lie_at_the_surface(void **state)
+{
+    conus_atlas *atlas = load("sphere");
+    struct cells cells;
+    (void)state;
+    assert_ok(cells_find(&cells, atlas, (bool[]){false, true}));
+    check_ball(&cells, 20);
+    cells_finish(&cells);
+    assert_ok(cells_find(&cells, atlas, (bool[]){false, false}));
+    assert_int_equal(cells.count, 0);
+    cells_finish(&cells);
+    conus_atlas_destroy(atlas);
+}
+
+/* Balls of 24, 16 and 8 mm, each in the one before: all of them are the outermost; the outermost alone has a hollow of
+ * 16 mm; what is hidden has no cells. */
+static void several_are_one_shape_and_hidden_ones_none(void **state)
+{
+    conus_atlas *atlas = load("nested");
+    struct cells cells;
+    size_t near = 0;
+    (void)state;
+    assert_ok(cells_find(&cells, atlas, (bool[]){false, true, true, true}));
+    check_ball(&cells, 24);
+    cells_finish(&cells);
+    assert_ok(cells_find(&cells, atlas, (bool[]){false, true, false, false}));
+    for (size_t i = 0; i < cells.count; i++) {
+        double r = from_middle(cells.middles[i]);
+        assert_true(r > 16 - 0.87);
+        near += r < 16 + 0.87 + cells.edge;
+    }
+    assert_true(near > 1000);
+    cells_finish(&cells);
+    assert_ok(conus_atlas_set_hidden(atlas, (bool[]){false, false, false, true}));
+    assert_ok(cells_find(&cells, atlas, (bool[]){false, false, false, true}));
+    assert_int_equal(cells.count, 0);
+    cells_finish(&cells);
+    assert_ok(conus_atlas_set_hidden(atlas, (bool[]){false, true, true, true}));
+    assert_ok(cells_find(&cells, atlas, (bool[]){false, true, false, true}));
+    assert_int_equal(cells.count, 0);
+    cells_finish(&cells);
+    conus_atlas_destroy(atlas);
+}
+
+/* One voxel of 1 mm in a grid of 200: the first look passes it by, but not its middle. */
+static void a_small_area_is_found(void **state)
+{
+    enum { SIDE = 200 };
+    uint8_t *labels = calloc((size_t)SIDE * SIDE, SIDE);
+    conus_atlas *atlas = NULL;
+    struct cells cells;
+    (void)state;
+    assert_non_null(labels);
+    labels[0] = labels[(size_t)SIDE * SIDE * SIDE - 1] = 1;
+    labels[((size_t)101 * SIDE + 102) * SIDE + 103] = 2;
+    const conus_voxels voxels = {.data = labels,
+                                 .type = CONUS_SCALAR_UINT8,
+                                 .dim = {SIDE, SIDE, SIDE},
+                                 .world_from_voxel = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}};
+    assert_ok(conus_atlas_create(&atlas, &voxels, NULL, 0, NULL));
+    assert_ok(cells_find(&cells, atlas, (bool[]){false, false, true}));
+    assert_true(cells.count > 0);
+    for (size_t i = 0; i < cells.count; i++) {
+        const double at[3] = {103, 102, 101};
+        for (int a = 0; a < 3; a++) {
+            assert_near(cells.middles[i][a], at[a], 0.5);
+        }
+    }
+    cells_finish(&cells);
+    conus_atlas_destroy(atlas);
+    free(labels);
+}
+
+/* Seen from D = 100 mm a ball of r = 20 mm is a disc about the picture's middle whose edge is asin(r / D) off the axis:
+ * at tan of that, 0.2041, from the middle, of the 0.5 that are half of the picture's height. In 200 pixels: 40.8. */
+static void a_ball_casts_a_disc(void **state)
+{
+    enum { WIDE = 300, HIGH = 200 };
+    conus_atlas *atlas = load("sphere");
+    struct sight sight = {.frustum = {-0.75, 0.75, -0.5, 0.5}};
+    uint8_t *mask = calloc(WIDE, HIGH);
+    struct cells cells;
+    (void)state;
+    assert_ok(conus_pose_along(&sight.camera, (double[]){0, 100, 0}, (double[]){0, -1, 0}, NULL));
+    assert_ok(cells_find(&cells, atlas, (bool[]){false, true}));
+    cells_cast(mask, WIDE, HIGH, &cells, &sight);
+    double wanted = 200 * tan(asin(0.2));
+    for (int y = 0; y < HIGH; y++) {
+        for (int x = 0; x < WIDE; x++) {
+            double r = hypot(x + 0.5 - WIDE / 2.0, y + 0.5 - HIGH / 2.0);
+            if (fabs(r - wanted) > 3.5) { /* 0.87 mm of voxels and half a cell are 2.9 pixels at 80 mm, and one more */
+                assert_int_equal(mask[y * WIDE + x], r < wanted);
+            }
+        }
+    }
+    assert_ok(conus_pose_along(&sight.camera, (double[]){0, 100, 0}, (double[]){0, 1, 0}, NULL)); /* behind the eye */
+    memset(mask, 0, (size_t)WIDE * HIGH);
+    cells_cast(mask, WIDE, HIGH, &cells, &sight);
+    assert_null(memchr(mask, 1, (size_t)WIDE * HIGH));
+    assert_ok(conus_pose_along(&sight.camera, (double[]){0, 0, 0}, (double[]){0, 1, 0}, NULL)); /* around it */
+    cells_cast(mask, WIDE, HIGH, &cells, &sight);
+    for (size_t pixel = 0; pixel < (size_t)WIDE * HIGH; pixel++) {
+        assert_int_equal(mask[pixel], 1);
+    }
+    free(mask);
+    cells_finish(&cells);
+    conus_atlas_destroy(atlas);
+}
+
+/* 1 = bright, 2 = dark, . = as it was. */
+static void check_lines(const uint8_t *rgba, const char *wanted)
+{
+    for (size_t pixel = 0; wanted[pixel]; pixel++) {
+        const uint8_t *colour = rgba + 4 * pixel;
+        char is = colour[0] == 255 ? '1' : colour[0] == 0 ? '2' : '.';
+        if (is != wanted[pixel]) {
+            fail_msg("pixel %zu is %c, wanted %c", pixel, is, wanted[pixel]);
+        }
+    }
+}
+
+static void an_outline_is_bright_within_and_dark_beside(void **state)
+{
+    static const char shape[] = "........"
+                                "..###..."
+                                "..####.."
+                                "..###..."
+                                "........"
+                                "........"
+                                "......##"; /* the picture's border is no edge */
+    static const char thin[] = "..222..."
+                               ".21112.."
+                               ".21..12."
+                               ".21112.."
+                               "..222..."
+                               "......22"
+                               ".....211";
+    static const char wide[] = ".21112.."
+                               "2111112."
+                               "211..112"
+                               "2111112."
+                               ".2111222"
+                               "..222211"
+                               "....2111";
+    enum { WIDE = 8, HIGH = 7, PIXELS = WIDE * HIGH };
+    uint8_t mask[PIXELS];
+    uint32_t objects[PIXELS];
+    uint8_t rgba[4 * PIXELS];
+    struct outline_top top;
+    (void)state;
+    memset(rgba, 100, sizeof rgba);
+    for (size_t pixel = 0; pixel < PIXELS; pixel++) {
+        mask[pixel] = shape[pixel] == '#';
+        objects[pixel] = mask[pixel] ? 1 + pixel % 2 : pixel % 3 ? 0 : 3;
+    }
+    uint8_t *copy = outline_cut(&top, rgba, objects, WIDE, HIGH, (bool[]){false, true, true, false});
+    assert_non_null(copy);
+    check_lines(copy, wide);
+    assert_true(top.is_there);
+    assert_int_equal(top.x, 3);
+    assert_int_equal(top.y, 1);
+    free(copy);
+    outline_draw(rgba, &top, mask, WIDE, HIGH);
+    check_lines(rgba, thin);
+    assert_int_equal(top.x, 3);
+    memset(mask, 0, sizeof mask);
+    outline_draw(rgba, &top, mask, WIDE, HIGH);
+    assert_false(top.is_there);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(cells_lie_at_the_surface),
+        cmocka_unit_test(several_are_one_shape_and_hidden_ones_none),
+        cmocka_unit_test(a_small_area_is_found),
+        cmocka_unit_test(a_ball_casts_a_disc),
+        cmocka_unit_test(an_outline_is_bright_within_and_dark_beside),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
