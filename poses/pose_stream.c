@@ -6,10 +6,12 @@
 #include "base/memory.h"
 #include "base/options.h"
 #include "poses/pose_bytes.h"
+#include "poses/pose_guess.h"
 #include "poses/pose_table.h"
 #include "poses/programs/pose_brainsight.h"
 #include "poses/programs/pose_coordsystem.h"
 #include "poses/programs/pose_electrodes.h"
+#include "poses/programs/pose_ibl.h"
 #include "poses/programs/pose_invesalius.h"
 #include "poses/programs/pose_lead_dbs.h"
 #include "poses/programs/pose_localite.h"
@@ -30,7 +32,8 @@
 #include <unistd.h>
 
 struct conus_pose_stream {
-    conus_pose_options options;
+    conus_pose_options options; /* with a frame, this: */
+    conus_frame frame;
     conus_pose_format format;
     char *name;       /* for messages; NULL for a text */
     const char *path; /* while it is opened; NULL for a text and stdin */
@@ -51,51 +54,6 @@ static conus_status fail_of(const conus_pose_stream *stream, conus_status status
     return status && stream->name ? fail_in(status, stream->name) : status;
 }
 
-/* What a text that begins with this line of data is. */
-static conus_pose_format format_of(struct text line)
-{
-    struct text word;
-    struct text rest = line;
-    double number;
-    if (line.data[0] == '<' || line.data[0] == '{') {
-        return line.data[0] == '<' ? CONUS_POSE_FORMAT_LOCALITE : CONUS_POSE_FORMAT_MARKUPS;
-    }
-    return pose_is_point(line)                                        ? CONUS_POSE_FORMAT_POINTS
-           : text_word(&rest, &word) && text_to_double(word, &number) ? CONUS_POSE_FORMAT_MATRIX
-           : pose_electrodes_header(line)                             ? CONUS_POSE_FORMAT_ELECTRODES
-           : pose_nibs_header(line)                                   ? CONUS_POSE_FORMAT_NIBS
-                                                                      : CONUS_POSE_FORMAT_TABLE;
-}
-
-/* What the first line with data looks like, which ends behind *used bytes; CONUS_POSE_FORMAT_AUTO while it is not all
- * there.
- */
-static conus_pose_format guess_format(struct text text, bool all, size_t *used)
-{
-    const char *begin = text.data;
-    const char *end = text.data + text.size;
-    struct text line;
-    if (matlab_is(text)) { /* which program's is found when all of it is read */
-        *used = 0;
-        return CONUS_POSE_FORMAT_SIMNIBS;
-    }
-    *used = text.size;
-    while (text_line(&text, &line)) {
-        struct text trimmed = text_trim(line);
-        if (!all && line.data + line.size == end) {
-            return CONUS_POSE_FORMAT_AUTO;
-        }
-        *used = (size_t)(line.data + line.size - begin);
-        if (pose_brainsight_line(line) || pose_invesalius_line(line)) {
-            return pose_brainsight_line(line) ? CONUS_POSE_FORMAT_BRAINSIGHT : CONUS_POSE_FORMAT_INVESALIUS;
-        }
-        if (trimmed.size && trimmed.data[0] != '#') {
-            return format_of(trimmed);
-        }
-    }
-    return all ? CONUS_POSE_FORMAT_TABLE : CONUS_POSE_FORMAT_AUTO;
-}
-
 /* Looks no farther than it must, so that it finds the same however the text comes in. */
 static conus_status find_format(conus_pose_stream *stream)
 {
@@ -106,7 +64,7 @@ static conus_status find_format(conus_pose_stream *stream)
     while (!status && found == CONUS_POSE_FORMAT_AUTO) {
         bool all = lines->ended || lines->size >= POSE_LINE_LIMIT;
         size_t size = lines->size < POSE_LINE_LIMIT ? lines->size : POSE_LINE_LIMIT;
-        found = guess_format((struct text){lines->data, size}, all, &used);
+        found = pose_guess_format((struct text){lines->data, size}, all, &used);
         if (found == CONUS_POSE_FORMAT_AUTO) {
             status = pose_lines_fill(lines, lines->size + 1);
         }
@@ -156,7 +114,7 @@ static conus_status read_header(conus_pose_stream *stream)
         return fail(CONUS_ERROR_DATA, "no poses: " POSE_FORMATS " is needed");
     }
     return line.too_long ? fail(CONUS_ERROR_DATA, "header: a line of more than %d bytes", POSE_LINE_LIMIT)
-                         : pose_table_header(&stream->table, &stream->whole.notes, line.text, stream->options.axis);
+                         : pose_table_header(&stream->table, &stream->whole.notes, line.text, &stream->options);
 }
 
 static conus_status parse_matrix(conus_pose_list *list, struct text text, const conus_pose_options *options)
@@ -191,6 +149,7 @@ static const struct {
     [CONUS_POSE_FORMAT_INVESALIUS] = {"invesalius", pose_invesalius_parse},
     [CONUS_POSE_FORMAT_LEAD_DBS] = {"lead-dbs", pose_lead_dbs_parse},
     [CONUS_POSE_FORMAT_LEAD_DBS_NATIVE] = {"lead-dbs-native", pose_lead_dbs_parse_native},
+    [CONUS_POSE_FORMAT_IBL] = {"ibl", pose_ibl_parse},
 };
 
 enum { FORMATS = sizeof formats / sizeof formats[0] };
@@ -220,6 +179,26 @@ static bool has_coordsystem(conus_pose_format format)
     return format == CONUS_POSE_FORMAT_ELECTRODES || format == CONUS_POSE_FORMAT_NIBS;
 }
 
+/* A text that begins as JSON does may be of one program or of another. */
+static conus_status choose_json(conus_pose_stream *stream, struct text text)
+{
+    bool is_ibl = false;
+    bool guessed = !stream->options.format && stream->format == CONUS_POSE_FORMAT_MARKUPS;
+    conus_status status = guessed ? pose_ibl_is(&is_ibl, text) : CONUS_OK;
+    stream->format = is_ibl ? CONUS_POSE_FORMAT_IBL : stream->format;
+    return status;
+}
+
+/* Positions in the CCF or from bregma are of tables, points and of IBL; other programs' files are of people. */
+static conus_status check_space(const conus_pose_stream *stream)
+{
+    bool fits = stream->options.space < CONUS_SPACE_CCF || stream->format == CONUS_POSE_FORMAT_IBL;
+    return fits ? CONUS_OK
+                : fail(CONUS_ERROR_DATA,
+                       "positions of format %s are not in space %s, which tables, points and ibl may be",
+                       formats[stream->format].name, conus_space_name((size_t)stream->options.space));
+}
+
 static conus_status read_whole(conus_pose_stream *stream)
 {
     struct bytes bytes = {0};
@@ -231,6 +210,8 @@ static conus_status read_whole(conus_pose_stream *stream)
     if (!status && stream->options.format == CONUS_POSE_FORMAT_AUTO) {
         status = pose_bytes_program(&stream->format, text, &stream->options);
     }
+    status = status ? status : choose_json(stream, text);
+    status = status ? status : check_space(stream);
     status = status ? status : formats[stream->format].parse(&stream->whole, text, &stream->options);
     if (!status && stream->format == CONUS_POSE_FORMAT_ELECTRODES) {
         status = keep_electrodes(&stream->whole, text);
@@ -313,20 +294,35 @@ static conus_status open_path(conus_pose_stream *stream, const char *path)
 
 static conus_status check_options(const conus_pose_options *options)
 {
-    bool fine = (unsigned)options->space <= CONUS_SPACE_LPS && (unsigned)options->axis <= CONUS_AXIS_MINUS_Z &&
+    bool fine = (unsigned)options->space <= CONUS_SPACE_BREGMA && (unsigned)options->axis <= CONUS_AXIS_MINUS_Z &&
                 (unsigned)options->format < FORMATS;
     return fine ? CONUS_OK : fail(CONUS_ERROR_ARGUMENT, "options of poses: space, axis or format is none of its names");
+}
+
+/* The caller's frame, or that of a space that needs no atlas. */
+static conus_status find_frame(conus_frame *out, const conus_pose_options *options)
+{
+    if (!options->frame) {
+        return conus_frame_find(out, NULL, options->space, NULL);
+    }
+    *out = *options->frame;
+    return CONUS_OK;
 }
 
 static conus_status create_stream(conus_pose_stream **out, const conus_pose_options *options)
 {
     options = options_of(conus_pose_options, options);
+    conus_frame frame = {0};
     conus_status status = check_options(options);
+    status = status ? status : find_frame(&frame, options);
     conus_pose_stream *stream = status ? NULL : memory_zeroed(1, sizeof *stream);
     if (!stream) {
         return status ? status : CONUS_ERROR_MEMORY;
     }
     stream->options = *options;
+    stream->frame = frame;
+    stream->options.frame = &stream->frame;
+    stream->options.space = frame.space;
     stream->descriptor = -1;
     stream->stop = -1;
     stream->lines.descriptor = -1;

@@ -51,6 +51,7 @@ static const char *const names[COLUMNS] = {
 
 /* A header being read. */
 struct header {
+    conus_space space;
     struct pose_table table;
     int id_rank; /* of the column that names the rows; 0 = none yet */
     size_t id_field;
@@ -85,6 +86,17 @@ static conus_status check_axis(const struct pose_table *table, conus_axis axis)
                       pose_axis_name(axis));
 }
 
+/* The names of rotations' columns are of axes that space ccf and bregma do not have. */
+static conus_status check_space(const struct pose_table *table, conus_space space)
+{
+    bool turns = table->has[QW] || table->has[M00];
+    return space < CONUS_SPACE_CCF || !turns
+               ? CONUS_OK
+               : fail(CONUS_ERROR_DATA,
+                      "header: rotations (qw qx qy qz or m00...m33) are not read in space %s; tx ty tz or dx dy dz are",
+                      conus_space_name((size_t)space));
+}
+
 /* One way of saying where the device points, and only one, each with all its columns. */
 static conus_status check_header(const struct pose_table *table)
 {
@@ -117,9 +129,33 @@ static conus_status check_header(const struct pose_table *table)
     return CONUS_OK;
 }
 
-static enum column column_named(struct text field)
+/* In a space whose axes have names a column may have them, in any order: ap, tap of a target, dap of a direction, uap.
+ */
+static enum column column_of_axis(struct text field, conus_space space)
 {
-    enum column column = 0;
+    static const struct {
+        const char *prefix;
+        enum column first;
+    } groups[] = {{"", X}, {"t", TX}, {"d", DX}, {"u", UX}};
+    for (size_t i = 0; i < sizeof groups / sizeof groups[0]; i++) {
+        for (size_t axis = 0; axis < 3; axis++) {
+            char name[8];
+            snprintf(name, sizeof name, "%s%s", groups[i].prefix, conus_space_axis(space, axis));
+            if (text_equal_ignoring_case(field, name)) {
+                return groups[i].first + (enum column)axis;
+            }
+        }
+    }
+    return COLUMNS;
+}
+
+static enum column column_named(struct text field, conus_space space)
+{
+    enum column column = space < CONUS_SPACE_CCF ? COLUMNS : column_of_axis(field, space);
+    if (column < COLUMNS) {
+        return column;
+    }
+    column = 0;
     while (column < COLUMNS && !text_equal_ignoring_case(field, names[column])) {
         column++;
     }
@@ -167,7 +203,7 @@ static conus_status add_column(struct header *header, struct text field)
     if (table->field_count == POSE_COLUMN_LIMIT) {
         return fail(CONUS_ERROR_DATA, "header: more than %d columns", POSE_COLUMN_LIMIT);
     }
-    enum column column = column_named(field);
+    enum column column = column_named(field, header->space);
     if ((column < COLUMNS && column != ID && table->has[column]) ||
         (rank_of_id(field) && rank_of_id(field) == header->id_rank)) {
         field = column < COLUMNS ? text_from(names[column]) : field;
@@ -264,9 +300,11 @@ static conus_status check_quotes(const struct pose_table *table, struct text fie
                : fail(CONUS_ERROR_DATA, "a quotation mark inside a field: %.*s", pose_quote(field), field.data);
 }
 
-conus_status pose_table_header(struct pose_table *out, struct notes *notes, struct text line, conus_axis axis)
+conus_status pose_table_header(struct pose_table *out, struct notes *notes, struct text line,
+                               const conus_pose_options *options)
 {
-    struct header header = {.table.separator = memchr(line.data, '\t', line.size)  ? '\t'
+    struct header header = {.space = options->space,
+                            .table.separator = memchr(line.data, '\t', line.size)  ? '\t'
                                                : memchr(line.data, ',', line.size) ? ','
                                                                                    : ';'};
     struct pose_table *table = &header.table;
@@ -285,7 +323,8 @@ conus_status pose_table_header(struct pose_table *out, struct notes *notes, stru
     if (!status) {
         status = note_ignored(notes, table, whole, check_header(table));
     }
-    status = status ? status : check_axis(table, axis);
+    status = status ? status : check_axis(table, options->axis);
+    status = status ? status : check_space(table, options->space);
     *out = status ? *out : *table;
     return status;
 }
@@ -293,6 +332,16 @@ conus_status pose_table_header(struct pose_table *out, struct notes *notes, stru
 bool pose_table_has_times(const struct pose_table *table)
 {
     return table->has[TIME];
+}
+
+/* Positions and directions that a row has, to the world. */
+static conus_status turn_places(double v[COLUMNS], const struct pose_table *table, const conus_frame *frame)
+{
+    conus_status status = table->has[M00] ? CONUS_OK : conus_frame_to_world(v + X, frame, v + X);
+    status = status || !table->has[TX] ? status : conus_frame_to_world(v + TX, frame, v + TX);
+    conus_frame_direction_to_world(v + DX, frame, v + DX);
+    conus_frame_direction_to_world(v + UX, frame, v + UX);
+    return status;
 }
 
 static conus_status pose_from_values(conus_pose *out, const struct pose_table *table, double v[COLUMNS],
@@ -303,21 +352,21 @@ static conus_status pose_from_values(conus_pose *out, const struct pose_table *t
     for (int i = 0; i < 16; i++) {
         m[i] = v[M00 + 4 * (i % 4) + i / 4];
     }
+    conus_status status = turn_places(v, table, options->frame);
+    if (status) {
+        return status;
+    }
     if (options->space == CONUS_SPACE_LPS) { /* turning by pi about z takes a rotation's LPS form to its RAS form:
                                           (w, x, y, z) -> (-z, -y, x, w) */
-        pose_flip_point(v + X);
-        pose_flip_point(v + TX);
-        pose_flip_point(v + DX);
-        pose_flip_point(v + UX);
         pose_flip_matrix(m);
         const double turned[4] = {-v[QZ], -v[QY], v[QX], v[QW]};
         memcpy(q, turned, sizeof q);
     }
     const double *up = table->has[UX] ? v + UX : NULL;
-    conus_status status = table->has[M00]  ? conus_pose_from_matrix(out, m)
-                          : table->has[QW] ? conus_pose_from_quaternion(out, v + X, q)
-                          : table->has[TX] ? conus_pose_toward(out, v + X, v + TX, up)
-                                           : conus_pose_along(out, v + X, v + DX, up);
+    status = table->has[M00]  ? conus_pose_from_matrix(out, m)
+             : table->has[QW] ? conus_pose_from_quaternion(out, v + X, q)
+             : table->has[TX] ? conus_pose_toward(out, v + X, v + TX, up)
+                              : conus_pose_along(out, v + X, v + DX, up);
     if (!status) {
         pose_turn(out, options->axis);
     }
@@ -476,11 +525,9 @@ conus_status pose_point_row(conus_pose_row *row, struct pose_name *name, struct 
     if (status || !read_point(point, &name->text, line)) {
         return CONUS_ERROR_DATA;
     }
-    if (options->space == CONUS_SPACE_LPS) {
-        pose_flip_point(point);
-    }
+    status = conus_frame_to_world(point, options->frame, point);
     row->is_point = true;
-    return pose_of_point(&row->pose, point);
+    return status ? status : pose_of_point(&row->pose, point);
 }
 
 bool pose_plain_matrix(conus_pose_row *row, conus_status *bad, struct text text, const conus_pose_options *options)

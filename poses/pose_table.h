@@ -22,8 +22,10 @@ struct pose_table {
 };
 
 /** Reads the header, CONUS_ERROR_DATA when a column is missing or twice, or when there is not exactly one way of saying
- * where the device points; @p axis asks for rotations. A note names the columns that are passed over. */
-conus_status pose_table_header(struct pose_table *out, struct notes *notes, struct text line, conus_axis axis);
+ * where the device points; the axis of @p options asks for rotations, its space may have none. A note names the columns
+ * that are passed over. */
+conus_status pose_table_header(struct pose_table *out, struct notes *notes, struct text line,
+                               const conus_pose_options *options);
 
 /** Whether there is a column time_s. */
 bool pose_table_has_times(const struct pose_table *table);

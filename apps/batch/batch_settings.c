@@ -13,7 +13,6 @@
 #define FIELD(member) offsetof(struct batch_settings, member)
 
 static const char *const formats[] = {"tsv", "csv", "ndjson", "afni", "bids", "spikeglx", "open-ephys", NULL};
-static const char *const spaces[] = {"ras", "lps", NULL};
 
 static const struct option pose_options[] = {
     {.name = "poses",
@@ -34,13 +33,6 @@ static const struct option pose_options[] = {
      .help = "full opening angle of the cones without one of their own, more than 0 and less than 180 (default 10)",
      .low = 0,
      .high = 180},
-    {.name = "space",
-     .type = OPTION_CHOICE,
-     .offset = FIELD(aim.space),
-     .value = "NAME",
-     .help = "directions in which x, y and z of all positions, given and reported, grow: right, anterior, superior "
-             "(ras) or left, posterior, superior (lps):",
-     .choices = spaces},
     {.name = "shard",
      .type = OPTION_TEXT,
      .offset = FIELD(shard),
@@ -102,6 +94,7 @@ static const struct option run_options[] = {
 
 const struct option_group batch_groups[] = {
     {"Where the cones are", pose_options, 0},
+    {"", space_options, FIELD(aim.space)},
     {"", pose_file_options, FIELD(file)},
     {"How rays are traced", engine_options, FIELD(engine)},
     {"", shape_options, FIELD(engine)},

@@ -53,7 +53,7 @@ static bool check_settings(conus_format *format, const struct batch_settings *se
     }
     return settings_check_score(&settings->engine, false) &&
            settings_check_shape(&settings->aim, &settings->engine, arguments) && settings_check_context(arguments) &&
-           options_exclude(arguments, "force", "resume");
+           settings_check_space(arguments, &settings->aim.space) && options_exclude(arguments, "force", "resume");
 }
 
 /* ---- The poses -------------------------------------------------------------------------------------------------- */
@@ -83,8 +83,7 @@ bool work_is_pipe(const char *path)
 static int open_poses(struct work *work)
 {
     const struct batch_settings *settings = work->settings;
-    const conus_pose_options options =
-        settings_pose_options(&settings->file, settings->aim.space, settings->atlas.max_memory);
+    const conus_pose_options options = settings_pose_options(&settings->file, &work->frame, settings->atlas.max_memory);
     int code = batch_shard(&work->shard, settings);
     if (code) {
         return code;
@@ -183,7 +182,7 @@ int work_build(struct work *work)
         .angle = settings_angle(&settings->aim, &settings->engine),
         .report = {.rows = settings->summary ? CONUS_ROWS_SUMMARIES : CONUS_ROWS_ANSWERS,
                    .format = work->format,
-                   .space = (conus_space)settings->aim.space,
+                   .frame = &work->frame,
                    .electrodes = work->format == CONUS_FORMAT_BIDS ? conus_pose_stream_electrodes(work->poses) : NULL,
                    .atlas = work->atlases.items[0].name},
     };
@@ -228,8 +227,11 @@ int work_init(struct work *out, const struct batch_settings *settings, const str
 int work_open(struct work *work)
 {
     const struct batch_settings *settings = work->settings;
-    int code = open_poses(work);
-    code = code ? code : load_atlases(work);
+    bool late = settings_space_needs_atlas(&settings->aim.space);
+    int code = late ? load_atlases(work) : EXIT_DONE;
+    code = code ? code : settings_frame(&work->frame, &work->atlases, &settings->aim.space, settings->common.quiet);
+    code = code ? code : open_poses(work);
+    code = code || late ? code : load_atlases(work);
     code = code ? code : check_files(work);
     return code ? code
                 : settings_match_stream(work->poses, settings->poses, &work->atlases, &settings->file,
@@ -287,7 +289,7 @@ void work_say_aims(const struct work *work)
     struct aimed *aimed = calloc(count, sizeof *aimed);
     for (size_t i = 0; aimed && i < count; i++) {
         const struct named_atlas *at = &work->atlases.items[i];
-        aimed[i] = (struct aimed){&work->astray[i], work->selectors[i], at->atlas, at->name};
+        aimed[i] = (struct aimed){&work->astray[i], work->selectors[i], at->atlas, at->name, &work->frame};
     }
     if (aimed) {
         aim_notes_say(aimed, count, settings_poses_name(work->settings->poses), &work->settings->common);

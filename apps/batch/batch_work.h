@@ -17,6 +17,7 @@ struct work {
     conus_pose_stream *poses;
     bool piped; /**< They can be read only once: from standard input or a pipe that has a name. */
     struct atlases atlases;
+    conus_frame frame;          /**< Of positions. */
     conus_selector **selectors; /**< [atlases.count] */
     conus_astray *astray;       /**< [atlases.count] Where the poses lie and point, once work_find_aims() was called. */
     conus_batch *batch;

@@ -364,6 +364,24 @@ static void put_tree_size(FILE *out, const conus_atlas *atlas)
     }
 }
 
+/* Where the Allen CCF lies in it, if it is one. */
+static void put_ccf(FILE *out, const conus_atlas *atlas)
+{
+    conus_frame ccf;
+    conus_frame bregma;
+    if (conus_frame_find(&ccf, atlas, CONUS_SPACE_CCF, NULL) ||
+        conus_frame_find(&bregma, atlas, CONUS_SPACE_BREGMA, NULL)) {
+        return;
+    }
+    const double *corner = ccf.world_from_space;
+    const double *b = bregma.world_from_space;
+    bool to_right = corner[8] > 0;
+    fprintf(out, "Allen CCF\n  corner       x %.6g, y %.6g, z %.6g mm\n", corner[12], corner[13], corner[14]);
+    fprintf(out, "  bregma       x %.6g, y %.6g, z %.6g mm: AP %.6g, DV %.6g, ML %.6g um\n", b[12], b[13], b[14],
+            bregma.bregma[0], bregma.bregma[1], bregma.bregma[2]);
+    fprintf(out, "  ML grows     to the %s\n", to_right ? "right" : "left, by what the atlas says of its sides");
+}
+
 static int put_table(FILE *out, const conus_atlas *atlas, const conus_installed *installed)
 {
     char *tsv = NULL;
@@ -381,6 +399,7 @@ static int put_table(FILE *out, const conus_atlas *atlas, const conus_installed 
     put_installed(out, installed);
     put_volumes(out, atlas);
     put_surfaces(out, atlas);
+    put_ccf(out, atlas);
     put_notes(out, atlas);
     size_t pathways = conus_atlas_object_count(atlas) - areas;
     fprintf(out, "\n%zu area%s (%zu without a name, %zu without a shape), %zu pathway%s\n", areas,

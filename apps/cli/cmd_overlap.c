@@ -14,12 +14,10 @@ struct overlap_settings {
     struct answer_settings answer;
     double threshold;
     struct engine_settings engine; /* level only */
-    size_t space;                  /* conus_space */
+    struct space_settings space;
 };
 
 #define FIELD(member) offsetof(struct overlap_settings, member)
-
-static const char *const spaces[] = {"ras", "lps", NULL};
 
 static const struct option region_options[] = {
     {.name = "threshold",
@@ -28,13 +26,6 @@ static const struct option region_options[] = {
      .value = "T",
      .help = "voxels with values of at least T belong to the region; of a negative T, those with values of at most T "
              "(default, of masks only: all voxels that are not 0)"},
-    {.name = "space",
-     .type = OPTION_CHOICE,
-     .offset = FIELD(space),
-     .value = "NAME",
-     .help = "directions in which the reported x, y and z grow: right, anterior, superior (ras) or left, posterior, "
-             "superior (lps):",
-     .choices = spaces},
     {0},
 };
 
@@ -49,6 +40,7 @@ static const struct option level_options[] = {
 
 static const struct option_group groups[] = {
     {"What the region is", region_options, 0},
+    {"", space_options, FIELD(space)},
     {"What it may cover", atlas_options, FIELD(atlas)},
     {"", shown_options, FIELD(atlas)},
     {"", level_options, 0},
@@ -73,6 +65,7 @@ struct overlap {
     char *command_line;
     char *sidecar; /* path; NULL = none */
     struct atlases atlases;
+    conus_frame frame;          /* of positions */
     struct answerer *answerers; /* [atlases.count] */
 };
 
@@ -178,7 +171,7 @@ static conus_status start_answerer(struct overlap *overlap, size_t index)
                                              .engine = CONUS_ENGINE_RAYS};
     const conus_report_options report = {.rows = CONUS_ROWS_COVERAGES,
                                          .format = overlap->format,
-                                         .space = (conus_space)settings->space,
+                                         .frame = &overlap->frame,
                                          .command = overlap->command_line,
                                          .no_voxels = true,
                                          .atlas = named->name};
@@ -192,6 +185,8 @@ static int load_atlases(struct overlap *overlap)
     struct atlases *atlases = &overlap->atlases;
     int code = atlases_load(atlases, overlap->arguments->operands[0], &overlap->settings->atlas);
     conus_status status = CONUS_OK;
+    code = code ? code
+                : settings_frame(&overlap->frame, atlases, &overlap->settings->space, overlap->settings->common.quiet);
     if (code) {
         return code;
     }
@@ -247,7 +242,8 @@ static int run_overlap(const void *given, const struct arguments *arguments)
     if (option_given(arguments, "threshold") && settings->threshold == 0) {
         return print_usage_error("--threshold: 0 would take the whole volume; leave it out for a mask");
     }
-    if (!answer_format(&overlap.format, arguments, &settings->answer)) {
+    if (!settings_check_space(arguments, &settings->space) ||
+        !answer_format(&overlap.format, arguments, &settings->answer)) {
         return EXIT_USAGE;
     }
     overlap.command_line = arguments_text(arguments);

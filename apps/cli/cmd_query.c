@@ -150,7 +150,8 @@ static bool check_point(const struct arguments *arguments)
 static bool check_query(const struct query_settings *settings, const struct arguments *arguments)
 {
     if (option_given(arguments, "point")) {
-        return check_point(arguments) && check_outputs(settings, arguments);
+        return check_point(arguments) && settings_check_space(arguments, &settings->inquiry.aim.space) &&
+               check_outputs(settings, arguments);
     }
     return inquiry_check(&settings->inquiry, arguments, false) && settings_check_aim(arguments, true) &&
            settings_check_pose_file(arguments, "pose", NULL) && check_outputs(settings, arguments);
@@ -252,10 +253,13 @@ static int answer_one(struct query *query)
     struct question question = {.id = "1"};
     bool fault = false;
     if (option_given(inquiry->arguments, "point")) {
-        settings_point(question.point, query->settings->point, settings->aim.space);
+        int code = settings_point(question.point, query->settings->point, &inquiry->frame, "point");
+        if (code) {
+            return code;
+        }
         question.ball = settings->engine.radius;
     } else {
-        int code = settings_pose(&question.pose, &settings->aim, inquiry->arguments);
+        int code = settings_pose(&question.pose, &settings->aim, &inquiry->frame, inquiry->arguments);
         if (code) {
             return code;
         }
@@ -361,24 +365,22 @@ static bool check_voxels(const struct query *query)
     return true;
 }
 
-static int load_all(struct query *query)
+static int load_poses(void *user)
 {
+    struct query *query = user;
     struct inquiry *inquiry = &query->inquiry;
     const char *poses = inquiry->settings->aim.pose;
     int code = inquiry_load_poses(inquiry);
     if (!code && poses) {
         code = check_poses(query);
     }
-    if (!code) {
-        code = settings_check_electrodes(inquiry->format, conus_pose_list_electrodes(inquiry->poses), poses);
-    }
-    return code ? code : inquiry_load_atlases(inquiry);
+    return code ? code : settings_check_electrodes(inquiry->format, conus_pose_list_electrodes(inquiry->poses), poses);
 }
 
 static int answer_query(struct query *query)
 {
     struct inquiry *inquiry = &query->inquiry;
-    int code = load_all(query);
+    int code = inquiry_load(inquiry, load_poses, query);
     if (code) {
         return code;
     }

@@ -128,6 +128,7 @@ static const struct option_group groups[] = {
     {"", row_options, 0},
     {"", pose_file_options, offsetof(struct render_settings, file)},
     {"", angle_options, offsetof(struct render_settings, aim)},
+    {"", space_options, offsetof(struct render_settings, aim.space)},
     {"", shape_options, offsetof(struct render_settings, engine)},
     {"How rays are traced", engine_options, offsetof(struct render_settings, engine)},
     {"Atlas", atlas_options, offsetof(struct render_settings, atlas)},
@@ -143,6 +144,7 @@ struct picture {
     conus_atlas *atlas;
     conus_selector *selector;
     conus_renderer *renderer;
+    conus_frame frame; /* of positions */
     conus_aims *aims;
     conus_pose_list *poses;
     struct drawn_rows rows; /* of them */
@@ -241,15 +243,16 @@ static bool check_picture(const struct render_settings *settings, const struct a
 {
     return path_check_ending("output", settings->output, ".png", ".exr") && check_cone(settings, arguments) &&
            check_camera(arguments) && check_rows(settings, arguments) && figure_check(&settings->figure, arguments) &&
-           option_needs(arguments, "transfer", "context");
+           option_needs(arguments, "transfer", "context") && settings_check_space(arguments, &settings->aim.space);
 }
 
 /* ---- Poses ------------------------------------------------------------------------------------------------------ */
 
-static int load_poses(conus_pose_list **out, const struct render_settings *settings, const char *path)
+static int load_poses(conus_pose_list **out, const struct picture *picture, const char *path)
 {
+    const struct render_settings *settings = picture->settings;
     const conus_pose_options options =
-        settings_pose_options(&settings->file, settings->aim.space, settings->atlas.max_memory);
+        settings_pose_options(&settings->file, &picture->frame, settings->atlas.max_memory);
     conus_status status = conus_pose_list_load(out, path, &options);
     return status ? print_status(status) : EXIT_DONE;
 }
@@ -271,7 +274,7 @@ static int load_camera(struct picture *picture)
 {
     const char *path = picture->settings->camera;
     conus_pose_list *list = NULL;
-    int code = load_poses(&list, picture->settings, path);
+    int code = load_poses(&list, picture, path);
     code = code ? code : match_poses(picture, list, path);
     const conus_pose_row *row = conus_pose_list_row(list, 0);
     if (!code && conus_pose_list_count(list) != 1) {
@@ -286,6 +289,13 @@ static int load_camera(struct picture *picture)
     return code;
 }
 
+static int find_frame(struct picture *picture)
+{
+    struct named_atlas atlas = {.atlas = picture->atlas};
+    return settings_frame(&picture->frame, &(struct atlases){&atlas, 1}, &picture->settings->aim.space,
+                          picture->settings->common.quiet);
+}
+
 static int find_camera(struct picture *picture)
 {
     const struct render_settings *settings = picture->settings;
@@ -296,7 +306,7 @@ static int find_camera(struct picture *picture)
     } else if (picture->has_camera) {
         code = settings_pose_toward(&picture->camera, settings->camera_origin, settings->camera_toward,
                                     option_given(picture->arguments, "camera-up") ? settings->camera_up : NULL,
-                                    settings->aim.space);
+                                    &picture->frame, "camera-");
     }
     return code;
 }
@@ -326,7 +336,7 @@ static int find_rows(struct picture *picture)
         return EXIT_DONE;
     }
     picture->rows.file = settings_poses_name(path);
-    int code = load_poses(&picture->poses, settings, path);
+    int code = load_poses(&picture->poses, picture, path);
     code = code ? code : render_rows_choose(&picture->rows, picture->poses, &settings->choice, settings->output);
     return code ? code : check_angle(picture);
 }
@@ -363,9 +373,7 @@ static int load_atlas(struct picture *picture)
 {
     const struct render_settings *settings = picture->settings;
     int code = settings_load_atlas(&picture->atlas, picture->arguments->operands[0], &settings->atlas);
-    code = code ? code : settings_load_context(picture->atlas, settings->context, 0, &settings->atlas);
-    code = code ? code : check_outputs(picture);
-    return code || !picture->poses ? code : match_poses(picture, picture->poses, settings->aim.pose);
+    return code ? code : settings_load_context(picture->atlas, settings->context, 0, &settings->atlas);
 }
 
 static conus_status make_selector(struct picture *picture)
@@ -460,7 +468,8 @@ static int draw_row(struct picture *picture, const struct drawn_row *drawn)
 
 static void say_aims(const struct picture *picture)
 {
-    const struct aimed aimed = {conus_aims_found(picture->aims), picture->selector, picture->atlas, NULL};
+    const struct aimed aimed = {conus_aims_found(picture->aims), picture->selector, picture->atlas, NULL,
+                                &picture->frame};
     aim_notes_say(&aimed, 1, picture->rows.count > 1 ? picture->rows.file : NULL, &picture->settings->common);
 }
 
@@ -484,7 +493,7 @@ static int draw_origin(struct picture *picture)
 {
     const struct render_settings *settings = picture->settings;
     conus_pose pose;
-    int code = settings_pose(&pose, &settings->aim, picture->arguments);
+    int code = settings_pose(&pose, &settings->aim, &picture->frame, picture->arguments);
     if (code) {
         return code;
     }
@@ -517,9 +526,14 @@ static int run_render(const void *given, const struct arguments *arguments)
         return EXIT_USAGE;
     }
     struct picture picture = {.settings = settings, .arguments = arguments};
-    int code = find_camera(&picture);
+    bool late = settings_space_needs_atlas(&settings->aim.space);
+    int code = late ? load_atlas(&picture) : EXIT_DONE;
+    code = code ? code : find_frame(&picture);
+    code = code ? code : find_camera(&picture);
     code = code ? code : find_rows(&picture);
-    code = code ? code : load_atlas(&picture);
+    code = code || late ? code : load_atlas(&picture);
+    code = code ? code : check_outputs(&picture);
+    code = code || !picture.poses ? code : match_poses(&picture, picture.poses, settings->aim.pose);
     code = code ? code : prepare(&picture);
     code = code ? code : draw_all(&picture);
     if (!code) {

@@ -330,7 +330,7 @@ static int answer_all(struct sweep *sweep)
         return inquiry_each_row(inquiry, answer_row, sweep);
     }
     conus_pose_row row = {.id = "1", .error_deg = NAN, .error_mm = NAN};
-    int code = settings_pose(&row.pose, &inquiry->settings->aim, inquiry->arguments);
+    int code = settings_pose(&row.pose, &inquiry->settings->aim, &inquiry->frame, inquiry->arguments);
     conus_status status = code ? CONUS_OK : add_answers(sweep, &row);
     return status ? print_status(status) : code;
 }
@@ -345,11 +345,15 @@ static conus_status start_sweep(struct sweep *sweep)
     return status ? status : inquiry_reports(inquiry, &report);
 }
 
+static int load_poses(void *user)
+{
+    return inquiry_load_poses(user);
+}
+
 static int answer_sweep(struct sweep *sweep)
 {
     struct inquiry *inquiry = &sweep->inquiry;
-    int code = inquiry_load_poses(inquiry);
-    code = code ? code : inquiry_load_atlases(inquiry);
+    int code = inquiry_load(inquiry, load_poses, inquiry);
     code = code ? code : inquiry_match(inquiry);
     if (code || !inquiry_check_inputs(inquiry, NULL)) {
         return code ? code : EXIT_USAGE;

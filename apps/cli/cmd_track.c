@@ -126,6 +126,7 @@ static const struct option_group groups[] = {
     {"Poses from a tracker", station_options_table, FIELD(station)},
     {"", live_options, 0},
     {"", angle_options, INQUIRY_FIELD(aim)},
+    {"", space_options, INQUIRY_FIELD(aim.space)},
     {"", shape_options, INQUIRY_FIELD(engine)},
     INQUIRY_ENGINE_GROUPS,
     {"History", history_options, 0},
@@ -337,8 +338,9 @@ static int write_rest(struct track *track)
     return code || !track->held ? code : output_write(output, track->held_text, track->held_size);
 }
 
-static int open_poses(struct track *track)
+static int open_poses(void *user)
 {
+    struct track *track = user;
     struct inquiry *inquiry = &track->inquiry;
     const char *path = inquiry->settings->aim.pose;
     if (!path) {
@@ -368,8 +370,7 @@ static bool is_astray(const struct inquiry *inquiry)
 static int answer_track(struct track *track)
 {
     struct inquiry *inquiry = &track->inquiry;
-    int code = open_poses(track);
-    code = code ? code : inquiry_load_atlases(inquiry);
+    int code = inquiry_load(inquiry, open_poses, track);
     if (code || !inquiry_check_inputs(inquiry, track->settings->station.world_from_tracker)) {
         return code ? code : EXIT_USAGE;
     }

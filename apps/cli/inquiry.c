@@ -16,7 +16,8 @@ bool inquiry_check(const struct inquiry_settings *settings, const struct argumen
         return false;
     }
     return settings_check_score(&settings->engine, has_history) && settings_check_context(arguments) &&
-           settings_check_shape(&settings->aim, &settings->engine, arguments);
+           settings_check_shape(&settings->aim, &settings->engine, arguments) &&
+           settings_check_space(arguments, &settings->aim.space);
 }
 
 void inquiry_add_output(struct inquiry *inquiry, const char *what, const char *path)
@@ -109,7 +110,7 @@ void inquiry_list_inputs(struct provenance *out, const struct inquiry *inquiry)
 conus_pose_options inquiry_pose_options(const struct inquiry *inquiry)
 {
     const struct inquiry_settings *settings = inquiry->settings;
-    return settings_pose_options(&settings->file, settings->aim.space, settings->atlas.max_memory);
+    return settings_pose_options(&settings->file, &inquiry->frame, settings->atlas.max_memory);
 }
 
 int inquiry_load_poses(struct inquiry *inquiry)
@@ -120,7 +121,7 @@ int inquiry_load_poses(struct inquiry *inquiry)
     return status ? print_status(status) : EXIT_DONE;
 }
 
-int inquiry_load_atlases(struct inquiry *inquiry)
+static int load_atlases(struct inquiry *inquiry)
 {
     const struct inquiry_settings *settings = inquiry->settings;
     struct atlases *atlases = &inquiry->atlases;
@@ -135,6 +136,19 @@ int inquiry_load_atlases(struct inquiry *inquiry)
         return EXIT_DATA;
     }
     return code;
+}
+
+int inquiry_load(struct inquiry *inquiry, int (*load_poses)(void *user), void *user)
+{
+    const struct space_settings *space = &inquiry->settings->aim.space;
+    if (settings_space_needs_atlas(space)) {
+        int code = load_atlases(inquiry);
+        code = code ? code : settings_frame(&inquiry->frame, &inquiry->atlases, space, inquiry->settings->common.quiet);
+        return code ? code : load_poses(user);
+    }
+    int code = settings_frame(&inquiry->frame, &inquiry->atlases, space, inquiry->settings->common.quiet);
+    code = code ? code : load_poses(user);
+    return code ? code : load_atlases(inquiry);
 }
 
 int inquiry_match(struct inquiry *inquiry)
@@ -167,9 +181,8 @@ conus_status inquiry_start(struct inquiry *inquiry, const conus_selector_options
 
 conus_report_options inquiry_report_options(const struct inquiry *inquiry)
 {
-    return (conus_report_options){.format = inquiry->format,
-                                  .space = (conus_space)inquiry->settings->aim.space,
-                                  .command = inquiry->command_line};
+    return (conus_report_options){
+        .format = inquiry->format, .frame = &inquiry->frame, .command = inquiry->command_line};
 }
 
 conus_status inquiry_report(struct inquiry *inquiry, size_t index, const conus_report_options *options)
@@ -246,7 +259,8 @@ void inquiry_say_aims(const struct inquiry *inquiry)
     for (size_t i = 0; aimed && i < count; i++) {
         const struct named_atlas *at = &inquiry->atlases.items[i];
         const struct answerer *answerer = &inquiry->answerers[i];
-        aimed[i] = (struct aimed){conus_aims_found(answerer->aims), answerer->selector, at->atlas, at->name};
+        aimed[i] =
+            (struct aimed){conus_aims_found(answerer->aims), answerer->selector, at->atlas, at->name, &inquiry->frame};
     }
     if (aimed) {
         aim_notes_say(aimed, count, path ? settings_poses_name(path) : NULL, &inquiry->settings->common);

@@ -22,7 +22,7 @@ struct inquiry_settings {
 #define INQUIRY_FIELD(member) offsetof(struct inquiry_settings, member)
 #define INQUIRY_AIM_GROUPS                                                                                             \
     {"Where the cone is", aim_options, INQUIRY_FIELD(aim)}, {"", pose_file_options, INQUIRY_FIELD(file)},              \
-        {"", angle_options, INQUIRY_FIELD(aim)},                                                                       \
+        {"", angle_options, INQUIRY_FIELD(aim)}, {"", space_options, INQUIRY_FIELD(aim.space)},                        \
     {                                                                                                                  \
         "", shape_options, INQUIRY_FIELD(engine)                                                                       \
     }
@@ -66,6 +66,7 @@ struct inquiry {
     struct output outputs[INQUIRY_OUTPUTS]; /**< First --output and its sidecar. */
     size_t output_count;
     struct atlases atlases;
+    conus_frame frame;          /**< Of positions, once the atlases are loaded. */
     struct answerer *answerers; /**< [atlases.count] */
     conus_pose_list *poses;     /**< All of a file; or */
     conus_pose_stream *stream;  /**< one after the other; or both NULL. */
@@ -94,8 +95,9 @@ void inquiry_list_inputs(struct provenance *out, const struct inquiry *inquiry);
 conus_pose_options inquiry_pose_options(const struct inquiry *inquiry);
 /** Loads --pose, where it was given. */
 int inquiry_load_poses(struct inquiry *inquiry);
-/** Loads the atlas with its pathways, those of --atlas, and the context of each. */
-int inquiry_load_atlases(struct inquiry *inquiry);
+/** Loads the atlas with its pathways, those of --atlas, and the context of each; and the poses by @p load_poses, before
+ * that where they do not need an atlas. */
+int inquiry_load(struct inquiry *inquiry, int (*load_poses)(void *user), void *user);
 /** Whether the poses' space can be that of each atlas. */
 int inquiry_match(struct inquiry *inquiry);
 

@@ -74,10 +74,54 @@ static const char *put_reading(char out[256], const conus_reading *reading, cons
     return out;
 }
 
+/* The same cone with DV counted downward, as some stereotaxic frames do; the object that it would hit, 0 = none. */
+static uint32_t hit_with_dv_down(const struct aimed *aimed)
+{
+    const double *m = aimed->found->away.pose.world_from_device;
+    double from[3] = {m[12], m[13], m[14]};
+    double along[3] = {-m[8], -m[9], -m[10]};
+    conus_pose pose;
+    conus_selection *selection = NULL;
+    conus_frame_from_world(from, aimed->frame, from);
+    conus_frame_direction_from_world(along, aimed->frame, along);
+    from[2] = 0 - from[2];
+    along[2] = 0 - along[2];
+    conus_frame_direction_to_world(along, aimed->frame, along);
+    uint32_t object = 0;
+    if (!conus_frame_to_world(from, aimed->frame, from) && !conus_pose_along(&pose, from, along, NULL) &&
+        !conus_select(&selection, aimed->selector, &pose, aimed->found->away.angle)) {
+        object = conus_selection_result(selection, 0)->object;
+    }
+    conus_selection_destroy(selection);
+    return object;
+}
+
+/* In the CCF and from bregma the readings are others than in people's spaces. */
+static void find_rodent_lines(struct lines *out, const struct aimed *aimed, const char *file)
+{
+    char words[256] = "";
+    bool is_bregma = aimed->frame->space == CONUS_SPACE_BREGMA;
+    uint32_t object = is_bregma && aimed->found->away.count ? hit_with_dv_down(aimed) : 0;
+    if (object) {
+        snprintf(words, sizeof words, "; with DV counted downward it would hit %s first",
+                 conus_atlas_object(aimed->atlas, object)->name);
+    }
+    if (aimed->found->inside.count) {
+        add_inside(out, aimed, file);
+    }
+    if (aimed->found->away.count) {
+        add_away(out, aimed->found, file, words);
+    }
+}
+
 static void find_lines(struct lines *out, const struct aimed *aimed, const char *file)
 {
     char words[256];
     conus_reading reading = {0};
+    if (aimed->frame->space >= CONUS_SPACE_CCF) {
+        find_rodent_lines(out, aimed, file);
+        return;
+    }
     if (conus_aims_reading(&reading, aimed->found, aimed->selector)) {
         return;
     }
@@ -139,13 +183,13 @@ void aim_notes_say(const struct aimed *aimed, size_t count, const char *file, co
 }
 
 void aim_notes_of(const conus_pose *pose, double angle, conus_selector *selector, const conus_atlas *atlas,
-                  const struct common_settings *settings)
+                  const conus_frame *frame, const struct common_settings *settings)
 {
     conus_aims *aims = NULL;
     if (settings->quiet || conus_aims_create(&aims, selector)) {
         return;
     }
     conus_aims_add(aims, 1, pose, angle);
-    aim_notes_say(&(struct aimed){conus_aims_found(aims), selector, atlas, NULL}, 1, NULL, settings);
+    aim_notes_say(&(struct aimed){conus_aims_found(aims), selector, atlas, NULL, frame}, 1, NULL, settings);
     conus_aims_destroy(aims);
 }

@@ -10,7 +10,8 @@ struct aimed {
     const conus_astray *found;
     conus_selector *selector;
     const conus_atlas *atlas;
-    const char *name; /**< NULL where there is one only. */
+    const char *name;         /**< NULL where there is one only. */
+    const conus_frame *frame; /**< Of the positions as they were given. */
 };
 
 /** Says on stderr, a line for each kind, unless --quiet, what is odd about the poses; and what one of them would hit
@@ -21,6 +22,6 @@ void aim_notes_say(const struct aimed *aimed, size_t count, const char *file, co
 
 /** The same for one pose. */
 void aim_notes_of(const conus_pose *pose, double angle, conus_selector *selector, const conus_atlas *atlas,
-                  const struct common_settings *settings);
+                  const conus_frame *frame, const struct common_settings *settings);
 
 #endif

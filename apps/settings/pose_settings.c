@@ -46,9 +46,10 @@ bool settings_check_pose_file(const struct arguments *arguments, const char *fil
     return true;
 }
 
-conus_pose_options settings_pose_options(const struct pose_file_settings *settings, size_t space, uint64_t max_memory)
+conus_pose_options settings_pose_options(const struct pose_file_settings *settings, const conus_frame *frame,
+                                         uint64_t max_memory)
 {
-    return (conus_pose_options){.space = (conus_space)space,
+    return (conus_pose_options){.frame = frame,
                                 .axis = (conus_axis)settings->axis,
                                 .format = (conus_pose_format)settings->format,
                                 .along_shafts = settings->along_shafts,

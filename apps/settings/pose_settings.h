@@ -18,8 +18,11 @@ extern const struct option pose_file_options[]; /**< pose_file_settings */
  * poses; prints an error if not. */
 bool settings_check_pose_file(const struct arguments *arguments, const char *file, const char *other);
 
-/** The options of the library for the file; @p space is a conus_space, @p max_memory 0 the default. */
-conus_pose_options settings_pose_options(const struct pose_file_settings *settings, size_t space, uint64_t max_memory);
+/** The options of the library for the file; @p frame must live until the file is opened, @p max_memory 0 is the
+ * default.
+ */
+conus_pose_options settings_pose_options(const struct pose_file_settings *settings, const conus_frame *frame,
+                                         uint64_t max_memory);
 
 /** Writes what of @p settings the answers depend on: two runs with the same text read the same poses from one file. */
 void settings_pose_text(char out[64], const struct pose_file_settings *settings);

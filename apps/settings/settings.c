@@ -10,7 +10,6 @@
 
 #define FIELD(type, member) offsetof(struct type, member)
 
-static const char *const spaces[] = {"ras", "lps", NULL};
 static const char *const apertures[] = {"circle", "square", NULL};
 static const char *const engines[] = {"auto", "rays", "gl", NULL};
 static const char *const samplings[] = {"exact", "slices", NULL};
@@ -173,13 +172,6 @@ const struct option angle_options[] = {
      .offset = FIELD(aim_settings, angle),
      .value = "DEGREES",
      .help = "full opening angle of the cone, more than 0 and less than 180 (default 10)"},
-    {.name = "space",
-     .type = OPTION_CHOICE,
-     .offset = FIELD(aim_settings, space),
-     .value = "NAME",
-     .help = "directions in which x, y and z of all positions, given and reported, grow: right, anterior, superior "
-             "(ras) or left, posterior, superior (lps):",
-     .choices = spaces},
     {0},
 };
 
@@ -302,46 +294,48 @@ bool settings_check_aim(const struct arguments *arguments, bool aim_needed)
     return true;
 }
 
-void settings_point(double out[3], const double in[3], size_t space)
-{
-    bool lps = space == CONUS_SPACE_LPS; /* 0 - x makes no "-0" of 0 */
-    out[0] = lps ? 0 - in[0] : in[0];
-    out[1] = lps ? 0 - in[1] : in[1];
-    out[2] = in[2];
-}
-
 bool settings_check_context(const struct arguments *arguments)
 {
     return option_needs(arguments, "context", "context-blocks") && option_needs(arguments, "context-blocks", "context");
 }
 
 int settings_pose_toward(conus_pose *out, const double origin[3], const double toward[3], const double up[3],
-                         size_t space)
+                         const conus_frame *frame, const char *prefix)
 {
     double from[3];
     double to[3];
     double above[3];
-    settings_point(from, origin, space);
-    settings_point(to, toward, space);
+    char option[32];
+    snprintf(option, sizeof option, "%sorigin", prefix);
+    int code = settings_point(from, origin, frame, option);
+    snprintf(option, sizeof option, "%stoward", prefix);
+    code = code ? code : settings_point(to, toward, frame, option);
+    if (code) {
+        return code;
+    }
     if (up) {
-        settings_point(above, up, space);
+        conus_frame_direction_to_world(above, frame, up);
     }
     conus_status status = conus_pose_toward(out, from, to, up ? above : NULL);
     return status ? print_status(status) : EXIT_DONE;
 }
 
-int settings_pose(conus_pose *out, const struct aim_settings *settings, const struct arguments *arguments)
+int settings_pose(conus_pose *out, const struct aim_settings *settings, const conus_frame *frame,
+                  const struct arguments *arguments)
 {
     const double *given_up = option_given(arguments, "up") ? settings->up : NULL;
     if (option_given(arguments, "toward")) {
-        return settings_pose_toward(out, settings->origin, settings->toward, given_up, settings->space);
+        return settings_pose_toward(out, settings->origin, settings->toward, given_up, frame, "");
     }
     double from[3];
     double along[3];
     double above[3];
-    settings_point(from, settings->origin, settings->space);
-    settings_point(along, settings->direction, settings->space);
-    settings_point(above, settings->up, settings->space);
+    int code = settings_point(from, settings->origin, frame, "origin");
+    if (code) {
+        return code;
+    }
+    conus_frame_direction_to_world(along, frame, settings->direction);
+    conus_frame_direction_to_world(above, frame, settings->up);
     conus_status status = conus_pose_along(out, from, along, given_up ? above : NULL);
     return status ? print_status(status) : EXIT_DONE;
 }

@@ -3,7 +3,7 @@
 #ifndef CONUS_SETTINGS_SETTINGS_H
 #define CONUS_SETTINGS_SETTINGS_H
 
-#include "settings/options.h"
+#include "settings/space_settings.h"
 
 #include <conus/conus.h>
 
@@ -29,7 +29,7 @@ struct aim_settings {
     double origin[3], toward[3], direction[3], up[3];
     const char *pose;
     double angle; /* degrees */
-    size_t space; /* conus_space */
+    struct space_settings space;
 };
 
 struct engine_settings {
@@ -55,7 +55,7 @@ extern const struct option atlas_options[];      /**< atlas_settings */
 extern const struct option shown_options[];      /**< atlas_settings: --only, --hide */
 extern const struct option more_atlas_options[]; /**< atlas_settings: --atlas; of commands that answer for several */
 extern const struct option aim_options[];        /**< aim_settings: where from and where to */
-extern const struct option angle_options[];      /**< aim_settings: --angle, --space */
+extern const struct option angle_options[];      /**< aim_settings: --angle */
 extern const struct option engine_options[];     /**< engine_settings, without --slices */
 extern const struct option shape_options[];      /**< engine_settings: --layers, --range, --radius */
 extern const struct option slices_options[];     /**< engine_settings: --slices of the ID pass */
@@ -71,16 +71,14 @@ bool settings_check_context(const struct arguments *arguments);
 /** Whether the options that aim a cone go together; prints an error if not. @p aim_needed: there must be a cone. */
 bool settings_check_aim(const struct arguments *arguments, bool aim_needed);
 
-/** A point or direction given in @p space, in the library's. */
-void settings_point(double out[3], const double in[3], size_t space);
-
-/** The pose at @p origin that points at a point, all in @p space; @p up may be NULL. Returns the exit code and prints
- * an error unless it is 0. */
+/** The pose at @p origin that points at a point, all in the space of @p frame; @p up may be NULL. Returns the exit code
+ * and prints an error unless it is 0; @p prefix is what the names of the options begin with. */
 int settings_pose_toward(conus_pose *out, const double origin[3], const double toward[3], const double up[3],
-                         size_t space);
+                         const conus_frame *frame, const char *prefix);
 
-/** The pose of --origin with --toward or --direction. Returns the exit code and prints an error unless it is 0. */
-int settings_pose(conus_pose *out, const struct aim_settings *settings, const struct arguments *arguments);
+/** The pose of --origin with --toward or --direction. Likewise. */
+int settings_pose(conus_pose *out, const struct aim_settings *settings, const conus_frame *frame,
+                  const struct arguments *arguments);
 
 /** The file of areas that --level consists of; NULL if it is none. */
 const char *settings_level_file(const struct engine_settings *settings);

@@ -54,6 +54,7 @@
 #include <conus/report.h>
 #include <conus/score.h>
 #include <conus/selection.h>
+#include <conus/space.h>
 #include <conus/status.h>
 #include <conus/sweep.h>
 #include <conus/track.h>

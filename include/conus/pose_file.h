@@ -8,6 +8,7 @@
 
 #include <conus/atlas.h>
 #include <conus/pose.h>
+#include <conus/space.h>
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -19,12 +20,6 @@ extern "C" {
 
 typedef struct conus_pose_list conus_pose_list;     /**< Poses read from a file. */
 typedef struct conus_pose_stream conus_pose_stream; /**< Poses being read. */
-
-/** The world space of the numbers in a file. */
-typedef enum conus_space {
-    CONUS_SPACE_RAS = 0, /**< +x right, +y anterior, +z superior. */
-    CONUS_SPACE_LPS      /**< +x left, +y posterior, +z superior. */
-} conus_space;
 
 /** The axis of a device along which it points. */
 typedef enum conus_axis {
@@ -51,7 +46,9 @@ typedef enum conus_pose_format {
     CONUS_POSE_FORMAT_NIBS,       /**< The proposal NIBS-BIDS: *_markers.tsv, with the *_coordsystem.json beside it. */
     CONUS_POSE_FORMAT_INVESALIUS, /**< InVesalius's markers, .mkss. */
     CONUS_POSE_FORMAT_LEAD_DBS,   /**< Lead-DBS's reconstruction: contacts in MNI space, points. */
-    CONUS_POSE_FORMAT_LEAD_DBS_NATIVE /**< The same in the patient's own space. */
+    CONUS_POSE_FORMAT_LEAD_DBS_NATIVE, /**< The same in the patient's own space. */
+    CONUS_POSE_FORMAT_IBL /**< The International Brain Laboratory's xyz_picks.json and channel_locations.json:
+                                     points, in #CONUS_SPACE_CCF or #CONUS_SPACE_BREGMA only. */
 } conus_pose_format;
 
 /**
@@ -75,6 +72,9 @@ typedef struct conus_pose_options {
     conus_log log;            /**< Receives the notes of conus_pose_stream_note(), while the file is opened and from
                                  conus_pose_stream_match() and conus_pose_list_match(); NULL = no callback. */
     void *log_user;           /**< Passed to @p log; must outlive the stream or list. */
+    const conus_frame *frame; /**< Where the space of the numbers in the file lies, instead of @p space; copied. NULL =
+                                 @p space, which then is #CONUS_SPACE_RAS or #CONUS_SPACE_LPS. In #CONUS_SPACE_CCF and
+                                 #CONUS_SPACE_BREGMA a file has no rotations. */
 } conus_pose_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */

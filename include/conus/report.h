@@ -64,6 +64,8 @@ typedef struct conus_report_options {
                                among them. NULL = none. */
     const char *atlas; /**< What a column `atlas`, behind `query`, says in each row; not for #CONUS_FORMAT_AFNI and the
                           formats behind it. NULL = there is no such column. */
+    const conus_frame *frame; /**< Of the positions written, instead of @p space; copied. NULL = @p space, which then is
+                                 #CONUS_SPACE_RAS or #CONUS_SPACE_LPS. */
 } conus_report_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */

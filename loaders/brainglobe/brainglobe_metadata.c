@@ -58,6 +58,12 @@ static conus_status read_shape(struct brainglobe_metadata *out, const json_t *li
     return CONUS_OK;
 }
 
+/* "allen_mouse", in old files with the resolution behind it. A name of another kind is nobody's loss. */
+static void read_name(struct brainglobe_metadata *out, const json_t *value)
+{
+    out->is_allen_mouse = json_is_string(value) && text_starts(text_from(json_string_value(value)), "allen_mouse");
+}
+
 conus_status brainglobe_metadata_parse(struct brainglobe_metadata *out, struct text text)
 {
     json_t *root = NULL;
@@ -69,6 +75,7 @@ conus_status brainglobe_metadata_parse(struct brainglobe_metadata *out, struct t
     status = status ? status : read_orientation(&metadata, json_object_get(root, "orientation"));
     status = status ? status : read_resolution(&metadata, json_object_get(root, "resolution"));
     status = status ? status : read_shape(&metadata, json_object_get(root, "shape"));
+    read_name(&metadata, json_object_get(root, "name"));
     json_decref(root);
     if (!status) {
         *out = metadata;

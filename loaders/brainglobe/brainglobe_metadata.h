@@ -15,10 +15,11 @@ struct brainglobe_metadata {
     char orientation[BRAINGLOBE_ORIENTATION]; /**< "asr": where the axes start. */
     double resolution[3];                     /**< Micrometres a voxel.         */
     uint64_t shape[3];                        /**< Voxels.                      */
+    bool is_allen_mouse;                      /**< The name says so.            */
 };
 
-/** Takes "orientation", "resolution" and "shape" of the object @p text; the rest of @p out stays. Damaged JSON, and a
- * value of another kind than these have, is CONUS_ERROR_DATA: things would lie anywhere. */
+/** Takes "orientation", "resolution", "shape" and "name" of the object @p text; the rest of @p out stays. Damaged JSON,
+ * and a value of another kind than these have, is CONUS_ERROR_DATA: things would lie anywhere. */
 conus_status brainglobe_metadata_parse(struct brainglobe_metadata *out, struct text text);
 
 /** The same of the file metadata.json beside @p path (in it, where it ends in '/'), which joins @p read; *found is

@@ -416,6 +416,15 @@ static conus_status read_space(void *field, const json_t *value, const struct sc
     return status;
 }
 
+static conus_status read_ccf(void *field, const json_t *value, const struct schema_place *place)
+{
+    static const char *const words[] = {"asr", "asl", NULL};
+    unsigned word = 0;
+    conus_status status = schema_word(&word, value, place, words);
+    ((struct manifest *)field)->ccf = word ? MANIFEST_CCF_ASL : MANIFEST_CCF_ASR;
+    return status;
+}
+
 static conus_status read_prefer(void *field, const json_t *value, const struct schema_place *place)
 {
     static const char *const words[] = {"areas", "parcellation", NULL};
@@ -433,6 +442,7 @@ static const struct schema_field manifest_keys[] = {
     {"parcellations", read_parcellations, 0, false},
     {"areas", read_areas, 0, false},
     {"space", read_space, 0, false},
+    {"ccf", read_ccf, 0, false},
     {"prefer", read_prefer, 0, false},
     {"tree", read_tree, 0, false},
     {"probabilities", read_maps, 0, false},

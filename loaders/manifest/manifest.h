@@ -50,6 +50,13 @@ struct manifest_area {
     bool all_structures;   /**< brainglobe: not only those that contain no other with a surface.                    */
 };
 
+/** What a manifest says of the Allen CCF: that the world's origin is the corner where AP, DV and ML start. */
+enum manifest_ccf {
+    MANIFEST_CCF_UNSTATED,
+    MANIFEST_CCF_ASR, /**< At the anterior, superior and right sides. */
+    MANIFEST_CCF_ASL  /**< At the anterior, superior and left sides.  */
+};
+
 /** Which one is the area where a label is a surface's and has voxels in the parcellation. */
 enum manifest_preference { MANIFEST_PREFER_NONE, MANIFEST_PREFER_AREAS, MANIFEST_PREFER_PARCELLATION };
 
@@ -74,6 +81,7 @@ struct manifest {
     bool single; /**< There is one, which the manifest has as "parcellation", not in a list.              */
     struct manifest_context context;
     enum mesh_space space; /**< Of the surfaces' coordinates; unstated = as each file says.                       */
+    enum manifest_ccf ccf;
     enum manifest_preference prefer;
     struct manifest_area *areas;
     size_t area_count;

@@ -33,6 +33,8 @@ struct area_plan {
     size_t capacity;
     uint64_t max_memory;       /**< For each file; 0 = the default.                                               */
     struct file_sums read;     /**< What names and labels come from.                                              */
+    bool has_ccf;              /**< Surfaces are of the Allen CCF, whose corner is the world's origin,            */
+    bool ccf_from_right;       /**< and whose ML counts from the right.                                           */
     struct label_table groups; /**< Nodes of the area tree without a surface of their own; sorted.                */
 };
 

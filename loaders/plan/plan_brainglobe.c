@@ -3,6 +3,7 @@
  * meshes/ID.obj. */
 #include "loaders/plan/plan_brainglobe.h"
 
+#include "atlas/frame.h"
 #include "base/buffer.h"
 #include "base/folder.h"
 #include "base/memory.h"
@@ -106,10 +107,23 @@ static conus_status plan_structures(struct area_plan *plan, size_t entry, struct
     return status;
 }
 
+/* Whether the folder says by its name or by the size of its grid that it is the Allen CCF, with axes as that has. */
+static void find_ccf(struct area_plan *plan, const struct brainglobe_metadata *metadata)
+{
+    double size[3];
+    for (int i = 0; i < 3; i++) {
+        size[i] = (double)metadata->shape[i] * metadata->resolution[i];
+    }
+    bool is_asr = text_equal_ignoring_case(text_from(metadata->orientation), "asr");
+    bool is_asl = text_equal_ignoring_case(text_from(metadata->orientation), "asl");
+    plan->has_ccf = (is_asr || is_asl) && (metadata->is_allen_mouse || frame_is_ccf_size(size));
+    plan->ccf_from_right = is_asr;
+}
+
 /* From stored coordinates to the world; *orientation is that of the entry, else of metadata.json, else "asr". */
 static conus_status place_meshes(double world_from_mesh[16], char orientation[BRAINGLOBE_ORIENTATION], double scale,
                                  const struct brainglobe *brainglobe, const struct manifest_area *area,
-                                 struct file_sums *read)
+                                 struct area_plan *plan)
 {
     bool found = false;
     struct buffer folder = {0};
@@ -120,10 +134,11 @@ static conus_status place_meshes(double world_from_mesh[16], char orientation[BR
     if (!status && area->orientation) {
         snprintf(metadata.orientation, sizeof metadata.orientation, "%s", area->orientation);
     } else {
-        status = status ? status : brainglobe_metadata_read(&metadata, &found, folder.data, read);
+        status = status ? status : brainglobe_metadata_read(&metadata, &found, folder.data, &plan->read);
     }
     buffer_finish(&folder);
     memcpy(orientation, metadata.orientation, BRAINGLOBE_ORIENTATION);
+    find_ccf(plan, &metadata);
     return status ? status : brainglobe_axes(world_from_mesh, orientation, scales);
 }
 
@@ -136,7 +151,7 @@ conus_status plan_brainglobe(struct area_plan *plan, size_t entry, const struct 
     double scale = area->scale > 0 ? area->scale : micrometres;
     size_t before = plan->count;
     conus_status status = open_brainglobe(&brainglobe, plan, area, path, notes);
-    status = status ? status : place_meshes(world_from_mesh, orientation, scale, &brainglobe, area, &plan->read);
+    status = status ? status : place_meshes(world_from_mesh, orientation, scale, &brainglobe, area, plan);
     status = status ? status : plan_structures(plan, entry, &brainglobe, area->all_structures, world_from_mesh);
     if (!status && plan->count == before) {
         status = fail(CONUS_ERROR_DATA, "brainglobe: %s/meshes holds no ID.obj of structures.json", area->brainglobe);

@@ -2,6 +2,7 @@
 /* From a manifest to the atlas that it describes. Every failure names the manifest and the key. */
 #include "loaders/scene/load_manifest.h"
 
+#include "atlas/frame.h"
 #include "base/buffer.h"
 #include "base/folder.h"
 #include "base/memory.h"
@@ -175,6 +176,17 @@ static size_t files_besides(const struct manifest *manifest)
     return files;
 }
 
+/* Where the Allen CCF lies, if manifest or folder say so. */
+static conus_status place_ccf(struct loading *loading, const struct area_plan *plan)
+{
+    enum manifest_ccf ccf = loading->manifest->ccf;
+    if (ccf == MANIFEST_CCF_UNSTATED) {
+        return plan->has_ccf ? frame_set_ccf(loading->atlas, plan->ccf_from_right) : CONUS_OK;
+    }
+    conus_status status = frame_set_ccf(loading->atlas, ccf == MANIFEST_CCF_ASR);
+    return status ? fail_in(status, "ccf") : CONUS_OK;
+}
+
 static conus_status load_areas(struct loading *loading)
 {
     struct area_plan plan = {.max_memory = loading->options->max_memory};
@@ -184,6 +196,7 @@ static conus_status load_areas(struct loading *loading)
     loading->progress->total = files_besides(loading->manifest) + planned;
     status = status ? status : create_atlas(loading, &plan);
     loading->progress->total -= planned - area_plan_files(&plan); /* the parcellation may have them */
+    status = status ? status : place_ccf(loading, &plan);
     status = status ? status : notes_move(&loading->atlas->notes, &notes);
     if (!status && loading->file && path_base(loading->path)[0]) {
         status = atlas_add_file(loading->atlas, loading->path, loading->file);

@@ -40,11 +40,23 @@ static conus_status check_options(const conus_report_options *options)
     return CONUS_OK;
 }
 
+/* The caller's frame, or that of a space that needs no atlas. */
+static conus_status report_frame(conus_frame *out, const conus_report_options *options)
+{
+    if (!options->frame) {
+        return conus_frame_find(out, NULL, options->space, NULL);
+    }
+    *out = *options->frame;
+    return CONUS_OK;
+}
+
 conus_status conus_report_create(conus_report **out, const conus_selector *selector,
                                  const conus_report_options *options)
 {
     options = options_of(conus_report_options, options);
+    conus_frame frame;
     conus_status status = check_options(options);
+    status = status ? status : report_frame(&frame, options);
     if (status) {
         return status;
     }
@@ -56,6 +68,9 @@ conus_status conus_report_create(conus_report **out, const conus_selector *selec
     report->selector = selector->options;
     memcpy(report->score, selector->ranking.formula.text, sizeof report->score);
     report->options = *options;
+    report->options.frame = NULL; /* the caller's may end */
+    report->options.space = frame.space;
+    report->frame = frame;
     report->options.no_voxels = report->options.no_voxels || report->options.tracker;
     memcpy(report->engine, selector->engine->name, sizeof report->engine);
     report->name = options->atlas ? text_to_utf8(text_from(options->atlas)) : NULL;
@@ -86,9 +101,11 @@ static bool are_alike(const conus_report *a, const conus_report *b)
 {
     const conus_report_options *x = &a->options;
     const conus_report_options *y = &b->options;
-    return x->rows == y->rows && x->format == y->format && x->space == y->space && !x->tracker == !y->tracker &&
-           x->selected_only == y->selected_only && a->atlas->is_moved == b->atlas->is_moved &&
-           strcmp(a->score, b->score) == 0 && strcmp(a->engine, b->engine) == 0;
+    return x->rows == y->rows && x->format == y->format && x->space == y->space &&
+           memcmp(&a->frame.world_from_space, &b->frame.world_from_space, sizeof a->frame.world_from_space) == 0 &&
+           !x->tracker == !y->tracker && x->selected_only == y->selected_only &&
+           a->atlas->is_moved == b->atlas->is_moved && strcmp(a->score, b->score) == 0 &&
+           strcmp(a->engine, b->engine) == 0;
 }
 
 static bool are_traced_alike(const conus_selector_options *a, const conus_selector_options *b)

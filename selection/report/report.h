@@ -55,7 +55,8 @@ struct conus_report {
     uint32_t *level_areas;                /**< Of a list, by number. */
     size_t level_area_count;
     char engine[96];
-    conus_report_options options;
+    conus_report_options options; /* its space is that of the frame */
+    conus_frame frame;
     struct report_query *queries;
     size_t query_count, query_capacity;
     struct report_row *rows;

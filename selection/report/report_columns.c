@@ -91,7 +91,10 @@ static struct cell get_unoccluded(const conus_report *report, const struct repor
 static struct cell own_cell(const conus_report *report, const struct report_row *row, int axis)
 {
     double point[3];
-    conus_atlas_own_point(point, report->atlas, row->result.contact);
+    memcpy(point, row->result.contact, sizeof point);
+    if (report->frame.space < CONUS_SPACE_CCF) { /* which is the atlas's own */
+        conus_atlas_own_point(point, report->atlas, point);
+    }
     report_point(report, point);
     return number_cell(point[axis]);
 }
@@ -427,10 +430,14 @@ void report_list_columns(struct report_columns *out, const conus_report *report)
 
 void report_point(const conus_report *report, double point[3])
 {
-    if (report->options.space == CONUS_SPACE_LPS) {
-        point[0] = 0 - point[0]; /* which makes no "-0" of 0 */
-        point[1] = 0 - point[1];
-    }
+    conus_frame_from_world(point, &report->frame, point);
+}
+
+const char *report_units(const conus_report *report, const struct report_column *column)
+{
+    bool is_place =
+        column->type == COLUMN_X || column->type == COLUMN_Y || column->type == COLUMN_Z || column->moved_only;
+    return is_place ? conus_space_unit(report->frame.space) : column->units;
 }
 
 static bool has_needs(const conus_report *report, const struct report_row *row, unsigned needs)

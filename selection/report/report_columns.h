@@ -66,4 +66,7 @@ const char *report_kind(conus_kind kind);
 /** Turns a world point into the report's space. */
 void report_point(const conus_report *report, double point[3]);
 
+/** The unit of a column, NULL if it has none: of coordinates that of the report's space. */
+const char *report_units(const conus_report *report, const struct report_column *column);
+
 #endif

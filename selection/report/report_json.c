@@ -311,12 +311,24 @@ static bool add_sources(json_t *root, const conus_report *report)
            (report->is_begun || put_value(root, "Queries", json_from_queries(report))); /* else they are forgotten */
 }
 
+/* Of positions in rows: x, y and z are the axes in their order. */
+static json_t *json_from_space(const conus_frame *frame)
+{
+    static const char *const names[] = {"RAS", "LPS", "CCF", "bregma"};
+    json_t *space =
+        json_pack("{s: s, s: s}", "orientation", names[frame->space], "units", conus_space_unit(frame->space));
+    bool plain = frame->space < CONUS_SPACE_CCF;
+    bool whole = plain || put_value(space, "axes",
+                                    json_pack("[s, s, s]", conus_space_axis(frame->space, 0),
+                                              conus_space_axis(frame->space, 1), conus_space_axis(frame->space, 2)));
+    whole = whole && (plain || put_value(space, "world_from_space", json_from_matrix(frame->world_from_space)));
+    return whole_or_null(space, whole);
+}
+
 /* What both the report and the sidecar say about where the rows come from. */
 static bool add_provenance(json_t *root, const conus_report *report)
 {
-    bool lps = report->options.space == CONUS_SPACE_LPS;
-    return put_value(root, "Space", json_pack("{s: s, s: s}", "orientation", lps ? "LPS" : "RAS", "units", "mm")) &&
-           add_sources(root, report);
+    return put_value(root, "Space", json_from_space(&report->frame)) && add_sources(root, report);
 }
 
 struct collecting {
@@ -353,7 +365,8 @@ conus_status report_write_sidecar(struct buffer *out, const conus_report *report
     for (size_t i = 0; has_columns && i < columns.count; i++) {
         const struct report_column *column = columns.at[i];
         json_t *entry = json_pack("{s: s}", "Description", column->description);
-        whole = (!column->units || put_value(entry, "Units", json_string(column->units))) && whole;
+        const char *units = report_units(report, column);
+        whole = (!units || put_value(entry, "Units", json_string(units))) && whole;
         whole = put_value(root, column->name, entry) && whole;
     }
     whole = add_provenance(root, report) && whole;

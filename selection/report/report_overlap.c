@@ -21,11 +21,13 @@ static void write_region(struct buffer *out, const struct report_query *query)
     buffer_format(out, ", %.1f mm^3\n", roi->volume_mm3);
 }
 
-static void write_header(struct buffer *out, int width)
+static void write_header(struct buffer *out, const conus_report *report, int width)
 {
+    char axes[TABLE_AXES_SIZE];
     static const char form[] = "%-*s  %10s  %11s  %9s  %9s  %10s  %26s\n";
-    buffer_format(out, form, width, "name", "label", "volume", "of area", "of region", "peak", "at x, y, z");
-    buffer_format(out, form, width, "", "", "mm^3", "%", "%", "", "mm");
+    buffer_format(out, form, width, "name", "label", "volume", "of area", "of region", "peak",
+                  table_axes(axes, report, "at"));
+    buffer_format(out, form, width, "", "", "mm^3", "%", "%", "", conus_space_unit(report->frame.space));
 }
 
 static void write_coverage(struct buffer *out, const conus_report *report, const struct report_row *row, int width)
@@ -33,6 +35,7 @@ static void write_coverage(struct buffer *out, const conus_report *report, const
     char label[TABLE_LABEL_SIZE];
     char fraction[16] = "";
     double at[3];
+    int digits = table_digits(report);
     const conus_coverage *coverage = &row->coverage;
     memcpy(at, coverage->peak_point, sizeof at);
     report_point(report, at);
@@ -40,16 +43,16 @@ static void write_coverage(struct buffer *out, const conus_report *report, const
         snprintf(fraction, sizeof fraction, "%.2f", 100 * coverage->fraction);
     }
     table_write_name(out, coverage->object ? table_name(report, coverage->object) : "(in no area)", width);
-    buffer_format(out, "  %10s  %11.1f  %9s  %9.2f  %10.5g  %8.2f %8.2f %8.2f\n",
+    buffer_format(out, "  %10s  %11.1f  %9s  %9.2f  %10.5g  %8.*f %8.*f %8.*f\n",
                   table_label(label, report, coverage->object), coverage->volume, fraction,
-                  100 * coverage->roi_fraction, coverage->peak, at[0], at[1], at[2]);
+                  100 * coverage->roi_fraction, coverage->peak, digits, at[0], digits, at[1], digits, at[2]);
 }
 
 /* Of one atlas. */
 static void write_answers(struct buffer *out, const conus_report *report, size_t query, int width)
 {
     table_write_atlas(out, report);
-    write_header(out, width);
+    write_header(out, report, width);
     for (size_t i = report->queries[query].first_row; i < report->row_count && report->rows[i].query == query; i++) {
         write_coverage(out, report, &report->rows[i], width);
     }

@@ -12,6 +12,7 @@ static void write_admission(struct buffer *out, const conus_report *report, cons
 {
     char label[TABLE_LABEL_SIZE];
     double at[3];
+    int digits = table_digits(report);
     const conus_admission *admission = &row->admission;
     memcpy(at, admission->point, sizeof at);
     report_point(report, at);
@@ -22,15 +23,17 @@ static void write_admission(struct buffer *out, const conus_report *report, cons
         buffer_format(out, "%9s  ", "");
     }
     table_write_name(out, table_name(report, row->result.object), width);
-    buffer_format(out, "  %10s  %9.2f  %8.2f %8.2f %8.2f\n", table_label(label, report, row->result.object),
-                  admission->distance, at[0], at[1], at[2]);
+    buffer_format(out, "  %10s  %9.2f  %8.*f %8.*f %8.*f\n", table_label(label, report, row->result.object),
+                  admission->distance, digits, at[0], digits, at[1], digits, at[2]);
 }
 
-static void write_admission_header(struct buffer *out, int width)
+static void write_admission_header(struct buffer *out, const conus_report *report, int width)
 {
+    char axes[TABLE_AXES_SIZE];
     static const char form[] = "%9s  %9s  %-*s  %10s  %9s  %26s\n";
-    buffer_format(out, form, "angle", "margin", width, "name", "label", "distance", "first reached at x, y, z");
-    buffer_format(out, form, "degrees", "degrees", width, "", "", "mm", "mm");
+    buffer_format(out, form, "angle", "margin", width, "name", "label", "distance",
+                  table_axes(axes, report, "first reached at"));
+    buffer_format(out, form, "degrees", "degrees", width, "", "", "mm", conus_space_unit(report->frame.space));
 }
 
 static void write_chance(struct buffer *out, const conus_report *report, const struct report_row *row, int width)
@@ -68,7 +71,7 @@ static void write_rows_of(struct buffer *out, const conus_report *report, size_t
     if (chances) {
         write_chance_header(out, report, width);
     } else {
-        write_admission_header(out, width);
+        write_admission_header(out, report, width);
     }
     for (size_t i = report->queries[index].first_row; i < report_row_end(report, index); i++) {
         (chances ? write_chance : write_admission)(out, report, &report->rows[i], width);

@@ -85,6 +85,33 @@ static void write_shape(struct buffer *out, const struct cone *cone)
     }
 }
 
+const char *table_axes(char out[TABLE_AXES_SIZE], const conus_report *report, const char *what)
+{
+    conus_space space = report->frame.space;
+    snprintf(out, TABLE_AXES_SIZE, "%s %s, %s, %s", what, conus_space_axis(space, 0), conus_space_axis(space, 1),
+             conus_space_axis(space, 2));
+    return out;
+}
+
+int table_digits(const conus_report *report)
+{
+    return report->frame.space == CONUS_SPACE_CCF ? 1 : 2;
+}
+
+/* "RAS mm", "AP, DV, ML um in CCF" */
+static void write_space(struct buffer *out, const conus_report *report)
+{
+    static const char *const places[] = {[CONUS_SPACE_RAS] = "",
+                                         [CONUS_SPACE_LPS] = "",
+                                         [CONUS_SPACE_CCF] = " in CCF",
+                                         [CONUS_SPACE_BREGMA] = " from bregma"};
+    char axes[TABLE_AXES_SIZE];
+    conus_space space = report->frame.space;
+    const char *letters = space == CONUS_SPACE_LPS ? "LPS" : "RAS";
+    buffer_format(out, ", %s %s%s\n", space >= CONUS_SPACE_CCF ? table_axes(axes, report, "") + 1 : letters,
+                  conus_space_unit(space), places[space]);
+}
+
 /* Whether there is more than one pose. */
 static bool has_several(const conus_report *report)
 {
@@ -100,13 +127,15 @@ void table_write_query(struct buffer *out, const conus_report *report, const str
     double origin[3] = {m[12], m[13], m[14]};
     double axis[3] = {-m[8], -m[9], -m[10]};
     report_point(report, origin);
-    report_point(report, axis);
+    conus_frame_direction_from_world(axis, &report->frame, axis);
+    int digits = table_digits(report);
     if (has_several(report)) {
         buffer_format(out, "query %s: ", query->id);
     }
     if (query->ball > 0) {
-        buffer_format(out, "ball of radius %.4g mm around (%.2f, %.2f, %.2f), %s mm\n", query->ball, origin[0],
-                      origin[1], origin[2], report->options.space == CONUS_SPACE_LPS ? "LPS" : "RAS");
+        buffer_format(out, "ball of radius %.4g mm around (%.*f, %.*f, %.*f)", query->ball, digits, origin[0], digits,
+                      origin[1], digits, origin[2]);
+        write_space(out, report);
         return;
     }
     if (report->options.rows == CONUS_ROWS_SHARES) {
@@ -114,8 +143,9 @@ void table_write_query(struct buffer *out, const conus_report *report, const str
     } else {
         write_shape(out, &query->cone);
     }
-    buffer_format(out, " from (%.2f, %.2f, %.2f) along (%.4f, %.4f, %.4f), %s mm\n", origin[0], origin[1], origin[2],
-                  axis[0], axis[1], axis[2], report->options.space == CONUS_SPACE_LPS ? "LPS" : "RAS");
+    buffer_format(out, " from (%.*f, %.*f, %.*f) along (%.4f, %.4f, %.4f)", digits, origin[0], digits, origin[1],
+                  digits, origin[2], axis[0], axis[1], axis[2]);
+    write_space(out, report);
 }
 
 static void write_rank(struct buffer *out, const conus_report *report, const conus_result *result, int width)
@@ -155,19 +185,20 @@ static void write_visible_result(struct buffer *out, const conus_report *report,
         report_point(report, contact);
         write_number(out, 9, 2, result->distance, "");
         write_number(out, 8, 2, degrees_from_radians(result->offset), "");
-        write_number(out, 8, 2, contact[0], "");
-        write_number(out, 7, 2, contact[1], "");
-        write_number(out, 7, 2, contact[2], "");
+        write_number(out, 8, table_digits(report), contact[0], "");
+        write_number(out, 7, table_digits(report), contact[1], "");
+        write_number(out, 7, table_digits(report), contact[2], "");
     }
     buffer_text(out, "\n");
 }
 
-static void write_visible_header(struct buffer *out, int width)
+static void write_visible_header(struct buffer *out, const conus_report *report, int width)
 {
+    char axes[TABLE_AXES_SIZE];
     buffer_format(out, "%4s  %-*s  %10s  %8s  %6s  %9s  %8s  %26s\n", "rank", width, "name", "label", "share", "pixels",
-                  "nearest", "off axis", "contact x, y, z");
+                  "nearest", "off axis", table_axes(axes, report, "contact"));
     buffer_format(out, "%4s  %-*s  %10s  %8s  %6s  %9s  %8s  %26s\n", "", width, "", "", "of cone", "", "mm", "degrees",
-                  "mm");
+                  conus_space_unit(report->frame.space));
 }
 
 static void write_layers_result(struct buffer *out, const conus_report *report, const conus_result *result, int width)
@@ -185,8 +216,9 @@ static void write_layers_result(struct buffer *out, const conus_report *report, 
     buffer_text(out, "\n");
 }
 
-static void write_layers_header(struct buffer *out, int width)
+static void write_layers_header(struct buffer *out, const conus_report *report, int width)
 {
+    (void)report;
     static const char form[] = "%4s  %-*s  %10s  %8s  %6s  %7s  %8s  %8s  %7s  %9s  %8s  %9s\n";
     buffer_format(out, form, "rank", width, "name", "label", "share", "pixels", "pixels", "enters", "leaves", "inside",
                   "volume", "of whole", "mean");
@@ -212,24 +244,26 @@ static void write_ball_result(struct buffer *out, const conus_report *report, co
         write_number(out, 6, 2, 100 * result->fraction, " %");
         write_number(out, 9, 4, result->mean_value, "");
         write_number(out, 8, 2, result->distance, "");
-        write_number(out, 8, 2, contact[0], "");
-        write_number(out, 7, 2, contact[1], "");
-        write_number(out, 7, 2, contact[2], "");
+        write_number(out, 8, table_digits(report), contact[0], "");
+        write_number(out, 7, table_digits(report), contact[1], "");
+        write_number(out, 7, table_digits(report), contact[2], "");
     }
     buffer_text(out, "\n");
 }
 
-static void write_ball_header(struct buffer *out, int width)
+static void write_ball_header(struct buffer *out, const conus_report *report, int width)
 {
+    char axes[TABLE_AXES_SIZE];
     static const char form[] = "%4s  %-*s  %10s  %8s  %8s  %9s  %8s  %9s  %8s  %26s\n";
     buffer_format(out, form, "rank", width, "name", "label", "share", "voxels", "volume", "of whole", "mean",
-                  "distance", "nearest point x, y, z");
-    buffer_format(out, form, "", width, "", "", "of ball", "", "mm^3", "area", "value", "mm", "mm");
+                  "distance", table_axes(axes, report, "nearest point"));
+    buffer_format(out, form, "", width, "", "", "of ball", "", "mm^3", "area", "value", "mm",
+                  conus_space_unit(report->frame.space));
 }
 
 /* The table of one kind of query. */
 struct table_form {
-    void (*header)(struct buffer *out, int width);
+    void (*header)(struct buffer *out, const conus_report *report, int width);
     void (*result)(struct buffer *out, const conus_report *report, const conus_result *result, int width);
 };
 
@@ -466,7 +500,7 @@ static void write_answers(struct buffer *out, const conus_report *report, size_t
 {
     const struct table_form *form = form_of(report, &report->queries[index]);
     table_write_atlas(out, report);
-    form->header(out, width);
+    form->header(out, report, width);
     for (size_t row = report->queries[index].first_row; row < report_row_end(report, index); row++) {
         form->result(out, report, &report->rows[row].result, width);
     }

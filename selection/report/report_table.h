@@ -21,6 +21,14 @@ int table_name_width(const conus_report *report);
 /** Writes @p name, cut or padded with spaces to @p width columns. */
 void table_write_name(struct buffer *out, const char *name, int width);
 
+enum { TABLE_AXES_SIZE = 96 };
+
+/** "contact x, y, z": @p what and the axes of the report's space, written to @p out. */
+const char *table_axes(char out[TABLE_AXES_SIZE], const conus_report *report, const char *what);
+
+/** Digits behind the point of a coordinate: as many as a voxel is worth. */
+int table_digits(const conus_report *report);
+
 /** Writes the line that says where the cone of a query is. */
 void table_write_query(struct buffer *out, const conus_report *report, const struct report_query *query);
 

@@ -39,7 +39,12 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     const conus_pose_options shafts = {.format = CONUS_POSE_FORMAT_ELECTRODES, .along_shafts = true};
     const conus_pose_options coils = {.format = CONUS_POSE_FORMAT_SIMNIBS, .max_memory = 1 << 20};
     const conus_pose_options leads = {.format = CONUS_POSE_FORMAT_LEAD_DBS_NATIVE, .max_memory = 1 << 20};
+    const conus_frame ccf = {.space = size % 2 ? CONUS_SPACE_CCF : CONUS_SPACE_BREGMA,
+                             .world_from_space = {0, -1e-3, 0, 0, 0, 0, -1e-3, 0, 1e-3, 0, 0, 0, 0, 0, 0, 1},
+                             .bregma = {5400, 332, 5739}};
+    const conus_pose_options rodent = {.frame = &ccf};
     size_t count = read_rows(text, NULL);
+    (void)read_rows(text, &rodent);
     (void)read_rows(text, &axes);
     (void)read_rows(text, &shafts);
     (void)read_rows(text, &coils);

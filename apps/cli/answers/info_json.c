@@ -139,6 +139,14 @@ static json_t *object(const conus_atlas *atlas, size_t number)
                      "triangles", triangles(object), "closed", closed(object), "volume_mm3", volume_mm3(object));
 }
 
+/* From AP, DV, ML in micrometres to the world; null where it is not the Allen CCF. */
+static json_t *ccf(const conus_atlas *atlas)
+{
+    conus_frame frame;
+    bool is_ccf = conus_frame_find(&frame, atlas, CONUS_SPACE_CCF, NULL) == CONUS_OK;
+    return is_ccf ? matrix(frame.world_from_space) : json_null();
+}
+
 json_t *info_json_installed(const conus_installed *atlas)
 {
     const double *mm = atlas->spacing;
@@ -163,10 +171,10 @@ char *info_json(const conus_atlas *atlas, const conus_installed *installed)
     for (size_t i = 1; i <= conus_atlas_object_count(atlas); i++) {
         whole = json_array_append_new(objects, object(atlas, i)) == 0 && whole;
     }
-    json_t *root = json_pack("{s:s,s:o,s:o,s:o,s:o,s:o}", "conus", conus_version(), "installed",
+    json_t *root = json_pack("{s:s,s:o,s:o,s:o,s:o,s:o,s:o}", "conus", conus_version(), "installed",
                              installed ? info_json_installed(installed) : json_null(), "labels",
-                             info_json_bytes(conus_atlas_label_source(atlas)), "volumes", volumes, "notes", notes,
-                             "objects", objects);
+                             info_json_bytes(conus_atlas_label_source(atlas)), "volumes", volumes, "world_from_ccf",
+                             ccf(atlas), "notes", notes, "objects", objects);
     char *text = whole && root ? json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(DIGITS)) : NULL;
     json_decref(root);
     char *line = NULL;

@@ -2,6 +2,7 @@
 /* The axes of an NRRD file. */
 #include "loaders/volumes/text/nrrd_axes.h"
 
+#include "atlas/frame.h"
 #include "base/math3.h"
 #include "loaders/volumes/text/header_text.h"
 
@@ -181,6 +182,36 @@ static conus_status read_units(double *mm, struct text value)
     return CONUS_OK;
 }
 
+/* The Allen Institute's volumes count micrometres and call AP, DV and ML x, y and z: "space directions" of 25, 0, 0 and
+ * so on. No other brain is that large, and they are placed as they are meant: from the corner backward, downward and to
+ * the right. *done is false for others. */
+static conus_status place_ccf(struct text_volume *out, bool *done, struct notes *notes)
+{
+    double *m = out->world_from_voxel;
+    double size[3];
+    bool plain = m[12] == 0 && m[13] == 0 && m[14] == 0;
+    for (size_t i = 0; i < 3; i++) {
+        double step = fabs(m[4 * i + i]);
+        plain = plain && step == vec3_length(m + 4 * i);
+        size[i] = step * (double)out->dim[i];
+    }
+    *done = plain && frame_is_ccf_size(size);
+    if (!*done) {
+        return CONUS_OK;
+    }
+    double steps[3];
+    for (size_t i = 0; i < 3; i++) {
+        steps[i] = size[i] / (double)out->dim[i] / 1000;
+    }
+    const double placed[16] = {
+        0, -steps[0], 0, 0, 0, 0, -steps[1], 0, steps[2], 0, 0, 0, steps[2] / 2, -steps[0] / 2, -steps[1] / 2, 1};
+    memcpy(m, placed, sizeof placed);
+    snprintf(out->transform, sizeof out->transform, "the Allen CCF's grid");
+    return notes_add(notes,
+                     "space directions: the grid is the Allen CCF's in micrometres, and is placed as that one: x = "
+                     "ML, y = -AP, z = -DV from its corner, in mm");
+}
+
 /* A brain is not larger than a metre: such a file means something else by its numbers. */
 static conus_status note_size(const struct text_volume *out, struct notes *notes)
 {
@@ -223,7 +254,9 @@ static conus_status place(struct text_volume *out, const struct axes *axes, cons
         }
     }
     snprintf(out->transform, sizeof out->transform, "space directions, %.*s", HEADER_SHOW(header->fields[NRRD_SPACE]));
-    return header->fields[NRRD_SPACE_UNITS].data ? CONUS_OK : note_size(out, notes);
+    bool done = false;
+    status = header->fields[NRRD_SPACE_UNITS].data ? CONUS_OK : place_ccf(out, &done, notes);
+    return status || done || header->fields[NRRD_SPACE_UNITS].data ? status : note_size(out, notes);
 }
 
 conus_status nrrd_axes_read(struct text_volume *out, const struct nrrd_header *header, struct notes *notes)

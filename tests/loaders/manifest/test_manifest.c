@@ -123,9 +123,10 @@ static const struct {
     {"{\"pathways\": [\"a\"]}", "conus_atlas is missing"},
     {"{\"conus_atlas\": 1,\n \"pathways\": [,]}", "line 2, column 15: unexpected token near ','"},
     {"{\"conus_atlas\": 1, \"conus_atlas\": 1}", "line 1, column 32: duplicate object key near '\"conus_atlas\"'"},
-    {"{\"conus_atlas\": 1, \"pathway\": []}", "pathway: unknown key, allowed are conus_atlas, comment, "
-                                              "allow_outside, parcellation, parcellations, areas, space, prefer, tree, "
-                                              "probabilities, pathways, threshold, context"},
+    {"{\"conus_atlas\": 1, \"pathway\": []}",
+     "pathway: unknown key, allowed are conus_atlas, comment, "
+     "allow_outside, parcellation, parcellations, areas, space, ccf, prefer, tree, "
+     "probabilities, pathways, threshold, context"},
     {"{\"conus_atlas\": 1, \"parcellations\": []}",
      "nothing to select: parcellation, areas, probabilities or pathways is needed"},
     {"{\"conus_atlas\": 1, \"parcellations\": \"a\"}", "parcellations: found \"a\", a list is needed"},

@@ -92,6 +92,34 @@ static void a_grid_of_metres_is_noted(void **state)
     buffer_finish(&bytes);
 }
 
+/* The Allen Institute's header of 200 um: AP, DV and ML called left, posterior and superior, micrometres called
+ * nothing. The first voxel's centre is 100 um from the corner, to the right, backward and downward. Other sizes, a unit
+ * or another origin leave the header its word. */
+static void the_ccf_is_placed_from_its_corner(void **state)
+{
+    (void)state;
+    static const char allen[] = "NRRD0004\ntype: uchar\ndimension: 3\nspace: left-posterior-superior\n"
+                                "sizes: 66 40 57\nspace directions: (200,0,0) (0,200,0) (0,0,200)\n"
+                                "encoding: raw\nspace origin: (0,0,0)\n\n";
+    static const double wanted[16] = {0, -0.2, 0, 0, 0, 0, -0.2, 0, 0.2, 0, 0, 0, 0.1, -0.1, -0.1, 1};
+    static const char *const others[][2] = {{"66", "65"},
+                                            {"(0,0,0)", "(0,0,1)"},
+                                            {"(200,0,0)", "(0,0,200)"},
+                                            {"encoding", "space units: \"um\" \"um\" \"um\"\nencoding"}};
+    struct text_volume volume;
+    assert_ok(parse_bent(&volume, allen, "66", "66"));
+    for (int i = 0; i < 16; i++) {
+        assert_near(volume.world_from_voxel[i], wanted[i], 1e-12);
+    }
+    text_volume_finish(&volume);
+    for (size_t i = 0; i < sizeof others / sizeof others[0]; i++) {
+        if (parse_bent(&volume, allen, others[i][0], others[i][1]) == CONUS_OK) {
+            assert_int_equal(volume.world_from_voxel[9] == 0 && volume.world_from_voxel[8] == 0.2, false);
+            text_volume_finish(&volume);
+        }
+    }
+}
+
 /* Every type in both byte orders, raw and packed; numbers and digits as text. Voxel v is v. */
 static void append_voxels(struct buffer *bytes, char kind, size_t size, bool big)
 {
@@ -492,6 +520,7 @@ int main(void)
         cmocka_unit_test(placement_follows_the_space),
         cmocka_unit_test(units_scale_the_matrix),
         cmocka_unit_test(a_grid_of_metres_is_noted),
+        cmocka_unit_test(the_ccf_is_placed_from_its_corner),
         cmocka_unit_test(voxels_of_every_type_and_encoding),
         cmocka_unit_test(volumes_come_apart),
         cmocka_unit_test(detached_voxels_are_found),

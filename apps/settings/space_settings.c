@@ -1,0 +1,107 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The options --space and --bregma, and what they mean for atlases. */
+#include "settings/space_settings.h"
+
+#include "common/messages.h"
+#include "settings/atlases.h"
+
+#include <math.h>
+
+const struct option space_options[] = {
+    {.name = "space",
+     .type = OPTION_CHOICE,
+     .offset = offsetof(struct space_settings, name),
+     .value = "NAME",
+     .help =
+         "what the three numbers of all positions, given and reported, are: mm to the right, anterior, superior (ras) "
+         "or left, posterior, superior (lps); of the Allen CCF, micrometres AP, DV, ML from its corner (ccf), or mm "
+         "AP, ML, DV from bregma, to anterior, right, dorsal (bregma):",
+     .choice_at = conus_space_name},
+    {.name = "bregma",
+     .type = OPTION_VECTOR,
+     .offset = offsetof(struct space_settings, bregma),
+     .value = "AP,DV,ML",
+     .help = "with --space bregma: where bregma lies in the Allen CCF, micrometres (default 5400,332,5739, the "
+             "International Brain Laboratory's)"},
+    {0},
+};
+
+bool settings_check_space(const struct arguments *arguments, const struct space_settings *settings)
+{
+    const double *b = settings->bregma;
+    if (!option_given(arguments, "bregma")) {
+        return true;
+    }
+    if (settings->name != CONUS_SPACE_BREGMA) {
+        print_error_line("--bregma has no effect without --space bregma");
+        return false;
+    }
+    if (b[0] == 0 && b[1] == 0 && b[2] == 0) {
+        print_error_line("--bregma: 0,0,0 is the corner of the CCF's grid, AP,DV,ML in micrometres are needed");
+        return false;
+    }
+    return true;
+}
+
+bool settings_space_needs_atlas(const struct space_settings *settings)
+{
+    return settings->name >= CONUS_SPACE_CCF;
+}
+
+static bool is_one_place(const conus_frame *a, const conus_frame *b)
+{
+    bool is_one = true;
+    for (int i = 0; i < 16; i++) {
+        is_one = is_one && fabs(a->world_from_space[i] - b->world_from_space[i]) <= (i < 12 ? 1e-6 : 1e-3);
+    }
+    return is_one;
+}
+
+/* BrainGlobe's "asr" calls the side on which ML starts right, the Allen Institute left. */
+static void say_sides(const conus_frame *frame)
+{
+    size_t ml = frame->space == CONUS_SPACE_CCF ? 2 : 1;
+    if (frame->world_from_space[4 * ml] < 0) {
+        print_error_line(
+            "note: --space %s: ML grows to the right, as the Allen Institute counts; the atlas says that this "
+            "side is left, and so do names, pictures and hemispheres (docs/spaces.md)",
+            conus_space_name(frame->space));
+    }
+}
+
+int settings_frame(conus_frame *out, const struct atlases *atlases, const struct space_settings *settings, bool quiet)
+{
+    const double *b = settings->bregma;
+    const double *bregma = b[0] != 0 || b[1] != 0 || b[2] != 0 ? b : NULL;
+    const char *name = conus_space_name(settings->name);
+    conus_frame first;
+    for (size_t i = 0; i == 0 || i < atlases->count; i++) {
+        const struct named_atlas *at = i < atlases->count ? &atlases->items[i] : NULL;
+        conus_frame frame;
+        if (conus_frame_find(&frame, at ? at->atlas : NULL, (conus_space)settings->name, bregma)) {
+            print_error_line("--space %s: %s", name, conus_message());
+            return EXIT_DATA;
+        }
+        first = i ? first : frame;
+        if (!is_one_place(&first, &frame)) {
+            print_error_line(
+                "--space %s: the CCF lies elsewhere in atlas %s than in %s: a position would be two places", name,
+                at->name ? at->name : "", atlases->items[0].name ? atlases->items[0].name : "");
+            return EXIT_DATA;
+        }
+    }
+    if (!quiet && settings_space_needs_atlas(settings)) {
+        say_sides(&first);
+    }
+    *out = first;
+    return EXIT_DONE;
+}
+
+int settings_point(double out[3], const double in[3], const conus_frame *frame, const char *option)
+{
+    if (conus_frame_to_world(out, frame, in)) {
+        print_error_line("--%s: %s", option, conus_message());
+        return EXIT_DATA;
+    }
+    return EXIT_DONE;
+}

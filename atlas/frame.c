@@ -1,0 +1,309 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Spaces of positions, and where the Allen CCF lies in an atlas. */
+#include "atlas/frame.h"
+
+#include "base/math3.h"
+
+#include <string.h>
+
+const double frame_ccf_size[3] = {13200, 8000, 11400};
+
+static const double micrometre = 1e-3; /* mm */
+
+/* In CCF. Five experimenters of the International Brain Laboratory picked the voxel, and the mean was taken (iblatlas,
+ * "Coordinates and volumes"). */
+static const double default_bregma[3] = {5400, 332, 5739};
+
+/* A position this near to the corner, micrometres, is far outside of the brain: it must be in mm. */
+static const double corner_um = 20;
+/* A position this far from bregma, mm, is no mouse's: it must be in micrometres. */
+static const double farthest_mm = 100;
+
+enum { SPACES = CONUS_SPACE_BREGMA + 1 };
+
+static const struct {
+    const char *name, *axes[3], *unit;
+} spaces[SPACES] = {
+    [CONUS_SPACE_RAS] = {"ras", {"x", "y", "z"}, "mm"},
+    [CONUS_SPACE_LPS] = {"lps", {"x", "y", "z"}, "mm"},
+    [CONUS_SPACE_CCF] = {"ccf", {"AP", "DV", "ML"}, "um"},
+    [CONUS_SPACE_BREGMA] = {"bregma", {"AP", "ML", "DV"}, "mm"},
+};
+
+const char *conus_space_name(size_t index)
+{
+    return index < SPACES ? spaces[index].name : NULL;
+}
+
+const char *conus_space_axis(conus_space space, size_t axis)
+{
+    return (size_t)space < SPACES && axis < 3 ? spaces[space].axes[axis] : NULL;
+}
+
+const char *conus_space_unit(conus_space space)
+{
+    return (size_t)space < SPACES ? spaces[space].unit : NULL;
+}
+
+/* ---- The CCF in an atlas ---------------------------------------------------------------------------------------- */
+
+static bool is_near(double found, double wanted)
+{
+    return fabs(found - wanted) <= 1e-3 * wanted;
+}
+
+bool frame_is_ccf_size(const double size[3])
+{
+    return is_near(size[0], frame_ccf_size[0]) && is_near(size[1], frame_ccf_size[1]) &&
+           is_near(size[2], frame_ccf_size[2]);
+}
+
+/* The voxel axes that AP, DV and ML run along, by the size of the grid; false where it is not the CCF's. */
+static bool find_axes(size_t axes[3], const conus_volume_info *info, const double world_from_voxel[16])
+{
+    bool used[3] = {false, false, false};
+    for (size_t i = 0; i < 3; i++) {
+        bool found = false;
+        for (size_t axis = 0; axis < 3 && !found; axis++) {
+            double size = vec3_length(world_from_voxel + 4 * axis) * (double)info->dim[axis];
+            if (!used[axis] && is_near(size, frame_ccf_size[i] * micrometre)) {
+                axes[i] = axis;
+                used[axis] = found = true;
+            }
+        }
+        if (!found) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* Which world axis a direction is nearest to. */
+static size_t main_axis(const double direction[3])
+{
+    size_t most = fabs(direction[1]) > fabs(direction[0]) ? 1 : 0;
+    return fabs(direction[2]) > fabs(direction[most]) ? 2 : most;
+}
+
+/* Whether the voxel axes of AP, DV and ML run where these words say: along y, z and x. */
+static bool is_anatomical(const double world_from_voxel[16], const size_t axes[3])
+{
+    return main_axis(world_from_voxel + 4 * axes[0]) == 1 && main_axis(world_from_voxel + 4 * axes[1]) == 2 &&
+           main_axis(world_from_voxel + 4 * axes[2]) == 0;
+}
+
+/* Where the CCF's grid is that of a volume. ML counts from the left, as the Allen Institute has it, but in a stack of
+ * TIFF, as BrainGlobe has it, from the right. The axes of a grid that is not named as anatomy has it lie as the Allen
+ * Institute writes them: AP, DV, ML, each from its first voxel. */
+static bool find_in_grid(double own_from_ccf[16], const conus_volume_info *info, const double world_from_voxel[16])
+{
+    size_t axes[3];
+    double corner[3];
+    if (!find_axes(axes, info, world_from_voxel)) {
+        return false;
+    }
+    bool named = is_anatomical(world_from_voxel, axes);
+    if (!named && (axes[0] != 0 || axes[1] != 1)) {
+        return false;
+    }
+    bool from_right = strstr(info->format, "TIFF") != NULL;
+    mat4_identity(own_from_ccf);
+    for (size_t i = 0; i < 3; i++) {
+        const double *step = world_from_voxel + 4 * axes[i];
+        bool grows = i == 2 && !from_right; /* along the world's axis; AP, DV and BrainGlobe's ML shrink */
+        bool forward = !named || (step[main_axis(step)] > 0) == grows;
+        corner[axes[i]] = forward ? -0.5 : (double)info->dim[axes[i]] - 0.5;
+        double voxels = (forward ? 1 : -1) * (double)info->dim[axes[i]] / frame_ccf_size[i]; /* a micrometre */
+        vec3_scale(own_from_ccf + 4 * i, step, voxels);
+    }
+    mat4_point(own_from_ccf + 12, world_from_voxel, corner);
+    return true;
+}
+
+conus_status frame_set_ccf(conus_atlas *atlas, bool from_right)
+{
+    const double um = micrometre;
+    const double m[16] = {0, -um, 0, 0, 0, 0, -um, 0, from_right ? -um : um, 0, 0, 0, 0, 0, 0, 1};
+    double found[16];
+    const conus_volume_info *info = conus_atlas_volume(atlas, 0);
+    bool has_grid = info && find_in_grid(found, info, info->world_from_voxel);
+    for (int i = 0; i < 16 && has_grid; i++) {
+        if (fabs(found[i] - m[i]) > (i < 12 ? 1e-6 : 1e-3)) {
+            return fail(
+                CONUS_ERROR_DATA,
+                "the volume's grid is the CCF's already, but its corner is not the world's origin, or ML starts "
+                "at its other side");
+        }
+    }
+    memcpy(atlas->own_from_ccf, m, sizeof m);
+    atlas->has_ccf = true;
+    return CONUS_OK;
+}
+
+/* From CCF to where the atlas's files have it. */
+static bool find_own(double own_from_ccf[16], const conus_atlas *atlas)
+{
+    double own[16];
+    const conus_volume_info *info = conus_atlas_volume(atlas, 0);
+    if (atlas->has_ccf) {
+        memcpy(own_from_ccf, atlas->own_from_ccf, sizeof atlas->own_from_ccf);
+        return true;
+    }
+    if (!info) {
+        return false;
+    }
+    if (atlas->is_moved) {
+        mat4_multiply(own, atlas->own_from_world, info->world_from_voxel);
+    } else {
+        memcpy(own, info->world_from_voxel, sizeof own);
+    }
+    return find_in_grid(own_from_ccf, info, own);
+}
+
+static conus_status find_ccf(double world_from_ccf[16], const conus_atlas *atlas)
+{
+    double world_from_own[16];
+    if (!atlas || !find_own(world_from_ccf, atlas)) {
+        return fail(
+            CONUS_ERROR_UNSUPPORTED,
+            "%s: not known to be the Allen CCF, so that it has no positions in ccf or from bregma: neither is its "
+            "grid 13.2 x 8 x 11.4 mm, nor does a manifest say \"ccf\" (docs/spaces.md)",
+            atlas ? atlas_path(atlas) : "no atlas");
+    }
+    if (atlas->is_moved && mat4_invert_affine(world_from_own, atlas->own_from_world)) {
+        mat4_multiply(world_from_ccf, world_from_own, world_from_ccf);
+    }
+    return CONUS_OK;
+}
+
+/* Bregma's AP, ML and DV in mm grow forward, to the right and upward; CCF's AP, DV and ML in micrometres backward,
+ * downward and to the right. */
+static conus_status find_bregma(double ccf_from_bregma[16], const double bregma[3])
+{
+    const double *b = bregma;
+    for (int i = 0; i < 3; i++) {
+        if (!(b[i] >= 0 && b[i] <= frame_ccf_size[i])) {
+            return fail(CONUS_ERROR_ARGUMENT, "bregma: found %s %g um, allowed is 0 to %g in CCF",
+                        spaces[CONUS_SPACE_CCF].axes[i], b[i], frame_ccf_size[i]);
+        }
+    }
+    const double m[16] = {-1000, 0, 0, 0, 0, 0, 1000, 0, 0, -1000, 0, 0, b[0], b[1], b[2], 1};
+    memcpy(ccf_from_bregma, m, sizeof m);
+    return CONUS_OK;
+}
+
+/* A space of the CCF. */
+static conus_status place_frame(conus_frame *frame, const conus_atlas *atlas, const double bregma[3])
+{
+    double ccf_from_bregma[16];
+    memcpy(frame->bregma, bregma ? bregma : default_bregma, sizeof frame->bregma);
+    conus_status status = find_bregma(ccf_from_bregma, frame->bregma);
+    status = status ? status : find_ccf(frame->world_from_space, atlas);
+    if (!status && frame->space == CONUS_SPACE_BREGMA) {
+        mat4_multiply(frame->world_from_space, frame->world_from_space, ccf_from_bregma);
+    }
+    return status;
+}
+
+conus_status conus_frame_find(conus_frame *out, const conus_atlas *atlas, conus_space space, const double bregma[3])
+{
+    conus_frame frame = {.space = space};
+    if ((size_t)space >= SPACES) {
+        return fail(CONUS_ERROR_ARGUMENT, "space: %d is none", (int)space);
+    }
+    mat4_identity(frame.world_from_space);
+    if (space == CONUS_SPACE_LPS) {
+        frame.world_from_space[0] = frame.world_from_space[5] = -1;
+    }
+    conus_status status = space >= CONUS_SPACE_CCF ? place_frame(&frame, atlas, bregma) : CONUS_OK;
+    *out = status ? *out : frame;
+    return status;
+}
+
+/* ---- Positions and directions ----------------------------------------------------------------------------------- */
+
+static conus_status check_point(conus_space space, const double p[3])
+{
+    double most = fmax(fmax(fabs(p[0]), fabs(p[1])), fabs(p[2]));
+    if (!vec3_is_finite(p)) {
+        return fail(CONUS_ERROR_ARGUMENT, "position: %g,%g,%g, allowed are finite numbers", p[0], p[1], p[2]);
+    }
+    if (space == CONUS_SPACE_CCF && most < corner_um) {
+        return fail(
+            CONUS_ERROR_ARGUMENT,
+            "position: %g,%g,%g um in CCF is the corner of its grid: positions there are in micrometres, not mm", p[0],
+            p[1], p[2]);
+    }
+    if (space == CONUS_SPACE_BREGMA && most > farthest_mm) {
+        return fail(
+            CONUS_ERROR_ARGUMENT,
+            "position: %g,%g,%g mm from bregma is far from any mouse: positions there are in mm, not micrometres", p[0],
+            p[1], p[2]);
+    }
+    return CONUS_OK;
+}
+
+/* LPS to RAS and back, which makes no "-0" of 0. */
+static void flip(double out[3], const double in[3])
+{
+    out[0] = 0 - in[0];
+    out[1] = 0 - in[1];
+    out[2] = in[2];
+}
+
+conus_status conus_frame_to_world(double world[3], const conus_frame *frame, const double point[3])
+{
+    conus_status status = check_point(frame->space, point);
+    if (status) {
+        return status;
+    }
+    if (frame->space == CONUS_SPACE_RAS) {
+        memmove(world, point, 3 * sizeof *world);
+    } else if (frame->space == CONUS_SPACE_LPS) {
+        flip(world, point);
+    } else {
+        mat4_point(world, frame->world_from_space, point);
+    }
+    return CONUS_OK;
+}
+
+/* With `linear` a direction, else a position. */
+static void from_world(double out[3], const conus_frame *frame, const double world[3], bool linear)
+{
+    double space_from_world[16];
+    if (frame->space == CONUS_SPACE_RAS) {
+        memmove(out, world, 3 * sizeof *out);
+    } else if (frame->space == CONUS_SPACE_LPS) {
+        flip(out, world);
+    } else if (!mat4_invert_affine(space_from_world, frame->world_from_space)) {
+        out[0] = out[1] = out[2] = NAN; /* nothing that conus_frame_find() gives */
+    } else if (linear) {
+        mat4_direction(out, space_from_world, world);
+    } else {
+        mat4_point(out, space_from_world, world);
+    }
+}
+
+void conus_frame_from_world(double point[3], const conus_frame *frame, const double world[3])
+{
+    from_world(point, frame, world, false);
+}
+
+void conus_frame_direction_to_world(double world[3], const conus_frame *frame, const double direction[3])
+{
+    if (frame->space == CONUS_SPACE_RAS) {
+        memmove(world, direction, 3 * sizeof *world);
+    } else if (frame->space == CONUS_SPACE_LPS) {
+        flip(world, direction);
+    } else {
+        mat4_direction(world, frame->world_from_space, direction);
+    }
+}
+
+void conus_frame_direction_from_world(double direction[3], const conus_frame *frame, const double world[3])
+{
+    from_world(direction, frame, world, true);
+    if (frame->space >= CONUS_SPACE_CCF) {
+        (void)vec3_normalise(direction, direction);
+    }
+}

@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file The Allen CCF's place in an atlas (include/conus/space.h has the spaces). */
+#ifndef CONUS_ATLAS_FRAME_H
+#define CONUS_ATLAS_FRAME_H
+
+#include "atlas/atlas.h"
+
+/** The size of the CCF's grid along AP, DV and ML, micrometres: 528 x 320 x 456 voxels of 25. */
+extern const double frame_ccf_size[3];
+
+/** Whether a grid of these sizes, micrometres along AP, DV and ML, is the CCF's. */
+bool frame_is_ccf_size(const double size[3]);
+
+/** Says of an atlas that was not moved that it is the Allen CCF, and that the world's origin is the corner where AP, DV
+ * and ML start: AP grows backward, DV downward; ML grows to the left where @p from_right, as BrainGlobe has it, else to
+ * the right, as the Allen Institute has it. CONUS_ERROR_DATA where the first volume's grid is the CCF's at another
+ * place. */
+conus_status frame_set_ccf(conus_atlas *atlas, bool from_right);
+
+#endif

@@ -1,0 +1,151 @@
+#!/usr/bin/env bats
+# --space ccf and --space bregma: positions of the Allen CCF, given and reported.
+
+load helpers
+
+# What ccf.py writes is made once; the tests only read it.
+setup_file() {
+    (cd "$BATS_FILE_TMPDIR" && python3 "$BATS_TEST_DIRNAME/ccf.py")
+}
+
+setup() {
+    cd "$BATS_FILE_TMPDIR" || return
+}
+
+forms='allen.nrrd ras.nii globe'
+
+# The label at each point, and the position reported for it, to the files labels and places.
+ask() {
+    run -0 --separate-stderr "$CONUS" query "$@" --radius 0.001 --format tsv --quiet
+    awk -F '\t' 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i }
+                 $at["kind"] == "area" { print $at["index"] > labels
+                     print $at["contact_x"], $at["contact_y"], $at["contact_z"] > places }' \
+        labels="$BATS_TEST_TMPDIR/labels" places="$BATS_TEST_TMPDIR/places" <<<"$output"
+}
+
+@test "a position in CCF is one voxel in each form of the atlas, and comes out as it went in" {
+    for form in $forms; do
+        ask $form --space ccf --pose points.txt
+        diff expected.txt "$BATS_TEST_TMPDIR/labels"
+        paste -d ' ' points.txt "$BATS_TEST_TMPDIR/places" | awk '{ for (i = 1; i < 4; i++)
+            if (($i - $(i + 3))^2 > 1e-6) { print; bad = 1 } } END { exit bad }'
+    done
+}
+
+@test "a position from bregma is the same voxel, and --bregma puts it elsewhere" {
+    for form in $forms; do
+        ask $form --space bregma --pose bregma.txt
+        diff expected.txt "$BATS_TEST_TMPDIR/labels"
+        paste -d ' ' bregma.txt "$BATS_TEST_TMPDIR/places" | awk '{ for (i = 1; i < 4; i++)
+            if (($i - $(i + 3))^2 > 1e-12) { print; bad = 1 } } END { exit bad }'
+    done
+    # AP 1000, DV 2000, ML 3000 um are voxel 5, 10, 15: 1 + 0 + 11 + 0
+    ask ras.nii --space bregma --bregma 1000,2000,3000 --point 0,0,0
+    [ "$(cat "$BATS_TEST_TMPDIR/labels")" = 12 ]
+}
+
+@test "a cone from bregma goes down, and the table, the JSON and the sidecar say the space" {
+    run -0 --separate-stderr "$CONUS" query ras.nii --space bregma --origin 0,0,2 --direction 0,0,-1 --angle 2 --quiet
+    [[ $output == 'cone of 2 degrees from (0.00, 0.00, 2.00) along (0.0000, 0.0000, -1.0000), AP, ML, DV mm from bregma'* ]]
+    [[ $output == *'contact AP, ML, DV'* ]]
+    [[ $output == *' 60 '* ]] # AP 5400, DV 0, ML 5739: voxel 27, 0, 28
+    run -0 --separate-stderr "$CONUS" query ras.nii --space ccf --origin 5400,-1000,5739 --toward 5400,4000,5739 \
+        --angle 2 --quiet -o "$BATS_TEST_TMPDIR/answer.tsv"
+    sidecar=$(cat "$BATS_TEST_TMPDIR/answer.json")
+    python3 - "$BATS_TEST_TMPDIR/answer.json" <<'END'
+import json, sys
+sidecar = json.load(open(sys.argv[1]))
+assert sidecar["Space"]["orientation"] == "CCF" and sidecar["Space"]["axes"] == ["AP", "DV", "ML"], sidecar["Space"]
+assert sidecar["contact_x"]["Units"] == "um" and sidecar["distance_mm"]["Units"] == "mm"
+END
+    # mm stay mm: from 1 mm above the grid to its top
+    awk -F '\t' 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i }
+                 NR == 2 { exit !(($at["distance_mm"] - 1)^2 < 1e-5 && ($at["contact_y"])^2 < 1e-3) }' \
+        "$BATS_TEST_TMPDIR/answer.tsv"
+}
+
+@test "batch, sweep, track, overlap and render know the spaces" {
+    printf 'name\tap\tdv\tml\ttap\ttdv\ttml\n1\t5400\t-1000\t5739\t5400\t4000\t5739\n' >"$BATS_TEST_TMPDIR/poses.tsv"
+    run -0 --separate-stderr "$CONUS" batch ras.nii --poses "$BATS_TEST_TMPDIR/poses.tsv" --space ccf --angle 2 --quiet
+    [[ $output == *$'1\tarea\t60\t60\t'* ]]
+    run -0 --separate-stderr "$CONUS" sweep ras.nii --pose "$BATS_TEST_TMPDIR/poses.tsv" --space ccf --angles 2,4 \
+        --quiet --format tsv
+    [[ $output == *$'\tarea\t60\t60\t'* ]]
+    printf 'time_s,ap,ml,dv,dap,dml,ddv\n0,0,0,2,0,0,-1\n1,0,0,2,0,0,-1\n' >"$BATS_TEST_TMPDIR/track.csv"
+    run -0 --separate-stderr "$CONUS" track ras.nii --poses "$BATS_TEST_TMPDIR/track.csv" --space bregma --angle 2 \
+        --quiet --format tsv
+    [[ $output == *$'\tarea\t60\t60\t'* ]]
+    run -0 --separate-stderr "$CONUS" overlap ras.nii ras.nii --threshold 165 --space ccf --quiet --format tsv
+    # label 165 is voxels 60 to 65, 32 to 39, 38 to 56: the first of them in the file is its last AP and DV
+    awk -F '\t' 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i }
+                 NR == 2 { x = $at["peak_x"]; y = $at["peak_y"]; z = $at["peak_z"]
+                     exit !(x > 12000 && x < 13200 && y > 6400 && y < 8000 && z > 7600 && z < 11400) }' <<<"$output"
+}
+
+@test "where ML grows to the left by what the atlas says, a note says so" {
+    run -0 --separate-stderr "$CONUS" query globe --space bregma --point 0,0,-1 --radius 0.1
+    [[ $stderr == *'note: --space bregma: ML grows to the right, as the Allen Institute counts; the atlas says'* ]]
+    run -0 --separate-stderr "$CONUS" query allen.nrrd --space bregma --point 0,0,-1 --radius 0.1
+    [[ $stderr != *'ML grows to the right'* ]]
+}
+
+@test "info says where the CCF lies" {
+    run -0 "$CONUS" info allen.nrrd
+    [[ $output == *'bregma       x 5.739, y -5.4, z -0.332 mm: AP 5400, DV 332, ML 5739 um'* ]]
+    [[ $output == *'ML grows     to the right'* ]]
+    run -0 "$CONUS" info globe
+    [[ $output == *'bregma       x -5.739, y -5.4, z -0.332 mm'* ]]
+    [[ $output == *'ML grows     to the left'* ]]
+}
+
+@test "a manifest says that surfaces are of the CCF" {
+    local folder=$BATS_TEST_TMPDIR
+    conus phantom nested -o "$folder"
+    printf '{"conus_atlas": 1, "parcellation": "nested.nii.gz", "ccf": "asl"}' >"$folder/said.atlas.json"
+    run -0 --separate-stderr "$CONUS" query "$folder/said.atlas.json" --space ccf --point 1000,2000,3000 --radius 1 \
+        --format json --quiet
+    [[ $output == *'"CCF"'* ]]
+    printf '{"conus_atlas": 1, "parcellation": "nested.nii.gz", "ccf": "ras"}' >"$folder/bad.atlas.json"
+    fails 3 'ccf: found "ras", "asr" or "asl" is needed' info "$folder/bad.atlas.json"
+    cp ras.nii "$folder"
+    printf '{"conus_atlas": 1, "parcellation": "ras.nii", "ccf": "asl"}' >"$folder/two.atlas.json"
+    fails 3 "ccf: the volume's grid is the CCF's already" info "$folder/two.atlas.json"
+}
+
+@test "what cannot be meant is refused" {
+    conus phantom nested -o "$BATS_TEST_TMPDIR"
+    fails 3 'not known to be the Allen CCF' query "$BATS_TEST_TMPDIR/nested.nii.gz" --space ccf --point 1,2,300 --radius 1
+    fails 3 'positions there are in mm, not micrometres' query ras.nii --space bregma --point -3400,2000,-2500 --radius 1
+    fails 3 'positions there are in micrometres, not mm' query ras.nii --space ccf --point 5.4,2.3,5.7 --radius 1
+    fails 3 'positions there are in mm' query ras.nii --space bregma --origin 0,0,2 --toward 0,0,-4000
+    fails 2 '--bregma has no effect without --space bregma' query ras.nii --bregma 1,2,3 --point 1,2,3 --radius 1
+    fails 2 '--bregma: 0,0,0 is the corner' query ras.nii --space bregma --bregma 0,0,0 --point 1,2,3 --radius 1
+    fails 3 'bregma: found ML 20000 um, allowed is 0 to 11400' query ras.nii --space bregma --bregma 5400,332,20000 \
+        --point 1,2,3 --radius 1
+    fails 3 'the CCF lies elsewhere in atlas' query ras.nii --atlas allen.nrrd --space ccf --point 5400,2000,5739 \
+        --radius 1
+    printf 'x,y,z,qw,qx,qy,qz\n5400,0,5700,1,0,0,0\n' >"$BATS_TEST_TMPDIR/turned.csv"
+    fails 3 'rotations (qw qx qy qz or m00...m33) are not read in space ccf' query ras.nii --space ccf \
+        --pose "$BATS_TEST_TMPDIR/turned.csv"
+    run -0 --separate-stderr "$CONUS" query ras.nii --space bregma --origin 0,2,-2 --toward 0,2,-1 --angle 3
+    [[ $stderr == *'the device lies inside'* ]]
+    run -0 --separate-stderr "$CONUS" query ras.nii --space bregma --origin 20,2,-2 --direction 1,0,0 --angle 3
+    [[ $stderr == *'points away from the atlas'* ]]
+    [[ $stderr != *'counted downward'* ]]
+    # so read it begins at AP 5400, DV 832, ML 7739 um, voxel 27, 4, 38: 1 + 4 + 0 + 110
+    run -0 --separate-stderr "$CONUS" query ras.nii --space bregma --origin 0,2,0.5 --toward 0,2,3 --angle 3
+    [[ $stderr == *'points away from the atlas; with DV counted downward it would hit 115 first'* ]]
+}
+
+@test "files of the International Brain Laboratory are points from bregma" {
+    # ML -1639, AP -100, DV -468: CCF AP 5500, DV 800, ML 4100 um, which is voxel 27, 4, 20: 1 + 4 + 0 + 55
+    printf '{"xyz_picks": [[-1639, -100, -468], [-1639, -100, -1768]]}' >"$BATS_TEST_TMPDIR/xyz_picks.json"
+    for space in ccf bregma; do
+        ask ras.nii --pose "$BATS_TEST_TMPDIR/xyz_picks.json" --space $space
+        [ "$(cat "$BATS_TEST_TMPDIR/labels")" = $'60\n71' ]
+    done
+    fails 3 'only an atlas of the Allen CCF can place: space ccf or bregma is needed' query ras.nii \
+        --pose "$BATS_TEST_TMPDIR/xyz_picks.json" --radius 1
+    printf '{"xyz_picks": [[-1.639, -0.1, -0.468]]}' >"$BATS_TEST_TMPDIR/mm.json"
+    fails 3 'micrometres are needed, not mm or m' query ras.nii --pose "$BATS_TEST_TMPDIR/mm.json" --radius 1 --space ccf
+}
