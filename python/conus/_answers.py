@@ -14,6 +14,7 @@ from ._library import ADMISSION, CHANCE, COVERAGE, RESULT, STEP, array_of, check
 if TYPE_CHECKING:
     import pandas
     from ._atlas import Atlas
+    from ._space import Space
 
 Array = np.ndarray[Any, Any]
 _KINDS = np.array(["error", "area", "pathway", "unassigned"], object)
@@ -68,11 +69,12 @@ def _identity(objects: Objects, records: Array, rank: Array) -> dict[str, Any]:
     }
 
 
-def _points(prefix: str, points: Array) -> dict[str, Array]:
+def _points(prefix: str, points: Array, space: Optional[Space]) -> dict[str, Array]:
+    points = space.from_world(points) if space else points
     return {f"{prefix}{axis}": points[:, i] for i, axis in enumerate("xyz")}
 
 
-def _columns(objects: Objects, results: Array, layers: bool) -> dict[str, Any]:
+def _columns(objects: Objects, results: Array, layers: bool, space: Optional[Space]) -> dict[str, Any]:
     """The columns of `conus query`, of results; 0 where a rank or an index is n/a there."""
     columns = _identity(objects, results, results["rank"])
     for name in ("score", "pixels", "share"):
@@ -82,16 +84,16 @@ def _columns(objects: Objects, results: Array, layers: bool) -> dict[str, Any]:
     columns["center_px"] = _finite(results["centre_px"])
     columns["offset_deg"] = _finite(np.rad2deg(results["offset"]))
     columns["distance_mm"] = _finite(results["distance"])
-    columns.update(_points("contact_", results["contact"]))
+    columns.update(_points("contact_", results["contact"], space))
     if objects.own_from_world is not None:
-        own = objects.own_from_world
-        columns.update(_points("atlas_", results["contact"] @ own[:3, :3].T + own[:3, 3]))
+        own = objects.own_from_world if not (space and space.is_own) else np.eye(4)
+        columns.update(_points("atlas_", results["contact"] @ own[:3, :3].T + own[:3, 3], space))
     if layers:
         for name, member in (("entry_mm", "entry"), ("exit_mm", "exit"), ("path_mm", "path"), ("volume_mm3", "volume")):
             columns[name] = _finite(results[member])
         for name in ("fraction", "mean_value", "max_value", "voxels", "cone_fraction", "sum_value"):
             columns[name] = results[name]
-        columns.update(_points("centroid_", results["centroid"]))
+        columns.update(_points("centroid_", results["centroid"], space))
         with np.errstate(invalid="ignore"):
             columns["unoccluded"] = results["pixels"] / np.where(results["pierced"], results["pierced"], np.nan)
     columns["contact_value"] = results["contact_value"]
@@ -128,15 +130,18 @@ class Hit:
     share: float  #: of the cone's solid angle; all shares sum to 1
     pixels: int  #: that hit it first
     distance_mm: float  #: from the device to its nearest hit
-    contact: tuple[float, float, float]  #: where, RAS mm
+    contact: tuple[float, float, float]  #: where, RAS mm or in the selector's space
     contact_value: float  #: value there of a pathway, or probability of an area of probabilities; else NaN
 
 
 class Selection:
     """The answer to one pose: a sequence of :class:`Hit`, best first; "unassigned" is the last.
 
-    ``results`` is the same as an array of the library's records (angles in radians, lengths in mm).
+    ``results`` is the same as an array of the library's records (angles in radians, lengths in mm,
+    positions always in RAS mm).
     """
+
+    space: Optional[Space] = None  #: of positions in hits and tables; None = RAS mm
 
     def __init__(self, atlas: Atlas, pointer: Any, layers: bool) -> None:
         self.atlas = atlas
@@ -168,6 +173,7 @@ class Selection:
             return [self[i] for i in range(*index.indices(len(self)))]
         record = self.results[index]
         objects = self.atlas.objects
+        contact = self.space.from_world(record["contact"]) if self.space else record["contact"]
         number = record["object"]
         return Hit(
             objects.names[number],
@@ -178,7 +184,7 @@ class Selection:
             float(record["share"]),
             int(record["pixels"]),
             float(record["distance"]),
-            (float(record["contact"][0]), float(record["contact"][1]), float(record["contact"][2])),
+            (float(contact[0]), float(contact[1]), float(contact[2])),
             float(record["contact_value"]),
         )
 
@@ -193,7 +199,7 @@ class Selection:
         """The rows of ``conus query`` (of a tracker ``conus track``), under the names of its columns."""
         import pandas
 
-        columns = _columns(self.atlas.objects, self.results, self._layers)
+        columns = _columns(self.atlas.objects, self.results, self._layers, self.space)
         if len(self._steps):
             columns.update(_step_columns(self._steps.repeat(len(self)), self.results))
         return pandas.DataFrame(columns)
@@ -309,6 +315,8 @@ class Answers:
     index.
     """
 
+    space: Optional[Space] = None  #: of positions in tables; None = RAS mm
+
     def __init__(self, atlas: Atlas, results: Array, starts: Array, errors: dict[int, str], layers: bool) -> None:
         self.atlas = atlas
         self.results = results
@@ -328,7 +336,7 @@ class Answers:
 
     def _answer_columns(self) -> dict[str, Any]:
         query = np.repeat(np.arange(len(self)), np.diff(self.starts))
-        return {"query": query, **_columns(self.atlas.objects, self.results, self._layers)}
+        return {"query": query, **_columns(self.atlas.objects, self.results, self._layers, self.space)}
 
     def to_dataframe(self) -> pandas.DataFrame:
         """The rows of ``conus batch``, under the names of its columns; ``query`` counts from 0.
@@ -397,6 +405,8 @@ class Track(Answers):
 class _Study:
     """Records of one pose, or of a region, other than results."""
 
+    space: Optional[Space] = None  #: of positions in tables; None = RAS mm
+
     def __init__(self, atlas: Atlas, records: Array) -> None:
         self.atlas = atlas
         self.records = records
@@ -441,7 +451,7 @@ class Sweep(_Study):
             "half_angle_deg": angle / 2,
             "margin_deg": np.rad2deg(self.records["margin"]),
             "distance_mm": self.records["distance"],
-            **_points("", self.records["point"]),
+            **_points("", self.records["point"], self.space),
             "measured": np.where(self.records["is_surface"], "surface", "voxel centre"),
         }
 
@@ -479,5 +489,5 @@ class Overlap(_Study):
             "fraction": self.records["fraction"],
             "region_fraction": self.records["roi_fraction"],
             "peak": self.records["peak"],
-            **_points("peak_", self.records["peak_point"]),
+            **_points("peak_", self.records["peak_point"], self.space),
         }

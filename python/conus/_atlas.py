@@ -31,6 +31,7 @@ from ._library import (
 from ._picture import GLOwner, Picture, Renderer
 from ._poses import Aims, PoseArray, notes_of, pose_of, warn
 from ._progress import LoadProgress, Progress, telling
+from ._space import space_of
 from ._track import Tracker, follow
 
 if TYPE_CHECKING:
@@ -497,6 +498,11 @@ class Selector:
         mm: a cylinder instead of a cone.
     level, score, aperture, sampling, slices, slice_fraction, engine
         As the options of ``conus query``.
+    space
+        "ras" or "lps" mm; "ccf", AP, DV, ML in micrometres of the Allen CCF; "bregma", AP, ML, DV in mm
+        from bregma: of positions and directions, given and in hits and tables.
+    bregma
+        With space="bregma": where bregma lies in CCF, (AP, DV, ML) in micrometres.
     """
 
     def __init__(
@@ -514,6 +520,8 @@ class Selector:
         slices: int = 0,
         slice_fraction: float = 0,
         engine: str = "auto",
+        space: str = "ras",
+        bregma: Any = None,
     ) -> None:
         options, out = ffi.new("conus_selector_options *"), ffi.new("conus_selector **")
         words = [optional(utf8, "level", None if level is None else str(level)), optional(utf8, "score", score)]
@@ -525,6 +533,7 @@ class Selector:
         options.range, options.radius = vector("range", range, 2), real("radius", radius)
         options.slice_fraction = real("slice_fraction", slice_fraction)
         options.level, options.score = words
+        self.space = space_of(atlas._p, space, bregma)
         self._owner = GLOwner() if engine == "gl" else None
         check(lib.conus_selector_create(out, atlas._p, options))
         self.atlas = atlas
@@ -535,6 +544,27 @@ class Selector:
         self._lock = threading.RLock()
         self._is_asked = False
         self._aims: Optional[Aims] = None
+
+    def _pose(self, origin: Any, toward: Any, direction: Any, up: Any, pose: Any) -> Any:
+        """A conus_pose of what is given in the selector's space."""
+        if self.space:
+            origin, toward = self.space.to_world("origin", origin), self.space.to_world("toward", toward)
+            direction = self.space.directions_to_world("direction", direction)
+            up, pose = self.space.directions_to_world("up", up), self.space.matrices_to_world("pose", pose)
+        return pose_of(origin, toward, direction, up, pose)
+
+    def _poses(self, origins: Any, directions: Any, poses: Any, up: Any, angle: Any) -> PoseArray:
+        """The same of many."""
+        if self.space:
+            origins = self.space.to_world("origins", origins)
+            directions = self.space.directions_to_world("directions", directions)
+            up, poses = self.space.directions_to_world("up", up), self.space.matrices_to_world("poses", poses)
+        return PoseArray(origins, directions, poses, up, angle)
+
+    def _place(self, answer: Any) -> Any:
+        """Says to an answer in which space its positions are shown."""
+        answer.space = self.space
+        return answer
 
     def _angle(self, angle: Optional[float]) -> float:
         if angle is None:
@@ -556,10 +586,10 @@ class Selector:
         angle: Optional[float] = None,
     ) -> Selection:
         """What is in one cone of ``angle`` degrees (10): see :meth:`Atlas.select`."""
-        aim, out = pose_of(origin, toward, direction, up, pose), ffi.new("conus_selection **")
+        aim, out = self._pose(origin, toward, direction, up, pose), ffi.new("conus_selection **")
         opening = self._angle(angle)
         self._call(lib.conus_select, out, self._p, aim, opening)
-        selection = Selection(self.atlas, out[0], self._layers)
+        selection: Selection = self._place(Selection(self.atlas, out[0], self._layers))
         self._warn_of(aim, opening)
         return selection
 
@@ -579,8 +609,10 @@ class Selector:
             It has no pixels, hence no picture.
         """
         out = ffi.new("conus_selection **")
+        point = self.space.to_world("point", point) if self.space else point
         self._call(lib.conus_select_ball, out, self._p, vector("point", point), real("radius", radius))
-        return Selection(self.atlas, out[0], self._layers)
+        near: Selection = self._place(Selection(self.atlas, out[0], self._layers))
+        return near
 
     def sweep(
         self, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None, pose: Any = None,
@@ -600,10 +632,10 @@ class Selector:
         Sweep
             The narrowest first.
         """
-        aim, out = pose_of(origin, toward, direction, up, pose), ffi.new("conus_sweep **")
+        aim, out = self._pose(origin, toward, direction, up, pose), ffi.new("conus_sweep **")
         opening = math.radians(real("angle", angle))
         self._call(lib.conus_sweep_create, out, self._p, aim, opening)
-        sweep = Sweep(self.atlas, out[0])
+        sweep: Sweep = self._place(Sweep(self.atlas, out[0]))
         self._warn_of(aim, opening)
         return sweep
 
@@ -629,7 +661,7 @@ class Selector:
         Jitter
             The most probable first.
         """
-        aim, out = pose_of(origin, toward, direction, up, pose), ffi.new("conus_jitter **")
+        aim, out = self._pose(origin, toward, direction, up, pose), ffi.new("conus_jitter **")
         options, opening = ffi.new("conus_jitter_options *"), self._angle(angle)
         options.tilt, options.shift = math.radians(real("degrees", degrees)), real("mm", mm)
         options.samples = whole("samples", samples)
@@ -658,7 +690,8 @@ class Selector:
         """
         region, out = _region(roi, threshold, whole("max_memory", max_memory)), ffi.new("conus_overlap **")
         self._call(lib.conus_overlap_create, out, self._p, region)
-        return Overlap(self.atlas, out[0])
+        overlap: Overlap = self._place(Overlap(self.atlas, out[0]))
+        return overlap
 
     def select_many(
         self,
@@ -696,7 +729,7 @@ class Selector:
         ArgumentError
             For arrays that do not fit together, and for one angle out of its range.
         """
-        array = PoseArray(origins, directions, poses, up, angle)
+        array = self._poses(origins, directions, poses, up, angle)
         options, astray = ffi.new("conus_many_options *"), ffi.new("conus_astray *")
         options.threads = whole("threads", threads or 0)
         options.angle = self._angle(None if np.ndim(angle) else angle)
@@ -708,7 +741,8 @@ class Selector:
         collector.finish()
         errors = {int(i): self._reason(array, int(i), options.angle) for i in np.flatnonzero(collector.status)}
         self._warn(astray, many=True)
-        return Answers(self.atlas, collector.results, collector.starts, errors, self._layers)
+        answers: Answers = self._place(Answers(self.atlas, collector.results, collector.starts, errors, self._layers))
+        return answers
 
     def tracker(self, **constants: Any) -> Tracker:
         """What follows a device from step to step: see :class:`Tracker` for its constants."""
@@ -746,10 +780,11 @@ class Selector:
             A step that has no answer (a number that is not finite, a time before the last step) is
             left out with a :class:`PoseWarning`, as a lost frame is.
         """
-        tracker, array = Tracker(self, **constants), PoseArray(origins, directions, poses, up, angle)
+        tracker, array = Tracker(self, **constants), self._poses(origins, directions, poses, up, angle)
         default = self._angle(None if np.ndim(angle) else angle)
         with telling(progress, "step", len(array)) as tell:
-            return follow(tracker, times_s, array, default, trigger, tell)
+            followed: Track = self._place(follow(tracker, times_s, array, default, trigger, tell))
+            return followed
 
     def _call(self, function: Any, *arguments: Any, state: Optional[_Callback] = None) -> None:
         """Asks the library; one thread at a time does."""
@@ -891,7 +926,7 @@ class Atlas:
         Parameters
         ----------
         origin
-            The cone's apex, RAS mm.
+            The cone's apex, RAS mm, or as the option ``space`` says.
         toward, direction
             A point that the cone points at, or its direction, of any length but 0.
         up

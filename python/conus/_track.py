@@ -9,7 +9,7 @@ import numpy as np
 from ._answers import Array, Selection, Track
 from ._conus import ffi, lib
 from ._library import RESULT, STEP, ArgumentError, array_of, check, flag, owned, real, text
-from ._poses import Aims, PoseArray, notes_of, pose_of, rows_of, warn
+from ._poses import Aims, PoseArray, notes_of, rows_of, warn
 
 if TYPE_CHECKING:
     from ._atlas import Selector
@@ -113,10 +113,12 @@ class Tracker:
         ArgumentError
             For a time before the last step, or a pose that is none. The tracker is then as it was.
         """
-        aim, out, selector = pose_of(origin, toward, direction, up, pose), ffi.new("conus_selection **"), self.selector
+        selector, out = self.selector, ffi.new("conus_selection **")
+        aim = selector._pose(origin, toward, direction, up, pose)
         time, opening, down = real("time_s", time_s), selector._angle(angle), flag("trigger", trigger)
         selector._call(lib.conus_tracker_step, out, self._p, time, aim, opening, down)
-        return Selection(selector.atlas, out[0], selector._layers)
+        selection: Selection = selector._place(Selection(selector.atlas, out[0], selector._layers))
+        return selection
 
     def selected(self, ago: float = 0) -> Optional[str]:
         """The name of what was selected ``ago`` seconds, 0 to the window, before the last step; None if nothing was."""

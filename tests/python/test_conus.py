@@ -224,6 +224,47 @@ def test_transforms_bring_the_atlas_to_the_poses(tmp_path):
             conus.load(plates(), AFFINE, transforms=bad)
 
 
+def ccf_array():
+    """The Allen CCF's grid of 200 micrometres, AP, DV, ML each from its first voxel, in blocks with labels of their own;
+    and its place in a world that is RAS, whose origin is the corner."""
+    i, j, k = np.indices((66, 40, 57))
+    affine = np.array([[0, 0, 0.2, 0.1], [-0.2, 0, 0, -0.1], [0, -0.2, 0, -0.1], [0, 0, 0, 1]])
+    return (1 + i // 6 + 11 * (j // 8) + 55 * (k // 19)).astype(np.uint16), affine
+
+
+def test_positions_are_of_the_ccf_or_from_bregma(tmp_path):
+    """AP 5500, DV 2100, ML 4100 um is voxel 27, 10, 20 and so label 1 + 4 + 11 + 55; 0.1, 1.639 and 1.768 mm from
+    bregma backward, to the left and down."""
+    atlas = conus.load(*ccf_array())
+    at, from_bregma = np.array([5500, 2100, 4100.0]), np.array([-0.1, -1.639, -1.768])
+    for space, point, down, above in (("ccf", at, (0, 1, 0), at - [0, 4000, 0]),
+                                      ("bregma", from_bregma, (0, 0, -1), from_bregma + [0, 0, 4])):
+        near = atlas.near(point, 0.001, space=space)
+        assert near[0].index == 71 and near[0].contact == pytest.approx(tuple(point))
+        selector = atlas.selector(space=space)
+        hits = selector.select(above, direction=down, angle=1)
+        assert hits[0].index == 60 and hits[0].distance_mm == pytest.approx(1.9, abs=1e-3)
+        same_cone = selector.select(above, toward=point, angle=1).to_dataframe()
+        many = selector.select_many([above], [down], angle=1).to_dataframe()
+        for frame in (same_cone, many):
+            row = frame.iloc[0]
+            assert row["index"] == 60
+            assert (row.contact_x, row.contact_y, row.contact_z) == pytest.approx(hits[0].contact, rel=1e-9)
+        with pytest.raises(conus.ArgumentError, match="a matrix is of ras or lps"):
+            selector.select(pose=np.eye(4))
+        grown = selector.sweep(above, direction=down, angle=5).to_dataframe()
+        assert {"x", "y", "z"} <= set(grown.columns)
+    with pytest.raises(conus.ArgumentError, match="not micrometres"):
+        atlas.near((-3400, 2000, -2500), 1, space="bregma")
+    with pytest.raises(conus.ArgumentError, match="no effect"):
+        atlas.near((1, 2, 3), 1, space="ccf", bregma=(1, 2, 3))
+    assert atlas.near((0, 0, 0), 0.001, space="bregma", bregma=at)[0].index == 71
+    lps = atlas.near((-4.1, 5.5, -2.1), 0.001, space="lps")
+    assert lps[0].index == 71 and lps[0].contact == pytest.approx((-4.1, 5.5, -2.1))
+    with pytest.raises(conus.Error, match="not known to be the Allen CCF"):
+        conus.load(plates(), AFFINE).near((1, 2, 300), 1, space="ccf")
+
+
 @needs_aal
 def test_ten_lines_of_the_documents_draw_a_figure(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)

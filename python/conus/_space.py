@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The spaces of positions: the world's, and those of the Allen CCF."""
+from __future__ import annotations
+
+from typing import Any, Optional
+
+import numpy as np
+
+from ._conus import ffi, lib
+from ._library import ArgumentError, check, choice, numbers, vector
+
+_NAMES = ("ras", "lps", "ccf", "bregma")
+
+
+class Space:
+    """Takes positions and directions, (3,) or (n, 3), to world mm and back."""
+
+    def __init__(self, atlas: Any, name: str, bregma: Any = None) -> None:
+        self.name = name
+        self.is_own = name in ("ccf", "bregma")  #: of the atlas, wherever it was moved to
+        self._frame = ffi.new("conus_frame *")
+        number = choice("space", name, _NAMES)
+        if bregma is not None and name != "bregma":
+            raise ArgumentError('bregma: has no effect without space="bregma"')
+        where = ffi.NULL if bregma is None else vector("bregma", bregma)
+        check(lib.conus_frame_find(self._frame, atlas, number, where))
+        self._matrix = np.array(list(self._frame.world_from_space)).reshape(4, 4).T
+        self._inverse = np.linalg.inv(self._matrix)
+
+    def to_world(self, name: str, points: Any) -> Any:
+        """Positions; None stays None."""
+        return self._each(name, points, lib.conus_frame_to_world, True)
+
+    def directions_to_world(self, name: str, directions: Any) -> Any:
+        """Directions; None stays None."""
+        return self._each(name, directions, lib.conus_frame_direction_to_world, False)
+
+    def matrices_to_world(self, name: str, poses: Any) -> Any:
+        """(..., 4, 4) matrices from device to this space; None stays None."""
+        if poses is not None and self.is_own:
+            raise ArgumentError(f"{name}: a matrix is of ras or lps, not of {self.name}")
+        return poses if poses is None else self._matrix @ numbers(name, poses)
+
+    def from_world(self, points: Any) -> Any:
+        """Positions; numbers that are none stay none."""
+        return points @ self._inverse[:3, :3].T + self._inverse[:3, 3]
+
+    def _each(self, name: str, given: Any, function: Any, is_checked: bool) -> Any:
+        if given is None:
+            return None
+        array = np.array(numbers(name, given), order="C")
+        if not array.size or array.shape[-1] != 3:
+            return array  # whose shape the caller refuses
+        at = ffi.cast("double *", array.ctypes.data)
+        for row in range(array.size // 3):
+            status = function(at + 3 * row, self._frame, at + 3 * row)
+            if is_checked:
+                check(status)
+        return array
+
+
+def space_of(atlas: Any, name: str, bregma: Any) -> Optional[Space]:
+    """None where positions are the world's already."""
+    return None if name == "ras" and bregma is None else Space(atlas, name, bregma)
