@@ -2,6 +2,7 @@
 /* conus-view: the window. Its options are read and explained by the same tables as those of conus. */
 #include "common/messages.h"
 #include "pages/pages.h"
+#include "settings/atlases.h"
 #include "viewer/keys.h"
 #include "viewer/loop.h"
 #include "viewer/open.h"
@@ -70,6 +71,7 @@ static const struct option_group groups[] = {
     {"", atlas_options, offsetof(struct view_settings, atlas)},
     {"", shown_options, offsetof(struct view_settings, atlas)},
     {"", more_atlas_options, offsetof(struct view_settings, atlas)},
+    {"", space_options, offsetof(struct view_settings, space)},
     {"A tracker that points", station_options_table, offsetof(struct view_settings, station)},
     {"A tracked head", screen_options_table, offsetof(struct view_settings, station)},
     {"", quiet_options, offsetof(struct view_settings, common)},
@@ -105,16 +107,12 @@ static int start_sources(struct window *window, const struct view_settings *sett
     if (window->station) {
         station_on_pose(window->station, loop_wake);
     }
-    if (!code && settings->poses) {
-        const conus_pose_options options = {.max_memory = settings->atlas.max_memory};
-        conus_status status = conus_pose_list_load(&window->replay.poses, settings->poses, &options);
-        code = status ? print_status(status) : EXIT_DONE;
-        if (!code && !conus_pose_list_count(window->replay.poses)) {
-            print_error_line("%s: no poses in it to replay", settings->poses);
-            code = EXIT_DATA;
-        }
+    if (code || !settings->poses || settings_space_needs_atlas(&settings->space)) {
+        return code; /* open.c loads the poses, once it knows the atlas */
     }
-    return code;
+    conus_frame frame;
+    code = settings_frame(&frame, &(struct atlases){0}, &settings->space, true);
+    return code ? code : open_poses(window, settings, &frame);
 }
 
 /* Scripts see the same window everywhere. */
@@ -138,7 +136,7 @@ static int run_view(const void *given, const struct arguments *arguments)
     struct window window;
     struct place place;
     if (!option_needs(arguments, "hidden", "script") || !settings_check_station(arguments) ||
-        !settings_check_screen(&settings->station, arguments)) {
+        !settings_check_space(arguments, &settings->space) || !settings_check_screen(&settings->station, arguments)) {
         return EXIT_USAGE;
     }
     int code = settings->script ? script_load(&script, settings->script) : EXIT_DONE;

@@ -125,6 +125,30 @@ static struct viewer *create(const struct atlases *atlases, const char *path, co
     return viewer;
 }
 
+int open_poses(struct window *window, const struct view_settings *settings, const conus_frame *frame)
+{
+    const conus_pose_options options = {.max_memory = settings->atlas.max_memory, .frame = frame};
+    conus_status status = conus_pose_list_load(&window->replay.poses, settings->poses, &options);
+    if (status) {
+        return print_status(status);
+    }
+    if (!conus_pose_list_count(window->replay.poses)) {
+        print_error_line("%s: no poses in it to replay", settings->poses);
+        return EXIT_DATA;
+    }
+    return EXIT_DONE;
+}
+
+/* In which space positions are typed and shown; and the poses that need it. False with an error line. */
+static bool find_frame(conus_frame *frame, struct window *window, const struct atlases *atlases,
+                       const struct view_settings *settings)
+{
+    bool waits = settings->poses && !window->replay.poses;
+    int code = settings_frame(frame, atlases, &settings->space, settings->common.quiet);
+    code = code || !waits ? code : open_poses(window, settings, frame);
+    return code == EXIT_DONE;
+}
+
 /* Shows it as the options say; false where the session does not fit. */
 static bool show(struct window *window, struct viewer *viewer, const struct view_settings *settings, char *why)
 {
@@ -148,6 +172,8 @@ static void leave_options(struct view_settings *settings)
 {
     settings->atlas = (struct atlas_settings){.max_memory = settings->atlas.max_memory};
     settings->context = settings->transfer = settings->session = NULL;
+    settings->poses = NULL;
+    settings->space = (struct space_settings){0};
 }
 
 /* The viewer has them then. */
@@ -165,6 +191,7 @@ static bool open_path(struct window *window, const char *text, const char *path,
     struct viewer *before = window->viewer;
     struct viewer *viewer = NULL;
     struct atlases atlases = {0};
+    conus_frame frame = {0};
     const struct loading what = {text, &settings.atlas, settings.context, glfwPostEmptyEvent};
     if (before) {
         settings.safe_colours = before->display.safe_colours;
@@ -172,9 +199,10 @@ static bool open_path(struct window *window, const char *text, const char *path,
     }
     if (load(window, &what, &atlases, why)) {
         prepare(&atlases, &settings);
-        viewer = create(&atlases, path, &settings);
+        viewer = find_frame(&frame, window, &atlases, &settings) ? create(&atlases, path, &settings) : NULL;
     }
     if (viewer) {
+        viewer->frame = frame;
         hand_over(&atlases);
     } else if (atlases.count) {
         snprintf(why, LOADER_WHY, "%s", error_line());

@@ -9,6 +9,7 @@
 struct view_settings {
     struct atlas_settings atlas;
     struct common_settings common;
+    struct space_settings space;
     struct station_settings station;
     const char *poses;
     const char *context, *transfer, *script, *session;

@@ -45,6 +45,31 @@ END
     [ $i -eq 50 ]
 }
 
+@test "positions are those of the mouse, in scripts, lists and poses" {
+    need_window
+    python3 "$BATS_TEST_DIRNAME/ccf.py"
+    printf 'name,ap,ml,dv,dap,dml,ddv,time_s\n1,-1,2,2,0,0,-1,0\n' >poses.csv
+    view ras.nii --space bregma --poses poses.csv <<'END'
+angle 4
+results replayed.tsv
+aim 0 -1 2 0.5 -1 -3
+crosshair -0.1 -1.639 -1.768
+results aimed.tsv
+settle
+screenshot window.png
+END
+    conus query ras.nii --space bregma --pose poses.csv --angle 4 --format tsv --quiet >wanted
+    diff replayed.tsv wanted
+    conus query ras.nii --space bregma --origin=0,-1,2 --toward=0.5,-1,-3 --angle 4 --format tsv --quiet >wanted
+    diff aimed.tsv wanted
+    echo 'aim 0 2000 0 0 0 0' >um
+    run -3 --separate-stderr timeout $HANG "$CONUS" view ras.nii --space bregma --script um --quiet
+    [[ $stderr == *'positions there are in mm, not micrometres'* ]]
+    conus phantom nested -o .
+    run -3 --separate-stderr timeout $HANG "$CONUS" view nested.nii.gz --space ccf --script um --quiet
+    [[ $stderr == *'not known to be the Allen CCF'* ]]
+}
+
 # in_columns ATLAS OPTION...: what conus query answers in one atlas, with a column that names it.
 in_columns() {
     conus query "$1.nii.gz" "${@:2}" --format tsv --quiet | awk -v name="$1" 'BEGIN { FS = OFS = "\t" }

@@ -138,6 +138,47 @@ static void select_now(struct viewer *viewer)
     viewer->version++;
 }
 
+bool viewer_to_world(double world[3], struct viewer *viewer, const double given[3])
+{
+    bool fine = conus_frame_to_world(world, &viewer->frame, given) == CONUS_OK;
+    if (!fine) {
+        viewer_say(viewer, "%s", conus_message());
+    }
+    return fine;
+}
+
+const char *viewer_place_format(const struct viewer *viewer)
+{
+    static const char *const formats[] = {"%.1f", "%.1f", "%.0f", "%.3f"}; /* by space: people, people, um, a mouse */
+    return formats[viewer->frame.space];
+}
+
+size_t viewer_put_coordinate(char *out, size_t size, const struct viewer *viewer, double value)
+{
+    static const double least[] = {0.05, 0.05, 0.5, 0.0005}; /* what is printed as 0 */
+    bool is_zero = fabs(value) < least[viewer->frame.space];
+    return (size_t)snprintf(out, size, viewer_place_format(viewer), is_zero ? 0 : value);
+}
+
+const char *viewer_place_text(char out[VIEWER_PLACE_TEXT], const struct viewer *viewer, const double world[3])
+{
+    double at[3];
+    char numbers[3][16];
+    conus_space space = viewer->frame.space;
+    bool named = space >= CONUS_SPACE_CCF;
+    conus_frame_from_world(at, &viewer->frame, world);
+    for (size_t a = 0; a < 3; a++) {
+        viewer_put_coordinate(numbers[a], sizeof numbers[a], viewer, at[a]);
+    }
+    snprintf(out, VIEWER_PLACE_TEXT, "%s%s%s, %s%s%s, %s%s%s %s%s", named ? conus_space_axis(space, 0) : "",
+             named ? " " : "", numbers[0], named ? conus_space_axis(space, 1) : "", named ? " " : "", numbers[1],
+             named ? conus_space_axis(space, 2) : "", named ? " " : "", numbers[2], conus_space_unit(space),
+             space == CONUS_SPACE_RAS   ? " RAS"
+             : space == CONUS_SPACE_LPS ? " LPS"
+                                        : "");
+    return out;
+}
+
 void viewer_aim(struct viewer *viewer, const conus_pose *pose)
 {
     viewer->cone.pose = *pose;
@@ -231,9 +272,10 @@ char *viewer_pins_text(const struct viewer *viewer)
     fprintf(out, "%sname\tshare\tdistance_mm\tcontact_x\tcontact_y\tcontact_z\tapart_mm\n", several ? "atlas\t" : "");
     for (size_t i = 0; i < viewer->pin_count; i++) {
         const struct pin *pin = &viewer->pins[i];
+        double contact[3];
+        conus_frame_from_world(contact, &viewer->frame, pin->contact);
         fprintf(out, "%s%s%s\t%.9g\t%.9g\t%.9g\t%.9g\t%.9g\t", several ? viewer->names[pin->atlas] : "",
-                several ? "\t" : "", pin->name, pin->share, pin->distance, pin->contact[0], pin->contact[1],
-                pin->contact[2]);
+                several ? "\t" : "", pin->name, pin->share, pin->distance, contact[0], contact[1], contact[2]);
         fprintf(out, isnan(pin->apart) ? "n/a\n" : "%.9g\n", pin->apart);
     }
     fclose(out);
@@ -244,7 +286,8 @@ char *viewer_pins_text(const struct viewer *viewer)
 static conus_status add_report(conus_report **reports, struct viewer *viewer, size_t index)
 {
     struct view_atlas *on = &viewer->atlases[index];
-    const conus_report_options options = {.format = CONUS_FORMAT_TSV, .atlas = on->name[0] ? on->name : NULL};
+    const conus_report_options options = {
+        .format = CONUS_FORMAT_TSV, .atlas = on->name[0] ? on->name : NULL, .frame = &viewer->frame};
     conus_selector_options asked;
     bool was_asked = false;
     for (size_t i = 0; i < viewer->atlas_count; i++) {

@@ -53,6 +53,7 @@ struct viewer {
         *drawn; /**< The one of them that pictures show, that is searched, hidden, picked and confirmed. */
     const char *transfer;
     double centre[3], radius; /**< A ball around all atlases, world mm. */
+    conus_frame frame;        /**< The space in which positions are typed, shown and written. */
 
     struct cone_state cone;
     struct display display;
@@ -88,6 +89,14 @@ void viewer_say(struct viewer *viewer, const char *format, ...) __attribute__((f
 
 /** Moves the cone and selects. */
 void viewer_aim(struct viewer *viewer, const conus_pose *pose);
+/** A position of the viewer's space, in the world; false with a line in the status line. */
+bool viewer_to_world(double world[3], struct viewer *viewer, const double given[3]);
+enum { VIEWER_PLACE_TEXT = 96 };
+/** A world position for people: "1.0, 2.0, 3.0 mm RAS", "AP 5400, DV 332, ML 5739 um". */
+const char *viewer_place_text(char out[VIEWER_PLACE_TEXT], const struct viewer *viewer, const double world[3]);
+/** How a coordinate is printed, and written so, without a "-0.0". Returns the characters. */
+const char *viewer_place_format(const struct viewer *viewer);
+size_t viewer_put_coordinate(char *out, size_t size, const struct viewer *viewer, double value);
 /** Aims from @p origin along @p direction. */
 void viewer_aim_along(struct viewer *viewer, const double origin[3], const double direction[3]);
 /** There is no cone any more, and no answer; the mouse is free to make another one. */

@@ -5,6 +5,7 @@
 #include "viewer/pointing/point.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 enum { SCORE_LIMIT = 64 };
@@ -113,9 +114,18 @@ static void show_pose(struct viewer *viewer)
         ui_text("no pose yet");
         return;
     }
-    bool moved = ui_numbers("from, mm", origin, "%.1f");
+    conus_space space = viewer->frame.space;
+    char label[32] = "from, mm";
+    if (space >= CONUS_SPACE_CCF) {
+        snprintf(label, sizeof label, "%s %s %s, %s", conus_space_axis(space, 0), conus_space_axis(space, 1),
+                 conus_space_axis(space, 2), conus_space_unit(space));
+    }
+    conus_frame_from_world(origin, &viewer->frame, origin);
+    conus_frame_direction_from_world(along, &viewer->frame, along);
+    bool moved = ui_numbers(label, origin, viewer_place_format(viewer));
     bool turned = ui_numbers("along", along, "%.3f");
-    if (moved || turned) {
+    if ((moved || turned) && viewer_to_world(origin, viewer, origin)) {
+        conus_frame_direction_to_world(along, &viewer->frame, along);
         viewer_aim_along(viewer, origin, along);
     }
 }

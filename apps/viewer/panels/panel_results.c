@@ -30,12 +30,13 @@ static bool shows_path(const struct viewer *viewer)
 }
 
 /* Of the name: where it was hit. */
-static void draw_tip(const conus_result *result)
+static void draw_tip(const struct viewer *viewer, const conus_result *result)
 {
-    char tip[128];
+    char tip[192];
+    char place[VIEWER_PLACE_TEXT];
     if (result->object && result->pixels) {
-        snprintf(tip, sizeof tip, "hit at %.1f, %.1f, %.1f mm, by %u pixels; click: crosshair there",
-                 result->contact[0], result->contact[1], result->contact[2], result->pixels);
+        snprintf(tip, sizeof tip, "hit at %s, by %u pixels; click: crosshair there",
+                 viewer_place_text(place, viewer, result->contact), result->pixels);
         ui_tip(tip);
     }
 }
@@ -77,7 +78,7 @@ static void draw_result(struct window *window, const struct view_atlas *on, cons
     } else if (ui_row(object->name, on == viewer->drawn && on->shown.chosen == result->object)) {
         click(viewer, on, result);
     }
-    draw_tip(result);
+    draw_tip(viewer, result);
     ui_cell();
     ui_bar(result->share, 40 * window->scale, colour);
     ui_same_line();

@@ -9,16 +9,13 @@
 static void show_place(const struct window *window)
 {
     const struct viewer *viewer = window->viewer;
-    const double *given = window->hover.has_place ? window->hover.at : viewer->crosshair;
+    const double *at = window->hover.has_place ? window->hover.at : viewer->crosshair;
     char text[HOVER_TEXT];
-    double at[3];
-    for (int a = 0; a < 3; a++) {
-        at[a] = fabs(given[a]) < 0.05 ? 0 : given[a]; /* no -0.0 */
-    }
+    char place[VIEWER_PLACE_TEXT];
     hover_text(text, window, "; ");
     long voxel[3];
     double grey = conus_atlas_value(viewer->drawn->atlas, view_atlas_context(viewer->drawn), at);
-    ui_text("%s %.1f, %.1f, %.1f mm RAS", window->hover.has_place ? "mouse" : "cross", at[0], at[1], at[2]);
+    ui_text("%s %s", window->hover.has_place ? "mouse" : "cross", viewer_place_text(place, viewer, at));
     if (viewer_voxel(voxel, viewer, at)) {
         ui_same_line();
         ui_text("voxel %ld, %ld, %ld", voxel[0], voxel[1], voxel[2]);

@@ -179,16 +179,32 @@ static void draw_crosshair(const struct window *window, const struct frame *fram
     ui_draw_line((float[]){at[0], at[1] + 6}, (float[]){at[0], box->y + box->height}, cross, 1);
 }
 
+/* "z = 1.0 mm", "DV = 332 um": the coordinate that all of a plane has. */
+static void put_depth(char *out, size_t size, const struct viewer *viewer, enum plane plane)
+{
+    static const char *const axes[][PLANE_COUNT] = {{"z", "y", "x"}, {"DV", "AP", "ML"}};
+    double at[3];
+    size_t axis = 0;
+    conus_space space = viewer->frame.space;
+    const char *name = axes[space >= CONUS_SPACE_CCF][plane];
+    conus_frame_from_world(at, &viewer->frame, viewer->crosshair);
+    while (strcmp(conus_space_axis(space, axis), name) != 0) {
+        axis++;
+    }
+    size_t used = (size_t)snprintf(out, size, "%s = ", name);
+    used += viewer_put_coordinate(out + used, size - used, viewer, at[axis]);
+    snprintf(out + used, size - used, " %s", conus_space_unit(space));
+}
+
 static void draw_title(const struct window *window, struct frame *frame, enum plane plane)
 {
     static const char *const names[] = {"axial", "coronal", "sagittal"};
-    static const char axes[] = {'z', 'y', 'x'};
     const struct viewer *viewer = window->viewer;
     const char *sides = plane == SAGITTAL ? "" : viewer->display.radiological ? "radiological" : "neurological";
     const float at[2] = {frame->pane->box.x + 8, frame->pane->box.y + 6};
     char text[96];
-    double depth = viewer->crosshair[2 - (int)plane];
-    snprintf(text, sizeof text, "%s  %c = %.1f mm", names[plane], axes[plane], fabs(depth) < 0.05 ? 0 : depth);
+    size_t used = (size_t)snprintf(text, sizeof text, "%s  ", names[plane]);
+    put_depth(text + used, sizeof text - used, viewer, plane);
     float first = ui_text_width(text);
     float second = ui_text_width(sides);
     bool fits = first + 12 + second < frame->pane->box.width - 16; /* else the sides stand below */

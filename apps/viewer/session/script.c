@@ -71,16 +71,25 @@ static bool do_aim(struct call *call)
     if (!numbers(given, call, 0, 6)) {
         return false;
     }
+    struct viewer *viewer = call->window->viewer;
+    if (!viewer_to_world(given, viewer, given) || !viewer_to_world(given + 3, viewer, given + 3)) {
+        return is_done(CONUS_ERROR_ARGUMENT);
+    }
     for (int a = 0; a < 3; a++) {
         direction[a] = given[3 + a] - given[a];
     }
-    viewer_aim_along(call->window->viewer, given, direction);
+    viewer_aim_along(viewer, given, direction);
     return true;
 }
 
 static bool do_crosshair(struct call *call)
 {
-    return numbers(call->window->viewer->crosshair, call, 0, 3);
+    double given[3];
+    struct viewer *viewer = call->window->viewer;
+    if (!numbers(given, call, 0, 3)) {
+        return false;
+    }
+    return viewer_to_world(viewer->crosshair, viewer, given) || is_done(CONUS_ERROR_ARGUMENT);
 }
 
 static bool do_orbit(struct call *call)
