@@ -75,11 +75,17 @@ static conus_status take_element(struct element *out, struct text *rest, bool sw
     return CONUS_OK;
 }
 
+/* Some programs write dimensions as UINT32, and names as UTF8; the bytes are the same. */
+static bool is_type(uint32_t type, uint32_t wanted)
+{
+    return type == wanted || (wanted == INT32 && type == UINT32) || (wanted == INT8 && type == UTF8);
+}
+
 static conus_status take_typed(struct text *out, struct text *rest, bool swapped, uint32_t type, const char *what)
 {
     struct element element;
     conus_status status = take_element(&element, rest, swapped);
-    if (!status && element.type != type) {
+    if (!status && !is_type(element.type, type)) {
         status = fail(CONUS_ERROR_DATA, "%s: an element of type %u, %u is needed", what, element.type, type);
     }
     *out = status ? *out : element.bytes;
@@ -160,7 +166,8 @@ static conus_status take_name(struct matlab_array *array, struct text *rest)
     return take_typed(&array->name, rest, array->swapped, INT8, "name of an array");
 }
 
-/* Values of numbers: as many as the dimensions say. Of characters in UTF-8 there may be more bytes. */
+/* Values of numbers: as many as the dimensions say. Of characters in UTF-8 there may be more bytes; and an empty text
+ * may have any dimensions. */
 static conus_status take_values(struct matlab_array *array, struct text *rest)
 {
     struct element element;
@@ -174,7 +181,8 @@ static conus_status take_values(struct matlab_array *array, struct text *rest)
         return fail(CONUS_ERROR_DATA, "%s has values of type %u", matlab_class_name(array), element.type);
     }
     bool fits = memory_multiply(array->count, size, &bytes) && bytes == element.bytes.size;
-    if (!fits && element.type != UTF8) {
+    bool is_free = array->kind == MATLAB_CHAR && (element.type == UTF8 || !element.bytes.size);
+    if (!fits && !is_free) {
         return fail(CONUS_ERROR_DATA, "%s of %zu values has %zu bytes, %u each are needed", matlab_class_name(array),
                     array->count, element.bytes.size, size);
     }

@@ -184,7 +184,7 @@ static void single_bytes_that_lie(void **state)
     bend(HEADER + 5, 1, CONUS_ERROR_DATA, "an element of 312 bytes, where there are 56");
     bend(136, 5, CONUS_ERROR_DATA, "flags of an array: an element of type 5, 6 is needed");
     bend(140, 16, CONUS_ERROR_DATA, "flags of an array: 16 bytes, 8 are needed");
-    bend(152, 6, CONUS_ERROR_DATA, "dimensions of an array: an element of type 6");
+    bend(152, 4, CONUS_ERROR_DATA, "dimensions of an array: an element of type 4, 5 is needed");
     bend(156, 4, CONUS_ERROR_DATA, "dimensions of an array: 4 bytes");
     bend(168, 2, CONUS_ERROR_DATA, "name of an array: an element of type 2");
     bend(170, 5, CONUS_ERROR_DATA, "an element of 5 bytes, where there are 4");
