@@ -234,7 +234,7 @@ CONUS_CHECKED conus_status conus_pose_stream_sha256(char out[65], conus_pose_str
 
 /**
  * Checks that the file and the atlas belong to one brain. Adds a note where one of them does not name its space. A file
- * that names no space fits any atlas.
+ * that names no space fits any atlas; a scan of one person fits an atlas that was moved (conus_atlas_move()).
  * @param stream The stream.
  * @param atlas The atlas.
  * @return #CONUS_OK; #CONUS_ERROR_DATA where they name different brains, a scan of one person and a template, say.

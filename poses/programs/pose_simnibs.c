@@ -146,6 +146,7 @@ static conus_status parse_text(const struct reading *reading, struct text text)
     size_t count = 0;
     double m[NUMBERS];
     conus_status status = CONUS_OK;
+    text.data = text.size ? text.data : ""; /* not NULL, to which nothing may be added */
     while (!status && next_word(&text, &line, &word)) {
         size_t i = count++ % NUMBERS;
         first = i ? first : line;

@@ -24,7 +24,8 @@ struct pose_space {
 
 struct pose_space pose_space_named(struct text name, enum pose_brain brain);
 
-/** CONUS_ERROR_DATA where file and atlas say of different brains; a note where one of them does not say. */
+/** CONUS_ERROR_DATA where file and atlas say of different brains; a note where one of them does not say. To an atlas
+ * that was moved somebody's own scan fits; a note tells of another space. */
 conus_status pose_space_match(struct notes *notes, const struct pose_space *space, const conus_atlas *atlas);
 
 #endif

@@ -464,6 +464,11 @@ matsimnibs() { printf '%s %s 0 -40\n%s %s 0 -20\n0 0 -1 90\n0 0 0 1\n' "-$2" "$1
     fails 3 'lead-dbs.mat: positions are in "Lead-DBS scrf", the atlas in another space' \
         batch "$aal" --poses "$SAMPLES/lead-dbs.mat" --poses-format lead-dbs-native --radius 2
     answers query "$aal" --pose "$SAMPLES/lead-dbs.mat" --radius 2 --format tsv -q
+    # ... unless the atlas comes to the subject. 5 mm to the right: areas lie where they lay, but for 5 mm.
+    printf '1 0 0 5\n0 1 0 0\n0 0 1 0\n0 0 0 1\n' >right.txt
+    matsimnibs 0 1 >coil.txt
+    answers query "$aal" --pose coil.txt --poses-format simnibs --atlas-transform right.txt --angle 20 --format tsv -q
+    [ "$(cell name 1)" = Precentral_L ]
     printf 'MATLAB 7.3 MAT-file\n' >new.mat
     fails 3 "new.mat: MATLAB's level 7.3, which is HDF5: save it anew with MATLAB's save(..., '-v7')" \
         query "$aal" --pose new.mat

@@ -253,6 +253,27 @@ static void spaces_must_fit(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* An atlas that was brought to the patient is where the patient's coils are, and no more where contacts in MNI space
+ * are.
+ */
+static void a_moved_atlas_is_the_patients(void **state)
+{
+    (void)state;
+    static const double right[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 7, 0, 0, 1};
+    conus_atlas *atlas = NULL;
+    assert_ok(conus_atlas_load(&atlas, test_mricron("aal.nii.gz"), NULL));
+    assert_ok(conus_atlas_move(atlas, right));
+    conus_pose_list *coils = pose_sample_load("simnibs.mat", NULL);
+    assert_ok(conus_pose_list_match(coils, atlas));
+    assert_null(conus_pose_list_note(coils, 0));
+    conus_pose_list_destroy(coils);
+    conus_pose_list *contacts = pose_sample_load("lead-dbs.mat", NULL);
+    assert_ok(conus_pose_list_match(contacts, atlas));
+    assert_true(pose_has_note(contacts, "they must be where the atlas was moved to"));
+    conus_pose_list_destroy(contacts);
+    conus_atlas_destroy(atlas);
+}
+
 static const struct {
     const char *name;
     conus_pose_format format;
@@ -320,6 +341,7 @@ int main(void)
         cmocka_unit_test(nibs_in_lps),
         cmocka_unit_test(nibs_coordinate_systems),
         cmocka_unit_test(spaces_must_fit),
+        cmocka_unit_test(a_moved_atlas_is_the_patients),
         cmocka_unit_test(every_prefix_is_refused_or_shorter),
         cmocka_unit_test(every_failing_allocation_is_clean),
     };
