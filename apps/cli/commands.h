@@ -19,6 +19,7 @@ extern const struct command cmd_mesh;
 extern const struct command cmd_phantom;
 extern const struct command cmd_diff;
 extern const struct command cmd_verify;
+extern const struct command cmd_cite;
 extern const struct command cmd_view; /**< Another program's. */
 
 /** All of them, and NULL. */

@@ -434,9 +434,21 @@ static conus_status read_prefer(void *field, const json_t *value, const struct s
     return status;
 }
 
+/* For people and conus cite: a text, or a list of them. */
+static conus_status read_references(void *field, const json_t *value, const struct schema_place *place)
+{
+    conus_status status = json_is_array(value) ? CONUS_OK : schema_comment(field, value, place);
+    for (size_t i = 0; !status && i < json_array_size(value); i++) {
+        struct schema_place inner = schema_element(place, i);
+        status = schema_comment(field, json_array_get(value, i), &inner);
+    }
+    return status;
+}
+
 static const struct schema_field manifest_keys[] = {
     {"conus_atlas", read_version, 0, true},
     {"comment", schema_comment, 0, false},
+    {"references", read_references, 0, false},
     {"allow_outside", schema_flag, AT(manifest, allow_outside), false},
     {"parcellation", read_parcellation, 0, false},
     {"parcellations", read_parcellations, 0, false},

@@ -55,7 +55,7 @@ section() {
 }
 
 @test "every option of the help is in the page, and the other way round" {
-    for command in query track sweep overlap info render view mesh manifest phantom diff verify; do
+    for command in query track sweep overlap info render view mesh manifest phantom diff verify cite; do
         [ $command != view ] || [ -x "${CONUS%/*}/conus-view" ] || continue
         section $command | grep -oE '`--[a-z-]+' | tr -d '`' >said
         conus $command --help | grep -oE '^ +(-[a-z], )?--[a-z-]+' | grep -oE -- '--[a-z-]+' >there

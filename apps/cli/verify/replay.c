@@ -100,7 +100,7 @@ static bool check_uses(struct replay *out)
     return true;
 }
 
-bool replay_check(struct replay *out, const struct command *const *commands)
+bool replay_parse(struct replay *out, const struct command *const *commands)
 {
     const struct command_line *line = &out->record->line;
     bool known = line->count > 1 && (strcmp(line->words[0], "conus") == 0 || strcmp(line->words[0], "conus-mpi") == 0);
@@ -121,7 +121,12 @@ bool replay_check(struct replay *out, const struct command *const *commands)
     if (code >= 0) {
         return fail_replay(out, "this conus, %s, does not take its command line: %s", conus_version(), error_line());
     }
-    return check_uses(out);
+    return true;
+}
+
+bool replay_check(struct replay *out, const struct command *const *commands)
+{
+    return replay_parse(out, commands) && check_uses(out);
 }
 
 /* ---- The new command line ---------------------------------------------------------------------------------------- */

@@ -23,8 +23,12 @@ struct replay {
     char why[REPLAY_WHY]; /**< What went wrong. */
 };
 
-/** Checks the recorded command line against @p commands, a list that ends with NULL: it must be a question that can be
- * asked again. False, with out->why, where it is not. @p out is the caller's to replay_finish() in any case. */
+/** Takes the recorded command line apart by @p commands, a list that ends with NULL: it must be of one of those that
+ * answer questions. False, with out->why, where it is not. @p out is the caller's to replay_finish() in any case. */
+bool replay_parse(struct replay *out, const struct command *const *commands);
+
+/** The same, and it must be a question that can be asked again. False, with out->why, where it is not. @p out is the
+ * caller's to replay_finish() in any case. */
 bool replay_check(struct replay *out, const struct command *const *commands);
 
 /** Answers. False, with replay->why, where there is no answer. */

@@ -1,0 +1,112 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The references, as text and as BibTeX. */
+#include "cli/cite/citation.h"
+
+#include <stdio.h>
+#include <string.h>
+
+const char citation_method[] =
+    "T. Rick, A. von Kapri, T. Kuhlen: GPU Implementation of 3D Object Selection by Conic Volume Techniques in Virtual "
+    "Environments. IEEE Virtual Reality 2010, pp. 243–246. https://doi.org/10.1109/VR.2010.5444783";
+
+static const char method_bibtex[] = "@inproceedings{rick2010conic,\n"
+                                    "  author = {Rick, T. and von Kapri, A. and Kuhlen, T.},\n"
+                                    "  title = {{GPU} Implementation of {3D} Object Selection by Conic Volume "
+                                    "Techniques in Virtual Environments},\n"
+                                    "  booktitle = {{IEEE} Virtual Reality 2010},\n"
+                                    "  pages = {243--246},\n"
+                                    "  year = {2010},\n"
+                                    "  doi = {10.1109/VR.2010.5444783}\n"
+                                    "}\n";
+
+static void put_own_references(FILE *out, const struct cited_atlas *atlas)
+{
+    for (size_t i = 0; i < atlas->references.count; i++) {
+        fprintf(out, "%s%s", i ? "; " : "", atlas->references.items[i]);
+    }
+}
+
+/* Without a reference there is at least what tells which file it was. */
+static void put_file(FILE *out, const struct cited_atlas *atlas)
+{
+    fprintf(out, "file %s%s%s", atlas->file, atlas->sha256 ? ", SHA-256 " : "", atlas->sha256 ? atlas->sha256 : "");
+}
+
+void citation_list(FILE *out, const struct citation *citation)
+{
+    if (citation_has_rays(citation)) {
+        fprintf(out, "%s\n", citation_method);
+    }
+    fprintf(out, "The conus authors: conus, version %s.\n", citation->version);
+    for (size_t i = 0; i < citation->atlas_count; i++) {
+        const struct cited_atlas *atlas = &citation->atlases[i];
+        fprintf(out, "%s: ", atlas->name);
+        if (atlas->references.count) {
+            put_own_references(out, atlas);
+        } else {
+            fputs(atlas->is_here ? "its files carry no reference; cite it as its authors ask"
+                                 : "its files are not here as they were, to look for a reference",
+                  out);
+        }
+        fputs(" (", out);
+        put_file(out, atlas);
+        fputs(")\n", out);
+    }
+}
+
+/* ---- BibTeX ------------------------------------------------------------------------------------------------------ */
+
+/* What TeX would take for more than a character. */
+static void put_escaped(FILE *out, const char *text)
+{
+    for (; *text; text++) {
+        switch (*text) {
+        case '\\':
+            fputs("\\textbackslash{}", out);
+            break;
+        case '~':
+            fputs("\\textasciitilde{}", out);
+            break;
+        case '^':
+            fputs("\\textasciicircum{}", out);
+            break;
+        case '{':
+        case '}': /* which would count as braces even behind a backslash */
+            fputs(*text == '{' ? "(" : ")", out);
+            break;
+        default:
+            fprintf(out, "%s%c", strchr("&%$#_", *text) ? "\\" : "", *text);
+        }
+    }
+}
+
+static void put_atlas(FILE *out, const struct cited_atlas *atlas, size_t number)
+{
+    fprintf(out, "\n@misc{atlas%zu,\n  title = {{", number);
+    put_escaped(out, atlas->name);
+    fputs("}},\n  howpublished = {file ", out);
+    put_escaped(out, atlas->file);
+    if (atlas->sha256) {
+        fprintf(out, ", SHA-256 %s", atlas->sha256);
+    }
+    fputs("}", out);
+    for (size_t i = 0; i < atlas->references.count; i++) {
+        fputs(i ? "; " : ",\n  note = {", out);
+        put_escaped(out, atlas->references.items[i]);
+    }
+    fputs(atlas->references.count ? "}\n}\n" : "\n}\n", out);
+}
+
+void citation_bibtex(FILE *out, const struct citation *citation)
+{
+    if (citation_has_rays(citation)) {
+        fprintf(out, "%s\n", method_bibtex);
+    }
+    fprintf(out,
+            "@misc{conus,\n  author = {{The conus authors}},\n  title = {{conus}},\n  version = {%s},\n"
+            "  howpublished = {Software, version %s}\n}\n",
+            citation->version, citation->version);
+    for (size_t i = 0; i < citation->atlas_count; i++) {
+        put_atlas(out, &citation->atlases[i], i + 1);
+    }
+}

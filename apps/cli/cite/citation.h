@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file What is cited, and the paragraph and the entries that say it. */
+#ifndef CONUS_CLI_CITE_CITATION_H
+#define CONUS_CLI_CITE_CITATION_H
+
+#include "cli/cite/reference.h"
+#include "settings/options.h"
+
+#include <jansson.h>
+
+/** An atlas that was asked. */
+struct cited_atlas {
+    const char *name;   /**< As in rows, or the file's without its ending. */
+    const char *file;   /**< Name of its file or folder. */
+    const char *sha256; /**< Of the file; NULL of several. */
+    struct references references;
+    bool is_here; /**< Its files were found as they were, and read for references. */
+};
+
+struct citation {
+    const json_t *sidecar;             /**< NULL of an atlas alone. */
+    const struct arguments *arguments; /**< The command line of the result; NULL likewise. */
+    const char *version;               /**< Of conus. */
+    struct cited_atlas *atlases;       /**< [atlas_count] */
+    size_t atlas_count;
+};
+
+/** The method that conus implements, as README.md has it. */
+extern const char citation_method[];
+
+/** Whether the method has a part in the answer: it has none where no rays were traced. */
+bool citation_has_rays(const struct citation *citation);
+
+/** Writes the paragraph; one line. */
+void citation_methods(FILE *out, const struct citation *citation);
+/** Writes the references, a line each. */
+void citation_list(FILE *out, const struct citation *citation);
+/** Writes them as BibTeX. */
+void citation_bibtex(FILE *out, const struct citation *citation);
+
+#endif

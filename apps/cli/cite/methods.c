@@ -1,0 +1,574 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Words a paragraph of methods from what a sidecar says was asked. Every sentence is of something that was. */
+#include "cli/cite/citation.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { LISTED = 10 };
+
+/* ---- What the sidecar and the command line say ------------------------------------------------------------------- */
+
+static const json_t *setting(const struct citation *citation, const char *name)
+{
+    return json_object_get(json_object_get(citation->sidecar, "Settings"), name);
+}
+
+static const char *setting_text(const struct citation *citation, const char *name)
+{
+    const char *text = json_string_value(setting(citation, name));
+    return text ? text : "";
+}
+
+static const char *option_value(const struct citation *citation, const char *name)
+{
+    const struct arguments *arguments = citation->arguments;
+    for (size_t i = 0; i < arguments->use_count; i++) {
+        if (strcmp(arguments->uses[i].option->name, name) == 0) {
+            return arguments->uses[i].value ? arguments->uses[i].value : "";
+        }
+    }
+    return NULL;
+}
+
+static bool is_command(const struct citation *citation, const char *name)
+{
+    return citation->arguments && strcmp(citation->arguments->command->name, name) == 0;
+}
+
+static bool is_admission(const struct citation *citation)
+{
+    return is_command(citation, "sweep") && !option_value(citation, "angles") && !option_value(citation, "jitter");
+}
+
+static const json_t *queries(const struct citation *citation)
+{
+    return json_object_get(citation->sidecar, "Queries");
+}
+
+/* How many queries have this key. */
+static size_t count_with(const struct citation *citation, const char *key)
+{
+    size_t count = 0;
+    size_t index;
+    const json_t *query;
+    json_array_foreach(queries(citation), index, query)
+    {
+        count += json_object_get(query, key) != NULL;
+    }
+    return count;
+}
+
+static bool is_ball(const struct citation *citation)
+{
+    return count_with(citation, "point_ras") && !count_with(citation, "angle_deg");
+}
+
+bool citation_has_rays(const struct citation *citation)
+{
+    return citation->sidecar && !is_command(citation, "overlap") && !is_admission(citation) && !is_ball(citation);
+}
+
+/* Whether there are pathways among what could be hit. */
+static const char *objects_of(const struct citation *citation, const char *areas, const char *both)
+{
+    const json_t *several = json_object_get(citation->sidecar, "Atlases");
+    bool has = false;
+    for (size_t i = 0; i < citation->atlas_count; i++) {
+        const json_t *atlas = several ? json_array_get(several, i) : json_object_get(citation->sidecar, "Atlas");
+        size_t index;
+        const json_t *volume;
+        json_array_foreach(json_object_get(atlas, "volumes"), index, volume)
+        {
+            const char *role = json_string_value(json_object_get(volume, "role"));
+            has = has || (role && strcmp(role, "pathway") == 0);
+        }
+    }
+    return has ? both : areas;
+}
+
+/* ---- Poses ------------------------------------------------------------------------------------------------------- */
+
+/* Of a sweep over angles a pose has a query for each. */
+static size_t count_poses(const struct citation *citation)
+{
+    const char *last = NULL;
+    size_t count = 0;
+    size_t index;
+    const json_t *query;
+    json_array_foreach(queries(citation), index, query)
+    {
+        const char *id = json_string_value(json_object_get(query, "query"));
+        count += !last || !id || strcmp(id, last) != 0;
+        last = id;
+    }
+    return count;
+}
+
+static void put_poses(FILE *out, const struct citation *citation)
+{
+    const json_t *batch = json_object_get(citation->sidecar, "Batch");
+    long long poses = batch ? json_integer_value(json_object_get(batch, "poses")) : (long long)count_poses(citation);
+    long long errors =
+        batch ? json_integer_value(json_object_get(batch, "errors")) : (long long)count_with(citation, "error");
+    const char *noun = is_ball(citation) ? "point" : "pose";
+    if (is_command(citation, "track")) {
+        fputs("each step of a moving device", out);
+    } else if (poses == 1) {
+        fprintf(out, "one %s%s", noun, is_ball(citation) ? "" : " of the device");
+    } else {
+        fprintf(out, "each of %lld %ss%s", poses, noun, is_ball(citation) ? "" : " of the device");
+    }
+    if (errors) {
+        fprintf(out, " (%lld of them had no answer)", errors);
+    }
+}
+
+/* ---- The cone ---------------------------------------------------------------------------------------------------- */
+
+/* The distinct angles of the queries, up to LISTED + 1 of them; least and largest of all. */
+static size_t find_angles(double angles[LISTED + 1], double *least, double *most, const struct citation *citation)
+{
+    size_t count = 0;
+    size_t index;
+    const json_t *query;
+    *least = INFINITY;
+    *most = 0;
+    json_array_foreach(queries(citation), index, query)
+    {
+        const json_t *value = json_object_get(query, "angle_deg");
+        double angle = json_number_value(value);
+        size_t i = 0;
+        while (i < count && angles[i] != angle) {
+            i++;
+        }
+        if (value && i == count && count <= LISTED) {
+            angles[count++] = angle;
+        }
+        *least = value ? fmin(*least, angle) : *least;
+        *most = value ? fmax(*most, angle) : *most;
+    }
+    return count;
+}
+
+static void put_angles(FILE *out, const struct citation *citation)
+{
+    double angles[LISTED + 1];
+    double least;
+    double most;
+    size_t count = find_angles(angles, &least, &most, citation);
+    const json_t *batch = json_object_get(citation->sidecar, "Batch");
+    const char *given = option_value(citation, "angle");
+    if (batch) {
+        fprintf(out, "%.9g°, or the pose's own where the file gives one",
+                json_number_value(json_object_get(batch, "angle_deg")));
+    } else if (is_command(citation, "track")) {
+        fprintf(out, "%s°, or the step's own where the file gives one", given ? given : "10");
+    } else if (count > LISTED || (count > 1 && !option_value(citation, "angles"))) {
+        fprintf(out, "%.9g° to %.9g°%s", least, most,
+                option_value(citation, "angles") ? "" : ", depending on the pose");
+    } else {
+        for (size_t i = 0; i < count; i++) {
+            fprintf(out, "%s%.9g°", !i ? "" : i + 1 < count ? ", " : " and ", angles[i]);
+        }
+    }
+}
+
+static double find_ball(const struct citation *citation)
+{
+    size_t index;
+    const json_t *query;
+    double radius = 0;
+    json_array_foreach(queries(citation), index, query)
+    {
+        radius = fmax(radius, json_number_value(json_object_get(query, "radius_mm")));
+    }
+    return radius;
+}
+
+/* "a cone ... angle of 20°,", or what stands in its place. */
+static void put_shape(FILE *out, const struct citation *citation)
+{
+    double radius = json_number_value(setting(citation, "radius_mm"));
+    bool is_square = strcmp(setting_text(citation, "aperture"), "square") == 0;
+    if (is_ball(citation)) {
+        fprintf(out, "a ball with a radius of %.9g mm", find_ball(citation));
+    } else if (radius > 0) {
+        fprintf(out, "%s of %.9g mm about the device's axis",
+                is_square ? "a square prism with half an edge" : "a cylinder with a radius", radius);
+        if (json_object_get(citation->sidecar, "Batch") || count_with(citation, "point_ras")) {
+            fputs(" (a ball of that radius where the file gives a point without a direction)", out);
+        }
+    } else {
+        fprintf(out, "%s about the device's axis, with its apex at the device's position and %s of ",
+                is_square ? "a square pyramid" : "a cone",
+                option_value(citation, "angles") ? "the full opening angles" : "a full opening angle");
+        put_angles(out, citation);
+        fputs(",", out);
+    }
+}
+
+static const char *shape_of(const struct citation *citation)
+{
+    bool is_tube = json_number_value(setting(citation, "radius_mm")) > 0;
+    bool is_square = strcmp(setting_text(citation, "aperture"), "square") == 0;
+    return is_tube ? (is_square ? "The prism" : "The cylinder") : is_square ? "The pyramid" : "The cone";
+}
+
+static void put_range(FILE *out, const struct citation *citation)
+{
+    const json_t *range = setting(citation, "range_mm");
+    const char *given = citation->arguments ? option_value(citation, "range") : NULL;
+    if (range || given) {
+        fprintf(out, " Only what lies between two depths along the axis counted: ");
+        if (range) {
+            fprintf(out, "%.9g mm and %.9g mm from the apex.", json_number_value(json_array_get(range, 0)),
+                    json_number_value(json_array_get(range, 1)));
+        } else {
+            fprintf(out, "%s mm from the apex.", given);
+        }
+    }
+}
+
+/* ---- Rays -------------------------------------------------------------------------------------------------------- */
+
+static void put_sampling(FILE *out, const struct citation *citation)
+{
+    const json_t *slices = setting(citation, "slices");
+    double fraction = json_number_value(setting(citation, "slice_fraction"));
+    bool all = strcmp(setting_text(citation, "layers"), "all") == 0;
+    if (strcmp(setting_text(citation, "sampling"), "slices") != 0) {
+        fprintf(out, " Each ray was followed exactly, %s: no voxel and no triangle on its way was left out.",
+                all ? "through all objects" : "to the first object that it hits");
+        return;
+    }
+    fputs(" Volumes were sampled only where a ray meets one of a set of planes across the view: ", out);
+    if (json_is_integer(slices)) { /* Eq. 7 */
+        double count = (double)json_integer_value(slices);
+        fprintf(out, "%.9g of %.9g", fmax(1, floor(fraction * count * (1 + 1e-12))), count);
+    } else {
+        fprintf(out, "%.9g of √2 times as many as the longest edge of the volume has voxels", fraction);
+    }
+    fputs("; thinner objects can be missed.", out);
+}
+
+static long long find_pixels(const struct citation *citation)
+{
+    size_t index;
+    const json_t *query;
+    long long pixels = 0;
+    json_array_foreach(queries(citation), index, query)
+    {
+        long long own = json_integer_value(json_object_get(query, "cone_pixels"));
+        pixels = own > pixels ? own : pixels;
+    }
+    return pixels;
+}
+
+static void put_grid(FILE *out, const struct citation *citation)
+{
+    long long n = json_integer_value(setting(citation, "resolution"));
+    long long pixels = find_pixels(citation);
+    bool is_tube = json_number_value(setting(citation, "radius_mm")) > 0;
+    bool is_square = strcmp(setting_text(citation, "aperture"), "square") == 0;
+    double angles[LISTED + 1];
+    double least;
+    double most;
+    find_angles(angles, &least, &most, citation);
+    bool may_be_wide = !is_tube && (most > 120 || setting(citation, "spread"));
+    fprintf(out, " %s was filled with ", shape_of(citation));
+    if (pixels) {
+        fprintf(out, "%lld ", pixels);
+    }
+    fprintf(out, "%srays%s, one through the centre of each pixel ", is_tube ? "parallel " : "",
+            may_be_wide ? " (evenly spread in angle where it opens beyond 120°)" : "");
+    fprintf(out, is_square ? "of %lld × %lld." : "in the round aperture of %lld × %lld pixels.", n, n);
+}
+
+static void put_rays(FILE *out, const struct citation *citation)
+{
+    bool is_tube = json_number_value(setting(citation, "radius_mm")) > 0;
+    put_grid(out, citation);
+    put_sampling(out, citation);
+    fprintf(out, " An object's share is the part of the %s whose rays hit this object before any other.",
+            is_tube ? "cross-section" : "solid angle");
+    if (strcmp(setting_text(citation, "layers"), "all") == 0) {
+        fputs(" Occluded objects counted, too: path lengths are of all rays through an object; volumes and fractions "
+              "are of the voxels with their centre inside, or, of surfaces, estimated from the rays.",
+              out);
+    }
+}
+
+static void put_score(FILE *out, const struct citation *citation)
+{
+    const char *score = setting_text(citation, "score");
+    const json_t *track = setting(citation, "track");
+    if (strcmp(score, "share") == 0) {
+        fputs(" Objects were ranked by their share.", out);
+    } else {
+        fprintf(out, " Objects were ranked by the score %s (Eq. 12 of conus's documentation)", score);
+        fputs(track ? "" : ".", out);
+    }
+    if (track && strcmp(score, "share") != 0) {
+        fprintf(
+            out,
+            ", with a window of %.9g s, stickiness %.9g and snappiness %.9g at %.9g Hz, growth %.9g/s, decay %.9g/s "
+            "and exponent %.9g.",
+            json_number_value(json_object_get(track, "window_s")),
+            json_number_value(json_object_get(track, "stickiness")),
+            json_number_value(json_object_get(track, "snappiness")),
+            json_number_value(json_object_get(track, "rate_hz")),
+            json_number_value(json_object_get(track, "growth_per_s")),
+            json_number_value(json_object_get(track, "decay_per_s")),
+            json_number_value(json_object_get(track, "exponent")));
+    }
+    if (track) {
+        fprintf(out, " A press of the trigger confirmed what was selected %.9g s before.",
+                json_number_value(json_object_get(track, "delay_s")));
+    }
+}
+
+/* ---- The kinds of questions -------------------------------------------------------------------------------------- */
+
+static void put_jitter(FILE *out, const struct citation *citation)
+{
+    const char *jitter = option_value(citation, "jitter");
+    const char *samples = option_value(citation, "samples");
+    const char *comma = jitter ? strchr(jitter, ',') : NULL;
+    if (!jitter) {
+        return;
+    }
+    fprintf(out,
+            " The probability of each object to rank first was estimated from %s poses about each given one, drawn "
+            "from a Sobol sequence with independent normal errors; their standard deviations were ",
+            samples ? samples : "1024");
+    if (comma) {
+        fprintf(out, "%.*s° of tilt about each of two axes and %s mm of position along each of three.",
+                (int)(comma - jitter), jitter, comma + 1);
+    } else {
+        fputs("those that the file gives for each pose.", out);
+    }
+}
+
+static void put_program(FILE *out, const struct citation *citation)
+{
+    fprintf(out, " with conus, version %s", citation->version);
+    fputs(citation_has_rays(citation) ? ", which selects by conic volumes after Rick et al. (2010)." : ".", out);
+}
+
+static void put_cone(FILE *out, const struct citation *citation)
+{
+    fprintf(out, "The %s in ", objects_of(citation, "areas", "areas and pathways"));
+    put_shape(out, citation);
+    fputs(" were determined for ", out);
+    put_poses(out, citation);
+    put_program(out, citation);
+    put_range(out, citation);
+    if (is_ball(citation)) {
+        fputs(" Distances are to the nearest point of an object's voxels (whole cells) or surface; volumes and "
+              "fractions are of the voxels with their centre in the ball.",
+              out);
+        return;
+    }
+    put_rays(out, citation);
+    put_score(out, citation);
+    put_jitter(out, citation);
+    if (option_value(citation, "summary")) {
+        fputs(" Reported are the object that ranks first, the runner-up and the difference of their scores.", out);
+    }
+}
+
+static void put_admission(FILE *out, const struct citation *citation)
+{
+    const char *angle = option_value(citation, "angle");
+    double angles[LISTED + 1];
+    double least;
+    double most;
+    size_t count = find_angles(angles, &least, &most, citation);
+    fprintf(out,
+            "The least full opening angle at which a cone about the device's axis, with its apex at the device's "
+            "position, contains a point of each %s was determined, up to %.9g°%s, for ",
+            objects_of(citation, "area", "area and pathway"),
+            count   ? most
+            : angle ? strtod(angle, NULL)
+                    : 10,
+            count > 1 ? " (depending on the pose)" : "");
+    put_poses(out, citation);
+    put_program(out, citation);
+    fputs(" Points are the centres of voxels, or all points of a surface; occluded objects count.", out);
+    put_range(out, citation);
+}
+
+/* Regions on different grids may be cut differently. */
+static void put_parts(FILE *out, const struct citation *citation)
+{
+    size_t index;
+    const json_t *query;
+    const json_t *parts = json_object_get(json_array_get(queries(citation), 0), "parts");
+    bool same = true;
+    json_array_foreach(queries(citation), index, query)
+    {
+        same = same && json_equal(parts, json_object_get(query, "parts"));
+    }
+    fputs(" Its voxels were cut into ", out);
+    if (same) {
+        fprintf(out, "%lld × %lld × %lld ", (long long)json_integer_value(json_array_get(parts, 0)),
+                (long long)json_integer_value(json_array_get(parts, 1)),
+                (long long)json_integer_value(json_array_get(parts, 2)));
+    }
+    fputs("equal parts; a part counted for an object that has the part's middle inside.", out);
+}
+
+static void put_overlap(FILE *out, const struct citation *citation)
+{
+    size_t count = json_array_size(queries(citation));
+    const char *threshold = option_value(citation, "threshold");
+    fprintf(out, "The volume that %s of interest has in common with each %s was determined",
+            count == 1 ? "a region" : "each of several regions", objects_of(citation, "area", "area and pathway"));
+    put_program(out, citation);
+    if (threshold) {
+        fprintf(out, " A region was the voxels with values of at %s %s.", *threshold == '-' ? "most" : "least",
+                threshold);
+    } else {
+        fputs(" A region was the voxels of a mask that are not 0.", out);
+    }
+    put_parts(out, citation);
+}
+
+/* ---- The atlas --------------------------------------------------------------------------------------------------- */
+
+static void put_bands(FILE *out, const json_t *bands)
+{
+    size_t index;
+    const json_t *band;
+    json_array_foreach(bands, index, band)
+    {
+        const json_t *low = json_object_get(band, "low");
+        const json_t *high = json_object_get(band, "high");
+        fprintf(out, "%s%s (", index ? ", " : "", json_string_value(json_object_get(band, "name")));
+        if (json_is_number(low)) {
+            fprintf(out, "from %.9g", json_number_value(low));
+        }
+        fputs(json_is_number(low) && json_is_number(high) ? " " : "", out);
+        if (json_is_number(high)) {
+            fprintf(out, "to below %.9g", json_number_value(high));
+        }
+        fputs(json_is_number(low) || json_is_number(high) ? ")" : "all values)", out);
+    }
+}
+
+static const char *name_of(const char *path)
+{
+    const char *slash = path ? strrchr(path, '/') : NULL;
+    return slash ? slash + 1 : path ? path : "a volume";
+}
+
+/* What a volume other than of labels was taken for. */
+static void put_volume(FILE *out, const json_t *volume, bool is_overlap)
+{
+    const char *role = json_string_value(json_object_get(volume, "role"));
+    const char *file = name_of(json_string_value(json_object_get(volume, "path")));
+    const json_t *bands = json_object_get(volume, "bands");
+    double threshold = json_number_value(json_object_get(volume, "threshold"));
+    if (role && strcmp(role, "pathway") == 0 && bands) {
+        fprintf(out, " Values of %s made up ", file);
+        put_bands(out, bands);
+        fputs(".", out);
+    } else if (role && strcmp(role, "pathway") == 0) {
+        fprintf(out, " Voxels of %s with values of at least %.9g counted as a pathway.", file, threshold);
+    } else if (role && strcmp(role, "probability") == 0) {
+        fprintf(out, " Voxels of %s with values of at least %.9g counted as an area.", file, threshold);
+    } else if (role && strcmp(role, "context") == 0 && threshold != 0 && !is_overlap) {
+        fprintf(out, " Voxels of %s with values of at least %.9g blocked the rays.", file, threshold);
+    }
+}
+
+/* Equal sentences of many volumes are one. */
+static void put_volumes(FILE *out, const json_t *volumes, bool is_overlap)
+{
+    size_t size = json_array_size(volumes);
+    size_t index;
+    const json_t *volume;
+    size_t listed = 0;
+    json_array_foreach(volumes, index, volume)
+    {
+        const char *role = json_string_value(json_object_get(volume, "role"));
+        bool is_labels = role && strcmp(role, "parcellation") == 0;
+        if (!is_labels && listed++ < LISTED) {
+            put_volume(out, volume, is_overlap);
+        }
+    }
+    if (listed > LISTED) {
+        fprintf(out, " So did those of %zu more of the %zu volumes, each from its own threshold on.", listed - LISTED,
+                size);
+    }
+}
+
+static void put_treatment(FILE *out, const struct citation *citation, const json_t *atlas)
+{
+    const char *hemispheres = json_string_value(json_object_get(atlas, "hemispheres"));
+    const char *hidden = json_string_value(json_object_get(atlas, "hidden"));
+    const char *level = json_string_value(json_object_get(atlas, "level"));
+    level = level ? level : json_string_value(setting(citation, "level"));
+    put_volumes(out, json_object_get(atlas, "volumes"), is_command(citation, "overlap"));
+    if (level) {
+        fprintf(out, " Areas were joined along the area tree to the level \"%s\".", level);
+    }
+    if (hidden) {
+        fputs(" Some of its objects were left out, as if they were not there", out);
+        fprintf(out, "%s%s.", strlen(hidden) < 200 ? ", by label: " : "; the sidecar lists them",
+                strlen(hidden) < 200 ? hidden : "");
+    }
+    if (hemispheres && strcmp(hemispheres, "split") == 0) {
+        fputs(" Areas on both sides were cut in two at x = 0 of the atlas.", out);
+    } else if (hemispheres && strcmp(hemispheres, "merged") == 0) {
+        fputs(" Left and right areas of one name were joined.", out);
+    }
+    if (json_object_get(atlas, "atlas_from_world")) {
+        fputs(" It was brought into the space of the positions by an affine transform, without resampling.", out);
+    }
+}
+
+static void put_atlas(FILE *out, const struct citation *citation, size_t index)
+{
+    const struct cited_atlas *atlas = &citation->atlases[index];
+    const json_t *several = json_object_get(citation->sidecar, "Atlases");
+    const json_t *own = several ? json_array_get(several, index) : json_object_get(citation->sidecar, "Atlas");
+    const json_t *volume = json_array_get(json_object_get(own, "volumes"), 0);
+    const char *transform = json_string_value(json_object_get(volume, "transform"));
+    fprintf(out, " %s %s (file %s", index ? "Another atlas, asked by itself, was" : "The atlas was", atlas->name,
+            atlas->file);
+    if (atlas->sha256) {
+        fprintf(out, ", SHA-256 %.8s…", atlas->sha256);
+    }
+    if (transform && *transform) {
+        fprintf(out, ", placed by its %s", transform);
+    }
+    fputs(atlas->references.count ? "; see the references)." : ").", out);
+    put_treatment(out, citation, own);
+}
+
+void citation_methods(FILE *out, const struct citation *citation)
+{
+    if (!citation->sidecar) {
+        fprintf(out, "Areas are those of the atlas %s (file %s", citation->atlases[0].name, citation->atlases[0].file);
+        fprintf(out, "%s%.8s%s), as read by conus, version %s.", citation->atlases[0].sha256 ? ", SHA-256 " : "",
+                citation->atlases[0].sha256 ? citation->atlases[0].sha256 : "", citation->atlases[0].sha256 ? "…" : "",
+                citation->version);
+        return;
+    }
+    if (is_command(citation, "overlap")) {
+        put_overlap(out, citation);
+    } else if (is_admission(citation)) {
+        put_admission(out, citation);
+    } else {
+        put_cone(out, citation);
+    }
+    for (size_t i = 0; i < citation->atlas_count; i++) {
+        put_atlas(out, citation, i);
+    }
+    if (!is_command(citation, "overlap") && !is_ball(citation)) {
+        fprintf(out, " %s is a geometric model: no field, heat or sound was computed.", shape_of(citation));
+    }
+}

@@ -1,0 +1,166 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Reads references out of manifests, BrainGlobe's metadata and BIDS's descriptions. */
+#include "cli/cite/reference.h"
+
+#include "common/input_file.h"
+#include "common/messages.h"
+#include "common/output.h"
+
+#include <jansson.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+enum { DESCRIPTION_LIMIT = 1 << 20, FOLDERS_UP = 4 };
+
+/* ---- Texts ------------------------------------------------------------------------------------------------------- */
+
+static void add_text(struct references *out, const json_t *value)
+{
+    const char *text = json_string_value(value);
+    size_t length = text ? json_string_length(value) : 0;
+    size_t kept = length < REFERENCE_SIZE ? length : REFERENCE_SIZE;
+    while (kept < length && kept && ((unsigned char)text[kept] & 0xc0) == 0x80) { /* no part of a character */
+        kept--;
+    }
+    char *line = length && out->count < REFERENCES ? strndup(text, kept) : NULL;
+    if (line) {
+        make_plain_line(line);
+        out->items[out->count++] = line;
+    }
+}
+
+/* A text, or a list of them. */
+static void add_texts(struct references *out, const json_t *value)
+{
+    size_t index;
+    const json_t *text;
+    add_text(out, value);
+    json_array_foreach(value, index, text)
+    {
+        add_text(out, text);
+    }
+}
+
+/* The object in a file; NULL where it is none that is small. */
+static json_t *load(const char *path)
+{
+    struct stat info;
+    char *text = NULL;
+    size_t size = 0;
+    bool is = path && stat(path, &info) == 0 && S_ISREG(info.st_mode) && info.st_size <= DESCRIPTION_LIMIT;
+    messages_hold(true);
+    int code = is ? input_file_read(&text, &size, path, INPUT_FILE, DESCRIPTION_LIMIT) : EXIT_DATA;
+    messages_hold(false);
+    json_t *root = code ? NULL : json_loadb(text, size, 0, NULL);
+    free(text);
+    return root;
+}
+
+/* Adds what the file `path`, which it frees, says under the keys, if it has the key `needed`. */
+static void read_keys(struct references *out, char *path, const char *needed, const char *const *keys)
+{
+    json_t *root = load(path);
+    bool fits = root && (!needed || json_object_get(root, needed));
+    size_t before = out->count;
+    for (; fits && *keys; keys++) {
+        add_texts(out, json_object_get(root, *keys));
+    }
+    json_decref(root);
+    if (out->count > before && !out->source) {
+        out->source = path;
+        path = NULL;
+    }
+    free(path);
+}
+
+/* ---- Files ------------------------------------------------------------------------------------------------------- */
+
+static char *path_in(const char *folder, size_t length, const char *name)
+{
+    char *path = NULL;
+    return asprintf(&path, "%.*s%s%s", (int)length, folder, length && folder[length - 1] != '/' ? "/" : "", name) < 0
+               ? NULL
+               : path;
+}
+
+/* Length of the folder that `length` bytes of the path are in; 0 for none. */
+static size_t folder_of(const char *path, size_t length)
+{
+    while (length && path[length - 1] == '/') {
+        length--;
+    }
+    while (length && path[length - 1] != '/') {
+        length--;
+    }
+    return length;
+}
+
+static void read_brainglobe(struct references *out, const char *path, size_t folder)
+{
+    static const char *const keys[] = {"citation", "atlas_link", NULL};
+    read_keys(out, path_in(path, folder, "metadata.json"), "orientation", keys);
+}
+
+/* The value of the entity atlas- in a name: "atlas-Schaefer2018_dseg.nii.gz". */
+static void read_atlas(struct references *out, const char *path, size_t folder, const char *name,
+                       const char *const *keys)
+{
+    const char *entity = strstr(name, "atlas-");
+    char *file = NULL;
+    size_t length = entity ? strcspn(entity, "_.") : 0;
+    if (entity && asprintf(&file, "%.*s_description.json", (int)length, entity) >= 0) {
+        read_keys(out, path_in(path, folder, file), NULL, keys);
+        free(file);
+    }
+}
+
+static void read_bids(struct references *out, const char *path, const char *name)
+{
+    static const char *const keys[] = {"HowToAcknowledge", "ReferencesAndLinks", "References", "DatasetDOI", NULL};
+    static const char *const files[] = {"template_description.json", "dataset_description.json"};
+    size_t folder = folder_of(path, strlen(path));
+    if (!strstr(name, "tpl-") && !strstr(name, "atlas-")) {
+        return; /* a description of somebody's study, in which the file lies */
+    }
+    for (int i = 0; i <= FOLDERS_UP && !out->count; i++) {
+        read_atlas(out, path, folder, name, keys);
+        for (size_t k = 0; k < sizeof files / sizeof files[0] && !out->count; k++) {
+            read_keys(out, path_in(path, folder, files[k]), NULL, keys);
+        }
+        if (!folder || folder == 1) {
+            break;
+        }
+        folder = folder_of(path, folder);
+    }
+}
+
+void references_find(struct references *out, const char *path)
+{
+    static const char *const keys[] = {"references", NULL};
+    struct stat info;
+    size_t length = strlen(path);
+    bool is_folder = stat(path, &info) == 0 && S_ISDIR(info.st_mode);
+    const char *slash = strrchr(path, '/');
+    *out = (struct references){0};
+    read_keys(out, strdup(path), "conus_atlas", keys);
+    if (is_folder && !out->count) {
+        read_brainglobe(out, path, length);
+    }
+    if ((is_folder || path_ends(path, ".tif") || path_ends(path, ".tiff")) && !out->count) {
+        read_brainglobe(out, path, folder_of(path, length)); /* beside the stack; of FOLDER/meshes, in FOLDER */
+    }
+    if (!out->count) {
+        read_bids(out, path, slash ? slash + 1 : path);
+    }
+}
+
+void references_finish(struct references *references)
+{
+    for (size_t i = 0; i < references->count; i++) {
+        free(references->items[i]);
+    }
+    free(references->source);
+    *references = (struct references){0};
+}

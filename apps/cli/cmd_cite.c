@@ -1,0 +1,352 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* conus cite: the paragraph of methods about a result, and what it should cite. */
+#include "cli/cite/citation.h"
+#include "cli/commands.h"
+#include "cli/verify/verdict.h"
+#include "common/input_file.h"
+#include "common/messages.h"
+#include "common/output.h"
+#include "common/provenance.h"
+#include "settings/atlas_name.h"
+#include "settings/atlases.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+struct cite_settings {
+    struct common_settings common;
+    size_t format;
+    const char *sidecar;
+    struct option_list folders;
+    uint64_t max_memory;
+};
+
+static const char *const formats[] = {"text", "bibtex", NULL};
+
+#define FIELD(member) offsetof(struct cite_settings, member)
+enum { TEXT, BIBTEX, WIDTH = 100 };
+
+static const struct option own_options[] = {
+    {.name = "format",
+     .type = OPTION_CHOICE,
+     .offset = FIELD(format),
+     .value = "FORMAT",
+     .help = "a paragraph with its references, or the references as BibTeX:",
+     .choices = formats},
+    {.name = "sidecar",
+     .type = OPTION_TEXT,
+     .offset = FIELD(sidecar),
+     .value = "FILE.json",
+     .help = "the sidecar of RESULT, if it is not beside it"},
+    {.name = "search",
+     .type = OPTION_LIST,
+     .offset = FIELD(folders),
+     .value = "FOLDER",
+     .help = "look here for the atlas's files, if they are no longer where they were; may be repeated"},
+    {.name = "max-memory",
+     .type = OPTION_BYTES,
+     .offset = FIELD(max_memory),
+     .value = "SIZE",
+     .help = "largest file of ATLAS to read, like 512M or 2G (default 8G)"},
+    {0},
+};
+
+static const struct option_group groups[] = {
+    {"Options", own_options, 0},
+    {"", plain_options, FIELD(common)},
+    {0},
+};
+
+/* A citation on the way. */
+struct citing {
+    const struct cite_settings *settings;
+    const char *given;
+    struct citation citation;
+    struct record record;
+    struct replay replay;
+    struct atlases atlases; /* of ATLAS */
+    char **names;           /* [citation.atlas_count] what the citation borrows */
+};
+
+static int no_memory(void)
+{
+    print_error_line("not enough memory");
+    return EXIT_DATA;
+}
+
+static void citing_finish(struct citing *citing)
+{
+    for (size_t i = 0; i < citing->citation.atlas_count; i++) {
+        references_finish(&citing->citation.atlases[i].references);
+        free(citing->names ? citing->names[i] : NULL);
+    }
+    free(citing->citation.atlases);
+    free((void *)citing->names);
+    replay_finish(&citing->replay);
+    record_finish(&citing->record);
+    atlases_finish(&citing->atlases);
+}
+
+static const char *name_of(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash && slash[1] ? slash + 1 : path;
+}
+
+/* "aal" of "aal.nii.gz"; NULL without memory. */
+static char *stem_of(const char *path)
+{
+    char *name = strdup(name_of(path));
+    static const char *const endings[] = {".gz", ".nii", ".json", ".atlas", ".xml", ".mgz", ".nrrd", ".tif", ".tiff"};
+    for (size_t i = 0; name && i < sizeof endings / sizeof endings[0]; i++) {
+        if (path_ends(name, endings[i])) {
+            name[strlen(name) - strlen(endings[i])] = '\0';
+        }
+    }
+    return name;
+}
+
+static int make_atlases(struct citing *citing, size_t count)
+{
+    citing->citation.atlases = calloc(count, sizeof *citing->citation.atlases);
+    citing->names = calloc(count, sizeof(char *));
+    citing->citation.atlas_count = citing->citation.atlases && citing->names ? count : 0;
+    return citing->citation.atlas_count ? EXIT_DONE : no_memory();
+}
+
+/* ---- Of a result ------------------------------------------------------------------------------------------------- */
+
+/* The first file with this path, else with one in this folder. */
+static const struct recorded_file *find_input(const struct record *record, const char *path)
+{
+    for (size_t i = 0; i < record->input_count; i++) {
+        if (strcmp(record->inputs[i].path, path) == 0) {
+            return &record->inputs[i];
+        }
+    }
+    return NULL;
+}
+
+/* Of a folder or a manifest its own path: what was found there is what the references are looked for beside. */
+static int look_for_references(struct citing *citing, struct cited_atlas *atlas, const char *path,
+                               const struct places *places)
+{
+    const struct recorded_file *file = find_input(&citing->record, path);
+    struct found_file found = {.state = FILE_MISSING};
+    if (file && !file_find(&found, file, places)) {
+        return EXIT_DATA;
+    }
+    atlas->sha256 = file ? file->sha256 : NULL;
+    atlas->is_here = file ? found.state == FILE_SAME || found.state == FILE_MOVED : conus_atlas_is_path(path);
+    if (atlas->is_here) {
+        references_find(&atlas->references, found.path ? found.path : path);
+    }
+    free(found.path);
+    return EXIT_DONE;
+}
+
+static int list_recorded(struct citing *citing, struct places *places)
+{
+    const json_t *several = json_object_get(citing->record.root, "Atlases");
+    int code = make_atlases(citing, several ? json_array_size(several) + !json_array_size(several) : 1);
+    for (size_t i = 0; i < citing->citation.atlas_count && !code; i++) {
+        struct cited_atlas *atlas = &citing->citation.atlases[i];
+        const char *path = record_atlas(&citing->record, i);
+        const char *name = json_string_value(json_object_get(json_array_get(several, i), "name"));
+        if (!path) {
+            print_error_line("%s: Atlas: path: is missing", citing->given);
+            return EXIT_DATA;
+        }
+        citing->names[i] = name ? strdup(name) : stem_of(path);
+        atlas->name = citing->names[i];
+        atlas->file = name_of(path);
+        code = atlas->name ? look_for_references(citing, atlas, path, places) : no_memory();
+    }
+    return code;
+}
+
+static int cite_result(struct citing *citing, const char *sidecar)
+{
+    struct places places = {.beside = {citing->given, sidecar}};
+    struct citation *citation = &citing->citation;
+    int code = EXIT_DONE;
+    citing->replay.record = &citing->record;
+    if (!replay_parse(&citing->replay, commands)) {
+        print_error_line("%s: %s", sidecar, citing->replay.why);
+        return EXIT_DATA;
+    }
+    citation->sidecar = citing->record.root;
+    citation->arguments = &citing->replay.arguments;
+    citation->version = citing->record.version;
+    for (size_t i = 0; i < citing->settings->folders.count && !code; i++) {
+        code = places_add(&places, citing->settings->folders.items[i]);
+    }
+    for (size_t i = 0; i < citing->record.output_count && !places.base; i++) {
+        places.base = base_folder(citing->record.outputs[i].path, citing->given);
+    }
+    code = code ? code : list_recorded(citing, &places);
+    places_finish(&places);
+    return code;
+}
+
+/* ---- Of an atlas ------------------------------------------------------------------------------------------------- */
+
+static const char *sum_of(const conus_atlas *atlas, const char *path)
+{
+    const char *sum = NULL;
+    for (size_t i = 0; i < conus_atlas_volume_count(atlas) && !sum; i++) {
+        const conus_volume_info *info = conus_atlas_volume(atlas, i);
+        sum = strcmp(info->path, path) == 0 ? info->sha256 : NULL;
+    }
+    return sum;
+}
+
+static int cite_atlas(struct citing *citing)
+{
+    const struct atlas_settings settings = {.max_memory = citing->settings->max_memory};
+    struct atlas_name found;
+    int code = make_atlases(citing, 1);
+    code = code ? code : atlases_load(&citing->atlases, citing->given, &settings);
+    code = code ? code : atlas_name_find(&found, citing->given);
+    if (code) {
+        return code;
+    }
+    struct cited_atlas *atlas = &citing->citation.atlases[0];
+    citing->names[0] = found.atlas ? strdup(found.atlas->name) : stem_of(found.path);
+    const conus_volume_info *info = conus_atlas_volume(citing->atlases.items[0].atlas, 0);
+    const char *path = info && found.atlas ? info->path : found.path;
+    references_find(&atlas->references, path);
+    citing->citation.version = conus_version();
+    atlas->name = citing->names[0];
+    atlas->sha256 = sum_of(citing->atlases.items[0].atlas, path);
+    atlas->file = found.atlas && info ? name_of(info->path) : name_of(citing->given);
+    atlas->is_here = true;
+    atlas_name_finish(&found);
+    return atlas->name ? EXIT_DONE : no_memory();
+}
+
+/* ---- What is written --------------------------------------------------------------------------------------------- */
+
+/* Breaks a line at spaces. */
+static void put_wrapped(FILE *out, const char *text)
+{
+    size_t column = 0;
+    for (const char *word = text; *word;) {
+        size_t length = strcspn(word, " ");
+        size_t shown = 0;
+        for (size_t i = 0; i < length; i++) {
+            shown += ((unsigned char)word[i] & 0xc0) != 0x80;
+        }
+        bool breaks = column && column + 1 + shown > WIDTH;
+        fprintf(out, "%s%.*s", breaks ? "\n" : column ? " " : "", (int)length, word);
+        column = breaks ? shown : column + (column > 0) + shown;
+        word += length;
+        word += strspn(word, " ");
+    }
+    fputc('\n', out);
+}
+
+static int put_text(FILE *out, const struct citation *citation)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *paragraph = open_memstream(&text, &size);
+    if (paragraph) {
+        citation_methods(paragraph, citation);
+    }
+    if (!paragraph || fclose(paragraph)) {
+        free(text);
+        return no_memory();
+    }
+    put_wrapped(out, text);
+    fputc('\n', out);
+    citation_list(out, citation);
+    free(text);
+    return EXIT_DONE;
+}
+
+static int write_citation(const struct citing *citing)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    int code = out ? EXIT_DONE : no_memory();
+    if (!code && citing->settings->format == BIBTEX) {
+        citation_bibtex(out, &citing->citation);
+    } else if (!code) {
+        code = put_text(out, &citing->citation);
+    }
+    if (out && fclose(out)) {
+        code = code ? code : no_memory();
+    }
+    if (!code) {
+        conus_plain_text(text);
+        code = output_write(NULL, text, strlen(text));
+    }
+    free(text);
+    return code;
+}
+
+/* Whether a file is JSON that conus wrote about a result, and not an atlas. */
+static bool is_sidecar(const char *path)
+{
+    char *text = NULL;
+    size_t size = 0;
+    json_error_t error;
+    messages_hold(true);
+    int code = input_file_read(&text, &size, path, INPUT_FILE, RECORD_LIMIT);
+    messages_hold(false);
+    json_t *root = code ? NULL : provenance_parse(text, size, &error);
+    bool is = json_object_get(root, "GeneratedBy");
+    json_decref(root);
+    free(text);
+    return is;
+}
+
+static int read_record(struct citing *citing, const char *sidecar)
+{
+    char *text = NULL;
+    size_t size = 0;
+    int code = input_file_read(&text, &size, sidecar, INPUT_FILE, RECORD_LIMIT);
+    const char *bad = code ? NULL : record_parse(&citing->record, text, size);
+    free(text);
+    if (bad) {
+        print_error_line("%s: %s", sidecar, bad);
+        return EXIT_DATA;
+    }
+    return code;
+}
+
+static int run_cite(const void *given, const struct arguments *arguments)
+{
+    struct citing citing = {.settings = given, .given = arguments->operands[0]};
+    const char *named = citing.settings->sidecar;
+    char *sidecar = named ? strdup(named) : sidecar_find(citing.given);
+    int code = EXIT_DONE;
+    if (sidecar && (named || is_sidecar(sidecar))) {
+        code = read_record(&citing, sidecar);
+        code = code ? code : cite_result(&citing, sidecar);
+    } else {
+        code = cite_atlas(&citing);
+    }
+    code = code ? code : write_citation(&citing);
+    citing_finish(&citing);
+    free(sidecar);
+    return code;
+}
+
+const struct command cmd_cite = {
+    .name = "cite",
+    .summary = "write the methods paragraph of a result, and its references",
+    .operands = {"RESULT|ATLAS"},
+    .description =
+        "Of a RESULT with its .json beside it: a paragraph that says what was asked, as the settings say, and the\n"
+        "references: conus, the method where rays were traced, and the atlas, as its own files ask. Of an ATLAS:\n"
+        "how to cite it. Read it before you publish it: conus knows nothing of your study.",
+    .examples = "  conus cite answers.tsv\n"
+                "  conus cite answers.tsv --format bibtex >>paper.bib\n"
+                "  conus cite aal\n",
+    .groups = groups,
+    .settings_size = sizeof(struct cite_settings),
+    .run = run_cite,
+};

@@ -1,0 +1,180 @@
+#!/usr/bin/env bats
+# conus cite: the paragraph says what was asked, and nothing that was not.
+load helpers
+
+# cites RESULT [OPTION...]: what is written about it, on one line.
+cites() {
+    answers cite "$@"
+    output=$(tr '\n' ' ' <<<"$output")
+}
+
+scene() {
+    conus phantom nested -o . --size 24 --spacing 3,3,3
+    conus phantom slabs -o . --size 16 --spacing 4,4,4
+    printf 'query_id\tx\ty\tz\ttx\tty\ttz\tangle\n1\t0\t100\t0\t0\t0\t0\t5\n2\t0\t0\t0\t0\t0\t0\tn/a\n3\t-90\t9\t9\t0\t0\t0\tn/a\n' >poses.tsv
+}
+aim='--origin 0,-100,0 --toward 0,0,0 --angle 30 -q'
+METHOD='T. Rick, A. von Kapri, T. Kuhlen: GPU Implementation of 3D Object Selection by Conic Volume Techniques in Virtual Environments. IEEE Virtual Reality 2010, pp. 243–246.'
+
+@test "the method is the one of README.md, and so is its DOI" {
+    scene
+    conus query nested.nii.gz $aim -o a.tsv
+    cites a.tsv
+    has "$METHOD https://doi.org/10.1109/VR.2010.5444783"
+    tr -d '>\n' <"$BATS_TEST_DIRNAME/../../README.md" | tr -s ' ' | grep -qF "$METHOD"
+    answers cite a.tsv --format bibtex
+    has 'doi = {10.1109/VR.2010.5444783}'
+    grep -qF 'https://doi.org/10.1109/VR.2010.5444783' "$BATS_TEST_DIRNAME/../../README.md"
+    has "version = {$(conus --version | cut -d ' ' -f 2)}"
+    has "SHA-256 $(sha256sum nested.nii.gz | cut -d ' ' -f 1)}"
+}
+
+@test "cones, cylinders, balls, layers, scores" {
+    scene
+    conus query nested.nii.gz $aim --range 70,95 -o a.tsv
+    cites a.tsv
+    has 'a cone about the device'"'"'s axis, with its apex at the device'"'"'s position and a full opening angle of 30°, were determined for one pose'
+    has 'filled with 208 rays, one through the centre of each pixel in the round aperture of 16 × 16 pixels'
+    has 'two depths along the axis counted: 70 mm and 95 mm'
+    has 'to the first object that it hits'
+    has 'ranked by their share.'
+    [[ "$output" != *Occluded* && "$output" != *cylinder* && "$output" != *Sobol* && "$output" != *pathway* && "$output" != *120°* ]]
+    conus query nested.nii.gz $aim --aperture square --resolution 40 --score centre --layers all --hide Core -o b.tsv
+    cites b.tsv
+    has 'a square pyramid'
+    has '1600 rays, one through the centre of each pixel of 40 × 40.'
+    has 'through all objects'
+    has 'Occluded objects counted'
+    has 'by the score centre (Eq. 12'
+    has 'as if they were not there, by label: areas 4000000001.'
+    conus query nested.nii.gz --origin 0,-100,0 --toward 0,0,0 -q --radius 4 --layers all -o c.json
+    cites c.json
+    has 'a cylinder with a radius of 4 mm'
+    has 'parallel rays'
+    has 'cross-section'
+    [[ "$output" != *cone* && "$output" != *"opening angle"* ]]
+    conus query nested.nii.gz --point 0,-23,0 --radius 5 -q -o d.tsv
+    cites d.tsv
+    has 'a ball with a radius of 5 mm were determined for one point'
+    [[ "$output" != *ray* && "$output" != *Rick* && "$output" != *cone* ]]
+    conus query nested.nii.gz --origin 0,-100,0 --toward 0,0,0 --angle 150 -q -o e.tsv
+    cites e.tsv
+    has 'evenly spread in angle where it opens beyond 120°'
+    conus query nested.nii.gz $aim --sampling slices --slices 90 --slice-fraction 0.29 -o f.tsv
+    cites f.tsv
+    has 'planes across the view: 26 of 90; thinner objects can be missed'
+    [[ "$output" != *exactly* ]]
+}
+
+@test "poses, batches, sweeps, tracks and regions" {
+    scene
+    run -1 conus query nested.nii.gz --pose poses.tsv --angle 7 -q -o a.tsv
+    cites a.tsv
+    has 'of 5° to 7°, depending on the pose, were determined for each of 3 poses of the device (1 of them had no answer)'
+    run -1 conus batch nested.nii.gz --poses poses.tsv --summary -q -o b.tsv
+    cites b.tsv
+    has 'of 10°, or the pose'"'"'s own where the file gives one, were determined for each of 3 poses of the device (1 of them'
+    has 'the object that ranks first, the runner-up and the difference of their scores'
+    conus sweep nested.nii.gz $aim -o c.tsv
+    cites c.tsv
+    has 'The least full opening angle at which a cone'
+    has 'was determined, up to 30°, for one pose'
+    [[ "$output" != *Rick* && "$output" != *rays* && "$output" != *share* ]]
+    conus sweep nested.nii.gz --origin 0,-100,0 --toward 0,0,20 --angles 5:15:5 -q -o d.tsv
+    cites d.tsv
+    has 'the full opening angles of 5°, 10° and 15°, were determined for one pose'
+    conus sweep nested.nii.gz $aim --jitter 3,2 --samples 64 -o e.tsv
+    cites e.tsv
+    has 'from 64 poses about each given one, drawn from a Sobol sequence'
+    has '3° of tilt about each of two axes and 2 mm of position along each of three'
+    printf 'time_s\tx\ty\tz\ttx\tty\ttz\n0\t0\t0\t90\t0\t0\t0\n' >hand.tsv
+    conus track nested.nii.gz --poses hand.tsv --score intenselect --growth 3 --delay 0.1 -q -o f.tsv
+    cites f.tsv
+    has 'each step of a moving device'
+    has 'intenselect (Eq. 12 of conus'"'"'s documentation), with a window of 2 s'
+    has 'growth 3/s'
+    has 'selected 0.1 s before'
+    conus overlap nested.nii.gz slabs.nii.gz --threshold 1 -q -o g.tsv
+    cites g.tsv
+    has 'The volume that a region of interest has in common with each area was determined'
+    has 'values of at least 1'
+    has "cut into $(jq -r '.Queries[0].parts | join(" × ")' g.json) equal parts"
+    [[ "$output" != *cone* && "$output" != *Rick* ]]
+}
+
+@test "what could be hit" {
+    scene
+    conus query nested.nii.gz $aim --pathway slabs.nii.gz,threshold=1 --atlas slabs.nii.gz --context slabs.nii.gz \
+        --context-blocks 200 -o a.tsv
+    cites a.tsv
+    has 'The areas and pathways in'
+    has 'Voxels of slabs.nii.gz with values of at least 1 counted as a pathway.'
+    has 'Voxels of slabs.nii.gz with values of at least 200 blocked the rays.'
+    has 'The atlas was nested (file nested.nii.gz, SHA-256 '
+    has 'Another atlas, asked by itself, was slabs'
+    printf '1 0 0 7\n0 1 0 0\n0 0 1 0\n0 0 0 1\n' >right.txt
+    conus query slabs.nii.gz $aim --atlas-transform right.txt --hemispheres split -o b.tsv
+    cites b.tsv
+    has 'brought into the space of the positions by an affine transform'
+    has 'cut in two at x = 0'
+}
+
+@test "the reference of an atlas is what its files say, and only if they are as they were" {
+    scene
+    cites nested.nii.gz
+    has 'nested: its files carry no reference; cite it as its authors ask (file nested.nii.gz, SHA-256 '
+    jq -n '{conus_atlas: 1, parcellation: "nested.nii.gz", references: ["A. Author: An atlas & more. 50% {x}_1", "doi:10.1/x"]}' >x.atlas.json
+    cites x.atlas.json
+    has 'x: A. Author: An atlas & more. 50% {x}_1; doi:10.1/x (file x.atlas.json)'
+    answers cite x.atlas.json --format bibtex
+    has 'note = {A. Author: An atlas \& more. 50\% (x)\_1; doi:10.1/x}'
+    conus query x.atlas.json $aim -o a.tsv
+    cites a.tsv
+    has 'x: A. Author: An atlas & more.'
+    mkdir moved study
+    mv a.tsv a.json moved/
+    cd study
+    cites ../moved/a.tsv
+    has 'x: its files are not here as they were, to look for a reference (file x.atlas.json, SHA-256 '
+    cites ../moved/a.tsv --search ..
+    has 'x: A. Author'
+    cd ..
+    sed -i 's/Author/Outher/' x.atlas.json
+    cites moved/a.tsv --search .
+    has 'are not here as they were'
+    jq '.references = [1]' x.atlas.json >y.atlas.json
+    fails 3 'references[0]: ' info y.atlas.json
+    # BIDS and TemplateFlow: the nearest description, but none of a study in which an atlas of another name lies.
+    mkdir -p study/tpl-X/anat
+    cp nested.nii.gz study/tpl-X/anat/tpl-X_atlas-N_dseg.nii.gz
+    cp nested.nii.gz study/nested.nii.gz
+    printf '{"Name": "S", "HowToAcknowledge": "Cite the study."}' >study/dataset_description.json
+    cites study/nested.nii.gz
+    has 'carry no reference'
+    cites study/tpl-X/anat/tpl-X_atlas-N_dseg.nii.gz
+    has 'Cite the study.'
+    printf '{"Name": "X", "ReferencesAndLinks": ["https://doi.org/10.1/tpl", "B"]}' >study/tpl-X/template_description.json
+    cites study/tpl-X/anat/tpl-X_atlas-N_dseg.nii.gz
+    has ': https://doi.org/10.1/tpl; B (file tpl-X_atlas-N_dseg.nii.gz, SHA-256 '
+    printf '{"HowToAcknowledge": "Cite N.\\u001b[31m"}' >study/tpl-X/anat/atlas-N_description.json
+    cites study/tpl-X/anat/tpl-X_atlas-N_dseg.nii.gz
+    has ': Cite N. [31m (file'
+    printf '[1, {"ReferencesAndLinks": 7}' >study/tpl-X/anat/atlas-N_description.json
+    cites study/tpl-X/anat/tpl-X_atlas-N_dseg.nii.gz
+    has '10.1/tpl'
+}
+
+@test "what cannot be cited is said" {
+    scene
+    fails 3 'cannot open' cite none/none.nii.gz
+    conus query nested.nii.gz $aim -o a.tsv
+    jq 'del(.GeneratedBy[0].CommandLine)' a.json >b.json
+    cp a.tsv b.tsv
+    fails 3 'written by the library or its Python package' cite b.tsv
+    jq '.GeneratedBy[0].CommandLine = "conus mesh nested.nii.gz -o x"' a.json >b.json
+    fails 3 'begins with "conus mesh"' cite b.tsv
+    jq 'del(.Atlas.path)' a.json >b.json
+    fails 3 'Atlas: path: is missing' cite b.tsv
+    jq '.GeneratedBy[0].Name = "other"' a.json >b.json
+    fails 3 'not a sidecar of conus' cite b.tsv
+}
