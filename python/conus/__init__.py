@@ -28,11 +28,13 @@ from ._library import (
     UnsupportedError,
 )
 from ._picture import Picture, Renderer, transfer_presets
+from ._program import Difference, SourceFile, Verification, cite, verify
 from ._track import Tracker
 
 __version__ = _ffi.string(_lib.conus_version()).decode()
 __all__ = [
-    "Answers", "ArgumentError", "Atlas", "CancelledError", "DataError", "Error", "FileError", "GLError", "Hit",
-    "InstalledAtlas", "Jitter", "OutOfMemoryError", "Overlap", "Picture", "PoseWarning", "Renderer", "Selection",
-    "Selector", "Step", "Sweep", "Track", "Tracker", "UnsupportedError", "atlases", "load", "transfer_presets",
+    "Answers", "ArgumentError", "Atlas", "CancelledError", "DataError", "Difference", "Error", "FileError", "GLError",
+    "Hit", "InstalledAtlas", "Jitter", "OutOfMemoryError", "Overlap", "Picture", "PoseWarning", "Renderer", "Selection",
+    "Selector", "SourceFile", "Step", "Sweep", "Track", "Tracker", "UnsupportedError", "Verification", "atlases",
+    "cite", "load", "transfer_presets", "verify",
 ]

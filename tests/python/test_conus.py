@@ -16,7 +16,7 @@ import pandas
 import pytest
 
 import conus
-from support import AAL, AFFINE, NAMES, assert_rows_of_the_program, needs_aal, page_blocks, plates, run_conus, same
+from support import AAL, AFFINE, NAMES, assert_rows_of_the_program, call_conus, needs_aal, page_blocks, plates, run_conus, same
 
 
 # ---- One cone ------------------------------------------------------------------------------------------------------
@@ -287,6 +287,8 @@ def test_other_lines_of_the_documents_run(tmp_path, monkeypatch):
     nibabel.save(nibabel.Nifti1Image(plates(), AFFINE), "labels.nii.gz")
     with open("scene.atlas.json", "w", encoding="utf-8") as file:
         file.write('{"conus_atlas": 1, "parcellation": {"file": "aal.nii.gz", "labels": "aal.nii.txt"}}')
+    os.mkdir("atlases")
+    call_conus("query", "aal.nii.gz", "--origin=-90,20,20", "--toward=0,-10,10", "-q", "-o", "rows.tsv")
     origins, directions = many_poses(30)
     given = {
         "array": plates(), "affine": AFFINE, "table": pandas.DataFrame({"index": [1], "name": ["V1"]}), "pressed": True,

@@ -125,7 +125,7 @@ static const struct {
     {"{\"conus_atlas\": 1, \"conus_atlas\": 1}", "line 1, column 32: duplicate object key near '\"conus_atlas\"'"},
     {"{\"conus_atlas\": 1, \"pathway\": []}",
      "pathway: unknown key, allowed are conus_atlas, comment, "
-     "allow_outside, parcellation, parcellations, areas, space, ccf, prefer, tree, "
+     "references, allow_outside, parcellation, parcellations, areas, space, ccf, prefer, tree, "
      "probabilities, pathways, threshold, context"},
     {"{\"conus_atlas\": 1, \"parcellations\": []}",
      "nothing to select: parcellation, areas, probabilities or pathways is needed"},
@@ -194,6 +194,8 @@ static const struct {
      "pathways[0]: has resolution for one pathway and fsl for several, one of them is allowed"},
     {"{\"conus_atlas\": 1, \"parcellation\": \"a\\nb\"}",
      "parcellation: found \"a?b\", a text of one line that is not empty is needed"},
+    {"{\"conus_atlas\": 1, \"references\": 7}", "references: found 7, a text is needed"},
+    {"{\"conus_atlas\": 1, \"references\": [\"A\", {}]}", "references[1]: found an object, a text is needed"},
     {"{\"conus_atlas\": 1, \"allow_outside\": \"yes\"}", "allow_outside: found \"yes\", true or false is needed"},
 };
 

@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What the program ``conus`` does and the library does not: it is run, and its answer is taken apart."""
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+from typing import Any, NamedTuple, Optional, Sequence, Union
+
+from ._library import ArgumentError, DataError, FileError, UnsupportedError
+
+Path = Union[str, "os.PathLike[str]"]
+
+
+class Difference(NamedTuple):
+    """A line in which a result and its new answer differ."""
+
+    line: int
+    where: str
+    """"query 1, Hippocampus_L: share", or "" where the line is no row of a table."""
+    recorded: Optional[str]
+    """What stands in the file; None where it has ended."""
+    again: Optional[str]
+
+
+class SourceFile(NamedTuple):
+    """A file that a result was made from."""
+
+    path: str
+    sha256: Optional[str]
+    found: Optional[str]
+    state: str
+    """"same", "moved", "changed", "missing", or "not recorded" where the sidecar has no SHA-256."""
+
+
+class Verification(NamedTuple):
+    """What ``verify`` found out. It is true where the result is identical."""
+
+    verdict: str
+    """"identical", "different" or "not verified"."""
+    same_rows: bool
+    why: list[str]
+    """What is not as it was recorded, a line each."""
+    notes: list[str]
+    differences: list[Difference]
+    """The first ten."""
+    lines_that_differ: int
+    files: list[SourceFile]
+
+    def __bool__(self) -> bool:
+        return self.verdict == "identical"
+
+
+def _word(name: str, value: Any) -> str:
+    try:
+        return os.fsdecode(value)
+    except TypeError:
+        raise ArgumentError(f"{name}: {value!r}, wanted is a path") from None
+
+
+def _arguments(what: Path, sidecar: Optional[Path], search: Union[Path, Sequence[Path]]) -> list[str]:
+    folders = [search] if isinstance(search, (str, os.PathLike)) else list(search)
+    words = [] if sidecar is None else [f"--sidecar={_word('sidecar', sidecar)}"]
+    return [*words, *(f"--search={_word('search', folder)}" for folder in folders), "--", _word("result", what)]
+
+
+def _run(*words: str) -> subprocess.CompletedProcess[str]:
+    program = os.environ.get("CONUS") or shutil.which("conus")
+    if not program:
+        raise FileError("there is no program conus in $PATH, and $CONUS names none")
+    try:
+        return subprocess.run([program, *words], capture_output=True, text=True, check=False)
+    except OSError as error:
+        raise FileError(f"{program}: {error.strerror}") from None
+    except ValueError as error:
+        raise ArgumentError(f"path: {error}") from None
+
+
+def _refuse(ended: subprocess.CompletedProcess[str]) -> None:
+    lines = ended.stderr.strip().splitlines() or [f"conus ended with {ended.returncode}"]
+    errors = {2: ArgumentError, 4: UnsupportedError}
+    raise errors.get(ended.returncode, DataError)(lines[-1].removeprefix("conus: "))
+
+
+def verify(
+    result: Path, *, sidecar: Optional[Path] = None, search: Union[Path, Sequence[Path]] = ()
+) -> Verification:
+    """Answers a result of the program again from its sidecar and compares, as ``conus verify`` does.
+
+    ``search`` are folders in which to look for files that moved. Runs the program: ``$CONUS``, or
+    ``conus`` in ``$PATH``.
+    """
+    ended = _run("verify", "--format=json", *_arguments(result, sidecar, search))
+    if not ended.stdout:
+        _refuse(ended)
+    found = json.loads(ended.stdout)
+    return Verification(
+        found["verdict"], found["same_rows"], found["why"], found["notes"],
+        [Difference(**item) for item in found["differences"]], found["lines_that_differ"],
+        [SourceFile(**item) for item in found["files"]],
+    )
+
+
+def cite(
+    what: Path, *, format: str = "text", sidecar: Optional[Path] = None, search: Union[Path, Sequence[Path]] = ()
+) -> str:
+    """The methods paragraph of a result with its references, or how to cite an atlas, as ``conus cite`` writes it.
+
+    ``format`` is "text" or "bibtex". Runs the program: ``$CONUS``, or ``conus`` in ``$PATH``.
+    """
+    ended = _run("cite", f"--format={format}", *_arguments(what, sidecar, search))
+    if ended.returncode:
+        _refuse(ended)
+    return ended.stdout

@@ -1,0 +1,446 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What conus verify reads and compares: command lines, sidecars, places of files, rows and settings. */
+#include "cli/verify/command_line.h"
+#include "cli/verify/find_file.h"
+#include "cli/verify/record.h"
+#include "cli/verify/rows_differ.h"
+#include "cli/verify/settings_differ.h"
+#include "cli/verify/stage.h"
+#include "common/messages.h"
+#include "common/provenance.h"
+#include "settings/options.h"
+#include "test.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* ---- Command lines ----------------------------------------------------------------------------------------------- */
+
+static void command_lines_come_back_as_they_were(void **state)
+{
+    (void)state;
+    uint64_t random = 7;
+    static const char letters[] = "a-/'\" \\$`\n=é%;*";
+    for (int n = 0; n < 500; n++) {
+        char texts[6][9];
+        char program[] = "conus";
+        char *words[7] = {program};
+        const struct command command = {.name = "query"};
+        struct arguments arguments = {
+            .command = &command, .count = 1 + (int)test_random(&random, 0, 6), .words = words};
+        for (int i = 1; i < arguments.count; i++) {
+            size_t length = (size_t)test_random(&random, 0, 9);
+            for (size_t k = 0; k < length; k++) {
+                texts[i - 1][k] = letters[(size_t)test_random(&random, 0, sizeof letters - 1)];
+            }
+            texts[i - 1][length] = '\0';
+            words[i] = texts[i - 1];
+        }
+        char *text = arguments_text(&arguments);
+        struct command_line line;
+        assert_null(command_line_parse(&line, text));
+        assert_int_equal(line.count, arguments.count);
+        for (int i = 0; i < arguments.count; i++) {
+            assert_string_equal(line.words[i], words[i]);
+        }
+        assert_null(line.words[line.count]);
+        command_line_finish(&line);
+        free(text);
+    }
+}
+
+static void what_only_a_shell_takes_is_refused(void **state)
+{
+    (void)state;
+    static const char *const bad[] = {
+        "",           "conus ",      " conus",     "conus  query", "conus;ls",   "conus $HOME",
+        "conus `ls`", "conus \"a\"", "conus 'a",   "conus 'a'b",   "conus a'b'", "conus 'a''b'",
+        "conus\ta",   "conus\nls",   "conus a\\b", "conus a>b",    "conus a&",   "conus é"};
+    struct command_line line;
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        assert_non_null(command_line_parse(&line, bad[i]));
+        assert_null(line.words);
+    }
+    char many[2 * COMMAND_WORDS + 2];
+    memset(many, 'a', sizeof many);
+    for (size_t i = 1; i < sizeof many; i += 2) {
+        many[i] = ' ';
+    }
+    many[2 * COMMAND_WORDS - 1] = '\0';
+    assert_null(command_line_parse(&line, many)); /* 4096 words */
+    command_line_finish(&line);
+    many[2 * COMMAND_WORDS - 1] = ' ';
+    many[2 * COMMAND_WORDS + 1] = '\0';
+    assert_non_null(strstr(command_line_parse(&line, many), "4096"));
+}
+
+/* ---- Sidecars ---------------------------------------------------------------------------------------------------- */
+
+#define SUM(digit) digit digit digit digit digit digit digit digit
+#define SHA(digit) SUM(digit) SUM(digit) SUM(digit) SUM(digit) SUM(digit) SUM(digit) SUM(digit) SUM(digit)
+
+static const char good[] =
+    "{\"GeneratedBy\": [{\"Name\": \"conus\", \"Version\": \"0.1.0\", \"CommandLine\": \"conus query 'a b.nii' -q\"}],"
+    "\"Atlas\": {\"path\": \"a b.nii\", \"volumes\": [{\"path\": \"a b.nii\", \"sha256\": \"" SHA(
+        "0") "\", \"bytes\": 12}],"
+             "\"files\": [{\"path\": \"t.tsv\", \"sha256\": \"" SHA(
+                 "a") "\"}, {\"path\": \"a b.nii\", \"sha256\": \"" SHA("0") "\"}]},"
+                                                                             "\"Batch\": {\"shard\": [1, 3], "
+                                                                             "\"bytes\": 7, \"crc32\": \"00c0ffee\", "
+                                                                             "\"pose_file\": \"p.tsv\", "
+                                                                             "\"pose_file_sha256\": \"" SHA(
+                                                                                 "b") "\"},"
+                                                                                      "\"Inputs\": [{\"path\": \"-\", "
+                                                                                      "\"sha256\": null}],"
+                                                                                      "\"Outputs\": [{\"option\": "
+                                                                                      "\"output\", \"path\": "
+                                                                                      "\"r.tsv\", \"bytes\": 3, "
+                                                                                      "\"sha256\": \"" SHA("c") "\"}]}";
+
+static void a_sidecar_is_read_whole(void **state)
+{
+    (void)state;
+    struct record record;
+    assert_null(record_parse(&record, good, strlen(good)));
+    assert_string_equal(record.version, "0.1.0");
+    assert_int_equal(record.line.count, 4);
+    assert_string_equal(record.line.words[2], "a b.nii");
+    assert_int_equal(record.input_count, 4); /* sorted, each once */
+    assert_string_equal(record.inputs[0].path, "-");
+    assert_null(record.inputs[0].sha256);
+    assert_string_equal(record.inputs[1].path, "a b.nii");
+    assert_int_equal(record.inputs[1].bytes, 12);
+    assert_string_equal(record.inputs[2].path, "p.tsv");
+    assert_string_equal(record.inputs[2].sha256, SHA("b"));
+    assert_int_equal(record.inputs[3].bytes, -1);
+    assert_int_equal(record.output_count, 2);
+    assert_string_equal(record.outputs[0].path, "r.tsv");
+    assert_int_equal(record.outputs[1].crc32, 0xc0ffee);
+    assert_int_equal(record.outputs[1].bytes, 7);
+    assert_int_equal(record.shard[0], 1);
+    assert_int_equal(record.shard[1], 3);
+    assert_true(record.has_inputs && !record.is_sealed);
+    assert_string_equal(record_atlas(&record, 0), "a b.nii");
+    assert_null(record_atlas(&record, 1));
+    record_finish(&record);
+}
+
+/* Every prefix but the whole text is none. */
+static void no_prefix_of_a_sidecar_is_one(void **state)
+{
+    (void)state;
+    struct record record;
+    for (size_t size = 0; size < strlen(good); size++) {
+        char *exact = malloc(size + 1); /* so that a byte too far is found */
+        memcpy(exact, good, size);
+        assert_non_null(record_parse(&record, exact, size));
+        assert_null(record.root);
+        free(exact);
+    }
+}
+
+static void wrong_values_of_a_sidecar_are_refused(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *from, *to, *why;
+    } bad[] = {
+        {"\"conus\"", "\"other\"", "not a sidecar"},
+        {"\"Version\": \"0.1.0\"", "\"Version\": 1", "not a sidecar"},
+        {"\"CommandLine\"", "\"commandLine\"", "the library or its Python package"},
+        {"conus query", "conus;query", "is not quoted"},
+        {SHA("a"), SHA("A"), "sha256: is not 64 digits"},
+        {SHA("a"), "abc", "sha256: is not 64 digits"},
+        {"\"bytes\": 12", "\"bytes\": -1", "bytes: is not a whole number"},
+        {"\"bytes\": 12", "\"bytes\": 1.5", "bytes: is not a whole number"},
+        {"\"path\": \"t.tsv\"", "\"path\": \"\"", "path: is no file's"},
+        {"\"path\": \"t.tsv\"", "\"path\": 7", "path: is no file's"},
+        {"{\"path\": \"t.tsv\", \"sha256\": \"" SHA("a"), "{\"path\": \"a b.nii\", \"sha256\": \"" SHA("a"),
+         "two different SHA-256"},
+        {"\"option\": \"output\", ", "", "option: is missing"},
+        {"[1, 3]", "[3, 3]", "Batch: no shard"},
+        {"[1, 3]", "[-1, 3]", "Batch: no shard"},
+        {"00c0ffee", "00c0ffe", "Batch: no shard"},
+        {SHA("b"), "b", "Batch: pose_file"},
+        {"\"Inputs\":", "\"Atlas\":", "duplicate"},
+    };
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        char text[2 * sizeof good];
+        const char *at = strstr(good, bad[i].from);
+        struct record record;
+        assert_non_null(at);
+        snprintf(text, sizeof text, "%.*s%s%s", (int)(at - good), good, bad[i].to, at + strlen(bad[i].from));
+        const char *why = record_parse(&record, text, strlen(text));
+        if (!why || !strstr(why, bad[i].why)) {
+            fail_msg("%s -> %s: %s", bad[i].from, bad[i].to, why ? why : "taken");
+        }
+    }
+}
+
+static void *take(size_t size)
+{
+    return malloc(size);
+}
+
+static void a_sidecar_is_read_or_refused_with_any_allocation_failing(void **state)
+{
+    (void)state;
+    const char *bad = "";
+    json_set_alloc_funcs(take, free); /* else jansson's would not fail */
+    for (long n = 0; bad; n++) {
+        struct record record;
+        test_fail_allocation(n);
+        bad = record_parse(&record, good, strlen(good));
+        bool failed = test_allocation_failed();
+        test_fail_allocation(-1);
+        assert_true(bad ? failed && !record.root : !failed);
+        if (!bad) {
+            record_finish(&record);
+        }
+    }
+    json_set_alloc_funcs(malloc, free);
+}
+
+/* A seal fits what it was made of, whatever is added to it that is not conus's. */
+static void a_seal_breaks_with_what_it_is_of(void **state)
+{
+    (void)state;
+    static const char *const changes[] = {"{\"TaskName\": \"rest\", \"rank\": 1}",
+                                          "{\"Settings\": {\"layers\": \"all\"}}"};
+    for (size_t i = 0; i < 2; i++) {
+        struct record record;
+        json_t *root = json_loads(good, 0, NULL);
+        json_t *change = json_loads(changes[i], 0, NULL);
+        assert_true(provenance_seal(root));
+        json_object_update(root, change);
+        char *text = json_dumps(root, JSON_INDENT(1));
+        assert_null(record_parse(&record, text, strlen(text)));
+        assert_true(record.is_sealed);
+        assert_int_equal(record.is_intact, i == 0);
+        record_finish(&record);
+        free(text);
+        json_decref(change);
+        json_decref(root);
+    }
+}
+
+/* ---- Places ------------------------------------------------------------------------------------------------------ */
+
+static void the_folder_of_a_run_follows_from_a_path(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *recorded, *actual, *base;
+    } cases[] = {{"r.tsv", "r.tsv", ""},
+                 {"r.tsv", "x/r.tsv", "x/"},
+                 {"out/r.tsv", "out/r.tsv", ""},
+                 {"out/r.tsv", "/a/out/r.tsv", "/a/"},
+                 {"out/r.tsv", "/a/out/renamed.tsv", "/a/"},
+                 {"out/r.tsv", "/a/b/r.tsv", NULL},
+                 {"out/r.tsv", "/a/xout/r.tsv", NULL},
+                 {"a/out/r.tsv", "out/r.tsv", NULL},
+                 {"/abs/r.tsv", "/abs/r.tsv", NULL},
+                 {NULL, "x/r.tsv", "x/"}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        char *base = base_folder(cases[i].recorded, cases[i].actual);
+        assert_true((base == NULL) == (cases[i].base == NULL));
+        if (base) {
+            assert_string_equal(base, cases[i].base);
+        }
+        free(base);
+    }
+}
+
+static void put_file(const char *path, const char *text)
+{
+    FILE *file = fopen(path, "we");
+    assert_non_null(file);
+    fputs(text, file);
+    fclose(file);
+}
+
+/* One of the right length and name, one of another length, and the one: by length first, and links are no way. */
+static void files_are_found_by_length_and_checksum(void **state)
+{
+    (void)state;
+    char sum[SHA256_TEXT];
+    struct places places = {0};
+    struct found_file found;
+    test_folder("places");
+    mkdir(test_in("deep"), 0700);
+    put_file(test_in("wanted"), "xyz");
+    put_file(test_in("other"), "abcd");
+    put_file(test_in("deep/renamed"), "abc");
+    provenance_hash(sum, "abc", 3);
+    const struct recorded_file wanted = {.path = "none/wanted", .sha256 = sum, .bytes = 3, .crc32 = -1};
+    assert_true(file_find(&found, &wanted, &places));
+    assert_int_equal(found.state, FILE_MISSING);
+    assert_int_equal(places_add(&places, test_in("")), EXIT_DONE);
+    assert_int_equal(places.candidate_count, 3);
+    assert_true(file_find(&found, &wanted, &places));
+    assert_int_equal(found.state, FILE_MOVED);
+    assert_non_null(strstr(found.path, "/deep/renamed"));
+    free(found.path);
+    places_finish(&places);
+    unlink(test_in("deep/renamed"));
+    assert_int_equal(symlink(test_in("."), test_in("deep/circle")), 0);
+    assert_int_equal(places_add(&places, test_in("")), EXIT_DONE);
+    assert_int_equal(places.candidate_count, 2);
+    places_finish(&places);
+    messages_hold(true);
+    assert_int_equal(places_add(&places, test_in("wanted")), EXIT_USAGE);
+    assert_int_equal(places_add(&places, test_in("missing")), EXIT_DATA);
+    messages_hold(false);
+    const struct recorded_file changed = {.path = test_in("wanted"), .sha256 = sum, .bytes = 3, .crc32 = -1};
+    assert_true(file_find(&found, &changed, &places));
+    assert_int_equal(found.state, FILE_CHANGED);
+    free(found.path);
+}
+
+/* The paths of a sidecar are links below the folder, whatever they are. */
+static void a_stage_holds_every_path(void **state)
+{
+    (void)state;
+    test_folder("stage");
+    put_file(test_in("file"), "abc");
+    struct recorded_file inputs[] = {
+        {.path = "../../x/../y/a"}, {.path = "../../x/b"}, {.path = "c"}, {.path = "/no/such/d"}};
+    char *file = realpath(test_in("file"), NULL);
+    struct found_file found[] = {{file, FILE_SAME}, {file, FILE_SAME}, {file, FILE_SAME}, {file, FILE_MOVED}};
+    struct record record = {.inputs = inputs, .input_count = 4};
+    struct stage stage;
+    assert_true(stage_make(&stage, &record, found));
+    assert_true(stage.is_moved);
+    for (size_t i = 0; i < 4; i++) {
+        char path[8192];
+        bool absolute = inputs[i].path[0] == '/';
+        char *word = stage_word(&stage, inputs[i].path);
+        snprintf(path, sizeof path, "%s%s%s", absolute ? "" : stage.cwd, absolute ? "" : "/", word);
+        char *real = realpath(path, NULL);
+        assert_non_null(real);
+        assert_string_equal(real + strlen(real) - strlen("/stage/file"), "/stage/file");
+        char *slash = strrchr(path, '/');
+        *slash = '\0';
+        char *folder = realpath(path, NULL);
+        assert_int_equal(strncmp(folder, stage.folder, strlen(stage.folder)), 0);
+        free(folder);
+        free(real);
+        free(word);
+    }
+    char *output = stage_output(&stage, "output", "..");
+    assert_non_null(strstr(output, "/out/output/rows"));
+    free(output);
+    char *word = stage_word(&stage, "FILE,from=/a,to=b");
+    assert_non_null(strstr(word, "/root/a,to=b"));
+    free(word);
+    char gone[4096];
+    snprintf(gone, sizeof gone, "%s", stage.folder);
+    stage_finish(&stage);
+    stage_remove(stage.folder);
+    assert_int_equal(access(gone, F_OK), -1);
+    assert_int_equal(access(file, F_OK), 0);
+    free(file);
+}
+
+/* ---- Differences ------------------------------------------------------------------------------------------------- */
+
+static void find(struct differences *out, const char *a, const char *b)
+{
+    assert_true(differences_find(out, a, strlen(a), b, strlen(b), 1));
+}
+
+static void the_cell_that_differs_is_named(void **state)
+{
+    (void)state;
+    struct differences found;
+    find(&found, "query\tname\tpixels\n1\tA\t5\n1\tB\t6\n", "query\tname\tpixels\n1\tA\t5\n1\tB\t7\n");
+    assert_int_equal(found.count, 1);
+    assert_int_equal(found.lines, 3);
+    assert_int_equal(found.items[0].line, 3);
+    assert_string_equal(found.items[0].where, "query 1, B: pixels");
+    assert_string_equal(found.items[0].before, "6");
+    assert_string_equal(found.items[0].after, "7");
+    differences_finish(&found);
+    find(&found, "query,name\r\n1,\"a, b\"\r\n", "query,name\r\n1,\"a, c\"\r\n");
+    assert_int_equal(found.count, 1);
+    assert_string_equal(found.items[0].before, "\"a, b\"\r");
+    differences_finish(&found);
+    find(&found, "a b\nc\n", "a b\n");
+    assert_string_equal(found.items[0].before, "c");
+    assert_null(found.items[0].after);
+    differences_finish(&found);
+    find(&found, "a\nb", "a\nb\n");
+    assert_int_equal(found.count, 1);
+    assert_int_equal(found.items[0].line, 2);
+    assert_string_equal(found.items[0].before, "no line end");
+    differences_finish(&found);
+    find(&found, "", "");
+    assert_int_equal(found.count, 0);
+}
+
+static void more_differences_than_are_listed_are_counted(void **state)
+{
+    (void)state;
+    char a[200] = "";
+    char b[200] = "";
+    struct differences found;
+    for (int i = 0; i < 25; i++) {
+        strcat(a, "x\n");
+        strcat(b, "y\n");
+    }
+    find(&found, a, b);
+    assert_int_equal(found.count, 25);
+    assert_int_equal(found.listed, DIFFERENCES);
+    differences_finish(&found);
+}
+
+static void the_setting_that_differs_is_named(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *a, *b, *said;
+    } cases[] = {
+        {"{\"Settings\": {\"resolution\": 16}}", "{\"Settings\": {\"resolution\": 32}}",
+         "Settings.resolution is 16 there, and 32"},
+        {"{\"Settings\": {\"engine\": \"rays\"}}", "{\"Settings\": {\"engine\": \"gl\"}}", NULL},
+        {"{\"Atlas\": {\"path\": \"a\", \"files\": [{\"sha256\": \"1\"}]}}",
+         "{\"Atlas\": {\"path\": \"b\", \"files\": [{\"sha256\": \"2\"}]}}", "Atlas.files[0].sha256 is \"1\" there"},
+        {"{\"Queries\": [1]}", "{\"Queries\": [1, 2]}", "Queries[1] is missing there, and 2"},
+        {"{\"Settings\": {}}", "{\"Settings\": {\"level\": \"1\"}}", "Settings.level is missing there"},
+        {"{\"Settings\": {\"level\": \"1\"}}", "{}", "Settings is {\"level\":\"1\"} there, and missing"},
+        {"{\"Checksum\": \"1\"}", "{}", NULL},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        json_t *a = json_loads(cases[i].a, 0, NULL);
+        json_t *b = json_loads(cases[i].b, 0, NULL);
+        char *said = settings_difference(a, b);
+        assert_true((said == NULL) == (cases[i].said == NULL));
+        assert_true(!said || strstr(said, cases[i].said));
+        free(said);
+        json_decref(a);
+        json_decref(b);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(command_lines_come_back_as_they_were),
+        cmocka_unit_test(what_only_a_shell_takes_is_refused),
+        cmocka_unit_test(a_sidecar_is_read_whole),
+        cmocka_unit_test(no_prefix_of_a_sidecar_is_one),
+        cmocka_unit_test(wrong_values_of_a_sidecar_are_refused),
+        cmocka_unit_test(a_sidecar_is_read_or_refused_with_any_allocation_failing),
+        cmocka_unit_test(a_seal_breaks_with_what_it_is_of),
+        cmocka_unit_test(the_folder_of_a_run_follows_from_a_path),
+        cmocka_unit_test(files_are_found_by_length_and_checksum),
+        cmocka_unit_test(a_stage_holds_every_path),
+        cmocka_unit_test(the_cell_that_differs_is_named),
+        cmocka_unit_test(more_differences_than_are_listed_are_counted),
+        cmocka_unit_test(the_setting_that_differs_is_named),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
