@@ -142,6 +142,7 @@ conus_status selector_share(conus_selector **out, const conus_selector *selector
                                .level = selector->level,
                                .level_spec = selector->level_spec,
                                .engine = selector->engine,
+                               .axis = selector->axis,
                                .whole = selector->whole,
                                .inside_only = selector->inside_only,
                                .is_shared = true};
@@ -152,6 +153,23 @@ conus_status selector_share(conus_selector **out, const conus_selector *selector
     }
     *out = shared;
     return CONUS_OK;
+}
+
+conus_status selector_prepare_axis(conus_selector *selector)
+{
+    const conus_selector_options *options = &selector->options;
+    bool is_exact = options->engine != CONUS_ENGINE_GL && options->sampling == CONUS_SAMPLING_EXACT;
+    if (selector->axis) {
+        return CONUS_OK;
+    }
+    if (is_exact) {
+        selector->axis = selector->engine;
+        return CONUS_OK;
+    }
+    conus_status status = engine_rays_create(&selector->axis, selector->atlas,
+                                             &(struct engine_options){.sampling = CONUS_SAMPLING_EXACT});
+    selector->owns_axis = !status;
+    return status;
 }
 
 conus_status conus_selector_share(conus_selector **out, const conus_selector *selector)
@@ -170,6 +188,9 @@ void conus_selector_destroy(conus_selector *selector)
             level_destroy(selector->level);
             memory_free(selector->level_spec);
             memory_free(selector->whole);
+        }
+        if (selector->owns_axis) {
+            engine_destroy(selector->axis);
         }
         memory_free(selector->on_border);
         aperture_finish(&selector->aperture);

@@ -19,6 +19,8 @@ struct conus_selector {
     struct level *level;
     char *level_spec; /**< NULL = none. */
     struct engine *engine;
+    struct engine *axis; /**< What follows axes, exactly and on the CPU; NULL until selector_prepare_axis(). */
+    bool owns_axis;      /**< It is neither the engine nor another selector's. */
     struct aperture aperture;
     struct tally tally; /**< Prepared for the atlas's objects. */
     struct census census;
@@ -31,5 +33,8 @@ struct conus_selector {
 /** A selector like @p selector, which must outlive it, with the same engine and scratch of its own: each may answer on
  * another thread, where the engine is rays. */
 conus_status selector_share(conus_selector **out, const conus_selector *selector);
+
+/** Makes selector->axis ready, unless it is. Before selectors are shared, theirs is made once. */
+conus_status selector_prepare_axis(conus_selector *selector);
 
 #endif

@@ -25,71 +25,74 @@ static bool is_error_cell(const char *cell, char separator)
     return strncmp(cell, kind, sizeof kind - 1) == 0 && cell[sizeof kind - 1] == separator;
 }
 
-/* Columns query and kind, */
-static bool in_tsv(const char *line)
+/* How errors look in a file. */
+struct form {
+    bool (*is_error)(const struct form *form, const char *line);
+    char separator; /* of a table, */
+    size_t kind;    /* and the number of its column of that name, from 0 */
+};
+
+static bool in_table(const struct form *form, const char *line)
 {
-    return is_error_cell(next_cell(line, '\t'), '\t');
+    for (size_t i = 0; i < form->kind; i++) {
+        line = next_cell(line, form->separator);
+    }
+    return is_error_cell(line, form->separator);
 }
 
-static bool in_csv(const char *line)
+static bool in_ndjson(const struct form *form, const char *line)
 {
-    return is_error_cell(next_cell(line, ','), ',');
-}
-
-/* or query, atlas and kind. */
-static bool in_tsv_of_atlases(const char *line)
-{
-    return is_error_cell(next_cell(next_cell(line, '\t'), '\t'), '\t');
-}
-
-static bool in_csv_of_atlases(const char *line)
-{
-    return is_error_cell(next_cell(next_cell(line, ','), ','), ',');
-}
-
-static bool in_ndjson(const char *line)
-{
+    (void)form;
     return strstr(line, "\"kind\":\"error\""); /* marks inside of texts have a backslash before them */
 }
 
-static bool in_afni(const char *line)
+static bool in_afni(const struct form *form, const char *line)
 {
+    (void)form;
     return strncmp(line, "***** ", 6) == 0 && strncmp(line, "***** Not near any region", 25) != 0;
 }
 
 /* The last column is area_error. */
-static bool in_bids(const char *line)
+static bool in_bids(const struct form *form, const char *line)
 {
+    (void)form;
     const char *tab = strrchr(line, '\t');
     return tab && strcmp(tab, "\tarea_error\n") != 0 && strcmp(tab, "\tn/a\n") != 0;
 }
 
-typedef bool is_error(const char *line);
-
-/* How errors look in a file with this first line. */
-static is_error *errors_after(const char *first)
+/* Of a table whose header row begins with the column query. */
+static struct form form_of_table(const char *header)
 {
-    return strncmp(first, "query\tatlas\t", 12) == 0 ? in_tsv_of_atlases
-           : strncmp(first, "query,atlas,", 12) == 0 ? in_csv_of_atlases
-           : strncmp(first, "query\t", 6) == 0       ? in_tsv
-           : strncmp(first, "query,", 6) == 0        ? in_csv
-           : *first == '{'                           ? in_ndjson
-           : strncmp(first, "+++++++ ", 8) == 0      ? in_afni
-                                                     : in_bids;
+    struct form form = {.is_error = in_table, .separator = header[strlen("query")]};
+    const char name[] = {'k', 'i', 'n', 'd', form.separator, '\0'};
+    for (const char *cell = header; *cell && strncmp(cell, name, sizeof name - 1) != 0; form.kind++) {
+        cell = next_cell(cell, form.separator);
+    }
+    return form;
+}
+
+/* Of a file with this first line. */
+static struct form form_after(const char *first)
+{
+    bool is_table = strncmp(first, "query\t", 6) == 0 || strncmp(first, "query,", 6) == 0;
+    return is_table ? form_of_table(first)
+                    : (struct form){.is_error = *first == '{'                        ? in_ndjson
+                                                : strncmp(first, "+++++++ ", 8) == 0 ? in_afni
+                                                                                     : in_bids};
 }
 
 bool batch_errors_count(uint64_t *errors, const char *path)
 {
     char *line = NULL;
     size_t capacity = 0;
-    is_error *is = NULL;
+    struct form form = {0};
     FILE *file = input_file_open(path);
     if (!file) {
         return false;
     }
     for (*errors = 0; getline(&line, &capacity, file) > 0;) {
-        is = is ? is : errors_after(line);
-        *errors += is(line);
+        form = form.is_error ? form : form_after(line);
+        *errors += form.is_error(&form, line);
     }
     bool whole = feof(file) && !ferror(file);
     if (!whole) {

@@ -3,7 +3,9 @@
 #include "batch/batch_jobs.h"
 
 #include "batch/batch_table.h"
+#include "batch/batch_work.h"
 #include "common/messages.h"
+#include "common/output.h"
 
 /* Of the exit codes of several batches the one that says most. */
 static int worse(int a, int b)
@@ -48,7 +50,8 @@ static bool check_operands(const struct batch_settings *settings, const struct a
 {
     if (settings->jobs) {
         return (!arguments->operand_count || (print_error_line("ATLAS and --jobs exclude each other"), false)) &&
-               options_exclude(arguments, "jobs", "poses") && options_exclude(arguments, "jobs", "output");
+               options_exclude(arguments, "jobs", "poses") && options_exclude(arguments, "jobs", "output") &&
+               options_exclude(arguments, "jobs", "segments");
     }
     if (!arguments->operand_count) {
         const char *program = arguments->command->program;
@@ -58,11 +61,45 @@ static bool check_operands(const struct batch_settings *settings, const struct a
     return settings->poses || (print_error_line("--poses FILE is missing"), false);
 }
 
+/* Where there are both, rows and segments are two files of two runs over the same poses. */
+static bool check_both(const struct batch_settings *settings)
+{
+    const char *segments = settings->axis.segments;
+    if (output_is_stdout(settings->output) ? output_is_stdout(segments) : paths_equal(settings->output, segments)) {
+        print_error_line("--output and --segments are the same file");
+        return false;
+    }
+    if (work_is_pipe(settings->poses)) {
+        print_error_line("--segments besides --output reads the poses once more: it needs a file of poses, not %s",
+                         output_is_stdout(settings->poses) ? "standard input" : "a pipe");
+        return false;
+    }
+    return true;
+}
+
+static int answer_outputs(const struct batch_settings *settings, const struct arguments *arguments,
+                          batch_answer *answer, void *user)
+{
+    struct batch_settings own = *settings;
+    int code = EXIT_DONE;
+    if (!settings->axis.segments) {
+        return answer(user, settings, arguments);
+    }
+    if (settings->output) {
+        code = check_both(settings) ? answer(user, settings, arguments) : EXIT_USAGE;
+        own.common.quiet = true; /* the notes are said */
+    }
+    own.of_segments = true;
+    own.output = settings->axis.segments;
+    return code == EXIT_DONE || code == EXIT_DIFFERENT ? worse(code, answer(user, &own, arguments)) : code;
+}
+
 int batch_jobs_answer(const struct batch_settings *settings, const struct arguments *arguments, batch_answer *answer,
                       void *user)
 {
     if (!check_operands(settings, arguments)) {
         return EXIT_USAGE;
     }
-    return settings->jobs ? answer_all(settings, arguments, answer, user) : answer(user, settings, arguments);
+    return settings->jobs ? answer_all(settings, arguments, answer, user)
+                          : answer_outputs(settings, arguments, answer, user);
 }

@@ -104,6 +104,7 @@ const struct option_group batch_groups[] = {
     {"", context_options, FIELD(context)},
     {"", more_atlas_options, FIELD(atlas)},
     {"What is written", output_options, 0},
+    {"", axis_options, FIELD(axis)},
     {"How it runs", run_options, 0},
     {"", quiet_options, FIELD(common)},
     {0},
@@ -114,15 +115,16 @@ bool batch_format(conus_format *out, const struct batch_settings *settings, cons
     static const conus_format named[] = {CONUS_FORMAT_TSV,       CONUS_FORMAT_CSV,  CONUS_FORMAT_NDJSON,
                                          CONUS_FORMAT_AFNI,      CONUS_FORMAT_BIDS, CONUS_FORMAT_SPIKEGLX,
                                          CONUS_FORMAT_OPEN_EPHYS};
-    *out = named[settings->format];
-    if (option_given(arguments, "format") || output_is_no_file(settings->output)) {
+    bool is_besides = settings->of_segments && option_given(arguments, "output"); /* --format is of the other file */
+    *out = is_besides ? CONUS_FORMAT_TSV : named[settings->format];
+    if ((option_given(arguments, "format") && !is_besides) || output_is_no_file(settings->output)) {
         return true;
     }
     bool known = output_format(out, settings->output) && *out != CONUS_FORMAT_TABLE && *out != CONUS_FORMAT_JSON;
     return known ||
-           (print_error_line("%s: --output ends in none of .tsv, .csv, .ndjson and .jsonl; --format says what else is "
+           (print_error_line("%s: --%s ends in none of .tsv, .csv, .ndjson and .jsonl; --format says what else is "
                              "written",
-                             settings->output),
+                             settings->output, settings->of_segments ? "segments" : "output"),
             false);
 }
 

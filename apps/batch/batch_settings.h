@@ -3,6 +3,7 @@
 #ifndef CONUS_BATCH_BATCH_SETTINGS_H
 #define CONUS_BATCH_BATCH_SETTINGS_H
 
+#include "settings/axis_options.h"
 #include "settings/pose_settings.h"
 
 struct batch_settings {
@@ -16,6 +17,8 @@ struct batch_settings {
     const char *output;
     size_t format; /* batch_format() */
     bool summary;
+    struct axis_settings axis;
+    bool of_segments; /* no option: the rows of this run are those of --segments, whose file is the output */
     const char *jobs;
     const char *shard;
     uint32_t threads, block;
@@ -30,8 +33,8 @@ struct shard {
 
 extern const struct option_group batch_groups[]; /**< Of struct batch_settings. */
 
-/** What the rows are written in: --format, else what the ending of --output says, TSV where that is no file. False,
- * after an error message, for a file whose ending says nothing. */
+/** What the rows are written in: --format (of segments besides rows not), else what the ending of --output says, TSV
+ * where that is no file. False, after an error message, for a file whose ending says nothing. */
 bool batch_format(conus_format *out, const struct batch_settings *settings, const struct arguments *arguments);
 
 /** Reads --shard, or takes it from Slurm's job array, saying so. Returns the exit code and prints an error unless it is

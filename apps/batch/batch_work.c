@@ -39,6 +39,15 @@ static bool check_settings(conus_format *format, const struct batch_settings *se
         print_error_line("--format: other programs' have no column for the atlas, tsv, csv and ndjson do");
         return false;
     }
+    if (settings->of_segments && *format > CONUS_FORMAT_NDJSON) {
+        print_error_line("--format: other programs' are not of segments, tsv, csv and ndjson are");
+        return false;
+    }
+    if (settings->of_segments && !option_given(arguments, "output") && (settings->summary || settings->axis.order)) {
+        print_error_line("--%s has no effect without --output, segments have but one order",
+                         settings->summary ? "summary" : "order");
+        return false;
+    }
     if (settings->summary && *format > CONUS_FORMAT_NDJSON) {
         print_error_line("--summary: other programs' formats have none, tsv, csv and ndjson do");
         return false;
@@ -180,11 +189,15 @@ int work_build(struct work *work)
         .threads = settings->threads,
         .block = settings->block,
         .angle = settings_angle(&settings->aim, &settings->engine),
-        .report = {.rows = settings->summary ? CONUS_ROWS_SUMMARIES : CONUS_ROWS_ANSWERS,
+        .report = {.rows = settings->of_segments ? CONUS_ROWS_SEGMENTS
+                           : settings->summary   ? CONUS_ROWS_SUMMARIES
+                                                 : CONUS_ROWS_ANSWERS,
                    .format = work->format,
                    .frame = &work->frame,
                    .electrodes = work->format == CONUS_FORMAT_BIDS ? conus_pose_stream_electrodes(work->poses) : NULL,
-                   .atlas = work->atlases.items[0].name},
+                   .atlas = work->atlases.items[0].name,
+                   .order = settings->of_segments ? CONUS_ORDER_RANK : (conus_order)settings->axis.order,
+                   .contacts = settings->of_segments ? (conus_contacts){0} : work->contacts},
     };
     work->selectors = calloc(work->atlases.count, sizeof(conus_selector *));
     work->astray = calloc(work->atlases.count, sizeof *work->astray);
@@ -212,6 +225,10 @@ int work_init(struct work *out, const struct batch_settings *settings, const str
     if (!check_settings(&out->format, settings, arguments)) {
         return EXIT_USAGE;
     }
+    int code = settings_contacts(&out->contacts, &settings->axis);
+    if (code) {
+        return code;
+    }
     out->output = output_is_stdout(settings->output) ? NULL : settings->output;
     out->command_line = arguments_text(arguments);
     out->sidecar = out->output ? provenance_path(out->output) : NULL;
@@ -219,7 +236,7 @@ int work_init(struct work *out, const struct batch_settings *settings, const str
         print_error_line("not enough memory");
         return EXIT_DATA;
     }
-    int code = out->output ? output_check_file(out->output) : EXIT_DONE;
+    code = out->output ? output_check_file(out->output) : EXIT_DONE;
     code = code || !out->sidecar ? code : output_check_file(out->sidecar);
     return code ? code : atlases_name(&out->atlases, arguments->operands[0], &settings->atlas);
 }

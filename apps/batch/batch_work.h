@@ -12,6 +12,7 @@ struct work {
     char *sidecar;      /**< Path; NULL without output. */
     char *command_line;
     conus_format format;
+    conus_contacts contacts; /**< Of --contacts. */
     struct shard shard;
     uint64_t first, count; /**< Poses to answer; count UINT64_MAX = all from there on. */
     conus_pose_stream *poses;

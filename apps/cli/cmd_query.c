@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus query: the areas and pathways in a cone or ball, with the tables, pictures and masks that belong to them. */
 #include "cli/answers/mask.h"
+#include "cli/answers/segments_file.h"
 #include "cli/commands.h"
 #include "cli/inquiry.h"
 #include "common/messages.h"
 #include "common/output.h"
 #include "settings/atlas_notes.h"
+#include "settings/axis_options.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -17,6 +19,7 @@ struct query_settings {
     const char *image;
     const char *deep;
     struct mask_settings mask;
+    struct axis_settings axis;
     double point[3];
 };
 
@@ -65,6 +68,7 @@ static const struct option_group groups[] = {
     INQUIRY_MORE_ATLASES,
     {"What is written", query_format_options, INQUIRY_FIELD(answer)},
     {"", answer_output_options, INQUIRY_FIELD(answer)},
+    {"", axis_options, offsetof(struct query_settings, axis)},
     {"", output_options, 0},
     {"", mask_options, offsetof(struct query_settings, mask)},
     {"", quiet_options, INQUIRY_FIELD(common)},
@@ -77,6 +81,8 @@ struct query {
     struct inquiry inquiry;
     conus_image *image;
     struct mask mask;
+    struct segments_file segments;
+    conus_contacts contacts;
     conus_selection *selection; /* kept for --deep */
 };
 
@@ -84,6 +90,7 @@ static void query_finish(struct query *query)
 {
     conus_image_destroy(query->image);
     mask_finish(&query->mask);
+    segments_file_finish(&query->segments);
     conus_selection_destroy(query->selection);
     inquiry_finish(&query->inquiry);
 }
@@ -116,6 +123,11 @@ static bool check_outputs(const struct query_settings *settings, const struct ar
     return mask_check(&settings->mask, arguments);
 }
 
+static bool is_of_probe(conus_format format)
+{
+    return format == CONUS_FORMAT_SPIKEGLX || format == CONUS_FORMAT_OPEN_EPHYS;
+}
+
 /* What each format of another program is made of. */
 static bool check_format(const struct inquiry *inquiry)
 {
@@ -125,7 +137,7 @@ static bool check_format(const struct inquiry *inquiry)
         return false;
     }
     bool of_contacts =
-        format == CONUS_FORMAT_BIDS || format == CONUS_FORMAT_SPIKEGLX || format == CONUS_FORMAT_OPEN_EPHYS;
+        format == CONUS_FORMAT_BIDS || (is_of_probe(format) && option_given(inquiry->arguments, "point"));
     if (of_contacts && !inquiry->settings->aim.pose) {
         print_error_line("--format: this one is of contacts, --pose FILE names them");
         return false;
@@ -136,9 +148,10 @@ static bool check_format(const struct inquiry *inquiry)
 /* A ball has a point and a radius, and nothing that is only of cones. */
 static bool check_point(const struct arguments *arguments)
 {
-    static const char *const of_cones[] = {
-        "origin",     "toward",   "direction", "up",     "pose",     "angle",   "layers", "range", "engine",
-        "resolution", "aperture", "score",     "slices", "sampling", "context", "image",  "deep",  "slice-fraction"};
+    static const char *const of_cones[] = {"origin",   "toward", "direction",      "up",       "pose",
+                                           "angle",    "layers", "range",          "engine",   "resolution",
+                                           "aperture", "score",  "slices",         "sampling", "context",
+                                           "image",    "deep",   "slice-fraction", "segments"};
     for (size_t i = 0; i < sizeof of_cones / sizeof of_cones[0]; i++) {
         if (!options_exclude(arguments, "point", of_cones[i])) {
             return false;
@@ -180,10 +193,37 @@ static int check_poses(const struct query *query)
                                     : EXIT_DONE;
 }
 
-/* Adds the answer of one atlas to its report and to what else is written. The image is of the last one. */
-static int add_answer(struct query *query, size_t index, const char *id, conus_selection *selection)
+/* What is asked of each atlas: a cone or cylinder, or, with a radius, a ball around a point. */
+struct question {
+    const char *id;
+    size_t line; /* of its file; 0 = none */
+    conus_pose pose;
+    double angle;
+    double point[3];
+    double ball; /* radius; 0 = a cone or cylinder */
+};
+
+/* Adds a shank of a probe, which is what the axis passes. */
+static conus_status add_shank(const struct answerer *answerer, const struct question *question)
 {
-    conus_status status = conus_report_add(query->inquiry.answerers[index].report, id, selection);
+    conus_segments *segments = NULL;
+    conus_status status = conus_segments_create(&segments, answerer->selector, &question->pose);
+    status = status ? status : conus_report_add_segments(answerer->report, question->id, segments);
+    conus_segments_destroy(segments);
+    return status;
+}
+
+/* Adds the answer of one atlas to its report and to what else is written. The image is of the last one. */
+static int add_answer(struct query *query, size_t index, const struct question *question, conus_selection *selection)
+{
+    const struct answerer *answerer = &query->inquiry.answerers[index];
+    bool is_shank = is_of_probe(query->inquiry.format) && question->ball == 0;
+    if (is_shank && query->settings->voxels) {
+        conus_selection_destroy(selection);
+        return print_usage_error("--voxels: the shanks of a probe have none, other formats list those of cones");
+    }
+    conus_status status =
+        is_shank ? add_shank(answerer, question) : conus_report_add(answerer->report, question->id, selection);
     if (!status && query->settings->image) {
         status = conus_image_of_selection(&query->image, selection);
     }
@@ -194,17 +234,11 @@ static int add_answer(struct query *query, size_t index, const char *id, conus_s
     } else {
         conus_selection_destroy(selection);
     }
+    if (!code && question->ball == 0) {
+        code = segments_file_add(&query->segments, index, question->id, answerer->selector, &question->pose);
+    }
     return code;
 }
-
-/* What is asked of each atlas: a cone or cylinder, or, with a radius, a ball around a point. */
-struct question {
-    const char *id;
-    conus_pose pose;
-    double angle;
-    double point[3];
-    double ball; /* radius; 0 = a cone or cylinder */
-};
 
 /* Asks all atlases. Where the question itself is at fault, nothing is printed or reported: that is for the caller, and
  * *fault is set. */
@@ -221,9 +255,17 @@ static int ask(struct query *query, const struct question *question, bool *fault
         if (*fault) {
             return EXIT_DONE;
         }
-        code = status ? print_status(status) : add_answer(query, i, question->id, selection);
+        code = status ? print_status(status) : add_answer(query, i, question, selection);
     }
-    return code;
+    return code || question->ball == 0
+               ? code
+               : segments_file_refuse(&query->segments, question->id, question->line, POINT_HAS_NO_AXIS);
+}
+
+static int refuse_row(struct query *query, const conus_pose_row *row, const char *why)
+{
+    int code = inquiry_refuse_row(&query->inquiry, row, why);
+    return code ? code : segments_file_refuse(&query->segments, row->id, row->line, why);
 }
 
 static int answer_row(void *user, const conus_pose_row *row)
@@ -231,10 +273,11 @@ static int answer_row(void *user, const conus_pose_row *row)
     struct query *query = user;
     struct inquiry *inquiry = &query->inquiry;
     double radius = inquiry->settings->engine.radius;
-    struct question question = {.id = row->id, .pose = row->pose, .ball = row->is_point ? radius : 0};
+    struct question question = {
+        .id = row->id, .line = row->line, .pose = row->pose, .ball = row->is_point ? radius : 0};
     bool fault = false;
     if (row->error || (row->is_point && radius == 0)) {
-        return inquiry_refuse_row(inquiry, row, row->error ? row->error : POINT_HAS_NO_DIRECTION);
+        return refuse_row(query, row, row->error ? row->error : POINT_HAS_NO_DIRECTION);
     }
     if (row->is_point) {
         memcpy(question.point, row->pose.world_from_device + 12, sizeof question.point);
@@ -243,7 +286,7 @@ static int answer_row(void *user, const conus_pose_row *row)
         inquiry_count_pose(inquiry, row->line, &row->pose, question.angle);
     }
     int code = ask(query, &question, &fault);
-    return fault ? inquiry_refuse_row(inquiry, row, conus_message()) : code;
+    return fault ? refuse_row(query, row, conus_message()) : code;
 }
 
 static int answer_one(struct query *query)
@@ -286,8 +329,15 @@ static conus_status start_query(struct query *query)
     conus_report_options report = inquiry_report_options(inquiry);
     report.all_voxels = settings->voxels_of == 1;
     report.no_voxels = !settings->voxels;
+    report.order = (conus_order)settings->axis.order;
+    report.contacts = query->contacts;
     report.electrodes = inquiry->format == CONUS_FORMAT_BIDS ? conus_pose_list_electrodes(inquiry->poses) : NULL;
-    return inquiry_reports(inquiry, &report);
+    status = inquiry_reports(inquiry, &report);
+    for (size_t i = 0; query->segments.path && i < inquiry->atlases.count && !status; i++) {
+        report.atlas = inquiry->atlases.items[i].name;
+        status = segments_file_report(&query->segments, inquiry->answerers[i].selector, &report);
+    }
+    return status;
 }
 
 static int write_voxels(struct query *query)
@@ -308,6 +358,13 @@ static int write_image(struct query *query)
     }
     conus_status status = conus_image_write(query->image, query->settings->image);
     return status ? print_status(status) : EXIT_DONE;
+}
+
+static int write_segments(struct query *query)
+{
+    struct provenance provenance = {0};
+    inquiry_list_inputs(&provenance, &query->inquiry);
+    return segments_file_write(&query->segments, &provenance);
 }
 
 static int write_deep(struct query *query)
@@ -332,13 +389,18 @@ static int write_answer(struct query *query)
     provenance_add_output(&provenance, "image", settings->image, NULL, 0);
     provenance_add_output(&provenance, "deep", settings->deep, NULL, 0);
     provenance_add_output(&provenance, "mask", settings->mask.path, NULL, 0);
+    provenance_add_output(&provenance, "segments", query->segments.path, NULL, 0);
+    if (query->segments.path && output_is_stdout(query->segments.path) &&
+        output_is_stdout(settings->inquiry.answer.output)) {
+        return code; /* they take its place */
+    }
     return code ? code : answer_write(report, settings->inquiry.answer.output, inquiry->sidecar, &provenance);
 }
 
 /* The answer comes last: where it is, all that belongs to it is there, too. */
 static int write_all(struct query *query)
 {
-    static int (*const steps[])(struct query *) = {write_voxels, write_image, write_deep, write_answer};
+    static int (*const steps[])(struct query *) = {write_voxels, write_image, write_deep, write_segments, write_answer};
     for (size_t i = 0; i < sizeof steps / sizeof steps[0]; i++) {
         int code = steps[i](query);
         if (code) {
@@ -404,6 +466,21 @@ static int answer_query(struct query *query)
     return inquiry_code(inquiry, write_all(query));
 }
 
+/* On stdout they have the format of the answer, whose place they take unless -o names it another. */
+static int start_segments(struct query *query)
+{
+    const struct query_settings *settings = query->settings;
+    struct inquiry *inquiry = &query->inquiry;
+    const char *path = settings->axis.segments;
+    bool answer_has_format = !output_is_stdout(settings->inquiry.answer.output);
+    int code = segments_file_init(&query->segments, path, answer_has_format ? CONUS_FORMAT_TABLE : inquiry->format);
+    if (path) {
+        inquiry_add_output(inquiry, "--segments", output_is_stdout(path) ? NULL : path);
+        inquiry_add_output(inquiry, "the .json beside --segments", query->segments.sidecar);
+    }
+    return code;
+}
+
 static int start_outputs(struct query *query)
 {
     const struct query_settings *settings = query->settings;
@@ -416,6 +493,11 @@ static int start_outputs(struct query *query)
     inquiry_add_output(inquiry, "--deep", settings->deep);
     inquiry_add_output(inquiry, "--mask", settings->mask.path);
     inquiry_add_output(inquiry, "the .json beside --mask", query->mask.sidecar);
+    int code = settings_contacts(&query->contacts, &settings->axis);
+    code = code ? code : start_segments(query);
+    if (code) {
+        return code;
+    }
     return check_format(inquiry) && inquiry_check_outputs(inquiry) ? EXIT_DONE : EXIT_USAGE;
 }
 

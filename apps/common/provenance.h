@@ -25,6 +25,7 @@ struct provenance {
     const char *inputs[PROVENANCE_FILES]; /**< Files that were read, besides those of the atlas. */
     struct provenance_output outputs[PROVENANCE_FILES];
     size_t input_count, output_count;
+    const char *option; /**< Whose file the answer goes to; NULL = "output". */
 };
 
 /** The path of the sidecar of @p output: "a.json" of "a.tsv" or "a.csv", else with ".json" behind it. NULL without

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Announcements of rank 0: four strings, by MPI_Bcast. */
+/* Announcements of rank 0: five strings, by MPI_Bcast. */
 #include "mpi/announcement.h"
 
 #include "common/messages.h"
@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { STRINGS = 4 };
+enum { STRINGS = 5 };
 
 /* Its size with the final NUL, then the string; size 0 = none. */
 static void send_string(const char *string)
@@ -35,7 +35,7 @@ void announcement_send(const struct announcement *announcement)
 {
     static const struct announcement none;
     const struct announcement *a = announcement ? announcement : &none;
-    const char *const strings[STRINGS] = {a->atlas, a->poses, a->output, a->shard};
+    const char *const strings[STRINGS] = {a->atlas, a->poses, a->output, a->shard, a->rows};
     for (int i = 0; i < STRINGS; i++) {
         send_string(strings[i]);
     }
@@ -47,6 +47,7 @@ bool announcement_receive(struct announcement *out)
     out->poses = receive_string();
     out->output = receive_string();
     out->shard = receive_string();
+    out->rows = receive_string();
     return out->atlas;
 }
 
@@ -56,4 +57,5 @@ void announcement_finish(struct announcement *announcement)
     free((char *)announcement->poses);
     free((char *)announcement->output);
     free((char *)announcement->shard);
+    free((char *)announcement->rows);
 }

@@ -7,6 +7,7 @@
 
 struct announcement {
     const char *atlas, *poses, *output, *shard;
+    const char *rows; /**< "segments"; NULL = answers. */
 };
 
 /** On rank 0; NULL = there is nothing more to answer. */

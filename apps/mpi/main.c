@@ -326,7 +326,8 @@ static int lead(void *user, const struct batch_settings *settings, const struct 
     char text[64];
     struct shard shard;
     if (!settings->output || output_is_stdout(settings->output) || work_is_pipe(settings->poses)) {
-        return print_usage_error("conus-mpi batch needs files for --poses and --output");
+        return print_usage_error("conus-mpi batch needs files for --poses and --%s",
+                                 settings->of_segments ? "segments" : "output");
     }
     int code = batch_shard(&shard, settings);
     if (code) {
@@ -334,7 +335,8 @@ static int lead(void *user, const struct batch_settings *settings, const struct 
     }
     snprintf(text, sizeof text, "%" PRIu64 "/%" PRIu64, shard.index, shard.count);
     own.shard = text;
-    announcement_send(&(const struct announcement){arguments->operands[0], own.poses, own.output, own.shard});
+    announcement_send(&(const struct announcement){arguments->operands[0], own.poses, own.output, own.shard,
+                                                   own.of_segments ? "segments" : NULL});
     return answer_batch(cluster, &own, arguments);
 }
 
@@ -350,6 +352,7 @@ static void follow(const struct cluster *cluster, const struct batch_settings *s
         own.poses = announced.poses;
         own.output = announced.output;
         own.shard = announced.shard;
+        own.of_segments = announced.rows;
         answer_batch(cluster, &own, &aimed);
         announcement_finish(&announced);
     }

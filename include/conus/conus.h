@@ -53,6 +53,7 @@
 #include <conus/pose_file.h>
 #include <conus/report.h>
 #include <conus/score.h>
+#include <conus/segments.h>
 #include <conus/selection.h>
 #include <conus/space.h>
 #include <conus/status.h>

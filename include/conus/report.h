@@ -10,6 +10,7 @@
 #include <conus/mask.h>
 #include <conus/overlap.h>
 #include <conus/pose_file.h>
+#include <conus/segments.h>
 #include <conus/sweep.h>
 #include <conus/track.h>
 
@@ -32,7 +33,8 @@ typedef enum conus_format {
     CONUS_FORMAT_NDJSON,    /**< One JSON object per line. */
     CONUS_FORMAT_AFNI,      /**< The tables of AFNI's whereami -tab, of each query. */
     CONUS_FORMAT_BIDS,      /**< A BIDS table of electrodes, with columns added. */
-    CONUS_FORMAT_SPIKEGLX,  /**< The areas along the shanks of a probe, in micrometres from the first contact. */
+    CONUS_FORMAT_SPIKEGLX,  /**< The areas along the shanks of a probe, in micrometres from the first contact, or from
+                               the tip. */
     CONUS_FORMAT_OPEN_EPHYS /**< The areas of a probe's channels, from 0. */
 } conus_format;
 
@@ -45,8 +47,24 @@ typedef enum conus_rows {
     CONUS_ROWS_CHANCES,    /**< Of conus_report_add_jitter(). */
     CONUS_ROWS_SUMMARIES,  /**< Of conus_report_add(), one row each: the best, the runner-up, and by how much. Not as
                           #CONUS_FORMAT_TABLE. */
-    CONUS_ROWS_COVERAGES   /**< Of conus_report_add_overlap(). */
+    CONUS_ROWS_COVERAGES,  /**< Of conus_report_add_overlap(). */
+    CONUS_ROWS_SEGMENTS    /**< Of conus_report_add_segments(). */
 } conus_rows;
+
+/** The order of the answers to a query. */
+typedef enum conus_order {
+    CONUS_ORDER_RANK = 0, /**< The best score first. */
+    CONUS_ORDER_DEPTH     /**< The nearest first: by entry with all layers, else, and of a ball, by distance; of equal
+                             ones the best. What has neither comes before what is unassigned, which is last. */
+} conus_order;
+
+/** The contacts on a shank that is given by its axis: rows of them, from the tip on. */
+typedef struct conus_contacts {
+    uint32_t count;   /**< All of them, up to 65536; 0 = they are not known. */
+    uint32_t columns; /**< How many a row has, from 1. */
+    double pitch;     /**< mm from row to row. */
+    double tip;       /**< mm from the tip to the first row. */
+} conus_contacts;
 
 /** What a report holds and how it is written. */
 typedef struct conus_report_options {
@@ -66,6 +84,8 @@ typedef struct conus_report_options {
                           formats behind it. NULL = there is no such column. */
     const conus_frame *frame; /**< Of the positions written, instead of @p space; copied. NULL = @p space, which then is
                                  #CONUS_SPACE_RAS or #CONUS_SPACE_LPS. */
+    conus_order order; /**< Of #CONUS_ROWS_ANSWERS in the formats up to #CONUS_FORMAT_NDJSON, not of a track. */
+    conus_contacts contacts; /**< For #CONUS_FORMAT_OPEN_EPHYS, of shanks: conus_report_add_segments(). */
 } conus_report_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -129,6 +149,19 @@ CONUS_CHECKED conus_status conus_report_add_jitter(conus_report *report, const c
  */
 CONUS_CHECKED conus_status conus_report_add_overlap(conus_report *report, const char *query_id,
                                                     const conus_overlap *overlap);
+
+/**
+ * Adds what an axis passes: to #CONUS_ROWS_SEGMENTS a row for each segment. To #CONUS_FORMAT_SPIKEGLX and
+ * #CONUS_FORMAT_OPEN_EPHYS a shank, whose tip is at the far end of the selector's range; then all queries are shanks.
+ * @param report The report.
+ * @param query_id As for conus_report_add().
+ * @param segments Of the report's selector; may end afterwards.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT in a report of other rows.
+ * @threads One at a time for each @p report.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_report_add_segments(conus_report *report, const char *query_id,
+                                                     const conus_segments *segments);
 
 /**
  * Adds a query without an answer: one row of kind "error" with "line N: " and @p reason for a name, all else missing.

@@ -29,12 +29,13 @@ from ._library import (
 )
 from ._picture import Picture, Renderer, transfer_presets
 from ._program import Difference, SourceFile, Verification, cite, verify
+from ._segments import Segments
 from ._track import Tracker
 
 __version__ = _ffi.string(_lib.conus_version()).decode()
 __all__ = [
     "Answers", "ArgumentError", "Atlas", "CancelledError", "DataError", "Difference", "Error", "FileError", "GLError",
-    "Hit", "InstalledAtlas", "Jitter", "OutOfMemoryError", "Overlap", "Picture", "PoseWarning", "Renderer", "Selection",
-    "Selector", "SourceFile", "Step", "Sweep", "Track", "Tracker", "UnsupportedError", "Verification", "atlases",
-    "cite", "load", "transfer_presets", "verify",
+    "Hit", "InstalledAtlas", "Jitter", "OutOfMemoryError", "Overlap", "Picture", "PoseWarning", "Renderer", "Segments",
+    "Selection", "Selector", "SourceFile", "Step", "Sweep", "Track", "Tracker", "UnsupportedError", "Verification",
+    "atlases", "cite", "load", "transfer_presets", "verify",
 ]

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Iterator, Optional, Union, overload
 import numpy as np
 
 from ._conus import ffi, lib
-from ._library import ADMISSION, CHANCE, COVERAGE, RESULT, STEP, array_of, check, owned, text, utf8
+from ._library import ADMISSION, CHANCE, COVERAGE, RESULT, STEP, array_of, check, choice, owned, text, utf8
 
 if TYPE_CHECKING:
     import pandas
@@ -58,25 +58,56 @@ def _finite(values: Array) -> Array:
     return np.where(np.isfinite(values), values, np.nan)
 
 
-def _identity(objects: Objects, records: Array, rank: Array) -> dict[str, Any]:
+def identity_of(objects: Objects, records: Array, rank: Optional[Array] = None) -> dict[str, Any]:
+    """The columns that say what each record is about, and its rank if it has one."""
     number = records["object"]
-    return {
+    columns = {
         "kind": _categories(_KINDS, records["kind"]),
         "index": objects.labels[number],
         "name": _categories(objects.names, number),
         "abbreviation": _categories(objects.abbreviations, number),
-        "rank": rank,
     }
+    return columns if rank is None else {**columns, "rank": rank}
 
 
-def _points(prefix: str, points: Array, space: Optional[Space]) -> dict[str, Array]:
+def points_of(prefix: str, points: Array, space: Optional[Space]) -> dict[str, Array]:
+    """Three columns of (n, 3) points in the world."""
     points = space.from_world(points) if space else points
     return {f"{prefix}{axis}": points[:, i] for i, axis in enumerate("xyz")}
 
 
+def own_points_of(objects: Objects, prefix: str, points: Array, space: Optional[Space]) -> dict[str, Array]:
+    """The same in the atlas's own space; no columns where that is the world."""
+    own = objects.own_from_world
+    if own is not None and not (space and space.is_own):
+        points = points @ own[:3, :3].T + own[:3, 3]
+    return {} if own is None else points_of(prefix, points, space)
+
+
+def with_errors(frame: pandas.DataFrame, errors: dict[int, str]) -> pandas.DataFrame:
+    """Rows of many poses, and one of kind "error" for each pose without an answer, whose name is the reason."""
+    import pandas
+
+    if not errors:
+        return frame
+    failed = pandas.DataFrame({"query": list(errors), "kind": "error", "name": list(errors.values())})
+    for column in ("kind", "name"):
+        frame[column] = frame[column].astype(object)
+    return pandas.concat([frame, failed]).sort_values("query", kind="stable", ignore_index=True)
+
+
+def _ordered(results: Array, query: Array, order: str, by_entry: bool) -> Array:
+    """The rows of a table, of results in the order of their ranks, the unassigned last, for each query."""
+    if not choice("order", order, ("rank", "depth")):
+        return results
+    depth = results["entry" if by_entry else "distance"]
+    places = np.lexsort((np.where(np.isfinite(depth), depth, np.inf), results["object"] == 0, query))
+    return np.asarray(results[places])
+
+
 def _columns(objects: Objects, results: Array, layers: bool, space: Optional[Space]) -> dict[str, Any]:
     """The columns of `conus query`, of results; 0 where a rank or an index is n/a there."""
-    columns = _identity(objects, results, results["rank"])
+    columns = identity_of(objects, results, results["rank"])
     for name in ("score", "pixels", "share"):
         columns[name] = results[name]
     if layers:
@@ -84,16 +115,14 @@ def _columns(objects: Objects, results: Array, layers: bool, space: Optional[Spa
     columns["center_px"] = _finite(results["centre_px"])
     columns["offset_deg"] = _finite(np.rad2deg(results["offset"]))
     columns["distance_mm"] = _finite(results["distance"])
-    columns.update(_points("contact_", results["contact"], space))
-    if objects.own_from_world is not None:
-        own = objects.own_from_world if not (space and space.is_own) else np.eye(4)
-        columns.update(_points("atlas_", results["contact"] @ own[:3, :3].T + own[:3, 3], space))
+    columns.update(points_of("contact_", results["contact"], space))
+    columns.update(own_points_of(objects, "atlas_", results["contact"], space))
     if layers:
         for name, member in (("entry_mm", "entry"), ("exit_mm", "exit"), ("path_mm", "path"), ("volume_mm3", "volume")):
             columns[name] = _finite(results[member])
         for name in ("fraction", "mean_value", "max_value", "voxels", "cone_fraction", "sum_value"):
             columns[name] = results[name]
-        columns.update(_points("centroid_", results["centroid"], space))
+        columns.update(points_of("centroid_", results["centroid"], space))
         with np.errstate(invalid="ignore"):
             columns["unoccluded"] = results["pixels"] / np.where(results["pierced"], results["pierced"], np.nan)
     columns["contact_value"] = results["contact_value"]
@@ -195,13 +224,21 @@ class Selection:
         hits = ", ".join(f"{hit.name} {100 * hit.share:.1f} %" for hit in self[:3])
         return f"<conus.Selection: {hits}{', ...' if len(self) > 3 else ''}>"
 
-    def to_dataframe(self) -> pandas.DataFrame:
-        """The rows of ``conus query`` (of a tracker ``conus track``), under the names of its columns."""
+    def to_dataframe(self, *, order: str = "rank") -> pandas.DataFrame:
+        """The rows of ``conus query`` (of a tracker ``conus track``), under the names of its columns.
+
+        Parameters
+        ----------
+        order
+            "rank", or "depth": the nearest first, with all layers by ``entry_mm``, else by ``distance_mm``.
+        """
         import pandas
 
-        columns = _columns(self.atlas.objects, self.results, self._layers, self.space)
+        is_ball = lib.conus_selection_evidence(self._p).resolution == 0
+        results = _ordered(self.results, np.zeros(len(self)), order, self._layers and not is_ball)
+        columns = _columns(self.atlas.objects, results, self._layers, self.space)
         if len(self._steps):
-            columns.update(_step_columns(self._steps.repeat(len(self)), self.results))
+            columns.update(_step_columns(self._steps.repeat(len(self)), results))
         return pandas.DataFrame(columns)
 
     def mask(self, of: str = "areas", name: str | None = None) -> Any:
@@ -221,7 +258,6 @@ class Selection:
             0 outside.
         """
         import nibabel
-        from ._library import choice
 
         options = ffi.new("conus_grid_options *")
         options.content = choice("of", of, ("areas", "region", "labels", "values"))
@@ -334,24 +370,26 @@ class Answers:
     def __repr__(self) -> str:
         return f"<conus.Answers to {len(self)} poses: {len(self.results)} results, {len(self.errors)} errors>"
 
-    def _answer_columns(self) -> dict[str, Any]:
+    def _rows(self, order: str) -> tuple[Array, Array]:
+        """The pose of each row, and its record."""
         query = np.repeat(np.arange(len(self)), np.diff(self.starts))
-        return {"query": query, **_columns(self.atlas.objects, self.results, self._layers, self.space)}
+        return query, _ordered(self.results, query, order, self._layers)
 
-    def to_dataframe(self) -> pandas.DataFrame:
+    def to_dataframe(self, *, order: str = "rank") -> pandas.DataFrame:
         """The rows of ``conus batch``, under the names of its columns; ``query`` counts from 0.
 
         A pose without an answer has one row of kind "error", whose name is the reason.
+
+        Parameters
+        ----------
+        order
+            Of the rows of each pose, as of :meth:`Selection.to_dataframe`.
         """
         import pandas
 
-        frame = pandas.DataFrame(self._answer_columns(), copy=False)
-        if not self.errors:
-            return frame
-        failed = pandas.DataFrame({"query": list(self.errors), "kind": "error", "name": list(self.errors.values())})
-        for column in ("kind", "name"):
-            frame[column] = frame[column].astype(object)
-        return pandas.concat([frame, failed]).sort_values("query", kind="stable", ignore_index=True)
+        query, results = self._rows(order)
+        columns = {"query": query, **_columns(self.atlas.objects, results, self._layers, self.space)}
+        return with_errors(pandas.DataFrame(columns, copy=False), self.errors)
 
 
 class Track(Answers):
@@ -377,7 +415,7 @@ class Track(Answers):
         names[0] = None
         return np.asarray(names[self.steps["selected"]])
 
-    def to_dataframe(self, selected: bool = False) -> pandas.DataFrame:
+    def to_dataframe(self, selected: bool = False, *, order: str = "rank") -> pandas.DataFrame:
         """The rows of ``conus track``, under the names of its columns; ``query`` counts from 0.
 
         Parameters
@@ -385,6 +423,8 @@ class Track(Answers):
         selected
             Of each step, only the rows of what is selected and confirmed; where nothing is, the row
             "unassigned".
+        order
+            Of the rows of each step, as of :meth:`Selection.to_dataframe`.
 
         Returns
         -------
@@ -393,12 +433,13 @@ class Track(Answers):
         """
         import pandas
 
-        columns = self._answer_columns()
-        steps = self.steps[columns["query"]]
-        frame = pandas.DataFrame({**columns, **_step_columns(steps, self.results)}, copy=False)
+        query, results = self._rows(order)
+        steps = self.steps[query]
+        columns = {"query": query, **_columns(self.atlas.objects, results, self._layers, self.space)}
+        frame = pandas.DataFrame({**columns, **_step_columns(steps, results)}, copy=False)
         if not selected:
             return frame
-        nothing = (self.results["object"] == 0) & (steps["selected"] == 0) & (steps["confirmed"] == 0)
+        nothing = (results["object"] == 0) & (steps["selected"] == 0) & (steps["confirmed"] == 0)
         return frame[frame["selected"] | frame["confirmed"] | nothing].reset_index(drop=True)
 
 
@@ -427,7 +468,7 @@ class _Study:
         """The rows of ``conus sweep`` or ``conus overlap``, under the names of their columns."""
         import pandas
 
-        return pandas.DataFrame({**_identity(self.atlas.objects, self.records, self._ranks()), **self._measures()})
+        return pandas.DataFrame({**identity_of(self.atlas.objects, self.records, self._ranks()), **self._measures()})
 
     def _repr_html_(self) -> str:
         return str(self.to_dataframe()._repr_html_())
@@ -451,7 +492,7 @@ class Sweep(_Study):
             "half_angle_deg": angle / 2,
             "margin_deg": np.rad2deg(self.records["margin"]),
             "distance_mm": self.records["distance"],
-            **_points("", self.records["point"], self.space),
+            **points_of("", self.records["point"], self.space),
             "measured": np.where(self.records["is_surface"], "surface", "voxel centre"),
         }
 
@@ -489,5 +530,5 @@ class Overlap(_Study):
             "fraction": self.records["fraction"],
             "region_fraction": self.records["roi_fraction"],
             "peak": self.records["peak"],
-            **_points("peak_", self.records["peak_point"], self.space),
+            **points_of("peak_", self.records["peak_point"], self.space),
         }

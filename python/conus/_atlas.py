@@ -32,6 +32,7 @@ from ._picture import GLOwner, Picture, Renderer
 from ._poses import Aims, PoseArray, notes_of, pose_of, warn
 from ._progress import LoadProgress, Progress, telling
 from ._space import space_of
+from ._segments import Segments, follow_many, records_of
 from ._track import Tracker, follow
 
 if TYPE_CHECKING:
@@ -614,6 +615,56 @@ class Selector:
         near: Selection = self._place(Selection(self.atlas, out[0], self._layers))
         return near
 
+    def segments(
+        self, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None, pose: Any = None,
+    ) -> Segments:
+        """What the axis of a device passes, in order of depth: ``conus query --segments``.
+
+        Parameters
+        ----------
+        origin, toward, direction, up, pose
+            As of :meth:`Atlas.select`.
+
+        Returns
+        -------
+        Segments
+            A record for each stretch inside an object, occluded or not, and between objects. The selector's range and
+            level hold; its radius, engine and sampling do not matter.
+        """
+        aim, out = self._pose(origin, toward, direction, up, pose), ffi.new("conus_segments **")
+        self._call(lib.conus_segments_create, out, self._p, aim)
+        segments: Segments = self._place(Segments(self.atlas, records_of(out[0])))
+        self._warn_of(aim, self._angle(None))
+        return segments
+
+    def segments_many(
+        self, origins: Any = None, directions: Any = None, *, poses: Any = None, up: Any = None,
+    ) -> Segments:
+        """What the axes of many devices pass: ``conus batch --segments``.
+
+        Parameters
+        ----------
+        origins, directions, poses, up
+            As of :meth:`select_many`.
+
+        Returns
+        -------
+        Segments
+            Those of all poses. A pose that has no axis is in ``errors``.
+        """
+
+        def follow(out: Any, array: PoseArray, index: int, pose: Any) -> Optional[str]:
+            try:
+                check(array.fill(pose, index))
+                self._call(lib.conus_segments_create, out, self._p, pose)
+            except ArgumentError as error:
+                return str(error)
+            return None
+
+        array = self._poses(origins, directions, poses, up, None)
+        segments: Segments = self._place(follow_many(follow, self.atlas, array))
+        return segments
+
     def sweep(
         self, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None, pose: Any = None,
         angle: float = 60,
@@ -1011,6 +1062,16 @@ class Atlas:
             times_s, origins, directions, poses=poses, up=up, angle=angle, trigger=trigger, progress=progress,
             **constants,
         )
+
+    def segments(self, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None,
+                 pose: Any = None, **options: Any) -> Segments:
+        """What the axis of a device passes, in order of depth: see :meth:`Selector.segments`."""
+        return self._selector(options).segments(origin, toward=toward, direction=direction, up=up, pose=pose)
+
+    def segments_many(self, origins: Any = None, directions: Any = None, *, poses: Any = None, up: Any = None,
+                      **options: Any) -> Segments:
+        """What the axes of many devices pass: see :meth:`Selector.segments_many`."""
+        return self._selector(options).segments_many(origins, directions, poses=poses, up=up)
 
     def sweep(self, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None, pose: Any = None,
               angle: float = 60, **options: Any) -> Sweep:

@@ -7,19 +7,13 @@
 #include "base/memory.h"
 #include "base/options.h"
 
-/* One string of all contacts. */
-static bool is_of_probes(conus_format format)
-{
-    return format == CONUS_FORMAT_SPIKEGLX || format == CONUS_FORMAT_OPEN_EPHYS;
-}
-
 static conus_status fill_in(conus_batch_options *options, const conus_selector *selector)
 {
     if (options->report.format == CONUS_FORMAT_TABLE || options->report.format == CONUS_FORMAT_JSON) {
         return fail(CONUS_ERROR_ARGUMENT, "format: tables for people and JSON hold all answers at once, no batch");
     }
     conus_status status = batch_fill_in(&options->threads, &options->block, &options->angle, selector);
-    if (is_of_probes(options->report.format)) {
+    if (report_is_of_probe(options->report.format)) {
         options->threads = 1;
         options->block = BATCH_BLOCK_LIMIT;
     }
@@ -56,8 +50,10 @@ static conus_status add_atlas(conus_batch *batch, conus_selector *selector, cons
                                 .reports = memory_zeroed(options->threads, sizeof(conus_report *))};
     void *atlases = batch->atlases;
     bool fits = memory_reserve(&atlases, &batch->atlas_capacity, batch->atlas_count + 1, sizeof *batch->atlases);
+    bool has_axes = report->rows == CONUS_ROWS_SEGMENTS || report_is_of_probe(report->format);
     conus_status status = fits && atlas.workers && atlas.reports ? CONUS_OK : CONUS_ERROR_MEMORY;
     batch->atlases = atlases;
+    status = status || !has_axes ? status : selector_prepare_axis(selector);
     for (uint32_t i = 0; i < options->threads && !status; i++) {
         status = batch_worker_init(&atlas.workers[i], selector, options->block, options->angle);
         status = status ? status : add_report(&atlas.reports[i], &atlas.workers[i], report);
@@ -184,7 +180,7 @@ struct run {
 static conus_status check_whole(const struct run *run, const struct batch_block *block)
 {
     bool is_all = block->first == 0 && block->count < block->capacity && block->count < run->left;
-    return is_all || !block->count || !is_of_probes(run->batch->options.report.format)
+    return is_all || !block->count || !report_is_of_probe(run->batch->options.report.format)
                ? CONUS_OK
                : fail(CONUS_ERROR_ARGUMENT,
                       "format: a probe is one whole, but these are contacts %llu to %llu, and there may be more",

@@ -90,29 +90,60 @@ struct writing {
     bool counts; /* a pose without an answer is one error, however many atlases have none */
 };
 
+static const char *id_of(const struct writing *writing, size_t index)
+{
+    return writing->block->strings.data + writing->block->words[index].id;
+}
+
+static conus_status add_error(const struct writing *writing, size_t index)
+{
+    struct batch_block *block = writing->block;
+    const struct batch_pose *pose = &block->poses[index];
+    block->errors += writing->counts;
+    return conus_report_add_error(writing->report, id_of(writing, index), pose->line,
+                                  pose->is_no_pose ? block->strings.data + block->words[index].error : conus_message());
+}
+
 static conus_status add_to_report(void *user, size_t index, const conus_selection *selection)
 {
     const struct writing *writing = user;
-    struct batch_block *block = writing->block;
-    const struct batch_pose *pose = &block->poses[index];
-    const char *strings = block->strings.data;
-    const char *id = strings + block->words[index].id;
-    if (selection) {
-        return conus_report_add(writing->report, id, selection);
+    return selection ? conus_report_add(writing->report, id_of(writing, index), selection) : add_error(writing, index);
+}
+
+static conus_status add_axis_to_report(void *user, size_t index, const conus_segments *segments)
+{
+    const struct writing *writing = user;
+    return segments ? conus_report_add_segments(writing->report, id_of(writing, index), segments)
+                    : add_error(writing, index);
+}
+
+/* Whether axes are asked about: of a probe, where its poses have one. */
+static conus_status find_axes(bool *out, const struct batch_block *block, const conus_report *report)
+{
+    size_t with[2] = {0};
+    for (size_t i = 0; i < block->count && report_is_of_probe(report->options.format); i++) {
+        with[block->poses[i].is_point] += !block->poses[i].is_no_pose;
     }
-    block->errors += writing->counts;
-    return conus_report_add_error(writing->report, id, pose->line,
-                                  pose->is_no_pose ? strings + block->words[index].error : conus_message());
+    if (with[0] && with[1]) {
+        return fail(CONUS_ERROR_ARGUMENT, "format: %zu poses are shanks, with a direction, but %zu are contacts",
+                    with[0], with[1]);
+    }
+    *out = with[0] || report->options.rows == CONUS_ROWS_SEGMENTS;
+    return CONUS_OK;
 }
 
 void batch_block_answer(struct batch_block *block, const struct batch_atlas *atlases, size_t atlas_count, size_t worker,
                         const atomic_bool *stop)
 {
     conus_report *first = atlases[0].reports[worker];
+    bool of_axes = false;
+    batch_block_set_status(block, block->status ? block->status : find_axes(&of_axes, block, first));
     for (size_t i = 0; i < atlas_count && !block->status; i++) {
         struct writing writing = {block, atlases[i].reports[worker], i == 0};
-        batch_block_set_status(block, batch_worker_answer(&atlases[i].workers[worker], block->poses, block->count, stop,
-                                                          add_to_report, &writing));
+        struct batch_worker *asked = &atlases[i].workers[worker];
+        batch_block_set_status(
+            block, of_axes ? batch_worker_follow(asked, block->poses, block->count, stop, add_axis_to_report, &writing)
+                           : batch_worker_answer(asked, block->poses, block->count, stop, add_to_report, &writing));
     }
     if (!block->status) {
         first->taken = (size_t)block->first;

@@ -160,3 +160,26 @@ conus_status batch_worker_answer(struct batch_worker *worker, const struct batch
     }
     return status;
 }
+
+static conus_status follow_axis(conus_segments **out, struct batch_worker *worker, const struct batch_pose *pose)
+{
+    return pose->is_point ? fail(CONUS_ERROR_ARGUMENT, "a point, without the direction that an axis needs")
+                          : conus_segments_create(out, worker->selector, &pose->pose);
+}
+
+conus_status batch_worker_follow(struct batch_worker *worker, const struct batch_pose *poses, size_t count,
+                                 const atomic_bool *stop, batch_take_axis *take, void *user)
+{
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; i < count && !status && !atomic_load_explicit(stop, memory_order_relaxed); i++) {
+        conus_segments *segments = NULL;
+        status = poses[i].is_no_pose ? CONUS_OK : follow_axis(&segments, worker, &poses[i]);
+        status = status == CONUS_ERROR_ARGUMENT ? CONUS_OK : status; /* the pose's own fault */
+        status = status ? status : take(user, i, segments);
+        conus_segments_destroy(segments);
+    }
+    if (!status) {
+        count_aims(worker, poses, count);
+    }
+    return status;
+}

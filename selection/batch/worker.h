@@ -4,6 +4,7 @@
 #define CONUS_SELECTION_BATCH_WORKER_H
 
 #include "selection/study/aims.h"
+#include "selection/study/segments.h"
 
 #include <stdatomic.h>
 
@@ -42,5 +43,13 @@ typedef conus_status batch_take(void *user, size_t index, const conus_selection 
  * a failure. */
 conus_status batch_worker_answer(struct batch_worker *worker, const struct batch_pose *poses, size_t count,
                                  const atomic_bool *stop, batch_take *take, void *user);
+
+/** Takes what the axis of pose @p index passes, which the caller ends; NULL where the pose is at fault, or has no axis;
+ * the message says why, unless it is no pose at all. */
+typedef conus_status batch_take_axis(void *user, size_t index, const conus_segments *segments);
+
+/** batch_worker_answer() for the axes of the poses. */
+conus_status batch_worker_follow(struct batch_worker *worker, const struct batch_pose *poses, size_t count,
+                                 const atomic_bool *stop, batch_take_axis *take, void *user);
 
 #endif

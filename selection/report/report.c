@@ -7,7 +7,10 @@
 #include "base/text.h"
 #include "selection/report/report_writers.h"
 
+#include <math.h>
 #include <string.h>
+
+enum { CONTACT_LIMIT = 65536 };
 
 /* What the level was, so that the report does not need the selector. */
 static conus_status keep_level(conus_report *report, const conus_selector *selector)
@@ -21,6 +24,25 @@ static conus_status keep_level(conus_report *report, const conus_selector *selec
     return report->level && report->level_areas ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
+static conus_status check_contacts(const conus_report_options *options)
+{
+    const conus_contacts *contacts = &options->contacts;
+    if (!contacts->count) {
+        return CONUS_OK;
+    }
+    if (options->format != CONUS_FORMAT_OPEN_EPHYS) {
+        return fail(CONUS_ERROR_ARGUMENT, "contacts: Open Ephys wants them, and no other format does");
+    }
+    return contacts->count <= CONTACT_LIMIT && contacts->columns && contacts->pitch > 0 && isfinite(contacts->pitch) &&
+                   contacts->tip >= 0 && isfinite(contacts->tip)
+               ? CONUS_OK
+               : fail(CONUS_ERROR_ARGUMENT,
+                      "contacts: %u in rows of %u, %g mm from row to row and %g mm from the tip on; allowed are up to "
+                      "%d "
+                      "in rows of 1 or more, more than 0 mm, and 0 mm or more",
+                      contacts->count, contacts->columns, contacts->pitch, contacts->tip, CONTACT_LIMIT);
+}
+
 static conus_status check_options(const conus_report_options *options)
 {
     bool foreign = options->format > CONUS_FORMAT_NDJSON;
@@ -30,6 +52,9 @@ static conus_status check_options(const conus_report_options *options)
     if (foreign && (options->rows != CONUS_ROWS_ANSWERS || options->tracker)) {
         return fail(CONUS_ERROR_ARGUMENT, "format: other programs' are only of answers, and not of a track");
     }
+    if (options->order && (foreign || options->rows != CONUS_ROWS_ANSWERS || options->tracker)) {
+        return fail(CONUS_ERROR_ARGUMENT, "order: by depth are answers only, not of a track, in formats up to NDJSON");
+    }
     if (options->atlas && (foreign || !*options->atlas)) {
         return fail(CONUS_ERROR_ARGUMENT,
                     foreign ? "atlas: formats of other programs have no such column" : "atlas: the name is empty");
@@ -37,7 +62,7 @@ static conus_status check_options(const conus_report_options *options)
     if ((options->format == CONUS_FORMAT_BIDS) != (options->electrodes != NULL)) {
         return fail(CONUS_ERROR_ARGUMENT, "electrodes: BIDS needs the table, and no other format does");
     }
-    return CONUS_OK;
+    return check_contacts(options);
 }
 
 /* The caller's frame, or that of a space that needs no atlas. */
@@ -216,6 +241,27 @@ static void fill_rows(conus_report *report, struct report_row *rows, const struc
     report->row_count -= statistics->count - kept;
 }
 
+/* Where a row begins, mm; infinite where it is not known. */
+static double depth_of(const conus_report *report, const struct report_row *row)
+{
+    bool by_entry = report->selector.layers && !(report->queries[row->query].ball > 0);
+    double depth = by_entry ? row->result.entry : row->result.distance;
+    return row->result.object && isfinite(depth) ? depth : INFINITY;
+}
+
+/* Of rows in the order of their ranks, the unassigned last. */
+static void sort_by_depth(struct report_row *rows, size_t count, const conus_report *report)
+{
+    for (size_t i = 1; i < count && rows[i].result.object; i++) {
+        struct report_row row = rows[i];
+        size_t place = i;
+        for (; place > 0 && depth_of(report, &rows[place - 1]) > depth_of(report, &row); place--) {
+            rows[place] = rows[place - 1];
+        }
+        rows[place] = row;
+    }
+}
+
 static conus_status refuse_rows(const char *what)
 {
     return fail(CONUS_ERROR_ARGUMENT, "report: %s, but its rows are of something else", what);
@@ -238,6 +284,9 @@ conus_status conus_report_add(conus_report *report, const char *query_id, const 
     conus_status status = report_append(&rows, report, query_id, &query, statistics->count);
     if (!status) {
         fill_rows(report, rows, statistics);
+        if (report->options.order == CONUS_ORDER_DEPTH) {
+            sort_by_depth(rows, statistics->count, report);
+        }
     }
     return status || report->options.no_voxels ? status : report_add_voxels(report, selection);
 }
@@ -266,6 +315,20 @@ conus_status conus_report_add_jitter(conus_report *report, const char *query_id,
     conus_status status = report_append(&rows, report, query_id, &query, jitter->count);
     for (size_t i = 0; !status && i < jitter->count; i++) {
         rows[i].chance = jitter->rows[i];
+    }
+    return status;
+}
+
+conus_status conus_report_add_segments(conus_report *report, const char *query_id, const conus_segments *segments)
+{
+    struct report_row *rows;
+    const struct report_query query = {.cone = segments->cone, .is_axis = true};
+    if (report->options.rows != CONUS_ROWS_SEGMENTS && !report_is_of_probe(report->options.format)) {
+        return refuse_rows("segments");
+    }
+    conus_status status = report_append(&rows, report, query_id, &query, segments->count);
+    for (size_t i = 0; !status && i < segments->count; i++) {
+        rows[i].segment = segments->rows[i];
     }
     return status;
 }

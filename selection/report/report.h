@@ -8,6 +8,7 @@
 #include "selection/selector.h"
 #include "selection/study/jitter.h"
 #include "selection/study/overlap.h"
+#include "selection/study/segments.h"
 #include "selection/study/sweep.h"
 
 /** The region of interest of a query. */
@@ -28,6 +29,7 @@ struct report_row {
         conus_admission admission;
         conus_chance chance;
         conus_coverage coverage;
+        conus_segment segment;
     };
 };
 
@@ -37,6 +39,7 @@ struct report_query {
     struct cone cone;
     uint32_t cone_pixels;        /**< Pixels of the aperture.                              */
     double ball;                 /**< Radius of a ball around the cone's origin; 0 of a cone. */
+    bool is_axis;                /**< Its rows are segments, of the cone's axis.          */
     conus_step step;             /**< In a report on a track. */
     conus_jitter_options jitter; /**< Of chances. */
     struct report_roi roi;       /**< Of coverages. */
@@ -87,6 +90,12 @@ static inline bool report_is_shown(const conus_report *report, size_t row)
 {
     return report->options.rows != CONUS_ROWS_SUMMARIES || row == 0 ||
            report->rows[row].query != report->rows[row - 1].query;
+}
+
+/** Whether a format is one string of a whole probe. */
+static inline bool report_is_of_probe(conus_format format)
+{
+    return format == CONUS_FORMAT_SPIKEGLX || format == CONUS_FORMAT_OPEN_EPHYS;
 }
 
 static inline bool report_is_selected(const conus_report *report, const struct report_row *row)

@@ -87,33 +87,6 @@ static struct cell get_unoccluded(const conus_report *report, const struct repor
     return number_cell(row->result.pixels / (double)row->result.pierced);
 }
 
-/* A coordinate of the contact where the atlas's files have it. */
-static struct cell own_cell(const conus_report *report, const struct report_row *row, int axis)
-{
-    double point[3];
-    memcpy(point, row->result.contact, sizeof point);
-    if (report->frame.space < CONUS_SPACE_CCF) { /* which is the atlas's own */
-        conus_atlas_own_point(point, report->atlas, point);
-    }
-    report_point(report, point);
-    return number_cell(point[axis]);
-}
-
-static struct cell get_atlas_x(const conus_report *report, const struct report_row *row)
-{
-    return own_cell(report, row, 0);
-}
-
-static struct cell get_atlas_y(const conus_report *report, const struct report_row *row)
-{
-    return own_cell(report, row, 1);
-}
-
-static struct cell get_atlas_z(const conus_report *report, const struct report_row *row)
-{
-    return own_cell(report, row, 2);
-}
-
 static struct cell get_atlas(const conus_report *report, const struct report_row *row)
 {
     (void)row;
@@ -144,9 +117,9 @@ static const struct report_column answer_columns[] = {
     {"contact_x", "mm", "first contact on its ray closest to the axis, x", OF_ROW(X, result.contact)},
     {"contact_y", "mm", "the same, y", OF_ROW(Y, result.contact)},
     {"contact_z", "mm", "the same, z", OF_ROW(Z, result.contact)},
-    {"atlas_x", "mm", "where that is in the atlas's own space, x", .get = get_atlas_x, .moved_only = true},
-    {"atlas_y", "mm", "the same, y", .get = get_atlas_y, .moved_only = true},
-    {"atlas_z", "mm", "the same, z", .get = get_atlas_z, .moved_only = true},
+    {"atlas_x", "mm", "where that is in the atlas's own space, x", OF_ROW(OWN_X, result.contact), .moved_only = true},
+    {"atlas_y", "mm", "the same, y", OF_ROW(OWN_Y, result.contact), .moved_only = true},
+    {"atlas_z", "mm", "the same, z", OF_ROW(OWN_Z, result.contact), .moved_only = true},
     {"entry_mm", "mm", "nearest entry over all layers", OF_ROW(NUMBER, result.entry), .needs = NEEDS_LAYERS},
     {"exit_mm", "mm", "farthest exit over all layers", OF_ROW(NUMBER, result.exit), .needs = NEEDS_LAYERS},
     {"path_mm", "mm", "mean path length over its rays", OF_ROW(NUMBER, result.path), .needs = NEEDS_LAYERS},
@@ -261,6 +234,40 @@ static const struct report_column coverage_columns[] = {
     {"peak_x", "mm", "centre of the voxel that has it, x", OF_ROW(X, coverage.peak_point)},
     {"peak_y", "mm", "the same, y", OF_ROW(Y, coverage.peak_point)},
     {"peak_z", "mm", "the same, z", OF_ROW(Z, coverage.peak_point)},
+};
+
+/* ---- Segments ---- */
+
+static struct cell get_length(const conus_report *report, const struct report_row *row)
+{
+    (void)report;
+    return number_cell(row->segment.exit - row->segment.entry);
+}
+
+static const struct report_column segment_columns[] = {
+    {"query", NULL, "query_id of the pose, else its number from 1", .get = get_query},
+    {"order", NULL, "1 is nearest to the apex", .get = get_place},
+    {"kind", NULL, "what the axis is in: area, pathway, or unassigned: neither; error: no answer, and name says why",
+     .get = get_kind},
+    {"index", NULL, "the atlas's own label of the area, or the ordinal of the pathway", .get = get_index},
+    {"name", NULL, "name of the area or pathway", .get = get_name},
+    {"abbreviation", NULL, "abbreviation in the label table", .get = get_abbreviation},
+    {"entry_mm", "mm", "where the axis enters it, from the apex", OF_ROW(NUMBER, segment.entry)},
+    {"exit_mm", "mm", "where the axis leaves it, from the apex", OF_ROW(NUMBER, segment.exit)},
+    {"length_mm", "mm", "what lies between", .get = get_length},
+    {"entry_x", "mm", "where the axis enters it, x", OF_ROW(X, segment.entry_at)},
+    {"entry_y", "mm", "the same, y", OF_ROW(Y, segment.entry_at)},
+    {"entry_z", "mm", "the same, z", OF_ROW(Z, segment.entry_at)},
+    {"exit_x", "mm", "where the axis leaves it, x", OF_ROW(X, segment.exit_at)},
+    {"exit_y", "mm", "the same, y", OF_ROW(Y, segment.exit_at)},
+    {"exit_z", "mm", "the same, z", OF_ROW(Z, segment.exit_at)},
+    {"atlas_entry_x", "mm", "where the entry is in the atlas's own space, x", OF_ROW(OWN_X, segment.entry_at),
+     .moved_only = true},
+    {"atlas_entry_y", "mm", "the same, y", OF_ROW(OWN_Y, segment.entry_at), .moved_only = true},
+    {"atlas_entry_z", "mm", "the same, z", OF_ROW(OWN_Z, segment.entry_at), .moved_only = true},
+    {"atlas_exit_x", "mm", "where the exit is there, x", OF_ROW(OWN_X, segment.exit_at), .moved_only = true},
+    {"atlas_exit_y", "mm", "the same, y", OF_ROW(OWN_Y, segment.exit_at), .moved_only = true},
+    {"atlas_exit_z", "mm", "the same, z", OF_ROW(OWN_Z, segment.exit_at), .moved_only = true},
 };
 
 /* ---- Summaries: one row per answer, with the best, the next, and by how much it is behind ---- */
@@ -416,6 +423,9 @@ void report_list_columns(struct report_columns *out, const conus_report *report)
         list_named(out, study_common, COUNT_OF(study_common));
         list_table(out, report, coverage_columns, COUNT_OF(coverage_columns));
         break;
+    case CONUS_ROWS_SEGMENTS:
+        list_table(out, report, segment_columns, COUNT_OF(segment_columns));
+        break;
     case CONUS_ROWS_CHANCES:
         list_named(out, study_common, COUNT_OF(study_common));
         list_table(out, report, chance_columns, COUNT_OF(chance_columns));
@@ -470,6 +480,15 @@ static struct cell stored_cell(const conus_report *report, enum column_type type
         memcpy(point, numbers, sizeof point);
         report_point(report, point);
         return number_cell(point[type - COLUMN_X]);
+    case COLUMN_OWN_X:
+    case COLUMN_OWN_Y:
+    case COLUMN_OWN_Z:
+        memcpy(point, numbers, sizeof point);
+        if (report->frame.space < CONUS_SPACE_CCF) { /* which is the atlas's own */
+            conus_atlas_own_point(point, report->atlas, point);
+        }
+        report_point(report, point);
+        return number_cell(point[type - COLUMN_OWN_X]);
     default:
         return number_cell(*numbers);
     }

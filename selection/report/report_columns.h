@@ -23,7 +23,10 @@ enum column_type {
     COLUMN_TIME,     /**< A double, seconds.                                             */
     COLUMN_X,        /**< A coordinate of a double[3], world, written in the report's space. */
     COLUMN_Y,
-    COLUMN_Z
+    COLUMN_Z,
+    COLUMN_OWN_X, /**< The same, where the atlas's files have the point. */
+    COLUMN_OWN_Y,
+    COLUMN_OWN_Z
 };
 
 /** Without one of its needs a cell is n/a. */

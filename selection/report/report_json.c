@@ -121,6 +121,10 @@ static json_t *json_from_query(const struct report_query *query)
         return json_pack("{s: o, s: [f, f, f], s: f}", "query", json_from_text(query->id), "point_ras", m[12], m[13],
                          m[14], "radius_mm", query->ball);
     }
+    if (query->is_axis) {
+        return json_pack("{s: o, s: o}", "query", json_from_text(query->id), "world_from_device_ras",
+                         json_from_matrix(query->cone.pose.world_from_device));
+    }
     json_t *cone = json_pack("{s: o, s: f, s: i, s: o}", "query", json_from_text(query->id), "angle_deg",
                              degrees_from_radians(query->cone.angle), "cone_pixels", (int)query->cone_pixels,
                              "world_from_device_ras", json_from_matrix(query->cone.pose.world_from_device));
@@ -269,13 +273,32 @@ static json_t *json_from_atlases(const conus_report *report)
     return whole_or_null(atlases, whole);
 }
 
+static bool add_range(json_t *settings, const conus_selector_options *options)
+{
+    return options->range[1] == 0 ||
+           put_value(settings, "range_mm", json_pack("[f, f]", options->range[0], options->range[1]));
+}
+
+/* What the rows depend on besides the answers. */
+static bool add_form(json_t *settings, const conus_report_options *options)
+{
+    const conus_contacts *contacts = &options->contacts;
+    return (!options->order || put_value(settings, "order", json_string("depth"))) &&
+           (!contacts->count ||
+            put_value(settings, "contacts",
+                      json_pack("{s: I, s: I, s: f, s: f}", "count", (json_int_t)contacts->count, "columns",
+                                (json_int_t)contacts->columns, "pitch_mm", contacts->pitch, "tip_mm", contacts->tip)));
+}
+
 static json_t *json_from_settings(const conus_report *report)
 {
-    if (report->options.rows == CONUS_ROWS_COVERAGES) { /* which have no rays */
-        json_t *level = json_object();
-        return whole_or_null(level, add_level(level, report));
-    }
     const conus_selector_options *options = &report->selector;
+    bool has_axes = report->options.rows == CONUS_ROWS_SEGMENTS;
+    if (has_axes || report->options.rows == CONUS_ROWS_COVERAGES) { /* which have no rays of pixels */
+        json_t *few = json_object();
+        bool level_is_there = has_axes && report->name; /* in that of each atlas */
+        return whole_or_null(few, (!has_axes || add_range(few, options)) && (level_is_there || add_level(few, report)));
+    }
     json_t *settings = json_pack(
         "{s: s, s: s, s: i, s: s, s: s}", "engine", report->engine, "sampling",
         options->sampling == CONUS_SAMPLING_SLICES ? "slices" : "exact", "resolution", (int)options->resolution,
@@ -286,8 +309,8 @@ static json_t *json_from_settings(const conus_report *report)
          put_value(settings, "slice_fraction", json_real(options->slice_fraction)));
     whole = whole && put_value(settings, "layers", json_string(options->layers ? "all" : "visible")) &&
             (options->radius == 0 || put_value(settings, "radius_mm", json_real(options->radius))) &&
-            (options->range[1] == 0 ||
-             put_value(settings, "range_mm", json_pack("[f, f]", options->range[0], options->range[1])));
+            add_range(settings, options);
+    whole = add_form(settings, &report->options) && whole;
     bool tells = options->radius == 0 && (report->is_begun || !report->query_count); /* no query tells it (Eq. 15) */
     whole = (!tells || put_value(settings, "spread", json_string("even beyond 120 degrees"))) && whole;
     whole = (report->name || add_level(settings, report)) && whole;

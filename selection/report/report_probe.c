@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The areas along a probe, as SpikeGLX and Open Ephys take them (docs/formats.md). Each query is a contact, each row
- * of contacts whose ids differ in the number at their end a shank. */
+ * of contacts whose ids differ in the number at their end a shank; or each query is a shank with its segments, whose
+ * tip is at the far end of the range. */
 #include "base/math3.h"
 #include "selection/report/report_writers.h"
 
@@ -104,6 +105,15 @@ static struct run take_run(const struct shank *shank, size_t *next)
     return run;
 }
 
+/* Heights in micrometres. */
+static void write_region(struct buffer *out, double bottom, double top, const conus_object *object)
+{
+    const uint8_t *rgb = object->rgb;
+    buffer_format(out, "(%.0f,%.0f,%d,%d,%d,", bottom, top, rgb[0], rgb[1], rgb[2]);
+    write_name(out, object);
+    buffer_text(out, ")");
+}
+
 /* Areas border halfway between contacts. */
 static void write_regions(struct buffer *out, const struct shank *shank)
 {
@@ -114,23 +124,20 @@ static void write_regions(struct buffer *out, const struct shank *shank)
         top = next < shank->end ? (top + height_of(shank, next)) / 2 : top;
         top = fmax(top, bottom);
         if (run.object) {
-            const uint8_t *rgb = run.object->rgb;
-            buffer_format(out, "(%.0f,%.0f,%d,%d,%d,", bottom, top, rgb[0], rgb[1], rgb[2]);
-            write_name(out, run.object);
-            buffer_text(out, ")");
+            write_region(out, bottom, top, run.object);
         }
         bottom = top;
     }
 }
 
-/* Trajectories are no contacts: the hits of a ray lie along it, and have no place on a probe. */
+/* A cone's rays have no place on a probe. */
 static conus_status check_contacts(const conus_report *report)
 {
     for (size_t i = 0; i < report->query_count; i++) {
-        if (!report->queries[i].error && !(report->queries[i].ball > 0)) {
+        const struct report_query *query = &report->queries[i];
+        if (!query->error && !(query->ball > 0) && !query->is_axis) {
             return fail(CONUS_ERROR_ARGUMENT,
-                        "format: contacts of a probe are points with a radius, \"%s\" has a direction",
-                        report->queries[i].id);
+                        "format: contacts of a probe are points with a radius, \"%s\" has a direction", query->id);
         }
     }
     return CONUS_OK;
@@ -148,9 +155,142 @@ static conus_status check_length(const struct shank *shank)
                       shank->report->queries[shank->first].id);
 }
 
+/* ---- Shanks by their axes ---- */
+
+/* Whether the queries are shanks. */
+static bool has_axes(const conus_report *report)
+{
+    for (size_t i = 0; i < report->query_count; i++) {
+        if (report->queries[i].is_axis) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static conus_status check_shanks(const conus_report *report)
+{
+    for (size_t i = 0; i < report->query_count; i++) {
+        if (!report->queries[i].error && !report->queries[i].is_axis) {
+            return fail(CONUS_ERROR_ARGUMENT, "format: \"%s\" is a contact, and no shank, which has a direction",
+                        report->queries[i].id);
+        }
+    }
+    return report->selector.range[1] > 0
+               ? CONUS_OK
+               : fail(CONUS_ERROR_ARGUMENT,
+                      "range: a shank has its tip at the far end of the range, and there is none");
+}
+
+/* Open Ephys counts channels. */
+static conus_status check_rows(const conus_report *report)
+{
+    const conus_contacts *contacts = &report->options.contacts;
+    double length = report->selector.range[1] - report->selector.range[0];
+    if (!contacts->count) {
+        return fail(CONUS_ERROR_ARGUMENT, "contacts: Open Ephys counts those of a shank, and there are none");
+    }
+    uint32_t last = (contacts->count - 1) / contacts->columns;
+    double height = contacts->tip + last * contacts->pitch;
+    return height <= length
+               ? CONUS_OK
+               : fail(CONUS_ERROR_ARGUMENT,
+                      "contacts: the last is %g mm from the tip, but the range is only %g mm long", height, length);
+}
+
+/* Of the objects at a depth on a shank the one that was entered last, of equals the one that is left first; NULL =
+ * there is none. */
+static const conus_object *innermost(const conus_report *report, size_t query, double depth)
+{
+    const conus_segment *found = NULL;
+    for (size_t i = report->queries[query].first_row; i < report_row_end(report, query); i++) {
+        const conus_segment *segment = &report->rows[i].segment;
+        bool holds = segment->object && segment->entry <= depth && depth < segment->exit;
+        bool is_deeper =
+            !found || segment->entry > found->entry; /* of equal entries the first row has the least exit */
+        found = holds && is_deeper ? segment : found;
+    }
+    return found ? conus_atlas_object(report->atlas, found->object) : NULL;
+}
+
+/* The deepest end of a segment above a depth; that of the range if there is none. */
+static double next_border(const conus_report *report, size_t query, double depth)
+{
+    double border = report->selector.range[0];
+    for (size_t i = report->queries[query].first_row; i < report_row_end(report, query); i++) {
+        const double ends[] = {report->rows[i].segment.entry, report->rows[i].segment.exit};
+        for (int k = 0; k < 2; k++) {
+            border = ends[k] < depth && ends[k] > border ? ends[k] : border;
+        }
+    }
+    return border;
+}
+
+/* How far up the shank the object at a depth reaches; and which one that is. */
+static double end_of_region(const conus_object **out, const conus_report *report, size_t query, double depth)
+{
+    double near = report->selector.range[0];
+    double end = next_border(report, query, depth);
+    *out = innermost(report, query, (depth + end) / 2);
+    while (end > near) {
+        double next = next_border(report, query, end);
+        if (innermost(report, query, (end + next) / 2) != *out) {
+            break;
+        }
+        end = next;
+    }
+    return end;
+}
+
+/* From the tip on. */
+static void write_shank(struct buffer *out, const conus_report *report, size_t query)
+{
+    const double *range = report->selector.range;
+    double depth = range[1];
+    while (depth > range[0]) {
+        const conus_object *object;
+        double end = end_of_region(&object, report, query, depth);
+        if (object) {
+            write_region(out, 1000 * (range[1] - depth), 1000 * (range[1] - end), object);
+        }
+        depth = end;
+    }
+}
+
+static conus_status write_shanks(struct buffer *out, const conus_report *report)
+{
+    conus_status status = check_shanks(report);
+    for (size_t i = 0; i < report->query_count && !status; i++) {
+        buffer_format(out, "[0,%zu]", i);
+        if (!report->queries[i].error) {
+            write_shank(out, report, i);
+        }
+        buffer_text(out, "\n");
+    }
+    return status;
+}
+
+/* What is at a channel: a query, or one of the contacts of a shank. */
+static const conus_object *object_at(const conus_report *report, size_t channel)
+{
+    const conus_contacts *contacts = &report->options.contacts;
+    if (!contacts->count) {
+        return best_of(report, channel);
+    }
+    size_t query = channel / contacts->count;
+    size_t row = channel % contacts->count / contacts->columns;
+    double height = contacts->tip + (double)row * contacts->pitch;
+    return report->queries[query].error ? NULL : innermost(report, query, report->selector.range[1] - height);
+}
+
+/* ---- What is written ---- */
+
 conus_status report_write_spikeglx(struct buffer *out, const conus_report *report)
 {
     size_t first = 0;
+    if (has_axes(report)) {
+        return write_shanks(out, report);
+    }
     conus_status status = check_contacts(report);
     for (size_t number = 0; !status && first < report->query_count; number++) {
         const struct shank shank = find_shank(report, first);
@@ -163,14 +303,24 @@ conus_status report_write_spikeglx(struct buffer *out, const conus_report *repor
     return status;
 }
 
+static conus_status check_channels(const conus_report *report)
+{
+    if (!has_axes(report) && !report->options.contacts.count) {
+        return check_contacts(report);
+    }
+    conus_status status = check_shanks(report);
+    return status ? status : check_rows(report);
+}
+
 conus_status report_write_open_ephys(struct buffer *out, const conus_report *report)
 {
     const char *separator = "";
-    conus_status status = check_contacts(report);
-    for (size_t i = 0; !status && i < report->query_count;) {
-        const conus_object *object = best_of(report, i);
+    conus_status status = check_channels(report);
+    size_t channels = report->query_count * (report->options.contacts.count ? report->options.contacts.count : 1);
+    for (size_t i = 0; !status && i < channels;) {
+        const conus_object *object = object_at(report, i);
         size_t first = i;
-        while (i < report->query_count && best_of(report, i) == object) {
+        while (i < channels && object_at(report, i) == object) {
             i++;
         }
         if (object) {

@@ -278,11 +278,12 @@ static const struct table_form *form_of(const conus_report *report, const struct
 static void write_summary(struct buffer *out, const conus_report *report, const struct report_query *query)
 {
     if (query->ball > 0) {
-        buffer_text(out, "ranked by share, then distance\n");
+        buffer_format(out, "ranked by share, then distance%s\n", report->options.order ? ", in order of depth" : "");
         return;
     }
-    buffer_format(out, "%u pixels in the cone (%u x %u buffer); ranked by %s; engine %s, %s\n", query->cone_pixels,
-                  query->cone.resolution, query->cone.resolution, report->score, report->engine,
+    buffer_format(out, "%u pixels in the cone (%u x %u buffer); ranked by %s%s; engine %s, %s\n", query->cone_pixels,
+                  query->cone.resolution, query->cone.resolution, report->score,
+                  report->options.order ? ", in order of depth" : "", report->engine,
                   report->selector.sampling == CONUS_SAMPLING_SLICES ? "slices" : "exact");
 }
 

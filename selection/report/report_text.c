@@ -24,6 +24,7 @@ static table_writer *table_of(const conus_report *report)
     }
     return report->options.rows == CONUS_ROWS_ANSWERS     ? report_write_table
            : report->options.rows == CONUS_ROWS_COVERAGES ? report_write_overlap
+           : report->options.rows == CONUS_ROWS_SEGMENTS  ? report_write_segments
                                                           : report_write_sweep;
 }
 
@@ -101,8 +102,7 @@ conus_status conus_report_text(const char **text, size_t *size, conus_report *re
 
 conus_status conus_report_take(const char **text, size_t *size, conus_report *report)
 {
-    conus_format format = report->options.format;
-    if (format == CONUS_FORMAT_JSON || format == CONUS_FORMAT_SPIKEGLX || format == CONUS_FORMAT_OPEN_EPHYS) {
+    if (report->options.format == CONUS_FORMAT_JSON || report_is_of_probe(report->options.format)) {
         return fail(CONUS_ERROR_ARGUMENT, "format: this one is one whole, NDJSON can be taken in parts");
     }
     conus_status status = hand_out(report, write_text(report), text, size);

@@ -165,6 +165,52 @@ def test_sweep_and_jitter_are_those_of_the_program():
 
 
 @needs_aal
+@pytest.mark.parametrize("options", [{}, {"range": "10,60"}, {"range": "10,60", "only": "Insula_L"}])
+def test_segments_are_those_of_the_program(options, tmp_path):
+    table, words = tmp_path / "rows.tsv", [w for name, value in options.items() for w in (f"--{name}", value)]
+    run_conus("query", AAL, "--origin=-90,20,20", "--toward=0,-10,10", "--format=tsv", "-q", *words, "--segments", table)
+    rows = pandas.read_csv(table, sep="\t", na_values="n/a", keep_default_na=False)
+    atlas, depths = conus.load(AAL, only=options.get("only")), {"range": (10, 60)} if "range" in options else {}
+    frame = atlas.segments((-90, 20, 20), toward=(0, -10, 10), **depths).to_dataframe()
+    assert_rows_of_the_program(frame, rows)
+    assert list(rows.columns) == ["query", *frame.columns]
+    many = atlas.segments_many([(-90, 20, 20)] * 2, [(90, -30, -10)] * 2, **depths)
+    assert many.starts.tolist() == [0, len(frame), 2 * len(frame)]
+    for query, part in many.to_dataframe().groupby("query"):
+        pandas.testing.assert_frame_equal(part.drop(columns="query").reset_index(drop=True), frame)
+
+
+def test_segments_of_plates(atlas):
+    """Plates from x = -40 to -20 and 20 to 40; a pose that is none keeps its place; an axis may meet nothing."""
+    segments = atlas.segments((-50, 0, 0), direction=(1, 0, 0))
+    assert [tuple(r) for r in segments.records[["object", "entry", "exit"]]] == [
+        (0, 0, 10), (1, 10, 30), (0, 30, 70), (2, 70, 90)]
+    many = atlas.segments_many([(-50, 0, 0), (np.nan, 0, 0), (0, 0, 0)], [(1, 0, 0), (1, 0, 0), (0, 0, 1)])
+    assert many.starts.tolist() == [0, 4, 4, 5] and list(many.errors) == [1] and "nan" in many.errors[1]
+    frame = many.to_dataframe()
+    assert list(frame["kind"]) == ["unassigned", "area", "unassigned", "area", "error", "unassigned"]
+    assert math.isnan(frame["exit_mm"].iloc[-1])
+    assert len(atlas.segments_many(np.empty((0, 3)), np.empty((0, 3)))) == 0
+    with pytest.raises(conus.ArgumentError, match="pose"):
+        atlas.segments((0, 0, 0))
+
+
+@needs_aal
+@pytest.mark.parametrize("layers", ["visible", "all"])
+def test_the_nearest_come_first(layers):
+    words = ("--origin=-90,20,20", "--toward=0,-10,10", "--angle=40", f"--layers={layers}", "--order=depth", "--format=tsv")
+    selection = conus.load(AAL).select((-90, 20, 20), toward=(0, -10, 10), angle=40, layers=layers)
+    frame = selection.to_dataframe(order="depth")
+    assert_rows_of_the_program(frame, run_conus("query", AAL, *words))
+    assert list(frame["rank"]) != list(selection.to_dataframe()["rank"])
+    many = selection.atlas.select_many([(-90, 20, 20)] * 2, [(90, -30, -10)] * 2, angle=40, layers=layers)
+    for _, part in many.to_dataframe(order="depth").groupby("query"):
+        assert list(part["rank"]) == list(frame["rank"])
+    with pytest.raises(conus.ArgumentError, match="order"):
+        selection.to_dataframe(order="near")
+
+
+@needs_aal
 def test_overlap_is_that_of_the_program(tmp_path):
     random = np.random.default_rng(2)
     path = tmp_path / "map.nii"

@@ -84,6 +84,11 @@ int answer_sidecar(char **out, conus_format format, const struct answer_settings
     return EXIT_DONE;
 }
 
+static const char *option_of(const struct provenance *provenance)
+{
+    return provenance->option ? provenance->option : "output";
+}
+
 int answer_write_sidecar(conus_report *report, const char *path, const char *sidecar,
                          const struct provenance *provenance, const char *text, size_t size)
 {
@@ -94,7 +99,7 @@ int answer_write_sidecar(conus_report *report, const char *path, const char *sid
     if (!sidecar) {
         return EXIT_DONE;
     }
-    provenance_add_output(&own, "output", output_is_stdout(path) ? NULL : path, text, size);
+    provenance_add_output(&own, option_of(&own), output_is_stdout(path) ? NULL : path, text, size);
     conus_status status = conus_report_sidecar(&head, &length, report);
     int code = status ? print_status(status) : provenance_complete(&whole, head, length, &own);
     code = code ? code : output_write(sidecar, whole, strlen(whole));
@@ -108,7 +113,8 @@ static int write_json(const char *path, const struct provenance *provenance, con
     struct provenance own = *provenance;
     const char *rows = provenance_json_rows(text, size);
     char *whole = NULL;
-    provenance_add_output(&own, "output", output_is_stdout(path) ? NULL : path, rows, size - (size_t)(rows - text));
+    provenance_add_output(&own, option_of(&own), output_is_stdout(path) ? NULL : path, rows,
+                          size - (size_t)(rows - text));
     int code = provenance_complete(&whole, text, size, &own);
     code = code ? code : output_write(path, whole, strlen(whole));
     free(whole);

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const key_names[RESULTS_KEYS] = {"query", "kind", "index", "atlas", "i", "j", "k"};
+static const char *const key_names[RESULTS_KEYS] = {"query", "kind", "index", "atlas", "i", "j", "k", "order"};
 enum { NEEDED_KEYS = 3, ATLAS_KEY = 3, COLUMN_LIMIT = 1000 };
 
 const char *results_cell(const struct results *results, size_t row, size_t column)

@@ -23,12 +23,13 @@ static const struct {
     const char *option;
     enum fate fate;
 } fates[] = {
-    {"angles", KEPT},     {"jitter", KEPT},          {"mask-object", KEPT}, {"score", KEPT},      {"atlas", READ},
-    {"context", READ},    {"atlas-transform", READ}, {"hide", READ},        {"labels", READ},     {"level", READ},
-    {"only", READ},       {"pathway", READ},         {"pose", READ},        {"poses", READ},      {"deep", WRITTEN},
-    {"image", WRITTEN},   {"mask", WRITTEN},         {"output", WRITTEN},   {"voxels", WRITTEN},  {"force", DROPPED},
-    {"jobs", DROPPED},    {"progress", DROPPED},     {"quiet", DROPPED},    {"resume", DROPPED},  {"shard", DROPPED},
-    {"sidecar", DROPPED}, {"verbose", DROPPED},      {"help", REFUSED},     {"version", REFUSED}, {"seconds", REFUSED},
+    {"angles", KEPT},     {"jitter", KEPT},     {"contacts", KEPT},        {"mask-object", KEPT}, {"score", KEPT},
+    {"atlas", READ},      {"context", READ},    {"atlas-transform", READ}, {"hide", READ},        {"labels", READ},
+    {"level", READ},      {"only", READ},       {"pathway", READ},         {"pose", READ},        {"poses", READ},
+    {"deep", WRITTEN},    {"image", WRITTEN},   {"mask", WRITTEN},         {"output", WRITTEN},   {"segments", WRITTEN},
+    {"voxels", WRITTEN},  {"force", DROPPED},   {"jobs", DROPPED},         {"progress", DROPPED}, {"quiet", DROPPED},
+    {"resume", DROPPED},  {"shard", DROPPED},   {"sidecar", DROPPED},      {"verbose", DROPPED},  {"help", REFUSED},
+    {"version", REFUSED}, {"seconds", REFUSED},
 };
 
 static enum fate fate_of(const struct option *option)

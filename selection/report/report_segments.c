@@ -1,0 +1,89 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The table for people of what axes pass. */
+#include "selection/report/report_table.h"
+#include "selection/report/report_writers.h"
+
+#include <math.h>
+#include <string.h>
+
+static const char NO_OBJECT[] = "(in no area)";
+
+static void write_axis(struct buffer *out, const conus_report *report, const struct report_query *query)
+{
+    const double *m = query->cone.pose.world_from_device;
+    double origin[3] = {m[12], m[13], m[14]};
+    double axis[3] = {-m[8], -m[9], -m[10]};
+    report_point(report, origin);
+    report_point(report, axis);
+    if (report->query_count > 1) {
+        buffer_format(out, "query %s: ", query->id);
+    }
+    buffer_format(out, "axis from (%.2f, %.2f, %.2f) along (%.4f, %.4f, %.4f)", origin[0], origin[1], origin[2],
+                  axis[0], axis[1], axis[2]);
+    if (cone_has_range(&query->cone)) {
+        buffer_format(out, ", %.4g to %.4g mm deep", query->cone.range[0], query->cone.range[1]);
+    }
+    buffer_format(out, ", %s mm\n", report->options.space == CONUS_SPACE_LPS ? "LPS" : "RAS");
+}
+
+static void write_header(struct buffer *out, int width)
+{
+    static const char form[] = "%5s  %-*s  %10s  %8s  %8s  %8s  %24s\n";
+    buffer_format(out, form, "order", width, "name", "label", "enters", "leaves", "length", "enters at x, y, z");
+    buffer_format(out, form, "", width, "", "", "mm", "mm", "mm", "mm");
+}
+
+/* Nothing of a depth that there is not. */
+static void write_depth(struct buffer *out, double depth)
+{
+    if (isfinite(depth)) {
+        buffer_format(out, "  %8.2f", depth);
+    } else {
+        buffer_format(out, "  %8s", "-");
+    }
+}
+
+static void write_segment(struct buffer *out, const conus_report *report, size_t order, const conus_segment *segment,
+                          int width)
+{
+    char label[TABLE_LABEL_SIZE];
+    double at[3];
+    memcpy(at, segment->entry_at, sizeof at);
+    report_point(report, at);
+    buffer_format(out, "%5zu  ", order);
+    table_write_name(out, segment->object ? table_name(report, segment->object) : NO_OBJECT, width);
+    buffer_format(out, "  %10s", table_label(label, report, segment->object));
+    write_depth(out, segment->entry);
+    write_depth(out, segment->exit);
+    write_depth(out, segment->exit - segment->entry);
+    buffer_format(out, "  %8.2f %7.2f %7.2f\n", at[0], at[1], at[2]);
+}
+
+/* Of one atlas. */
+static void write_answers(struct buffer *out, const conus_report *report, size_t query, int width)
+{
+    size_t first = report->queries[query].first_row;
+    table_write_atlas(out, report);
+    write_header(out, width);
+    for (size_t i = first; i < report_row_end(report, query); i++) {
+        write_segment(out, report, i - first + 1, &report->rows[i].segment, width);
+    }
+}
+
+void report_write_segments(struct buffer *out, const conus_report *report)
+{
+    int width = table_name_width(report);
+    for (size_t i = 0; i < report->query_count; i++) {
+        bool more = i + 1 < report->query_count;
+        if (report->queries[i].error) {
+            table_write_error(out, &report->queries[i], more);
+            continue;
+        }
+        write_axis(out, report, &report->queries[i]);
+        for (const conus_report *of = report; of && i < of->query_count; of = of->next) {
+            write_answers(out, of, i, width);
+        }
+        buffer_text(out, more ? "\n" : "");
+    }
+    table_write_sources(out, report);
+}

@@ -1,0 +1,192 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Follows the axis of a device through all objects, and fills the gaps between them (Eq. 17). */
+#include "selection/study/segments.h"
+
+#include "base/math3.h"
+#include "base/memory.h"
+#include "selection/selector.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* mm: what is shorter, rounding makes of a ray that only touches. */
+static const double TOUCH = 1e-9;
+
+/* Any angle has the axis for the ray of its only pixel. */
+static const struct cone AXIS = {.angle = 1, .resolution = 1};
+
+/* A surface with holes: the one thing that a ray may cross without being in it. */
+static bool is_open(const conus_atlas *atlas, uint32_t number)
+{
+    const struct mesh *mesh = atlas_object_mesh(atlas, number);
+    return mesh && !mesh->shape.closed;
+}
+
+/* Cuts an interval at the range; false where nothing is left of it. */
+static bool clip(conus_interval *interval, const conus_atlas *atlas, const double range[2])
+{
+    bool is_point = interval->exit - interval->entry <= TOUCH;
+    double far = range[1] > 0 ? range[1] : INFINITY;
+    if (is_point) {
+        return is_open(atlas, interval->object) && interval->entry >= range[0] && interval->entry < far;
+    }
+    interval->entry = fmax(interval->entry, range[0]);
+    interval->exit = fmin(interval->exit, far);
+    return interval->exit - interval->entry > TOUCH;
+}
+
+static void clip_all(struct layers *layers, const conus_atlas *atlas, const double range[2])
+{
+    size_t kept = 0;
+    for (size_t i = 0; i < layers->count; i++) {
+        conus_interval interval = layers->intervals[i];
+        if (clip(&interval, atlas, range)) {
+            layers->intervals[kept++] = interval;
+        }
+    }
+    layers->count = kept;
+}
+
+/* The last row of an object; NULL = none. */
+static conus_segment *last_of(const conus_segments *segments, uint32_t object)
+{
+    for (size_t i = segments->count; i > 0; i--) {
+        if (segments->rows[i - 1].object == object) {
+            return &segments->rows[i - 1];
+        }
+    }
+    return NULL;
+}
+
+static void add_row(conus_segments *segments, conus_kind kind, uint32_t object, double entry, double exit)
+{
+    segments->rows[segments->count++] = (conus_segment){.kind = kind, .object = object, .entry = entry, .exit = exit};
+}
+
+/* The union of each object's intervals, which are sorted by their entries. */
+static void join_intervals(conus_segments *segments, const struct layers *layers, const conus_selector *selector)
+{
+    const uint32_t *group = level_group(selector->level);
+    for (size_t i = 0; i < layers->count; i++) {
+        const conus_interval *interval = &layers->intervals[i];
+        uint32_t object = group ? group[interval->object] : interval->object;
+        conus_segment *last = last_of(segments, object);
+        if (last && interval->entry <= last->exit + TOUCH) {
+            last->exit = fmax(last->exit, interval->exit);
+        } else {
+            add_row(segments, conus_atlas_object(selector->atlas, object)->kind, object, interval->entry,
+                    interval->exit);
+        }
+    }
+}
+
+static int compare(const void *a, const void *b)
+{
+    const conus_segment *x = a;
+    const conus_segment *y = b;
+    if (x->entry != y->entry) {
+        return x->entry < y->entry ? -1 : 1;
+    }
+    if (x->exit != y->exit) {
+        return x->exit < y->exit ? -1 : 1;
+    }
+    return (x->object > y->object) - (x->object < y->object);
+}
+
+/* Adds what is in no object, up to the far end of the range; without one up to the last exit, or to infinity where
+ * there is nothing. Needs sorted rows. */
+static void add_gaps(conus_segments *segments)
+{
+    size_t count = segments->count;
+    double reached = segments->cone.range[0];
+    for (size_t i = 0; i < count; i++) {
+        if (segments->rows[i].entry > reached + TOUCH) {
+            add_row(segments, CONUS_KIND_UNASSIGNED, 0, reached, segments->rows[i].entry);
+        }
+        reached = fmax(reached, segments->rows[i].exit);
+    }
+    double end = segments->cone.range[1] > 0 ? segments->cone.range[1] : count ? reached : INFINITY;
+    if (end > reached + TOUCH) {
+        add_row(segments, CONUS_KIND_UNASSIGNED, 0, reached, end);
+    }
+}
+
+static void place(double out[3], const struct cone *axis, double depth)
+{
+    double direction[3];
+    cone_ray(direction, axis, 0, 0);
+    for (int a = 0; a < 3; a++) {
+        out[a] = isfinite(depth) ? axis->pose.world_from_device[12 + a] + depth * direction[a] : NAN;
+    }
+}
+
+static void fill_rows(conus_segments *segments, const struct layers *layers, const conus_selector *selector)
+{
+    join_intervals(segments, layers, selector);
+    qsort(segments->rows, segments->count, sizeof *segments->rows, compare);
+    add_gaps(segments);
+    qsort(segments->rows, segments->count, sizeof *segments->rows, compare);
+    for (size_t i = 0; i < segments->count; i++) {
+        place(segments->rows[i].entry_at, &segments->cone, segments->rows[i].entry);
+        place(segments->rows[i].exit_at, &segments->cone, segments->rows[i].exit);
+    }
+}
+
+static conus_status build(conus_segments *segments, conus_selector *selector)
+{
+    struct layers layers = {0};
+    conus_status status = selector_prepare_axis(selector);
+    status = status ? status : selector->axis->functions->pierce(selector->axis, &layers, &segments->cone);
+    if (!status) {
+        layers_drop_blockers(&layers);
+        clip_all(&layers, selector->atlas, segments->cone.range);
+        status = layers_sort(&layers, 1);
+    }
+    segments->rows = status ? NULL : memory_raw(2 * layers.count + 1, sizeof *segments->rows); /* each with a gap */
+    if (segments->rows) {
+        fill_rows(segments, &layers, selector);
+    }
+    layers_finish(&layers);
+    return status || segments->rows ? status : CONUS_ERROR_MEMORY;
+}
+
+conus_status conus_segments_create(conus_segments **out, conus_selector *selector, const conus_pose *pose)
+{
+    struct cone axis = AXIS;
+    conus_status status = conus_pose_from_matrix(&axis.pose, pose->world_from_device);
+    if (status) {
+        return status;
+    }
+    memcpy(axis.range, selector->options.range, sizeof axis.range);
+    conus_segments *segments = memory_zeroed(1, sizeof *segments);
+    if (!segments) {
+        return CONUS_ERROR_MEMORY;
+    }
+    segments->cone = axis;
+    status = build(segments, selector);
+    if (status) {
+        conus_segments_destroy(segments);
+        return status;
+    }
+    *out = segments;
+    return CONUS_OK;
+}
+
+void conus_segments_destroy(conus_segments *segments)
+{
+    if (segments) {
+        memory_free(segments->rows);
+        memory_free(segments);
+    }
+}
+
+size_t conus_segments_count(const conus_segments *segments)
+{
+    return segments ? segments->count : 0;
+}
+
+const conus_segment *conus_segments_segment(const conus_segments *segments, size_t index)
+{
+    return segments && index < segments->count ? &segments->rows[index] : NULL;
+}

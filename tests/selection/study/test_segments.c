@@ -1,0 +1,598 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Eq. 17: what an axis passes. Volumes against a walk along sorted plane crossings; surfaces in closed form. */
+#include "atlas/atlas.h"
+#include "base/math3.h"
+#include "mesh_scene.h"
+#include "scene.h"
+#include "selection/selector.h"
+#include "selection/study/segments.h"
+#include "test.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { ROW_LIMIT = 4096 };
+
+static conus_segments *follow(const conus_atlas *atlas, const conus_selector_options *options, const conus_pose *pose)
+{
+    conus_selector *selector = NULL;
+    conus_segments *segments = NULL;
+    assert_ok(conus_selector_create(&selector, atlas, options));
+    assert_ok(conus_segments_create(&segments, selector, pose));
+    conus_selector_destroy(selector);
+    return segments;
+}
+
+static conus_pose along(double x, double y, double z, double dx, double dy, double dz)
+{
+    conus_pose pose;
+    assert_ok(conus_pose_along(&pose, (const double[]){x, y, z}, (const double[]){dx, dy, dz}, NULL));
+    return pose;
+}
+
+struct wanted {
+    uint32_t object;
+    double entry, exit;
+};
+
+/* The rows, all of them and in this order. Ends the segments. */
+static void check_rows(conus_segments *segments, const struct wanted *wanted, size_t count, double tolerance)
+{
+    assert_int_equal(conus_segments_count(segments), count);
+    for (size_t i = 0; i < count; i++) {
+        const conus_segment *segment = conus_segments_segment(segments, i);
+        assert_int_equal(segment->object, wanted[i].object);
+        assert_int_equal(segment->kind == CONUS_KIND_UNASSIGNED, wanted[i].object == 0);
+        assert_near(segment->entry, wanted[i].entry, tolerance);
+        if (isfinite(wanted[i].exit)) {
+            assert_near(segment->exit, wanted[i].exit, tolerance);
+        } else {
+            assert_true(segment->exit == INFINITY);
+        }
+    }
+    assert_null(conus_segments_segment(segments, count));
+    conus_segments_destroy(segments);
+}
+
+#define CHECK_ROWS(segments, wanted, tolerance)                                                                        \
+    check_rows(segments, wanted, sizeof(wanted) / sizeof(wanted)[0], tolerance)
+
+/* ---- Volumes: a walk of its own --------------------------------------------------------------------------------- */
+
+static int ascending(const void *a, const void *b)
+{
+    double x = *(const double *)a;
+    double y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* All crossings of an axis with the planes between a volume's cells, sorted, from 0 to behind the last one. */
+static size_t cross_planes(double *out, const struct volume *volume, const double start[3], const double step[3])
+{
+    size_t count = 0;
+    out[count++] = 0;
+    for (int a = 0; a < 3; a++) {
+        for (size_t plane = 0; plane <= volume->info.dim[a]; plane++) {
+            double t = ((double)plane - 0.5 - start[a]) / step[a];
+            if (isfinite(t) && t > 0) {
+                out[count++] = t;
+            }
+        }
+    }
+    qsort(out, count, sizeof *out, ascending);
+    return count;
+}
+
+/* Object of the cell that holds an index, 0 outside. */
+static uint32_t object_at(const struct volume *volume, const double start[3], const double step[3], double t)
+{
+    size_t at[3];
+    for (int a = 0; a < 3; a++) {
+        double cell = floor(start[a] + t * step[a] + 0.5);
+        if (cell < 0 || cell >= (double)volume->info.dim[a]) {
+            return 0;
+        }
+        at[a] = (size_t)cell;
+    }
+    return volume_object(volume, at[0] + volume->info.dim[0] * (at[1] + volume->info.dim[1] * at[2]));
+}
+
+/* Between two crossings that follow each other the axis is in one cell, that of the point halfway. */
+static size_t walk(struct wanted *out, const struct volume *volume, const conus_pose *pose)
+{
+    static double crossings[ROW_LIMIT];
+    const double *device = pose->world_from_device;
+    double start[3];
+    double step[3];
+    size_t rows = 0;
+    vec3_scale(step, device + 8, -1);
+    mat4_point(start, volume->voxel_from_world, device + 12);
+    mat4_direction(step, volume->voxel_from_world, step);
+    size_t count = cross_planes(crossings, volume, start, step);
+    for (size_t i = 0; i + 1 < count; i++) {
+        uint32_t object = object_at(volume, start, step, (crossings[i] + crossings[i + 1]) / 2);
+        bool goes_on = rows && out[rows - 1].object == object && out[rows - 1].exit == crossings[i];
+        if (goes_on) {
+            out[rows - 1].exit = crossings[i + 1];
+        } else if (object) {
+            out[rows++] = (struct wanted){object, crossings[i], crossings[i + 1]};
+        }
+    }
+    return rows;
+}
+
+/* Whether a row is among those that were found, 1e-9 mm near. */
+static bool is_among(const struct wanted *row, const conus_segments *segments)
+{
+    for (size_t i = 0; i < segments->count; i++) {
+        const conus_segment *found = &segments->rows[i];
+        if (found->object == row->object && fabs(found->entry - row->entry) < 1e-9 &&
+            fabs(found->exit - row->exit) < 1e-9) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Rows of objects do not overlap with others of their object, gaps with none, and all are in order. */
+static void check_order(const conus_segments *segments)
+{
+    for (size_t i = 0; i < segments->count; i++) {
+        const conus_segment *segment = &segments->rows[i];
+        assert_true(segment->entry <= segment->exit);
+        assert_true(i == 0 || segments->rows[i - 1].entry <= segment->entry);
+        for (size_t j = 0; j < i; j++) {
+            const conus_segment *before = &segments->rows[j];
+            bool may_overlap = before->object && segment->object && before->object != segment->object;
+            assert_true(may_overlap || before->exit <= segment->entry + 1e-9);
+        }
+    }
+}
+
+/* Random parcellations with pathways on grids of their own, oblique and sheared, from inside and outside. */
+static void volumes_are_walked_cell_by_cell(void **state)
+{
+    (void)state;
+    uint64_t seed = 17;
+    size_t rows = 0;
+    for (int round = 0; round < 600; round++) {
+        conus_atlas *atlas = scene_atlas(&seed, 14, 2);
+        const conus_pose pose = scene_generic_pose(&seed, atlas);
+        conus_segments *segments = follow(atlas, NULL, &pose);
+        size_t found = 0;
+        size_t expected = 0;
+        for (size_t v = 0; v < atlas->volume_count; v++) {
+            static struct wanted wanted[ROW_LIMIT];
+            size_t count = walk(wanted, &atlas->volumes[v], &pose);
+            for (size_t i = 0; i < count; i++) {
+                assert_true(is_among(&wanted[i], segments));
+            }
+            expected += count;
+        }
+        for (size_t i = 0; i < segments->count; i++) {
+            found += segments->rows[i].object != 0;
+        }
+        assert_int_equal(found, expected);
+        check_order(segments);
+        rows += found;
+        conus_segments_destroy(segments);
+        conus_atlas_destroy(atlas);
+    }
+    assert_true(rows > 1000);
+}
+
+/* What all layers say of a cylinder of one ray: the same path for each object. The engine and the sampling of the
+ * selector do not matter to the last bit. */
+static void lengths_sum_to_the_path_of_a_ray(void **state)
+{
+    (void)state;
+    uint64_t seed = 5;
+    for (int round = 0; round < 60; round++) {
+        conus_atlas *atlas = scene_atlas(&seed, 12, 1);
+        const conus_pose pose = scene_generic_pose(&seed, atlas);
+        const double range[2] = {round % 3 ? 0 : 2, round % 3 ? 0 : 30};
+        conus_selector_options options = {
+            .layers = CONUS_LAYERS_ALL, .resolution = 1, .radius = 1e-6, .range = {range[0], range[1]}};
+        conus_selector *selector = NULL;
+        conus_selection *selection = NULL;
+        assert_ok(conus_selector_create(&selector, atlas, &options));
+        assert_ok(conus_select(&selection, selector, &pose, 0));
+        conus_segments *segments = follow(atlas, &options, &pose);
+        for (size_t r = 0; r < conus_selection_count(selection); r++) {
+            const conus_result *result = conus_selection_result(selection, r);
+            double length = 0;
+            for (size_t i = 0; i < segments->count; i++) {
+                bool is_its = result->object && segments->rows[i].object == result->object;
+                length += is_its ? segments->rows[i].exit - segments->rows[i].entry : 0;
+            }
+            assert_near(length, result->object && result->pierced ? result->path : 0, 1e-9);
+        }
+        conus_segments_destroy(segments);
+        conus_selection_destroy(selection);
+        conus_selector_destroy(selector);
+        conus_atlas_destroy(atlas);
+    }
+}
+
+static void check_same(const conus_atlas *atlas, const conus_pose *pose, const conus_selector_options *options)
+{
+    conus_selector *selector = NULL;
+    conus_segments *other = NULL;
+    conus_segments *exact = follow(atlas, NULL, pose);
+    if (conus_selector_create(&selector, atlas, options) == CONUS_ERROR_GL) {
+        print_message("without gl: %s\n", conus_message());
+        conus_segments_destroy(exact);
+        return;
+    }
+    for (int time = 0; time < 2; time++) { /* the second one has what the first one made */
+        assert_ok(conus_segments_create(&other, selector, pose));
+        assert_int_equal(other->count, exact->count);
+        assert_memory_equal(other->rows, exact->rows, exact->count * sizeof *exact->rows);
+        conus_segments_destroy(other);
+    }
+    conus_segments_destroy(exact);
+    conus_selector_destroy(selector);
+}
+
+static void engines_and_sampling_do_not_matter(void **state)
+{
+    (void)state;
+    uint64_t seed = 23;
+    conus_atlas *atlas = scene_atlas(&seed, 14, 0);
+    struct mesh ball = mesh_scene_sphere((const double[]){0.1, 0.2, 0.3}, 5, 12, 12);
+    mesh_scene_add(atlas, &ball);
+    const conus_pose pose = scene_generic_pose(&seed, atlas);
+    check_same(atlas, &pose, &(conus_selector_options){.sampling = CONUS_SAMPLING_SLICES});
+    check_same(atlas, &pose, &(conus_selector_options){.engine = CONUS_ENGINE_GL});
+    check_same(atlas, &pose, &(conus_selector_options){.resolution = 64, .radius = 3, .layers = CONUS_LAYERS_ALL});
+    conus_atlas_destroy(atlas);
+}
+
+/* Shared selectors follow at the same time with what was made once. */
+static void a_shared_selector_follows_as_well(void **state)
+{
+    (void)state;
+    uint64_t seed = 29;
+    conus_atlas *atlas = scene_atlas(&seed, 10, 0);
+    const conus_pose pose = scene_generic_pose(&seed, atlas);
+    for (int made_before = 0; made_before < 2; made_before++) {
+        conus_selector *selector = NULL;
+        conus_selector *shared = NULL;
+        conus_segments *segments = NULL;
+        conus_segments *exact = follow(atlas, NULL, &pose);
+        assert_ok(
+            conus_selector_create(&selector, atlas, &(conus_selector_options){.sampling = CONUS_SAMPLING_SLICES}));
+        assert_ok(made_before ? selector_prepare_axis(selector) : CONUS_OK);
+        assert_ok(conus_selector_share(&shared, selector));
+        assert_ok(conus_segments_create(&segments, shared, &pose));
+        assert_int_equal(segments->count, exact->count);
+        assert_memory_equal(segments->rows, exact->rows, exact->count * sizeof *exact->rows);
+        conus_segments_destroy(segments);
+        conus_segments_destroy(exact);
+        conus_selector_destroy(shared);
+        conus_selector_destroy(selector);
+    }
+    conus_atlas_destroy(atlas);
+}
+
+/* ---- Faces, edges, ranges --------------------------------------------------------------------------------------- */
+
+/* 4 x 4 cells of 1 mm around whole numbers: 1 where x = y, else 2. */
+static conus_atlas *diagonal(void)
+{
+    static const size_t dim[3] = {4, 4, 1};
+    uint32_t labels[16];
+    const conus_volume_info grid = scene_plain_grid(dim, NULL);
+    for (size_t i = 0; i < 16; i++) {
+        labels[i] = i % 4 == i / 4 ? 1 : 2;
+    }
+    return scene_parcellation(&grid, labels);
+}
+
+/* The axis meets every cell of label 1 at two corners, where cells of label 2 touch it: one segment of 4 diagonals. The
+ * same a billionth of a degree off, where rounding leaves slivers. */
+static void what_only_touches_is_no_segment(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = diagonal();
+    for (int turned = -1; turned <= 1; turned++) {
+        const conus_pose pose = along(-1.5, -1.5, 0, 1, 1 + turned * 1e-14, 0);
+        const struct wanted wanted[] = {{0, 0, sqrt(2)}, {1, sqrt(2), 5 * sqrt(2)}};
+        CHECK_ROWS(follow(atlas, NULL, &pose), wanted, 1e-9);
+    }
+    conus_atlas_destroy(atlas);
+}
+
+/* Along a face of cells the axis is in those that begin there: cells are half-open. Row y = 1 from x = 0 to 3 is 2, 1,
+ * 2, 2; row y = 0 is 1, 2, 2, 2. */
+static void a_face_belongs_to_the_cell_that_begins_there(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = diagonal();
+    const conus_pose pose = along(-2.5, 0.5, 0, 1, 0, 0);
+    const struct wanted wanted[] = {{0, 0, 2}, {2, 2, 3}, {1, 3, 4}, {2, 4, 6}};
+    CHECK_ROWS(follow(atlas, NULL, &pose), wanted, 1e-12);
+    conus_atlas_destroy(atlas);
+}
+
+static void the_range_cuts_and_is_filled(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = diagonal();
+    const conus_pose pose = along(-2.5, 0.5, 0, 1, 0, 0);
+    const struct wanted cut[] = {{2, 2.5, 3}, {1, 3, 3.25}};
+    const struct wanted filled[] = {{0, 1, 2}, {2, 2, 3}, {1, 3, 4}, {2, 4, 6}, {0, 6, 9}};
+    const struct wanted up_to_face[] = {{0, 1, 2}, {2, 2, 3}};
+    const struct wanted behind[] = {{0, 6, 9}};
+    CHECK_ROWS(follow(atlas, &(conus_selector_options){.range = {2.5, 3.25}}, &pose), cut, 1e-12);
+    CHECK_ROWS(follow(atlas, &(conus_selector_options){.range = {1, 9}}, &pose), filled, 1e-12);
+    CHECK_ROWS(follow(atlas, &(conus_selector_options){.range = {1, 3}}, &pose), up_to_face, 1e-12);
+    CHECK_ROWS(follow(atlas, &(conus_selector_options){.range = {6, 9}}, &pose), behind, 1e-12);
+    conus_atlas_destroy(atlas);
+}
+
+/* An axis without an end that meets nothing: one row, whose end is nowhere. */
+static void an_axis_that_meets_nothing_has_one_row(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = diagonal();
+    const conus_pose pose = along(-2.5, 0.5, 0, -1, 0, 0);
+    const struct wanted wanted[] = {{0, 0, INFINITY}};
+    conus_segments *segments = follow(atlas, NULL, &pose);
+    assert_true(isnan(segments->rows[0].exit_at[0]));
+    assert_near(segments->rows[0].entry_at[0], -2.5, 1e-12);
+    CHECK_ROWS(segments, wanted, 1e-12);
+    conus_atlas_destroy(atlas);
+}
+
+static void ends_are_where_the_depths_say(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = diagonal();
+    const conus_pose pose = along(-2, -1, 0.25, 3, 2, 0);
+    conus_segments *segments = follow(atlas, NULL, &pose);
+    for (size_t i = 0; i < segments->count; i++) {
+        const conus_segment *segment = &segments->rows[i];
+        assert_near(segment->entry_at[0], -2 + segment->entry * 3 / sqrt(13), 1e-12);
+        assert_near(segment->exit_at[1], -1 + segment->exit * 2 / sqrt(13), 1e-12);
+        assert_near(segment->exit_at[2], 0.25, 1e-12);
+    }
+    conus_segments_destroy(segments);
+    conus_atlas_destroy(atlas);
+}
+
+static void what_is_hidden_is_a_gap(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = diagonal();
+    const conus_pose pose = along(-2.5, 0.5, 0, 1, 0, 0);
+    const struct wanted wanted[] = {{0, 0, 2}, {2, 2, 3}, {0, 3, 4}, {2, 4, 6}};
+    assert_ok(conus_atlas_set_hidden(atlas, (const bool[]){false, true, false}));
+    CHECK_ROWS(follow(atlas, NULL, &pose), wanted, 1e-12);
+    conus_atlas_destroy(atlas);
+}
+
+/* A blocking context hides nothing from an axis, and is no object. */
+static void a_context_blocks_nothing(void **state)
+{
+    (void)state;
+    uint64_t seed = 31;
+    conus_atlas *atlas = scene_atlas(&seed, 10, 0);
+    const conus_pose pose = scene_generic_pose(&seed, atlas);
+    conus_segments *before = follow(atlas, NULL, &pose);
+    scene_add_blockers(atlas, &seed, (const size_t[]){20, 20, 20}, 0.9);
+    conus_segments *behind = follow(atlas, NULL, &pose);
+    assert_int_equal(before->count, behind->count);
+    assert_memory_equal(before->rows, behind->rows, before->count * sizeof *before->rows);
+    conus_segments_destroy(before);
+    conus_segments_destroy(behind);
+    conus_atlas_destroy(atlas);
+}
+
+/* ---- Surfaces --------------------------------------------------------------------------------------------------- */
+
+static void add_box(conus_atlas *atlas, double low, double high, double half)
+{
+    struct mesh box =
+        mesh_scene_box((const double[]){low, -half, -half}, (const double[]){high, half + 0.5, half + 0.25});
+    mesh_scene_add(atlas, &box);
+}
+
+/* Boxes in each other: all are passed, each from its own face to its own, the outer ones first. */
+static void nested_surfaces_have_a_row_each(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = mesh_scene_atlas();
+    const conus_pose pose = along(-30, 0.1, 0.2, 1, 0, 0);
+    add_box(atlas, -2, 3, 2);
+    add_box(atlas, -10, 12, 8);
+    add_box(atlas, -5, 6, 4);
+    const struct wanted wanted[] = {{0, 0, 20}, {2, 20, 42}, {3, 25, 36}, {1, 28, 33}};
+    CHECK_ROWS(follow(atlas, NULL, &pose), wanted, 1e-9);
+    conus_atlas_destroy(atlas);
+}
+
+/* From the middle of two of them: entry 0. */
+static void an_apex_inside_enters_at_0(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = mesh_scene_atlas();
+    const conus_pose pose = along(4, 0.1, 0.2, 1, 0, 0);
+    add_box(atlas, -2, 3, 2);
+    add_box(atlas, -10, 12, 8);
+    add_box(atlas, -5, 6, 4);
+    const struct wanted wanted[] = {{3, 0, 2}, {2, 0, 8}};
+    const struct wanted cut[] = {{3, 1, 2}, {2, 1, 5}};
+    CHECK_ROWS(follow(atlas, NULL, &pose), wanted, 1e-9);
+    CHECK_ROWS(follow(atlas, &(conus_selector_options){.range = {1, 5}}, &pose), cut, 1e-9);
+    conus_atlas_destroy(atlas);
+}
+
+/* Spheres in each other, off their centre: chords of 2 sqrt(R^2 - d^2). Inscribed surfaces of 256 rings are up to R (1
+ * - cos(pi/256)) within, 0.0023 mm of 30, and a chord's end slides along the axis by R / sqrt(R^2 - d^2) of that. */
+static void spheres_have_their_chords(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = mesh_scene_atlas();
+    static const double radii[] = {30, 20, 10};
+    double half[3];
+    for (int i = 0; i < 3; i++) {
+        struct mesh sphere = mesh_scene_sphere((const double[]){1, 2, 3}, radii[i], 256, 256);
+        mesh_scene_add(atlas, &sphere);
+        half[i] = sqrt(radii[i] * radii[i] - 34);
+    }
+    const conus_pose pose = along(1 - 50, 2 + 3, 3 - 5, 1, 0, 0); /* d^2 = 9 + 25 */
+    const struct wanted wanted[] = {{0, 0, 50 - half[0]},
+                                    {1, 50 - half[0], 50 + half[0]},
+                                    {2, 50 - half[1], 50 + half[1]},
+                                    {3, 50 - half[2], 50 + half[2]}};
+    CHECK_ROWS(follow(atlas, NULL, &pose), wanted, 0.005);
+    conus_atlas_destroy(atlas);
+}
+
+/* A torus of 30 and 8 mm, crossed four times by a line 1 mm above and 1 mm beside its middle: at rho = 30 +- sqrt(63)
+ * from the axis of the torus, x = +- sqrt(rho^2 - 1). Inscribed: within 0.02 mm. */
+static void a_torus_is_crossed_four_times(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = mesh_scene_atlas();
+    struct mesh torus = mesh_scene_torus(30, 8, 256, 128);
+    double outer = sqrt((30 + sqrt(63)) * (30 + sqrt(63)) - 1);
+    double inner = sqrt((30 - sqrt(63)) * (30 - sqrt(63)) - 1);
+    mesh_scene_add(atlas, &torus);
+    const conus_pose pose = along(-50, 1, 1, 1, 0, 0);
+    const struct wanted wanted[] = {
+        {0, 0, 50 - outer}, {1, 50 - outer, 50 - inner}, {0, 50 - inner, 50 + inner}, {1, 50 + inner, 50 + outer}};
+    CHECK_ROWS(follow(atlas, NULL, &pose), wanted, 0.02);
+    conus_atlas_destroy(atlas);
+}
+
+/* Two boxes that touch are two areas, and with their parent one: its stretch has no seam. Boxes apart stay two rows. */
+static void a_level_joins_what_touches(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = mesh_scene_atlas();
+    const conus_pose pose = along(-10, 0.1, 0.2, 1, 0, 0);
+    add_box(atlas, 0, 2, 1);
+    add_box(atlas, 2, 5, 2);
+    add_box(atlas, 7, 8, 1);
+    assert_ok(atlas_add_group(atlas,
+                              &(conus_object){.kind = CONUS_KIND_AREA, .label = 9, .name = "all", .abbreviation = ""}));
+    atlas->objects[0].parent = atlas->objects[1].parent = atlas->objects[2].parent = 4;
+    const struct wanted leaves[] = {{0, 0, 10}, {1, 10, 12}, {2, 12, 15}, {0, 15, 17}, {3, 17, 18}};
+    const struct wanted whole[] = {{0, 0, 10}, {4, 10, 15}, {0, 15, 17}, {4, 17, 18}};
+    CHECK_ROWS(follow(atlas, NULL, &pose), leaves, 1e-9);
+    CHECK_ROWS(follow(atlas, &(conus_selector_options){.level = "1"}, &pose), whole, 1e-9);
+    conus_atlas_destroy(atlas);
+}
+
+/* A box without its face at x = 3, two triangles of mesh_scene_box(): the axis goes in and never out. The row has no
+ * length, and the gap is on both sides of it; out of the range there is none. */
+static void an_open_surface_is_crossed_where_it_is(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = mesh_scene_atlas();
+    struct mesh box = mesh_scene_box((const double[]){0, -1, -1}, (const double[]){3, 1.5, 1.25});
+    size_t kept = 0;
+    for (size_t i = 0; i < box.triangle_count; i++) {
+        const uint32_t *corners = &box.triangles[3 * i];
+        bool is_far = true;
+        for (int k = 0; k < 3; k++) {
+            is_far = is_far && box.positions[3 * corners[k]] == 3;
+        }
+        if (!is_far) {
+            memmove(&box.triangles[3 * kept++], corners, 3 * sizeof *corners);
+        }
+    }
+    assert_int_equal(kept, 10);
+    box.triangle_count = kept;
+    mesh_scene_add(atlas, &box);
+    const conus_pose in = along(-10, 0.1, 0.2, 1, 0, 0);
+    const conus_pose through = along(1, 0.1, -10, 0, 0, 1);
+    const struct wanted once[] = {{0, 0, 10}, {1, 10, 10}};
+    const struct wanted on_both_sides[] = {{0, 5, 10}, {1, 10, 10}, {0, 10, 20}};
+    const struct wanted before[] = {{0, 5, 10}};
+    const struct wanted both_faces[] = {{0, 0, 9}, {1, 9, 11.25}};
+    CHECK_ROWS(follow(atlas, NULL, &in), once, 1e-9);
+    CHECK_ROWS(follow(atlas, &(conus_selector_options){.range = {5, 20}}, &in), on_both_sides, 1e-9);
+    CHECK_ROWS(follow(atlas, &(conus_selector_options){.range = {5, 10}}, &in), before, 1e-9);
+    CHECK_ROWS(follow(atlas, NULL, &through), both_faces, 1e-9);
+    conus_atlas_destroy(atlas);
+}
+
+/* ---- Bad input -------------------------------------------------------------------------------------------------- */
+
+static void what_is_no_pose_is_refused(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = diagonal();
+    conus_selector *selector = NULL;
+    conus_segments *segments = NULL;
+    conus_pose pose = along(0, 0, 0, 1, 0, 0);
+    assert_ok(conus_selector_create(&selector, atlas, NULL));
+    pose.world_from_device[0] = NAN;
+    assert_fails(conus_segments_create(&segments, selector, &pose), CONUS_ERROR_ARGUMENT);
+    assert_null(segments);
+    conus_segments_destroy(NULL);
+    assert_int_equal(conus_segments_count(NULL), 0);
+    assert_null(conus_segments_segment(NULL, 0));
+    conus_selector_destroy(selector);
+    conus_atlas_destroy(atlas);
+}
+
+static conus_status make_segments(void *data)
+{
+    const conus_pose pose = along(-10, 0.1, 0.2, 1, 0, 0);
+    conus_selector *selector = NULL;
+    conus_segments *segments = NULL;
+    conus_report *report = NULL;
+    const char *text = NULL;
+    size_t size = 0;
+    conus_status status =
+        conus_selector_create(&selector, data, &(conus_selector_options){.sampling = CONUS_SAMPLING_SLICES});
+    status = status ? status : conus_segments_create(&segments, selector, &pose);
+    status =
+        status ? status : conus_report_create(&report, selector, &(conus_report_options){.rows = CONUS_ROWS_SEGMENTS});
+    status = status ? status : conus_report_add_segments(report, "probe", segments);
+    status = status ? status : conus_report_text(&text, &size, report);
+    conus_report_destroy(report);
+    conus_segments_destroy(segments);
+    conus_selector_destroy(selector);
+    return status;
+}
+
+static void every_failing_allocation_is_survived(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = diagonal();
+    add_box(atlas, 0, 2, 1);
+    test_every_allocation(make_segments, atlas);
+    conus_atlas_destroy(atlas);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(volumes_are_walked_cell_by_cell),
+        cmocka_unit_test(lengths_sum_to_the_path_of_a_ray),
+        cmocka_unit_test(engines_and_sampling_do_not_matter),
+        cmocka_unit_test(a_shared_selector_follows_as_well),
+        cmocka_unit_test(what_only_touches_is_no_segment),
+        cmocka_unit_test(a_face_belongs_to_the_cell_that_begins_there),
+        cmocka_unit_test(the_range_cuts_and_is_filled),
+        cmocka_unit_test(an_axis_that_meets_nothing_has_one_row),
+        cmocka_unit_test(ends_are_where_the_depths_say),
+        cmocka_unit_test(what_is_hidden_is_a_gap),
+        cmocka_unit_test(a_context_blocks_nothing),
+        cmocka_unit_test(nested_surfaces_have_a_row_each),
+        cmocka_unit_test(an_apex_inside_enters_at_0),
+        cmocka_unit_test(spheres_have_their_chords),
+        cmocka_unit_test(a_torus_is_crossed_four_times),
+        cmocka_unit_test(a_level_joins_what_touches),
+        cmocka_unit_test(an_open_surface_is_crossed_where_it_is),
+        cmocka_unit_test(what_is_no_pose_is_refused),
+        cmocka_unit_test(every_failing_allocation_is_survived),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
