@@ -19,36 +19,41 @@ ABOVE, DIRECTION = np.array([-14, 2, 32]), np.array([0.1, 0, -1]) / np.linalg.no
 DEPTHS = np.arange(0.01, 15, 0.02)
 
 atlas = conus.load(FOLDER + "inia19-NeuroMaps.nii.gz")
-shank = atlas.select(ABOVE, direction=DIRECTION, radius=0.05)
-entry = np.array(shank[0].contact)
-print("the shank enters the brain at {:.1f}, {:.1f}, {:.1f} mm, in {}".format(*entry, shank[0].name))
+whole = atlas.segments(ABOVE, direction=DIRECTION)
+first = whole.records[whole.records["object"] > 0][0]
+entry = first["entry_at"]
+name = atlas.objects.names[first["object"]]
+print("the shank enters the brain at {:.1f}, {:.1f}, {:.1f} mm, in {}".format(*entry, name))
+
+# %% [markdown]
+# ## What the shank passes
+#
+# One row for each stretch, in order of depth; an area that the shank comes back to has several.
+
+# %%
+shank = atlas.segments(entry, direction=DIRECTION, range=(0, 15))
+for row in shank.to_dataframe().itertuples():
+    print(f"{row.entry_mm:5.2f} to {row.exit_mm:5.2f} mm  {row.name}")
 
 # %% [markdown]
 # ## The area of each row
 #
-# A contact's area is what a needle hits that begins there and is almost nothing long. One call answers all rows.
+# With a range the stretches fill the shank, so a contact is in the first that ends below it.
 
 
 # %%
-def areas_at(points):
-    """The number of the object at each of (n, 3) points; 0 outside of the brain."""
-    along = np.broadcast_to(DIRECTION, points.shape)
-    answers = atlas.select_many(points, along, radius=0.01, range=(0, 0.001), resolution=1)
-    return answers.results["object"][answers.starts[:-1]]  # the first of each answer
+def areas_at(depths, records):
+    """The number of the object at each depth; 0 outside of the brain."""
+    return records["object"][np.searchsorted(records["exit"], depths, side="right")]
 
 
 rows = entry + DEPTHS[:, None] * DIRECTION
-areas = areas_at(rows)
+areas = areas_at(DEPTHS, shank.records)
 
 image = nibabel.load(FOLDER + "inia19-NeuroMaps.nii.gz")
 voxels = np.rint(nibabel.affines.apply_affine(np.linalg.inv(image.affine), rows)).astype(int)
 labels = np.asanyarray(image.dataobj)[tuple(voxels.T)]
 assert np.array_equal(atlas.objects.labels[areas], labels)  # as nibabel finds them, voxel by voxel
-
-spans = np.split(np.arange(len(areas)), np.flatnonzero(np.diff(areas)) + 1)
-for span in spans:
-    top, bottom = DEPTHS[span[0]] - 0.01, DEPTHS[span[-1]] + 0.01
-    print(f"{top:5.2f} to {bottom:5.2f} mm  {atlas.objects.names[areas[span[0]]]}")
 
 # %% [markdown]
 # ## How sure is that?
@@ -66,14 +71,15 @@ tilt = np.radians(random.normal(scale=DEGREES, size=(INSERTIONS, 2)))
 ways = DIRECTION + np.tan(tilt) @ across
 ways /= np.linalg.norm(ways, axis=1, keepdims=True)
 starts = entry + random.normal(scale=MM, size=(INSERTIONS, 3))
-points = starts[:, None] + coarse[:, None] * ways[:, None]
-found = areas_at(points.reshape(-1, 3)).reshape(INSERTIONS, len(coarse))
+insertions = atlas.segments_many(starts, ways, range=(0, 15))
+parts = np.split(insertions.records, insertions.starts[1:-1])
+found = np.stack([areas_at(coarse, part) for part in parts])
 
 numbers, counts = np.unique(found, return_counts=True)
 numbers = numbers[np.argsort(-counts)]
 chance = np.stack([(found == number).mean(axis=0) for number in numbers])
 assert np.allclose(chance.sum(axis=0), 1)
-planned = areas_at(entry + coarse[:, None] * DIRECTION)
+planned = areas_at(coarse, shank.records)
 right = (found == planned).mean(axis=0)
 print(f"the planned area is right in {100 * right.mean():.0f} % of all contacts; "
       f"at best {100 * right.max():.0f} %, at {coarse[right.argmax()]:.1f} mm")
@@ -99,9 +105,9 @@ likely = chance.max(axis=1) > 0.1
 shown = dict(zip(numbers[likely], chance[likely]))
 palette = dict(zip((number for number in shown if number), pyplot.get_cmap("Set2").colors))
 palette[0] = "lightgrey"
-for span in spans:
-    top, bottom = DEPTHS[span[0]] - 0.01, DEPTHS[span[-1]] + 0.01
-    plan.barh((top + bottom) / 2, 1, bottom - top, color=palette[areas[span[0]]])
+for part in shank.records:
+    top, bottom = part["entry"], part["exit"]
+    plan.barh((top + bottom) / 2, 1, bottom - top, color=palette[part["object"]])
 plan.set(title="as planned", xticks=[], ylabel="depth below the entry, mm", ylim=(15, 0), xlim=(0, 1))
 
 below = np.zeros(len(coarse))

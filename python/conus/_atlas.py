@@ -634,7 +634,7 @@ class Selector:
         aim, out = self._pose(origin, toward, direction, up, pose), ffi.new("conus_segments **")
         self._call(lib.conus_segments_create, out, self._p, aim)
         segments: Segments = self._place(Segments(self.atlas, records_of(out[0])))
-        self._warn_of(aim, self._angle(None))
+        self._warn_of(aim, self._angle(None), may_be_inside=True)
         return segments
 
     def segments_many(
@@ -852,11 +852,13 @@ class Selector:
                 self._is_asked = False
         (state.check if state else check)(status)
 
-    def _warn_of(self, pose: Any, angle: float) -> None:
+    def _warn_of(self, pose: Any, angle: float, may_be_inside: bool = False) -> None:
         """Warns where one pose looks wrong."""
         with self._lock:
             self._aims = self._aims or Aims(self._p)
             found = self._aims.of(pose, angle)
+        if may_be_inside:
+            found.inside.count = 0
         self._warn(found)
 
     def _warn(self, found: Any, many: bool = False) -> None:

@@ -180,6 +180,7 @@ conus_status batch_worker_follow(struct batch_worker *worker, const struct batch
     }
     if (!status) {
         count_aims(worker, poses, count);
+        worker->aims.found.inside = (conus_oddity){0}; /* a shank may begin inside */
     }
     return status;
 }

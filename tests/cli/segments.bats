@@ -136,6 +136,17 @@ shanks() {
     [ "$(wc -l <in-ndjson.ndjson)" -eq "$(sed 1d wanted.tsv | wc -l)" ]
 }
 
+@test "a shank may begin inside an area, and is told where it points away" {
+    u_shape
+    printf 'x\ty\tz\ttx\tty\ttz\n17\t0\t5\t0\t0\t5\n' >inside.tsv
+    printf 'x\ty\tz\ttx\tty\ttz\n40\t0\t5\t90\t0\t5\n' >away.tsv
+    run -0 --separate-stderr conus batch u-shape.nii.gz --poses inside.tsv --segments rows.tsv
+    [[ $stderr != *"inside"* ]]
+    [ "$(sed -n 2p rows.tsv | cut -f 3,7)" = $'area\t0' ]
+    run -0 --separate-stderr conus batch u-shape.nii.gz --poses away.tsv --segments away-rows.tsv
+    [[ $stderr == *"away from the atlas"* ]]
+}
+
 @test "diff tells crossings of one area apart" {
     u_shape
     conus query $AXIS -q --segments a.tsv -o a-rows.tsv

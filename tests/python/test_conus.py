@@ -193,6 +193,11 @@ def test_segments_of_plates(atlas):
     assert len(atlas.segments_many(np.empty((0, 3)), np.empty((0, 3)))) == 0
     with pytest.raises(conus.ArgumentError, match="pose"):
         atlas.segments((0, 0, 0))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        atlas.segments((-30, 0, 0), direction=(1, 0, 0))  # a shank may begin inside
+    with pytest.warns(conus.PoseWarning, match="away"):
+        atlas.segments((-50, 0, 0), direction=(-1, 0, 0))
 
 
 @needs_aal

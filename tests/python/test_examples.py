@@ -46,14 +46,14 @@ def test_tms_session_prints_the_numbers_of_the_recipe(tmp_path):
 
 
 def test_probe_prints_where_its_areas_are(tmp_path):
-    """docs/recipes.md has, by the program, entries 10.79 and 18.83 and an exit of 22.36 mm from the same origin."""
+    """docs/recipes.md has, by the program, entries 10.8036, 18.8435 and 22.3610 mm from the same origin."""
     printed = run_example("neuropixels_probe", tmp_path)
     lines = re.findall(r"^ *([\d.]+) to +([\d.]+) mm  (\w+)$", printed, re.M)
     spans = [(float(start), float(end), name) for start, end, name in lines]
     assert spans[0][0] == 0 and spans[-1][1] == 15 and all(a[1] == b[0] for a, b in zip(spans, spans[1:]))
     starts = {name: start for start, _, name in reversed(spans)}
-    assert starts["l_middle_frontal_gyrus"] == pytest.approx(18.83 - 10.79, abs=0.03)
-    assert starts["l_frontal_white_matter"] == pytest.approx(22.36 - 10.79, abs=0.03)
+    assert starts["l_middle_frontal_gyrus"] == pytest.approx(18.8435 - 10.8036, abs=0.006)
+    assert starts["l_frontal_white_matter"] == pytest.approx(22.3610 - 10.8036, abs=0.006)
 
 
 def test_overlap_prints_what_the_voxels_say(tmp_path):
