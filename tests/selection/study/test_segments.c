@@ -487,6 +487,27 @@ static void a_level_joins_what_touches(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* Past an edge of a closed box, past a corner, and along a face, whose triangles it then sees edge-on: nothing of that
+ * has a row without length. */
+static void a_closed_surface_that_is_grazed_has_no_point(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = mesh_scene_atlas();
+    struct mesh box = mesh_scene_box((const double[]){0, -1, -1}, (const double[]){3, 1.5, 1.25});
+    mesh_scene_add(atlas, &box);
+    const conus_pose grazing[] = {along(-10, -8.5, 0.2, 1, 1, 0), along(-10, -8.5, -8.75, 1, 1, 1),
+                                  along(-10, 1.5, 0.2, 1, 0, 0),  along(-10, 1.5, 1.25, 1, 0, 0),
+                                  along(0, 0.1, -10, 0, 0, 1),    along(-7, 11.5, 0.2, 1, -1, 0)};
+    for (size_t i = 0; i < sizeof grazing / sizeof grazing[0]; i++) {
+        conus_segments *segments = follow(atlas, NULL, &grazing[i]);
+        for (size_t k = 0; k < segments->count; k++) {
+            assert_true(segments->rows[k].exit > segments->rows[k].entry);
+        }
+        conus_segments_destroy(segments);
+    }
+    conus_atlas_destroy(atlas);
+}
+
 /* A box without its face at x = 3, two triangles of mesh_scene_box(): the axis goes in and never out. The row has no
  * length, and the gap is on both sides of it; out of the range there is none. */
 static void an_open_surface_is_crossed_where_it_is(void **state)
@@ -590,6 +611,7 @@ int main(void)
         cmocka_unit_test(spheres_have_their_chords),
         cmocka_unit_test(a_torus_is_crossed_four_times),
         cmocka_unit_test(a_level_joins_what_touches),
+        cmocka_unit_test(a_closed_surface_that_is_grazed_has_no_point),
         cmocka_unit_test(an_open_surface_is_crossed_where_it_is),
         cmocka_unit_test(what_is_no_pose_is_refused),
         cmocka_unit_test(every_failing_allocation_is_survived),
