@@ -367,6 +367,13 @@ static int write_segments(struct query *query)
     return segments_file_write(&query->segments, &provenance);
 }
 
+/* Whether segments take the place of the answer on stdout. */
+static bool is_replaced(const struct query_settings *settings)
+{
+    const char *segments = settings->axis.segments;
+    return segments && output_is_stdout(segments) && output_is_stdout(settings->inquiry.answer.output);
+}
+
 static int write_deep(struct query *query)
 {
     if (!query->selection) {
@@ -390,11 +397,9 @@ static int write_answer(struct query *query)
     provenance_add_output(&provenance, "deep", settings->deep, NULL, 0);
     provenance_add_output(&provenance, "mask", settings->mask.path, NULL, 0);
     provenance_add_output(&provenance, "segments", query->segments.path, NULL, 0);
-    if (query->segments.path && output_is_stdout(query->segments.path) &&
-        output_is_stdout(settings->inquiry.answer.output)) {
-        return code; /* they take its place */
-    }
-    return code ? code : answer_write(report, settings->inquiry.answer.output, inquiry->sidecar, &provenance);
+    return code || is_replaced(settings)
+               ? code
+               : answer_write(report, settings->inquiry.answer.output, inquiry->sidecar, &provenance);
 }
 
 /* The answer comes last: where it is, all that belongs to it is there, too. */
@@ -472,6 +477,12 @@ static int start_segments(struct query *query)
     const struct query_settings *settings = query->settings;
     struct inquiry *inquiry = &query->inquiry;
     const char *path = settings->axis.segments;
+    if (is_replaced(settings) && settings->axis.order) {
+        return print_usage_error("--order has no effect without the answer, segments have but one order");
+    }
+    if (is_replaced(settings) && settings->inquiry.answer.sidecar) {
+        return print_usage_error("--sidecar has no effect without the answer");
+    }
     bool answer_has_format = !output_is_stdout(settings->inquiry.answer.output);
     int code = segments_file_init(&query->segments, path, answer_has_format ? CONUS_FORMAT_TABLE : inquiry->format);
     if (path) {

@@ -76,6 +76,8 @@ shanks() {
     fails 2 'the same file' query $AXIS -o rows.tsv --segments rows.tsv
     fails 2 '--segments would overwrite' query $AXIS --segments u-shape.tsv
     fails 2 'in formats up to NDJSON' query $AXIS --order depth --format afni
+    fails 2 '--order has no effect' query $AXIS --order depth --segments -
+    fails 2 '--sidecar has no effect' query $AXIS --sidecar rows.json --segments -
     shanks >poses.tsv
     fails 2 'ends in none of .tsv, .csv, .ndjson' batch u-shape.nii.gz --poses poses.tsv --segments rows.json
     fails 2 'the same file' batch u-shape.nii.gz --poses poses.tsv -o rows.tsv --segments rows.tsv
