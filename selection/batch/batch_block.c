@@ -125,8 +125,8 @@ static conus_status find_axes(bool *out, const struct batch_block *block, const 
         with[block->poses[i].is_point] += !block->poses[i].is_no_pose;
     }
     if (with[0] && with[1]) {
-        return fail(CONUS_ERROR_ARGUMENT, "format: %zu poses are shanks, with a direction, but %zu are contacts",
-                    with[0], with[1]);
+        return fail(CONUS_ERROR_ARGUMENT,
+                    "format: of the poses %zu have a direction, as shanks do, and %zu are contacts", with[0], with[1]);
     }
     *out = with[0] || report->options.rows == CONUS_ROWS_SEGMENTS;
     return CONUS_OK;

@@ -224,7 +224,10 @@ shanks() {
         fails 2 'allowed are up to 65536' query $AXIS --range 0,80 --format open-ephys "--contacts=$wrong"
     done
     fails 2 'the shanks of a probe have none' query $AXIS --range 0,80 --format spikeglx --voxels v.tsv --voxels-of all
-    printf 'query_id\tx\ty\tz\ttx\tty\ttz\nA\t40\t0\t5\t0\t0\t5\nB\t1\t1\t1\t\t\t\n' >mixed.tsv
+    jq -n '{markups: [{type: "Line", coordinateSystem: "RAS", controlPoints: [{position: [40, 0, 5]}, {position: [0, 0, 5]}]},
+                      {type: "Fiducial", coordinateSystem: "RAS", controlPoints: [{position: [0, 0, 5]}]}]}' >mixed.mrk.json
+    fails 2 'of the poses 1 have a direction, as shanks do, and 1 are contacts' batch u-shape.nii.gz --poses mixed.mrk.json --radius 2 --format spikeglx
+    fails 2 'is a contact, and no shank' query u-shape.nii.gz --pose mixed.mrk.json --radius 2 --format spikeglx
     printf '0 0 5 A1\n' >points.txt
     fails 2 'is a contact, and no shank' query u-shape.nii.gz --pose points.txt --radius 2 --format open-ephys --contacts 5,1,1,1
 }
