@@ -92,9 +92,9 @@ static bool is_anatomical(const double world_from_voxel[16], const size_t axes[3
            main_axis(world_from_voxel + 4 * axes[2]) == 0;
 }
 
-/* Where the CCF's grid is that of a volume. ML counts from the left, as the Allen Institute has it, but in a stack of
- * TIFF, as BrainGlobe has it, from the right. The axes of a grid that is not named as anatomy has it lie as the Allen
- * Institute writes them: AP, DV, ML, each from its first voxel. */
+/* Where the CCF's grid is that of a volume. ML counts from the left, as the Allen Institute has it; but in a stack of
+ * TIFF, which has that array as it is, whatever it calls its sides, from the first voxel. The axes of a grid that is
+ * not named as anatomy has it lie as the Allen Institute writes them: AP, DV, ML, each from its first voxel. */
 static bool find_in_grid(double own_from_ccf[16], const conus_volume_info *info, const double world_from_voxel[16])
 {
     size_t axes[3];
@@ -106,12 +106,12 @@ static bool find_in_grid(double own_from_ccf[16], const conus_volume_info *info,
     if (!named && (axes[0] != 0 || axes[1] != 1)) {
         return false;
     }
-    bool from_right = strstr(info->format, "TIFF") != NULL;
+    bool is_stack = strstr(info->format, "TIFF") != NULL;
     mat4_identity(own_from_ccf);
     for (size_t i = 0; i < 3; i++) {
         const double *step = world_from_voxel + 4 * axes[i];
-        bool grows = i == 2 && !from_right; /* along the world's axis; AP, DV and BrainGlobe's ML shrink */
-        bool forward = !named || (step[main_axis(step)] > 0) == grows;
+        bool grows = i == 2; /* along the world's axis; AP and DV shrink */
+        bool forward = !named || (i == 2 && is_stack) || (step[main_axis(step)] > 0) == grows;
         corner[axes[i]] = forward ? -0.5 : (double)info->dim[axes[i]] - 0.5;
         double voxels = (forward ? 1 : -1) * (double)info->dim[axes[i]] / frame_ccf_size[i]; /* a micrometre */
         vec3_scale(own_from_ccf + 4 * i, step, voxels);

@@ -306,7 +306,7 @@ static conus_status find_frame(conus_frame *out, const conus_pose_options *optio
         return conus_frame_find(out, NULL, options->space, NULL);
     }
     *out = *options->frame;
-    return CONUS_OK;
+    return conus_space_name((size_t)out->space) ? CONUS_OK : fail(CONUS_ERROR_ARGUMENT, "frame: its space is none");
 }
 
 static conus_status create_stream(conus_pose_stream **out, const conus_pose_options *options)

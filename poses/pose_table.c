@@ -38,6 +38,7 @@ enum column {
     TRIGGER,
     ERROR_DEG,
     ERROR_MM,
+    SPACE,
     ID,
     COLUMNS
 };
@@ -45,9 +46,10 @@ enum column {
 _Static_assert((int)COLUMNS == POSE_COLUMNS, "one flag per column");
 
 static const char *const names[COLUMNS] = {
-    "x",   "y",   "z",   "tx",  "ty",  "tz",  "dx",    "dy",     "dz",      "qw",        "qx",       "qy",      "qz",
-    "m00", "m01", "m02", "m03", "m10", "m11", "m12",   "m13",    "m20",     "m21",       "m22",      "m23",     "m30",
-    "m31", "m32", "m33", "ux",  "uy",  "uz",  "angle", "time_s", "trigger", "error_deg", "error_mm", "query_id"};
+    "x",   "y",   "z",     "tx",     "ty",      "tz",        "dx",       "dy",    "dz",      "qw",
+    "qx",  "qy",  "qz",    "m00",    "m01",     "m02",       "m03",      "m10",   "m11",     "m12",
+    "m13", "m20", "m21",   "m22",    "m23",     "m30",       "m31",      "m32",   "m33",     "ux",
+    "uy",  "uz",  "angle", "time_s", "trigger", "error_deg", "error_mm", "space", "query_id"};
 
 /* A header being read. */
 struct header {
@@ -415,10 +417,36 @@ static struct text name_in(char out[POSE_NAME_SIZE], struct text field)
     return (struct text){out, size};
 }
 
+/* One of the spaces that --space has; names of other systems say nothing here. */
+static double space_in(struct text field)
+{
+    const char *name;
+    for (size_t i = 0; (name = conus_space_name(i)); i++) {
+        if (text_equal_ignoring_case(field, name)) {
+            return (double)i;
+        }
+    }
+    return NAN;
+}
+
+/* A row must be in the space that the whole table is read in. */
+static conus_status check_row_space(double space, const conus_pose_options *options)
+{
+    return isnan(space) || space == (double)options->space
+               ? CONUS_OK
+               : fail(CONUS_ERROR_DATA,
+                      "column space: \"%s\", the table is read in %s: each space needs a table of its own",
+                      conus_space_name((size_t)space), conus_space_name((size_t)options->space));
+}
+
 static conus_status read_field(double values[COLUMNS], struct text *id, enum column column, struct text field)
 {
     if (column == ID) {
         *id = field;
+        return CONUS_OK;
+    }
+    if (column == SPACE) {
+        values[SPACE] = space_in(field);
         return CONUS_OK;
     }
     return column == TRIGGER ? read_trigger(&values[TRIGGER], field) : read_value(&values[column], column, field);
@@ -463,9 +491,10 @@ static conus_status check_angle(double *out, double degrees)
 conus_status pose_table_row(conus_pose_row *row, struct pose_name *name, const struct pose_table *table,
                             struct text line, const conus_pose_options *options)
 {
-    double values[COLUMNS] = {[TIME] = NAN, [ERROR_DEG] = NAN, [ERROR_MM] = NAN};
+    double values[COLUMNS] = {[TIME] = NAN, [ERROR_DEG] = NAN, [ERROR_MM] = NAN, [SPACE] = NAN};
     conus_status status = check_text(line);
     status = status ? status : read_values(values, name, table, line);
+    status = status ? status : check_row_space(values[SPACE], options);
     status = status ? status : pose_from_values(&row->pose, table, values, options);
     if (!status && table->has[ANGLE] && !isnan(values[ANGLE])) {
         status = check_angle(&row->angle, values[ANGLE]);

@@ -8,7 +8,7 @@
 #include "poses/rows/pose_row.h"
 
 enum {
-    POSE_COLUMNS = 38,
+    POSE_COLUMNS = 39,
     POSE_COLUMN_LIMIT = 1000,
     POSE_NAME_SIZE = POSE_ID_LIMIT + 1 /**< One byte more than is allowed, so that more is seen. */
 };

@@ -75,20 +75,22 @@ int settings_frame(conus_frame *out, const struct atlases *atlases, const struct
     const double *bregma = b[0] != 0 || b[1] != 0 || b[2] != 0 ? b : NULL;
     const char *name = conus_space_name(settings->name);
     conus_frame first;
-    for (size_t i = 0; i == 0 || i < atlases->count; i++) {
-        const struct named_atlas *at = i < atlases->count ? &atlases->items[i] : NULL;
+    conus_status status =
+        conus_frame_find(&first, atlases->count ? atlases->items[0].atlas : NULL, (conus_space)settings->name, bregma);
+    for (size_t i = 1; i < atlases->count && !status; i++) {
         conus_frame frame;
-        if (conus_frame_find(&frame, at ? at->atlas : NULL, (conus_space)settings->name, bregma)) {
-            print_error_line("--space %s: %s", name, conus_message());
-            return EXIT_DATA;
-        }
-        first = i ? first : frame;
-        if (!is_one_place(&first, &frame)) {
+        const struct named_atlas *at = &atlases->items[i];
+        status = conus_frame_find(&frame, at->atlas, (conus_space)settings->name, bregma);
+        if (!status && !is_one_place(&first, &frame)) {
             print_error_line(
                 "--space %s: the CCF lies elsewhere in atlas %s than in %s: a position would be two places", name,
-                at->name ? at->name : "", atlases->items[0].name ? atlases->items[0].name : "");
+                at->name, atlases->items[0].name);
             return EXIT_DATA;
         }
+    }
+    if (status) {
+        print_error_line("--space %s: %s", name, conus_message());
+        return EXIT_DATA;
     }
     if (!quiet && settings_space_needs_atlas(settings)) {
         say_sides(&first);

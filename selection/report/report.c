@@ -72,7 +72,7 @@ static conus_status report_frame(conus_frame *out, const conus_report_options *o
         return conus_frame_find(out, NULL, options->space, NULL);
     }
     *out = *options->frame;
-    return CONUS_OK;
+    return conus_space_name((size_t)out->space) ? CONUS_OK : fail(CONUS_ERROR_ARGUMENT, "frame: its space is none");
 }
 
 conus_status conus_report_create(conus_report **out, const conus_selector *selector,

@@ -32,6 +32,13 @@ ask() {
     done
 }
 
+@test "a stack is counted from its first column, whatever side that is called" {
+    for sides in asr asl; do
+        ask globe/annotation.tiff,resolution=200,orientation=$sides --space ccf --pose points.txt
+        diff expected.txt "$BATS_TEST_TMPDIR/labels"
+    done
+}
+
 @test "a position from bregma is the same voxel, and --bregma puts it elsewhere" {
     for form in $forms; do
         ask $form --space bregma --pose bregma.txt

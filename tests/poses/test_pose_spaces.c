@@ -143,6 +143,26 @@ static void tables_are_in_ccf_or_from_bregma(void **state)
     conus_pose_list_destroy(list);
 }
 
+/* A column may say the space of each row; names of other systems are nobody's. */
+static void a_row_of_another_space_is_refused(void **state)
+{
+    (void)state;
+    conus_pose_list *list = parse("x,y,z,dx,dy,dz,space\n1,2,300,0,1,0,CCF\n1,2,3,0,1,0,bregma\n1,2,300,0,1,0,MNI\n"
+                                  "1,2,300,0,1,0,n/a\n1,2,300,0,1,0,ras\n",
+                                  &in_ccf);
+    static const char *const parts[] = {NULL, "column space: \"bregma\", the table is read in ccf", NULL, NULL,
+                                        "column space: \"ras\""};
+    for (size_t i = 0; i < 5; i++) {
+        const char *error = conus_pose_list_row(list, i)->error;
+        assert_int_equal(!error, !parts[i]);
+        assert_true(!error || strstr(error, parts[i]));
+    }
+    conus_pose_list_destroy(list);
+    list = parse("x,y,z,dx,dy,dz,space\n1,2,3,0,1,0,lps\n", NULL);
+    assert_non_null(conus_pose_list_row(list, 0)->error);
+    conus_pose_list_destroy(list);
+}
+
 static void other_formats_are_not_in_ccf(void **state)
 {
     (void)state;
@@ -207,6 +227,7 @@ int main(void)
         cmocka_unit_test(ibl_channels_say_where_bregma_lies),
         cmocka_unit_test(ibl_is_read_strictly),
         cmocka_unit_test(tables_are_in_ccf_or_from_bregma),
+        cmocka_unit_test(a_row_of_another_space_is_refused),
         cmocka_unit_test(other_formats_are_not_in_ccf),
         cmocka_unit_test(every_prefix_is_refused_or_shorter),
         cmocka_unit_test(every_failing_allocation_is_clean),

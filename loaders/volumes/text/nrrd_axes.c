@@ -189,11 +189,13 @@ static conus_status place_ccf(struct text_volume *out, bool *done, struct notes 
 {
     double *m = out->world_from_voxel;
     double size[3];
-    bool plain = m[12] == 0 && m[13] == 0 && m[14] == 0;
+    double inverse[16];
+    bool plain = m[12] == 0 && m[13] == 0 && m[14] == 0 && mat4_invert_affine(inverse, m);
     for (size_t i = 0; i < 3; i++) {
-        double step = fabs(m[4 * i + i]);
-        plain = plain && step == vec3_length(m + 4 * i);
-        size[i] = step * (double)out->dim[i];
+        const double *step = m + 4 * i;
+        double length = vec3_length(step);
+        plain = plain && (fabs(step[0]) == length || fabs(step[1]) == length || fabs(step[2]) == length);
+        size[i] = length * (double)out->dim[i];
     }
     *done = plain && frame_is_ccf_size(size);
     if (!*done) {

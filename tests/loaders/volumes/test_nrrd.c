@@ -112,6 +112,12 @@ static void the_ccf_is_placed_from_its_corner(void **state)
         assert_near(volume.world_from_voxel[i], wanted[i], 1e-12);
     }
     text_volume_finish(&volume);
+    /* the same grid with axes that say what is anterior, but not the unit */
+    assert_ok(parse_bent(&volume, allen, "(200,0,0) (0,200,0) (0,0,200)", "(0,200,0) (0,0,-200) (-200,0,0)"));
+    for (int i = 0; i < 16; i++) {
+        assert_near(volume.world_from_voxel[i], wanted[i], 1e-12);
+    }
+    text_volume_finish(&volume);
     for (size_t i = 0; i < sizeof others / sizeof others[0]; i++) {
         if (parse_bent(&volume, allen, others[i][0], others[i][1]) == CONUS_OK) {
             assert_int_equal(volume.world_from_voxel[9] == 0 && volume.world_from_voxel[8] == 0.2, false);
