@@ -176,12 +176,14 @@ static size_t files_besides(const struct manifest *manifest)
     return files;
 }
 
-/* Where the Allen CCF lies, if manifest or folder say so. */
+/* Where the Allen CCF lies, if the manifest says so, or a folder that has only surfaces: of volumes the grid says it.
+ */
 static conus_status place_ccf(struct loading *loading, const struct area_plan *plan)
 {
     enum manifest_ccf ccf = loading->manifest->ccf;
     if (ccf == MANIFEST_CCF_UNSTATED) {
-        return plan->has_ccf ? frame_set_ccf(loading->atlas, plan->ccf_from_right) : CONUS_OK;
+        bool has_only_surfaces = !conus_atlas_volume(loading->atlas, 0);
+        return plan->has_ccf && has_only_surfaces ? frame_set_ccf(loading->atlas, plan->ccf_from_right) : CONUS_OK;
     }
     conus_status status = frame_set_ccf(loading->atlas, ccf == MANIFEST_CCF_ASR);
     return status ? fail_in(status, "ccf") : CONUS_OK;
