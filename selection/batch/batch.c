@@ -97,6 +97,10 @@ conus_status conus_batch_create(conus_batch **out, conus_selector *selector, con
         return CONUS_ERROR_MEMORY;
     }
     batch->options = filled;
+    if (filled.report.frame) { /* the caller's may end */
+        batch->frame = *filled.report.frame;
+        batch->options.report.frame = &batch->frame;
+    }
     status = build(batch, selector);
     if (status) {
         conus_batch_destroy(batch);

@@ -45,6 +45,7 @@ void batch_block_answer(struct batch_block *block, const struct batch_atlas *atl
 
 struct conus_batch {
     conus_batch_options options; /**< Defaults filled in. */
+    conus_frame frame;           /**< That of options.report, where it has one. */
     struct batch_atlas *atlases; /**< [atlas_count] */
     size_t atlas_count, atlas_capacity;
     struct batch_block *blocks; /**< [block_count] */
