@@ -170,6 +170,11 @@ static conus_status find_ccf(double world_from_ccf[16], const conus_atlas *atlas
             "grid 13.2 x 8 x 11.4 mm, nor does a manifest say \"ccf\" (docs/spaces.md)",
             atlas ? atlas_path(atlas) : "no atlas");
     }
+    if (atlas->warp_count) {
+        return fail(CONUS_ERROR_UNSUPPORTED,
+                    "%s: a deformation field moved it, so that positions in ccf or from bregma are on no straight axes",
+                    atlas_path(atlas));
+    }
     if (atlas->is_moved && mat4_invert_affine(world_from_own, atlas->own_from_world)) {
         mat4_multiply(world_from_ccf, world_from_own, world_from_ccf);
     }

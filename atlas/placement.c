@@ -150,3 +150,8 @@ void conus_atlas_own_point(double out[3], const conus_atlas *atlas, const double
         memcpy(out, point, 3 * sizeof *out);
     }
 }
+
+bool conus_atlas_is_warped(const conus_atlas *atlas)
+{
+    return atlas->warp_count > 0;
+}

@@ -139,13 +139,23 @@ CONUS_API const conus_volume_info *conus_atlas_volume(const conus_atlas *atlas, 
 
 /**
  * Finds where a world point is in the atlas's own space, that of its files.
- * @param[out] out mm; the point itself, unless the atlas was moved (conus_atlas_transform()). May be @p point.
+ * @param[out] out mm; the point itself, unless the atlas was moved (conus_atlas_transform()); NaN where a deformation
+ * field has moved it and says nothing of the point. May be @p point.
  * @param atlas The atlas.
  * @param point World mm.
  * @threads Any, while none changes the atlas.
  * @since 0.1
  */
 CONUS_API void conus_atlas_own_point(double out[3], const conus_atlas *atlas, const double point[3]);
+
+/**
+ * Returns whether a deformation field has moved the atlas, so that conus_atlas_own_point() is no affine.
+ * @param atlas The atlas.
+ * @return Whether one has.
+ * @threads Any, while none changes the atlas.
+ * @since 0.1
+ */
+CONUS_API bool conus_atlas_is_warped(const conus_atlas *atlas);
 
 /**
  * Counts the other files that an atlas is made of: a manifest, surfaces, labels of their vertices, lists of what is

@@ -30,6 +30,18 @@ def _own_frame(atlas: Any) -> Optional[Array]:
     return None if np.array_equal(matrix, np.eye(4)) else matrix
 
 
+def _own_points(atlas: Atlas, points: Array) -> Optional[Array]:
+    """Where world points are in the atlas's own space; None where that is the world."""
+    if atlas.objects.is_warped:
+        own = np.ascontiguousarray(points, np.float64).copy()
+        start = ffi.cast("double *", ffi.from_buffer(own))
+        for i in range(len(own)):
+            lib.conus_atlas_own_point(start + 3 * i, atlas._p, start + 3 * i)
+        return own
+    matrix = atlas.objects.own_from_world
+    return None if matrix is None else points @ matrix[:3, :3].T + matrix[:3, 3]
+
+
 class Objects:
     """Names and sRGB colours of an atlas's objects, by their numbers; entry 0 is "unassigned"."""
 
@@ -40,7 +52,8 @@ class Objects:
         self.abbreviations = np.array([""] + [text(o.abbreviation) for o in objects], object)
         self.labels = np.array([0] + [o.label for o in objects], np.uint32)
         self.colours = np.array([[0xBB] * 3] + [list(o.rgb) for o in objects], np.uint8)
-        self.own_from_world = _own_frame(atlas)
+        self.is_warped = bool(lib.conus_atlas_is_warped(atlas))
+        self.own_from_world = None if self.is_warped else _own_frame(atlas)
 
     def name(self, number: int) -> Optional[str]:
         """Of an object; None of 0."""
@@ -76,12 +89,10 @@ def points_of(prefix: str, points: Array, space: Optional[Space]) -> dict[str, A
     return {f"{prefix}{axis}": points[:, i] for i, axis in enumerate("xyz")}
 
 
-def own_points_of(objects: Objects, prefix: str, points: Array, space: Optional[Space]) -> dict[str, Array]:
+def own_points_of(atlas: Atlas, prefix: str, points: Array, space: Optional[Space]) -> dict[str, Array]:
     """The same in the atlas's own space; no columns where that is the world."""
-    own = objects.own_from_world
-    if own is not None and not (space and space.is_own):
-        points = points @ own[:3, :3].T + own[:3, 3]
-    return {} if own is None else points_of(prefix, points, space)
+    own = _own_points(atlas, points)
+    return {} if own is None else points_of(prefix, points if space and space.is_own else own, space)
 
 
 def with_errors(frame: pandas.DataFrame, errors: dict[int, str]) -> pandas.DataFrame:
@@ -105,9 +116,9 @@ def _ordered(results: Array, query: Array, order: str, by_entry: bool) -> Array:
     return np.asarray(results[places])
 
 
-def _columns(objects: Objects, results: Array, layers: bool, space: Optional[Space]) -> dict[str, Any]:
+def _columns(atlas: Atlas, results: Array, layers: bool, space: Optional[Space]) -> dict[str, Any]:
     """The columns of `conus query`, of results; 0 where a rank or an index is n/a there."""
-    columns = identity_of(objects, results, results["rank"])
+    columns = identity_of(atlas.objects, results, results["rank"])
     for name in ("score", "pixels", "share"):
         columns[name] = results[name]
     if layers:
@@ -116,7 +127,7 @@ def _columns(objects: Objects, results: Array, layers: bool, space: Optional[Spa
     columns["offset_deg"] = _finite(np.rad2deg(results["offset"]))
     columns["distance_mm"] = _finite(results["distance"])
     columns.update(points_of("contact_", results["contact"], space))
-    columns.update(own_points_of(objects, "atlas_", results["contact"], space))
+    columns.update(own_points_of(atlas, "atlas_", results["contact"], space))
     if layers:
         for name, member in (("entry_mm", "entry"), ("exit_mm", "exit"), ("path_mm", "path"), ("volume_mm3", "volume")):
             columns[name] = _finite(results[member])
@@ -236,7 +247,7 @@ class Selection:
 
         is_ball = lib.conus_selection_evidence(self._p).resolution == 0
         results = _ordered(self.results, np.zeros(len(self)), order, self._layers and not is_ball)
-        columns = _columns(self.atlas.objects, results, self._layers, self.space)
+        columns = _columns(self.atlas, results, self._layers, self.space)
         if len(self._steps):
             columns.update(_step_columns(self._steps.repeat(len(self)), results))
         return pandas.DataFrame(columns)
@@ -388,7 +399,7 @@ class Answers:
         import pandas
 
         query, results = self._rows(order)
-        columns = {"query": query, **_columns(self.atlas.objects, results, self._layers, self.space)}
+        columns = {"query": query, **_columns(self.atlas, results, self._layers, self.space)}
         return with_errors(pandas.DataFrame(columns, copy=False), self.errors)
 
 
@@ -435,7 +446,7 @@ class Track(Answers):
 
         query, results = self._rows(order)
         steps = self.steps[query]
-        columns = {"query": query, **_columns(self.atlas.objects, results, self._layers, self.space)}
+        columns = {"query": query, **_columns(self.atlas, results, self._layers, self.space)}
         frame = pandas.DataFrame({**columns, **_step_columns(steps, results)}, copy=False)
         if not selected:
             return frame

@@ -65,7 +65,7 @@ class Segments:
         for name in ("entry", "exit"):
             columns.update(points_of(f"{name}_", records[f"{name}_at"], self.space))
         for name in ("entry", "exit"):
-            columns.update(own_points_of(objects, f"atlas_{name}_", records[f"{name}_at"], self.space))
+            columns.update(own_points_of(self.atlas, f"atlas_{name}_", records[f"{name}_at"], self.space))
         return with_errors(pandas.DataFrame(columns), self.errors)
 
     def _repr_html_(self) -> str:

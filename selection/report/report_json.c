@@ -204,6 +204,30 @@ static bool add_hidden(json_t *root, const conus_atlas *atlas)
     return whole;
 }
 
+/* What a field's vectors mean: a node at q goes to base q + linear v. */
+static json_t *json_from_field(const struct deformation *field)
+{
+    json_t *dim =
+        json_pack("[I, I, I]", (json_int_t)field->dim[0], (json_int_t)field->dim[1], (json_int_t)field->dim[2]);
+    return json_pack("{s: {s: o, s: o, s: o, s: o}}", "field", "dim", dim, "world_from_voxel",
+                     json_from_matrix(field->world_from_voxel), "base", json_from_matrix(field->base), "linear",
+                     json_from_matrix(field->linear));
+}
+
+/* What points go through on their way to the atlas's own space, in this order: matrices and fields in turn. */
+static json_t *json_from_way(const conus_atlas *atlas)
+{
+    json_t *way = json_array();
+    bool whole =
+        json_array_append_new(way, json_pack("{s: o}", "matrix", json_from_matrix(atlas->own_from_world))) == 0;
+    for (size_t i = atlas->warp_count; i > 0; i--) {
+        const struct warp *warp = &atlas->warps[i - 1];
+        whole = json_array_append_new(way, json_from_field(&warp->field)) == 0 &&
+                json_array_append_new(way, json_pack("{s: o}", "matrix", json_from_matrix(warp->after))) == 0 && whole;
+    }
+    return whole_or_null(way, whole);
+}
+
 static json_t *json_from_atlas(const conus_atlas *atlas)
 {
     json_t *volumes = json_array();
@@ -220,8 +244,9 @@ static json_t *json_from_atlas(const conus_atlas *atlas)
     json_t *root = json_pack("{s: o, s: o, s: s, s: o, s: o, s: o}", "path", json_from_text(atlas_path(atlas)),
                              "labels", labels, "hemispheres", hemispheres[atlas->hemispheres], "volumes", volumes,
                              "files", json_from_files(atlas), "notes", notes);
-    bool affine = atlas->is_moved && !atlas->warp_count; /* else its files and notes say what moved it */
+    bool affine = atlas->is_moved && !atlas->warp_count;
     whole = (!affine || put_value(root, "atlas_from_world", json_from_matrix(atlas->own_from_world))) && whole;
+    whole = (!atlas->warp_count || put_value(root, "way_to_atlas", json_from_way(atlas))) && whole;
     return whole_or_null(root, add_hidden(root, atlas) && whole);
 }
 

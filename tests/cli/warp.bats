@@ -57,6 +57,11 @@ images=,from=nested.nii.gz,to=nested.nii.gz
     [ "$(jq -r .Atlas.files[-1].sha256 <<<"$output")" = "$(sha256sum itk.nii.gz | cut -d' ' -f1)" ]
     [ "$(jq -r .Atlas.volumes[0].transform <<<"$output")" = "sform, code 1 (scanner), warped" ]
     [ "$(jq '.Atlas | has("atlas_from_world")' <<<"$output")" = false ]
+    answers query nested.nii.gz --atlas-transform five.txt --atlas-transform itk.nii.gz $aim --format json --quiet
+    [ "$(jq -c '[.Atlas.way_to_atlas[] | keys[0]]' <<<"$output")" = '["matrix","field","matrix"]' ]
+    [ "$(jq '.Atlas.way_to_atlas[0].matrix[0] == [1, 0, 0, 5]' <<<"$output")" = true ]
+    [ "$(jq '.Atlas.way_to_atlas[1].field.linear[0] == [-1, 0, 0, 0]' <<<"$output")" = true ]
+    [ "$(jq '.Atlas.way_to_atlas[1].field.dim == [64, 64, 64]' <<<"$output")" = true ]
 }
 
 @test "labels are on the grid that is asked for" {

@@ -254,6 +254,44 @@ def test_a_moved_atlas_has_the_rows_of_the_program(tmp_path):
     assert "atlas_x" in frame.columns
 
 
+@needs_aal
+def test_a_warped_atlas_has_the_rows_of_the_program(tmp_path):
+    """Nodes of 4 mm: ITK's displacements, in a chain with an affine, and SPM's positions on another grid."""
+    grid = np.diag([4.0, 4, 4, 1])
+    grid[:3, 3] = -92, -128, -74
+    nodes = np.stack(np.meshgrid(*map(np.arange, (46, 55, 46)), indexing="ij"), -1) * 4.0 + grid[:3, 3]
+    way = 4 * np.sin(nodes[..., [1, 2, 0]] / 20)
+    file = tmp_path / "turn.txt"
+    np.savetxt(file, [[0.8, -0.6, 0, 3], [0.6, 0.8, 0, -2], [0, 0, 1.1, 5], [0, 0, 0, 1]])
+    for name, vectors in (("itk.nii.gz", way * (-1, -1, 1)), ("y_spm.nii.gz", nodes + way)):
+        image = nibabel.Nifti1Image(vectors.astype("f4")[..., None, :], grid)
+        image.header["intent_code"] = 1007
+        image.to_filename(tmp_path / name)
+        how = "absolute" if name[0] == "y" else "relative"
+        transforms, words = [{"file": tmp_path / name, "vectors": how}], [f"{tmp_path / name},{how}"]
+        if how == "absolute":
+            transforms[0]["grid"], words[0] = AAL, f"{words[0]},grid={AAL}"
+        else:
+            transforms.insert(0, file)
+            words.insert(0, str(file))
+        rows = run_conus("query", AAL, "--origin=-90,20,20", "--toward=0,-10,10", "--angle=20", "--format=tsv",
+                         "--quiet", *[f"--atlas-transform={word}" for word in words])
+        atlas = conus.load(AAL, transforms=transforms)
+        frame = atlas.select((-90, 20, 20), toward=(0, -10, 10), angle=20).to_dataframe()
+        assert len(frame) > 1
+        assert_rows_of_the_program(frame, rows)
+        assert list(frame.columns) == [c for c in rows.columns if c in frame.columns]
+        assert any("warped by" in note for note in atlas.notes)
+    with pytest.raises(conus.UnsupportedError):
+        conus.load(AAL, transforms=[{"file": tmp_path / "itk.nii.gz", "inverse": True}])
+    with pytest.raises(conus.ArgumentError):
+        conus.load(AAL, transforms=[tmp_path / "y_spm.nii.gz"])
+    with pytest.raises(conus.ArgumentError):
+        conus.load(AAL, transforms=[{"file": tmp_path / "itk.nii.gz", "vectors": "both"}])
+    with pytest.raises(conus.OutOfMemoryError):
+        conus.load(AAL, transforms=[{"file": tmp_path / "itk.nii.gz", "grid": AAL}], max_memory=10 << 20)
+
+
 def test_transforms_bring_the_atlas_to_the_poses(tmp_path):
     """The pose's x is the atlas's less 7 mm: the right plate begins at 13 and no longer at 20 mm."""
     matrix = np.eye(4)
