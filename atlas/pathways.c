@@ -186,21 +186,27 @@ static conus_status check_threshold(const conus_atlas *atlas, size_t number, dou
     return isfinite(threshold) ? CONUS_OK : fail(CONUS_ERROR_ARGUMENT, "threshold: %g, a number is needed", threshold);
 }
 
-/* The voxels from which a warped volume may be resampled once more. */
+/* The voxels from which a warped volume may be resampled once more: its own from now on. */
 static conus_status mark_source(struct volume_source *source, struct step step)
 {
     if (!source) {
         return CONUS_OK;
     }
-    struct volume marked = {.values = source->values, .voxel_count = source->dim[0] * source->dim[1] * source->dim[2]};
-    conus_status status = mark_voxels(&marked, &step, 1);
-    if (!status) {
-        memory_free(source->is_borrowed ? NULL : source->objects16);
-        memory_free(source->is_borrowed ? NULL : source->objects32);
-        source->objects16 = marked.objects16;
-        source->objects32 = marked.objects32;
+    size_t count = source->dim[0] * source->dim[1] * source->dim[2];
+    struct volume marked = {.values = source->values, .voxel_count = count};
+    float *values = source->is_borrowed ? memory_copy(source->values, count, sizeof *values) : source->values;
+    conus_status status = values ? mark_voxels(&marked, &step, 1) : CONUS_ERROR_MEMORY;
+    if (status) {
+        memory_free(source->is_borrowed ? values : NULL);
+        return status;
     }
-    return status;
+    memory_free(source->is_borrowed ? NULL : source->objects16);
+    memory_free(source->is_borrowed ? NULL : source->objects32);
+    source->objects16 = marked.objects16;
+    source->objects32 = marked.objects32;
+    source->values = values;
+    source->is_borrowed = false;
+    return CONUS_OK;
 }
 
 conus_status conus_atlas_set_threshold(conus_atlas *atlas, size_t number, double threshold)

@@ -478,6 +478,8 @@ static void an_attached_atlas_is_warped(void **state)
     assert_ok(conus_atlas_transform(attached, write_field(&itk, false), NULL));
     check_shifted(attached);
     assert_ok(conus_atlas_set_threshold(attached, 6, 4));
+    assert_ok(conus_atlas_set_threshold(attached, 6, 3));
+    assert_int_equal(attached->objects[5].voxels, 32);
     conus_atlas_destroy(attached);
     assert_memory_equal(copy, memory, size);
     free(copy);
