@@ -6,7 +6,6 @@
 #include "viewer/session/keep.h"
 #include "viewer/window/screen.h"
 
-#include <ctype.h>
 #include <math.h>
 #include <strings.h>
 
@@ -141,6 +140,21 @@ static void keep_picture(struct window *window)
     window->keeps_picture = true; /* once the frame is drawn */
 }
 
+static void enlarge_texts(struct window *window)
+{
+    window_zoom(window, 1);
+}
+
+static void shrink_texts(struct window *window)
+{
+    window_zoom(window, -1);
+}
+
+static void reset_texts(struct window *window)
+{
+    window_zoom(window, 0);
+}
+
 static void fill_screen(struct window *window)
 {
     window_fill_screen(window, !window->alone);
@@ -188,20 +202,11 @@ struct wand_key {
     const char *key;
     int axis; /* from 3 on: a turn about axis - 3 */
     double by;
-    const char *meaning;
 };
 
 static const struct wand_key wand_keys[] = {
-    {"w", 2, -1, "wand: forward"},
-    {"s", 2, 1, "wand: back"},
-    {"a", 0, -1, "wand: left"},
-    {"d", 0, 1, "wand: right"},
-    {"e", 1, 1, "wand: up"},
-    {"q", 1, -1, "wand: down"},
-    {"up", 3, 0.035, "wand: turn up"},
-    {"down", 3, -0.035, "wand: turn down"},
-    {"left", 4, 0.035, "wand: turn left"},
-    {"right", 4, -0.035, "wand: turn right"},
+    {"w", 2, -1}, {"s", 2, 1},      {"a", 0, -1},        {"d", 0, 1},        {"e", 1, 1},
+    {"q", 1, -1}, {"up", 3, 0.035}, {"down", 3, -0.035}, {"left", 4, 0.035}, {"right", 4, -0.035},
 };
 enum { WAND_KEYS = sizeof wand_keys / sizeof wand_keys[0] };
 
@@ -229,9 +234,10 @@ static bool use_wand(struct window *window, const char *key)
 static const struct {
     const char *key;
     void (*act)(struct window *window);
-    const char *meaning;
+    const char *meaning; /* NULL = it is not listed */
 } keys[] = {
-    {"?", toggle_help, "this list"},
+    {"?", toggle_help, "this list; F1, too"},
+    {"f1", toggle_help, NULL},
     {"enter", confirm, "confirm: pin the best result"},
     {"space", hold, "hold the cone, or let it follow the mouse again, as a click does"},
     {"escape", clear, "clear the cone, and choose no area"},
@@ -254,8 +260,25 @@ static const struct {
     {"ctrl+o", window_go_to_start, "the start page, for another atlas; Escape comes back"},
     {"tab", enlarge, "one pane after the other fills the window"},
     {"f11", fill_screen, "3-D alone, over the whole screen, and back"},
+    {"ctrl++", enlarge_texts, "larger texts and panels"},
+    {"ctrl+-", shrink_texts, "smaller ones"},
+    {"ctrl+0", reset_texts, "as large as the screen asks for"},
 };
 enum { KEYS = sizeof keys / sizeof keys[0] };
+
+/* Keys that need no atlas. */
+static bool press_anywhere(struct window *window, const char *key)
+{
+    for (size_t i = 0; i < KEYS; i++) {
+        bool needs_none = keys[i].act == toggle_help || keys[i].act == enlarge_texts || keys[i].act == shrink_texts ||
+                          keys[i].act == reset_texts;
+        if (needs_none && strcasecmp(keys[i].key, key) == 0) {
+            keys[i].act(window);
+            return true;
+        }
+    }
+    return false;
+}
 
 /* There the digits are those of its lists. */
 static bool press_at_start(struct window *window, const char *key)
@@ -268,12 +291,12 @@ static bool press_at_start(struct window *window, const char *key)
         start->takes_keys = true;
     } else if (strcasecmp(key, "enter") == 0) {
         window_want_typed(window);
+    } else if (strcasecmp(key, "escape") == 0 && window->show_help) {
+        window->show_help = false;
     } else if (strcasecmp(key, "escape") == 0 && window->viewer) {
         start->on = false;
-    } else if (strcasecmp(key, "?") == 0) {
-        toggle_help(window);
     } else {
-        return false;
+        return press_anywhere(window, key);
     }
     return true;
 }
@@ -292,40 +315,44 @@ bool keys_press(struct window *window, const char *key)
     return use_wand(window, key);
 }
 
-/* Entry `index` of both tables; false past the last. */
-static bool describe_key(size_t index, const char **key, const char **meaning)
+/* As on the keyboard: Ctrl+O. */
+static void write_key(char out[KEY_LIMIT], const char *key)
 {
-    if (index < KEYS) {
-        *key = keys[index].key;
-        *meaning = keys[index].meaning;
-    } else if (index < KEYS + WAND_KEYS) {
-        *key = wand_keys[index - KEYS].key;
-        *meaning = wand_keys[index - KEYS].meaning;
+    bool first = true;
+    size_t used = 0;
+    for (; key[used] && used + 1 < KEY_LIMIT; used++) {
+        bool is_small = key[used] >= 'a' && key[used] <= 'z';
+        out[used] = (char)(key[used] + (first && is_small ? 'A' - 'a' : 0));
+        first = key[used] == '+';
     }
-    return index < KEYS + WAND_KEYS;
+    out[used] = '\0';
 }
 
-/* Letters as on the keyboard: an l looks like an I. */
-static void show_key(const char *key)
+static void show_key(const char *key, const char *meaning, float at)
 {
-    int first = key[1] ? key[0] : toupper((unsigned char)key[0]);
-    ui_text_coloured((ui_colour){255, 200, 90, 255}, "%c%s", first, key + 1);
+    char text[KEY_LIMIT];
+    write_key(text, key);
+    ui_text_coloured((ui_colour){255, 200, 90, 255}, "%s", text);
+    ui_same_line_at(at);
+    ui_text_wrapped(meaning);
 }
 
 void keys_draw_help(struct window *window)
 {
-    const char *key;
-    const char *meaning;
-    float width = 520 * window->scale;
-    float height = fminf(735 * window->scale, (float)window->height);
-    ui_panel("Keys and mouse (? closes this)",
+    float width = fminf(620 * window->scale, (float)window->width);
+    float height = fminf(690 * window->scale, (float)window->height);
+    float at = 90 * window->scale;
+    ui_panel("Keys and mouse (?, F1 or Escape closes this)",
              (struct ui_box){((float)window->width - width) / 2, ((float)window->height - height) / 2, width, height},
              UI_IN_FRONT);
-    for (size_t i = 0; describe_key(i, &key, &meaning); i++) {
-        show_key(key);
-        ui_same_line_at(80 * window->scale);
-        ui_text_wrapped(meaning);
+    for (size_t i = 0; i < KEYS; i++) {
+        if (keys[i].meaning) {
+            show_key(keys[i].key, keys[i].meaning, at);
+        }
     }
+    show_key("W S A D", "the wand: forward, back, left, right", at);
+    show_key("E Q", "the wand: up, down", at);
+    show_key("arrows", "the wand: turn", at);
     ui_separator();
     ui_text_wrapped(
         "3-D: left button turns, right button moves, wheel comes nearer; the cone follows the mouse, a click holds it "

@@ -26,7 +26,7 @@ static const struct option own_options[] = {
      .type = OPTION_SIZE,
      .offset = offsetof(struct view_settings, size),
      .value = "WxH",
-     .help = "size of the window, pixels (default 1500x940)",
+     .help = "size of the window, pixels (default 1500x940, no larger than the screen)",
      .low = 1,
      .high = 16384},
     {.name = "scale",
@@ -116,16 +116,29 @@ static int start_sources(struct window *window, const struct view_settings *sett
 }
 
 /* Scripts see the same window everywhere. */
-static void find_place(struct place *out, const struct view_settings *settings)
+static void find_place(struct window_options *out, const struct view_settings *settings)
 {
-    *out = (struct place){.width = DEFAULT_WIDTH, .height = DEFAULT_HEIGHT};
+    *out = (struct window_options){.place = {.width = DEFAULT_WIDTH, .height = DEFAULT_HEIGHT},
+                                   .scale = settings->scale,
+                                   .hidden = settings->hidden,
+                                   .fits_screen = !settings->script};
     if (!settings->script) {
-        place_load(out);
+        place_load(&out->place);
     }
     if (settings->size[0]) {
-        out->width = (int)settings->size[0];
-        out->height = (int)settings->size[1];
+        out->place.width = (int)settings->size[0];
+        out->place.height = (int)settings->size[1];
     }
+}
+
+static void leave_place(const struct window *window, const struct window_options *options)
+{
+    struct place place;
+    window_place(window, &place);
+    if (options->scale > 0) { /* keys changed that one */
+        place.zoom = options->place.zoom;
+    }
+    place_save(&place);
 }
 
 static int run_view(const void *given, const struct arguments *arguments)
@@ -134,7 +147,7 @@ static int run_view(const void *given, const struct arguments *arguments)
     double started = clock_ms();
     struct script *script = NULL;
     struct window window;
-    struct place place;
+    struct window_options options;
     if (!option_needs(arguments, "hidden", "script") || !settings_check_station(arguments) ||
         !settings_check_space(arguments, &settings->space) || !settings_check_screen(&settings->station, arguments)) {
         return EXIT_USAGE;
@@ -143,8 +156,8 @@ static int run_view(const void *given, const struct arguments *arguments)
     if (code) {
         return code;
     }
-    find_place(&place, settings);
-    if (!window_open(&window, &place, settings->scale, settings->hidden)) {
+    find_place(&options, settings);
+    if (!window_open(&window, &options)) {
         print_error_line("conus view needs a display and OpenGL 4.5; conus render draws pictures without a window");
         script_destroy(script);
         return EXIT_NO_GL;
@@ -155,8 +168,7 @@ static int run_view(const void *given, const struct arguments *arguments)
     station_stop(window.station);
     conus_pose_list_destroy(window.replay.poses);
     if (!code && !settings->script) {
-        window_place(&window, &place);
-        place_save(&place);
+        leave_place(&window, &options);
     }
     window_close(&window);
     script_destroy(script);

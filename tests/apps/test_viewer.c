@@ -204,9 +204,17 @@ static void find_state(char path[PATH_MAX], const char *name)
     snprintf(path, PATH_MAX, "%s/%s/conus/%s", here, test_scratch("state"), name);
 }
 
+static void assert_same_place(const struct place *a, const struct place *b)
+{
+    const int found[] = {a->width, a->height, a->x, a->y, a->known};
+    const int wanted[] = {b->width, b->height, b->x, b->y, b->known};
+    assert_memory_equal(found, wanted, sizeof found);
+    assert_near(a->zoom, b->zoom, 1e-12);
+}
+
 static void the_window_finds_its_place_again(void **state)
 {
-    const struct place left = {.width = 900, .height = 700, .known = true, .x = 11, .y = -22};
+    const struct place left = {.width = 900, .height = 700, .known = true, .x = 11, .y = -22, .zoom = 1.25};
     struct place found = {.width = 1, .height = 2};
     char path[PATH_MAX];
     (void)state;
@@ -215,7 +223,7 @@ static void the_window_finds_its_place_again(void **state)
     assert_int_equal(found.width, 1);
     place_save(&left);
     place_load(&found);
-    assert_memory_equal(&found, &left, sizeof found);
+    assert_same_place(&found, &left);
     place_save(&(struct place){.width = 1, .height = 700}); /* one that nobody could use */
     place_load(&found);
     assert_int_equal(found.width, 900);
@@ -224,6 +232,8 @@ static void the_window_finds_its_place_again(void **state)
                                       "[1]",
                                       "{\"width\": 900, \"height\": 1e9, \"x\": 0, \"y\": 0}",
                                       "{\"width\": 99999, \"height\": 700, \"x\": 0, \"y\": 0}",
+                                      "{\"width\": 900, \"height\": 700, \"x\": 0, \"y\": 0, \"zoom\": 9}",
+                                      "{\"width\": 900, \"height\": 700, \"x\": 0, \"y\": 0, \"zoom\": \"1\"}",
                                       "{\"width\": \"900\", \"height\": 700, \"x\": 0, \"y\": 0}"};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         found = (struct place){.width = 5};
@@ -232,6 +242,39 @@ static void the_window_finds_its_place_again(void **state)
         assert_int_equal(found.width, 5);
         assert_false(found.known);
     }
+}
+
+static void a_window_fits_its_screen(void **state)
+{
+    static const int area[4] = {100, 30, 1280, 770};
+    static const struct {
+        struct place before, after;
+    } cases[] = {
+        {{.width = 900, .height = 700, .x = 150, .y = 40}, {.width = 900, .height = 700, .x = 150, .y = 40}},
+        {{.width = 1500, .height = 940, .x = 0, .y = 0}, {.width = 1280, .height = 770, .x = 100, .y = 30}},
+        {{.width = 900, .height = 700, .x = 9000, .y = 50}, {.width = 900, .height = 700, .x = 480, .y = 50}},
+        {{.width = 900, .height = 700, .x = -900, .y = 900}, {.width = 900, .height = 700, .x = 100, .y = 100}},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        struct place place = cases[i].before;
+        place_fit(&place, area);
+        assert_same_place(&place, &cases[i].after);
+    }
+}
+
+/* Inches are 25.4 mm: 1920 pixels on 344 mm are 141.8 to the inch, 1.477 times 96; 3840 on 294 mm 331.8, 3.46 times;
+ * 2560 on 597 mm 108.9, 1.13 times. */
+static void texts_are_as_large_as_the_screen_is_dense(void **state)
+{
+    (void)state;
+    assert_near(place_scale(1, 1920, 344), 1.25, 0);
+    assert_near(place_scale(1, 3840, 294), 3, 0);
+    assert_near(place_scale(1, 2560, 597), 1, 0);
+    assert_near(place_scale(1, 1280, 1280), 1, 0); /* a wall */
+    assert_near(place_scale(1, 1920, 0), 1, 0);    /* it does not say */
+    assert_near(place_scale(1, 1920, 16), 1, 0);   /* 16 x 9 cm in cm, as some say */
+    assert_near(place_scale(2, 1920, 600), 2, 0);  /* the desktop knows */
 }
 
 static const char three[] = "{\"conus_recent\": 1, \"atlases\": [\"/a\", \"/b/\\u001b.nii\", \"/c,volume=2\"]}";
@@ -581,6 +624,8 @@ int main(void)
         cmocka_unit_test(settings_of_the_atlas_are_all_set_or_none),
         cmocka_unit_test(edited_points_outlive_other_changes),
         cmocka_unit_test(the_window_finds_its_place_again),
+        cmocka_unit_test(a_window_fits_its_screen),
+        cmocka_unit_test(texts_are_as_large_as_the_screen_is_dense),
         cmocka_unit_test(only_a_whole_list_is_read),
         cmocka_unit_test(what_is_opened_comes_first),
         cmocka_unit_test(the_start_page_shows_no_escapes),

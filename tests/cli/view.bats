@@ -698,6 +698,44 @@ END
     [ ! -s said ] || { cat said; return 1; }
 }
 
+@test "it is no larger than the screen, and keys make texts larger, which is remembered" {
+    need_window
+    command -v xdotool >/dev/null || skip "no xdotool"
+    export XDG_STATE_HOME=$PWD/state
+    open_it() {
+        background timeout $HANG "$CONUS" view --quiet # on the start page
+        wait_until "$child" find_window
+    }
+    close_it() {
+        close_window "$window"
+        wait "$child"
+    }
+    open_it # 1500 x 940 would be larger than the screen of 1280 x 800
+    wait_until "$child" is_at '1280x800+0+0'
+    xdotool key --window "$window" ctrl+plus ctrl+plus ctrl+plus ctrl+minus
+    close_it
+    [ "$(jq -c '[.width, .height, .zoom]' state/conus/window.json)" = '[1280,800,1.21]' ]
+    echo '{"width": 600, "height": 3000, "x": 900, "y": -40, "zoom": 1.5}' >state/conus/window.json
+    open_it
+    wait_until "$child" is_at '600x800+680+0'
+    close_it
+    [ "$(jq -c . state/conus/window.json)" = '{"width":600,"height":800,"x":680,"y":0,"zoom":1.5}' ]
+    open_it
+    xdotool key --window "$window" ctrl+0
+    close_it
+    [ "$(jq .zoom state/conus/window.json)" = 1 ]
+    # scripts see the size that they ask for, and texts as large as the screen asks for
+    printf 'wait 4\nscreenshot large.png\nkey ctrl++\nkey f1\nwait 4\nscreenshot help.png\nkey escape\nkey ctrl+0\nwait 4\nscreenshot again.png\n' >script
+    /usr/bin/python3 -c 'import OpenImageIO' 2>/dev/null || skip "no python3-openimageio"
+    run -0 timeout $HANG "$CONUS" view --script script --quiet --size 1400x900
+    cmp large.png again.png
+    run -1 cmp -s large.png help.png
+    /usr/bin/python3 - <<'END'
+import OpenImageIO as oiio
+assert oiio.ImageBuf("large.png").get_pixels(oiio.UINT8).shape[:2] == (900, 1400)
+END
+}
+
 # is_at WxH+X+Y: whether $window is there, and so large.
 is_at() {
     local WIDTH HEIGHT X Y

@@ -158,6 +158,7 @@ void panel_areas(struct window *window)
 {
     struct viewer *viewer = window->viewer;
     ui_panel("Areas", window->left, 0);
+    panel_tools(window);
     choose_atlas(window);
     ui_id((uint32_t)(viewer->drawn - viewer->atlases)); /* each has a list of its own, scrolled and opened */
     ui_width(window->left.width - 20);

@@ -6,6 +6,8 @@
 #include "viewer/window/window.h"
 
 void panel_start(struct window *window); /**< In place of all others. */
+/** Buttons of the keys that everybody needs, in one line. */
+void panel_tools(struct window *window);
 void panel_areas(struct window *window);
 void panel_cone(struct window *window);
 void panel_results(struct window *window);

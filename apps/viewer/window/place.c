@@ -5,6 +5,7 @@
 #include "viewer/window/state_file.h"
 
 #include <jansson.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -17,13 +18,46 @@ static bool is_size(int size)
     return size >= SMALLEST && size <= SIZE_LIMIT;
 }
 
+static bool is_zoom(double zoom)
+{
+    return 100 * zoom >= PLACE_LEAST_ZOOM && 100 * zoom <= PLACE_MOST_ZOOM;
+}
+
+static int least(int a, int b)
+{
+    return a < b ? a : b;
+}
+
+static int most(int a, int b)
+{
+    return a > b ? a : b;
+}
+
+void place_fit(struct place *place, const int area[4])
+{
+    place->width = least(place->width, area[2]);
+    place->height = least(place->height, area[3]);
+    place->x = most(least(place->x, area[0] + area[2] - place->width), area[0]);
+    place->y = most(least(place->y, area[1] + area[3] - place->height), area[1]);
+}
+
+float place_scale(float content, int pixels, int millimetres)
+{
+    static const double usual = 96, highest = 600; /* pixels per inch: those of texts of size 1, and of no screen */
+    double density = millimetres > 0 ? 25.4 * pixels / millimetres : usual;
+    if (content != 1 || density > highest) {
+        return content;
+    }
+    return (float)fmin(fmax(floor(4 * density / usual) / 4, 1), 3);
+}
+
 bool place_parse(struct place *out, const char *text, size_t size)
 {
     json_t *root = json_loadb(text, size, 0, NULL);
     struct place place = {.known = true};
-    bool fine = !json_unpack(root, "{s: i, s: i, s: i, s: i}", "width", &place.width, "height", &place.height, "x",
-                             &place.x, "y", &place.y) &&
-                is_size(place.width) && is_size(place.height);
+    bool fine = !json_unpack(root, "{s: i, s: i, s: i, s: i, s?: F}", "width", &place.width, "height", &place.height,
+                             "x", &place.x, "y", &place.y, "zoom", &place.zoom) &&
+                is_size(place.width) && is_size(place.height) && (place.zoom == 0 || is_zoom(place.zoom));
     json_decref(root);
     *out = fine ? place : *out;
     return fine;
@@ -41,10 +75,11 @@ void place_load(struct place *out)
 
 void place_save(const struct place *place)
 {
-    char text[128];
+    char text[192];
     if (is_size(place->width) && is_size(place->height)) {
-        int size = snprintf(text, sizeof text, "{\"width\": %d, \"height\": %d, \"x\": %d, \"y\": %d}\n", place->width,
-                            place->height, place->x, place->y);
+        int size =
+            snprintf(text, sizeof text, "{\"width\": %d, \"height\": %d, \"x\": %d, \"y\": %d, \"zoom\": %.4f}\n",
+                     place->width, place->height, place->x, place->y, is_zoom(place->zoom) ? place->zoom : 1);
         state_file_write(name, text, (size_t)size);
     }
 }

@@ -12,7 +12,17 @@ struct place {
     int width, height;
     bool known; /**< x and y hold. */
     int x, y;
+    double zoom; /**< Of texts and panels, by the user: so many times what the screen asks for; 0 = 1. */
 };
+
+enum { PLACE_LEAST_ZOOM = 50, PLACE_MOST_ZOOM = 400 /* per cent */ };
+
+/** Makes it no larger than @p area, x, y, width and height of what a screen leaves free, and moves it there. */
+void place_fit(struct place *place, const int area[4]);
+/** How large texts shall be on a screen that is @p millimetres wide with so many @p pixels: @p content, as the desktop
+ * says, where that is not 1; else by the density in steps of a quarter, from 1 at 96 pixels per inch, to 3. Densities
+ * that no screen has, and widths that none says, count as 96. */
+float place_scale(float content, int pixels, int millimetres);
 
 /** Reads what was written; false, and @p out stays as it is, where that makes no sense. */
 bool place_parse(struct place *out, const char *text, size_t size);

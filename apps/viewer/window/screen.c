@@ -29,6 +29,38 @@ void *window_screen(const struct window *window, int screen[4])
     return NULL;
 }
 
+void screen_fit(struct place *place)
+{
+    int count;
+    GLFWmonitor **monitors = glfwGetMonitors(&count);
+    int area[4] = {0};
+    for (int i = count - 1; i >= 0; i--) { /* or else the first */
+        int free[4];
+        glfwGetMonitorWorkarea(monitors[i], &free[0], &free[1], &free[2], &free[3]);
+        int across = place->x + place->width / 2 - free[0];
+        int down = place->y + place->height / 2 - free[1];
+        if (i == 0 || (place->known && across >= 0 && across < free[2] && down >= 0 && down < free[3])) {
+            memcpy(area, free, sizeof area);
+            break;
+        }
+    }
+    if (area[2] > 0 && area[3] > 0) {
+        place_fit(place, area);
+    }
+}
+
+float window_screen_scale(const struct window *window, float content)
+{
+    int screen[4];
+    int millimetres[2];
+    GLFWmonitor *monitor = window_screen(window, screen);
+    if (!monitor) {
+        return content;
+    }
+    glfwGetMonitorPhysicalSize(monitor, &millimetres[0], &millimetres[1]);
+    return place_scale(content, screen[2], millimetres[0]);
+}
+
 void window_fill_screen(struct window *window, bool fill)
 {
     int screen[4];

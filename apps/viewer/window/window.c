@@ -3,6 +3,7 @@
 #include "viewer/window/window.h"
 
 #include "common/messages.h"
+#include "viewer/window/screen.h"
 
 #include <epoxy/gl.h>
 
@@ -86,31 +87,46 @@ bool window_press(struct window *window, const char *key)
     return window->press && window->press(window, key);
 }
 
-static void press_named(GLFWwindow *handle, int key, int scancode, int action, int mods)
+/* With Control: what is written on the key, so that Z is where the keyboard has it; of letters that are not Latin, what
+ * the key has on a keyboard that is. A plus is one with Shift and without. */
+static void name_with_control(char name[KEY_LIMIT], int key, int scancode, int mods)
+{
+    const char *written = glfwGetKeyName(key, scancode);
+    char letter = (char)(key >= GLFW_KEY_A && key <= GLFW_KEY_Z ? 'a' + key - GLFW_KEY_A : '\0');
+    letter = written && written[0] > ' ' && written[0] < 127 && !written[1] ? written[0] : letter;
+    bool is_plus = letter == '=' || letter == '+';
+    bool with_shift = (mods & GLFW_MOD_SHIFT) && !is_plus;
+    snprintf(name, letter ? KEY_LIMIT : 1, "ctrl+%s%c", with_shift ? "shift+" : "", is_plus ? '+' : letter);
+}
+
+static const char *name_of(int key)
 {
     static const struct {
         int key;
         const char *name;
-        int mods;
-    } names[] = {{GLFW_KEY_ENTER, "enter", 0},
-                 {GLFW_KEY_KP_ENTER, "enter", 0},
-                 {GLFW_KEY_SPACE, "space", 0},
-                 {GLFW_KEY_TAB, "tab", 0},
-                 {GLFW_KEY_F11, "f11", 0},
-                 {GLFW_KEY_UP, "up", 0},
-                 {GLFW_KEY_DOWN, "down", 0},
-                 {GLFW_KEY_LEFT, "left", 0},
-                 {GLFW_KEY_RIGHT, "right", 0},
-                 {GLFW_KEY_ESCAPE, "escape", 0},
-                 {GLFW_KEY_O, "ctrl+o", GLFW_MOD_CONTROL}};
-    struct window *window = glfwGetWindowUserPointer(handle);
-    (void)scancode;
-    touch(handle);
+    } names[] = {{GLFW_KEY_ENTER, "enter"}, {GLFW_KEY_KP_ENTER, "enter"}, {GLFW_KEY_SPACE, "space"},
+                 {GLFW_KEY_TAB, "tab"},     {GLFW_KEY_F1, "f1"},          {GLFW_KEY_F11, "f11"},
+                 {GLFW_KEY_UP, "up"},       {GLFW_KEY_DOWN, "down"},      {GLFW_KEY_LEFT, "left"},
+                 {GLFW_KEY_RIGHT, "right"}, {GLFW_KEY_ESCAPE, "escape"}};
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
-        bool is_it = names[i].key == key && (mods & names[i].mods) == names[i].mods;
-        if (is_it && action != GLFW_RELEASE && !ui_wants_keys()) {
-            window_press(window, names[i].name);
+        if (names[i].key == key) {
+            return names[i].name;
         }
+    }
+    return "";
+}
+
+static void press_named(GLFWwindow *handle, int key, int scancode, int action, int mods)
+{
+    struct window *window = glfwGetWindowUserPointer(handle);
+    char name[KEY_LIMIT] = "";
+    touch(handle);
+    snprintf(name, sizeof name, "%s", name_of(key));
+    if (!name[0] && (mods & GLFW_MOD_CONTROL) && !(mods & (GLFW_MOD_ALT | GLFW_MOD_SUPER))) {
+        name_with_control(name, key, scancode, mods);
+    }
+    if (name[0] && action != GLFW_RELEASE && !ui_wants_keys()) {
+        window_press(window, name);
     }
 }
 
@@ -124,13 +140,29 @@ static void press_character(GLFWwindow *handle, unsigned character)
     }
 }
 
+/* From the next frame on; texts stay as large as can be read, and small enough that some fit. */
+static void use_zoom(struct window *window, double zoom)
+{
+    double least = PLACE_LEAST_ZOOM / 100.0;
+    double most = PLACE_MOST_ZOOM / 100.0;
+    window->zoom = fmin(fmax(zoom, least), most);
+    window->next_scale = fminf(fmaxf(window->screen_scale * (float)window->zoom, (float)least), (float)most);
+    window->frames_wanted = FRAMES_PER_EVENT;
+}
+
+void window_zoom(struct window *window, int steps)
+{
+    use_zoom(window, steps ? window->zoom * pow(1.1, steps) : 1);
+}
+
 /* The window came to a screen of another density. */
 static void note_scale(GLFWwindow *handle, float x, float y)
 {
     struct window *window = glfwGetWindowUserPointer(handle);
     (void)y;
     if (window && !window->scale_given && x > 0) {
-        window->next_scale = x;
+        window->screen_scale = window_screen_scale(window, x);
+        use_zoom(window, window->zoom);
     }
     touch(handle);
 }
@@ -171,53 +203,74 @@ static void print_glfw_error(int code, const char *text)
 }
 
 /* The library's contexts are EGL's, and put back what was current on a thread: they cannot where that is one of GLX. */
-static GLFWwindow *make_window(int width, int height, bool hidden, int api)
+static GLFWwindow *make_window(const struct window_options *options, int api)
 {
+    const struct place *place = &options->place;
     glfwWindowHint(GLFW_CONTEXT_CREATION_API, api);
     glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 4);
     glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 5);
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
-    glfwWindowHint(GLFW_VISIBLE, hidden ? GLFW_FALSE : GLFW_TRUE);
-    glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
-    return glfwCreateWindow(width, height, "conus", NULL, NULL);
+    glfwWindowHint(GLFW_VISIBLE, options->hidden ? GLFW_FALSE : GLFW_TRUE);
+    glfwWindowHint(GLFW_SCALE_TO_MONITOR,
+                   place->known ? GLFW_FALSE : GLFW_TRUE); /* a size that was left is of pixels */
+    return glfwCreateWindow(place->width, place->height, "conus", NULL, NULL);
 }
 
-/* Unless that is where no screen is now. */
-static void put(struct window *window, const struct place *place)
+/* As large as it was asked for, or as the screen asks for, but no larger than the screen. */
+static void put(struct window *window, const struct window_options *options)
 {
-    int count;
-    GLFWmonitor **monitors = glfwGetMonitors(&count);
-    for (int i = 0; place->known && i < count; i++) {
-        int x, y, width, height;
-        glfwGetMonitorWorkarea(monitors[i], &x, &y, &width, &height);
-        if (place->x >= x && place->y >= y && place->x < x + width - 50 && place->y < y + height - 50) {
-            glfwSetWindowPos(window->handle, place->x, place->y);
-        }
+    struct place place = options->place;
+    if (!place.known) {
+        glfwGetWindowSize(window->handle, &place.width, &place.height);
+        glfwGetWindowPos(window->handle, &place.x, &place.y);
     }
+    struct place fitted = place;
+    if (options->fits_screen) {
+        screen_fit(&fitted);
+    }
+    if (fitted.width != place.width || fitted.height != place.height) {
+        glfwSetWindowSize(window->handle, fitted.width, fitted.height);
+    }
+    if (place.known || fitted.x != place.x || fitted.y != place.y) {
+        glfwSetWindowPos(window->handle, fitted.x, fitted.y);
+    }
+}
+
+static void find_scale(struct window *window, const struct window_options *options)
+{
+    float content = 1;
+    float across;
+    glfwGetWindowContentScale(window->handle, &content, &across);
+    window->scale_given = options->scale > 0;
+    window->screen_scale = window->scale_given ? (float)options->scale : window_screen_scale(window, content);
+    use_zoom(window, options->place.zoom > 0 && !window->scale_given ? options->place.zoom : 1);
+    window->scale = window->next_scale;
+    window->next_scale = 0;
 }
 
 void window_place(const struct window *window, struct place *out)
 {
     if (window->alone) {
         *out = window->before;
+        out->zoom = window->zoom;
         return;
     }
     *out = (struct place){.known = true};
     glfwGetWindowSize(window->handle, &out->width, &out->height);
     glfwGetWindowPos(window->handle, &out->x, &out->y);
+    out->zoom = window->zoom;
 }
 
-bool window_open(struct window *out, const struct place *place, double scale, bool hidden)
+bool window_open(struct window *out, const struct window_options *options)
 {
-    struct window window = {.enlarged = -1, .scale = 1, .start.on = true};
-    float across;
+    struct window window = {.enlarged = -1, .start.on = true};
     glfwSetErrorCallback(print_glfw_error);
     if (!glfwInit()) {
         return false;
     }
-    window.handle = make_window(place->width, place->height, hidden, GLFW_EGL_CONTEXT_API);
+    window.handle = make_window(options, GLFW_EGL_CONTEXT_API);
     if (!window.handle) {
-        window.handle = make_window(place->width, place->height, hidden, GLFW_NATIVE_CONTEXT_API);
+        window.handle = make_window(options, GLFW_NATIVE_CONTEXT_API);
     }
     if (!window.handle) {
         glfwTerminate();
@@ -225,10 +278,8 @@ bool window_open(struct window *out, const struct place *place, double scale, bo
     }
     glfwMakeContextCurrent(window.handle);
     glfwSwapInterval(1);
-    glfwGetWindowContentScale(window.handle, &window.scale, &across);
-    window.scale_given = scale > 0;
-    window.scale = scale > 0 ? (float)scale : window.scale;
-    put(&window, place);
+    put(&window, options);
+    find_scale(&window, options);
     hear_events(window.handle);
     if (!ui_create(window.handle, window.scale)) {
         print_error_line("window: no font for its texts");
@@ -280,7 +331,9 @@ void window_show(struct window *window, struct viewer *viewer)
                               .frames_wanted = FRAMES_PER_EVENT,
                               .quiet_status = window->quiet_status,
                               .next_scale = window->next_scale,
-                              .scale_given = window->scale_given};
+                              .scale_given = window->scale_given,
+                              .screen_scale = window->screen_scale,
+                              .zoom = window->zoom};
     window->start.on = !viewer;
     window_lay_out(window);
 }

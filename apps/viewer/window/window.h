@@ -97,11 +97,19 @@ struct window {
     double watched;                     /**< When the atlas's files were looked at last, by clock_ms(). */
     float next_scale;                   /**< That the screen asks for; 0 = no other than before. */
     bool scale_given;                   /**< By the user: the screen is not asked. */
+    float screen_scale;                 /**< What the screen, or the user, said when the window was opened or moved. */
+    double zoom;                        /**< Times that, by keys. */
 };
 
-/** Opens a window at @p place, hidden where @p hidden, its widgets @p scale times as large as usual (0: as the screen
- * says). False: it was said why, and nothing is open. */
-bool window_open(struct window *out, const struct place *place, double scale, bool hidden);
+struct window_options {
+    struct place place;
+    double scale;     /**< Of texts and panels; 0 = as the screen says. */
+    bool hidden;      /**< The window is not to be seen.                */
+    bool fits_screen; /**< It is made as large as the screen at most, and put there. */
+};
+
+/** Opens a window. False: it was said why, and nothing is open. */
+bool window_open(struct window *out, const struct window_options *options);
 /** Shows what @p viewer holds (NULL = the start page), with nothing left of the one before. */
 void window_show(struct window *window, struct viewer *viewer);
 /** Asks for another atlas, in place of what was asked for before. */
@@ -120,7 +128,10 @@ void window_place(const struct window *window, struct place *out);
 void window_close(struct window *window);
 /** Asks for another size; the screen may give another one, some frames later. */
 void window_resize(struct window *window, int width, int height);
-/** Presses a key: a character as typed ("?"), or "escape", "left", "f1", ... False if it means nothing. */
+/** Makes texts and panels larger by so many steps, a tenth each, or smaller; 0 = as large as they were at first. */
+void window_zoom(struct window *window, int steps);
+/** Presses a key: a character as typed ("?"), or "escape", "left", "f1", "ctrl+s", "ctrl+shift+s", ... False if it
+ * means nothing. */
 bool window_press(struct window *window, const char *key);
 /** Lays everything out for the window's size now. */
 void window_lay_out(struct window *window);

@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Buttons for who does not know the keys yet. */
+#include "viewer/panels/panels.h"
+
+/* Each is a key that is pressed. */
+static void press(struct window *window, const char *label, const char *key, const char *tip)
+{
+    if (ui_button(label)) {
+        window_press(window, key);
+    }
+    ui_tip(tip);
+}
+
+void panel_tools(struct window *window)
+{
+    press(window, "open", "ctrl+o", "another atlas, from the start page (Ctrl+O)");
+    ui_same_line();
+    press(window, "save", "o", "saves the session (O)");
+    ui_same_line();
+    press(window, "picture", "p", "saves what the window shows (P)");
+    ui_same_line();
+    press(window, " ? ", "?", "all keys, and what the mouse does (? or F1)");
+    ui_separator();
+}
