@@ -4,6 +4,7 @@
 
 #include "viewer/pointing/point.h"
 #include "viewer/session/keep.h"
+#include "viewer/session/undo.h"
 #include "viewer/window/screen.h"
 
 #include <math.h>
@@ -21,7 +22,12 @@ static void confirm(struct window *window)
 
 static void undo(struct window *window)
 {
-    viewer_undo(window->viewer);
+    undo_step(window, -1);
+}
+
+static void redo(struct window *window)
+{
+    undo_step(window, 1);
 }
 
 static void show_all(struct window *window)
@@ -133,6 +139,11 @@ static void draw_next(struct window *window)
 static void keep_session(struct window *window)
 {
     keep(window, KEEP_SESSION);
+}
+
+static void keep_same_session(struct window *window)
+{
+    keep(window, KEEP_SAME_SESSION);
 }
 
 static void keep_picture(struct window *window)
@@ -248,14 +259,19 @@ static const struct {
     {"l", toggle_layers, "first hits, or all hits"},
     {"h", hide_chosen, "hide or show the chosen area"},
     {"i", isolate_chosen, "show the chosen area only"},
-    {"u", undo, "take back the last hide, show or only"},
+    {"ctrl+z", undo, "take back the last change; U, too"},
+    {"u", undo, NULL},
+    {"ctrl+y", redo, "do again what was taken back; Ctrl+Shift+Z, too"},
+    {"ctrl+shift+z", redo, NULL},
     {"v", show_all, "show all areas"},
     {"r", look_at_all, "look at the whole brain"},
     {"f", flip_sides, "neurological or radiological"},
     {"t", toggle_head, "what a tracked head sees, or what the mouse turns"},
     {"n", draw_next, "draw the next of several atlases"},
     {"c", change_colours, "colours for any colour vision, or the atlas's own"},
-    {"o", keep_session, "save the session: conus-DATE-TIME.json, in the folder where conus was started"},
+    {"ctrl+s", keep_same_session, "save the session where it was opened or saved last"},
+    {"o", keep_session, "or anew: conus-DATE-TIME.json, in the folder where conus was started; Ctrl+Shift+S, too"},
+    {"ctrl+shift+s", keep_session, NULL},
     {"p", keep_picture, "save what the window shows: conus-DATE-TIME.png, there, too"},
     {"ctrl+o", window_go_to_start, "the start page, for another atlas; Escape comes back"},
     {"tab", enlarge, "one pane after the other fills the window"},

@@ -6,6 +6,7 @@
 #include "link/send_selection.h"
 #include "viewer/draw.h"
 #include "viewer/session/keep.h"
+#include "viewer/session/undo.h"
 
 #include <GLFW/glfw3.h>
 #include <math.h>
@@ -107,10 +108,20 @@ static void wait_for_events(struct window *window, double seconds)
     atomic_store(&awake, false);
 }
 
+/* Once no mouse button is down and no text is being typed: until then more of the same change may come. */
+static void note_changes(struct window *window)
+{
+    struct ui_mouse mouse = ui_mouse_now();
+    if (window->viewer && !mouse.down[0] && !mouse.down[1] && !mouse.down[2] && !ui_wants_keys()) {
+        undo_note(window);
+    }
+}
+
 static void draw_frame(struct window *window)
 {
     times_begin_frame(&window->times);
     draw_window(window);
+    note_changes(window);
     if (window->keeps_picture) {
         window->keeps_picture = false;
         keep(window, KEEP_PICTURE);

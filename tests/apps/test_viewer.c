@@ -49,7 +49,7 @@ static void the_mouse_hits_what_is_shown(void **state)
     }
     uint32_t hit;
     assert_false(viewer_pick(&hit, contact, &viewer, eye, back));
-    viewer_undo(&viewer);
+    viewer_hide(&viewer, 3, false);
     assert_true(viewer_pick(&hit, contact, &viewer, eye, back));
     assert_false(viewer_pick(&hit, contact, &viewer, eye, (double[]){0, 1, 0}));
     assert_int_equal(hit, 0);
@@ -79,8 +79,7 @@ static void what_is_hidden_is_not_selected(void **state)
     assert_int_equal(conus_selection_count(viewer_selection(&viewer)), 2); /* and what is unassigned */
     viewer_hide(&viewer, 3, true);
     assert_int_equal(best_of(&viewer), 0);
-    viewer_undo(&viewer);
-    viewer_undo(&viewer);
+    viewer_hide(&viewer, 2, false);
     assert_int_equal(best_of(&viewer), 2);
     viewer_show_all(&viewer);
     assert_int_equal(best_of(&viewer), 1);

@@ -19,9 +19,6 @@ bool shown_init(struct shown_objects *out, const conus_atlas *atlas)
 
 void shown_finish(struct shown_objects *shown)
 {
-    for (size_t i = 0; i < shown->undo_count; i++) {
-        free(shown->undo[i]);
-    }
     free(shown->hidden);
 }
 
@@ -44,21 +41,6 @@ static void hide_in_atlas(struct viewer *viewer, struct view_atlas *on)
     }
     viewer->scene_number++;
     viewer_reselect(viewer);
-}
-
-static void remember(struct view_atlas *on)
-{
-    bool *copy = malloc((on->object_count + 1) * sizeof *copy);
-    if (!copy) {
-        return;
-    }
-    memcpy(copy, on->shown.hidden, (on->object_count + 1) * sizeof *copy);
-    if (on->shown.undo_count == UNDO_LIMIT) {
-        free(on->shown.undo[0]);
-        memmove(on->shown.undo, on->shown.undo + 1, (UNDO_LIMIT - 1) * sizeof *on->shown.undo);
-        on->shown.undo_count--;
-    }
-    on->shown.undo[on->shown.undo_count++] = copy;
 }
 
 bool viewer_is_below(const struct viewer *viewer, uint32_t object, uint32_t ancestor)
@@ -84,7 +66,6 @@ enum shown viewer_shown(const struct viewer *viewer, uint32_t object)
 
 void viewer_hide(struct viewer *viewer, uint32_t object, bool hide)
 {
-    remember(viewer->drawn);
     for (uint32_t number = 1; number <= viewer->drawn->object_count; number++) {
         if (viewer_is_below(viewer, number, object)) {
             viewer->drawn->shown.hidden[number] = hide;
@@ -95,7 +76,6 @@ void viewer_hide(struct viewer *viewer, uint32_t object, bool hide)
 
 void viewer_isolate(struct viewer *viewer, uint32_t object)
 {
-    remember(viewer->drawn);
     for (uint32_t number = 1; number <= viewer->drawn->object_count; number++) {
         viewer->drawn->shown.hidden[number] = !viewer_is_below(viewer, number, object);
     }
@@ -104,28 +84,15 @@ void viewer_isolate(struct viewer *viewer, uint32_t object)
 
 void viewer_show_all(struct viewer *viewer)
 {
-    remember(viewer->drawn);
     memset(viewer->drawn->shown.hidden, 0, (viewer->drawn->object_count + 1) * sizeof *viewer->drawn->shown.hidden);
     hide_in_atlas(viewer, viewer->drawn);
 }
 
 void viewer_set_hidden(struct viewer *viewer, struct view_atlas *on, bool *hidden)
 {
-    remember(on);
     free(on->shown.hidden);
     on->shown.hidden = hidden;
     hide_in_atlas(viewer, on);
-}
-
-void viewer_undo(struct viewer *viewer)
-{
-    if (!viewer->drawn->shown.undo_count) {
-        viewer_say(viewer, "nothing to undo");
-        return;
-    }
-    free(viewer->drawn->shown.hidden);
-    viewer->drawn->shown.hidden = viewer->drawn->shown.undo[--viewer->drawn->shown.undo_count];
-    hide_in_atlas(viewer, viewer->drawn);
 }
 
 static bool contains(const char *text, const char *part)

@@ -10,12 +10,10 @@ struct view_atlas;
 struct viewer;
 
 enum shown { SHOWN_NOT = 0, SHOWN_IN_PART, SHOWN };
-enum { SEARCH_SIZE = 64, UNDO_LIMIT = 64 };
+enum { SEARCH_SIZE = 64 };
 
 struct shown_objects {
-    bool *hidden; /**< [object_count + 1] */
-    bool *undo[UNDO_LIMIT];
-    size_t undo_count;
+    bool *hidden;    /**< [object_count + 1] */
     uint32_t chosen; /**< The object that was clicked in the list of areas; 0 = none. */
     char search[SEARCH_SIZE];
 };
@@ -31,8 +29,6 @@ void viewer_isolate(struct viewer *viewer, uint32_t object);
 void viewer_show_all(struct viewer *viewer);
 /** Hides in @p on, one of the viewer's atlases, what @p hidden says, [object_count + 1], which is taken over. */
 void viewer_set_hidden(struct viewer *viewer, struct view_atlas *on, bool *hidden);
-/** Takes back the last of these. */
-void viewer_undo(struct viewer *viewer);
 /** The first object whose name, abbreviation or label fits @p text best; 0 = none. */
 uint32_t viewer_find(const struct viewer *viewer, const char *text);
 /** Whether @p object is @p ancestor or below it. */

@@ -15,9 +15,11 @@ void panel_tools(struct window *window)
 {
     press(window, "open", "ctrl+o", "another atlas, from the start page (Ctrl+O)");
     ui_same_line();
-    press(window, "save", "o", "saves the session (O)");
+    press(window, "save", "ctrl+s", "saves the session (Ctrl+S)");
     ui_same_line();
-    press(window, "picture", "p", "saves what the window shows (P)");
+    press(window, "undo", "ctrl+z", "takes back the last change (Ctrl+Z)");
+    ui_same_line();
+    press(window, "redo", "ctrl+y", "does it again (Ctrl+Y)");
     ui_same_line();
     press(window, " ? ", "?", "all keys, and what the mouse does (? or F1)");
     ui_separator();

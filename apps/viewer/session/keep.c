@@ -4,6 +4,7 @@
 
 #include "viewer/session/session.h"
 
+#include <limits.h>
 #include <stdio.h>
 #include <time.h>
 #include <unistd.h>
@@ -26,10 +27,12 @@ void keep(struct window *window, enum keep what)
 {
     char name[NAME_SIZE];
     char why[SESSION_REASON] = "";
-    make_name(name, what == KEEP_SESSION ? ".json" : ".png");
-    bool kept = what == KEEP_SESSION ? session_save(window, name, why) : !window_write(window, name);
+    make_name(name, what == KEEP_PICTURE ? ".png" : ".json");
+    char path[PATH_MAX];
+    snprintf(path, sizeof path, "%s", what == KEEP_SAME_SESSION && window->session_path ? window->session_path : name);
+    bool kept = what == KEEP_PICTURE ? !window_write(window, path) : session_save(window, path, why);
     if (kept) {
-        viewer_say(window->viewer, "saved: %s", name);
+        viewer_say(window->viewer, "saved: %s", path);
     } else {
         viewer_say(window->viewer, "%s", why[0] ? why : conus_message());
     }

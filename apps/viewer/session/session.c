@@ -257,11 +257,24 @@ char *session_text(const struct window *window)
     return text;
 }
 
-bool session_save(const struct window *window, const char *path, char why[SESSION_REASON])
+/* Where Ctrl+S saves. */
+static void note_path(struct window *window, const char *path)
+{
+    char *copy = strdup(path);
+    if (copy) {
+        free(window->session_path);
+        window->session_path = copy;
+    }
+}
+
+bool session_save(struct window *window, const char *path, char why[SESSION_REASON])
 {
     char *text = session_text(window);
     conus_status status = text ? conus_write_file(path, text, strlen(text)) : CONUS_ERROR_MEMORY;
     free(text);
+    if (!status) {
+        note_path(window, path);
+    }
     return !status ||
            session_refuse(why, "%s",
                           text ? conus_message() : "session: not enough memory, or a name that is not UTF-8");
@@ -474,5 +487,9 @@ bool session_load(struct window *window, const char *path, char why[SESSION_REAS
         json_decref(root);
         return session_refuse(why, "%s: more than the %d bytes that are read", path, SESSION_LIMIT);
     }
-    return use_session(window, root, path, &error, why);
+    bool fine = use_session(window, root, path, &error, why);
+    if (fine) {
+        note_path(window, path);
+    }
+    return fine;
 }

@@ -16,8 +16,8 @@ bool session_parse(struct window *window, const char *text, size_t size, char wh
 /** Says why not, in one line; false. */
 bool session_refuse(char why[SESSION_REASON], const char *format, ...) __attribute__((format(printf, 2, 3)));
 
-/** False: @p why says why not, in one line. */
-bool session_save(const struct window *window, const char *path, char why[SESSION_REASON]);
+/** False: @p why says why not, in one line. The window knows the path of the session from then on. */
+bool session_save(struct window *window, const char *path, char why[SESSION_REASON]);
 /** Likewise; the window stays as it was unless the whole file fits. A session of another atlas is refused. */
 bool session_load(struct window *window, const char *path, char why[SESSION_REASON]);
 

@@ -307,6 +307,8 @@ void window_close(struct window *window)
 {
     drop_pictures(window);
     free(window->wanted);
+    free(window->session_path);
+    changes_finish(&window->changes);
     ui_destroy();
     glfwDestroyWindow(window->handle);
     glfwTerminate();
@@ -315,6 +317,8 @@ void window_close(struct window *window)
 void window_show(struct window *window, struct viewer *viewer)
 {
     drop_pictures(window);
+    changes_finish(&window->changes);
+    free(window->session_path);
     *window = (struct window){.handle = window->handle,
                               .viewer = viewer,
                               .press = window->press,

@@ -9,6 +9,7 @@
 #include "viewer/model/source.h"
 #include "viewer/model/times.h"
 #include "viewer/model/viewer.h"
+#include "viewer/window/changes.h"
 #include "viewer/window/place.h"
 #include "viewer/window/start.h"
 #include "viewer/window/ui.h"
@@ -85,6 +86,9 @@ struct window {
     unsigned frames_wanted;             /**< To be drawn still, whatever changes. */
     unsigned shown_version, shown_said; /**< Of the viewer, in the newest frame. */
     unsigned shown_head;                /**< Likewise. */
+    struct changes changes;             /**< Of states that session/undo.h notes. */
+    unsigned noted_version, noted_said; /**< Of the viewer, when it was looked at last for that. */
+    char *session_path;                 /**< Of the session that was opened or saved last; NULL = none. */
     bool show_help;
     bool quiet_status; /**< The status line leaves out what differs from run to run: times and the device. */
     struct hover hover;

@@ -1,0 +1,88 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* States are sessions without what is not taken back. */
+#include "viewer/session/undo.h"
+
+#include "viewer/session/session.h"
+
+#include <jansson.h>
+#include <stdlib.h>
+#include <string.h>
+
+static bool moves_by_itself(const struct cone_state *cone)
+{
+    return cone->pointer == POINT_BY_REPLAY || cone->pointer == POINT_BY_TRACKER ||
+           (cone->pointer == POINT_BY_MOUSE && !cone->frozen);
+}
+
+static void leave_out(json_t *root, const char *const *keys, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        json_object_del(root, keys[i]);
+    }
+}
+
+/* NULL without memory, or where a name is not UTF-8. */
+static char *text_of(const struct window *window)
+{
+    static const char *const views[] = {"orbit", "crosshair", "magnification",     "enlarged",
+                                        "eye",   "by_head",   "world_from_screen", "screen_mm"};
+    static const char *const poses[] = {"world_from_device", "has_pose"};
+    const struct cone_state *cone = &window->viewer->cone;
+    char *session = session_text(window);
+    json_t *root = session ? json_loads(session, 0, NULL) : NULL;
+    leave_out(root, views, sizeof views / sizeof views[0]);
+    leave_out(root, poses, moves_by_itself(cone) ? sizeof poses / sizeof poses[0] : 0);
+    if (cone->pointer == POINT_BY_REPLAY) { /* rows have angles */
+        json_object_del(root, "angle_deg");
+    }
+    char *text = root ? json_dumps(root, JSON_COMPACT) : NULL;
+    json_decref(root);
+    free(session);
+    return text;
+}
+
+void undo_note(struct window *window)
+{
+    const struct viewer *viewer = window->viewer;
+    bool is_new =
+        window->noted_version != viewer->version || window->noted_said != viewer->said || !window->changes.count;
+    if (is_new) {
+        char *text = text_of(window);
+        window->noted_version = viewer->version;
+        window->noted_said = viewer->said;
+        if (text) {
+            changes_add(&window->changes, text);
+        }
+    }
+}
+
+/* What the state does not say stays as it is. */
+static bool use(struct window *window, const char *state, char why[SESSION_REASON])
+{
+    char *session = session_text(window);
+    json_t *root = session ? json_loads(session, 0, NULL) : NULL;
+    json_t *before = json_loads(state, 0, NULL);
+    json_object_update(root, before);
+    char *text = root && before ? json_dumps(root, JSON_COMPACT) : NULL;
+    bool fine = text ? session_parse(window, text, strlen(text), why) : session_refuse(why, "not enough memory");
+    free(text);
+    json_decref(before);
+    json_decref(root);
+    free(session);
+    return fine;
+}
+
+void undo_step(struct window *window, int by)
+{
+    char why[SESSION_REASON];
+    window->noted_version = window->viewer->version - 1; /* what has just changed counts, too */
+    undo_note(window);
+    const char *state = changes_step(&window->changes, by);
+    if (!state) {
+        viewer_say(window->viewer, by < 0 ? "nothing to undo" : "nothing to do again");
+    } else if (use(window, state, why)) {
+        viewer_say(window->viewer, by < 0 ? "undone" : "done again");
+    } else {
+        viewer_say(window->viewer, "%s", why);
+    }
+}

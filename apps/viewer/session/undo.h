@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * Takes back and does again what a user has changed: all that a session keeps, but for where the panes look, and for
+ * what moves by itself, such as a cone that follows the mouse or a tracker. */
+#ifndef CONUS_VIEWER_SESSION_UNDO_H
+#define CONUS_VIEWER_SESSION_UNDO_H
+
+#include "viewer/window/window.h"
+
+/** Notes the state, unless nothing was changed since the last time. To be called where changes are whole: not while a
+ * slider is dragged. */
+void undo_note(struct window *window);
+/** Goes a change back (-1) or forth (1), and says so. */
+void undo_step(struct window *window, int by);
+
+#endif

@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A list of states, and a place in it. */
+#include "viewer/window/changes.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Those behind the place. */
+static void drop_later(struct changes *changes)
+{
+    while (changes->count > changes->at + 1) {
+        free(changes->states[--changes->count]);
+    }
+}
+
+static void drop_first(struct changes *changes)
+{
+    free(changes->states[0]);
+    changes->count--;
+    memmove(changes->states, changes->states + 1, changes->count * sizeof *changes->states);
+}
+
+void changes_add(struct changes *changes, char *state)
+{
+    if (changes->count && strcmp(changes->states[changes->at], state) == 0) {
+        free(state);
+        return;
+    }
+    drop_later(changes);
+    if (changes->count == CHANGES_LIMIT) {
+        drop_first(changes);
+    }
+    changes->at = changes->count;
+    changes->states[changes->count++] = state;
+}
+
+const char *changes_step(struct changes *changes, int by)
+{
+    bool is_there = by < 0 ? changes->at > 0 : changes->at + 1 < changes->count;
+    if (is_there) {
+        changes->at = by < 0 ? changes->at - 1 : changes->at + 1;
+    }
+    return is_there ? changes->states[changes->at] : NULL;
+}
+
+void changes_finish(struct changes *changes)
+{
+    for (size_t i = 0; i < changes->count; i++) {
+        free(changes->states[i]);
+    }
+    *changes = (struct changes){.count = 0};
+}

@@ -1,0 +1,186 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What is taken back and done again, without a window. */
+#include "viewer/session/undo.h"
+
+#include "test.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static void add(struct changes *changes, const char *state)
+{
+    changes_add(changes, strdup(state));
+}
+
+static void a_history_goes_back_and_forth(void **state)
+{
+    struct changes changes = {.count = 0};
+    (void)state;
+    assert_null(changes_step(&changes, -1));
+    assert_null(changes_step(&changes, 1));
+    add(&changes, "a");
+    assert_null(changes_step(&changes, -1));
+    add(&changes, "b");
+    add(&changes, "b"); /* is no change */
+    add(&changes, "c");
+    assert_string_equal(changes_step(&changes, -1), "b");
+    assert_string_equal(changes_step(&changes, -1), "a");
+    assert_null(changes_step(&changes, -1));
+    assert_string_equal(changes_step(&changes, 1), "b");
+    add(&changes, "b"); /* nor is this, so that c is there still */
+    assert_string_equal(changes_step(&changes, 1), "c");
+    assert_null(changes_step(&changes, 1));
+    assert_string_equal(changes_step(&changes, -1), "b");
+    add(&changes, "d");
+    assert_null(changes_step(&changes, 1)); /* c is gone */
+    assert_string_equal(changes_step(&changes, -1), "b");
+    changes_finish(&changes);
+    assert_null(changes_step(&changes, -1));
+}
+
+static void the_oldest_states_go(void **state)
+{
+    struct changes changes = {.count = 0};
+    char text[16];
+    (void)state;
+    for (int i = 0; i < CHANGES_LIMIT + 3; i++) {
+        snprintf(text, sizeof text, "%d", i);
+        add(&changes, text);
+    }
+    int steps = 0;
+    const char *last = NULL;
+    for (const char *found; (found = changes_step(&changes, -1)); last = found) {
+        steps++;
+    }
+    assert_int_equal(steps, CHANGES_LIMIT - 1);
+    assert_string_equal(last, "3");
+    changes_finish(&changes);
+}
+
+/* ---- The window's ------------------------------------------------------------------------------------------------ */
+
+static const double eye[3] = {0, 90, 0};
+static const double back[3] = {0, -1, 0};
+
+static void open_window(struct window *out, struct viewer *viewer)
+{
+    conus_atlas *atlas = NULL;
+    char path[600];
+    char folder[512];
+    snprintf(folder, sizeof folder, "%s", test_scratch("phantom"));
+    assert_ok(conus_phantom_write("nested", folder, NULL));
+    snprintf(path, sizeof path, "%s/nested.nii.gz", folder);
+    assert_ok(conus_atlas_load(&atlas, path, NULL));
+    assert_ok(viewer_create(viewer, &(struct view_source){.atlas = atlas, .path = path}, 1, NULL, NULL, NULL));
+    *out = (struct window){.viewer = viewer, .enlarged = -1};
+    undo_note(out);
+}
+
+static void close_window(struct window *window)
+{
+    changes_finish(&window->changes);
+    free(window->session_path);
+    viewer_finish(window->viewer);
+}
+
+static void set_angle(struct window *window, double angle)
+{
+    window->viewer->cone.angle = angle;
+    viewer_reselect(window->viewer);
+    undo_note(window);
+}
+
+/* Each kind of change by itself, and in the order in which they were made. */
+static void each_change_is_taken_back(void **state)
+{
+    struct viewer viewer;
+    struct window window;
+    (void)state;
+    open_window(&window, &viewer);
+    viewer.cone.pointer = POINT_BY_WAND;
+    viewer_aim_along(&viewer, eye, back);
+    undo_note(&window);
+    set_angle(&window, 12);
+    viewer_hide(&viewer, 1, true);
+    undo_note(&window);
+    viewer_confirm(&viewer);
+    undo_note(&window);
+    viewer_use_safe_colours(&viewer, true);
+    undo_note(&window);
+    viewer_aim_along(&viewer, (double[]){0, 0, 80}, (double[]){0, 0, -1});
+    undo_step(&window, -1); /* notes that itself */
+    assert_near(viewer.cone.pose.world_from_device[13], 90, 1e-12);
+    assert_true(viewer.display.safe_colours);
+    undo_step(&window, -1);
+    assert_false(viewer.display.safe_colours);
+    assert_int_equal(viewer.pin_count, 1);
+    undo_step(&window, -1);
+    assert_int_equal(viewer.pin_count, 0);
+    assert_true(viewer.drawn->shown.hidden[1]);
+    undo_step(&window, -1);
+    assert_false(viewer.drawn->shown.hidden[1]);
+    assert_int_equal(conus_selection_result(viewer_selection(&viewer), 0)->object, 1); /* the outermost ball */
+    assert_near(viewer.cone.angle, 12, 1e-12);
+    undo_step(&window, -1);
+    assert_near(viewer.cone.angle, 5, 1e-12);
+    undo_step(&window, -1);
+    assert_int_equal(viewer.cone.pointer, POINT_BY_MOUSE); /* whose cone is where the mouse is */
+    undo_step(&window, -1);
+    assert_string_equal(viewer.message, "nothing to undo");
+    for (int i = 0; i < 6; i++) {
+        undo_step(&window, 1);
+    }
+    assert_near(viewer.cone.pose.world_from_device[14], 80, 1e-12);
+    assert_int_equal(viewer.pin_count, 1);
+    assert_true(viewer.drawn->shown.hidden[1] && viewer.display.safe_colours);
+    undo_step(&window, 1);
+    assert_string_equal(viewer.message, "nothing to do again");
+    close_window(&window);
+}
+
+static void views_and_what_moves_by_itself_stay(void **state)
+{
+    struct viewer viewer;
+    struct window window;
+    (void)state;
+    open_window(&window, &viewer);
+    set_angle(&window, 12);
+    viewer.orbit.azimuth = 1;
+    viewer_cross(&viewer, (double[]){1, 2, 3});
+    viewer_aim_along(&viewer, eye, back); /* as the mouse does */
+    undo_note(&window);
+    undo_step(&window, -1);
+    assert_near(viewer.cone.angle, 5, 1e-12);
+    assert_near(viewer.orbit.azimuth, 1, 1e-12);
+    assert_near(viewer.crosshair[2], 3, 1e-12);
+    assert_true(viewer.cone.has_pose);
+    undo_step(&window, 1);
+    viewer.cone.frozen = true; /* a cone that is held is the user's */
+    viewer.version++;
+    undo_note(&window);
+    viewer.cone.frozen = false;
+    viewer_aim_along(&viewer, (double[]){0, 0, 80}, (double[]){0, 0, -1});
+    undo_step(&window, -1);
+    assert_true(viewer.cone.frozen);
+    assert_near(viewer.cone.pose.world_from_device[13], 90, 1e-12);
+    viewer.cone.pointer = POINT_BY_TRACKER;
+    viewer.version++;
+    undo_note(&window);
+    size_t count = window.changes.count;
+    viewer_aim_along(&viewer, (double[]){0, 0, 80}, (double[]){0, 0, -1});
+    undo_note(&window);
+    assert_int_equal(window.changes.count, count);
+    close_window(&window);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_history_goes_back_and_forth),
+        cmocka_unit_test(the_oldest_states_go),
+        cmocka_unit_test(each_change_is_taken_back),
+        cmocka_unit_test(views_and_what_moves_by_itself_stay),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
