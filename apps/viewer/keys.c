@@ -72,6 +72,11 @@ static void use_eye(struct window *window)
     point_use_eye(window->viewer, !window->viewer->cone.apex_at_eye);
 }
 
+static void follow_next(struct window *window)
+{
+    point_follow(window->viewer, (enum follow)((window->viewer->cone.follow + 1) % FOLLOW_COUNT));
+}
+
 static void use_ray(struct window *window)
 {
     point_use_ray(window->viewer, !window->viewer->cone.one_ray);
@@ -254,6 +259,7 @@ static const struct {
     {"escape", clear, "clear the cone, and choose no area"},
     {"1", use_ray, "one area, by a single ray, or all areas in the cone"},
     {"x", use_eye, "the mouse's cone begins at the surface, or at your eye"},
+    {"g", follow_next, "the cuts go along with the cone's tip, with the contact of its best hit, or stay"},
     {"+", widen, "a wider cone"},
     {"-", narrow, "a narrower cone"},
     {"l", toggle_layers, "first hits, or all hits"},

@@ -203,6 +203,33 @@ static void one_ray_names_one_area(void **state)
     viewer_finish(&viewer);
 }
 
+/* The tip is in front of the block, the contact on its face at 20.5; where nothing is hit the crosshair stays. */
+static void the_cuts_follow_what_they_are_told_to(void **state)
+{
+    struct viewer viewer;
+    const double *at = viewer.crosshair;
+    (void)state;
+    open_atlases(&viewer, make_blocks(20), NULL);
+    viewer_cross(&viewer, (double[]){1, 2, 3});
+    viewer_aim_along(&viewer, (double[]){-3, 35, 7}, back);
+    assert_near(at[1], 2, 0);
+    point_follow(&viewer, FOLLOW_TIP);
+    assert_near(at[0], -3, 1e-9);
+    assert_near(at[1], 35, 1e-9);
+    assert_near(at[2], 7, 1e-9);
+    point_follow(&viewer, FOLLOW_CONTACT);
+    assert_near(at[1], 20.5, 1e-6);
+    assert_near(at[2], 7, 0.5);
+    viewer_aim_along(&viewer, (double[]){10, 35, -5}, back);
+    assert_near(at[2], -5, 0.5);
+    viewer_aim_along(&viewer, (double[]){10, 35, 9}, (double[]){0, 1, 0});
+    assert_near(at[2], -5, 0.5);
+    point_follow(&viewer, FOLLOW_NOTHING);
+    viewer_aim_along(&viewer, (double[]){-3, 35, 7}, back);
+    assert_near(at[2], -5, 0.5);
+    viewer_finish(&viewer);
+}
+
 /* What is said in each state of each source; an answer is old where the tracker, whose it was, does not see its tool.
  */
 static void what_is_wrong_with_the_cone_is_said(void **state)
@@ -223,7 +250,7 @@ static void what_is_wrong_with_the_cone_is_said(void **state)
         {POINT_BY_REPLAY, false, false, true, 0, "choose a row", false, false},
         {POINT_BY_REPLAY, true, false, true, 0, NULL, false, false},
         {POINT_BY_TRACKER, false, false, false, 0, "--listen", true, false},
-        {POINT_BY_TRACKER, true, false, false, 0, "--listen", true, true},
+        {POINT_BY_TRACKER, true, false, false, 0, "OLD ANSWER: there is no tracker", true, true},
         {POINT_BY_TRACKER, false, false, true, STATION_WAITING, "no tracker", true, false},
         {POINT_BY_TRACKER, false, false, true, STATION_LOST, "does not see", true, false},
         {POINT_BY_TRACKER, true, false, true, STATION_WAITING, "OLD ANSWER: the tracker is gone", true, true},
@@ -259,6 +286,7 @@ int main(void)
         cmocka_unit_test(the_mouse_puts_the_apex_there),
         cmocka_unit_test(it_is_held_and_freed_and_cleared),
         cmocka_unit_test(one_ray_names_one_area),
+        cmocka_unit_test(the_cuts_follow_what_they_are_told_to),
         cmocka_unit_test(what_is_wrong_with_the_cone_is_said),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

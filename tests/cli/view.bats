@@ -487,6 +487,59 @@ END
     grep -q Sphere mouse.tsv
 }
 
+@test "an answer whose tracker is gone is pale, and said to be old" {
+    need_window
+    /usr/bin/python3 -c 'import OpenImageIO' 2>/dev/null || skip "no python3-openimageio"
+    conus phantom sphere -o .
+    view sphere.nii.gz <<'END'
+pointer wand
+aim 0 90 0 0 0 0
+settle
+screenshot fresh.png
+pointer tracker
+wait 4
+screenshot old.png
+END
+    /usr/bin/python3 - <<'END'
+import OpenImageIO as oiio
+def count(name, x, y, width, height, low, high):
+    "How many pixels are between two colours."
+    pixels = oiio.ImageBuf(name).get_pixels(oiio.UINT8)[y:y + height, x:x + width, :3]
+    return ((pixels >= low) & (pixels <= high)).all(axis=2).sum()
+white = (200, 200, 200), (255, 255, 255)
+orange = (200, 120, 20), (255, 190, 90)
+the_list, pane = (670, 20, 320, 200), (250, 250, 207, 57) # and its words at the lower edge
+assert count("fresh.png", *the_list, *white) > 100
+assert count("old.png", *the_list, *white) == 0
+for place in the_list, pane:
+    assert count("fresh.png", *place, *orange) == 0 < 50 < count("old.png", *place, *orange), place
+END
+}
+
+@test "the cuts follow the tip or the contact" {
+    need_window
+    conus phantom sphere -o .
+    view sphere.nii.gz <<'END'
+angle 1
+key g
+aim 0 25 0 0 -90 0
+save tip.json
+key g
+save contact.json
+key g
+aim 0 -25 0 0 90 0
+save nothing.json
+open tip.json
+aim 0 28 0 0 -90 0
+save again.json
+END
+    # the ball's voxels at y = 20 have their faces at 20.5 or 19.5
+    jq -e '.follow == 1 and .crosshair == [0, 25, 0]' tip.json
+    jq -e '.follow == 2 and .crosshair[1] >= 19.5 and .crosshair[1] <= 20.5' contact.json
+    [ "$(jq -c .crosshair nothing.json)" = "$(jq -c .crosshair contact.json)" ]
+    jq -e '.follow == 1 and .crosshair == [0, 28, 0]' again.json
+}
+
 # at_apex FILE.json: the options of conus query for the cone of a session.
 at_apex() {
     jq -r '.world_from_device | "--origin=\(.[12]),\(.[13]),\(.[14]) --direction=\(-.[8]),\(-.[9]),\(-.[10])"' "$1"
@@ -536,9 +589,9 @@ END
     [ "$(wc -l <none.tsv)" -eq 1 ]
     [ "$(jq -c '[.has_pose, .frozen]' none.json)" = '[0,0]' ]
     # a session of before says nothing of it
-    jq 'del(.one_ray, .apex_at_eye)' cone.json >old.json
-    printf 'key 1\nkey x\nopen old.json\nsave kept.json\n' | view nested.nii.gz
-    [ "$(jq -c '[.one_ray, .apex_at_eye]' kept.json)" = '[1,1]' ]
+    jq 'del(.one_ray, .apex_at_eye, .follow)' cone.json >old.json
+    printf 'key 1\nkey x\nkey g\nopen old.json\nsave kept.json\n' | view nested.nii.gz
+    [ "$(jq -c '[.one_ray, .apex_at_eye, .follow]' kept.json)" = '[1,1,1]' ]
 }
 
 @test "changes are taken back and done again" {

@@ -120,6 +120,17 @@ double viewer_question(conus_selector_options *options, const struct viewer *vie
     return options->radius > 0 ? 0 : angle * M_PI / 180;
 }
 
+/* Where nothing is hit, there is no contact to go to. */
+static void follow_cone(struct viewer *viewer)
+{
+    const conus_result *best = conus_selection_result(viewer_selection(viewer), 0);
+    if (viewer->cone.follow == FOLLOW_TIP) {
+        viewer_cross(viewer, viewer->cone.pose.world_from_device + 12);
+    } else if (viewer->cone.follow == FOLLOW_CONTACT && best && best->object && best->pixels) {
+        viewer_cross(viewer, best->contact);
+    }
+}
+
 /* Of an atlas that cannot answer nothing is left of its answer before. */
 static void select_now(struct viewer *viewer)
 {
@@ -136,6 +147,7 @@ static void select_now(struct viewer *viewer)
     viewer->cone.select_ms = clock_ms() - begun;
     viewer->cone.answer_number++;
     viewer->version++;
+    follow_cone(viewer);
 }
 
 bool viewer_to_world(double world[3], struct viewer *viewer, const double given[3])

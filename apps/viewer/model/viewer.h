@@ -13,6 +13,8 @@
 #include "viewer/model/view_atlas.h"
 
 enum pointer { POINT_BY_MOUSE = 0, POINT_BY_WAND, POINT_BY_REPLAY, POINT_BY_TRACKER, POINTER_COUNT };
+/** What the crosshair, and so the cuts, go along with. */
+enum follow { FOLLOW_NOTHING = 0, FOLLOW_TIP, FOLLOW_CONTACT, FOLLOW_COUNT };
 enum plane { AXIAL = 0, CORONAL, SAGITTAL, PLANE_COUNT };
 enum { PIN_LIMIT = 64, MESSAGE_SIZE_LIMIT = 256 };
 
@@ -33,6 +35,7 @@ struct cone_state {
     bool has_pose, frozen; /**< Frozen: the mouse does not move the cone. */
     bool apex_at_eye;      /**< Of the mouse's cones: not at the surface that the mouse is over. */
     bool one_ray;          /**< In place of the cone there is one ray along its axis, first hits only. */
+    enum follow follow;    /**< The cone's tip, or the contact of its best hit in the drawn atlas. */
     double angle;          /**< Full opening, degrees. */
     conus_selector_options options;
     unsigned answer_number; /**< Tells answers apart, whose addresses may come again. */

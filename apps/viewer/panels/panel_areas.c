@@ -170,7 +170,7 @@ void panel_areas(struct window *window)
         viewer_show_all(viewer);
     }
     ui_same_line();
-    ui_text("%zu areas", viewer->drawn->object_count);
+    ui_text("%zu in all", viewer->drawn->object_count);
     ui_separator();
     ui_scroll("list", 0);
     if (viewer->drawn->shown.search[0]) {

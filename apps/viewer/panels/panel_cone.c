@@ -45,6 +45,16 @@ static void choose_apex(struct viewer *viewer)
            "area, or at the eye that looks at the 3-D pane; X changes it");
 }
 
+static void choose_follow(struct viewer *viewer)
+{
+    static const char *const places[] = {"nothing", "the cone's tip", "the best contact"};
+    size_t place = (size_t)viewer->cone.follow;
+    if (ui_choose("cuts follow", &place, places, FOLLOW_COUNT)) {
+        point_follow(viewer, (enum follow)place);
+    }
+    ui_tip("what the crosshair, and with it the three cuts, go along with; G changes it");
+}
+
 /* Whether there is a cone, and not one ray. */
 static bool choose_ray(struct viewer *viewer)
 {
@@ -146,6 +156,7 @@ void panel_cone(struct window *window)
         choose_apex(viewer);
     }
     show_pose(viewer);
+    choose_follow(viewer);
     if (!choose_ray(viewer)) {
         bool changed = choose_shape(viewer);
         changed = choose_score(viewer) || changed;

@@ -19,7 +19,7 @@ static void find_of_tracker(struct notice *out, bool has_pose, bool has_station,
     static const char *const old[] = {"OLD ANSWER: the tracker is gone", "OLD ANSWER: no pose of the tool",
                                       "OLD ANSWER: the tool is lost", "OLD ANSWER: the tool is silent", NULL};
     if (!has_station) {
-        out->text = "no tracker: see --listen, --connect";
+        out->text = has_pose ? "OLD ANSWER: there is no tracker" : "no tracker: see --listen, --connect";
         out->is_trouble = true;
         out->is_old = has_pose;
     } else if (state != STATION_SEEN || !has_pose) {

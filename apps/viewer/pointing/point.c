@@ -121,6 +121,15 @@ void point_use_eye(struct viewer *viewer, bool at_eye)
                               : "the mouse's cone begins at the surface: of the context, or of the atlas");
 }
 
+void point_follow(struct viewer *viewer, enum follow follow)
+{
+    static const char *const news[] = {"the cuts stay where they are", "the cuts follow the cone's tip",
+                                       "the cuts follow the contact of the best hit"};
+    viewer->cone.follow = follow;
+    viewer_say(viewer, "%s", news[follow]);
+    viewer_reselect(viewer);
+}
+
 void point_use_ray(struct viewer *viewer, bool one_ray)
 {
     viewer->cone.one_ray = one_ray;

@@ -19,6 +19,9 @@ void point_hold(struct viewer *viewer);
 /** Puts the apex of the mouse's cones to the eye, or to the surface; the cone that is there stays. */
 void point_use_eye(struct viewer *viewer, bool at_eye);
 
+/** The cuts go along with the tip, the contact or nothing from now on. */
+void point_follow(struct viewer *viewer, enum follow follow);
+
 /** One ray along the axis in place of the cone, which names one area, or the cone again. */
 void point_use_ray(struct viewer *viewer, bool one_ray);
 

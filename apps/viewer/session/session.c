@@ -27,7 +27,7 @@ struct field {
 struct state {
     double pose[16], angle, radius, range[2], resolution, layers, aperture, sampling, engine, pointer, has_pose, frozen;
     double slice_fraction; /* only with slices; 0 = default */
-    double apex_at_eye, one_ray;
+    double apex_at_eye, one_ray, follow;
     double fade, fill, outlines, radiological;
     double orbit[6]; /* centre, distance, azimuth, elevation */
     double crosshair[3], magnification, enlarged;
@@ -68,7 +68,7 @@ static size_t list_fields(struct field fields[FIELD_LIMIT], struct state *state)
     return sizeof all / sizeof all[0];
 }
 
-enum { OPTIONAL_FIELDS = 3 };
+enum { OPTIONAL_FIELDS = 4 };
 
 /* Those that a session may lack; then they stay as they are. */
 static void list_optional(struct field fields[OPTIONAL_FIELDS], struct state *state)
@@ -76,6 +76,7 @@ static void list_optional(struct field fields[OPTIONAL_FIELDS], struct state *st
     fields[0] = (struct field){"slice_fraction", &state->slice_fraction, 1, 0, 1};
     fields[1] = (struct field){"apex_at_eye", &state->apex_at_eye, 1, 0, 1};
     fields[2] = (struct field){"one_ray", &state->one_ray, 1, 0, 1};
+    fields[3] = (struct field){"follow", &state->follow, 1, 0, FOLLOW_COUNT - 1};
 }
 
 bool session_refuse(char why[SESSION_REASON], const char *format, ...)
@@ -108,6 +109,7 @@ static void take_state(struct state *out, const struct window *window)
                           .frozen = viewer->cone.frozen,
                           .apex_at_eye = viewer->cone.apex_at_eye,
                           .one_ray = viewer->cone.one_ray,
+                          .follow = (double)viewer->cone.follow,
                           .fade = viewer->display.fade,
                           .fill = viewer->display.fill,
                           .outlines = !viewer->display.no_outlines,
@@ -148,6 +150,7 @@ static void put_state(struct window *window, const struct state *state)
     viewer->cone.frozen = state->frozen > 0;
     viewer->cone.apex_at_eye = state->apex_at_eye > 0;
     viewer->cone.one_ray = state->one_ray > 0;
+    viewer->cone.follow = (enum follow)state->follow;
     viewer->cone.pointer = (enum pointer)state->pointer;
     viewer->cone.angle = state->angle;
     options->radius = state->radius;
@@ -423,7 +426,9 @@ static bool set_up(struct viewer *viewer, size_t drawn, const struct atlas_edits
 static bool read_session(struct window *window, const json_t *root, char why[SESSION_REASON])
 {
     struct viewer *viewer = window->viewer;
-    struct state state = {.apex_at_eye = viewer->cone.apex_at_eye, .one_ray = viewer->cone.one_ray};
+    struct state state = {.apex_at_eye = viewer->cone.apex_at_eye,
+                          .one_ray = viewer->cone.one_ray,
+                          .follow = (double)viewer->cone.follow};
     struct atlas_edits settings;
     struct session_atlases atlases = {0};
     const char *score = known_score(json_string_value(json_object_get(root, "score")));

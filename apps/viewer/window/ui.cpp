@@ -343,8 +343,9 @@ void ui_bar(double part, float width, ui_colour colour)
     ImVec2 at = ImGui::GetCursorScreenPos();
     float height = 0.8F * ImGui::GetTextLineHeight();
     ImDrawList *list = ImGui::GetWindowDrawList();
-    list->AddRectFilled(at, ImVec2(at.x + width, at.y + height), IM_COL32(255, 255, 255, 25));
-    list->AddRectFilled(at, ImVec2(at.x + width * static_cast<float>(part), at.y + height), packed(colour));
+    list->AddRectFilled(at, ImVec2(at.x + width, at.y + height), ImGui::GetColorU32(IM_COL32(255, 255, 255, 25)));
+    list->AddRectFilled(at, ImVec2(at.x + width * static_cast<float>(part), at.y + height),
+                        ImGui::GetColorU32(packed(colour))); // as pale as what is around it
     ImGui::Dummy(ImVec2(width, height));
 }
 
