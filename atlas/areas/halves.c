@@ -5,6 +5,7 @@
 #include "atlas/areas/pairs.h"
 #include "atlas/areas/sides.h"
 #include "atlas/space.h"
+#include "base/math3.h"
 #include "base/memory.h"
 
 #include <string.h>
@@ -77,11 +78,10 @@ static conus_status find_sides(struct splitting *splitting)
 /* Called with each voxel of an area, and its side. */
 typedef void (*voxel_act)(struct splitting *splitting, size_t voxel, int side);
 
-/* The voxels along i from `first` on, whose centre is at world x `start`. */
-static void each_in_row(struct splitting *splitting, size_t first, double start, voxel_act act)
+/* The voxels along i from `first` on, whose centre is at x `start`, the next one's `step` further. */
+static void each_in_row(struct splitting *splitting, size_t first, double step, double start, voxel_act act)
 {
     const struct volume *volume = atlas_parcellation(splitting->atlas);
-    double step = volume->info.world_from_voxel[0];
     for (size_t i = 0; i < volume->info.dim[0]; i++) {
         if (volume_object(volume, first + i)) {
             act(splitting, first + i, start + step * (double)i < 0 ? LEFT : RIGHT);
@@ -89,14 +89,21 @@ static void each_in_row(struct splitting *splitting, size_t first, double start,
     }
 }
 
+/* The midline is that of the atlas's own space. There and back a centre on it is right by rounding only. */
 static void each_voxel(struct splitting *splitting, voxel_act act)
 {
-    const conus_volume_info *info = &atlas_parcellation(splitting->atlas)->info;
-    const double *m = info->world_from_voxel;
+    const conus_atlas *atlas = splitting->atlas;
+    const conus_volume_info *info = &atlas_parcellation(atlas)->info;
+    double m[16];
+    memcpy(m, info->world_from_voxel, sizeof m);
+    if (atlas->is_moved) {
+        mat4_multiply(m, atlas->own_from_world, m);
+        m[12] += 1e-6;
+    }
     for (size_t k = 0; k < info->dim[2]; k++) {
         for (size_t j = 0; j < info->dim[1]; j++) {
             size_t first = info->dim[0] * (j + info->dim[1] * k);
-            each_in_row(splitting, first, m[4] * (double)j + m[8] * (double)k + m[12], act);
+            each_in_row(splitting, first, m[0], m[4] * (double)j + m[8] * (double)k + m[12], act);
         }
     }
 }

@@ -188,8 +188,7 @@ typedef struct conus_transform_options {
  * the atlas. Vertices go where the field leads back to them, to 1e-6 mm before rounding to float; triangles with one
  * for which there is no such place are left out, and a note tells. All that the atlas has moves with it, its context
  * too; what is added later does not. Lengths and volumes are then those where poses are. Before a selector or renderer
- * is made, and before something is hidden; conus_atlas_set_hemispheres() comes before, since it takes x = 0 for the
- * midline. Of several transforms, which points go through one after the other, the last one is given first.
+ * is made, and before something is hidden; conus_atlas_set_hemispheres() comes before a field. Of several transforms, which points go through one after the other, the last one is given first.
  * docs/spaces.md has the formats.
  * @param atlas The atlas; unchanged on failure.
  * @param path The file.
@@ -224,7 +223,8 @@ typedef enum conus_hemispheres {
 
 /**
  * Changes how the atlas has left and right areas, once, before a selector or renderer is made. A note says what was
- * done. Splitting takes the plane x = 0 for the midline and changes the numbers of objects. Merging adds the areas as
+ * done. Splitting takes the plane x = 0 of the atlas's own space for the midline (conus_atlas_own_point()) and changes
+ * the numbers of objects. Merging adds the areas as
  * which the pairs are reported. docs/model.md, Eq. 10, has the rules.
  * @param atlas The atlas; unchanged on failure.
  * @param hemispheres What to do.

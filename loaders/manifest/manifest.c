@@ -3,6 +3,7 @@
 #include "loaders/manifest/manifest.h"
 
 #include "base/memory.h"
+#include "loaders/manifest/manifest_transform.h"
 #include "loaders/manifest/schema.h"
 #include "loaders/tables/label_cells.h"
 
@@ -173,6 +174,7 @@ static conus_status read_context(void *field, const json_t *value, const struct 
         {"orientation", schema_text, AT(manifest_context, source.orientation), false},
         {"transfer", read_transfer, 0, false},
         {"blocks", schema_positive, AT(manifest_context, blocks), false},
+        {"moves", schema_flag, AT(manifest_context, moves), false},
         {0},
     };
     struct manifest_context *out = field;
@@ -256,6 +258,7 @@ static conus_status read_entry(struct manifest_pathway *out, const json_t *value
         {"threshold", schema_positive, AT(manifest_pathway, threshold), false},
         {"scale", schema_positive, AT(manifest_pathway, scale), false},
         {"bands", read_bands, 0, false},
+        {"moves", schema_flag, AT(manifest_pathway, moves), false},
         {"comment", schema_comment, 0, false},
         {0},
     };
@@ -282,6 +285,9 @@ static conus_status read_map(void *field, const json_t *value, const struct sche
     conus_status status = read_entry(out, value, place);
     if (!status && out->band_count) {
         return fail(CONUS_ERROR_DATA, "%s.bands: are of pathways, an area has a threshold", place->key);
+    }
+    if (!status && out->moves) {
+        return fail(CONUS_ERROR_DATA, "%s.moves: is of pathways and the context, areas always move", place->key);
     }
     return status || out->threshold <= 1
                ? status
@@ -460,9 +466,25 @@ static const struct schema_field manifest_keys[] = {
     {"probabilities", read_maps, 0, false},
     {"pathways", read_pathways, 0, false},
     {"threshold", schema_positive, AT(manifest, threshold), false},
+    {"transform", manifest_transforms_read, 0, false},
     {"context", read_context, AT(manifest, context), false},
     {0},
 };
+
+/* What moves needs a transform to move by. */
+static conus_status check_moves(const struct manifest *manifest)
+{
+    static const char why[] = "moves: there is no transform that could move it";
+    if (manifest->transform_count) {
+        return CONUS_OK;
+    }
+    for (size_t i = 0; i < manifest->pathway_count; i++) {
+        if (manifest->pathways[i].moves) {
+            return fail(CONUS_ERROR_DATA, "pathways[%zu].%s", i, why);
+        }
+    }
+    return manifest->context.moves ? fail(CONUS_ERROR_DATA, "context.%s", why) : CONUS_OK;
+}
 
 static conus_status check_manifest(const struct manifest *manifest)
 {
@@ -472,7 +494,7 @@ static conus_status check_manifest(const struct manifest *manifest)
                     manifest->area_count ? "areas" : "a parcellation");
     }
     return labelled || manifest->map_count || manifest->pathway_count
-               ? CONUS_OK
+               ? check_moves(manifest)
                : fail(CONUS_ERROR_DATA, "nothing to select: parcellation, areas, probabilities or pathways is needed");
 }
 
@@ -558,5 +580,6 @@ void manifest_finish(struct manifest *manifest)
     memory_free(manifest->parcellations);
     volume_finish(&manifest->context.source);
     memory_free(manifest->context.transfer);
+    manifest_transforms_finish(manifest);
     *manifest = (struct manifest){0};
 }

@@ -27,10 +27,19 @@ struct manifest_parcellation {
     char hemisphere;       /**< Of its areas whose table says none; 0 = unsaid.         */
 };
 
+/** What moves points from where poses are to the areas, as --atlas-transform takes it. */
+struct manifest_transform {
+    char *file;
+    char *from; /**< Of FSL's matrices: their images; NULL otherwise. */
+    char *to;
+    bool inverse; /**< It moves points of the areas to where poses are. */
+};
+
 struct manifest_context {
     struct manifest_volume source;
     char *transfer; /**< A preset's name or a file; NULL if none.                */
     bool transfer_is_file;
+    bool moves;    /**< It is moved with the areas.                             */
     double blocks; /**< Threshold from which on it stops rays; 0 if it does not.  */
 };
 
@@ -72,6 +81,7 @@ struct manifest_pathway {
     double scale;      /**< Of probabilities: the value that means "certainly"; 0 = as the values say.         */
     conus_band *bands; /**< One pathway for each instead; their names are owned.                               */
     size_t band_count;
+    bool moves; /**< A pathway: it is moved with the areas. */
 };
 
 struct manifest {
@@ -92,6 +102,9 @@ struct manifest {
     struct manifest_pathway *pathways;
     size_t pathway_count;
     double threshold; /**< Of pathways that give none; 0 = the default.                                       */
+    struct manifest_transform *transforms; /**< Points go through the first one first. */
+    size_t transform_count;
+    bool single_transform; /**< There is one, which is not in a list.                                    */
 };
 
 /** True where @p text looks like a manifest: a JSON object with the key "conus_atlas". */

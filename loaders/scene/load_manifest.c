@@ -13,6 +13,7 @@
 #include "loaders/scene/load_areas.h"
 #include "loaders/scene/load_probability.h"
 #include "loaders/scene/load_scalar.h"
+#include "loaders/scene/manifest_move.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -445,13 +446,17 @@ static bool of_one_file(const struct manifest_pathway *a, const struct manifest_
     return a->source.chosen && b->source.chosen && strcmp(a->source.file, b->source.file) == 0;
 }
 
-static conus_status add_pathways(struct loading *loading)
+/* Those that move with the areas, or those that do not. */
+static conus_status add_pathways(struct loading *loading, bool moves)
 {
     conus_status status = CONUS_OK;
     size_t count = loading->manifest->pathway_count;
     for (size_t i = 0; !status && i < count; i++) {
         char key[48];
         const struct manifest_pathway *pathway = &loading->manifest->pathways[i];
+        if (pathway->moves != moves) {
+            continue;
+        }
         bool shared = (i && of_one_file(pathway - 1, pathway)) || (i + 1 < count && of_one_file(pathway, pathway + 1));
         status = pathway->fsl     ? add_fsl(loading, pathway)
                  : pathway->names ? add_named_volumes(loading, pathway)
@@ -480,10 +485,10 @@ static conus_status set_transfer(struct loading *loading)
                : CONUS_OK;
 }
 
-static conus_status set_context(struct loading *loading)
+static conus_status set_context(struct loading *loading, bool moves)
 {
     const struct manifest_context *context = &loading->manifest->context;
-    if (!context->source.file) {
+    if (!context->source.file || context->moves != moves) {
         return CONUS_OK;
     }
     char *path = source_path(loading, &context->source);
@@ -498,12 +503,25 @@ static conus_status set_context(struct loading *loading)
     return status ? fail_at(status, loading, "context") : CONUS_OK;
 }
 
+/* The areas are there. */
+static conus_status add_what_moves(struct loading *loading)
+{
+    conus_status status = add_pathways(loading, true);
+    status = status ? status : set_context(loading, true);
+    if (status) {
+        return status;
+    }
+    status = manifest_move(loading->atlas, loading->manifest, loading->path);
+    return status ? fail_in(status == CONUS_ERROR_ARGUMENT ? CONUS_ERROR_DATA : status, loading->path) : CONUS_OK;
+}
+
 static conus_status load_scene(conus_atlas **out, struct loading *loading)
 {
     conus_status status = load_areas(loading);
     status = status ? status : add_probabilities(loading);
-    status = status ? status : add_pathways(loading);
-    status = status ? status : set_context(loading);
+    status = status ? status : add_what_moves(loading);
+    status = status ? status : add_pathways(loading, false);
+    status = status ? status : set_context(loading, false);
     if (status) {
         conus_atlas_destroy(loading->atlas);
         return status;

@@ -50,6 +50,49 @@ shifts() {
     diff <(cut -f 2-10 <<<"$output") moved
 }
 
+@test "a manifest keeps the transform with the files" {
+    shifts
+    mkdir lab
+    cp nested.nii.gz nested.tsv right.txt right.tfm lab
+    echo '{"conus_atlas": 1, "parcellation": "nested.nii.gz", "transform": "right.txt"}' >lab/one.atlas.json
+    echo '{"conus_atlas": 1, "parcellation": "nested.nii.gz", "context": "nested.nii.gz",
+        "transform": ["right.tfm", {"file": "right.txt"}, {"file": "right.txt", "inverse": true}]}' >lab/list.atlas.json
+    local ask='--origin -7,-100,0 --toward -7,0,10 --angle 20 --layers all --format tsv --quiet'
+    answers query nested.nii.gz --atlas-transform right.txt $ask
+    echo "$output" >wanted
+    for manifest in one list; do
+        answers query lab/$manifest.atlas.json $ask
+        diff wanted - <<<"$output"
+    done
+    # the option comes first on the way of a point
+    printf '0 -1 0 0\n1 0 0 0\n0 0 1 0\n0 0 0 1\n' >turn.txt
+    answers query nested.nii.gz $ask --atlas-transform turn.txt --atlas-transform right.txt
+    echo "$output" >wanted
+    answers query lab/one.atlas.json $ask --atlas-transform turn.txt
+    diff wanted - <<<"$output"
+    answers query lab/one.atlas.json --origin -7,-100,0 --toward -7,0,10 --angle 20 --format json --quiet
+    [ "$(jq '.Atlas.atlas_from_world[0] == [1, 0, 0, 7]' <<<"$output")" = true ]
+    [ "$(jq -r .Atlas.files[-1].path <<<"$output")" = lab/right.txt ]
+    sed -i 's/right.txt/none.txt/' lab/one.atlas.json
+    fails 3 'one.atlas.json: transform: lab/none.txt: ' query lab/one.atlas.json $ask
+}
+
+@test "a batch is not resumed under another transform" {
+    shifts
+    printf 'x\ty\tz\ttx\tty\ttz\n-7\t-100\t0\t-7\t0\t10\n' >poses.tsv
+    echo '{"conus_atlas": 1, "parcellation": "nested.nii.gz", "transform": "right.txt"}' >one.atlas.json
+    cp right.txt kept.txt
+    for atlas in 'nested.nii.gz --atlas-transform right.txt' one.atlas.json; do
+        local batch="batch $atlas --poses poses.tsv --angle 20 -o rows.tsv --quiet"
+        conus $batch --force
+        answers $batch --resume # it is finished
+        sed -i 's/7/8/' right.txt
+        fails 2 'there is a file already' $batch --resume
+        cp kept.txt right.txt
+        answers $batch --resume
+    done
+}
+
 @test "what is no affine is refused" {
     shifts
     fails 2 "from=IMAGE and to=IMAGE are needed" query nested.nii.gz $aim --atlas-transform right.mat

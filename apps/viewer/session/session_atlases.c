@@ -137,7 +137,8 @@ static bool check_place(const struct view_atlas *on, const json_t *list, char wh
                     (isfinite(place[i]) ? json_is_number(was) && fabs(json_number_value(was) - place[i]) <= 1e-6
                                         : json_is_null(was));
         if (!fits) {
-            return session_refuse(why, "session: the atlas lay elsewhere: the same --atlas-transform is needed");
+            return session_refuse(why, "session: the atlas lay elsewhere: the same --atlas-transform, or "
+                                       "transform in the manifest, is needed");
         }
     }
     return true;

@@ -25,15 +25,18 @@ static const char whole[] =
     "  \"space\": \"lps\", \"prefer\": \"areas\",\n"
     "  \"tree\": [{\"label\": 9, \"name\": \"Nine\"}, {\"label\": 7, \"parent\": 9}],\n"
     "  \"threshold\": 0.3,\n"
+    "  \"transform\": [{\"file\": \"a.mat\", \"from\": \"t1.nii\", \"to\": \"../mni.nii\", \"inverse\": true, "
+    "\"comment\": \"c\"}, \"b.tfm\"],\n"
     "  \"pathways\": [\"fornix.nii.gz\",\n"
-    "    {\"file\": \"tracts.nii.gz\", \"volume\": 1, \"name\": \"Cingulum\", \"threshold\": 12.5, \"comment\": "
-    "\"c\"},\n"
+    "    {\"file\": \"tracts.nii.gz\", \"volume\": 1, \"name\": \"Cingulum\", \"threshold\": 12.5, \"moves\": true, "
+    "\"comment\": \"c\"},\n"
     "    {\"file\": \"four.nii\", \"names\": [\"a\", \"b\"]},\n"
     "    {\"fsl\": \"JHU.xml\", \"file\": \"JHU/prob.nii.gz\"},\n"
     "    {\"file\": \"ct.nii.gz\", \"bands\": [{\"name\": \"Air\", \"high\": -200},\n"
     "      {\"name\": \"Fat\", \"low\": -200, \"high\": -50.5, \"comment\": \"c\"}, {\"name\": \"Bone\", \"low\": "
     "300}]}],\n"
-    "  \"context\": {\"file\": \"t1.nii\", \"volume\": 0, \"transfer\": {\"file\": \"t1.tf\"}, \"blocks\": 80}\n"
+    "  \"context\": {\"file\": \"t1.nii\", \"volume\": 0, \"transfer\": {\"file\": \"t1.tf\"}, \"blocks\": 80, "
+    "\"moves\": true}\n"
     "}\n";
 
 static const char several[] =
@@ -94,6 +97,14 @@ static void every_key_is_kept(void **state)
     assert_int_equal(m.tree_count, 2);
     assert_string_equal(m.tree[0].name, "Nine");
     assert_near(m.threshold, 0.3, 0);
+    assert_int_equal(m.transform_count, 2);
+    assert_false(m.single_transform);
+    assert_string_equal(m.transforms[0].file, "a.mat");
+    assert_string_equal(m.transforms[0].from, "t1.nii");
+    assert_string_equal(m.transforms[0].to, "../mni.nii");
+    assert_true(m.transforms[0].inverse && !m.transforms[1].inverse);
+    assert_string_equal(m.transforms[1].file, "b.tfm");
+    assert_true(m.pathways[1].moves && !m.pathways[0].moves && m.context.moves);
     assert_int_equal(m.pathway_count, 5);
     assert_int_equal(m.pathways[4].band_count, 3);
     assert_string_equal(m.pathways[4].bands[0].name, "Air");
@@ -126,7 +137,7 @@ static const struct {
     {"{\"conus_atlas\": 1, \"pathway\": []}",
      "pathway: unknown key, allowed are conus_atlas, comment, "
      "references, allow_outside, parcellation, parcellations, areas, space, ccf, prefer, tree, "
-     "probabilities, pathways, threshold, context"},
+     "probabilities, pathways, threshold, transform, context"},
     {"{\"conus_atlas\": 1, \"parcellations\": []}",
      "nothing to select: parcellation, areas, probabilities or pathways is needed"},
     {"{\"conus_atlas\": 1, \"parcellations\": \"a\"}", "parcellations: found \"a\", a list is needed"},
@@ -159,7 +170,7 @@ static const struct {
     {"{\"conus_atlas\": 1, \"pathways\": [1.5]}", "pathways[0]: found 1.5, an object is needed"},
     {"{\"conus_atlas\": 1, \"pathways\": [{\"file\": \"a\", \"treshold\": 1}]}",
      "pathways[0].treshold: unknown key, allowed are file, volume, resolution, orientation, fsl, name, names, "
-     "threshold, scale, bands, comment"},
+     "threshold, scale, bands, moves, comment"},
     {"{\"conus_atlas\": 1, \"pathways\": [\"a\", {\"name\": \"x\"}]}", "pathways[1]: file or fsl is missing"},
     {"{\"conus_atlas\": 1, \"pathways\": [{\"file\": \"a\", \"threshold\": -1}]}",
      "pathways[0].threshold: found -1, a number above 0 is needed"},
@@ -196,6 +207,19 @@ static const struct {
      "parcellation: found \"a?b\", a text of one line that is not empty is needed"},
     {"{\"conus_atlas\": 1, \"references\": 7}", "references: found 7, a text is needed"},
     {"{\"conus_atlas\": 1, \"references\": [\"A\", {}]}", "references[1]: found an object, a text is needed"},
+    {"{\"conus_atlas\": 1, \"transform\": 1}", "transform: found 1, an object is needed"},
+    {"{\"conus_atlas\": 1, \"transform\": [\"a\", {\"inverse\": true}]}", "transform[1].file is missing"},
+    {"{\"conus_atlas\": 1, \"transform\": {\"file\": \"a\", \"inverse\": 1}}",
+     "transform.inverse: found 1, true or false is needed"},
+    {"{\"conus_atlas\": 1, \"transform\": {\"file\": \"a\", \"from\": \"/b\"}}",
+     "transform.from: found \"/b\", a path inside the manifest's folder (or \"allow_outside\": true) is needed"},
+    {"{\"conus_atlas\": 1, \"pathways\": [\"a\", {\"file\": \"b\", \"moves\": true}]}",
+     "pathways[1].moves: there is no transform that could move it"},
+    {"{\"conus_atlas\": 1, \"parcellation\": \"a\", \"transform\": [], \"context\": {\"file\": \"b\", \"moves\": "
+     "true}}",
+     "context.moves: there is no transform that could move it"},
+    {"{\"conus_atlas\": 1, \"probabilities\": [{\"file\": \"b\", \"moves\": true}]}",
+     "probabilities[0].moves: is of pathways and the context, areas always move"},
     {"{\"conus_atlas\": 1, \"allow_outside\": \"yes\"}", "allow_outside: found \"yes\", true or false is needed"},
 };
 

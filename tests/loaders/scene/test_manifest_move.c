@@ -1,0 +1,117 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The transforms of a manifest: what they move, and which of them comes first. */
+#include "base/file.h"
+#include "test.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static void write_text(const char *name, const char *text)
+{
+    assert_ok(conus_write_file(test_in(name), text, strlen(text)));
+}
+
+static const char *write_manifest(const char *text)
+{
+    write_text("test.atlas.json", text);
+    return test_in("test.atlas.json");
+}
+
+/* Where the first voxel of volume `index` is in x. */
+static double first_x(const conus_atlas *atlas, size_t index)
+{
+    return conus_atlas_volume(atlas, index)->world_from_voxel[12];
+}
+
+/* A point x of the poses is at 2 x + 7 in the areas' space, by the first file and then the second. So what was at X
+ * lies at (X - 7) / 2, and nothing else has moved. The option's x + 4 on top: a pose's x is then x + 4 in the scene. */
+static void a_transform_moves_the_areas_and_what_is_said_to_move(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = NULL;
+    conus_atlas *plain = NULL;
+    double point[3] = {1, 2, 3};
+    write_text("twice.txt", "2 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n");
+    write_text("less.txt", "1 0 0 -7\n0 1 0 0\n0 0 1 0\n0 0 0 1\n");
+    write_text("on_top.txt", "1 0 0 4\n0 1 0 0\n0 0 1 0\n0 0 0 1\n");
+    const char *path = write_manifest(
+        "{\"conus_atlas\": 1, \"parcellation\": \"slabs.nii.gz\", \"threshold\": 0.5, "
+        "\"transform\": [\"twice.txt\", {\"file\": \"less.txt\", \"inverse\": true}],"
+        "\"pathways\": [{\"file\": \"sphere.nii.gz\", \"name\": \"Stays\"}, "
+        "{\"file\": \"sphere.nii.gz\", \"name\": \"Moves\", \"moves\": true}], \"context\": \"sphere.nii.gz\"}");
+    assert_ok(conus_atlas_load(&plain, test_in("sphere.nii.gz"), NULL));
+    const double home = first_x(plain, 0);
+    assert_ok(conus_atlas_load(&atlas, path, NULL));
+    assert_string_equal(conus_atlas_object(atlas, 3)->name, "Moves");
+    assert_string_equal(conus_atlas_object(atlas, 4)->name, "Stays");
+    assert_near(first_x(atlas, 0), (home - 7) / 2, 1e-12);
+    assert_near(first_x(atlas, 1), (home - 7) / 2, 1e-12);
+    assert_near(first_x(atlas, 2), home, 0);
+    assert_near(first_x(atlas, 3), home, 0);
+    conus_atlas_own_point(point, atlas, point);
+    assert_near(point[0], 2 * 1 + 7, 1e-12);
+    assert_string_equal(strrchr(conus_atlas_file(atlas, conus_atlas_file_count(atlas) - 1), '/'), "/twice.txt");
+    assert_ok(conus_atlas_transform(atlas, test_in("on_top.txt"), NULL));
+    assert_near(first_x(atlas, 0), (home - 7) / 2 - 4, 1e-12);
+    assert_near(first_x(atlas, 3), home - 4, 1e-12);
+    conus_atlas_own_point(point, atlas, (const double[]){1, 2, 3});
+    assert_near(point[0], 2 * (1 + 4) + 7, 1e-12);
+    conus_atlas_destroy(atlas);
+    conus_atlas_destroy(plain);
+}
+
+static void a_transform_that_cannot_be_read_names_its_key(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = NULL;
+    const char *path =
+        write_manifest("{\"conus_atlas\": 1, \"parcellation\": \"slabs.nii.gz\", \"transform\": [\"none.txt\"]}");
+    assert_fails(conus_atlas_load(&atlas, path, NULL), CONUS_ERROR_IO);
+    assert_non_null(strstr(conus_message(), "test.atlas.json: transform[0]: "));
+    write_text("flirt.mat", "1 0 0 7\n0 1 0 0\n0 0 1 0\n0 0 0 1\n");
+    path = write_manifest("{\"conus_atlas\": 1, \"parcellation\": \"slabs.nii.gz\", \"transform\": \"flirt.mat\"}");
+    assert_fails(conus_atlas_load(&atlas, path, NULL), CONUS_ERROR_DATA);
+    assert_non_null(strstr(conus_message(), "test.atlas.json: transform: "));
+    assert_non_null(strstr(conus_message(), "from=IMAGE and to=IMAGE are needed"));
+    assert_null(atlas);
+}
+
+struct attempt {
+    char path[256];
+};
+
+static conus_status load(void *data)
+{
+    conus_atlas *atlas = NULL;
+    conus_status status = conus_atlas_load(&atlas, ((const struct attempt *)data)->path, NULL);
+    conus_atlas_destroy(atlas);
+    return status;
+}
+
+static void every_failing_allocation_is_reported(void **state)
+{
+    (void)state;
+    struct attempt attempt;
+    snprintf(attempt.path, sizeof attempt.path, "%s",
+             write_manifest("{\"conus_atlas\": 1, \"transform\": [\"twice.txt\"], \"threshold\": 0.5, \"pathways\": "
+                            "[{\"file\": \"sphere.nii.gz\", \"name\": \"Moves\", \"moves\": true}]}"));
+    test_every_allocation(load, &attempt);
+}
+
+static int write_volumes(void **state)
+{
+    (void)state;
+    test_folder("moves");
+    conus_status status = conus_phantom_write("slabs", test_in(""), &(conus_phantom_options){.size = 16});
+    return status || conus_phantom_write("sphere", test_in(""), &(conus_phantom_options){.size = 16});
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_transform_moves_the_areas_and_what_is_said_to_move),
+        cmocka_unit_test(a_transform_that_cannot_be_read_names_its_key),
+        cmocka_unit_test(every_failing_allocation_is_reported),
+    };
+    return cmocka_run_group_tests(tests, write_volumes, NULL);
+}
