@@ -13,6 +13,7 @@ struct mesh_settings {
     const char *output;
     const char *labels;
     bool labels_anyway;
+    struct option_list transforms;
     uint64_t max_memory;
     uint32_t smooth;
     double pass_band;
@@ -66,6 +67,11 @@ static const struct option own_options[] = {
      .type = OPTION_FLAG,
      .offset = offsetof(struct mesh_settings, labels_anyway),
      .help = "treat every value as a label, even if the volume looks like an image"},
+    {.name = "atlas-transform",
+     .type = OPTION_LIST,
+     .offset = offsetof(struct mesh_settings, transforms),
+     .value = "FILE[,from=IMAGE,to=IMAGE][,inverse]",
+     .help = "surfaces where the atlas lies after it was brought to the poses, as conus query does; may be repeated"},
     {.name = "max-memory",
      .type = OPTION_BYTES,
      .offset = offsetof(struct mesh_settings, max_memory),
@@ -96,8 +102,10 @@ static bool show_progress(void *user, size_t done, size_t total)
 static int run_mesh(const void *given, const struct arguments *arguments)
 {
     const struct mesh_settings *settings = given;
-    const struct atlas_settings atlas_settings = {
-        .labels = settings->labels, .labels_anyway = settings->labels_anyway, .max_memory = settings->max_memory};
+    const struct atlas_settings atlas_settings = {.labels = settings->labels,
+                                                  .labels_anyway = settings->labels_anyway,
+                                                  .transforms = settings->transforms,
+                                                  .max_memory = settings->max_memory};
     const conus_mesh_options options = {
         .format = (conus_mesh_format)settings->format,
         .smooth = settings->smooth,

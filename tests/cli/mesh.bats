@@ -22,6 +22,37 @@ need_mesh() {
     [ "$(find cache -type f | wc -l)" -eq 1 ]
 }
 
+# volume_of FILE.obj: the signed volume of its triangles, above 0 where they face outwards.
+volume_of() {
+    awk '/^v / { x[++n] = $2; y[n] = $3; z[n] = $4 }
+        /^f / { split($2, p, "/"); split($3, q, "/"); split($4, r, "/"); a = p[1]; b = q[1]; c = r[1]
+            sum += x[a] * (y[b] * z[c] - y[c] * z[b]) - y[a] * (x[b] * z[c] - x[c] * z[b]) + z[a] * (x[b] * y[c] - x[c] * y[b]) }
+        END { print sum / 6 }' "$1"
+}
+
+# The atlas's vertices follow from those of the moved one by the matrix in the file: x = 7 - 2 y, y = 2 x, z = 2 z.
+@test "surfaces lie where --atlas-transform brings the atlas" {
+    need_mesh
+    sphere --size 24
+    printf '0 -2 0 7\n2 0 0 0\n0 0 2 0\n0 0 0 1\n' >turn.txt
+    printf -- '-1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n' >mirror.txt
+    conus mesh sphere.nii.gz -o plain --format obj
+    conus mesh sphere.nii.gz -o turned --format obj --atlas-transform turn.txt --quiet
+    conus mesh sphere.nii.gz -o mirrored --format obj --atlas-transform mirror.txt --quiet
+    paste -d ' ' <(grep '^v ' plain/1_Sphere.obj) <(grep '^v ' turned/1_Sphere.obj) |
+        awk '{ d = ($2 - 7 + 2 * $7) ^ 2 + ($3 - 2 * $6) ^ 2 + ($4 - 2 * $8) ^ 2; if (d > 1e-9) exit 1 }'
+    [ "$(grep -c '^v ' turned/1_Sphere.obj)" -gt 100 ]
+    volume=$(volume_of plain/1_Sphere.obj)
+    awk -v a="$volume" -v b="$(volume_of turned/1_Sphere.obj)" 'BEGIN { exit !(b > 0 && (8 * b / a - 1) ^ 2 < 1e-8) }'
+    awk -v a="$volume" -v b="$(volume_of mirrored/1_Sphere.obj)" 'BEGIN { exit !(b > 0 && (b / a - 1) ^ 2 < 1e-4) }'
+    echo '{"conus_atlas": 1, "parcellation": "sphere.nii.gz", "transform": "turn.txt"}' >one.atlas.json
+    conus mesh one.atlas.json -o kept --format obj --quiet
+    cmp kept/1_Sphere.obj turned/1_Sphere.obj
+    # a surface in a file is moved, too
+    conus mesh plain/1_Sphere.obj -o file --format obj --atlas-transform turn.txt --quiet
+    awk -v a="$volume" -v b="$(volume_of file/1_Sphere.obj)" 'BEGIN { exit !(b > 0 && (8 * b / a - 1) ^ 2 < 1e-8) }'
+}
+
 # Of several files on one grid the first has the same bytes in both scenes, and the labels are the same, too.
 @test "surfaces of joined parcellations are those of all files" {
     need_mesh
