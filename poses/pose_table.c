@@ -354,11 +354,14 @@ static conus_status pose_from_values(conus_pose *out, const struct pose_table *t
     for (int i = 0; i < 16; i++) {
         m[i] = v[M00 + 4 * (i % 4) + i / 4];
     }
-    conus_status status = turn_places(v, table, options->frame);
+    conus_space space = isnan(v[SPACE]) ? options->space : (conus_space)v[SPACE];
+    conus_frame own = *options->frame;
+    conus_status status = space == options->space ? CONUS_OK : conus_frame_find(&own, NULL, space, NULL);
+    status = status ? status : turn_places(v, table, &own);
     if (status) {
         return status;
     }
-    if (options->space == CONUS_SPACE_LPS) { /* turning by pi about z takes a rotation's LPS form to its RAS form:
+    if (space == CONUS_SPACE_LPS) { /* turning by pi about z takes a rotation's LPS form to its RAS form:
                                           (w, x, y, z) -> (-z, -y, x, w) */
         pose_flip_matrix(m);
         const double turned[4] = {-v[QZ], -v[QY], v[QX], v[QW]};
@@ -417,22 +420,27 @@ static struct text name_in(char out[POSE_NAME_SIZE], struct text field)
     return (struct text){out, size};
 }
 
-/* One of the spaces that --space has; names of other systems say nothing here. */
-static double space_in(struct text field)
+/* One of the spaces that --space has. A row in another brain's is not brought here. */
+static conus_status read_space(double *out, struct text field)
 {
     const char *name;
-    for (size_t i = 0; (name = conus_space_name(i)); i++) {
-        if (text_equal_ignoring_case(field, name)) {
-            return (double)i;
-        }
+    *out = NAN;
+    for (size_t i = 0; (name = conus_space_name(i)) && isnan(*out); i++) {
+        *out = text_equal_ignoring_case(field, name) ? (double)i : NAN;
     }
-    return NAN;
+    return !isnan(*out) || is_absent(field)
+               ? CONUS_OK
+               : fail(CONUS_ERROR_DATA,
+                      "column space: \"%.*s\", allowed are RAS, LPS, ccf, bregma and n/a; all rows are in one brain, "
+                      "that of the atlas (--atlas-transform)",
+                      pose_quote(field), field.data);
 }
 
-/* A row must be in the space that the whole table is read in. */
+/* A row may have other signs than the table, but not another space's axes and units. */
 static conus_status check_row_space(double space, const conus_pose_options *options)
 {
-    return isnan(space) || space == (double)options->space
+    bool turned = space < CONUS_SPACE_CCF && options->space < CONUS_SPACE_CCF;
+    return isnan(space) || turned || space == (double)options->space
                ? CONUS_OK
                : fail(CONUS_ERROR_DATA,
                       "column space: \"%s\", the table is read in %s: each space needs a table of its own",
@@ -445,11 +453,9 @@ static conus_status read_field(double values[COLUMNS], struct text *id, enum col
         *id = field;
         return CONUS_OK;
     }
-    if (column == SPACE) {
-        values[SPACE] = space_in(field);
-        return CONUS_OK;
-    }
-    return column == TRIGGER ? read_trigger(&values[TRIGGER], field) : read_value(&values[column], column, field);
+    return column == TRIGGER ? read_trigger(&values[TRIGGER], field)
+           : column == SPACE ? read_space(&values[SPACE], field)
+                             : read_value(&values[column], column, field);
 }
 
 static conus_status read_values(double values[COLUMNS], struct pose_name *name, const struct pose_table *table,
@@ -562,7 +568,7 @@ conus_status pose_point_row(conus_pose_row *row, struct pose_name *name, struct 
 bool pose_plain_matrix(conus_pose_row *row, conus_status *bad, struct text text, const conus_pose_options *options)
 {
     const struct pose_table table = {.has[M00] = true};
-    double values[COLUMNS] = {0};
+    double values[COLUMNS] = {[SPACE] = NAN};
     struct text word;
     size_t count = 0;
     while (text_word(&text, &word)) {

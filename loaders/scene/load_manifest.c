@@ -13,7 +13,7 @@
 #include "loaders/scene/load_areas.h"
 #include "loaders/scene/load_probability.h"
 #include "loaders/scene/load_scalar.h"
-#include "loaders/scene/manifest_move.h"
+#include "loaders/moved/manifest_move.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -68,8 +68,10 @@ LIBRARY = {
     "loaders/plan": "base base/formats atlas loaders loaders/volumes loaders/tables loaders/labels"
     " loaders/cifti loaders/surfaces loaders/manifest loaders/brainglobe",
     "loaders/transform": "base base/formats atlas/deformation loaders loaders/volumes",
+    "loaders/moved": "base loaders/manifest",
     "loaders/scene": "base base/formats atlas/surface atlas atlas/warp loaders loaders/volumes loaders/tables loaders/labels"
-    " loaders/cifti loaders/surfaces/foreign loaders/surfaces loaders/manifest loaders/plan loaders/transform",
+    " loaders/cifti loaders/surfaces/foreign loaders/surfaces loaders/manifest loaders/plan loaders/transform"
+    " loaders/moved",
     "loaders/catalogue": "base base/formats loaders/volumes loaders/tables",
     "loaders/arrays": "base atlas loaders/volumes loaders/plan loaders/scene",
     "render/gl": "base",

@@ -149,6 +149,28 @@ static void lps_negates_x_and_y(void **state)
     }
 }
 
+/* Each row says how its x and y grow, or leaves it to the option; another brain's rows are none of this table. */
+static void rows_say_their_space(void **state)
+{
+    (void)state;
+    static const char text[] = "x,y,z,dx,dy,dz,space\n1,2,3,3,4,6,RAS\n-1,-2,3,-3,-4,6,lps\n1,2,3,3,4,6,n/a\n"
+                               "-1,-2,3,-3,-4,6,\n1,2,3,3,4,6,MNI152\n";
+    conus_pose_list *ras = parse(text, CONUS_SPACE_RAS);
+    conus_pose_list *lps = parse(text, CONUS_SPACE_LPS);
+    const conus_pose *wanted = &conus_pose_list_row(ras, 0)->pose;
+    assert_near(wanted->world_from_device[12], 1, 0);
+    assert_same_pose(&conus_pose_list_row(lps, 0)->pose, wanted);
+    assert_same_pose(&conus_pose_list_row(ras, 1)->pose, wanted);
+    assert_same_pose(&conus_pose_list_row(lps, 1)->pose, wanted);
+    assert_same_pose(&conus_pose_list_row(ras, 2)->pose, wanted);
+    assert_same_pose(&conus_pose_list_row(lps, 3)->pose, wanted);
+    assert_near(conus_pose_list_row(ras, 3)->pose.world_from_device[12], -1, 0);
+    assert_non_null(strstr(conus_pose_list_row(ras, 4)->error,
+                           "column space: \"MNI152\", allowed are RAS, LPS, ccf, bregma and n/a"));
+    conus_pose_list_destroy(ras);
+    conus_pose_list_destroy(lps);
+}
+
 static void bad_rows_keep_their_place(void **state)
 {
     (void)state;
@@ -227,6 +249,7 @@ int main(void)
         cmocka_unit_test(impossible_poses_are_refused),
         cmocka_unit_test(every_way_gives_the_same_pose),
         cmocka_unit_test(lps_negates_x_and_y),
+        cmocka_unit_test(rows_say_their_space),
         cmocka_unit_test(bad_rows_keep_their_place),
         cmocka_unit_test(bad_headers_are_refused),
         cmocka_unit_test(every_failing_allocation_is_clean),

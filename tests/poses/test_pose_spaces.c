@@ -143,14 +143,15 @@ static void tables_are_in_ccf_or_from_bregma(void **state)
     conus_pose_list_destroy(list);
 }
 
-/* A column may say the space of each row; names of other systems are nobody's. */
+/* A column may say the space of each row. */
 static void a_row_of_another_space_is_refused(void **state)
 {
     (void)state;
     conus_pose_list *list = parse("x,y,z,dx,dy,dz,space\n1,2,300,0,1,0,CCF\n1,2,3,0,1,0,bregma\n1,2,300,0,1,0,MNI\n"
                                   "1,2,300,0,1,0,n/a\n1,2,300,0,1,0,ras\n",
                                   &in_ccf);
-    static const char *const parts[] = {NULL, "column space: \"bregma\", the table is read in ccf", NULL, NULL,
+    static const char *const parts[] = {NULL, "column space: \"bregma\", the table is read in ccf",
+                                        "column space: \"MNI\", allowed are RAS, LPS, ccf", NULL,
                                         "column space: \"ras\""};
     for (size_t i = 0; i < 5; i++) {
         const char *error = conus_pose_list_row(list, i)->error;
@@ -158,8 +159,9 @@ static void a_row_of_another_space_is_refused(void **state)
         assert_true(!error || strstr(error, parts[i]));
     }
     conus_pose_list_destroy(list);
-    list = parse("x,y,z,dx,dy,dz,space\n1,2,3,0,1,0,lps\n", NULL);
-    assert_non_null(conus_pose_list_row(list, 0)->error);
+    list = parse("x,y,z,dx,dy,dz,space\n1,2,3,0,1,0,lps\n1,2,3,0,1,0,ccf\n", NULL);
+    assert_null(conus_pose_list_row(list, 0)->error);
+    assert_non_null(strstr(conus_pose_list_row(list, 1)->error, "column space: \"ccf\", the table is read in ras"));
     conus_pose_list_destroy(list);
 }
 

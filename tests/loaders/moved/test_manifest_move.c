@@ -93,7 +93,9 @@ static void every_failing_allocation_is_reported(void **state)
     (void)state;
     struct attempt attempt;
     snprintf(attempt.path, sizeof attempt.path, "%s",
-             write_manifest("{\"conus_atlas\": 1, \"transform\": [\"twice.txt\"], \"threshold\": 0.5, \"pathways\": "
+             write_manifest("{\"conus_atlas\": 1, \"transform\": [\"twice.txt\", {\"file\": \"flirt.mat\", \"from\": "
+                            "\"sphere.nii.gz\", \"to\": \"sphere.nii.gz\"}], \"parcellation\": \"slabs.nii.gz\", "
+                            "\"context\": \"sphere.nii.gz\", \"threshold\": 0.5, \"pathways\": "
                             "[{\"file\": \"sphere.nii.gz\", \"name\": \"Moves\", \"moves\": true}]}"));
     test_every_allocation(load, &attempt);
 }

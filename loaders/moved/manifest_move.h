@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file The transforms of a manifest are applied. */
-#ifndef CONUS_LOADERS_SCENE_MANIFEST_MOVE_H
-#define CONUS_LOADERS_SCENE_MANIFEST_MOVE_H
+#ifndef CONUS_LOADERS_MOVED_MANIFEST_MOVE_H
+#define CONUS_LOADERS_MOVED_MANIFEST_MOVE_H
 
 #include "loaders/manifest/manifest.h"
 

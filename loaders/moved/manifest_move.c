@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Moves what a manifest has made so far. */
-#include "loaders/scene/manifest_move.h"
+#include "loaders/moved/manifest_move.h"
 
 #include "base/file.h"
 #include "base/memory.h"
