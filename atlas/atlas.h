@@ -164,6 +164,17 @@ const struct mesh *atlas_stored_mesh(const conus_atlas *atlas, uint32_t number);
 /** Whether there is a mesh that is not hidden. */
 bool atlas_has_meshes(const conus_atlas *atlas);
 
+/** Whether the voxels of @p volume are areas', and not all hidden. */
+static inline bool atlas_volume_has_areas(const struct volume *volume)
+{
+    return (volume->info.role == CONUS_ROLE_PARCELLATION || volume->info.role == CONUS_ROLE_PROBABILITY) &&
+           volume_can_be_hit(volume);
+}
+
+/** The box around the areas that are not hidden, in the space to which @p from_world leads. False where there are none.
+ */
+bool atlas_area_bounds(double low[3], double high[3], const conus_atlas *atlas, const double from_world[16]);
+
 /** Whether something is hidden. */
 bool atlas_has_hidden(const conus_atlas *atlas);
 

@@ -59,8 +59,9 @@ static bool find_ends(size_t *first, size_t *last, const struct volume *volume, 
     return from < to;
 }
 
-/* Around the centres of all voxels with an object: along a row a coordinate is extreme at one of the ends. */
-static struct box centres_of(const struct volume *volume)
+/* Around the centres of all voxels with an object, which `m` takes from their indices: along a row a coordinate is
+ * extreme at one of the ends. */
+static struct box centres_of(const struct volume *volume, const double m[16])
 {
     const size_t *dim = volume->info.dim;
     struct box box = empty_box;
@@ -73,7 +74,7 @@ static struct box centres_of(const struct volume *volume)
             for (int end = 0; end < 2; end++) {
                 const double index[3] = {(double)(ends[end] - start), (double)j, (double)k};
                 double centre[3];
-                mat4_point(centre, volume->info.world_from_voxel, index);
+                mat4_point(centre, m, index);
                 add_point(&box, centre);
             }
         }
@@ -82,10 +83,9 @@ static struct box centres_of(const struct volume *volume)
 }
 
 /* Its cells: each reaches half a voxel along every index from its centre. */
-static void add_volume(struct box *box, const struct volume *volume)
+static void add_volume(struct box *box, const struct volume *volume, const double m[16])
 {
-    const double *m = volume->info.world_from_voxel;
-    struct box centres = centres_of(volume);
+    struct box centres = centres_of(volume, m);
     for (int a = 0; a < 3; a++) {
         double reach = (fabs(m[a]) + fabs(m[4 + a]) + fabs(m[8 + a])) / 2;
         box->low[a] = fmin(box->low[a], centres.low[a] - reach);
@@ -98,7 +98,7 @@ conus_status conus_atlas_bounds(double low[3], double high[3], const conus_atlas
     struct box box = empty_box;
     for (size_t i = 0; i < atlas->volume_count; i++) {
         if (atlas->volumes[i].info.role != CONUS_ROLE_CONTEXT && volume_can_be_hit(&atlas->volumes[i])) {
-            add_volume(&box, &atlas->volumes[i]);
+            add_volume(&box, &atlas->volumes[i], atlas->volumes[i].info.world_from_voxel);
         }
     }
     for (uint32_t number = 1; number <= atlas->object_count; number++) {
@@ -114,6 +114,38 @@ conus_status conus_atlas_bounds(double low[3], double high[3], const conus_atlas
     memcpy(low, box.low, sizeof box.low);
     memcpy(high, box.high, sizeof box.high);
     return CONUS_OK;
+}
+
+static void add_vertices(struct box *box, const struct mesh *mesh, const double m[16])
+{
+    for (size_t i = 0; i < mesh->vertex_count; i++) {
+        const float *at = mesh->positions + 3 * i;
+        double p[3] = {(double)at[0], (double)at[1], (double)at[2]};
+        mat4_point(p, m, p);
+        add_point(box, p);
+    }
+}
+
+bool atlas_area_bounds(double low[3], double high[3], const conus_atlas *atlas, const double from_world[16])
+{
+    struct box box = empty_box;
+    for (size_t i = 0; i < atlas->volume_count; i++) {
+        const struct volume *volume = &atlas->volumes[i];
+        if (atlas_volume_has_areas(volume)) {
+            double m[16];
+            mat4_multiply(m, from_world, volume->info.world_from_voxel);
+            add_volume(&box, volume, m);
+        }
+    }
+    for (uint32_t number = 1; number <= atlas->area_count; number++) {
+        const struct mesh *mesh = atlas_object_mesh(atlas, number);
+        if (mesh) {
+            add_vertices(&box, mesh, from_world);
+        }
+    }
+    memcpy(low, box.low, sizeof box.low);
+    memcpy(high, box.high, sizeof box.high);
+    return box.low[0] <= box.high[0];
 }
 
 /* ---- Where an object is -------------------------------------------------------------------------------------- */

@@ -2,6 +2,7 @@
 /* conus info: lists the contents of an atlas as a table, a tree or JSON. */
 #include "cli/answers/aligned.h"
 #include "cli/answers/info_json.h"
+#include "cli/answers/info_place.h"
 #include "cli/answers/info_tree.h"
 #include "cli/commands.h"
 #include "common/messages.h"
@@ -400,6 +401,7 @@ static int put_table(FILE *out, const conus_atlas *atlas, const conus_installed 
     put_volumes(out, atlas);
     put_surfaces(out, atlas);
     put_ccf(out, atlas);
+    info_place_put(out, atlas);
     put_notes(out, atlas);
     size_t pathways = conus_atlas_object_count(atlas) - areas;
     fprintf(out, "\n%zu area%s (%zu without a name, %zu without a shape), %zu pathway%s\n", areas,

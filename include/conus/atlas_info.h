@@ -148,6 +148,41 @@ CONUS_API const conus_volume_info *conus_atlas_volume(const conus_atlas *atlas, 
  */
 CONUS_API void conus_atlas_own_point(double out[3], const conus_atlas *atlas, const double point[3]);
 
+/** Where the areas of an atlas lie: those that are not hidden, of voxels, or else of surfaces. */
+typedef struct conus_placement {
+    size_t struct_size; /**< Its size, as #CONUS_PLACEMENT_INIT sets it; 0 = that of this version. */
+    bool is_moved;      /**< By conus_atlas_transform(), conus_atlas_move() or a manifest's "transform". */
+    bool mirrors;       /**< Left and right are exchanged. */
+    bool has_context;   /**< There is a context, and the last three are known. */
+    bool is_warped;     /**< By a deformation field: the matrix, growth and own box are NAN, mirrors is false. */
+    double atlas_from_world[16]; /**< From where it lies to its own space, that of its files. */
+    double growth;               /**< What is 1 mm^3 in its own space is so much here. */
+    double own_low[3];           /**< Lowest x, y, z of the box around it in its own space, mm. */
+    double own_high[3];          /**< The highest. */
+    double low[3];               /**< Lowest x, y, z of the box around it here, world mm. */
+    double high[3];              /**< The highest. */
+    double centre[3];            /**< The mean of its voxels' centres, or of its vertices; world mm. */
+    double distance_mm;          /**< How far that is from where it is in its own space. */
+    double head_threshold; /**< Values of the context from this one on are the head's, with what they enclose along two
+                              axes of its grid; by Otsu's method. INFINITY where all are alike. */
+    double in_grid;        /**< Part of the voxels whose centre is in the grid of the context, 0 to 1. */
+    double in_head;        /**< The same, in the head. */
+} conus_placement;
+
+/** The size of the struct that the caller was compiled with. */
+#define CONUS_PLACEMENT_INIT CONUS_INIT_(conus_placement)
+
+/**
+ * Tells where an atlas lies, where it lay in its own space, and which part of it is in the head that its context shows.
+ * Parts and centre are those of 131072 voxels, or vertices, at most.
+ * @param[in,out] out Its struct_size is read.
+ * @param atlas The atlas.
+ * @return #CONUS_OK; #CONUS_ERROR_DATA where there are no areas; #CONUS_ERROR_MEMORY.
+ * @threads Any, while none changes the atlas.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_atlas_placement(conus_placement *out, const conus_atlas *atlas);
+
 /**
  * Returns whether a deformation field has moved the atlas, so that conus_atlas_own_point() is no affine.
  * @param atlas The atlas.

@@ -6,6 +6,7 @@
 #include "base/buffer.h"
 #include "base/folder.h"
 #include "base/memory.h"
+#include "loaders/moved/manifest_move.h"
 #include "loaders/plan/load_plan.h"
 #include "loaders/plan/parcellations.h"
 #include "loaders/plan/plan_settle.h"
@@ -13,7 +14,6 @@
 #include "loaders/scene/load_areas.h"
 #include "loaders/scene/load_probability.h"
 #include "loaders/scene/load_scalar.h"
-#include "loaders/moved/manifest_move.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -2,6 +2,7 @@
 /* conus_atlas_add_pathway() and conus_atlas_set_context(): volumes whose values are numbers, not names. */
 #include "loaders/scene/load_scalar.h"
 
+#include "atlas/fit/fit.h"
 #include "base/buffer.h"
 #include "base/folder.h"
 #include "base/memory.h"
@@ -261,6 +262,7 @@ conus_status context_set(conus_atlas *atlas, struct volume_file *file, double bl
         status = choose_block(&file->info, block_threshold);
     }
     status = status ? status : notes_move(&atlas->notes, notes);
+    status = status ? status : fit_note(atlas, &file->info, values);
     status = status ? status : atlas_set_context(atlas, &file->info, values);
     if (status) {
         memory_free(values);

@@ -4,6 +4,7 @@
 #include "atlas/warp/warp.h"
 #include "base/math3.h"
 #include "base/options.h"
+#include "loaders/moved/transform_images.h"
 #include "loaders/transform/field_file.h"
 #include "loaders/transform/transform_file.h"
 #include "loaders/volumes/volume_file.h"
@@ -21,6 +22,7 @@ static conus_status move_by_affine(conus_atlas *atlas, const char *path, const c
     if (!status && options->inverse) {
         (void)mat4_invert_affine(atlas_from_world, atlas_from_world); /* which the reader has tried */
     }
+    status = status || !options->from ? status : transform_images_note(atlas, options);
     status = status ? status : file_sums_move(&atlas->files, read);
     if (status) {
         return status;

@@ -13,6 +13,7 @@
 #include "loaders/manifest/manifest_brainglobe.h"
 #include "loaders/manifest/manifest_scan.h"
 #include "loaders/manifest/manifest_surfaces.h"
+#include "loaders/moved/draft_transform.h"
 #include "loaders/plan/plan_cifti.h"
 #include "loaders/scene/load_manifest.h"
 #include "loaders/scene/named_maps.h"
@@ -498,7 +499,8 @@ static conus_status scan_folder(struct manifest_draft *draft)
         status = path_ends_in(names.names[i], ".xml") ? look_at_xml(draft, names.names[i]) : CONUS_OK;
     }
     for (size_t i = 0; !status && i < names.count; i++) {
-        status = is_volume(names.names[i]) ? look_at_other(draft, names.names[i], voxels) : CONUS_OK;
+        status = is_volume(names.names[i]) ? look_at_other(draft, names.names[i], voxels)
+                                           : draft_transform_say(draft, names.names[i]);
     }
     status = status || !cifti ? status : take_cifti(&labelled, draft, cifti);
     status = status || voxels || labelled ? status : manifest_surfaces_add(draft, "");

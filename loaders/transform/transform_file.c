@@ -77,17 +77,6 @@ static conus_status read_matrix(double out[16], struct text text, const char *pa
     return status || !from ? status : place_between(out, from, to);
 }
 
-/* Of what is none of these, ITK's composites in HDF5 can be taken apart. */
-static conus_status fail_kind(const char *path, const struct bytes *file)
-{
-    static const char hdf5[] = "\x89HDF\r\n\x1a\n";
-    return file->size >= sizeof hdf5 - 1 && memcmp(file->data, hdf5, sizeof hdf5 - 1) == 0
-               ? fail(CONUS_ERROR_UNSUPPORTED,
-                      "content: HDF5, as composites of ITK are: 'CompositeTransformUtil --disassemble FILE PREFIX' "
-                      "writes the transforms in it as files, 00_PREFIX... first")
-               : file_kind_fail(path, file, transform_needed);
-}
-
 enum kind { KIND_NONE, KIND_MATRIX, KIND_ITK, KIND_XFM, KIND_LTA, KIND_MATLAB };
 
 static enum kind kind_of(const struct bytes *file, struct text text)
@@ -99,6 +88,18 @@ static enum kind kind_of(const struct bytes *file, struct text text)
            : readable && lta_is(text)              ? KIND_LTA
            : itk_matlab_is(file->data, file->size) ? KIND_MATLAB
                                                    : KIND_NONE;
+}
+
+/* What is no transform that could be read. */
+static conus_status fail_kind(const char *path, const struct bytes *file)
+{
+    static const char hdf5[] = "\x89HDF\r\n\x1a\n";
+    bool is_hdf5 = file->size >= sizeof hdf5 - 1 && memcmp(file->data, hdf5, sizeof hdf5 - 1) == 0;
+    return is_hdf5 ? fail(CONUS_ERROR_UNSUPPORTED,
+                          "an HDF5 file, which is not read; ANTs takes a composite apart, into PREFIX and the like: "
+                          "CompositeTransformUtil --disassemble %s PREFIX",
+                          path)
+                   : file_kind_fail(path, file, transform_needed);
 }
 
 static conus_status parse_kind(double out[16], const struct bytes *file, const char *path, const char *from,

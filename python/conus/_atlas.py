@@ -119,6 +119,29 @@ class InstalledAtlas(NamedTuple):
     """Path of the label table that ``load`` uses; None where it finds one by itself."""
 
 
+class Placement(NamedTuple):
+    """Where the areas of an atlas lie. Boxes are their lowest and their highest corner."""
+
+    atlas_from_world: Array
+    """From where the atlas lies to its own space, (4, 4)."""
+    growth: float
+    """What is 1 mm^3 in its own space is so much here."""
+    mirrors: bool
+    """Left and right are exchanged."""
+    own_box: Array
+    """In its own space, (2, 3)."""
+    box: Array
+    """Here, (2, 3)."""
+    centre: Array
+    """The mean of the voxels' centres, or of the vertices of surfaces."""
+    distance_mm: float
+    """How far that is from where it is in its own space."""
+    in_grid: Optional[float]
+    """The part of the voxels that is in the grid of the context, 0 to 1; None without a context."""
+    in_head: Optional[float]
+    """The same, in the head that the context shows."""
+
+
 def _catalogue() -> Any:
     out = ffi.new("conus_catalogue **")
     check(lib.conus_catalogue_create(out, ffi.NULL))
@@ -929,6 +952,17 @@ class Atlas:
     def notes(self) -> list[str]:
         """What was noticed while the atlas was loaded."""
         return [text(lib.conus_atlas_note(self._p, i)) for i in range(lib.conus_atlas_note_count(self._p))]
+
+    def placement(self) -> Placement:
+        """Where the areas lie, also in the atlas's own space, and what of them is in the head of the context."""
+        place = ffi.new("conus_placement *")
+        place.struct_size = ffi.sizeof("conus_placement")
+        check(lib.conus_atlas_placement(place, self._p))
+        low, high, own_low, own_high = ([*corner] for corner in (place.low, place.high, place.own_low, place.own_high))
+        shares = (place.in_grid, place.in_head) if place.has_context else (None, None)
+        return Placement(
+            np.array([*place.atlas_from_world]).reshape(4, 4).T, place.growth, bool(place.mirrors),
+            np.array([own_low, own_high]), np.array([low, high]), np.array([*place.centre]), place.distance_mm, *shares)
 
     def info(self) -> pandas.DataFrame:
         """One row for each area and pathway."""

@@ -46,6 +46,7 @@ LIBRARY = {
     "atlas": "base atlas/surface atlas/deformation",
     "atlas/areas": "base atlas",
     "atlas/warp": "base atlas/deformation atlas",
+    "atlas/fit": "base atlas",
     "atlas/phantom": "base atlas/surface atlas",
     "poses/rows": "base",
     "poses/programs": "base base/formats poses/rows",
@@ -68,8 +69,9 @@ LIBRARY = {
     "loaders/plan": "base base/formats atlas loaders loaders/volumes loaders/tables loaders/labels"
     " loaders/cifti loaders/surfaces loaders/manifest loaders/brainglobe",
     "loaders/transform": "base base/formats atlas/deformation loaders loaders/volumes",
-    "loaders/moved": "base loaders/manifest",
-    "loaders/scene": "base base/formats atlas/surface atlas atlas/warp loaders loaders/volumes loaders/tables loaders/labels"
+    "loaders/moved": "base atlas atlas/fit loaders/volumes loaders/manifest loaders/transform",
+    "loaders/scene": "base base/formats atlas/surface atlas atlas/fit atlas/warp loaders loaders/volumes loaders/tables"
+    " loaders/labels"
     " loaders/cifti loaders/surfaces/foreign loaders/surfaces loaders/manifest loaders/plan loaders/transform"
     " loaders/moved",
     "loaders/catalogue": "base base/formats loaders/volumes loaders/tables",

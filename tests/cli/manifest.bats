@@ -33,6 +33,21 @@ said() {
     [ "$(cat hit)" = "pathway fornix" ]
 }
 
+@test "a transform in the folder is said, and left to the user" {
+    conus phantom slabs -o scene --size 24
+    printf '#Insight Transform File V1.0\n#Transform 0\nTransform: TranslationTransform_double_3_3\n%s\n%s\n' \
+        'Parameters: -7 0 0' 'FixedParameters:' >scene/to_mni.tfm
+    printf '1 0 0 7\n0 1 0 0\n0 0 1 0\n0 0 0 1\n' >scene/flirt.mat
+    echo nonsense >scene/other.mat
+    makes scene
+    said 'to_mni.tfm: a transform, left out: where it leads is not known; "transform": "to_mni.tfm" in the manifest'
+    said 'flirt.mat: a transform, left out'
+    not grep -q other.mat <<<"$stderr"
+    sed -i 's/"conus_atlas": 1,/& "transform": "to_mni.tfm",/' scene/scene.atlas.json
+    answers info scene/scene.atlas.json --format json
+    [ "$(jq '.moved.atlas_from_world[0][3]' <<<"$output")" = 7 ]
+}
+
 @test "parcellations on two grids are one atlas" {
     conus phantom slabs -o two --size 24
     conus phantom sphere -o two --size 40

@@ -50,6 +50,66 @@ shifts() {
     diff <(cut -f 2-10 <<<"$output") moved
 }
 
+@test "tracks, overlaps and pictures are of the moved atlas" {
+    shifts
+    sed -i s/7/32/ right.txt # a power of two, so that no number is rounded otherwise
+    printf 'time_s\tx\ty\tz\ttx\tty\ttz\n0\t0\t-100\t0\t0\t0\t10\n1\t0\t-90\t0\t20\t0\t10\n' >hand.tsv
+    awk 'BEGIN { FS = OFS = "\t" } NR > 1 { $2 -= 32; $5 -= 32 } 1' hand.tsv >moved.tsv
+    answers track nested.nii.gz --poses hand.tsv --angle 20 --format tsv --quiet
+    cut -f 1-13 <<<"$output" >plain
+    answers track nested.nii.gz --poses moved.tsv --angle 20 --format tsv --quiet --atlas-transform right.txt
+    diff <(cut -f 1-13 <<<"$output") plain
+    local aim='--toward 0,0,10 --angle 20 --size 96x96 --quiet' moved='--toward -32,0,10 --angle 20 --size 96x96 --quiet'
+    answers render nested.nii.gz -o plain.png --origin 0,-100,0 $aim
+    answers render nested.nii.gz -o moved.png --origin -32,-100,0 $moved --atlas-transform right.txt
+    cmp plain.png moved.png
+    answers render nested.nii.gz -o away.png --origin 0,-100,0 $aim --atlas-transform right.txt
+    run -1 cmp -s plain.png away.png
+    # the whole atlas as a region: all of each area is in it, until the atlas is elsewhere
+    answers overlap nested.nii.gz nested.nii.gz --threshold 1 --format tsv --quiet
+    [ "$(cell fraction 1)" = 1 ]
+    sed -i s/32/8/ right.txt
+    answers overlap nested.nii.gz nested.nii.gz --threshold 1 --format tsv --quiet --atlas-transform right.txt
+    awk -v part="$(cell fraction 1)" 'BEGIN { exit !(part > 0 && part < 1) }'
+}
+
+@test "info says where the atlas lies, and all say once when another reading of the transform fits better" {
+    conus phantom sphere -o . --size 24
+    printf '1 0 0 300\n0 1 0 0\n0 0 -2 0\n0 0 0 1\n' >far.txt
+    answers info sphere.nii.gz
+    ! grep -q Moved <<<"$output"
+    answers info sphere.nii.gz --format json
+    [ "$(jq .moved <<<"$output")" = null ]
+    low=$(conus info sphere.nii.gz | sed -n 's/.*covers  *x \([^ ]*\) .*/\1/p')
+    run -0 --separate-stderr "$CONUS" info sphere.nii.gz --atlas-transform far.txt --context sphere.nii.gz
+    has '  volume       1 mm^3 of the atlas is 0.5 mm^3 here'
+    has '  sides        left and right are exchanged'
+    has '  centre       -300.0, 0.0, 0.0 mm, 300.0 mm from where its files have it'
+    has '  in context   0.0 % of its voxels in the grid, 0.0 % in the head'
+    has '0 % of the atlas is in the head of sphere.nii.gz; without the transform it would be 100 %'
+    run -0 --separate-stderr "$CONUS" info sphere.nii.gz --atlas-transform far.txt --context sphere.nii.gz --format json
+    [ "$(jq -c '[.moved.growth, .moved.mirrors, .moved.distance_mm, .moved.context.in_grid]' <<<"$output")" = \
+        '[0.5,true,300,0]' ]
+    [ "$(jq '.moved.low[0] == .moved.own_low[0] - 300' <<<"$output")" = true ]
+    [ -n "$low" ]
+    printf 'time_s\tx\ty\tz\ttx\tty\ttz\n0\t-300\t-100\t0\t-300\t0\t10\n' >hand.tsv
+    local place='sphere.nii.gz --atlas-transform far.txt --context sphere.nii.gz' cone='--angle 20 --context-blocks 1'
+    local aim='--origin -300,-100,0 --toward -300,0,10'
+    for command in "query $place $cone $aim" "sweep $place $cone $aim --jitter 2,1" "batch $place $cone --poses hand.tsv" \
+        "track $place $cone --poses hand.tsv" "render $place -o picture.png --size 32x32"; do
+        run -0 --separate-stderr "$CONUS" $command
+        [ "$(grep -c 'note: 0 % of the atlas is in the head of sphere.nii.gz; without the transform' <<<"$stderr")" -eq 1 ]
+        not grep -q 'in the head' <<<"$output"
+    done
+    echo '{"conus_atlas": 1, "parcellation": "sphere.nii.gz", "transform": "far.txt", "context": "sphere.nii.gz"}' \
+        >far.atlas.json
+    run -0 --separate-stderr "$CONUS" query far.atlas.json --angle 20 $aim
+    [[ "$stderr" == *'in the head of'*'; without the transform it would be 100 %'* ]]
+    sed -i 's/"context": /&{"moves": true, "file": /; s/}$/}}/' far.atlas.json # it comes along
+    run -0 --separate-stderr "$CONUS" query far.atlas.json --angle 20 $aim
+    not grep -q 'in the head of' <<<"$stderr"
+}
+
 @test "a manifest keeps the transform with the files" {
     shifts
     mkdir lab
@@ -104,4 +164,35 @@ shifts() {
     printf '1 0 0 7\n0 1 0 0\n0 0 0 0\n0 0 0 1\n' >flat.txt
     fails 3 "flat.txt: the matrix is singular" query nested.nii.gz $aim --atlas-transform flat.txt
     answers query nested.nii.gz $aim --atlas-transform right.mat,from=nested.nii.gz,to=nested.nii.gz --quiet
+    printf '\211HDF\r\n\032\n' >to_mni.h5
+    fails 3 'to_mni.h5: an HDF5 file, which is not read; ANTs takes a composite apart' query nested.nii.gz $aim \
+        --atlas-transform to_mni.h5
+    printf '1 0 0 7\n0 nan 0 0\n0 0 1 0\n0 0 0 1\n' >nan.txt
+    fails 3 'nan.txt: matrix: row 2: "nan", four finite numbers are needed' query nested.nii.gz $aim \
+        --atlas-transform nan.txt
+    printf -- '-1 0 0 7\n0 1 0 0\n0 0 1 0\n0 0 0 1\n' >mirror.txt
+    run -0 --separate-stderr "$CONUS" query nested.nii.gz $aim --atlas-transform mirror.txt
+    [[ "$stderr" == *'mirror.txt mirrors: left areas of the atlas are right ones where poses are'* ]]
+}
+
+# An image that lies 500 mm away from the atlas, and so is no image of its space; which one that is depends on the way.
+@test "the images of an FSL matrix are held against the atlas" {
+    shifts
+    conus phantom nested -o far
+    /usr/bin/python3 -B - <<'END'
+import gzip, struct
+data = bytearray(gzip.open("far/nested.nii.gz").read())
+for row in range(3):  # srow_x, srow_y, srow_z of nifti1.h, and qoffset
+    at = 280 + 16 * row + 12
+    struct.pack_into("<f", data, at, struct.unpack_from("<f", data, at)[0] + 500)
+    struct.pack_into("<f", data, 268 + 4 * row, struct.unpack_from("<f", data, 268 + 4 * row)[0] + 500)
+open("far.nii", "wb").write(data)
+END
+    local ask="query nested.nii.gz $aim --atlas-transform right.mat"
+    run -0 --separate-stderr "$CONUS" $ask,from=far.nii,to=nested.nii.gz
+    not grep -q 'in the grid of' <<<"$stderr"
+    run -0 --separate-stderr "$CONUS" $ask,from=nested.nii.gz,to=far.nii
+    [[ "$stderr" == *'note: 0 % of the atlas is in the grid of far.nii: is to= the image of its space?'* ]]
+    run -0 --separate-stderr "$CONUS" $ask,from=far.nii,to=nested.nii.gz,inverse
+    [[ "$stderr" == *'note: 0 % of the atlas is in the grid of far.nii: is from= the image of its space?'* ]]
 }

@@ -153,6 +153,27 @@ END
         "name": "Arc"}], "context": {"file": "ball.nii", "transfer": "brain"}}' >scene.atlas.json
 }
 
+@test "a moved atlas in the window, and its session" {
+    need_window
+    conus phantom nested -o .
+    printf '1 0 0 7\n0 1 0 0\n0 0 1 0\n0 0 0 1\n' >right.txt
+    echo '{"conus_atlas": 1, "parcellation": "nested.nii.gz", "transform": "right.txt"}' >one.atlas.json
+    conus query nested.nii.gz --atlas-transform right.txt --origin=-70,9,2 --toward=-7,0,2 --angle 14 --format tsv \
+        --quiet >wanted
+    grep -q atlas_x wanted
+    printf 'angle 14\naim -70 9 2 -7 0 2\nresults view.tsv\n' >commands
+    view nested.nii.gz --atlas-transform right.txt <commands
+    diff view.tsv wanted
+    echo 'save left.json' >>commands
+    view one.atlas.json <commands
+    diff view.tsv wanted
+    echo 'results opened.tsv' | view one.atlas.json --session left.json
+    diff opened.tsv wanted
+    sed -i s/7/8/ right.txt
+    run -3 --separate-stderr timeout $HANG "$CONUS" view one.atlas.json --session left.json --script /dev/null --quiet
+    check_message 'the atlas lay elsewhere: the same --atlas-transform, or transform in the manifest, is needed'
+}
+
 @test "a session keeps thresholds, the context's transfer function and colours" {
     need_window
     scene

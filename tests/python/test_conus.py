@@ -703,3 +703,38 @@ def test_picture_is_a_png(atlas):
 def test_words_of_a_selection(atlas):
     assert repr(atlas.select((0, 0, 0), direction=(1, 0, 0))) == "<conus.Selection: right 100.0 %, unassigned 0.0 %>"
     assert repr(atlas) == "<conus.Atlas of 2 objects>"
+
+
+def test_a_placement_says_where_the_areas_are():
+    """20 x 20 x 20 voxels of 2 mm from 0: areas reach from -1 to 39 mm. By x' = x + 7 they begin at -8."""
+    plain = conus.load(plates(), AFFINE, labels=NAMES).placement()
+    assert (plain.growth, plain.mirrors, plain.in_grid, plain.in_head) == (1, False, None, None)
+    matrix = np.diag([-1.0, 1, 2, 1])
+    matrix[0, 3] = 7
+    moved = conus.load(plates(), AFFINE, labels=NAMES, transforms=[matrix]).placement()
+    assert moved.mirrors and moved.growth == pytest.approx(0.5)
+    np.testing.assert_allclose(moved.atlas_from_world, matrix)
+    np.testing.assert_allclose(moved.own_box, plain.box, atol=1e-9)
+    np.testing.assert_allclose(moved.box[:, 0], 7 - plain.box[::-1, 0], atol=1e-9)
+    np.testing.assert_allclose(moved.centre, (plain.centre * (-1, 1, 0.5)) + (7, 0, 0), atol=1e-9)
+    assert moved.distance_mm == pytest.approx(np.linalg.norm(moved.centre - plain.centre))
+    nibabel = pytest.importorskip("nibabel")
+    head = nibabel.Nifti1Image(np.pad(np.ones((8, 8, 8), "u1"), 2), matrix @ np.diag([4, 4, 4, 1]))
+    seen = conus.load(plates(), AFFINE, labels=NAMES, transforms=[matrix], context=head).placement()
+    assert 0 < seen.in_head < seen.in_grid <= 1
+
+
+def test_a_manifest_has_its_transform(tmp_path):
+    nibabel = pytest.importorskip("nibabel")
+    nibabel.Nifti1Image(plates(), AFFINE).to_filename(tmp_path / "plates.nii")
+    matrix = np.eye(4)
+    matrix[0, 3] = 7
+    np.savetxt(tmp_path / "right.txt", matrix)
+    (tmp_path / "one.atlas.json").write_text(
+        '{"conus_atlas": 1, "parcellation": "plates.nii", "transform": "right.txt"}')
+    own = conus.load(tmp_path / "plates.nii", transforms=[matrix]).placement()
+    kept = conus.load(tmp_path / "one.atlas.json").placement()
+    np.testing.assert_array_equal(kept.atlas_from_world, matrix)
+    np.testing.assert_array_equal(kept.box, own.box)
+    twice = conus.load(tmp_path / "one.atlas.json", transforms=[matrix]).placement()
+    assert twice.atlas_from_world[0, 3] == 14

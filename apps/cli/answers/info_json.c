@@ -2,6 +2,8 @@
 /* The JSON of conus info. */
 #include "cli/answers/info_json.h"
 
+#include "cli/answers/info_place.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -171,10 +173,10 @@ char *info_json(const conus_atlas *atlas, const conus_installed *installed)
     for (size_t i = 1; i <= conus_atlas_object_count(atlas); i++) {
         whole = json_array_append_new(objects, object(atlas, i)) == 0 && whole;
     }
-    json_t *root = json_pack("{s:s,s:o,s:o,s:o,s:o,s:o,s:o}", "conus", conus_version(), "installed",
+    json_t *root = json_pack("{s:s,s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "conus", conus_version(), "installed",
                              installed ? info_json_installed(installed) : json_null(), "labels",
                              info_json_bytes(conus_atlas_label_source(atlas)), "volumes", volumes, "world_from_ccf",
-                             ccf(atlas), "notes", notes, "objects", objects);
+                             ccf(atlas), "moved", info_place_json(atlas), "notes", notes, "objects", objects);
     char *text = whole && root ? json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(DIGITS)) : NULL;
     json_decref(root);
     char *line = NULL;

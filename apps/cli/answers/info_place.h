@@ -1,0 +1,17 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Where a moved atlas lies, as `conus info` shows it. */
+#ifndef CONUS_CLI_ANSWERS_INFO_PLACE_H
+#define CONUS_CLI_ANSWERS_INFO_PLACE_H
+
+#include <conus/conus.h>
+
+#include <jansson.h>
+#include <stdio.h>
+
+/** A paragraph for people, with an empty line before it; nothing of an atlas that is not moved or has no areas. */
+void info_place_put(FILE *out, const conus_atlas *atlas);
+
+/** The same as a JSON object; JSON's null where there is nothing to say. NULL without memory. */
+json_t *info_place_json(const conus_atlas *atlas);
+
+#endif

@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Points that stand for the areas of an atlas. */
+#ifndef CONUS_ATLAS_FIT_AREA_POINTS_H
+#define CONUS_ATLAS_FIT_AREA_POINTS_H
+
+#include "atlas/atlas.h"
+
+enum { AREA_POINTS = 1 << 17 }; /**< At most so many. */
+
+struct area_points {
+    double *at; /**< [count][3] World mm. */
+    size_t count;
+};
+
+/** The centres of the areas' voxels, evenly taken where there are more than AREA_POINTS; of an atlas of surfaces only
+ * the vertices. What is hidden does not count. There may be none. */
+conus_status area_points_make(struct area_points *out, const conus_atlas *atlas);
+void area_points_finish(struct area_points *points);
+
+/** Their mean; there is at least one. */
+void area_points_centre(double out[3], const struct area_points *points);
+
+#endif

@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Whether a moved atlas lies in the head of its context, and whether it would in another way. */
+#ifndef CONUS_ATLAS_FIT_FIT_H
+#define CONUS_ATLAS_FIT_FIT_H
+
+#include "atlas/fit/area_points.h"
+#include "atlas/fit/head.h"
+
+/** Which part of the points is in the context's grid, and which in its head; 0 to 1. */
+struct fit {
+    double in_grid, in_head;
+};
+
+/** The fit of points that @p move has moved. There is at least one point. */
+struct fit fit_of(const struct head *head, const struct area_points *points, const double move[16]);
+
+/** Adds a warning to the notes of an atlas that was moved and is to get a context of these @p values (borrowed, one per
+ * voxel): where another reading of its transform brings it into the head clearly better, or where less than half of it
+ * is there and no other reading is better. Nothing otherwise. CONUS_ERROR_MEMORY. */
+conus_status fit_note(conus_atlas *atlas, const conus_volume_info *info, float *values);
+
+#endif

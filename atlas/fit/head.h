@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file The head that a context shows. */
+#ifndef CONUS_ATLAS_FIT_HEAD_H
+#define CONUS_ATLAS_FIT_HEAD_H
+
+#include "atlas/volume.h"
+
+enum { HEAD_CELLS = 128 }; /**< Along an axis: of a larger grid every second voxel counts, or every third. */
+
+struct head {
+    const struct volume *context; /**< Borrowed. */
+    double threshold;             /**< Values from it on are the head's. */
+    size_t step[3], dim[3];       /**< Voxels to a cell, and cells. */
+    uint8_t *inside;              /**< Per cell. */
+};
+
+/** Finds the head: the voxels from a threshold on, which parts the values in two as Otsu does it (least variance within
+ * both, 256 classes), and what these enclose along two of the grid's three axes: a skull holds the brain. */
+conus_status head_make(struct head *out, const struct volume *context);
+void head_finish(struct head *head);
+
+/** Whether the world point @p point is in the context's grid, and if so, whether it is in the head. */
+bool head_grid_has(bool *in_head, const struct head *head, const double point[3]);
+
+#endif

@@ -1,0 +1,286 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The head in a context, where a moved atlas lies, and what is said about that. */
+#include "atlas/fit/fit.h"
+#include "base/math3.h"
+#include "mesh_scene.h"
+#include "scene.h"
+#include "test.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { EDGE = 10, VOXELS = EDGE * EDGE * EDGE };
+
+/* Voxels of 4 mm, the middle of the grid where `centre` is. */
+static conus_voxels grid_at(const void *data, conus_scalar type, const double centre[3])
+{
+    conus_voxels voxels = CONUS_VOXELS_INIT;
+    voxels.data = data;
+    voxels.type = type;
+    for (size_t a = 0; a < 3; a++) {
+        voxels.dim[a] = EDGE;
+        voxels.world_from_voxel[5 * a] = 4;
+        voxels.world_from_voxel[12 + a] = centre[a] - 4 * (EDGE - 1) / 2.0;
+    }
+    voxels.world_from_voxel[15] = 1;
+    return voxels;
+}
+
+static bool is_within(size_t voxel, size_t margin)
+{
+    const size_t at[3] = {voxel % EDGE, voxel / EDGE % EDGE, voxel / EDGE / EDGE};
+    bool within = true;
+    for (size_t a = 0; a < 3; a++) {
+        within = within && at[a] >= margin && at[a] < EDGE - margin;
+    }
+    return within;
+}
+
+/* A cube of 24 mm about 0: the inner 6 x 6 x 6 voxels. */
+static conus_atlas *make_cube(void)
+{
+    static uint8_t labels[VOXELS];
+    for (size_t v = 0; v < VOXELS; v++) {
+        labels[v] = is_within(v, 2);
+    }
+    conus_atlas *atlas = NULL;
+    const conus_voxels voxels = grid_at(labels, CONUS_SCALAR_UINT8, (const double[3]){0});
+    assert_ok(conus_atlas_create(&atlas, &voxels, NULL, 0, &(conus_create_options){.labels_anyway = true}));
+    return atlas;
+}
+
+/* A head of 8 x 8 x 8 voxels about `centre`, as a shell like a skull: dark inside, and open below. Two specks are in
+ * corners of the grid. */
+static conus_status add_head(conus_atlas *atlas, const double centre[3])
+{
+    static float values[VOXELS];
+    for (size_t v = 0; v < VOXELS; v++) {
+        bool is_base = v / EDGE / EDGE == 1 && is_within(v + EDGE * EDGE, 2);
+        values[v] = is_within(v, 1) && !is_within(v, 2) && !is_base ? 100 : 0;
+    }
+    values[0] = values[EDGE - 1] = 100;
+    const conus_voxels voxels = grid_at(values, CONUS_SCALAR_FLOAT32, centre);
+    return conus_atlas_set_context_values(atlas, &voxels, NULL);
+}
+
+/* The shell has two values, so that any threshold above 0 parts them best; the first of 256 classes holds the 0s. What
+ * the shell encloses along two axes is the head: 8^3 voxels. Between the specks is none. */
+static void a_skull_encloses_a_head(void **state)
+{
+    (void)state;
+    struct head head;
+    conus_atlas *atlas = make_cube();
+    assert_ok(add_head(atlas, (const double[3]){0}));
+    assert_ok(head_make(&head, atlas_context(atlas)));
+    assert_near(head.threshold, 100.0 / 256, 1e-12);
+    for (size_t v = 0; v < VOXELS; v++) {
+        assert_int_equal(head.inside[v], is_within(v, 1) || v == 0 || v == EDGE - 1);
+    }
+    bool inside = false;
+    assert_false(head_grid_has(&inside, &head, (const double[]){0, 0, 20.1}));
+    assert_true(head_grid_has(&inside, &head, (const double[]){0, 0, 17}));
+    assert_false(inside);
+    assert_true(head_grid_has(&inside, &head, (const double[]){0, 0, 15.9}));
+    assert_true(inside);
+    head_finish(&head);
+    conus_atlas_destroy(atlas);
+}
+
+/* Three voxels of a grid of 300 are a cell: a bar from voxel 150 on is seen from voxel 150 on, as 150 is a cell's. */
+static void of_large_grids_every_third_voxel_counts(void **state)
+{
+    (void)state;
+    static float values[300 * 2 * 2];
+    for (size_t v = 0; v < sizeof values / sizeof *values; v++) {
+        values[v] = v % 300 >= 150 ? 7 : 3;
+    }
+    struct volume context = {.values = values};
+    const conus_volume_info info = scene_plain_grid((const size_t[]){300, 2, 2}, NULL);
+    struct head head;
+    assert_ok(volume_init(&context, &info));
+    context.values = values;
+    assert_ok(head_make(&head, &context));
+    assert_int_equal(head.dim[0], 100);
+    bool inside = true;
+    assert_true(head_grid_has(&inside, &head, (const double[]){149, 1, 1}));
+    assert_false(inside);
+    assert_true(head_grid_has(&inside, &head, (const double[]){150, 1, 1}));
+    assert_true(inside);
+    head_finish(&head);
+    memset(values, 0, sizeof values);
+    assert_ok(head_make(&head, &context));
+    assert_true(isinf(head.threshold));
+    head_finish(&head);
+    context.values = NULL;
+    volume_finish(&context);
+}
+
+/* By x' = 2 x + 8, y' = y - 4, which leads from here to the atlas: the cube is 12 mm wide about x = -4, y = 4. */
+static void a_placement_says_where_the_areas_are(void **state)
+{
+    (void)state;
+    static const double centre[3] = {-4, 4, 0};
+    static const double low[3] = {-10, -8, -12};
+    static const double high[3] = {2, 16, 12};
+    conus_placement place = CONUS_PLACEMENT_INIT;
+    conus_atlas *atlas = make_cube();
+    assert_ok(conus_atlas_placement(&place, atlas));
+    assert_false(place.is_moved || place.mirrors || place.has_context);
+    assert_near(place.growth, 1, 0);
+    assert_near(place.distance_mm, 0, 0);
+    assert_near(place.low[0], -12, 1e-12);
+    assert_ok(conus_atlas_move(atlas, (const double[16]){2, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 8, -4, 0, 1}));
+    assert_ok(conus_atlas_placement(&place, atlas));
+    assert_true(place.is_moved);
+    assert_near(place.atlas_from_world[12], 8, 0);
+    assert_near(place.growth, 0.5, 1e-12);
+    for (int a = 0; a < 3; a++) {
+        assert_near(place.own_low[a], -12, 1e-9);
+        assert_near(place.own_high[a], 12, 1e-9);
+        assert_near(place.centre[a], centre[a], 1e-9);
+        assert_near(place.low[a], low[a], 1e-9);
+        assert_near(place.high[a], high[a], 1e-9);
+    }
+    assert_near(place.distance_mm, sqrt(16 + 16), 1e-9);
+    /* a head of 32 mm about x = -4, y = 20, in a grid of 40: it begins at y = 4, where half of the cube is; the grid at
+     * y = 0, where a third of it is below */
+    assert_ok(add_head(atlas, (const double[]){-4, 20, 0}));
+    assert_ok(conus_atlas_placement(&place, atlas));
+    assert_true(place.has_context);
+    assert_near(place.in_grid, 4.0 / 6, 1e-12);
+    assert_near(place.in_head, 3.0 / 6, 1e-12);
+    assert_near(place.head_threshold, 100.0 / 256, 1e-12);
+    assert_ok(conus_atlas_move(atlas, (const double[16]){-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}));
+    conus_placement shorter = {.struct_size = offsetof(conus_placement, growth), .growth = 77};
+    assert_ok(conus_atlas_placement(&shorter, atlas));
+    assert_true(shorter.mirrors);
+    assert_near(shorter.growth, 77, 0);
+    conus_atlas_destroy(atlas);
+}
+
+static void surfaces_have_a_place_and_nothing_has_none(void **state)
+{
+    (void)state;
+    conus_placement place = CONUS_PLACEMENT_INIT;
+    conus_atlas *atlas = mesh_scene_atlas();
+    assert_fails(conus_atlas_placement(&place, atlas), CONUS_ERROR_DATA);
+    assert_fails(conus_atlas_placement(&place, NULL), CONUS_ERROR_ARGUMENT);
+    struct mesh box = mesh_scene_box((const double[]){10, 0, 0}, (const double[]){12, 3, 4});
+    mesh_scene_add(atlas, &box);
+    assert_ok(conus_atlas_move(atlas, (const double[16]){1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 5, 1}));
+    assert_ok(conus_atlas_placement(&place, atlas));
+    assert_near(place.own_high[2], 4, 1e-5);
+    assert_near(place.low[2], -5, 1e-5);
+    assert_near(place.centre[0], 11, 1e-5);
+    conus_atlas_destroy(atlas);
+}
+
+/* What is said of a cube that was moved by `atlas_from_world`, when a head lies at `centre`; "" for nothing. */
+static const char *said_of(const double atlas_from_world[16], const double centre[3])
+{
+    static char line[256];
+    conus_atlas *atlas = make_cube();
+    line[0] = '\0';
+    assert_ok(conus_atlas_move(atlas, atlas_from_world));
+    size_t before = conus_atlas_note_count(atlas);
+    assert_ok(add_head(atlas, centre));
+    assert_true(conus_atlas_note_count(atlas) <= before + 1);
+    if (conus_atlas_note_count(atlas) > before) {
+        snprintf(line, sizeof line, "%s", conus_atlas_note(atlas, before));
+    }
+    conus_atlas_destroy(atlas);
+    return line;
+}
+
+/* The head is 60 mm to the right, 24 mm in front and 8 mm up; points are less by that in the atlas. */
+static void other_readings_are_told(void **state)
+{
+    (void)state;
+    static const double head[3] = {60, 24, 8};
+    static const struct {
+        double translation[3];
+        const char *said;
+    } cases[] = {
+        {{-60, -24, -8}, ""},
+        {{-56, -24, -8}, ""},
+        {{60, 24, 8}, "0 % of the atlas is in the head of array; in the other direction (inverse) it would be 100 %"},
+        {{60, 24, -8}, "0 % of the atlas is in the head of array; with LPS in the place of RAS it would be 100 %"},
+        {{-.06, -.024, -.008},
+         "0 % of the atlas is in the head of array; with a translation 1000 times as long (metres) it would be 100 %"},
+        {{-60, -24, 8},
+         "50 % of the atlas is in the head of array; in the other direction (inverse) and with LPS in the place of RAS "
+         "it would be 100 %"},
+        {{.06, .024, .008},
+         "0 % of the atlas is in the head of array; in the other direction (inverse) and with a translation 1000 times "
+         "as long (metres) it would be 100 %"},
+        {{-60, 90, 0}, "0 % of the atlas is in the head of array: is the transform of another image?"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        const double *t = cases[i].translation;
+        const double move[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, t[0], t[1], t[2], 1};
+        assert_string_equal(said_of(move, head), cases[i].said);
+    }
+    const double away[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 100, 0, 0, 1};
+    assert_string_equal(said_of(away, (const double[3]){0}),
+                        "0 % of the atlas is in the head of array; without the transform it would be 100 %");
+}
+
+/* The cube is six layers of 4 mm, and the head reaches 16 mm to each side. */
+static void what_is_hardly_better_is_not_told(void **state)
+{
+    (void)state;
+    const double nearly[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -4, 0, 0, 1};
+    assert_string_equal(
+        said_of(nearly, (const double[]){-4, 0, 0}),
+        "83 % of the atlas is in the head of array; in the other direction (inverse) it would be 100 %");
+    assert_string_equal(said_of(nearly, (const double[]){0, 0, 0}), "");
+    /* half as much outside is needed, too: one layer is in the head, and two would be the other way round */
+    const double far[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 2, 0, 0, 1};
+    assert_string_equal(said_of(far, (const double[]){22, 0, 0}),
+                        "17 % of the atlas is in the head of array: is the transform of another image?");
+}
+
+static conus_status attempt(void *data)
+{
+    conus_atlas *atlas = data;
+    size_t notes = conus_atlas_note_count(atlas);
+    size_t volumes = conus_atlas_volume_count(atlas);
+    conus_status status = add_head(atlas, (const double[]){60, 24, 8});
+    if (status) {
+        assert_int_equal(conus_atlas_note_count(atlas), notes);
+        assert_int_equal(conus_atlas_volume_count(atlas), volumes);
+    }
+    return status;
+}
+
+static conus_status attempt_placement(void *data)
+{
+    conus_placement place = {.growth = 77};
+    conus_status status = conus_atlas_placement(&place, data);
+    assert_true(!status || place.growth > 76);
+    return status;
+}
+
+static void every_failing_allocation_leaves_the_atlas(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = make_cube();
+    assert_ok(conus_atlas_move(atlas, (const double[16]){1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 60, 24, 8, 1}));
+    test_every_allocation(attempt, atlas);
+    test_every_allocation(attempt_placement, atlas);
+    conus_atlas_destroy(atlas);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_skull_encloses_a_head),
+        cmocka_unit_test(of_large_grids_every_third_voxel_counts),
+        cmocka_unit_test(a_placement_says_where_the_areas_are),
+        cmocka_unit_test(surfaces_have_a_place_and_nothing_has_none),
+        cmocka_unit_test(other_readings_are_told),
+        cmocka_unit_test(what_is_hardly_better_is_not_told),
+        cmocka_unit_test(every_failing_allocation_leaves_the_atlas),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
