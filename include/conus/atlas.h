@@ -224,8 +224,7 @@ typedef enum conus_hemispheres {
 /**
  * Changes how the atlas has left and right areas, once, before a selector or renderer is made. A note says what was
  * done. Splitting takes the plane x = 0 of the atlas's own space for the midline (conus_atlas_own_point()) and changes
- * the numbers of objects. Merging adds the areas as
- * which the pairs are reported. docs/model.md, Eq. 10, has the rules.
+ * the numbers of objects. Merging adds the areas as which the pairs are reported. docs/model.md, Eq. 10, has the rules.
  * @param atlas The atlas; unchanged on failure.
  * @param hemispheres What to do.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT where something is hidden; #CONUS_ERROR_DATA where nothing can be split or

@@ -471,19 +471,23 @@ static const struct schema_field manifest_keys[] = {
     {0},
 };
 
-/* What moves needs a transform to move by. */
+/* What moves needs a transform to move by, and a transform something that moves. */
 static conus_status check_moves(const struct manifest *manifest)
 {
     static const char why[] = "moves: there is no transform that could move it";
-    if (manifest->transform_count) {
-        return CONUS_OK;
-    }
+    bool moves = manifest->parcellation_count || manifest->area_count || manifest->map_count;
     for (size_t i = 0; i < manifest->pathway_count; i++) {
-        if (manifest->pathways[i].moves) {
+        if (manifest->pathways[i].moves && !manifest->transform_count) {
             return fail(CONUS_ERROR_DATA, "pathways[%zu].%s", i, why);
         }
+        moves = moves || manifest->pathways[i].moves;
     }
-    return manifest->context.moves ? fail(CONUS_ERROR_DATA, "context.%s", why) : CONUS_OK;
+    if (manifest->context.moves && !manifest->transform_count) {
+        return fail(CONUS_ERROR_DATA, "context.%s", why);
+    }
+    return moves || !manifest->transform_count
+               ? CONUS_OK
+               : fail(CONUS_ERROR_DATA, "transform: there are no areas, and no pathway says that it moves");
 }
 
 static conus_status check_manifest(const struct manifest *manifest)

@@ -207,6 +207,8 @@ static const struct {
      "parcellation: found \"a?b\", a text of one line that is not empty is needed"},
     {"{\"conus_atlas\": 1, \"references\": 7}", "references: found 7, a text is needed"},
     {"{\"conus_atlas\": 1, \"references\": [\"A\", {}]}", "references[1]: found an object, a text is needed"},
+    {"{\"conus_atlas\": 1, \"transform\": \"a\", \"pathways\": [\"b\"]}",
+     "transform: there are no areas, and no pathway says that it moves"},
     {"{\"conus_atlas\": 1, \"transform\": 1}", "transform: found 1, an object is needed"},
     {"{\"conus_atlas\": 1, \"transform\": [\"a\", {\"inverse\": true}]}", "transform[1].file is missing"},
     {"{\"conus_atlas\": 1, \"transform\": {\"file\": \"a\", \"inverse\": 1}}",
