@@ -35,8 +35,8 @@ static bool go_along(double q[3], double residual[3], const struct deformation *
                      const double step[3])
 {
     double length = vec3_length(residual);
-    double part = 1;
-    for (int i = 0; i < HALVINGS; i++, part /= 2) {
+    for (int i = 0; i < HALVINGS; i++) {
+        double part = ldexp(1, -i);
         double next[3];
         double left[3];
         vec3_add_scaled(next, q, part, step);
@@ -85,8 +85,8 @@ static bool nearest_node(double out[3], const struct deformation *field, const d
         step[a] = (double)(field->dim[a] - 1) / (LATTICE - 1);
     }
     for (int n = 0; n < LATTICE * LATTICE * LATTICE; n++) {
-        const double q[3] = {floor(n % LATTICE * step[0]), floor(n / LATTICE % LATTICE * step[1]),
-                             floor(n / LATTICE / LATTICE * step[2])};
+        const int at[3] = {n % LATTICE, n / LATTICE % LATTICE, n / LATTICE / LATTICE};
+        const double q[3] = {floor(at[0] * step[0]), floor(at[1] * step[1]), floor(at[2] * step[2])};
         double x[3];
         deformation_at(x, field, q);
         vec3_sub(x, target, x);

@@ -34,8 +34,20 @@ static bool is_warped(const struct volume_source *source, const struct warp_way 
 
 static bool same_place(const struct volume_source *a, const struct volume_source *b)
 {
-    return a->first_warp == b->first_warp && memcmp(a->dim, b->dim, sizeof a->dim) == 0 &&
-           memcmp(a->voxel_from_world, b->voxel_from_world, sizeof a->voxel_from_world) == 0;
+    bool same = a->first_warp == b->first_warp && memcmp(a->dim, b->dim, sizeof a->dim) == 0;
+    for (int i = 0; same && i < 16; i++) {
+        same = a->voxel_from_world[i] == b->voxel_from_world[i];
+    }
+    return same;
+}
+
+/* The indices of a voxel. */
+static void find_indices(double out[3], const size_t dim[3], size_t voxel)
+{
+    const size_t at[3] = {voxel % dim[0], voxel / dim[0] % dim[1], voxel / dim[0] / dim[1]};
+    for (int a = 0; a < 3; a++) {
+        out[a] = (double)at[a];
+    }
 }
 
 /* The source's voxel that is nearest to where a point goes; SIZE_MAX = none. */
@@ -148,12 +160,10 @@ static void fill_row(struct volume *volume, const struct volume_source *source, 
 static void find_row(size_t *nearest, const struct volume_source *source, const struct warp_way *way,
                      const conus_volume_info *grid, size_t first)
 {
-    const double row[2] = {(double)(first / grid->dim[0] % grid->dim[1]),
-                           (double)(first / grid->dim[0] / grid->dim[1])};
     for (size_t i = 0; i < grid->dim[0]; i++) {
-        const double at[3] = {(double)i, row[0], row[1]};
         double point[3];
-        mat4_point(point, grid->world_from_voxel, at);
+        find_indices(point, grid->dim, first + i);
+        mat4_point(point, grid->world_from_voxel, point);
         nearest[i] = nearest_voxel(source, way, point);
     }
 }
@@ -226,8 +236,8 @@ static bool find_place(double p[3], const struct volume_source *source, const st
 static bool has_place(const struct volume_source *source, const struct warp_way *way, const struct warp_plan *plan,
                       const struct ways_back *back, size_t voxel)
 {
-    const size_t *dim = source->dim;
-    double p[3] = {(double)(voxel % dim[0]), (double)(voxel / dim[0] % dim[1]), (double)(voxel / dim[0] / dim[1])};
+    double p[3];
+    find_indices(p, source->dim, voxel);
     mat4_point(p, back->world_from_voxel, p);
     if (!find_place(p, source, way)) {
         return false;
