@@ -12,7 +12,7 @@
 #include <string.h>
 
 static conus_status move_by_affine(conus_atlas *atlas, const char *path, const conus_transform_options *options,
-                                   struct warp_plan *plan, struct file_sums *read)
+                                   const struct warp_plan *plan, struct file_sums *read)
 {
     double atlas_from_world[16];
     if (options->vectors) {
@@ -31,14 +31,15 @@ static conus_status move_by_affine(conus_atlas *atlas, const char *path, const c
 }
 
 static conus_status move_by_field(conus_atlas *atlas, const char *path, const conus_transform_options *options,
-                                  struct warp_plan *plan, struct file_sums *read)
+                                  const struct warp_plan *plan, struct file_sums *read)
 {
     struct deformation field = {0};
     conus_volume_info nodes;
     conus_status status = field_file_read(&field, &nodes, path, options, read, &atlas->notes);
-    plan->grid = plan->grid ? plan->grid : &nodes;
+    struct warp_plan own = *plan;
+    own.grid = plan->grid ? plan->grid : &nodes;
     status = status ? status : file_sums_move(&atlas->files, read);
-    status = status ? status : atlas_warp(atlas, &field, plan);
+    status = status ? status : atlas_warp(atlas, &field, &own);
     deformation_finish(&field);
     return status;
 }
@@ -52,7 +53,8 @@ conus_status conus_atlas_transform(conus_atlas *atlas, const char *path, const c
         return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_transform: an atlas and a path are needed");
     }
     options = options_of(conus_transform_options, options);
-    struct warp_plan plan = {.words = path, .grid = options->grid ? &grid : NULL, .max_memory = options->max_memory};
+    const struct warp_plan plan = {
+        .words = path, .grid = options->grid ? &grid : NULL, .max_memory = options->max_memory};
     size_t file_count = atlas->files.count;
     size_t note_count = atlas->notes.count;
     conus_status status = options->grid ? volume_file_header(&grid, options->grid) : CONUS_OK;

@@ -4,9 +4,20 @@ with an sform along the axes), in which all points go MM to the right: "itk", "s
 ones. With nothing but Python's own library."""
 import array
 import gzip
-import itertools
 import struct
 import sys
+
+
+def along(dim, axis, values):
+    """A volume whose values differ along one axis only, i fastest."""
+    row = array.array("f", values)
+    if axis == 0:
+        return row * (dim[1] * dim[2])
+    step = dim[0] if axis == 1 else dim[0] * dim[1]
+    spread = array.array("f")
+    for value in row:
+        spread.extend(array.array("f", [value]) * step)
+    return spread * (dim[2] if axis == 1 else 1)
 
 
 def main():
@@ -16,45 +27,41 @@ def main():
         old = file.read(348)
     dim = struct.unpack_from("<3h", old, 42)
     rows = [struct.unpack_from("<4f", old, 280 + 16 * row) for row in range(3)]
-    size = [abs(rows[a][a]) for a in range(3)]
+    places = [[rows[a][a] * n + rows[a][3] for n in range(dim[a])] for a in range(3)]
+    flirt = [[abs(rows[a][a]) * n for n in range(dim[a])] for a in range(3)]
     right_handed = rows[0][0] * rows[1][1] * rows[2][2] > 0
-
-    def place(*voxel):
-        return [rows[a][a] * voxel[a] + rows[a][3] for a in range(3)]
-
-    def flirt(*voxel):
-        x, y, z = voxel
-        return [size[0] * (dim[0] - 1 - x if right_handed else x), size[1] * y, size[2] * z]
-
+    if right_handed:
+        flirt[0].reverse()
     side = -1 if right_handed else 1  # of FSL's x, which goes to the left with a right-handed grid...
     side *= 1 if rows[0][0] > 0 else -1  # ... of which x goes to the right
-    vectors = {
-        "itk": lambda *v: (-mm, 0, 0),
-        "nan": lambda *v: (-mm, 0, 0) if any(v) else (float("nan"), 0, 0),
-        "metres": lambda *v: (-mm / 1000, 0, 0),
-        "spm": lambda *v: (place(*v)[0] + mm, *place(*v)[1:]),
-        "unsaid": lambda *v: (place(*v)[0] + mm, *place(*v)[1:]),
-        "lps": lambda *v: (-place(*v)[0] - mm, -place(*v)[1], place(*v)[2]),
-        "rel": lambda *v: (side * mm, 0, 0),
-        "abs": lambda *v: (flirt(*v)[0] + side * mm, *flirt(*v)[1:]),
-        "fold": lambda *v: (-mm * (v[0] - dim[0] / 2 if abs(v[0] - dim[0] / 2) < 3 else 0), 0, 0),
-    }.get(kind, lambda *v: (-mm, 0, 0))
+    middle = [n - dim[0] / 2 for n in range(dim[0])]
+    x = {
+        "metres": [-mm / 1000] * dim[0],
+        "spm": [p + mm for p in places[0]],
+        "unsaid": [p + mm for p in places[0]],
+        "lps": [-p - mm for p in places[0]],
+        "rel": [side * mm] * dim[0],
+        "abs": [p + side * mm for p in flirt[0]],
+        "fold": [-mm * (n if abs(n) < 3 else 0) for n in middle],
+    }.get(kind, [-mm] * dim[0])
+    others = {"spm": places, "unsaid": places, "lps": [[], [-p for p in places[1]], places[2]], "abs": flirt}
+    y, z = others.get(kind, [[], [0] * dim[1], [0] * dim[2]])[1:]
+    vectors = [along(dim, 0, x), along(dim, 1, y), along(dim, 2, z)]
+    if kind == "nan":
+        vectors[0][0] = float("nan")
     head = bytearray(old) + bytes(4)
     four = kind in ("rel", "abs", "spline")
     struct.pack_into("<8h", head, 40, *((4, *dim, 3, 1, 1, 1) if four else (5, *dim, 1, 3, 1, 1)))
     if kind == "two":  # components
         struct.pack_into("<8h", head, 40, 5, *dim, 1, 2, 1, 1)
-    code = {"rel": 2006, "abs": 0, "spline": 2007, "dense": 0}.get(kind, 1007)
+    code = {"rel": 2006, "abs": 0, "spline": 2007}.get(kind, 1007)
     struct.pack_into("<h", head, 68, code)
     struct.pack_into("<2h", head, 70, 16, 32)
     struct.pack_into("<3f", head, 108, 352, 1, 0)
     name = {"spm": b"Mapping", "lps": b"Mapping", "reg": b"NREG_TRANS"}.get(kind, b"")
     head[328:344] = name + bytes(16 - len(name))
-    nodes = [vectors(i, j, k) for k, j, i in itertools.product(*map(range, reversed(dim)))]
     with gzip.open(out, "wb", compresslevel=1) as file:
-        file.write(bytes(head))
-        for component in range(3):
-            file.write(array.array("f", [node[component] for node in nodes]).tobytes())
+        file.write(bytes(head) + b"".join(v.tobytes() for v in vectors))
 
 
 main()
