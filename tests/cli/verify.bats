@@ -345,6 +345,8 @@ hostile() {
     hostile "conus query atlas/sphere.nii.gz $aim -o $PWD/evil.tsv --voxels $PWD/evil2.tsv --voxels-of all --sidecar $PWD/evil.json --mask $PWD/evil.nii.gz" 'angle_deg' 1
     hostile "conus query atlas/sphere.nii.gz $aim -o ../../../evil.tsv --image ..png" 'angle_deg' 1
     hostile "conus batch atlas/sphere.nii.gz --poses poses.tsv -o $PWD/evil.tsv --force" 'differ' 1
+    hostile "conus query $aim -- --output=$PWD/evil.tsv" '--output='
+    hostile "conus batch --jobs poses.tsv -o out/x.tsv" 'cannot be verified'
     # Paths of files that lead out of the folder.
     jq '.Inputs = [{path: "../../../../x/../../y", sha256: null}]' "$BATS_FILE_TMPDIR/kept/out/q.json" >out/q.json
     says 3 'x/../../y is missing' out/q.tsv

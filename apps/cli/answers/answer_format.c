@@ -66,6 +66,7 @@ bool answer_format(conus_format *out, const struct arguments *arguments, const s
 int answer_sidecar(char **out, conus_format format, const struct answer_settings *settings)
 {
     const char *given = settings->sidecar;
+    const char *output = settings->output;
     *out = NULL;
     if (given && format == CONUS_FORMAT_JSON) {
         return print_usage_error("--sidecar has no effect with JSON, which says everything itself");
@@ -73,10 +74,10 @@ int answer_sidecar(char **out, conus_format format, const struct answer_settings
     if (given && (output_is_stdout(given) || !path_ends(given, ".json"))) {
         return print_usage_error("--sidecar: \"%s\" does not end in .json", given);
     }
-    if ((!given && output_is_no_file(settings->output)) || format == CONUS_FORMAT_JSON) {
+    if ((!given && (!output || output_is_no_file(output))) || format == CONUS_FORMAT_JSON) {
         return EXIT_DONE;
     }
-    *out = given ? strdup(given) : provenance_path(settings->output);
+    *out = given ? strdup(given) : provenance_path(output);
     if (!*out) {
         print_error_line("not enough memory");
         return EXIT_DATA;
@@ -102,7 +103,9 @@ int answer_write_sidecar(conus_report *report, const char *path, const char *sid
     provenance_add_output(&own, option_of(&own), output_is_stdout(path) ? NULL : path, text, size);
     conus_status status = conus_report_sidecar(&head, &length, report);
     int code = status ? print_status(status) : provenance_complete(&whole, head, length, &own);
-    code = code ? code : output_write(sidecar, whole, strlen(whole));
+    if (whole) {
+        code = output_write(sidecar, whole, strlen(whole));
+    }
     free(whole);
     return code;
 }
@@ -116,7 +119,9 @@ static int write_json(const char *path, const struct provenance *provenance, con
     provenance_add_output(&own, option_of(&own), output_is_stdout(path) ? NULL : path, rows,
                           size - (size_t)(rows - text));
     int code = provenance_complete(&whole, text, size, &own);
-    code = code ? code : output_write(path, whole, strlen(whole));
+    if (whole) {
+        code = output_write(path, whole, strlen(whole));
+    }
     free(whole);
     return code;
 }

@@ -115,7 +115,9 @@ static int write_sidecar(const struct mask *mask, conus_report *report, const st
     provenance_add_output(&own, "mask", mask->settings->path, NULL, 0);
     conus_status status = conus_report_grid_sidecar(&text, &size, report, mask->grid);
     int code = status ? print_status(status) : provenance_complete(&whole, text, size, &own);
-    code = code ? code : output_write(mask->sidecar, whole, strlen(whole));
+    if (whole) {
+        code = output_write(mask->sidecar, whole, strlen(whole));
+    }
     free(whole);
     return code;
 }

@@ -154,7 +154,7 @@ static char *path_from(const char *folder, const char *path)
 }
 
 /* Files of its name come first: of a thousand files of one size it is hardly another one. */
-static bool search(struct found_file *out, const struct recorded_file *file, const struct places *places)
+static void search(struct found_file *out, const struct recorded_file *file, const struct places *places)
 {
     for (int named = 1; named >= 0; named--) {
         for (size_t i = 0; i < places->candidate_count; i++) {
@@ -162,11 +162,11 @@ static bool search(struct found_file *out, const struct recorded_file *file, con
             bool is_named = strcmp(name_of(place->path), name_of(file->path)) == 0;
             if (is_named == named && (file->bytes < 0 || file->bytes == place->bytes) &&
                 has_sum(file, place->path, place->bytes)) {
-                return try_path(out, file, strdup(place->path), FILE_MOVED);
+                try_path(out, file, strdup(place->path), FILE_MOVED);
+                return;
             }
         }
     }
-    return false;
 }
 
 bool file_find(struct found_file *out, const struct recorded_file *file, const struct places *places)
@@ -177,7 +177,9 @@ bool file_find(struct found_file *out, const struct recorded_file *file, const s
     for (size_t i = 0; i < 2 && !found; i++) {
         found = try_path(out, file, path_beside(places->beside[i], name_of(file->path)), FILE_MOVED);
     }
-    found = found || (file->sha256 && search(out, file, places));
+    if (!found && file->sha256) {
+        search(out, file, places);
+    }
     if (out->state != FILE_MISSING && !out->path) {
         print_error_line("%s: %s", file->path, strerror(errno));
     }

@@ -138,7 +138,7 @@ struct writing {
     const struct stage *stage;
     char *words[COMMAND_WORDS + 16];
     int count;
-    size_t atlases; /* how many were written */
+    size_t atlases; /* how many of --atlas were written */
     bool has_output, has_format, whole;
 };
 
@@ -147,6 +147,8 @@ static void put(struct writing *out, char *word)
     out->whole = out->whole && word && out->count < COMMAND_WORDS + 8;
     if (out->whole) {
         out->words[out->count++] = word;
+    } else {
+        free(word);
     }
 }
 
@@ -156,10 +158,19 @@ static void put_option(struct writing *out, const char *name, const char *value)
     put(out, asprintf(&word, "--%s%s%s", name, value ? "=" : "", value ? value : "") < 0 ? NULL : word);
 }
 
-/* An atlas that was given by its name: if that means another file here, or none, the recorded file. */
-static char *atlas_word(struct writing *out, const char *given)
+/* Without a path the command line is not whole. */
+static void put_path(struct writing *out, const char *name, const char *path)
 {
-    const char *recorded = record_atlas(out->replay->record, out->atlases++);
+    out->whole = out->whole && path;
+    if (path) {
+        put_option(out, name, path);
+    }
+}
+
+/* An atlas that was given by its name: if that means another file here, or none, the recorded file. */
+static char *atlas_word(const struct writing *out, const char *given, size_t index)
+{
+    const char *recorded = record_atlas(out->replay->record, index);
     size_t length = recorded ? strlen(recorded) : 0;
     bool is_name = recorded && !strchr(given, '/') && strncmp(given, recorded, length) != 0;
     if (is_name) {
@@ -176,14 +187,12 @@ static char *atlas_word(struct writing *out, const char *given)
 /* A file of the same name in a folder of its own. */
 static void put_output(struct writing *out, const char *option, const char *given)
 {
-    const char *name = output_is_stdout(given) ? "rows" : strrchr(given, '/') ? strrchr(given, '/') + 1 : given;
+    const char *slash = given ? strrchr(given, '/') : NULL;
+    const char *name = !given || output_is_stdout(given) ? "rows" : slash ? slash + 1 : given;
     conus_format format;
     char *path = stage_output(out->stage, option, name);
     bool is_rows = strcmp(option, "output") == 0;
-    if (path) {
-        put_option(out, option, path);
-    }
-    out->whole = out->whole && path;
+    put_path(out, option, path);
     if (is_rows && !out->has_format && path && !output_format(&format, path)) { /* it went to no file */
         put_option(out, "format", strcmp(out->replay->command->name, "batch") == 0 ? "tsv" : "table");
     }
@@ -203,9 +212,8 @@ static void put_use(struct writing *out, const struct option_use *use)
         }
         break;
     case READ:
-        read = is_atlas ? atlas_word(out, use->value) : stage_word(out->stage, use->value);
-        out->whole = out->whole && read;
-        put_option(out, name, read);
+        read = is_atlas ? atlas_word(out, use->value, ++out->atlases) : stage_word(out->stage, use->value);
+        put_path(out, name, read);
         break;
     case WRITTEN:
         put_output(out, name, use->value);
@@ -223,26 +231,24 @@ static void put_job(struct writing *out)
     const struct record *record = out->replay->record;
     const char *poses = json_string_value(json_object_get(json_object_get(record->root, "Batch"), "pose_file"));
     char *read = poses ? stage_word(out->stage, poses) : NULL;
-    out->whole = out->whole && read;
-    if (read) {
-        put_option(out, "poses", read);
-    }
+    put_path(out, "poses", read);
     put_output(out, "output", out->replay->result);
     free(read);
 }
 
+/* Behind "--": a path may begin with a dash. */
 static void put_operands(struct writing *out)
 {
     const struct arguments *arguments = &out->replay->arguments;
-    const char *job = arguments->operand_count ? NULL : record_atlas(out->replay->record, 0);
+    const char *atlas = arguments->operand_count ? arguments->operands[0] : record_atlas(out->replay->record, 0);
     put(out, strdup("--"));
+    put(out, atlas ? atlas_word(out, atlas, 0) : NULL);
     for (size_t i = 1; i < arguments->operand_count; i++) {
         put(out, stage_word(out->stage, arguments->operands[i]));
     }
     for (size_t i = 0; i < arguments->more.count; i++) {
         put(out, stage_word(out->stage, arguments->more.items[i]));
     }
-    out->whole = out->whole && (arguments->operand_count || job);
 }
 
 static void put_words(struct writing *out)
@@ -253,8 +259,6 @@ static void put_words(struct writing *out)
     char shard[64];
     put(out, strdup("conus"));
     put(out, strdup(replay->command->name));
-    const char *atlas = arguments->operand_count ? arguments->operands[0] : record_atlas(replay->record, 0);
-    put(out, atlas ? atlas_word(out, atlas) : NULL);
     put_option(out, "quiet", NULL);
     for (size_t i = 0; i < arguments->use_count; i++) {
         out->has_format = out->has_format || strcmp(arguments->uses[i].option->name, "format") == 0;
