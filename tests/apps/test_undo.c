@@ -139,6 +139,26 @@ static void each_change_is_taken_back(void **state)
     close_window(&window);
 }
 
+/* Back to when the device was nowhere, nothing is left of its answer. */
+static void without_a_device_there_is_no_answer(void **state)
+{
+    struct viewer viewer;
+    struct window window;
+    (void)state;
+    open_window(&window, &viewer);
+    viewer.cone.pointer = POINT_BY_WAND;
+    viewer.version++;
+    undo_note(&window);
+    viewer_aim_along(&viewer, eye, back);
+    undo_note(&window);
+    undo_step(&window, -1);
+    assert_false(viewer.cone.has_pose);
+    assert_null(viewer_selection(&viewer));
+    undo_step(&window, 1);
+    assert_int_equal(conus_selection_result(viewer_selection(&viewer), 0)->object, 1);
+    close_window(&window);
+}
+
 static void views_and_what_moves_by_itself_stay(void **state)
 {
     struct viewer viewer;
@@ -177,9 +197,8 @@ static void views_and_what_moves_by_itself_stay(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_history_goes_back_and_forth),
-        cmocka_unit_test(the_oldest_states_go),
-        cmocka_unit_test(each_change_is_taken_back),
+        cmocka_unit_test(a_history_goes_back_and_forth),       cmocka_unit_test(the_oldest_states_go),
+        cmocka_unit_test(each_change_is_taken_back),           cmocka_unit_test(without_a_device_there_is_no_answer),
         cmocka_unit_test(views_and_what_moves_by_itself_stay),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -211,11 +211,7 @@ void viewer_aim_along(struct viewer *viewer, const double origin[3], const doubl
 void viewer_clear(struct viewer *viewer)
 {
     viewer->cone.has_pose = viewer->cone.frozen = false;
-    for (size_t i = 0; i < viewer->atlas_count; i++) {
-        view_atlas_forget(&viewer->atlases[i]);
-    }
-    viewer->cone.answer_number++;
-    viewer->version++;
+    viewer_reselect(viewer);
 }
 
 void viewer_place(struct viewer *viewer)
@@ -232,7 +228,12 @@ void viewer_reselect(struct viewer *viewer)
     viewer->version++;
     if (viewer->cone.has_pose) {
         select_now(viewer);
+        return;
     }
+    for (size_t i = 0; i < viewer->atlas_count; i++) {
+        view_atlas_forget(&viewer->atlases[i]);
+    }
+    viewer->cone.answer_number++;
 }
 
 static double distance_between(const double a[3], const double b[3])

@@ -108,7 +108,7 @@ void viewer_clear(struct viewer *viewer);
 double viewer_question(conus_selector_options *options, const struct viewer *viewer);
 /** Puts the device in front of the brain, looking at its middle, unless it has a pose already. */
 void viewer_place(struct viewer *viewer);
-/** To be called after options, angle or score changed. */
+/** To be called after options, angle or score changed, or whether there is a pose: without one there is no answer. */
 void viewer_reselect(struct viewer *viewer);
 /** Pins the best result in the drawn atlas, or else nothing. */
 void viewer_confirm(struct viewer *viewer);

@@ -11,8 +11,7 @@ struct notice {
     bool is_old;      /**< So the answer is one from before. */
 };
 
-/** @p station tells whether there is a tracker, of which @p news are; @p has_poses whether there is a file to replay.
- */
+/** @p has_station: there is a tracker, of which @p news are; @p has_poses: there is a file to replay. */
 void notice_find(struct notice *out, const struct viewer *viewer, bool has_station, const struct station_news *news,
                  bool has_poses);
 
