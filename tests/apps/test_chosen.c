@@ -43,9 +43,9 @@ static void check_ball(const struct cells *cells, double radius)
             high[a] = fmax(high[a], cells->middles[i][a]);
         }
     }
-    for (int a = 0; a < 3; a++) { /* all sides of it are there */
-        assert_near(low[a], -radius, 1.5);
-        assert_near(high[a], radius, 1.5);
+    for (int a = 0; a < 3; a++) { /* all sides are there: faces of voxels are at the radius, a whole number */
+        assert_true(low[a] >= -radius && low[a] <= -radius + cells->edge);
+        assert_true(high[a] <= radius && high[a] >= radius - cells->edge);
     }
 }
 

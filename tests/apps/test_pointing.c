@@ -51,7 +51,7 @@ static conus_atlas *make_blocks(int front)
     return atlas;
 }
 
-/* A head of grey 100 where |y| is at most 40, and before it a voxel of noise, at y = 60. */
+/* A head of grey 100 where |y| is at most 40, and before it two voxels of noise, at y = 46 and 60. */
 static void add_head(conus_atlas *atlas)
 {
     float *grey = calloc(VOXELS, sizeof *grey);
@@ -63,7 +63,7 @@ static void add_head(conus_atlas *atlas)
             }
         }
     }
-    grey[voxel_of(0, 60, 0)] = 100;
+    grey[voxel_of(0, 46, 0)] = grey[voxel_of(0, 60, 0)] = 100;
     const conus_voxels voxels = {
         .data = grey,
         .type = CONUS_SCALAR_FLOAT32,
@@ -107,6 +107,9 @@ static void a_context_is_the_surface_where_its_skin_is(void **state)
     assert_near(viewer.drawn->window[1], 100, 1e-4);
     assert_near(point_depth(&viewer, eye, back), 49.2, 0.02);
     assert_near(point_depth(&viewer, (double[]){5, 200, 5}, back), 159.2, 0.02);
+    for (int tenth = 0; tenth < 10; tenth++) { /* wherever steps of a voxel meet the noise */
+        assert_near(point_depth(&viewer, (double[]){0, 50 + 0.1 * tenth, 0}, back), 9.2 + 0.1 * tenth, 0.02);
+    }
     viewer.display.fade = 1; /* a head that is not drawn is a head still */
     assert_near(point_depth(&viewer, eye, back), 49.2, 0.02);
     viewer_finish(&viewer);
