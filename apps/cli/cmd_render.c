@@ -3,6 +3,7 @@
 #include "cli/commands.h"
 #include "cli/figure.h"
 #include "cli/render_rows.h"
+#include "cli/translucent.h"
 #include "common/messages.h"
 #include "common/output.h"
 #include "settings/aim_notes.h"
@@ -21,6 +22,7 @@ struct render_settings {
     const char *output;
     struct row_choice choice;
     struct figure_settings figure;
+    struct translucent_settings translucent;
     uint32_t slices;
     const char *camera;
     double camera_origin[3], camera_toward[3], camera_up[3];
@@ -124,6 +126,7 @@ static const struct option row_options[] = {
 static const struct option_group groups[] = {
     {"Picture", picture_options, 0},
     {"", figure_options, offsetof(struct render_settings, figure)},
+    {"", translucent_options, offsetof(struct render_settings, translucent)},
     {"Cone to draw", aim_options, offsetof(struct render_settings, aim)},
     {"", row_options, 0},
     {"", pose_file_options, offsetof(struct render_settings, file)},
@@ -148,6 +151,7 @@ struct picture {
     conus_aims *aims;
     conus_pose_list *poses;
     struct drawn_rows rows; /* of them */
+    struct translucent translucent;
     conus_pose camera;
     bool has_camera;
     bool failed; /* Some poses have no picture. */
@@ -159,6 +163,7 @@ static void picture_finish(struct picture *picture)
     conus_aims_destroy(picture->aims);
     conus_selector_destroy(picture->selector);
     conus_atlas_destroy(picture->atlas);
+    translucent_finish(&picture->translucent);
     render_rows_finish(&picture->rows);
     conus_pose_list_destroy(picture->poses);
 }
@@ -243,7 +248,8 @@ static bool check_picture(const struct render_settings *settings, const struct a
 {
     return path_check_ending("output", settings->output, ".png", ".exr") && check_cone(settings, arguments) &&
            check_camera(arguments) && check_rows(settings, arguments) && figure_check(&settings->figure, arguments) &&
-           option_needs(arguments, "transfer", "context") && settings_check_space(arguments, &settings->aim.space);
+           translucent_check(&settings->translucent) && option_needs(arguments, "transfer", "context") &&
+           settings_check_space(arguments, &settings->aim.space);
 }
 
 /* ---- Poses ------------------------------------------------------------------------------------------------------ */
@@ -373,7 +379,8 @@ static int load_atlas(struct picture *picture)
 {
     const struct render_settings *settings = picture->settings;
     int code = settings_load_atlas(&picture->atlas, picture->arguments->operands[0], &settings->atlas);
-    return code ? code : settings_load_context(picture->atlas, settings->context, 0, &settings->atlas);
+    code = code ? code : settings_load_context(picture->atlas, settings->context, 0, &settings->atlas);
+    return code ? code : translucent_find(&picture->translucent, picture->atlas, &settings->translucent);
 }
 
 static conus_status make_selector(struct picture *picture)
@@ -394,6 +401,8 @@ static conus_status make_renderer(struct picture *picture)
     }
     const conus_renderer_options options = {.transfer = settings->transfer,
                                             .max_memory = settings->atlas.max_memory,
+                                            .pathways = picture->translucent.pathways,
+                                            .pathway_count = picture->translucent.pathway_count,
                                             .log = settings->common.verbose ? log_line : NULL};
     conus_status status = conus_renderer_create(&picture->renderer, picture->atlas, &options);
     if (!status && settings->common.verbose) {
@@ -422,6 +431,8 @@ static conus_status draw_picture(const struct picture *picture, const conus_sele
                        .frustum = {f[0], f[1], f[2], f[3]},
                        .camera = picture->has_camera ? &picture->camera : NULL,
                        .selection = selection,
+                       .opacity = picture->translucent.opacity,
+                       .pale = picture->translucent.pale,
                        .no_skipping = settings->no_skipping};
     figure_view(&view, &settings->figure);
     conus_status status = conus_render(&image, picture->renderer, &view);

@@ -32,6 +32,13 @@ typedef struct conus_cutter conus_cutter;     /**< A flat cut of one atlas that 
  */
 CONUS_API const char *conus_transfer_preset(size_t index);
 
+/** How a renderer draws a pathway as haze: by colours and opacities of its values, as a context. */
+typedef struct conus_pathway_transfer {
+    uint32_t pathway;     /**< Its number; 0 = every one that has no entry of its own. */
+    const char *transfer; /**< Preset name or TF file, over the values from where the pathway begins to its largest;
+                             "own" = its own colour, denser where values are larger. */
+} conus_pathway_transfer;
+
 /** How a renderer draws. */
 typedef struct conus_renderer_options {
     size_t struct_size;   /**< Its size, as #CONUS_RENDERER_OPTIONS_INIT sets it; 0 = that of this version. */
@@ -40,6 +47,9 @@ typedef struct conus_renderer_options {
     uint64_t max_memory;  /**< Of textures, and of a picture, in bytes; 0 = 8 GiB. */
     conus_log log;        /**< NULL = silent. */
     void *log_user;       /**< Passed to @p log. */
+    const conus_pathway_transfer *pathways; /**< [pathway_count] Pathways that are haze in place of surfaces; only the
+                                               voxels that belong to them are drawn. */
+    size_t pathway_count;                   /**< 0 = none. */
 } conus_renderer_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -162,6 +172,11 @@ typedef struct conus_view {
     uint8_t background_rgb[3];   /**< sRGB, of #CONUS_BACKGROUND_COLOUR. */
     double dpi; /**< Pixels per inch, up to 100000: letters have 7.5 points, and files say it; 0 = not known, letters
                    are as high as a 54th of the shorter side. */
+    const double *opacity; /**< [object count + 1] Opacity of the surface of each object, by number, 0 to 1; NaN =
+                              as @p pale says. An area that is given one is drawn beside pathways, too. NULL = all
+                              NaN. Not of pathways that are haze. */
+    double pale;           /**< Opacity of what the selection does not hit, of all without a selection; 0 = 1, as of
+                              what it hits. */
 } conus_view;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */

@@ -1044,19 +1044,19 @@ class Atlas:
             origin, toward=toward, direction=direction, up=up, pose=pose, angle=angle
         )
 
-    def renderer(self, *, transfer: Any = None, max_memory: int = 0) -> Renderer:
+    def renderer(self, *, transfer: Any = None, max_memory: int = 0, pathway_transfers: Any = None) -> Renderer:
         """The atlas made ready to be drawn again and again: see :class:`Renderer`."""
-        return Renderer(self, transfer=transfer, max_memory=max_memory)
+        return Renderer(self, transfer=transfer, max_memory=max_memory, pathway_transfers=pathway_transfers)
 
     def render(self, selection: Optional[Selection] = None, *, transfer: Any = None, max_memory: int = 0,
-               **view: Any) -> Picture:
+               pathway_transfers: Any = None, **view: Any) -> Picture:
         """Draws one picture in space, as ``conus render`` does.
 
         Parameters
         ----------
         selection
             Its cone is drawn, with a legend.
-        transfer, max_memory
+        transfer, max_memory, pathway_transfers
             As of :class:`Renderer`.
         **view
             Of :meth:`Renderer.render`: size=(700, 525), camera_origin=(0, 0, 500), ...
@@ -1071,7 +1071,9 @@ class Atlas:
         GLError
             Without an OpenGL 4.5 driver. Debian's libgl1-mesa-dri has one in software.
         """
-        with self.renderer(transfer=transfer, max_memory=max_memory) as renderer:
+        with self.renderer(
+            transfer=transfer, max_memory=max_memory, pathway_transfers=pathway_transfers
+        ) as renderer:
             return renderer.render(selection, **view)
 
     def near(self, point: Any, radius: float, **options: Any) -> Selection:

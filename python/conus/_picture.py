@@ -6,6 +6,7 @@ import math
 import os
 import re
 import threading
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, Callable, Optional, Sequence, Union
 
 import numpy as np
@@ -165,7 +166,10 @@ class Renderer:
         :func:`transfer_presets`), a TF file, or (n, 5) points of value, sRGB, and opacity of 1 mm. Without
         it, what the manifest says, or "brain".
     max_memory : int
-        Of textures, bytes; 0 = 8 GiB.
+        Of textures and of a picture, bytes; 0 = 8 GiB.
+    pathway_transfers : str, path or dict, optional
+        Pathways are drawn as haze, by colours and opacities of their values: "own" (their colour), a preset,
+        a TF file; or ``{name or number: one of these, ...}`` for some of them.
 
     Raises
     ------
@@ -175,7 +179,8 @@ class Renderer:
         For a transfer function that is none, and for one without a context.
     """
 
-    def __init__(self, atlas: Atlas, *, transfer: Any = None, max_memory: int = 0) -> None:
+    def __init__(self, atlas: Atlas, *, transfer: Any = None, max_memory: int = 0,
+                 pathway_transfers: Any = None) -> None:
         self.atlas = atlas
         self._p: Any = None
         pointer, out = atlas._p, ffi.new("conus_renderer **")
@@ -183,6 +188,8 @@ class Renderer:
         is_name = isinstance(transfer, (str, bytes, os.PathLike))
         name = path_of("transfer", transfer) if is_name else ffi.NULL
         options.transfer = name
+        pathways, alive = _pathways_of(atlas, pathway_transfers)
+        options.pathways, options.pathway_count = pathways, len(alive)
         self._owner = GLOwner()
         check(lib.conus_renderer_create(out, pointer, options))
         self._p = owned(out[0], self._owner.ender(lib.conus_renderer_destroy), pointer)
@@ -258,6 +265,7 @@ class Renderer:
         width_mm: Optional[float] = None,
         height_mm: Optional[float] = None,
         dpi: Optional[float] = None,
+        opacity: Union[float, Mapping[Union[str, int], float], None] = None,
     ) -> Picture:
         """Draws the atlas as ``conus render`` does.
 
@@ -300,6 +308,9 @@ class Renderer:
             In place of size: the width and height on paper, mm (the height is three quarters of the
             width if not given), and pixels per inch (300 if not given). With dpi letters have 7.5
             points, and files say how large they are.
+        opacity : float or dict
+            Of surfaces, 0 to 1: of all that the selection does not hit, or ``{name or number: opacity, ...}``
+            of these with those below them in the area tree; the key None is of all that is not hit.
 
         Returns
         -------
@@ -330,11 +341,51 @@ class Renderer:
         options.no_legend = legend is False
         options.legend = choice("legend", legend, _LEGENDS) if isinstance(legend, str) else 0
         _set_background(options, background)
+        opacities = self._opacities(options, opacity)
+        options.opacity = opacities
         check(lib.conus_render(out, pointer, options))
         return Picture(out[0], self.device)
 
+    def _opacities(self, view: Any, opacity: Any) -> Any:
+        """The numbers by object, which must live while it is drawn; sets that of what is not hit."""
+        given = dict(opacity) if isinstance(opacity, Mapping) else {None: opacity}
+        pale = given.pop(None, None)
+        if pale is not None:
+            view.pale = real("opacity", pale)
+            if view.pale == 0:  # which is the library's word for its default
+                raise ArgumentError("opacity: 0 of all that is not hit, allowed is more than 0")
+        if not given:
+            return ffi.NULL
+        numbers_ = ffi.new("double[]", [math.nan] * (len(self.atlas) + 1))
+        count = len(self.atlas)
+        parents = {number: lib.conus_atlas_object(self.atlas._p, number).parent for number in range(1, count + 1)}
+        for name, value in given.items():
+            found, wanted = self.atlas.find(name), real("opacity", value)
+            if math.isnan(wanted):
+                raise ArgumentError("opacity: nan, allowed is 0 to 1")
+            for number in parents:
+                ancestor: Optional[int] = number
+                while ancestor and ancestor != found:
+                    ancestor = parents[ancestor]
+                if ancestor == found:
+                    numbers_[number] = wanted
+        return numbers_
+
     def __repr__(self) -> str:
         return f"<conus.Renderer of {self.atlas!r}>"
+
+
+def _pathways_of(atlas: Atlas, transfers: Any) -> tuple[Any, list[Any]]:
+    """An array of conus_pathway_transfer, and what it points to."""
+    if transfers is None:
+        return ffi.NULL, []
+    entries = dict(transfers) if isinstance(transfers, Mapping) else {None: transfers}
+    paths = [path_of("pathway_transfers", path) for path in entries.values()]
+    numbers_ = [0 if name is None else atlas.find(name) for name in entries]
+    out = ffi.new("conus_pathway_transfer[]", len(paths))
+    for entry, number, path in zip(out, numbers_, paths):
+        entry.pathway, entry.transfer = number, path
+    return out, paths
 
 
 def _camera_of(camera: Any, origin: Any, toward: Any, up: Any) -> Any:

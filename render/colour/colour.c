@@ -17,29 +17,33 @@ conus_status colour_program_create(GLuint *out, const struct program_shader *ver
 {
     const struct program_define defines[] = {
         {"MARKER_LIMIT", COLOUR_MARKER_LIMIT}, {"TRANSFER_ENTRIES", COLOUR_TABLE_ENTRIES},
-        {"FIELD_SURFACE", FIELD_SURFACE},      {"PLAIN_AREAS", kind != COLOUR_RAYS},
-        {"SLICES", kind == COLOUR_SLICES},     {"TILE", COLOUR_TILE}};
+        {"FIELD_SURFACE", FIELD_SURFACE},      {"PLAIN_AREAS", kind == COLOUR_RAYS_PLAIN || kind == COLOUR_SLICES},
+        {"SLICES", kind == COLOUR_SLICES},     {"TILE", COLOUR_TILE},
+        {"TRANSLUCENT", kind == COLOUR_LAYERS}};
+    const struct program_shader more = {"colour_layers.glsl", shader_colour_layers};
     const struct program_source source = {.vertex = *vertex,
                                           .fragment = {"colour.frag.glsl", shader_colour_frag},
+                                          .more = kind == COLOUR_LAYERS ? more : (struct program_shader){0},
                                           .defines = defines,
                                           .define_count = sizeof defines / sizeof *defines};
     return program_create(out, &source);
 }
 
+static const struct program_shader screen = {.file = "screen.vert.glsl", .text = shader_screen_vert};
+static const struct program_shader tile = {.file = "tile.vert.glsl", .text = shader_tile_vert};
+
 conus_status colour_pass_init(struct colour_pass *out, const conus_atlas *atlas, const struct transfer *transfer,
-                              uint64_t max_memory)
+                              struct haze_choice *hazy, uint64_t max_memory)
 {
-    struct colour_pass pass = {0};
+    struct colour_pass pass = {.hazy = *hazy};
     const struct volume *context = atlas_context(atlas);
-    static const struct program_shader screen = {"screen.vert.glsl", shader_screen_vert};
-    static const struct program_shader tile = {"tile.vert.glsl", shader_tile_vert};
     conus_status status = colour_program_create(&pass.program, &screen, COLOUR_RAYS);
     status = status ? status : colour_program_create(&pass.tile_program, &tile, COLOUR_RAYS);
     if (!status) {
         status = colour_upload_palette(&pass, atlas);
     }
     if (!status) {
-        status = colour_upload_objects(&pass, atlas, NULL, &max_memory);
+        status = colour_upload_objects(&pass, atlas, &pass.hazy, &max_memory);
         pass.object_points = pass.content_count;
     }
     if (!status && context) {
@@ -52,18 +56,40 @@ conus_status colour_pass_init(struct colour_pass *out, const conus_atlas *atlas,
         status = colour_add_corners(&pass, &pass.areas);
     }
     if (status) {
+        pass.hazy = (struct haze_choice){0}; /* is still the caller's */
         colour_pass_finish(&pass);
         return status;
     }
+    *hazy = (struct haze_choice){0};
     *out = pass;
     return CONUS_OK;
+}
+
+conus_status colour_pass_need(struct colour_pass *pass, const struct colour_view *view)
+{
+    if (pass->layer_tile_program || !(view->opacity || pass->has_haze)) {
+        return CONUS_OK;
+    }
+    conus_status status =
+        pass->layer_program ? CONUS_OK : colour_program_create(&pass->layer_program, &screen, COLOUR_LAYERS);
+    return status ? status : colour_program_create(&pass->layer_tile_program, &tile, COLOUR_LAYERS);
+}
+
+static bool has_layers(const struct colour_pass *pass, const struct colour_view *view)
+{
+    return view->opacity || pass->has_haze;
+}
+
+GLuint colour_pass_tile_program(const struct colour_pass *pass, const struct colour_view *view)
+{
+    return has_layers(pass, view) ? pass->layer_tile_program : pass->tile_program;
 }
 
 /* 0 stands for no texture. */
 static void delete_textures(const struct colour_pass *pass)
 {
-    const GLuint textures[] = {pass->transfer,    pass->objects,       pass->areas.field,
-                               pass->areas.empty, pass->context.field, pass->context.empty};
+    const GLuint textures[] = {pass->transfer,      pass->objects,       pass->areas.field, pass->areas.empty,
+                               pass->context.field, pass->context.empty, pass->haze.field};
     glDeleteTextures(sizeof textures / sizeof *textures, textures);
 }
 
@@ -91,15 +117,18 @@ static conus_status exchange_content(struct colour_pass *pass, const struct colo
 
 conus_status colour_pass_update(struct colour_pass *pass, const conus_atlas *atlas, uint64_t max_memory)
 {
-    struct colour_pass fresh = {0};
-    conus_status status = colour_upload_objects(&fresh, atlas, pass->drawn, &max_memory);
+    struct colour_pass fresh = {.drawn = pass->drawn};
+    conus_status status = colour_upload_objects(&fresh, atlas, &pass->hazy, &max_memory);
     status = status ? status : exchange_content(pass, &fresh);
     if (!status) {
-        struct colour_pass old = {.areas = pass->areas, .objects = pass->objects};
+        struct colour_pass old = {.areas = pass->areas, .objects = pass->objects, .haze = pass->haze};
         pass->areas = fresh.areas;
+        pass->haze = fresh.haze;
+        pass->has_haze = fresh.has_haze;
         pass->objects = fresh.objects;
         pass->has_areas = fresh.has_areas;
         fresh.areas = old.areas;
+        fresh.haze = old.haze;
         fresh.objects = old.objects;
         if (pass->meshes) {
             mesh_layer_update(pass->meshes, atlas);
@@ -110,28 +139,28 @@ conus_status colour_pass_update(struct colour_pass *pass, const conus_atlas *atl
     return status;
 }
 
-/* Areas of voxels that stand out; false where the picture has the same already. */
-static bool choose_areas(bool *out, const struct colour_pass *pass, const conus_atlas *atlas, const uint8_t *emphasis)
+/* Those of them that are of voxels; false where the picture has the same already. */
+static bool choose_areas(uint8_t *out, const struct colour_pass *pass, const conus_atlas *atlas, const uint8_t *areas)
 {
     bool other = false;
     for (uint32_t number = 1; number <= atlas->area_count; number++) {
         bool in_voxels = atlas_object_volume(atlas, number);
-        out[number] = in_voxels && emphasis && emphasis[number] != EMPHASIS_PALE;
+        out[number] = in_voxels && areas ? areas[number] : PATHWAYS_AREA_LEFT_OUT;
         other = other || out[number] != pass->drawn[number];
     }
     return other;
 }
 
-conus_status colour_pass_include(struct colour_pass *pass, const conus_atlas *atlas, const uint8_t *emphasis,
+conus_status colour_pass_include(struct colour_pass *pass, const conus_atlas *atlas, const uint8_t *areas,
                                  uint64_t max_memory)
 {
     if (!pathways_shown(atlas)) {
         return CONUS_OK;
     }
-    bool *before = pass->drawn;
-    bool *drawn = memory_zeroed(atlas->object_count + 1, sizeof *drawn);
+    uint8_t *before = pass->drawn;
+    uint8_t *drawn = memory_zeroed(atlas->object_count + 1, sizeof *drawn);
     conus_status status = drawn ? CONUS_OK : CONUS_ERROR_MEMORY;
-    if (!status && choose_areas(drawn, pass, atlas, emphasis)) {
+    if (!status && choose_areas(drawn, pass, atlas, areas)) {
         pass->drawn = drawn;
         status = colour_pass_update(pass, atlas, max_memory);
         pass->drawn = status ? before : drawn;
@@ -161,7 +190,7 @@ conus_status colour_pass_set_transfer(struct colour_pass *pass, const conus_atla
 
 void colour_pass_finish(struct colour_pass *pass)
 {
-    const GLuint buffers[] = {pass->view, pass->palette};
+    const GLuint buffers[] = {pass->view, pass->palette, pass->opacities};
     if (pass->program) { /* otherwise there may be no GL at all */
         mesh_layer_destroy(pass->meshes);
         delete_textures(pass);
@@ -169,18 +198,21 @@ void colour_pass_finish(struct colour_pass *pass)
         glDeleteVertexArrays(1, &pass->vertices);
         glDeleteProgram(pass->program);
         glDeleteProgram(pass->tile_program);
+        glDeleteProgram(pass->layer_program);
+        glDeleteProgram(pass->layer_tile_program);
     }
     memory_free(pass->colours);
     memory_free(pass->shown);
     memory_free(pass->drawn);
     memory_free(pass->content);
+    haze_choice_finish(&pass->hazy);
     *pass = (struct colour_pass){0};
 }
 
 /* ---- Drawing -------------------------------------------------------------------------------------------------- */
 /* ---- Drawing -------------------------------------------------------------------------------------------------- */
 
-static void bind_pass(const struct colour_pass *pass)
+static void bind_pass(const struct colour_pass *pass, bool layers)
 {
     const GLuint textures[] = {pass->context.field,
                                pass->context.empty,
@@ -189,12 +221,26 @@ static void bind_pass(const struct colour_pass *pass)
                                pass->areas.empty,
                                pass->objects,
                                pass->meshes ? mesh_layer_surface(pass->meshes) : 0,
-                               pass->meshes ? mesh_layer_object(pass->meshes) : 0};
+                               pass->meshes ? mesh_layer_object(pass->meshes) : 0,
+                               pass->haze.field,
+                               pass->meshes ? mesh_layer_peel_surface(pass->meshes) : 0,
+                               pass->meshes ? mesh_layer_peel_object(pass->meshes) : 0};
     glBindTextures(0, sizeof textures / sizeof *textures, textures);
     glBindBufferBase(GL_UNIFORM_BUFFER, 0, pass->view);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, pass->palette);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, pass->opacities);
     glBindVertexArray(pass->vertices);
-    glUseProgram(pass->program);
+    glUseProgram(layers ? pass->layer_program : pass->program);
+}
+
+/* NULL: all opaque. */
+static void set_opacities(const struct colour_pass *pass, const float *opacity)
+{
+    static const float opaque = 1;
+    glClearNamedBufferData(pass->opacities, GL_R32F, GL_RED, GL_FLOAT, &opaque);
+    if (opacity) {
+        glNamedBufferSubData(pass->opacities, 0, (GLsizeiptr)((pass->object_count + 1) * sizeof *opacity), opacity);
+    }
 }
 
 void colour_pass_prepare(const struct colour_pass *pass, const struct colour_view *view)
@@ -209,12 +255,16 @@ void colour_pass_prepare(const struct colour_pass *pass, const struct colour_vie
     glNamedBufferSubData(pass->view, 0, sizeof block, &block);
     glNamedBufferSubData(pass->palette, 0, (GLsizeiptr)((pass->object_count + 1) * 4 * sizeof *pass->shown),
                          pass->shown);
-    bind_pass(pass);
+    if (has_layers(pass, view)) {
+        set_opacities(pass, view->opacity);
+    }
+    bind_pass(pass, has_layers(pass, view));
 }
 
 conus_status colour_pass_begin(const struct colour_pass *pass, const struct colour_view *view)
 {
-    const struct mesh_layer_view layer = {view->camera, view->width, view->height, {view->shift[0], view->shift[1]}};
+    const struct mesh_layer_view layer = {
+        view->camera, view->width, view->height, {view->shift[0], view->shift[1]}, view->opacity};
     return pass->meshes ? mesh_layer_draw(pass->meshes, &layer) : CONUS_OK;
 }
 

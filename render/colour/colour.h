@@ -9,6 +9,7 @@
 
 #include "atlas/atlas.h"
 #include "render/colour/emphasis.h"
+#include "render/colour/haze.h"
 #include "render/colour/transfer.h"
 #include "render/gl/camera.h"
 #include "render/gl/program.h"
@@ -30,19 +31,21 @@ struct colour_volume {
 
 /** GL objects of one atlas; everything here happens in the context that was current at colour_pass_init(). */
 struct colour_pass {
-    GLuint program;      /**< Over one triangle on the screen.                   */
-    GLuint tile_program; /**< Over squares of the screen (shaders/tile.vert.glsl). */
-    GLuint view, palette, vertices, transfer, objects;
-    struct colour_volume areas, context;
+    GLuint program;                           /**< Over one triangle on the screen.                   */
+    GLuint tile_program;                      /**< Over squares of the screen (shaders/tile.vert.glsl). */
+    GLuint layer_program, layer_tile_program; /**< The same where something is translucent; 0 until it first is. */
+    GLuint view, palette, opacities, vertices, transfer, objects;
+    struct colour_volume areas, context, haze;
+    struct haze_choice hazy;   /**< Pathways that are haze.                */
     struct mesh_layer *meshes; /**< NULL if there are none.              */
-    bool has_areas, has_context;
+    bool has_areas, has_context, has_haze;
     size_t object_count;
     float *colours;       /**< [object_count + 1][4] linear R, G, B, 1.                                        */
     float *shown;         /**< [object_count + 1][4] what the last picture used of them.                       */
     double (*content)[3]; /**< [content_count] world points around everything that shows.                */
     size_t content_count;
     size_t object_points; /**< The first so many of these are of voxels' objects.                        */
-    bool *drawn;          /**< [object_count + 1] areas that are drawn beside pathways.                  */
+    uint8_t *drawn;       /**< [object_count + 1] of enum pathways_area: areas that are drawn beside pathways. */
 };
 
 struct colour_marker {
@@ -66,18 +69,26 @@ struct colour_view {
     size_t marker_count;     /**< Markers from COLOUR_MARKER_LIMIT on are not drawn.             */
     const uint8_t *emphasis; /**< [object_count + 1] of enum emphasis, by number; NULL = all full. */
     const uint32_t *group;   /**< [object_count + 1] whose colour each object has; NULL = its own. */
+    const float *opacity;    /**< [object_count + 1] of surfaces, 0 to 1, by number; NULL = all 1. */
 };
 
+/** Takes @p hazy over, on success. */
 conus_status colour_pass_init(struct colour_pass *out, const conus_atlas *atlas, const struct transfer *transfer,
-                              uint64_t max_memory);
+                              struct haze_choice *hazy, uint64_t max_memory);
 void colour_pass_finish(struct colour_pass *pass);
+
+/** Compiles what @p view needs, which must come before it is drawn. */
+conus_status colour_pass_need(struct colour_pass *pass, const struct colour_view *view);
+
+/** The program that draws tiles of @p view. */
+GLuint colour_pass_tile_program(const struct colour_pass *pass, const struct colour_view *view);
 
 /** Takes over what is hidden in the atlas now. */
 conus_status colour_pass_update(struct colour_pass *pass, const conus_atlas *atlas, uint64_t max_memory);
 
-/** Of an atlas with pathways, draws from now on beside them the areas that stand out by @p emphasis [object_count + 1];
- * NULL = none. */
-conus_status colour_pass_include(struct colour_pass *pass, const conus_atlas *atlas, const uint8_t *emphasis,
+/** Of an atlas with pathways, draws from now on beside them the areas that @p areas [object_count + 1] of enum
+ * pathways_area names; NULL = none. */
+conus_status colour_pass_include(struct colour_pass *pass, const conus_atlas *atlas, const uint8_t *areas,
                                  uint64_t max_memory);
 
 /** Changes the transfer function of the context, if there is one. */
@@ -97,6 +108,7 @@ void colour_pass_prepare(const struct colour_pass *pass, const struct colour_vie
 enum colour_program {
     COLOUR_RAYS = 0,   /**< Over one triangle on the screen: what pictures use.                          */
     COLOUR_RAYS_PLAIN, /**< The same, areas being no more than single samples show: for comparison with ... */
+    COLOUR_LAYERS,     /**< Over one triangle where something is translucent.                                */
     COLOUR_SLICES /**< ... polygons on the planes, blended by the framebuffer: the paper's way. The vertex shader hands
                       on the plane's number as `layout(location = 0) flat out float`.                    */
 };

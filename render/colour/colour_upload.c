@@ -112,8 +112,30 @@ static conus_status upload_areas(struct colour_pass *pass, const struct volume *
     return status;
 }
 
-/* All opaque areas would hide pathways: where there are any, they are drawn with only some areas, those in @p drawn. */
-conus_status colour_upload_objects(struct colour_pass *pass, const conus_atlas *atlas, const bool *drawn,
+static conus_status upload_haze(struct colour_pass *pass, const conus_atlas *atlas, const struct haze_choice *hazy,
+                                uint64_t *memory_left)
+{
+    struct haze_field field = {0};
+    struct volume grid = {0};
+    conus_status status = hazy->transfers ? haze_fill(&field, atlas, hazy, *memory_left) : CONUS_OK;
+    if (!status && field.texels) {
+        status = volume_init(&grid, &field.info);
+        status = status ? status
+                        : volume_texture_create(&pass->haze.field, VOLUME_TEXTURE_HALF4, field.info.dim, field.texels,
+                                                memory_left);
+        if (!status) {
+            place_volume(&pass->haze, &grid);
+            pass->has_haze = true;
+            status = colour_add_corners(pass, &pass->haze);
+        }
+        volume_finish(&grid);
+    }
+    haze_field_finish(&field);
+    return status;
+}
+
+/* All opaque areas would hide pathways: where there are any, they are drawn with only some areas. */
+conus_status colour_upload_objects(struct colour_pass *pass, const conus_atlas *atlas, const struct haze_choice *hazy,
                                    uint64_t *memory_left)
 {
     size_t grids = atlas_parcellation_count(atlas);
@@ -121,10 +143,10 @@ conus_status colour_upload_objects(struct colour_pass *pass, const conus_atlas *
         return grids ? upload_areas(pass, &atlas->volumes[0], memory_left) : CONUS_OK;
     }
     struct volume joint = {0};
-    conus_status status = pathways_join(&joint, atlas, drawn);
+    conus_status status = pathways_join(&joint, atlas, pass->drawn, hazy);
     status = status ? status : upload_areas(pass, &joint, memory_left);
     volume_finish(&joint);
-    return status;
+    return status ? status : upload_haze(pass, atlas, hazy, memory_left);
 }
 
 /* Vertices, about MESH_POINTS of them, for the camera to frame. */
@@ -219,6 +241,8 @@ conus_status colour_upload_palette(struct colour_pass *pass, const conus_atlas *
     glCreateBuffers(1, &pass->palette);
     glNamedBufferData(pass->palette, (GLsizeiptr)((atlas->object_count + 1) * 4 * sizeof *pass->colours), NULL,
                       GL_DYNAMIC_DRAW);
+    glCreateBuffers(1, &pass->opacities);
+    glNamedBufferData(pass->opacities, (GLsizeiptr)((atlas->object_count + 1) * sizeof(float)), NULL, GL_DYNAMIC_DRAW);
     glCreateBuffers(1, &pass->view);
     glNamedBufferData(pass->view, sizeof(struct colour_view_block), NULL, GL_DYNAMIC_DRAW);
     glCreateVertexArrays(1, &pass->vertices);

@@ -15,9 +15,10 @@ enum {
 /** Creates the buffers and the tables by object number. */
 conus_status colour_upload_palette(struct colour_pass *pass, const conus_atlas *atlas);
 
-/** Uploads the parcellation. In an atlas with pathways the areas would hide them: then it uploads the pathways, and
- * only the areas in @p drawn [object_count + 1] (NULL = none). */
-conus_status colour_upload_objects(struct colour_pass *pass, const conus_atlas *atlas, const bool *drawn,
+/** Uploads the parcellation. In an atlas with pathways the areas would hide them: then it uploads the pathways, those
+ * in
+ * @p hazy as haze, and only the areas in pass->drawn (NULL = none). */
+conus_status colour_upload_objects(struct colour_pass *pass, const conus_atlas *atlas, const struct haze_choice *hazy,
                                    uint64_t *memory_left);
 
 conus_status colour_upload_context(struct colour_pass *pass, const struct volume *volume,

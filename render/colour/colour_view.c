@@ -24,8 +24,9 @@ struct slices colour_pass_slices(const struct colour_pass *pass, const struct ca
     struct slices joint = {0};
     uint32_t finest = 1;
     const struct colour_volume *volumes[] = {pass->has_areas ? &pass->areas : NULL,
-                                             pass->has_context ? &pass->context : NULL};
-    for (int i = 0; i < 2; i++) {
+                                             pass->has_context ? &pass->context : NULL,
+                                             pass->has_haze ? &pass->haze : NULL};
+    for (int i = 0; i < 3; i++) {
         if (volumes[i]) {
             uint32_t own = slices_default(volumes[i]->dim);
             finest = own > finest ? own : finest;
@@ -113,9 +114,13 @@ void colour_view_pack(struct colour_view_block *block, const struct colour_pass 
     if (pass->has_context && view->fade < 1) {
         set_volume(block->context_from_camera, block->context_bricks, &pass->context, camera);
     }
+    if (pass->has_haze) {
+        set_volume(block->haze_from_camera, block->haze_shape, &pass->haze, camera);
+    }
     if (view->world_from_cone) {
         set_cone(block, view, camera_from_world);
     }
     set_markers(block, view, camera_from_world);
     block->counts[1] = pass->meshes ? 1 : 0;
+    block->counts[2] = pass->meshes ? (int32_t)mesh_layer_peel_count(pass->meshes) : 0;
 }

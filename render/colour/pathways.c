@@ -30,8 +30,15 @@ bool pathways_shown(const conus_atlas *atlas)
 /* Which areas are drawn. */
 struct choice {
     bool all;
-    const bool *drawn; /* [object_count + 1], if not all; NULL = none */
+    const uint8_t *drawn; /* [object_count + 1], if not all; NULL = none */
+    const struct haze_choice *hazy;
 };
+
+/* Whether a pathway has the voxels that it shares with the area. */
+static bool is_under(const struct choice *choice, uint32_t area)
+{
+    return !choice->all && choice->drawn && choice->drawn[area] == PATHWAYS_AREA_UNDER;
+}
 
 static bool is_drawn(const struct choice *choice, uint32_t area)
 {
@@ -51,13 +58,13 @@ static uint32_t scalar_at(const conus_atlas *atlas, const struct choice *choice,
         bool inside = volume_is_scalar(volume) && volume_can_be_hit(volume) && volume_find_voxel(&voxel, volume, world);
         uint32_t object = inside ? volume_object(volume, voxel) : 0;
         if (object > atlas->area_count) {
-            pathway = object;
+            pathway = haze_is(choice->hazy, object) ? 0 : object;
         } else if (object && volume->values[voxel] > best && is_drawn(choice, object)) {
             area = object;
             best = volume->values[voxel];
         }
     }
-    return area ? area : pathway;
+    return area && !(pathway && is_under(choice, area)) ? area : pathway;
 }
 
 /* Where voxels lie next to each other in several volumes, on the grid of one of them. */
@@ -142,12 +149,21 @@ static uint32_t area_at(const conus_atlas *atlas, const struct choice *choice, c
     return area;
 }
 
-conus_status pathways_join(struct volume *out, const conus_atlas *atlas, const bool *drawn)
+/* What has the cell that holds the world point. */
+static uint32_t object_at(const conus_atlas *atlas, const struct choice *choice, bool areas, const double world[3])
+{
+    uint32_t area = areas ? area_at(atlas, choice, world) : 0;
+    uint32_t scalar = area && !is_under(choice, area) ? 0 : scalar_at(atlas, choice, world);
+    return area && scalar <= atlas->area_count ? area : scalar;
+}
+
+conus_status pathways_join(struct volume *out, const conus_atlas *atlas, const uint8_t *drawn,
+                           const struct haze_choice *hazy)
 {
     const struct volume *first = pathways_first(atlas);
     struct joint grid;
     struct volume joint = {0};
-    const struct choice choice = {.all = !pathways_shown(atlas), .drawn = drawn};
+    const struct choice choice = {.all = !pathways_shown(atlas), .drawn = drawn, .hazy = hazy};
     const bool areas = (choice.all || drawn) && atlas_parcellation_count(atlas);
     find_joint(&grid, atlas, first ? first : find_finest(atlas), areas);
     conus_status status = volume_init(&joint, &grid.info);
@@ -161,8 +177,7 @@ conus_status pathways_join(struct volume *out, const conus_atlas *atlas, const b
         const size_t at[3] = {v % dim[0], v / dim[0] % dim[1], v / dim[0] / dim[1]};
         double p[3] = {(double)at[0], (double)at[1], (double)at[2]};
         mat4_point(p, grid.info.world_from_voxel, p);
-        uint32_t area = areas ? area_at(atlas, &choice, p) : 0;
-        joint.objects32[v] = area ? area : scalar_at(atlas, &choice, p);
+        joint.objects32[v] = object_at(atlas, &choice, areas, p);
     }
     *out = joint;
     return CONUS_OK;

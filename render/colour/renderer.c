@@ -31,8 +31,13 @@ static conus_status create_passes(conus_renderer *renderer, const conus_renderer
     const char *own = renderer->atlas->transfer ? renderer->atlas->transfer : "brain";
     conus_status status = transfer_load(&renderer->transfer, options->transfer ? options->transfer : own);
     status = status ? status : make_absolute(&renderer->transfer, atlas_context(renderer->atlas));
-    return status ? status
-                  : colour_pass_init(&renderer->colour, renderer->atlas, &renderer->transfer, renderer->max_memory);
+    struct haze_choice hazy = {0};
+    status = status ? status : haze_choose(&hazy, renderer->atlas, options);
+    status =
+        status ? status
+               : colour_pass_init(&renderer->colour, renderer->atlas, &renderer->transfer, &hazy, renderer->max_memory);
+    haze_choice_finish(&hazy);
+    return status;
 }
 
 conus_status conus_renderer_create(conus_renderer **out, const conus_atlas *atlas,
@@ -90,12 +95,12 @@ conus_status conus_renderer_update(conus_renderer *renderer)
     return status;
 }
 
-conus_status renderer_include(conus_renderer *renderer, const uint8_t *emphasis)
+conus_status renderer_include(conus_renderer *renderer, const uint8_t *areas)
 {
     struct gl_current previous;
     conus_status status = gl_context_use(renderer->context, &previous);
     if (!status) {
-        status = colour_pass_include(&renderer->colour, renderer->atlas, emphasis, renderer->max_memory);
+        status = colour_pass_include(&renderer->colour, renderer->atlas, areas, renderer->max_memory);
         gl_current_restore(&previous);
     }
     return status;
@@ -161,7 +166,8 @@ conus_status renderer_draw(float *rgba, conus_renderer *renderer, const struct c
     struct gl_current previous;
     conus_status status = gl_context_use(renderer->context, &previous);
     if (!status) {
-        status = draw_picture(rgba, &renderer->colour, view, smooth);
+        status = colour_pass_need(&renderer->colour, view);
+        status = status ? status : draw_picture(rgba, &renderer->colour, view, smooth);
         gl_current_restore(&previous);
     }
     return status;

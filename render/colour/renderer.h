@@ -16,8 +16,8 @@ struct conus_renderer {
     void *log_user;
 };
 
-/** Draws from now on beside pathways the areas that stand out by @p emphasis (colour_pass_include()). */
-conus_status renderer_include(conus_renderer *renderer, const uint8_t *emphasis);
+/** Draws from now on beside pathways the areas that @p areas names (colour_pass_include()). */
+conus_status renderer_include(conus_renderer *renderer, const uint8_t *areas);
 
 /** Runs the colour pass off-screen, and again at edges if @p smooth. @p rgba gets width * height pixels of linear R, G,
  * B times A, and A, bottom row first. */

@@ -80,7 +80,7 @@ static conus_status draw_tiles(const struct tiles *tiles, const struct target *t
         target_bind(target);
         glEnable(GL_BLEND);
         colour_pass_prepare(pass, &shifted);
-        glUseProgram(pass->tile_program);
+        glUseProgram(colour_pass_tile_program(pass, &shifted));
         glUniform2f(0, (float)view->width, (float)view->height);
         glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, buffer);
         glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, (GLsizei)tiles->count);

@@ -42,6 +42,13 @@ static const struct transfer_preset presets[] = {
      "every value in its own grey, brighter ones denser",
      {{0.05, {0, 0, 0, 0}}, {0.30, {0.30, 0.30, 0.30, 0.01}}, {1.00, {1, 1, 1, 0.12}}},
      3},
+    {"heat",
+     "values as heat, from thin dark red to dense yellow: probabilities",
+     {{0.00, {0.45, 0.02, 0.03, 0.01}},
+      {0.35, {0.85, 0.12, 0.03, 0.05}},
+      {0.70, {1, 0.62, 0.05, 0.2}},
+      {1.00, {1, 0.97, 0.75, 0.6}}},
+     4},
     {"bright",
      "only the brightest tissue: white matter in T1, vessels in angiography, bone in CT",
      {{0.78, {0.90, 0.86, 0.78, 0}}, {0.90, {0.95, 0.92, 0.85, 0.35}}, {1.00, {1, 0.99, 0.96, 0.9}}},
@@ -204,7 +211,7 @@ conus_status transfer_load(struct transfer *out, const char *name)
         status = status ? fail_in(status, name) : status;
     } else if (!strchr(name, '/') && !strchr(name, '.')) {
         status = fail(CONUS_ERROR_ARGUMENT,
-                      "transfer function \"%s\" is neither a file nor brain, surface, grey, bright", name);
+                      "transfer function \"%s\" is neither a file nor brain, surface, grey, heat, bright", name);
     }
     bytes_finish(&bytes);
     return status;

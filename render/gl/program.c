@@ -14,7 +14,7 @@
 
 /* Lines of the n-th part of a text count from n * PART_LINES, by #line: compilers repeat those, while Mesa 22.3 loses
  * the number of the source string. */
-enum { PART_PREAMBLE, PART_COMMON, PART_PASS, PART_LINES = 10000 };
+enum { PART_PREAMBLE, PART_COMMON, PART_PASS, PART_MORE, PART_LINES = 10000 };
 
 static void append_text(struct buffer *out, const struct program_source *source, const struct program_shader *shader)
 {
@@ -24,6 +24,9 @@ static void append_text(struct buffer *out, const struct program_source *source,
     }
     buffer_format(out, "#line %d\n%s\n#line %d\n%s", PART_COMMON * PART_LINES + 1, shader_common,
                   PART_PASS * PART_LINES + 1, shader->text);
+    if (shader == &source->fragment && source->more.text) {
+        buffer_format(out, "#line %d\n%s", PART_MORE * PART_LINES + 1, source->more.text);
+    }
 }
 
 /* The first line of a log with an error, else the first line. */
@@ -49,19 +52,23 @@ static const char *find_place(const char *log_line, unsigned long *line)
     const char *at = log_line + strspn(log_line, "0123456789");
     char *end = NULL;
     *line = *at == ':' || *at == '(' ? strtoul(at + 1, &end, 10) : 0;
-    return *line / PART_LINES <= PART_PASS && end ? strchr(end, ':') : NULL;
+    return *line / PART_LINES <= PART_MORE && end ? strchr(end, ':') : NULL;
 }
 
-static conus_status fail_to_compile(const char *file, const char *log)
+static conus_status fail_to_compile(const struct program_source *source, const struct program_shader *shader,
+                                    const char *log)
 {
-    const char *const parts[] = {[PART_PREAMBLE] = "preamble", [PART_COMMON] = "common.glsl", [PART_PASS] = file};
+    const char *const parts[] = {[PART_PREAMBLE] = "preamble",
+                                 [PART_COMMON] = "common.glsl",
+                                 [PART_PASS] = shader->file,
+                                 [PART_MORE] = source->more.file};
     char copy[512];
     struct text worst = worst_line(log);
     snprintf(copy, sizeof copy, "%.*s", (int)worst.size, worst.data ? worst.data : "");
     unsigned long line = 0;
     const char *words = find_place(copy, &line);
     if (!words) {
-        return fail(CONUS_ERROR_GL, "shader %s: %s", file, copy);
+        return fail(CONUS_ERROR_GL, "shader %s: %s", shader->file, copy);
     }
     return fail(CONUS_ERROR_GL, "shader %s:%lu%s", parts[line / PART_LINES], line % PART_LINES, words);
 }
@@ -85,7 +92,7 @@ static conus_status compile(GLuint *out, GLenum stage, const struct program_sour
             char log[4096] = "";
             glGetShaderInfoLog(object, sizeof log, NULL, log);
             glDeleteShader(object);
-            status = fail_to_compile(shader->file, log);
+            status = fail_to_compile(source, shader, log);
         }
     }
     buffer_finish(&text);

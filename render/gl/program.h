@@ -2,7 +2,7 @@
 /** @file
  * GL programs out of embedded shaders. A shader's text is put together as
  *
- *     #version 450 core, defines | common.glsl | the pass's own file
+ *     #version 450 core, defines | common.glsl | the pass's own file | perhaps a second one
  *
  * and a compile error names the .glsl file and the line in it. */
 #ifndef CONUS_RENDER_GL_PROGRAM_H
@@ -26,6 +26,7 @@ struct program_shader {
 struct program_source {
     struct program_shader vertex, fragment; /**< A compute program has neither text ...        */
     struct program_shader compute;          /**< ... and this one; other programs have it zeroed. */
+    struct program_shader more;             /**< A second file behind the fragment shader's; may be zeroed. */
     const struct program_define *defines;
     size_t define_count;
 };

@@ -4,12 +4,14 @@
 #define CONUS_RENDER_GL_SHADERS_H
 
 extern const char shader_colour_frag[];
+extern const char shader_colour_layers[];
 extern const char shader_common[];
 extern const char shader_id_comp[];
 extern const char shader_mesh_frag[];
 extern const char shader_mesh_hits_frag[];
 extern const char shader_mesh_id_frag[];
 extern const char shader_mesh_id_vert[];
+extern const char shader_mesh_peel_frag[];
 extern const char shader_mesh_vert[];
 extern const char shader_screen_vert[];
 extern const char shader_tile_vert[];

@@ -17,6 +17,7 @@ static const struct format formats[] = {
     [VOLUME_TEXTURE_UINT32] = {GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, GL_NEAREST, 4},
     [VOLUME_TEXTURE_FLOAT] = {GL_R32F, GL_RED, GL_FLOAT, GL_LINEAR, 4},
     [VOLUME_TEXTURE_BYTE4] = {GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, GL_LINEAR, 4},
+    [VOLUME_TEXTURE_HALF4] = {GL_RGBA16F, GL_RGBA, GL_FLOAT, GL_LINEAR, 8},
 };
 
 static conus_status check_size(const size_t dim[3], size_t texel, uint64_t memory_left, size_t *bytes)

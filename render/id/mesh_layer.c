@@ -21,16 +21,25 @@ struct part {
     const void *offset;
 };
 
-struct mesh_layer {
+struct mesh_program {
     GLuint program;
     GLint eye, camera_from_world, shift;
+};
+
+struct mesh_layer {
+    struct mesh_program solid, peel;
+    GLint taken; /* of peel */
     GLuint vertices, vertex_buffer, index_buffer;
     size_t object_count;
     struct part *parts;   /* [object_count] */
     GLsizei *counts;      /* [object_count] The parts that are drawn, one after the other: Mesa 22.3 draws nothing */
     const void **offsets; /* behind an empty one.                                                                   */
     GLsizei drawn_count;
+    bool *shown; /* [object_count] Parts that are not hidden. */
     struct target target;
+    struct target peeled;             /* one layer, */
+    GLuint peel_surface, peel_object; /* and all of them */
+    size_t peel_capacity, peel_count;
 };
 
 /* ---- Creation ------------------------------------------------------------------------------------------------- */
@@ -143,15 +152,25 @@ static conus_status upload_meshes(struct mesh_layer *layer, const conus_atlas *a
     return status;
 }
 
-static conus_status make_program(struct mesh_layer *layer)
+static conus_status make_program(struct mesh_program *out, const char *file, const char *text)
 {
-    static const struct program_source source = {.vertex = {"mesh.vert.glsl", shader_mesh_vert},
-                                                 .fragment = {"mesh.frag.glsl", shader_mesh_frag}};
-    conus_status status = program_create(&layer->program, &source);
+    const struct program_source source = {.vertex = {.file = "mesh.vert.glsl", .text = shader_mesh_vert},
+                                          .fragment = {.file = file, .text = text}};
+    conus_status status = program_create(&out->program, &source);
     if (!status) {
-        layer->eye = program_uniform(layer->program, "eye");
-        layer->camera_from_world = program_uniform(layer->program, "camera_from_world");
-        layer->shift = program_uniform(layer->program, "shift");
+        out->eye = program_uniform(out->program, "eye");
+        out->camera_from_world = program_uniform(out->program, "camera_from_world");
+        out->shift = program_uniform(out->program, "shift");
+    }
+    return status;
+}
+
+static conus_status make_programs(struct mesh_layer *layer)
+{
+    conus_status status = make_program(&layer->solid, "mesh.frag.glsl", shader_mesh_frag);
+    status = status ? status : make_program(&layer->peel, "mesh_peel.frag.glsl", shader_mesh_peel_frag);
+    if (!status) {
+        layer->taken = program_uniform(layer->peel.program, "taken");
     }
     return status;
 }
@@ -162,7 +181,8 @@ static conus_status make_parts(struct mesh_layer *layer, size_t object_count)
     layer->counts = memory_zeroed(object_count, sizeof *layer->counts);
     layer->parts = memory_zeroed(object_count, sizeof *layer->parts);
     layer->offsets = memory_zeroed(object_count, sizeof(void *));
-    return layer->counts && layer->parts && layer->offsets ? CONUS_OK : CONUS_ERROR_MEMORY;
+    layer->shown = memory_zeroed(object_count, sizeof *layer->shown);
+    return layer->counts && layer->parts && layer->offsets && layer->shown ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
 conus_status mesh_layer_create(struct mesh_layer **out, const conus_atlas *atlas, uint64_t *memory_left)
@@ -171,7 +191,7 @@ conus_status mesh_layer_create(struct mesh_layer **out, const conus_atlas *atlas
     if (!layer) {
         return CONUS_ERROR_MEMORY;
     }
-    conus_status status = make_program(layer);
+    conus_status status = make_programs(layer);
     status = status ? status : make_parts(layer, atlas->object_count);
     status = status ? status : upload_meshes(layer, atlas, memory_left);
     if (status) {
@@ -185,12 +205,8 @@ conus_status mesh_layer_create(struct mesh_layer **out, const conus_atlas *atlas
 
 void mesh_layer_update(struct mesh_layer *layer, const conus_atlas *atlas)
 {
-    layer->drawn_count = 0;
     for (size_t i = 0; i < layer->object_count; i++) {
-        if (layer->parts[i].count && atlas_object_mesh(atlas, (uint32_t)i + 1)) {
-            layer->counts[layer->drawn_count] = layer->parts[i].count;
-            layer->offsets[layer->drawn_count++] = layer->parts[i].offset;
-        }
+        layer->shown[i] = layer->parts[i].count && atlas_object_mesh(atlas, (uint32_t)i + 1);
     }
 }
 
@@ -198,10 +214,15 @@ void mesh_layer_destroy(struct mesh_layer *layer)
 {
     if (layer) {
         const GLuint buffers[] = {layer->vertex_buffer, layer->index_buffer};
+        const GLuint textures[] = {layer->peel_surface, layer->peel_object};
         target_finish(&layer->target);
+        target_finish(&layer->peeled);
+        glDeleteTextures(2, textures);
         glDeleteBuffers(2, buffers);
         glDeleteVertexArrays(1, &layer->vertices);
-        glDeleteProgram(layer->program);
+        glDeleteProgram(layer->solid.program);
+        glDeleteProgram(layer->peel.program);
+        memory_free(layer->shown);
         memory_free(layer->counts);
         memory_free(layer->parts);
         memory_free(layer->offsets);
@@ -211,18 +232,18 @@ void mesh_layer_destroy(struct mesh_layer *layer)
 
 /* ---- Drawing -------------------------------------------------------------------------------------------------- */
 
-static conus_status resize(struct mesh_layer *layer, uint32_t width, uint32_t height)
+static conus_status resize(struct target *target, uint32_t width, uint32_t height)
 {
     static const struct target_attachment attachments[] = {
         {"surface", TARGET_FLOAT4}, {"object", TARGET_UINT}, {"depth", TARGET_DEPTH}};
-    if (layer->target.width == width && layer->target.height == height) {
+    if (target->width == width && target->height == height) {
         return CONUS_OK;
     }
-    target_finish(&layer->target);
-    return target_init(&layer->target, width, height, attachments, 3);
+    target_finish(target);
+    return target_init(target, width, height, attachments, 3);
 }
 
-static void set_view(const struct mesh_layer *layer, const struct mesh_layer_view *view)
+static void use_program(const struct mesh_program *program, const struct mesh_layer_view *view)
 {
     const double *m = view->camera->world_from_camera;
     double rows[9];
@@ -231,29 +252,132 @@ static void set_view(const struct mesh_layer *layer, const struct mesh_layer_vie
         rows[3 + a] = (m[4 + a] + view->camera->middle[1] * m[8 + a]) / view->camera->slope[1];
         rows[6 + a] = -m[8 + a];
     }
-    glUseProgram(layer->program);
-    glUniform3dv(layer->eye, 1, m + 12);
-    glUniformMatrix3dv(layer->camera_from_world, 1, GL_TRUE, rows);
-    glUniform2f(layer->shift, (float)(2 * view->shift[0] / view->width), (float)(2 * view->shift[1] / view->height));
+    glUseProgram(program->program);
+    glUniform3dv(program->eye, 1, m + 12);
+    glUniformMatrix3dv(program->camera_from_world, 1, GL_TRUE, rows);
+    glUniform2f(program->shift, (float)(2 * view->shift[0] / view->width), (float)(2 * view->shift[1] / view->height));
 }
 
-conus_status mesh_layer_draw(struct mesh_layer *layer, const struct mesh_layer_view *view)
+/* Lists the parts that are opaque, or those that are translucent. */
+static void list_parts(struct mesh_layer *layer, const float *opacity, bool translucent)
+{
+    layer->drawn_count = 0;
+    for (size_t i = 0; i < layer->object_count; i++) {
+        float part = opacity ? opacity[i + 1] : 1;
+        if (layer->shown[i] && part > 0 && (part < 1) == translucent) {
+            layer->counts[layer->drawn_count] = layer->parts[i].count;
+            layer->offsets[layer->drawn_count++] = layer->parts[i].offset;
+        }
+    }
+}
+
+static void draw_parts(const struct mesh_layer *layer, const struct target *target)
 {
     static const GLfloat infinity = 0; /* depths are reversed, so that floats are as fine far away as nearby */
-    conus_status status = resize(layer, view->width, view->height);
-    if (status) {
-        return status;
-    }
-    target_clear(&layer->target);
+    target_clear(target);
     glClearBufferfv(GL_DEPTH, 0, &infinity);
     glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
     glDepthFunc(GL_GREATER);
-    set_view(layer, view);
     glBindVertexArray(layer->vertices);
     glMultiDrawElements(GL_TRIANGLES, layer->counts, GL_UNSIGNED_INT, layer->offsets, layer->drawn_count);
     glDepthFunc(GL_LESS);
     glClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
-    return gl_check("meshes");
+}
+
+static GLuint array_texture(GLenum format, const struct target *like, size_t count)
+{
+    GLuint texture = 0;
+    glCreateTextures(GL_TEXTURE_2D_ARRAY, 1, &texture);
+    glTextureStorage3D(texture, 1, format, (GLsizei)like->width, (GLsizei)like->height, (GLsizei)count);
+    glTextureParameteri(texture, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    glTextureParameteri(texture, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    return texture;
+}
+
+/* Makes place for @p count layers. */
+static conus_status resize_peels(struct mesh_layer *layer, const struct mesh_layer_view *view, size_t count)
+{
+    const struct target *peeled = &layer->peeled;
+    bool same = peeled->width == view->width && peeled->height == view->height && layer->peel_capacity >= count;
+    conus_status status = resize(&layer->peeled, view->width, view->height);
+    if (!status && !same) {
+        const GLuint textures[] = {layer->peel_surface, layer->peel_object};
+        glDeleteTextures(2, textures);
+        layer->peel_surface = array_texture(GL_RGBA32F, peeled, count);
+        layer->peel_object = array_texture(GL_R32UI, peeled, count);
+        layer->peel_capacity = count;
+        status = gl_check("layers of meshes");
+    }
+    return status;
+}
+
+/* Keeps the layer that was drawn, as number @p n. */
+static void keep_peel(const struct mesh_layer *layer, GLint n)
+{
+    const struct target *from = &layer->peeled;
+    const struct {
+        const char *name;
+        GLuint to;
+    } copies[] = {{"surface", layer->peel_surface}, {"object", layer->peel_object}};
+    for (int i = 0; i < 2; i++) {
+        glCopyImageSubData(target_texture(from, copies[i].name), GL_TEXTURE_2D, 0, 0, 0, 0, copies[i].to,
+                           GL_TEXTURE_2D_ARRAY, 0, 0, 0, n, (GLsizei)from->width, (GLsizei)from->height, 1);
+    }
+}
+
+static conus_status draw_peels(struct mesh_layer *layer, const struct mesh_layer_view *view)
+{
+    size_t most = layer->drawn_count < MESH_LAYER_PEELS ? (size_t)layer->drawn_count : MESH_LAYER_PEELS;
+    conus_status status = resize_peels(layer, view, most);
+    GLuint any = GL_TRUE;
+    GLuint query = 0;
+    glCreateQueries(GL_ANY_SAMPLES_PASSED, 1, &query);
+    for (size_t n = 0; n < most && any && !status; n++) {
+        glBindTextureUnit(0, layer->peel_object);
+        use_program(&layer->peel, view);
+        glUniform1i(layer->taken, (GLint)n);
+        glBeginQuery(GL_ANY_SAMPLES_PASSED, query);
+        draw_parts(layer, &layer->peeled);
+        glEndQuery(GL_ANY_SAMPLES_PASSED);
+        glGetQueryObjectuiv(query, GL_QUERY_RESULT, &any);
+        if (any) {
+            keep_peel(layer, (GLint)n);
+            layer->peel_count = n + 1;
+        }
+        status = gl_check("layers of meshes");
+    }
+    glDeleteQueries(1, &query);
+    return status;
+}
+
+conus_status mesh_layer_draw(struct mesh_layer *layer, const struct mesh_layer_view *view)
+{
+    conus_status status = resize(&layer->target, view->width, view->height);
+    if (status) {
+        return status;
+    }
+    list_parts(layer, view->opacity, false);
+    use_program(&layer->solid, view);
+    draw_parts(layer, &layer->target);
+    status = gl_check("meshes");
+    layer->peel_count = 0;
+    list_parts(layer, view->opacity, true);
+    return status || !layer->drawn_count ? status : draw_peels(layer, view);
+}
+
+size_t mesh_layer_peel_count(const struct mesh_layer *layer)
+{
+    return layer->peel_count;
+}
+
+GLuint mesh_layer_peel_surface(const struct mesh_layer *layer)
+{
+    return layer->peel_surface;
+}
+
+GLuint mesh_layer_peel_object(const struct mesh_layer *layer)
+{
+    return layer->peel_object;
 }
 
 GLuint mesh_layer_surface(const struct mesh_layer *layer)

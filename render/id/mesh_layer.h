@@ -9,6 +9,8 @@
 #include "render/gl/camera.h"
 #include "render/gl/target.h"
 
+enum { MESH_LAYER_PEELS = 8 };
+
 struct mesh_layer;
 
 /** Uploads the meshes of @p atlas, of which there must be some. Takes their size off @p memory_left. */
@@ -22,13 +24,22 @@ void mesh_layer_update(struct mesh_layer *layer, const conus_atlas *atlas);
 struct mesh_layer_view {
     const struct camera *camera;
     uint32_t width, height;
-    double shift[2]; /**< Of the rays from the pixels' centres, in pixels, right and up. */
+    double shift[2];      /**< Of the rays from the pixels' centres, in pixels, right and up. */
+    const float *opacity; /**< [object_count + 1] by number; NULL = all 1. What is 0 is not drawn. */
 };
 
 /** Draws into textures of its own; its framebuffer stays bound. */
 conus_status mesh_layer_draw(struct mesh_layer *layer, const struct mesh_layer_view *view);
 
-/** RGBA32F: the normal on the side that is seen, in world axes, and the depth along the view axis in mm; 0 = nothing.
+/** How many layers of translucent meshes the last picture has: for each pixel the nearest surface of each object,
+ * nearer ones first, up to MESH_LAYER_PEELS of them. */
+size_t mesh_layer_peel_count(const struct mesh_layer *layer);
+/** Their textures, arrays of layers that are like the two below; 0 where there never was one. */
+GLuint mesh_layer_peel_surface(const struct mesh_layer *layer);
+GLuint mesh_layer_peel_object(const struct mesh_layer *layer);
+
+/** Of what is opaque, RGBA32F: the normal on the side that is seen, in world axes, and the depth along the view axis in
+ * mm; 0 = nothing.
  */
 GLuint mesh_layer_surface(const struct mesh_layer *layer);
 /** R32UI: the object's number. */

@@ -19,9 +19,11 @@ layout(std140, binding = 0) uniform View
     vec4 cone_colour;       // of walls and axis; w: a wall's opacity
     vec4 line;              // x: radius of the axis, y: half the width of the rim and the footprint's outline, mm;
                             // zw: shift of the rays from the pixels' centres, pixels
-    ivec4 counts;           // x: markers; y: 1 where there are meshes
+    ivec4 counts;           // x: markers; y: 1 where there are meshes; z: layers of translucent ones
     vec4 markers[MARKER_LIMIT]; // xyz: centre, w: radius
     vec4 marker_colours[MARKER_LIMIT];
+    mat4 haze_from_camera;
+    vec4 haze_shape; // w: 1 where there is haze
 };
 
 layout(binding = 0) uniform sampler3D context_field;  // gradient, density
@@ -386,7 +388,9 @@ void sample_planes(inout vec4 sum, inout float hit, inout float plane, float unt
     }
 }
 
-#if SLICES
+#if TRANSLUCENT
+// main() is in colour_layers.glsl.
+#elif SLICES
 
 // One sample, for polygons on the planes that the framebuffer blends: the paper's way, which the bench compares with.
 void main()

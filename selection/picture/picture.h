@@ -26,6 +26,8 @@ struct picture {
     double centre[3], radius; /**< A ball around what shows, world mm. */
     struct colour_view view;
     struct colour_marker markers[COLOUR_MARKER_LIMIT];
+    float *opacity;    /**< [objects + 1] of surfaces; NULL where all are opaque. */
+    uint8_t *areas;    /**< [objects + 1] of enum pathways_area: those that are drawn beside pathways. */
     uint8_t *emphasis; /**< [objects + 1] of enum emphasis, by the cone; NULL without one. */
     float *rgba;       /**< [height * width * 4], bottom row first. */
 };

@@ -46,6 +46,17 @@ static void fill_row(struct legend_row *row, struct cells *cells, const conus_at
     }
 }
 
+/* Whether there are areas that are not drawn beside pathways. */
+static bool leaves_out(const struct picture *picture)
+{
+    for (size_t number = 1; number <= picture->atlas->area_count; number++) {
+        if (picture->areas[number] == PATHWAYS_AREA_LEFT_OUT && !conus_atlas_is_hidden(picture->atlas, number)) {
+            return true;
+        }
+    }
+    return false;
+}
+
 /* What of an atlas with pathways the picture shows beside what is hit: pathways that are not, each while they are few,
  * and that the other areas are left out. */
 static size_t add_pathways(struct legend_row rows[PATHWAY_ROWS], char words[TEXT_SIZE], const struct picture *picture)
@@ -67,7 +78,7 @@ static size_t add_pathways(struct legend_row rows[PATHWAY_ROWS], char words[TEXT
         rows[0] = (struct legend_row){.name = words, .hollow = true, .detail = {"not hit"}};
         count = 1;
     }
-    if (pathways_first(atlas) && atlas_parcellation_count(atlas)) {
+    if (pathways_first(atlas) && atlas_parcellation_count(atlas) && leaves_out(picture)) {
         rows[count++] = (struct legend_row){.name = "other areas", .hollow = true, .detail = {"not drawn"}};
     }
     return count;

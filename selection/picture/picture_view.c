@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "base/options.h"
 #include "base/text.h"
+#include "render/colour/pathways.h"
 #include "render/image/image.h"
 #include "render/image/image_srgb.h"
 
@@ -58,11 +59,26 @@ static conus_status check_sheet(const conus_view *view)
     return CONUS_OK;
 }
 
-static conus_status fill_options(conus_view *out, const conus_view *view)
+static conus_status check_opacity(const conus_view *view, const conus_atlas *atlas)
+{
+    if (!(view->pale >= 0 && view->pale <= 1)) {
+        return fail(CONUS_ERROR_ARGUMENT, "opacity of %g; allowed is 0 to 1", view->pale);
+    }
+    for (size_t n = 1; view->opacity && n <= atlas->object_count; n++) {
+        if (view->opacity[n] < 0 || view->opacity[n] > 1) {
+            return fail(CONUS_ERROR_ARGUMENT, "opacity of %g of %s; allowed is 0 to 1", view->opacity[n],
+                        atlas->objects[n - 1].name);
+        }
+    }
+    return CONUS_OK;
+}
+
+static conus_status fill_options(conus_view *out, const conus_view *view, const conus_atlas *atlas)
 {
     conus_view options = *options_of(conus_view, view);
     conus_status status = check_frustum(&options);
     status = status ? status : check_sheet(&options);
+    status = status ? status : check_opacity(&options, atlas);
     if (status) {
         return status;
     }
@@ -434,16 +450,59 @@ static conus_status draw(struct picture *picture, conus_renderer *renderer)
     view->slices = picture->options.slices;
     view->no_skipping = picture->options.no_skipping;
     view->fade = picture->options.fade;
+    view->opacity = picture->opacity;
     view->line_width = 0.012 * picture->radius;
     view->markers = picture->markers;
     picture->rgba = memory_raw((size_t)view->width * view->height, 4 * sizeof *picture->rgba);
     return picture->rgba ? renderer_draw(picture->rgba, renderer, view, !picture->options.draft) : CONUS_ERROR_MEMORY;
 }
 
+/* ---- Opacity ---------------------------------------------------------------------------------------------------- */
+
+static double opacity_of(const struct picture *picture, size_t number)
+{
+    const conus_view *options = &picture->options;
+    bool pale = !picture->emphasis || picture->emphasis[number] == EMPHASIS_PALE;
+    double given = options->opacity ? options->opacity[number] : NAN;
+    return !isnan(given) ? given : pale && options->pale > 0 ? options->pale : 1;
+}
+
+/* Beside pathways are drawn: areas that stand out, those that are given an opacity, and all that do not hide them. */
+static uint8_t area_of(const struct picture *picture, size_t number)
+{
+    const conus_view *options = &picture->options;
+    double opacity = opacity_of(picture, number);
+    bool stands_out = picture->emphasis && picture->emphasis[number] != EMPHASIS_PALE;
+    bool is_given = options->opacity && !isnan(options->opacity[number]);
+    return opacity < 1 ? PATHWAYS_AREA_UNDER : stands_out || is_given ? PATHWAYS_AREA_OVER : PATHWAYS_AREA_LEFT_OUT;
+}
+
+static conus_status find_opacities(struct picture *picture)
+{
+    size_t count = picture->atlas->object_count;
+    bool translucent = false;
+    picture->opacity = memory_raw(count + 1, sizeof *picture->opacity);
+    picture->areas = memory_zeroed(count + 1, sizeof *picture->areas);
+    if (!picture->opacity || !picture->areas) {
+        return CONUS_ERROR_MEMORY;
+    }
+    picture->opacity[0] = 1;
+    for (size_t n = 1; n <= count; n++) {
+        picture->opacity[n] = (float)opacity_of(picture, n);
+        translucent = translucent || picture->opacity[n] < 1;
+        picture->areas[n] = n <= picture->atlas->area_count ? area_of(picture, n) : PATHWAYS_AREA_LEFT_OUT;
+    }
+    if (!translucent) {
+        memory_free(picture->opacity);
+        picture->opacity = NULL;
+    }
+    return CONUS_OK;
+}
+
 conus_status conus_render(conus_image **out, conus_renderer *renderer, const conus_view *view)
 {
     struct picture picture = {.atlas = renderer->atlas};
-    conus_status status = fill_options(&picture.options, view);
+    conus_status status = fill_options(&picture.options, view, renderer->atlas);
     if (status) {
         return status;
     }
@@ -451,8 +510,9 @@ conus_status conus_render(conus_image **out, conus_renderer *renderer, const con
         picture.emphasis = picture_emphasis(picture.options.selection, picture.options.chosen);
         status = picture.emphasis ? CONUS_OK : CONUS_ERROR_MEMORY;
     }
+    status = status ? status : find_opacities(&picture);
     if (!status && !picture.options.draft) {
-        status = renderer_include(renderer, picture.emphasis);
+        status = renderer_include(renderer, picture.areas);
     }
     if (!status) {
         find_ball(&picture, &renderer->colour);
@@ -467,6 +527,8 @@ conus_status conus_render(conus_image **out, conus_renderer *renderer, const con
     picture_legend_finish(&picture);
     font_destroy(picture.font);
     memory_free(picture.emphasis);
+    memory_free(picture.opacity);
+    memory_free(picture.areas);
     memory_free(picture.rgba);
     return status;
 }

@@ -120,6 +120,30 @@ session() {
     [ "$(png_size d.png)" = 320x240 ]
 }
 
+@test "areas let light through, and pathways are haze" {
+    conus phantom slabs -o . --size 24
+    sphere --size 24
+    local scene=(render slabs.nii.gz --pathway "sphere.nii.gz,threshold=0.5,name=tract" $SMALL -q)
+    gl "${scene[@]}" -o plain.exr
+    gl "${scene[@]}" -o half.exr --opacity 0.5
+    gl "${scene[@]}" -o one.exr --opacity 1=0.5
+    gl "${scene[@]}" -o haze.exr --pathway-transfer heat
+    gl "${scene[@]}" -o named.exr --pathway-transfer tract=heat
+    answers diff haze.exr named.exr
+    for other in half one haze; do
+        run -1 conus diff plain.exr $other.exr
+    done
+    fails 2 '--opacity: "2"; wanted is AREA=A or A, A from 0 to 1' "${scene[@]}" -o a.png --opacity 2
+    fails 2 '--opacity: "1=x"; wanted is' "${scene[@]}" -o a.png --opacity 1=x
+    fails 2 '--opacity: 0 of all that the cone does not hit' "${scene[@]}" -o a.png --opacity 0
+    fails 2 '--opacity: ' "${scene[@]}" -o a.png --opacity nowhere=0.5
+    fails 2 '--pathway-transfer: 1 is no pathway' "${scene[@]}" -o a.png --pathway-transfer 1=heat
+    fails 2 'transfer function "warm" is neither' "${scene[@]}" -o a.png --pathway-transfer warm
+    fails 2 '--opacity has no effect on a pathway' "${scene[@]}" -o a.png --pathway-transfer tract=own --opacity tract=1
+    fails 2 'transfer function of pathways: the atlas has none' render slabs.nii.gz -o a.png --pathway-transfer heat
+    [ ! -e a.png ]
+}
+
 @test "figures that cannot be are refused before anything is loaded" {
     fails 2 '--size and --width-mm exclude each other' render a.nii -o a.png --size 10x10 --width-mm 85
     fails 2 '--height-mm has no effect without --width-mm' render a.nii -o a.png --height-mm 85

@@ -122,6 +122,23 @@ def test_figure_has_its_width_in_mm(atlas):
     assert np.array_equal(picture.array, pixels_of(picture._repr_png_()))
 
 
+def test_opacity_and_haze_are_those_of_the_program(tmp_path):
+    """To the byte, with an area, all others, and a pathway."""
+    call_conus("phantom", "slabs", "-o", tmp_path, "--size", "16")
+    slabs, tract = tmp_path / "slabs.nii.gz", tmp_path / "tract.nii"
+    nibabel.save(nibabel.Nifti1Image((nibabel.load(slabs).get_fdata() == 1).astype("f4"),
+                                     nibabel.load(slabs).affine), tract)
+    atlas = conus.load(slabs, pathways=[(tract, 0.5)])
+    name = atlas.info()["name"].iloc[1]
+    call_conus("render", slabs, f"--pathway={tract},threshold=0.5", "--size=60x40", "--opacity=0.4",
+               f"--opacity={name}=0.8", "--pathway-transfer=heat", "-q", "-o", tmp_path / "a.png")
+    ours = atlas.render(size=(60, 40), opacity={None: 0.4, name: 0.8}, pathway_transfers="heat")
+    assert ours._repr_png_() == (tmp_path / "a.png").read_bytes()
+    plain = atlas.render(size=(60, 40))
+    for other in (atlas.render(size=(60, 40), opacity=0.4), atlas.render(size=(60, 40), pathway_transfers={"tract": "own"})):
+        assert not np.array_equal(other.array, plain.array)
+
+
 def test_safe_colours_are_other_colours():
     own, safe = (conus.load(plates(), AFFINE, labels=NAMES, safe_colours=safe) for safe in (False, True))
     pictures = [atlas.render(size=(60, 40), legend=False).array for atlas in (own, safe)]
@@ -252,6 +269,12 @@ def test_a_renderer_is_used_again_and_closed(atlas):
         {"dpi": np.nan},
         {"height_mm": 20},
         {"width_mm": 85},
+        {"opacity": 0},
+        {"opacity": 1.5},
+        {"opacity": {"left": -0.1}},
+        {"opacity": {"left": np.nan}},
+        {"opacity": {"riht": 0.5}},
+        {"pathway_transfers": "heat"},
         {"size": None, "width_mm": 0},
         {"size": None, "width_mm": np.nan},
         {"size": None, "width_mm": 85, "dpi": 1e5},

@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Pathways that are drawn as haze, by colours and opacities of their values (Eq. 8). */
+#ifndef CONUS_RENDER_COLOUR_HAZE_H
+#define CONUS_RENDER_COLOUR_HAZE_H
+
+#include "atlas/atlas.h"
+#include "render/colour/transfer.h"
+
+/** Which pathways are haze, and how. */
+struct haze_choice {
+    struct transfer *transfers; /**< [object_count + 1] in values of the pathway's map; without points: no haze. */
+    size_t object_count;
+};
+
+/** Haze on a grid: extinction adds up where pathways overlap. */
+struct haze_field {
+    conus_volume_info info;
+    float *texels; /**< [voxels][4] linear R, G, B times the extinction, and the extinction per mm. */
+};
+
+/** Chooses by @p options. Relative functions span from where a pathway begins to its largest value.
+ * CONUS_ERROR_ARGUMENT for a number that is no pathway. @p out is the caller's to haze_choice_finish() in any case. */
+conus_status haze_choose(struct haze_choice *out, const conus_atlas *atlas, const conus_renderer_options *options);
+void haze_choice_finish(struct haze_choice *choice);
+
+/** Whether the object is haze. */
+static inline bool haze_is(const struct haze_choice *choice, size_t number)
+{
+    return choice && choice->transfers && choice->transfers[number].count > 0;
+}
+
+/** The field of all chosen pathways that are not hidden, on the grid of the first, with a margin of a voxel without
+ * haze. No texels where there is none. @p max_memory is of the texels. */
+conus_status haze_fill(struct haze_field *out, const conus_atlas *atlas, const struct haze_choice *choice,
+                       uint64_t max_memory);
+void haze_field_finish(struct haze_field *field);
+
+#endif

@@ -1,0 +1,238 @@
+// The walk of the colour pass where something is translucent: surfaces of areas and of meshes that let light through, and
+// pathways as haze (Eq. 8). It follows colour.frag.glsl. Between two planes the ray is cut where a surface begins, so that
+// haze lies before and behind it as it does along the ray.
+
+layout(binding = 8) uniform sampler3D haze_field; // linear R, G, B times extinction; extinction per mm
+layout(binding = 9) uniform sampler2DArray layer_surface; // normal in world axes, depth; 0 = nothing
+layout(binding = 10) uniform usampler2DArray layer_object;
+layout(std430, binding = 2) readonly buffer Opacities
+{
+    float opacities[]; // per object
+};
+
+const int SEEN = 16; // translucent areas along one ray
+
+// ---- Haze ---------------------------------------------------------------------------------------------------------
+
+bool lies_in(vec3 place)
+{
+    return place == clamp(place, 0.0, 1.0);
+}
+
+// Context and haze from depth `from` to `to`, as they are in the middle.
+void blend_haze(inout vec4 sum, Track context, Track haze, float from, float to, float per_depth)
+{
+    float mm = (to - from) * per_depth;
+    vec3 place = place_on(context, 0.5 * (from + to));
+    if (context.first < NEVER && lies_in(place)) {
+        blend(sum, context_sample(place, mm));
+    }
+    place = place_on(haze, 0.5 * (from + to));
+    if (haze.first < NEVER && lies_in(place)) {
+        vec4 texel = textureLod(haze_field, place, 0.0);
+        float opacity = 1.0 - exp2(-texel.a * mm);
+        blend(sum, vec4(texel.rgb / max(texel.a, 1e-9) * opacity, opacity));
+    }
+}
+
+// ---- Areas --------------------------------------------------------------------------------------------------------
+
+// The object of an area that shows at a depth, 0 if none.
+uint area_at(Track areas, float t)
+{
+    vec3 place = place_on(areas, t);
+    if (areas.first == NEVER || !lies_in(place) || !shows_area(place)) {
+        return 0u;
+    }
+    uint object = object_at(place);
+    return opacities[object] > 0.0 ? object : 0u;
+}
+
+// Where the object begins that is at depth `inside`, and not at `outside`.
+float object_depth(Track areas, uint object, float outside, float inside)
+{
+    for (int n = 0; n < 6; n++) {
+        float middle = 0.5 * (outside + inside);
+        bool found = area_at(areas, middle) == object;
+        inside = found ? middle : inside;
+        outside = found ? outside : middle;
+    }
+    return inside;
+}
+
+// How much of the eight voxels around `place`, by their weights, is the object's.
+float weight_of(uint object, vec3 place)
+{
+    ivec3 size = textureSize(area_objects, 0);
+    vec3 corner = place * vec3(size) - 0.5;
+    ivec3 base = ivec3(floor(corner));
+    vec3 part = corner - vec3(base);
+    float sum = 0.0;
+    for (int n = 0; n < 8; n++) {
+        ivec3 step_ = ivec3(n & 1, n >> 1 & 1, n >> 2);
+        vec3 w = mix(1.0 - part, part, vec3(step_));
+        bool own = texelFetch(area_objects, clamp(base + step_, ivec3(0), size - 1), 0).x == object;
+        sum += own ? w.x * w.y * w.z : 0.0;
+    }
+    return sum;
+}
+
+// Of the border between two objects, in world axes: occupancy, which they share, has no gradient there.
+vec3 border_normal(uint object, vec3 place)
+{
+    vec3 reach = 1.5 / vec3(textureSize(area_objects, 0));
+    vec3 gradient;
+    for (int a = 0; a < 3; a++) {
+        vec3 offset = vec3(0.0);
+        offset[a] = reach[a];
+        gradient[a] = (weight_of(object, place + offset) - weight_of(object, place - offset)) / reach[a];
+    }
+    gradient = mat3(world_from_camera) * (transpose(mat3(areas_from_camera)) * gradient);
+    return -gradient / max(length(gradient), 1e-6);
+}
+
+// ---- The walk -----------------------------------------------------------------------------------------------------
+
+// What lies on the ray in closed form, or was drawn before: walls of the cone, and layers of meshes.
+struct Events {
+    Surface near, far; // walls
+    int layer;         // the next one
+    float layer_depth;
+};
+
+void next_layer(inout Events events, int layer)
+{
+    float depth = layer < counts.z ? texelFetch(layer_surface, ivec3(gl_FragCoord.xy, layer), 0).w : 0.0;
+    events.layer = layer;
+    events.layer_depth = depth > 0.0 ? depth : NEVER;
+}
+
+void next_wall(inout Events events)
+{
+    events.near = events.far;
+    events.far.depth = NEVER;
+}
+
+float event_depth(Events events)
+{
+    return min(events.near.depth, events.layer_depth);
+}
+
+void blend_surface(inout vec4 sum, vec3 colour_, float opacity)
+{
+    blend(sum, vec4(colour_ * opacity, opacity));
+}
+
+// Blends what comes next, and goes on to what follows it.
+void take_event(inout vec4 sum, inout Events events, vec3 direction, vec3 view)
+{
+    if (events.near.depth <= events.layer_depth) {
+        blend(sum, events.near.colour);
+        next_wall(events);
+    } else {
+        ivec3 texel = ivec3(gl_FragCoord.xy, events.layer);
+        uint object = texelFetch(layer_object, texel, 0).x;
+        vec3 normal = texelFetch(layer_surface, texel, 0).xyz;
+        blend_surface(sum, object_colour(object, normal, direction, view, events.layer_depth), opacities[object]);
+        next_layer(events, events.layer + 1);
+    }
+}
+
+float end_of(Track track)
+{
+    return track.end < NEVER ? track.end : 0.0;
+}
+
+// The plane at which a step from `plane` ends, and whether anything may show before it.
+float next_plane(Track context, Track areas, Track haze, float plane, float end, inout bool shows)
+{
+    if (plane >= end || shows) {
+        return plane;
+    }
+    float known = min(look_ahead(context, context_empty, context_bricks.xyz, plane, shows),
+                      look_ahead(areas, areas_empty, areas_bricks.xyz, plane, shows));
+    known = plane < haze.first ? min(known, haze.first) : known;
+    return shows ? plane : max(min(known, end) - 1.0, plane);
+}
+
+bool is_seen(uint object, uint seen[SEEN], int count)
+{
+    bool found = count == SEEN;
+    for (int n = 0; n < count; n++) {
+        found = found || seen[n] == object;
+    }
+    return found;
+}
+
+// What of the cone shines through the surface at which the ray ended, or lies behind what it passed.
+vec4 with_rest(vec4 sum, Events events, Surface solid, bool is_hit)
+{
+    vec4 rest = vec4(0.0);
+    while (events.near.depth < solid.depth) {
+        blend(rest, events.near.colour);
+        next_wall(events);
+    }
+    blend(rest, solid.colour);
+    return is_hit ? mix(sum, vec4(rest.rgb / max(rest.a, 1e-6), 1.0), GHOST * rest.a) : sum + (1.0 - sum.a) * rest;
+}
+
+void main()
+{
+    vec3 direction = vec3(((gl_FragCoord.xy + line.zw) / lens.zw * 2.0 - 1.0) * lens.xy + middle.xy, -1.0);
+    vec3 view = normalize(mat3(world_from_camera) * direction);
+    Events events;
+    Surface solid = Surface(NEVER, vec4(0.0));
+    find_walls(events.near, events.far, direction);
+    next_layer(events, 0);
+    hit_axis(solid, direction, view);
+    hit_markers(solid, direction, view);
+
+    float mesh = mesh_depth();
+    float last = min(solid.depth, mesh);
+    Track context = make_track(context_from_camera, context_bricks.w, direction);
+    Track areas = make_track(areas_from_camera, areas_bricks.w, direction);
+    Track haze = make_track(haze_from_camera, haze_shape.w, direction);
+    float end = max(max(end_of(context), end_of(areas)), end_of(haze));
+    float plane = min(min(context.first, areas.first), haze.first);
+    float depth = plane < end ? depth_of(plane - 1.0) : 0.0; // up to which all is blended
+    float hit = NEVER;
+    uint before = 0u; // the area at the plane before
+    uint seen[SEEN];
+    int seen_count = 0;
+    vec4 sum = vec4(0.0);
+    while (hit == NEVER && sum.a < OPAQUE) {
+        bool shows = plane < end && (planes.w == 0.0 || is_on(haze, plane));
+        float next = next_plane(context, areas, haze, plane, end, shows);
+        float t = plane < end ? min(depth_of(next), last) : last;
+        uint object = shows ? area_at(areas, t) : 0u;
+        bool enters = object != 0u && object != before && !is_seen(object, seen, seen_count);
+        float stop = enters ? object_depth(areas, object, depth, t) : t;
+        float event = event_depth(events);
+        bool is_event = event < NEVER && event <= stop;
+        stop = is_event ? event : stop;
+        if (shows && stop > depth) {
+            blend_haze(sum, context, haze, depth, stop, length(direction));
+        }
+        depth = stop;
+        if (is_event) {
+            take_event(sum, events, direction, view);
+        } else if (enters) {
+            vec3 place = place_on(areas, stop);
+            vec3 normal = before == 0u ? area_normal(textureLod(areas_field, place, 0.0)) : border_normal(object, place);
+            blend_surface(sum, object_colour(object, normal, direction, view, stop), opacities[object]);
+            hit = opacities[object] < 1.0 ? NEVER : stop;
+            seen[seen_count++] = object;
+            before = object;
+        } else if (t >= last) {
+            break;
+        } else {
+            before = object;
+            plane = next + 1.0;
+        }
+    }
+    if (hit == NEVER && mesh <= solid.depth && mesh < NEVER && sum.a < OPAQUE) {
+        blend(sum, vec4(mesh_colour(direction, view, mesh), 1.0));
+        hit = mesh;
+    }
+    colour = with_rest(sum, events, solid, hit < NEVER);
+}

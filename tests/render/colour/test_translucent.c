@@ -1,0 +1,447 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What lets light through (Eq. 8): translucent areas and meshes, and pathways as haze, against closed forms. */
+#include "base/math3.h"
+#include "base/memory.h"
+#include "golden_picture.h"
+#include "mesh_scene.h"
+#include "picture_scene.h"
+#include "render/colour/pathways.h"
+#include "render/image/image.h"
+#include "test.h"
+#include "test_gl.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { WIDTH = PICTURE_WIDTH, HEIGHT = PICTURE_HEIGHT, PIXELS = PICTURE_PIXELS };
+
+static const uint8_t red[3] = {255, 0, 0}, green[3] = {0, 255, 0}, blue[3] = {0, 0, 255};
+
+/* ---- Scenes ----------------------------------------------------------------------------------------------------- */
+
+/* A square across the view, at a depth y. */
+static void add_wall(conus_atlas *atlas, float y, const uint8_t rgb[3])
+{
+    const float positions[] = {-300, y, -300, 300, y, -300, 300, y, 300, -300, y, 300};
+    const uint32_t triangles[] = {0, 1, 2, 0, 2, 3};
+    struct mesh wall;
+    assert_ok(mesh_init(&wall, 4, 2));
+    memcpy(wall.positions, positions, sizeof positions);
+    memcpy(wall.triangles, triangles, sizeof triangles);
+    mesh_scene_add(atlas, &wall);
+    memcpy(atlas->objects[atlas->object_count - 1].rgb, rgb, 3);
+}
+
+/* Values of a map, one per voxel of a grid of cubes of 1 mm whose middle is the origin. */
+static void add_pathway(conus_atlas *atlas, const size_t dim[3], picture_function value)
+{
+    conus_volume_info info = picture_grid(dim, (double[]){1, 1, 1}, picture_identity);
+    size_t count = dim[0] * dim[1] * dim[2];
+    float *values = memory_raw(count, sizeof *values);
+    info.role = CONUS_ROLE_SCALAR;
+    info.threshold = 0.5;
+    for (size_t v = 0; v < count; v++) {
+        double p[3] = {(double)(v % dim[0]), (double)(v / dim[0] % dim[1]), (double)(v / dim[0] / dim[1])};
+        mat4_point(p, info.world_from_voxel, p);
+        values[v] = (float)value(p);
+    }
+    assert_ok(atlas_add_pathway(atlas, &info, values, "tract"));
+}
+
+static const size_t around[3] = {60, 60, 60};
+
+/* 16 mm thick. */
+static double slab(const double p[3])
+{
+    return fabs(p[1]) < 8 ? 1 : 0;
+}
+
+static double faint(const double p[3])
+{
+    (void)p;
+    return 0.25;
+}
+
+static conus_renderer *renderer_of(const conus_atlas *atlas, const char *function)
+{
+    gl_context_destroy(test_gl_context(NULL, NULL));
+    const conus_pathway_transfer transfer = {.transfer = function};
+    const conus_renderer_options options = {.pathways = &transfer, .pathway_count = function ? 1 : 0};
+    conus_renderer *renderer = NULL;
+    assert_ok(conus_renderer_create(&renderer, atlas, &options));
+    return renderer;
+}
+
+/* One colour, with the opacity 0.05 of 1 mm, for every value. */
+static const char *red_haze(void)
+{
+    static const char text[] = "0 1 0 0 0.05\n2 1 0 0 0.05\n";
+    const char *path = test_scratch("red.tf");
+    assert_ok(conus_write_file(path, text, sizeof text - 1));
+    return path;
+}
+
+static struct camera from_the_front(void)
+{
+    return picture_camera((double[]){0, 1, 0}, 200, radians_from_degrees(15));
+}
+
+/* ---- By hand ---------------------------------------------------------------------------------------------------- */
+
+/* What lies along the ray of the pixel in the middle, front to back: colour and opacity. */
+struct part {
+    const uint8_t *rgb;
+    double opacity;
+    bool is_haze; /* not lit */
+};
+
+/* Of haze of so many mm. */
+static struct part haze(double mm)
+{
+    return (struct part){red, 1 - pow(0.95, mm), true};
+}
+
+/* Eq. 8's light on a surface that faces the eye: l is (-0.42, 0.52, 0.74) normalised. */
+static double lit(double colour)
+{
+    const double u = (1.0 / WIDTH) * tan(radians_from_degrees(7.5)) * WIDTH / HEIGHT;
+    const double v = (1.0 / HEIGHT) * tan(radians_from_degrees(7.5));
+    double light[3] = {-0.42, 0.52, 0.74};
+    double view[3] = {u, v, -1};
+    double half[3];
+    vec3_normalise(light, light);
+    vec3_normalise(view, view);
+    vec3_sub(half, light, view);
+    vec3_normalise(half, half);
+    return colour * (0.30 + 0.75 * light[2]) + 0.06 * pow(half[2], 30);
+}
+
+static void check_parts(const float *rgba, const struct part *parts, size_t count, double tolerance)
+{
+    const float *pixel = rgba + (ptrdiff_t)4 * (HEIGHT / 2 * WIDTH + WIDTH / 2);
+    double wanted[4] = {0};
+    for (size_t i = 0; i < count; i++) {
+        for (int c = 0; c < 3; c++) {
+            double colour = parts[i].rgb[c] / 255.0; /* 0 or 1 in linear light, too */
+            wanted[c] += (1 - wanted[3]) * parts[i].opacity * (parts[i].is_haze ? colour : lit(colour));
+        }
+        wanted[3] += (1 - wanted[3]) * parts[i].opacity;
+    }
+    for (int c = 0; c < 4; c++) {
+        assert_near(pixel[c], wanted[c], tolerance);
+    }
+}
+
+static float *draw_with(conus_renderer *renderer, const float *opacity, uint32_t slices)
+{
+    struct camera camera = from_the_front();
+    return picture_draw(renderer, &camera, &(struct colour_view){.opacity = opacity, .slices = slices}, false);
+}
+
+/* ---- Meshes ----------------------------------------------------------------------------------------------------- */
+
+/* Whatever their order in the atlas. */
+static void walls_are_composed_front_to_back(void **state)
+{
+    (void)state;
+    static const float depths[3] = {10, 20, 30};
+    static const uint8_t *const colours[3] = {red, green, blue};
+    static const float opacities[3] = {0.3F, 0.5F, 1};
+    const struct part parts[] = {{red, 0.3, false}, {green, 0.5, false}, {blue, 1, false}};
+    for (int turn = 1; turn < 6; turn += 3) {
+        conus_atlas *atlas = mesh_scene_atlas();
+        float opacity[4] = {1};
+        for (int n = 0; n < 3; n++) {
+            int wall = (turn < 3 ? n + turn : 2 * 3 + turn - n) % 3;
+            add_wall(atlas, depths[wall], colours[wall]);
+            opacity[n + 1] = opacities[wall];
+        }
+        conus_renderer *renderer = renderer_of(atlas, NULL);
+        float *rgba = draw_with(renderer, opacity, 0);
+        check_parts(rgba, parts, 3, 2e-5);
+        memory_free(rgba);
+        conus_renderer_destroy(renderer);
+        conus_atlas_destroy(atlas);
+    }
+}
+
+/* Eight layers, and what is opaque behind them all; opacity 0 is not drawn. */
+static void many_walls_are_the_nearest_eight(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = mesh_scene_atlas();
+    float opacity[14] = {1};
+    struct part parts[9];
+    for (int n = 0; n < 13; n++) {
+        add_wall(atlas, (float)(13 - n), n == 0 ? blue : n % 2 ? red : green);
+        opacity[n + 1] = n == 0 ? 1 : n == 12 ? 0 : 0.1F;
+    }
+    for (int k = 0; k < 9; k++) {
+        int n = 11 - k; /* the nearest that is drawn first */
+        parts[k] = k < 8 ? (struct part){n % 2 ? red : green, 0.1, false} : (struct part){blue, 1, false};
+    }
+    conus_renderer *renderer = renderer_of(atlas, NULL);
+    float *rgba = draw_with(renderer, opacity, 0);
+    check_parts(rgba, parts, 9, 2e-5);
+    memory_free(rgba);
+    conus_renderer_destroy(renderer);
+    conus_atlas_destroy(atlas);
+}
+
+/* A surface lets through 1 - a of what is behind it, however often the ray crosses it. */
+static void a_surface_counts_once(void **state)
+{
+    (void)state;
+    const float opacity[] = {1, 0.4F};
+    for (int voxels = 0; voxels < 2; voxels++) {
+        conus_volume_info grid = picture_grid(around, (double[]){1, 1, 1}, picture_identity);
+        conus_atlas *atlas = voxels ? picture_atlas(&grid, picture_ball_of_20, NULL, NULL) : mesh_scene_atlas();
+        if (!voxels) {
+            struct mesh ball = mesh_scene_sphere((double[]){0, 0, 0}, 20, 48, 96);
+            mesh_scene_add(atlas, &ball);
+        }
+        conus_renderer *renderer = renderer_of(atlas, NULL);
+        float *rgba = draw_with(renderer, opacity, 0);
+        assert_near(rgba[4 * (HEIGHT / 2 * WIDTH + WIDTH / 2) + 3], 0.4, 1e-5);
+        memory_free(rgba);
+        conus_renderer_destroy(renderer);
+        conus_atlas_destroy(atlas);
+    }
+}
+
+/* ---- Haze ------------------------------------------------------------------------------------------------------- */
+
+/* The slab of haze reaches from -8 to 8 mm; of four walls one is drawn, before it, in it, or behind it. */
+static void haze_lies_before_and_behind_a_wall(void **state)
+{
+    (void)state;
+    static const float depths[] = {-12, -3, 5, 12};
+    conus_atlas *atlas = mesh_scene_atlas();
+    for (int n = 0; n < 4; n++) {
+        add_wall(atlas, depths[n], green);
+    }
+    add_pathway(atlas, around, slab);
+    conus_renderer *renderer = renderer_of(atlas, red_haze());
+    for (int n = 0; n < 4; n++) {
+        double before = fmin(fmax((double)depths[n] + 8, 0), 16);
+        const struct part parts[] = {haze(before), {green, 0.4, false}, haze(16 - before)};
+        float opacity[6] = {1, 0, 0, 0, 0, 1};
+        opacity[n + 1] = 0.4F;
+        for (uint32_t slices = 0; slices <= 600; slices += 300) {
+            float *rgba = draw_with(renderer, opacity, slices);
+            check_parts(rgba, parts, 3, slices ? 2e-3 : 0.01);
+            memory_free(rgba);
+        }
+    }
+    conus_renderer_destroy(renderer);
+    conus_atlas_destroy(atlas);
+}
+
+/* Before, in and behind the haze. */
+static double three_slabs(const double p[3])
+{
+    return p[1] > -14 && p[1] < -10 ? 1 : p[1] > 0 && p[1] < 4 ? 2 : p[1] > 10 && p[1] < 14 ? 3 : 0;
+}
+
+/* The same with areas of voxels, whose surfaces lie where their voxels end, to a tenth of one. */
+static void haze_lies_before_and_behind_an_area(void **state)
+{
+    (void)state;
+    static const double before[] = {0, 8, 16};
+    static const uint8_t over[] = {0, PATHWAYS_AREA_OVER, PATHWAYS_AREA_OVER, PATHWAYS_AREA_OVER, 0};
+    static const uint8_t under[] = {0, PATHWAYS_AREA_UNDER, PATHWAYS_AREA_UNDER, PATHWAYS_AREA_UNDER, 0};
+    conus_volume_info grid = picture_grid(around, (double[]){1, 1, 1}, picture_identity);
+    conus_atlas *atlas = picture_atlas(&grid, three_slabs, NULL, NULL);
+    add_pathway(atlas, around, slab);
+    for (int n = 0; n < 3; n++) {
+        memcpy(atlas->objects[n].rgb, green, 3);
+    }
+    conus_renderer *renderer = renderer_of(atlas, red_haze());
+    for (int n = 0; n < 6; n++) {
+        bool opaque = n >= 3;
+        float opacity[5] = {1, 0, 0, 0, 1};
+        const struct part parts[] = {haze(before[n % 3]), {green, opaque ? 1 : 0.4, false}, haze(16 - before[n % 3])};
+        opacity[n % 3 + 1] = opaque ? 1 : 0.4F;
+        assert_ok(renderer_include(renderer, opaque ? over : under));
+        float *rgba = draw_with(renderer, opacity, 500);
+        check_parts(rgba, parts, opaque ? 2 : 3, 6e-3);
+        memory_free(rgba);
+    }
+    conus_renderer_destroy(renderer);
+    conus_atlas_destroy(atlas);
+}
+
+/* What a pathway does not hold is no haze, whatever the function says of its values. */
+static void haze_ends_where_the_pathway_ends(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = mesh_scene_atlas();
+    add_wall(atlas, 12, green);
+    add_pathway(atlas, around, faint);
+    conus_renderer *renderer = renderer_of(atlas, red_haze());
+    float *rgba = draw_with(renderer, (const float[]){1, 0.4F, 1}, 0);
+    check_parts(rgba, &(struct part){green, 0.4, false}, 1, 2e-5);
+    memory_free(rgba);
+    conus_renderer_destroy(renderer);
+    conus_atlas_destroy(atlas);
+}
+
+static void functions_that_fit_no_pathway_are_refused(void **state)
+{
+    (void)state;
+    conus_volume_info grid = picture_grid(around, (double[]){1, 1, 1}, picture_identity);
+    conus_atlas *atlas = picture_atlas(&grid, picture_ball_of_20, NULL, NULL);
+    const conus_pathway_transfer transfers[] = {{0, "heat"}, {1, "heat"}, {3, "heat"}, {2, "none"}};
+    struct haze_choice choice = {0};
+    conus_renderer_options options = {.pathways = transfers, .pathway_count = 1};
+    assert_fails(haze_choose(&choice, atlas, &options), CONUS_ERROR_ARGUMENT); /* there is no pathway */
+    haze_choice_finish(&choice);
+    add_pathway(atlas, around, slab);
+    for (size_t i = 1; i < 4; i++) { /* an area, nothing, no such function */
+        options.pathways = &transfers[i];
+        assert_fails(haze_choose(&choice, atlas, &options), CONUS_ERROR_ARGUMENT);
+        haze_choice_finish(&choice);
+    }
+    struct haze_field field = {0};
+    options.pathways = &transfers[0];
+    assert_ok(haze_choose(&choice, atlas, &options));
+    /* 60 x 16 x 60 voxels and one more on each side, 16 bytes each */
+    assert_fails(haze_fill(&field, atlas, &choice, 62 * 18 * 62 * 16 - 1), CONUS_ERROR_MEMORY);
+    assert_ok(haze_fill(&field, atlas, &choice, 62 * 18 * 62 * 16));
+    haze_field_finish(&field);
+    haze_choice_finish(&choice);
+    conus_atlas_destroy(atlas);
+}
+
+static conus_status attempt(void *data)
+{
+    const conus_pathway_transfer transfer = {.transfer = "own"};
+    const conus_renderer_options options = {.pathways = &transfer, .pathway_count = 1};
+    struct haze_choice choice = {0};
+    struct haze_field field = {0};
+    conus_status status = haze_choose(&choice, data, &options);
+    status = status ? status : haze_fill(&field, data, &choice, UINT64_MAX);
+    assert_true((status == CONUS_OK) == (field.texels != NULL));
+    haze_field_finish(&field);
+    haze_choice_finish(&choice);
+    return status;
+}
+
+static void allocations_may_fail(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = mesh_scene_atlas();
+    add_pathway(atlas, (size_t[]){8, 20, 8}, slab);
+    test_every_allocation(attempt, atlas);
+    conus_atlas_destroy(atlas);
+}
+
+/* ---- The walk --------------------------------------------------------------------------------------------------- */
+
+/* Two half balls and a rod before them. */
+static double three_areas(const double p[3])
+{
+    double r = vec3_length(p);
+    return r < 18 ? (p[0] < 0 ? 1 : 2) : fabs(p[1] + 24) < 3 && fabs(p[2]) < 3 ? 3 : 0;
+}
+
+static double soft_shell(const double p[3])
+{
+    return fmax(0, 100 - 12 * fabs(vec3_length(p) - 22));
+}
+
+static conus_atlas *busy_atlas(void)
+{
+    conus_volume_info grid = picture_grid(around, (double[]){1, 1, 1}, picture_identity);
+    conus_atlas *atlas = picture_atlas(&grid, three_areas, NULL, soft_shell);
+    memcpy(atlas->objects[0].rgb, (uint8_t[]){230, 120, 40}, 3);
+    memcpy(atlas->objects[1].rgb, (uint8_t[]){60, 120, 230}, 3);
+    memcpy(atlas->objects[2].rgb, (uint8_t[]){90, 200, 90}, 3);
+    return atlas;
+}
+
+static struct colour_view with_cone(const conus_pose *pose, const struct colour_marker *marker)
+{
+    return (struct colour_view){.world_from_cone = pose->world_from_device,
+                                .cone_slope = 0.2,
+                                .cone_length = 60,
+                                .line_width = 1,
+                                .markers = marker,
+                                .marker_count = 1};
+}
+
+/* The walk that can do more draws what the other one does where nothing is translucent, but for the half of a plane at
+ * surfaces in haze; and skipping empty bricks changes no bit of it. */
+static void the_walks_agree(void **state)
+{
+    (void)state;
+    const float opaque[] = {1, 1, 1, 1};
+    const float clear[] = {1, 0.4F, 0.7F, 0};
+    const struct colour_marker marker = {.centre = {5, -13, 2}, .radius = 3, .rgb = {200, 20, 20}};
+    conus_atlas *atlas = busy_atlas();
+    conus_renderer *renderer = picture_renderer(atlas, "brain");
+    conus_pose pose;
+    assert_ok(conus_pose_toward(&pose, (double[]){-60, -20, 10}, (double[]){0, 0, 0}, NULL));
+    for (int side = 0; side < 2; side++) {
+        struct camera camera = picture_camera((double[]){side - 1, 1, 0.3 * side}, 150, radians_from_degrees(25));
+        struct colour_view view = with_cone(&pose, &marker);
+        float *plain = picture_draw(renderer, &camera, &view, false);
+        view.opacity = opaque;
+        float *layers = picture_draw(renderer, &camera, &view, false);
+        assert_true(picture_difference(plain, layers) < 0.004);
+        view.opacity = clear;
+        float *skipping = picture_draw(renderer, &camera, &view, false);
+        view.no_skipping = true;
+        float *whole = picture_draw(renderer, &camera, &view, false);
+        assert_memory_equal(skipping, whole, PIXELS * 4 * sizeof *whole);
+        assert_true(picture_difference(plain, whole) > 0.02);
+        memory_free(plain);
+        memory_free(layers);
+        memory_free(skipping);
+        memory_free(whole);
+    }
+    conus_renderer_destroy(renderer);
+    conus_atlas_destroy(atlas);
+}
+
+/* ---- As the paper's Fig. 4 -------------------------------------------------------------------------------------- */
+
+/* A fibre in an arch over the areas and through one of them: the more probable, the nearer to its middle. */
+static double arch(const double p[3])
+{
+    double ring = hypot(hypot(p[1], p[2] + 8) - 22, p[0] - 4);
+    return p[2] > -10 ? fmax(0, 1 - ring / 6) : 0;
+}
+
+static void pathways_and_areas_look_as_they_did(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = busy_atlas();
+    add_pathway(atlas, around, arch);
+    conus_renderer *renderer = renderer_of(atlas, "heat");
+    const double opacity[] = {NAN, 0.35, 1, 0.6, NAN};
+    const conus_view view = {.width = 160, .height = 120, .opacity = opacity, .no_legend = true};
+    conus_image *image = NULL;
+    assert_ok(conus_render(&image, renderer, &view));
+    golden_check(image, "translucent.png");
+    conus_image_destroy(image);
+    conus_renderer_destroy(renderer);
+    conus_atlas_destroy(atlas);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(walls_are_composed_front_to_back),
+        cmocka_unit_test(many_walls_are_the_nearest_eight),
+        cmocka_unit_test(a_surface_counts_once),
+        cmocka_unit_test(haze_lies_before_and_behind_a_wall),
+        cmocka_unit_test(haze_lies_before_and_behind_an_area),
+        cmocka_unit_test(haze_ends_where_the_pathway_ends),
+        cmocka_unit_test(functions_that_fit_no_pathway_are_refused),
+        cmocka_unit_test(allocations_may_fail),
+        cmocka_unit_test(the_walks_agree),
+        cmocka_unit_test(pathways_and_areas_look_as_they_did),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
