@@ -155,7 +155,7 @@ static bool measure_layout(struct layout *layout)
     double top = rint(bottom ? layout->image->height - MARGIN * em - height : MARGIN * em);
     left = legend->at ? rint(legend->at[0] + MARGIN * em) : left;
     top = legend->at ? rint(legend->at[1] + MARGIN * em) : top;
-    layout->panel = (struct draw_box){left, top, left + rint(width), top + rint(height)};
+    layout->panel = (struct draw_box){left, top, left + ceil(width), top + rint(height)};
     return (layout->shown > 0 || legend->count == 0) && layout->name_width >= 0 && left >= 0 && top >= 0;
 }
 

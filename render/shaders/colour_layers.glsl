@@ -37,14 +37,17 @@ void blend_haze(inout vec4 sum, Track context, Track haze, float from, float to,
 
 // ---- Areas --------------------------------------------------------------------------------------------------------
 
-// The object of an area that shows at a depth, 0 if none.
-uint area_at(Track areas, float t)
+// The object of an area that shows at a depth, 0 if none. Where the nearest voxel is `before`'s, it is that.
+uint area_at(Track areas, float t, uint before)
 {
     vec3 place = place_on(areas, t);
     if (areas.first == NEVER || !lies_in(place) || !shows_area(place)) {
         return 0u;
     }
-    uint object = object_at(place);
+    ivec3 size = textureSize(area_objects, 0);
+    ivec3 nearest = clamp(ivec3(place * vec3(size)), ivec3(0), size - 1);
+    bool same = before != 0u && texelFetch(area_objects, nearest, 0).x == before;
+    uint object = same ? before : object_at(place);
     return opacities[object] > 0.0 ? object : 0u;
 }
 
@@ -53,7 +56,7 @@ float object_depth(Track areas, uint object, float outside, float inside)
 {
     for (int n = 0; n < 6; n++) {
         float middle = 0.5 * (outside + inside);
-        bool found = area_at(areas, middle) == object;
+        bool found = area_at(areas, middle, 0u) == object;
         inside = found ? middle : inside;
         outside = found ? outside : middle;
     }
@@ -77,8 +80,9 @@ float weight_of(uint object, vec3 place)
     return sum;
 }
 
-// Of the border between two objects, in world axes: occupancy, which they share, has no gradient there.
-vec3 border_normal(uint object, vec3 place)
+// Of the border between two objects, in world axes: occupancy, which they share, has no gradient there. Borders mostly lie
+// along the ray, so that they would be dark: they are lit as if turned towards the eye.
+vec3 border_normal(uint object, vec3 place, vec3 view)
 {
     vec3 reach = 1.5 / vec3(textureSize(area_objects, 0));
     vec3 gradient;
@@ -88,7 +92,7 @@ vec3 border_normal(uint object, vec3 place)
         gradient[a] = (weight_of(object, place + offset) - weight_of(object, place - offset)) / reach[a];
     }
     gradient = mat3(world_from_camera) * (transpose(mat3(areas_from_camera)) * gradient);
-    return -gradient / max(length(gradient), 1e-6);
+    return normalize(-gradient / max(length(gradient), 1e-6) - view);
 }
 
 // ---- The walk -----------------------------------------------------------------------------------------------------
@@ -204,7 +208,7 @@ void main()
         bool shows = plane < end && (planes.w == 0.0 || is_on(haze, plane));
         float next = next_plane(context, areas, haze, plane, end, shows);
         float t = plane < end ? min(depth_of(next), last) : last;
-        uint object = shows ? area_at(areas, t) : 0u;
+        uint object = shows ? area_at(areas, t, before) : 0u;
         bool enters = object != 0u && object != before && !is_seen(object, seen, seen_count);
         float stop = enters ? object_depth(areas, object, depth, t) : t;
         float event = event_depth(events);
@@ -218,7 +222,7 @@ void main()
             take_event(sum, events, direction, view);
         } else if (enters) {
             vec3 place = place_on(areas, stop);
-            vec3 normal = before == 0u ? area_normal(textureLod(areas_field, place, 0.0)) : border_normal(object, place);
+            vec3 normal = before == 0u ? area_normal(textureLod(areas_field, place, 0.0)) : border_normal(object, place, view);
             blend_surface(sum, object_colour(object, normal, direction, view, stop), opacities[object]);
             hit = opacities[object] < 1.0 ? NEVER : stop;
             seen[seen_count++] = object;

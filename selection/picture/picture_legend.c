@@ -31,7 +31,23 @@ struct picture_legend {
 
 /* ---- Rows ------------------------------------------------------------------------------------------------------- */
 
-static void fill_row(struct legend_row *row, struct cells *cells, const conus_atlas *atlas, const conus_result *result)
+/* Its colour in the picture: of haze that of values in its upper part, which show most. */
+static void set_chip(struct legend_row *row, const struct picture *picture, uint32_t number)
+{
+    memcpy(row->rgb, picture->atlas->objects[number - 1].rgb, sizeof row->rgb);
+    if (haze_is(picture->hazy, number)) {
+        const struct transfer *transfer = &picture->hazy->transfers[number];
+        double low = transfer->points[0].value;
+        double rgba[4];
+        transfer_at(rgba, transfer, low + 0.7 * (transfer->points[transfer->count - 1].value - low));
+        for (int c = 0; c < 3; c++) {
+            row->rgb[c] = (uint8_t)lrint(255 * rgba[c]);
+        }
+    }
+}
+
+static void fill_row(struct legend_row *row, struct cells *cells, const struct picture *picture,
+                     const conus_result *result)
 {
     snprintf(cells->share, sizeof cells->share, "%.1f %%", 100 * result->share);
     snprintf(cells->distance, sizeof cells->distance, "%.1f mm", result->distance);
@@ -39,9 +55,8 @@ static void fill_row(struct legend_row *row, struct cells *cells, const conus_at
     row->hollow = !result->object;
     row->name = "unassigned";
     if (result->object) {
-        const conus_object *object = &atlas->objects[result->object - 1];
-        row->name = object->name;
-        memcpy(row->rgb, object->rgb, sizeof row->rgb);
+        row->name = picture->atlas->objects[result->object - 1].name;
+        set_chip(row, picture, result->object);
         row->detail[1] = cells->distance;
     }
 }
@@ -69,7 +84,7 @@ static size_t add_pathways(struct legend_row rows[PATHWAY_ROWS], char words[TEXT
             const conus_object *pathway = &atlas->objects[number - 1];
             if (others++ < PATHWAY_ROWS - 1) {
                 rows[count++] = (struct legend_row){.name = pathway->name, .detail = {"not hit"}};
-                memcpy(rows[count - 1].rgb, pathway->rgb, sizeof pathway->rgb);
+                set_chip(&rows[count - 1], picture, (uint32_t)number);
             }
         }
     }
@@ -99,7 +114,7 @@ static void fill_rows(struct picture_legend *out, const struct picture *picture)
     for (size_t i = 0; i < conus_selection_count(selection); i++) {
         const conus_result *result = conus_selection_result(selection, i);
         if (picture_lists(result)) {
-            fill_row(&out->rows[count], &out->cells[count], picture->atlas, result);
+            fill_row(&out->rows[count], &out->cells[count], picture, result);
             count++;
         }
     }
