@@ -127,10 +127,19 @@ struct extent {
     long low[3], high[3];
 };
 
+/* Index of the n-th voxel. */
+static void find_index(double out[3], const size_t dim[3], size_t n)
+{
+    const size_t index[3] = {n % dim[0], n / dim[0] % dim[1], n / dim[0] / dim[1]};
+    for (int a = 0; a < 3; a++) {
+        out[a] = (double)index[a];
+    }
+}
+
 static void extend(struct extent *extent, const struct volume *volume, size_t voxel)
 {
-    const size_t *dim = volume->info.dim;
-    double p[3] = {(double)(voxel % dim[0]), (double)(voxel / dim[0] % dim[1]), (double)(voxel / dim[0] / dim[1])};
+    double p[3];
+    find_index(p, volume->info.dim, voxel);
     if (volume != extent->first) {
         mat4_point(p, volume->info.world_from_voxel, p);
         mat4_point(p, extent->first->voxel_from_world, p);
@@ -141,17 +150,24 @@ static void extend(struct extent *extent, const struct volume *volume, size_t vo
     }
 }
 
+static void extend_over(struct extent *extent, const struct volume *volume, const struct haze_choice *choice)
+{
+    for (size_t v = 0; v < volume->voxel_count; v++) {
+        bool hazy = hazy_at(volume, choice, v);
+        if (hazy && !extent->first) {
+            *extent = (struct extent){volume, {LONG_MAX, LONG_MAX, LONG_MAX}, {LONG_MIN, LONG_MIN, LONG_MIN}};
+        }
+        if (hazy) {
+            extend(extent, volume, v);
+        }
+    }
+}
+
 static void find_extent(struct extent *out, const conus_atlas *atlas, const struct haze_choice *choice)
 {
     for (size_t i = 0; i < atlas->volume_count; i++) {
-        const struct volume *volume = &atlas->volumes[i];
-        for (size_t v = 0; is_used(volume) && v < volume->voxel_count; v++) {
-            if (hazy_at(volume, choice, v)) {
-                if (!out->first) {
-                    *out = (struct extent){volume, {LONG_MAX, LONG_MAX, LONG_MAX}, {LONG_MIN, LONG_MIN, LONG_MIN}};
-                }
-                extend(out, volume, v);
-            }
+        if (is_used(&atlas->volumes[i])) {
+            extend_over(out, &atlas->volumes[i], choice);
         }
     }
 }
@@ -192,8 +208,9 @@ static void add_volume(struct haze_field *field, const struct volume *volume, co
 {
     const size_t *dim = field->info.dim;
     for (size_t n = 0; n < dim[0] * dim[1] * dim[2]; n++) {
-        double p[3] = {(double)(n % dim[0]), (double)(n / dim[0] % dim[1]), (double)(n / dim[0] / dim[1])};
+        double p[3];
         size_t voxel = 0;
+        find_index(p, dim, n);
         mat4_point(p, field->info.world_from_voxel, p);
         uint32_t object = volume_find_voxel(&voxel, volume, p) ? hazy_at(volume, choice, voxel) : 0;
         if (object) {
