@@ -538,7 +538,7 @@ static void cuts_and_pictures_show_the_first(void **state)
     for (int p = 0; p < WIDTH; p++) { /* -0.6, 0.4, ..., 11.4, ... */
         assert_int_equal(objects[p], seen_at(p - 0.6));
     }
-    assert_ok(pathways_join(&joint, atlas, NULL)); /* on the finer grid, extended to x = 14 or more */
+    assert_ok(pathways_join(&joint, atlas, NULL, NULL)); /* on the finer grid, extended to x = 14 or more */
     assert_near(joint.info.world_from_voxel[0], 1, 0);
     assert_true(joint.info.dim[0] >= 15);
     for (size_t v = 0; v < joint.voxel_count; v++) {

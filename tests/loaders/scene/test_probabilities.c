@@ -279,7 +279,7 @@ static void pictures_show_the_most_probable(void **state)
         conus_atlas *atlas = load("m.atlas.json");
         assert_ok(conus_cut(rgba, objects, atlas, &view));
         assert_memory_equal(objects, wanted[i], sizeof objects);
-        assert_ok(pathways_join(&joint, atlas, NULL));
+        assert_ok(pathways_join(&joint, atlas, NULL, NULL));
         assert_int_equal(joint.voxel_count, 4);
         assert_memory_equal(joint.objects32, wanted[i], sizeof objects);
         volume_finish(&joint);
