@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus render: draws an atlas, with or without a cone, into a picture file. */
 #include "cli/commands.h"
-#include "cli/figure.h"
-#include "cli/render_rows.h"
-#include "cli/translucent.h"
+#include "cli/pictures/figure.h"
+#include "cli/pictures/render_rows.h"
+#include "cli/pictures/translucent.h"
 #include "common/messages.h"
 #include "common/output.h"
 #include "settings/aim_notes.h"

@@ -23,8 +23,9 @@ APPS = {
     "apps/cli/answers": "apps/common apps/settings",
     "apps/cli/verify": "apps/common apps/settings",
     "apps/cli/cite": "apps/common apps/settings",
+    "apps/cli/pictures": "apps/common apps/settings",
     "apps/cli": "apps/link apps/common apps/settings apps/pages apps/batch apps/cli/answers apps/cli/verify"
-    " apps/cli/cite",
+    " apps/cli/cite apps/cli/pictures",
     "apps/mpi": "apps/common apps/pages apps/batch",
     "apps/mesh": "loaders/child",  # mesh_protocol.h: what conus and conus-mesh send each other
     "apps/viewer/model": "apps/link",

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file The options of conus render about the sheet: its size, side, background, legend and letters. */
-#ifndef CONUS_CLI_FIGURE_H
-#define CONUS_CLI_FIGURE_H
+#ifndef CONUS_CLI_PICTURES_FIGURE_H
+#define CONUS_CLI_PICTURES_FIGURE_H
 
 #include "settings/options.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Opacities by the names of areas, and transfer functions by those of pathways. */
-#include "cli/translucent.h"
+#include "cli/pictures/translucent.h"
 
 #include "common/messages.h"
 

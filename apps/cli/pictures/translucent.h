@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file The options of conus render about what lets light through: opacities of areas, and pathways as haze. */
-#ifndef CONUS_CLI_TRANSLUCENT_H
-#define CONUS_CLI_TRANSLUCENT_H
+#ifndef CONUS_CLI_PICTURES_TRANSLUCENT_H
+#define CONUS_CLI_PICTURES_TRANSLUCENT_H
 
 #include "settings/options.h"
 

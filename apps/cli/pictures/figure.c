@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What a picture's sheet is like: in pixels or millimetres, from which side, on what, with which text. */
-#include "cli/figure.h"
+#include "cli/pictures/figure.h"
 
 #include "common/messages.h"
 

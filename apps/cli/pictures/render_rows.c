@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Chooses the poses that are drawn, and gives each picture a name of its own. */
-#include "cli/render_rows.h"
+#include "cli/pictures/render_rows.h"
 
 #include "common/messages.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file Which poses of a file conus render draws, and the file that each picture goes to. */
-#ifndef CONUS_CLI_RENDER_ROWS_H
-#define CONUS_CLI_RENDER_ROWS_H
+#ifndef CONUS_CLI_PICTURES_RENDER_ROWS_H
+#define CONUS_CLI_PICTURES_RENDER_ROWS_H
 
 #include <conus/conus.h>
 
