@@ -1,0 +1,211 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What the window keeps from one run to the next: its place, the texts' size, what was opened; and its start page. */
+#include "base/memory.h"
+#include "viewer/window/place.h"
+#include "viewer/window/start.h"
+
+#include "test.h"
+
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* Of a file that the window keeps, in a folder of this run. */
+static void find_state(char path[PATH_MAX], const char *name)
+{
+    char here[512];
+    assert_non_null(getcwd(here, sizeof here)); /* relative ones do not count */
+    snprintf(path, PATH_MAX, "%s/%s", here, test_scratch("state"));
+    setenv("XDG_STATE_HOME", path, 1);
+    snprintf(path, PATH_MAX, "%s/%s/conus/%s", here, test_scratch("state"), name);
+}
+
+static void assert_same_place(const struct place *a, const struct place *b)
+{
+    const int found[] = {a->width, a->height, a->x, a->y, a->known};
+    const int wanted[] = {b->width, b->height, b->x, b->y, b->known};
+    assert_memory_equal(found, wanted, sizeof found);
+    assert_near(a->zoom, b->zoom, 1e-12);
+}
+
+static void the_window_finds_its_place_again(void **state)
+{
+    const struct place left = {.width = 900, .height = 700, .known = true, .x = 11, .y = -22, .zoom = 1.25};
+    struct place found = {.width = 1, .height = 2};
+    char path[PATH_MAX];
+    (void)state;
+    find_state(path, "window.json");
+    place_load(&found);
+    assert_int_equal(found.width, 1);
+    place_save(&left);
+    place_load(&found);
+    assert_same_place(&found, &left);
+    place_save(&(struct place){.width = 1, .height = 700}); /* one that nobody could use */
+    place_load(&found);
+    assert_int_equal(found.width, 900);
+    static const char *const bad[] = {"",
+                                      "{}",
+                                      "[1]",
+                                      "{\"width\": 900, \"height\": 1e9, \"x\": 0, \"y\": 0}",
+                                      "{\"width\": 99999, \"height\": 700, \"x\": 0, \"y\": 0}",
+                                      "{\"width\": 900, \"height\": 700, \"x\": 0, \"y\": 0, \"zoom\": 9}",
+                                      "{\"width\": 900, \"height\": 700, \"x\": 0, \"y\": 0, \"zoom\": \"1\"}",
+                                      "{\"width\": \"900\", \"height\": 700, \"x\": 0, \"y\": 0}"};
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        found = (struct place){.width = 5};
+        assert_ok(conus_write_file(path, bad[i], strlen(bad[i])));
+        place_load(&found);
+        assert_int_equal(found.width, 5);
+        assert_false(found.known);
+    }
+}
+
+static void a_window_fits_its_screen(void **state)
+{
+    static const int area[4] = {100, 30, 1280, 770};
+    static const struct {
+        struct place before, after;
+    } cases[] = {
+        {{.width = 900, .height = 700, .x = 150, .y = 40}, {.width = 900, .height = 700, .x = 150, .y = 40}},
+        {{.width = 1500, .height = 940, .x = 0, .y = 0}, {.width = 1280, .height = 770, .x = 100, .y = 30}},
+        {{.width = 900, .height = 700, .x = 9000, .y = 50}, {.width = 900, .height = 700, .x = 480, .y = 50}},
+        {{.width = 900, .height = 700, .x = -900, .y = 900}, {.width = 900, .height = 700, .x = 100, .y = 100}},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        struct place place = cases[i].before;
+        place_fit(&place, area);
+        assert_same_place(&place, &cases[i].after);
+    }
+}
+
+/* Inches are 25.4 mm: 1920 pixels on 344 mm are 141.8 to the inch, 1.477 times 96; 3840 on 294 mm 331.8, 3.46 times;
+ * 2560 on 597 mm 108.9, 1.13 times. */
+static void texts_are_as_large_as_the_screen_is_dense(void **state)
+{
+    (void)state;
+    assert_near(place_scale(1, 1920, 344), 1.25, 0);
+    assert_near(place_scale(1, 3840, 294), 3, 0);
+    assert_near(place_scale(1, 2560, 597), 1, 0);
+    assert_near(place_scale(1, 1280, 1280), 1, 0); /* a wall */
+    assert_near(place_scale(1, 1920, 0), 1, 0);    /* it does not say */
+    assert_near(place_scale(1, 1920, 16), 1, 0);   /* 16 x 9 cm in cm, as some say */
+    assert_near(place_scale(2, 1920, 600), 2, 0);  /* the desktop knows */
+}
+
+static const char three[] = "{\"conus_recent\": 1, \"atlases\": [\"/a\", \"/b/\\u001b.nii\", \"/c,volume=2\"]}";
+
+/* Nothing but what was written: no piece of it, no other form, no path that is relative or too long. */
+static void only_a_whole_list_is_read(void **state)
+{
+    static const char *const bad[] = {
+        "[]",
+        "{}",
+        "{\"conus_recent\": 1}",
+        "{\"conus_recent\": 2, \"atlases\": []}",
+        "{\"conus_recent\": 1, \"atlases\": {}}",
+        "{\"conus_recent\": 1, \"atlases\": [], \"more\": 1}",
+        "{\"conus_recent\": 1, \"atlases\": [], \"atlases\": []}",
+        "{\"conus_recent\": 1, \"atlases\": [\"a\"]}",
+        "{\"conus_recent\": 1, \"atlases\": [\"/a\", \"\"]}",
+        "{\"conus_recent\": 1, \"atlases\": [\"/a\", 5]}",
+        "{\"conus_recent\": 1, \"atlases\": [\"/a\\u0000b\"]}",
+        "{\"conus_recent\":1,\"atlases\":[\"/\",\"/\",\"/\",\"/\",\"/\",\"/\",\"/\",\"/\",\"/\"]}"};
+    struct recent recent = {.count = 5};
+    (void)state;
+    for (size_t size = 0; size < strlen(three); size++) {
+        assert_false(recent_parse(&recent, three, size));
+    }
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        assert_false(recent_parse(&recent, bad[i], strlen(bad[i])));
+    }
+    assert_int_equal(recent.count, 5);
+    assert_true(recent_parse(&recent, three, strlen(three)));
+    assert_int_equal(recent.count, 3);
+    assert_string_equal(recent.paths[1], "/b/\x1b.nii");
+    assert_string_equal(recent.paths[2], "/c,volume=2");
+    for (int length = PATH_MAX - 1; length <= PATH_MAX; length++) { /* the longest, and one more */
+        char text[PATH_MAX + 64];
+        int size = snprintf(text, sizeof text, "{\"conus_recent\": 1, \"atlases\": [\"/%0*d\"]}", length - 1, 0);
+        assert_int_equal(recent_parse(&recent, text, (size_t)size), length < PATH_MAX);
+    }
+}
+
+static void what_is_opened_comes_first(void **state)
+{
+    struct recent recent;
+    char path[PATH_MAX];
+    char here[PATH_MAX];
+    (void)state;
+    find_state(path, "recent.json");
+    recent_load(&recent);
+    assert_int_equal(recent.count, 0);
+    recent_add("/\xff"); /* no UTF-8 */
+    recent_add("/folder//");
+    recent_load(&recent);
+    assert_int_equal(recent.count, 1);
+    assert_string_equal(recent.paths[0], "/folder");
+    for (int i = 1; i <= RECENT_LIMIT; i++) {
+        snprintf(path, sizeof path, "/%d", i);
+        recent_add(path);
+    }
+    recent_add("/3");
+    recent_load(&recent);
+    assert_int_equal(recent.count, RECENT_LIMIT); /* 3 8 7 6 5 4 2 1 */
+    assert_string_equal(recent.paths[0], "/3");
+    assert_string_equal(recent.paths[1], "/8");
+    assert_string_equal(recent.paths[5], "/4");
+    assert_string_equal(recent.paths[6], "/2");
+    assert_string_equal(recent.paths[7], "/1");
+    recent_add("./b.nii");
+    recent_load(&recent);
+    assert_non_null(getcwd(here, sizeof here));
+    assert_memory_equal(recent.paths[0], here, strlen(here));
+    assert_string_equal(recent.paths[0] + strlen(here), "/b.nii");
+    assert_string_equal(recent.paths[7], "/2");
+    find_state(path, "recent.json");
+    assert_ok(conus_write_file(path, three, strlen(three) - 1)); /* damaged: it begins anew */
+    recent_add("/a");
+    recent_load(&recent);
+    assert_int_equal(recent.count, 1);
+}
+
+static void the_start_page_shows_no_escapes(void **state)
+{
+    struct start start = {.typed = "~/a~/b"};
+    char words[PATH_MAX];
+    char path[PATH_MAX];
+    (void)state;
+    find_state(path, "recent.json");
+    assert_ok(conus_write_file(path, three, strlen(three)));
+    setenv("XDG_DATA_DIRS", "relative:/none", 1);
+    start_look(&start);
+    assert_string_equal(start_path(&start, 1), "/b/\x1b.nii");
+    assert_string_equal(start_words(words, &start, 1), " .nii");
+    assert_string_equal(words, "/b/ .nii");
+    assert_null(start_path(&start, 3));
+    setenv("HOME", "/home/me", 1);
+    assert_true(start_typed(path, &start));
+    assert_string_equal(path, "/home/me/a~/b");
+    memcpy(start.typed, "~a", 3);
+    assert_true(start_typed(path, &start));
+    assert_string_equal(path, "~a");
+    start.typed[0] = '\0';
+    assert_false(start_typed(path, &start));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_window_finds_its_place_again),
+        cmocka_unit_test(a_window_fits_its_screen),
+        cmocka_unit_test(texts_are_as_large_as_the_screen_is_dense),
+        cmocka_unit_test(only_a_whole_list_is_read),
+        cmocka_unit_test(what_is_opened_comes_first),
+        cmocka_unit_test(the_start_page_shows_no_escapes),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
