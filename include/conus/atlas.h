@@ -171,8 +171,8 @@ typedef struct conus_transform_options {
     const char *from;    /**< Of FSL's files: path of the image whose points it moves; NULL otherwise. */
     const char *to;      /**< Of FSL's files: path of the image to which it moves them; NULL otherwise. */
     bool inverse;        /**< The file moves points of the atlas to where poses are; of affines only. */
-    const char *grid;    /**< Path of a volume, in the space from which the file takes points. Voxels that a field moves
-                            are    resampled on its grid. NULL = on that of the field. */
+    const char *grid;    /**< Path of a volume, in the space from which the file takes points: voxels that a field moves
+                            are resampled on its grid. NULL = on that of the field. */
     uint64_t max_memory; /**< As conus_load_options.max_memory, of the field and of what it resamples. */
     conus_vectors vectors; /**< Of fields: what their vectors are. */
 } conus_transform_options;
@@ -188,8 +188,8 @@ typedef struct conus_transform_options {
  * the atlas. Vertices go where the field leads back to them, to 1e-6 mm before rounding to float; triangles with one
  * for which there is no such place are left out, and a note tells. All that the atlas has moves with it, its context
  * too; what is added later does not. Lengths and volumes are then those where poses are. Before a selector or renderer
- * is made, and before something is hidden; conus_atlas_set_hemispheres() comes before a field. Of several transforms, which points go through one after the other, the last one is given first.
- * docs/spaces.md has the formats.
+ * is made, and before something is hidden; conus_atlas_set_hemispheres() comes before a field. Of several transforms,
+ * which points go through one after the other, the last one is given first. docs/spaces.md has the formats.
  * @param atlas The atlas; unchanged on failure.
  * @param path The file.
  * @param options NULL = defaults.

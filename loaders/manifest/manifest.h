@@ -32,7 +32,9 @@ struct manifest_transform {
     char *file;
     char *from; /**< Of FSL's matrices: their images; NULL otherwise. */
     char *to;
+    char *grid;   /**< Of fields: a volume with the voxels of the moved areas; NULL = the field's. */
     bool inverse; /**< It moves points of the areas to where poses are. */
+    conus_vectors vectors;
 };
 
 struct manifest_context {

@@ -6,12 +6,22 @@
 
 #define AT(member) offsetof(struct manifest_transform, member)
 
+static conus_status read_vectors(void *field, const json_t *value, const struct schema_place *place)
+{
+    static const char *const words[] = {"as-stated", "relative", "absolute", NULL};
+    unsigned word = 0;
+    conus_status status = schema_word(&word, value, place, words);
+    *(conus_vectors *)field = (conus_vectors)word;
+    return status;
+}
+
 static conus_status read_one(void *field, const json_t *value, const struct schema_place *place)
 {
     static const struct schema_field keys[] = {
-        {"file", schema_path, AT(file), true}, {"from", schema_path, AT(from), false},
-        {"to", schema_path, AT(to), false},    {"inverse", schema_flag, AT(inverse), false},
-        {"comment", schema_comment, 0, false}, {0},
+        {"file", schema_path, AT(file), true},  {"from", schema_path, AT(from), false},
+        {"to", schema_path, AT(to), false},     {"inverse", schema_flag, AT(inverse), false},
+        {"grid", schema_path, AT(grid), false}, {"vectors", read_vectors, AT(vectors), false},
+        {"comment", schema_comment, 0, false},  {0},
     };
     struct manifest_transform *out = field;
     return json_is_string(value) ? schema_path(&out->file, value, place) : schema_object(out, value, keys, place);
@@ -36,6 +46,7 @@ void manifest_transforms_finish(struct manifest *manifest)
         memory_free(manifest->transforms[i].file);
         memory_free(manifest->transforms[i].from);
         memory_free(manifest->transforms[i].to);
+        memory_free(manifest->transforms[i].grid);
     }
     memory_free(manifest->transforms);
 }

@@ -511,7 +511,7 @@ static conus_status add_what_moves(struct loading *loading)
     if (status) {
         return status;
     }
-    status = manifest_move(loading->atlas, loading->manifest, loading->path);
+    status = manifest_move(loading->atlas, loading->manifest, loading->path, loading->options->max_memory);
     return status ? fail_in(status == CONUS_ERROR_ARGUMENT ? CONUS_ERROR_DATA : status, loading->path) : CONUS_OK;
 }
 

@@ -36,6 +36,26 @@ images=,from=nested.nii.gz,to=nested.nii.gz
     done
 }
 
+@test "a manifest has a field as the option has it" {
+    field abs
+    coarse
+    echo '{"conus_atlas": 1, "parcellation": "nested.nii.gz"}' >plain.atlas.json
+    echo '{"conus_atlas": 1, "parcellation": "nested.nii.gz", "transform": {"file": "abs.nii.gz",
+        "from": "nested.nii.gz", "to": "nested.nii.gz", "vectors": "absolute", "grid": "coarse.nii"}}' >moved.atlas.json
+    answers query plain.atlas.json --atlas-transform abs.nii.gz$images,absolute,grid=coarse.nii $aim --layers all \
+        --format tsv --quiet
+    wanted=$output
+    [ -n "$(cell atlas_x 1)" ]
+    answers query moved.atlas.json $aim --layers all --format tsv --quiet
+    [ "$output" = "$wanted" ]
+    sed -i 's/"absolute"/"other"/' moved.atlas.json
+    fails 3 'transform.vectors: found "other"' query moved.atlas.json $aim
+    sed -i 's/"other"/"relative"/' moved.atlas.json
+    run -0 --separate-stderr "$CONUS" query moved.atlas.json $aim
+    [[ "$stderr" == *"the vectors are taken for displacements, but look like positions"* ]]
+    fails 3 'transform: abs.nii.gz' query moved.atlas.json $aim --max-memory 2M # the voxels of 1 MB fit
+}
+
 @test "fields and affines are a chain, and the rows say where the contact is in the atlas" {
     field itk
     printf '1 0 0 5\n0 1 0 0\n0 0 1 0\n0 0 0 1\n' >five.txt
