@@ -69,11 +69,15 @@ setup_file() {
     make glx query $S --pose probe.tsv --radius 2 --format spikeglx
     make ephys query $S --pose probe.tsv --radius 2 --format open-ephys
     CONUS_ATLAS_PATH=own make name.tsv query ball-atlas $aim
+    make depth.tsv query $N $aim --layers all --order depth --segments out/passed.tsv
+    make shank query $N --origin=-100,0,0 --direction=1,0,0 --range 0,110 --format open-ephys --contacts 16,2,1,1
     make quotes.tsv query "atlas/../atlas/./sphere.nii.gz" $aim --score "share + centre"
     make batch.tsv batch $S --poses poses.tsv
     make threads.csv batch $S --atlas $L --poses poses.tsv --threads 3 --block 1 --force
     make batch.ndjson batch $S --poses poses.tsv --summary --resume
     make batch-list.tsv batch $N --labels tree.tsv --poses poses.tsv --level @list.txt
+    make batch-rows.tsv batch $S --poses poses.tsv --segments out/batch-passed.tsv
+    conus batch $S --poses poses.tsv --segments out/batch-only.csv -q || [ $? -eq 1 ]
     make batch-afni batch $S --poses poses.tsv --format afni
     conus batch $S --poses poses.tsv --shard 0/2 -q -o out/s0.tsv || [ $? -eq 1 ]
     conus batch $S --poses poses.tsv --shard 1/2 -q -o out/s1.tsv
@@ -91,7 +95,7 @@ setup_file() {
     make regions.json overlap $N out/in_mask.nii.gz atlas/slabs.nii.gz --atlas $L --threshold 1
     make listed.csv overlap $N --labels tree.tsv out/in_mask.nii.gz --level @list.txt
     conus query $S $aim --format tsv -q --sidecar out/stdout.tsv.json >out/stdout.tsv
-    results+=(out/{s0,s1,merged,job1}.tsv out/job2.csv out/in_dseg.nii.gz out/in_mask.nii.gz out/stdout.tsv)
+    results+=(out/{s0,s1,merged,job1,passed,batch-passed}.tsv out/{job2,batch-only}.csv out/in_dseg.nii.gz out/in_mask.nii.gz out/stdout.tsv)
     printf '%s\n' "${results[@]}" >results
     cp -r . "$BATS_FILE_TMPDIR/kept"
 }
@@ -389,16 +393,16 @@ hostile() {
 # Every option with a text must be one that verify knows, or a sidecar with it is refused.
 @test "every option of the commands that are answered again is known, or refused on purpose" {
     study
-    local text='--angles --atlas --atlas-transform --connect --context --deep --hide --image --jitter --jobs --labels
-        --level --listen --mask --mask-object --only --output --pathway --pose --poses --reference --score --shard --sidecar
-        --tool --voxels --world-from-tracker'
+    local text='--angles --atlas --atlas-transform --connect --contacts --context --deep --hide --image --jitter --jobs
+        --labels --level --listen --mask --mask-object --only --output --pathway --pose --poses --reference --score
+        --segments --shard --sidecar --tool --voxels --world-from-tracker'
     for command in query batch sweep track overlap; do
         conus $command --help
     done | sed -nE 's/^  +(-[a-z], )?(--[a-z-]+) [A-Z@].*/\2/p' | sort -u >options
     grep -vxFf <(tr -s ' \n' '\n' <<<"$text") options >others
     # Numbers, vectors and choices are kept as they are.
-    printf -- '--%s\n' angle aperture axis block context-blocks decay delay direction engine enlarge exponent eye format \
-        growth head hemispheres layers mask-of max-memory origin point poses-format probability progress radius range rate \
+    printf -- '--%s\n' angle aperture axis block bregma context-blocks decay delay direction engine enlarge exponent eye format \
+        growth head hemispheres layers mask-of max-memory order origin point poses-format probability progress radius range rate \
         resolution samples sampling screen-mm screen-pose seconds slice-fraction slices snappiness space stickiness threads \
         threshold tool-axis toward up voxels-of window | grep -vxFf - others >unknown || true
     [ ! -s unknown ] || { cat unknown; echo 'these options are not known to apps/cli/verify/replay.c'; return 1; }
