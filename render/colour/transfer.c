@@ -44,7 +44,7 @@ static const struct transfer_preset presets[] = {
      3},
     {"heat",
      "values as heat, from thin dark red to dense yellow: probabilities",
-     {{0.00, {0.45, 0.02, 0.03, 0.01}},
+     {{0.00, {0.45, 0.02, 0.03, 0}},
       {0.35, {0.85, 0.12, 0.03, 0.05}},
       {0.70, {1, 0.62, 0.05, 0.2}},
       {1.00, {1, 0.97, 0.75, 0.6}}},
