@@ -205,7 +205,7 @@ names_files() {
         grep -qF "$sum" p.json
         grep -qaF "$sum" p.exr
     done
-    [ "$(jq -r '.. | objects | select(has("sha256")) | .path | ltrimstr("./")' p.json | sort -u | paste -sd ' ')" = \
+    [ "$(jq -r 'del(.Outputs) | .. | objects | select(has("sha256")) | .path | ltrimstr("./")' p.json | sort -u | paste -sd ' ')" = \
         "$(printf '%s\n' "$@" | sort | paste -sd ' ')" ]
 }
 

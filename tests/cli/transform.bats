@@ -59,7 +59,8 @@ shifts() {
     cut -f 1-13 <<<"$output" >plain
     answers track nested.nii.gz --poses moved.tsv --angle 20 --format tsv --quiet --atlas-transform right.txt
     diff <(cut -f 1-13 <<<"$output") plain
-    local aim='--toward 0,0,10 --angle 20 --size 96x96 --quiet' moved='--toward -32,0,10 --angle 20 --size 96x96 --quiet'
+    local aim='--toward 0,0,10 --angle 20 --size 96x96 --legend none --quiet'
+    local moved=${aim/0,0,10/-32,0,10}
     answers render nested.nii.gz -o plain.png --origin 0,-100,0 $aim
     answers render nested.nii.gz -o moved.png --origin -32,-100,0 $moved --atlas-transform right.txt
     cmp plain.png moved.png
