@@ -2,6 +2,7 @@
 /* Makes and ends a conus_grid. */
 #include "atlas/grid.h"
 
+#include "atlas/space.h"
 #include "base/memory.h"
 
 #include <string.h>
@@ -17,7 +18,7 @@ conus_status grid_create(conus_grid **out, const conus_volume_info *info, conus_
     conus_grid_view *view = &grid->view;
     memcpy(view->dim, info->dim, sizeof view->dim);
     memcpy(view->world_from_voxel, info->world_from_voxel, sizeof view->world_from_voxel);
-    view->space_code = info->space_code;
+    view->space_code = info->space_code || space_is_guess(info) ? info->space_code : SPACE_ALIGNED;
     view->number = number;
     view->count = info->dim[0] * info->dim[1] * info->dim[2];
     view->description = memory_text(description, strlen(description));

@@ -70,6 +70,23 @@ double space_voxel_mm3(const conus_volume_info *info)
     return fabs(mat4_determinant3(info->world_from_voxel));
 }
 
+bool space_is_guess(const conus_volume_info *info)
+{
+    static const double rounding = 1e-6;
+    bool same = true;
+    for (int i = 0; i < 3; i++) {
+        double step = i == 0 ? -info->spacing[i] : info->spacing[i];
+        double guess[4] = {0};
+        guess[i] = step;
+        guess[3] = -step * ((double)info->dim[i] - 1) / 2;
+        for (int column = 0; column < 4; column++) {
+            double found = info->world_from_voxel[4 * column + i];
+            same = same && fabs(found - guess[column]) <= rounding * info->spacing[i];
+        }
+    }
+    return same;
+}
+
 const char *space_code_name(int code)
 {
     static const char *const names[] = {"unknown",   "scanner", "aligned to another",

@@ -5,7 +5,8 @@
 
 #include "base/status.h"
 
-enum { SPACE_SCANNER = 1 }; /**< NIfTI's code of a scanner's own space. */
+/** NIfTI's codes of a scanner's own space, and of one that is aligned to something. */
+enum { SPACE_SCANNER = 1, SPACE_ALIGNED = 2 };
 
 /** Checks @p world_from_voxel (finite, not singular) and derives info's spacing and orientation from it.
  * The error names @p transform, the words for where the matrix comes from. */
@@ -16,6 +17,10 @@ double space_voxel_mm3(const conus_volume_info *info);
 
 /** Whether both grids have the same voxels at exactly the same places. */
 bool space_same_grid(const conus_volume_info *a, const conus_volume_info *b);
+
+/** Whether the grid lies where readers of NIfTI guess that one lies of which they know only sizes: along the axes, i
+ * towards the left, centred on the origin. */
+bool space_is_guess(const conus_volume_info *info);
 
 /** Name of a NIfTI xform code, "unknown" outside 0..5. */
 const char *space_code_name(int code);

@@ -62,7 +62,8 @@ typedef enum conus_number {
 typedef struct conus_grid_view {
     size_t dim[3];               /**< Voxels along i, j, k. */
     double world_from_voxel[16]; /**< Maps voxel indices to world mm. */
-    int space_code;              /**< NIfTI's, as the atlas's. */
+    int space_code;              /**< NIfTI's, as the atlas's; where that is unknown 2 (aligned), or 0 where the
+                                      grid lies where readers guess it. */
     conus_number number;         /**< Type of the numbers. */
     const void *data;            /**< [count] numbers, i fastest; 0 outside of the selection. */
     uint64_t count;              /**< dim0*dim1*dim2. */

@@ -9,7 +9,7 @@
 #include "loaders/surfaces/freesurfer_surface.h"
 #include "loaders/surfaces/gifti.h"
 
-enum { SPACE_UNKNOWN = 0, SPACE_ALIGNED = 2, GEOMETRY_WHOLE = (1 << 12) - 1 };
+enum { SPACE_UNKNOWN = 0, GEOMETRY_WHOLE = (1 << 12) - 1 };
 
 /* The n-th array of an intent, or NULL; *count becomes how many there are. */
 static const struct gifti_array *find_array(const struct gifti *gifti, enum gifti_intent intent, size_t n,

@@ -2,6 +2,7 @@
 /* Formats a NIfTI-1 file. */
 #include "loaders/volumes/nifti_write.h"
 
+#include "atlas/space.h"
 #include "base/folder.h"
 #include "base/math3.h"
 #include "base/memory.h"
@@ -11,7 +12,7 @@
 #include <string.h>
 
 enum { HEADER = 352, EDGE_LIMIT = 32767, GZIP_LEVEL = 6 };
-enum { INTENT_NONE = 0, INTENT_LABEL = 1002, UNITS_MM = 2, CODE_ALIGNED = 2 };
+enum { INTENT_NONE = 0, INTENT_LABEL = 1002, UNITS_MM = 2 };
 
 struct datatype {
     uint32_t limit;
@@ -246,7 +247,7 @@ conus_status nifti_format_grid(struct bytes *out, const conus_grid *grid)
     const conus_grid_view *view = &grid->view;
     const struct header_values values = {.dim = view->dim,
                                          .world_from_voxel = view->world_from_voxel,
-                                         .code = view->space_code <= INT16_MAX ? view->space_code : CODE_ALIGNED,
+                                         .code = view->space_code <= INT16_MAX ? view->space_code : SPACE_ALIGNED,
                                          .intent = grid->labels ? INTENT_LABEL : INTENT_NONE,
                                          .type = &datatypes[view->number],
                                          .description = view->description};

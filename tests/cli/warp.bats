@@ -84,6 +84,17 @@ images=,from=nested.nii.gz,to=nested.nii.gz
     [ "$(jq '.Atlas.way_to_atlas[1].field.dim == [64, 64, 64]' <<<"$output")" = true ]
 }
 
+@test "a mask lies where the moved atlas lies" {
+    field itk
+    printf '1 0 0 5\n0 1 0 0\n0 0 1 0\n0 0 0 1\n' >five.txt
+    for file in five.txt itk.nii.gz; do
+        conus query nested.nii.gz --atlas-transform $file $aim -q --mask mask.nii.gz >answer.txt
+        # all of it is in the areas whose voxels it has: none is in no area
+        answers overlap nested.nii.gz mask.nii.gz --atlas-transform $file --format tsv --quiet
+        [[ $output == *$'\tarea\t'* && $output != *unassigned* ]]
+    done
+}
+
 @test "labels are on the grid that is asked for" {
     field itk
     coarse

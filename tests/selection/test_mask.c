@@ -121,6 +121,34 @@ static void grids_hold_what_is_in_the_cone(void **state)
     }
 }
 
+/* The code that a grid has on the atlas's first volume. */
+static int code_of(const struct fixture *fixture)
+{
+    conus_grid *grid = grid_of(fixture, CONUS_GRID_MASK_OF_AREAS, 0);
+    int code = conus_grid_data(grid).space_code;
+    conus_grid_destroy(grid);
+    return code;
+}
+
+/* NIfTI-1: with code 0 a reader knows sizes only. Such a grid lies along the axes, i to the left, its middle, index
+ * (n - 1) / 2, at 0; of any other the file has to say where it lies. */
+static void a_grid_says_where_it_lies(void **state)
+{
+    const struct fixture *fixture = *state;
+    conus_volume_info *info = &fixture->atlas->volumes[0].info;
+    info->space_code = 4;
+    assert_int_equal(code_of(fixture), 4);
+    info->space_code = 0;
+    assert_int_equal(code_of(fixture), 2);
+    const double guess[16] = {-2, 0, 0, 0, 0, 2.5, 0, 0, 0, 0, 3, 0, 31, -31.25, -31.5, 1}; /* of 32, 26, 22 */
+    for (int i = 0; i < 16; i++) {
+        memcpy(info->world_from_voxel, guess, sizeof guess);
+        assert_int_equal(code_of(fixture), 0);
+        info->world_from_voxel[i] += i % 4 < 3 ? 0.01 : 0;
+        assert_int_equal(code_of(fixture), i % 4 < 3 ? 2 : 0);
+    }
+}
+
 /* Sums of the census's rows, areas or pathways. */
 static uint64_t counted(const struct fixture *fixture, conus_kind kind)
 {
@@ -258,6 +286,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(grids_hold_what_is_in_the_cone, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_grid_says_where_it_lies, set_up, tear_down),
         cmocka_unit_test_setup_teardown(files_hold_what_the_census_counts, set_up, tear_down),
         cmocka_unit_test_setup_teardown(the_same_grid_is_the_same_bytes, set_up, tear_down),
         cmocka_unit_test_setup_teardown(what_has_no_voxels_is_refused, set_up, tear_down),
