@@ -23,6 +23,7 @@ static conus_status move_by_affine(conus_atlas *atlas, const char *path, const c
         (void)mat4_invert_affine(atlas_from_world, atlas_from_world); /* which the reader has tried */
     }
     status = status || !options->from ? status : transform_images_note(atlas, options);
+    status = status ? status : transform_images_sum(read, atlas, options);
     status = status ? status : file_sums_move(&atlas->files, read);
     if (status) {
         return status;
@@ -38,6 +39,7 @@ static conus_status move_by_field(conus_atlas *atlas, const char *path, const co
     conus_status status = field_file_read(&field, &nodes, path, options, read, &atlas->notes);
     struct warp_plan own = *plan;
     own.grid = plan->grid ? plan->grid : &nodes;
+    status = status ? status : transform_images_sum(read, atlas, options);
     status = status ? status : file_sums_move(&atlas->files, read);
     status = status ? status : atlas_warp(atlas, &field, &own);
     deformation_finish(&field);

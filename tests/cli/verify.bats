@@ -18,6 +18,10 @@ inputs() {
     printf 'index\tname\tparent_id\n1\tOuter\t20\n300\tInner\t20\n20\tShell\tn/a\n4000000001\tCore\tn/a\n' >tree.tsv
     printf 'Shell\nCore\n' >list.txt
     printf '1 0 0 7\n0 1 0 0\n0 0 1 0\n0 0 0 1\n' >right.txt
+    cp right.txt right.mat # of FSL
+    printf '{"conus_atlas": 1, "parcellation": "atlas/nested.nii.gz",
+        "transform": {"file": "right.mat", "from": "atlas/sphere.nii.gz", "to": "atlas/nested.nii.gz"}}' >right.atlas.json
+    python3 "$BATS_TEST_DIRNAME/fields.py" rel atlas/slabs.nii.gz field.nii.gz 8
     printf 'query_id\tx\ty\tz\ttx\tty\ttz\tangle\terror_deg\n' >poses.tsv
     printf 'front\t0\t100\t0\t0\t0\t0\t5\t1\nlost\t0\t0\t0\t0\t0\t0\t5\t1\nleft\t-90\t9\t9\t0\t0\t0\tn/a\t2\n' >>poses.tsv
     printf 'time_s\tx\ty\tz\ttx\tty\ttz\ttrigger\n0\t0\t0\t90\t0\t0\t0\t0\n0.1\t0\t0\t90\t0\t9\t0\t0\n0.3\t0\t0\t90\t3\t0\t0\t1\n' >hand.tsv
@@ -56,6 +60,9 @@ setup_file() {
     make context.tsv query $S $aim --context $N --context-blocks 1
     make pathway.tsv query $S $aim --pathway "$N,threshold=1,name=a path" --pathway "$L,band=1:9:low" --layers all
     make moved.tsv query $S $aim --atlas-transform right.txt --atlas-transform right.txt,inverse
+    make images.tsv query $N $aim --atlas-transform right.mat,from=$S,to=$N --segments out/images-rows.tsv
+    make field.tsv query $N $aim --atlas-transform field.nii.gz,from=$L,to=$S,grid=$S
+    make manifest.tsv query right.atlas.json $aim
     make several.tsv query $S --atlas $L --atlas $N $aim
     make all.json query $S --atlas $L $aim
     make point.tsv query $S --point 0,-23,0 --radius 5
@@ -95,7 +102,8 @@ setup_file() {
     make regions.json overlap $N out/in_mask.nii.gz atlas/slabs.nii.gz --atlas $L --threshold 1
     make listed.csv overlap $N --labels tree.tsv out/in_mask.nii.gz --level @list.txt
     conus query $S $aim --format tsv -q --sidecar out/stdout.tsv.json >out/stdout.tsv
-    results+=(out/{s0,s1,merged,job1,passed,batch-passed}.tsv out/{job2,batch-only}.csv out/in_dseg.nii.gz out/in_mask.nii.gz out/stdout.tsv)
+    results+=(out/{images-rows,s0,s1,merged,job1,passed,batch-passed}.tsv out/{job2,batch-only}.csv
+        out/{in_dseg,in_mask}.nii.gz out/stdout.tsv)
     printf '%s\n' "${results[@]}" >results
     cp -r . "$BATS_FILE_TMPDIR/kept"
 }
