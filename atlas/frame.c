@@ -163,17 +163,17 @@ static bool find_own(double own_from_ccf[16], const conus_atlas *atlas)
 static conus_status find_ccf(double world_from_ccf[16], const conus_atlas *atlas)
 {
     double world_from_own[16];
+    if (atlas && atlas->warp_count) {
+        return fail(CONUS_ERROR_UNSUPPORTED,
+                    "%s: a deformation field moved it, so that positions in ccf or from bregma are on no straight axes",
+                    atlas_path(atlas));
+    }
     if (!atlas || !find_own(world_from_ccf, atlas)) {
         return fail(
             CONUS_ERROR_UNSUPPORTED,
             "%s: not known to be the Allen CCF, so that it has no positions in ccf or from bregma: neither is its "
             "grid 13.2 x 8 x 11.4 mm, nor does a manifest say \"ccf\" (docs/spaces.md)",
             atlas ? atlas_path(atlas) : "no atlas");
-    }
-    if (atlas->warp_count) {
-        return fail(CONUS_ERROR_UNSUPPORTED,
-                    "%s: a deformation field moved it, so that positions in ccf or from bregma are on no straight axes",
-                    atlas_path(atlas));
     }
     if (atlas->is_moved && mat4_invert_affine(world_from_own, atlas->own_from_world)) {
         mat4_multiply(world_from_ccf, world_from_own, world_from_ccf);

@@ -6,6 +6,7 @@
 #include "settings/atlases.h"
 
 #include <math.h>
+#include <string.h>
 
 const struct option space_options[] = {
     {.name = "space",
@@ -69,6 +70,27 @@ static void say_sides(const conus_frame *frame)
     }
 }
 
+/* By an affine: where a field has moved it, the CCF is not found. */
+static bool is_moved(const conus_atlas *atlas)
+{
+    static const double corners[4][3] = {{0, 0, 0}, {100, 0, 0}, {0, 100, 0}, {0, 0, 100}};
+    bool moved = false;
+    for (size_t i = 0; i < 4; i++) {
+        double own[3];
+        conus_atlas_own_point(own, atlas, corners[i]);
+        moved = moved || memcmp(own, corners[i], sizeof own) != 0;
+    }
+    return moved;
+}
+
+static void say_moved(const conus_frame *frame)
+{
+    print_error_line(
+        "note: --space %s: the atlas was moved, and the CCF with it: a position is the same voxel as before, "
+        "and only mm and angles are of the new place (docs/spaces.md)",
+        conus_space_name(frame->space));
+}
+
 int settings_frame(conus_frame *out, const struct atlases *atlases, const struct space_settings *settings, bool quiet)
 {
     const double *b = settings->bregma;
@@ -94,6 +116,9 @@ int settings_frame(conus_frame *out, const struct atlases *atlases, const struct
     }
     if (!quiet && settings_space_needs_atlas(settings)) {
         say_sides(&first);
+        if (is_moved(atlases->items[0].atlas)) {
+            say_moved(&first);
+        }
     }
     *out = first;
     return EXIT_DONE;

@@ -10,27 +10,24 @@ static const char NO_OBJECT[] = "(in no area)";
 
 static void write_axis(struct buffer *out, const conus_report *report, const struct report_query *query)
 {
-    const double *m = query->cone.pose.world_from_device;
-    double origin[3] = {m[12], m[13], m[14]};
-    double axis[3] = {-m[8], -m[9], -m[10]};
-    report_point(report, origin);
-    report_point(report, axis);
     if (report->query_count > 1) {
         buffer_format(out, "query %s: ", query->id);
     }
-    buffer_format(out, "axis from (%.2f, %.2f, %.2f) along (%.4f, %.4f, %.4f)", origin[0], origin[1], origin[2],
-                  axis[0], axis[1], axis[2]);
+    buffer_text(out, "axis");
+    table_write_axis(out, report, query);
     if (cone_has_range(&query->cone)) {
         buffer_format(out, ", %.4g to %.4g mm deep", query->cone.range[0], query->cone.range[1]);
     }
-    buffer_format(out, ", %s mm\n", report->options.space == CONUS_SPACE_LPS ? "LPS" : "RAS");
+    table_write_space(out, report);
 }
 
-static void write_header(struct buffer *out, int width)
+static void write_header(struct buffer *out, const conus_report *report, int width)
 {
     static const char form[] = "%5s  %-*s  %10s  %8s  %8s  %8s  %24s\n";
-    buffer_format(out, form, "order", width, "name", "label", "enters", "leaves", "length", "enters at x, y, z");
-    buffer_format(out, form, "", width, "", "", "mm", "mm", "mm", "mm");
+    char axes[TABLE_AXES_SIZE];
+    buffer_format(out, form, "order", width, "name", "label", "enters", "leaves", "length",
+                  table_axes(axes, report, "enters at"));
+    buffer_format(out, form, "", width, "", "", "mm", "mm", "mm", conus_space_unit(report->frame.space));
 }
 
 /* Nothing of a depth that there is not. */
@@ -56,7 +53,8 @@ static void write_segment(struct buffer *out, const conus_report *report, size_t
     write_depth(out, segment->entry);
     write_depth(out, segment->exit);
     write_depth(out, segment->exit - segment->entry);
-    buffer_format(out, "  %8.2f %7.2f %7.2f\n", at[0], at[1], at[2]);
+    int digits = table_digits(report);
+    buffer_format(out, "  %8.*f %7.*f %7.*f\n", digits, at[0], digits, at[1], digits, at[2]);
 }
 
 /* Of one atlas. */
@@ -64,7 +62,7 @@ static void write_answers(struct buffer *out, const conus_report *report, size_t
 {
     size_t first = report->queries[query].first_row;
     table_write_atlas(out, report);
-    write_header(out, width);
+    write_header(out, report, width);
     for (size_t i = first; i < report_row_end(report, query); i++) {
         write_segment(out, report, i - first + 1, &report->rows[i].segment, width);
     }

@@ -98,8 +98,7 @@ int table_digits(const conus_report *report)
     return report->frame.space == CONUS_SPACE_CCF ? 1 : 2;
 }
 
-/* "RAS mm", "AP, DV, ML um in CCF" */
-static void write_space(struct buffer *out, const conus_report *report)
+void table_write_space(struct buffer *out, const conus_report *report)
 {
     static const char *const places[] = {[CONUS_SPACE_RAS] = "",
                                          [CONUS_SPACE_LPS] = "",
@@ -121,7 +120,7 @@ static bool has_several(const conus_report *report)
     return count > 1 && !same;
 }
 
-void table_write_query(struct buffer *out, const conus_report *report, const struct report_query *query)
+void table_write_axis(struct buffer *out, const conus_report *report, const struct report_query *query)
 {
     const double *m = query->cone.pose.world_from_device;
     double origin[3] = {m[12], m[13], m[14]};
@@ -129,23 +128,36 @@ void table_write_query(struct buffer *out, const conus_report *report, const str
     report_point(report, origin);
     conus_frame_direction_from_world(axis, &report->frame, axis);
     int digits = table_digits(report);
+    buffer_format(out, " from (%.*f, %.*f, %.*f) along (%.4f, %.4f, %.4f)", digits, origin[0], digits, origin[1],
+                  digits, origin[2], axis[0], axis[1], axis[2]);
+}
+
+static void write_ball(struct buffer *out, const conus_report *report, const struct report_query *query)
+{
+    double middle[3];
+    memcpy(middle, query->cone.pose.world_from_device + 12, sizeof middle);
+    report_point(report, middle);
+    int digits = table_digits(report);
+    buffer_format(out, "ball of radius %.4g mm around (%.*f, %.*f, %.*f)", query->ball, digits, middle[0], digits,
+                  middle[1], digits, middle[2]);
+}
+
+void table_write_query(struct buffer *out, const conus_report *report, const struct report_query *query)
+{
     if (has_several(report)) {
         buffer_format(out, "query %s: ", query->id);
     }
     if (query->ball > 0) {
-        buffer_format(out, "ball of radius %.4g mm around (%.*f, %.*f, %.*f)", query->ball, digits, origin[0], digits,
-                      origin[1], digits, origin[2]);
-        write_space(out, report);
-        return;
-    }
-    if (report->options.rows == CONUS_ROWS_SHARES) {
-        buffer_text(out, query->cone.aperture == CONUS_APERTURE_SQUARE ? "square pyramids" : "cones");
+        write_ball(out, report, query);
     } else {
-        write_shape(out, &query->cone);
+        if (report->options.rows == CONUS_ROWS_SHARES) {
+            buffer_text(out, query->cone.aperture == CONUS_APERTURE_SQUARE ? "square pyramids" : "cones");
+        } else {
+            write_shape(out, &query->cone);
+        }
+        table_write_axis(out, report, query);
     }
-    buffer_format(out, " from (%.*f, %.*f, %.*f) along (%.4f, %.4f, %.4f)", digits, origin[0], digits, origin[1],
-                  digits, origin[2], axis[0], axis[1], axis[2]);
-    write_space(out, report);
+    table_write_space(out, report);
 }
 
 static void write_rank(struct buffer *out, const conus_report *report, const conus_result *result, int width)

@@ -32,6 +32,12 @@ int table_digits(const conus_report *report);
 /** Writes the line that says where the cone of a query is. */
 void table_write_query(struct buffer *out, const conus_report *report, const struct report_query *query);
 
+/** Writes " from (x, y, z) along (x, y, z)": a query's apex and axis in the report's space. */
+void table_write_axis(struct buffer *out, const conus_report *report, const struct report_query *query);
+
+/** Writes ", RAS mm" or ", AP, DV, ML um in CCF", and ends the line. */
+void table_write_space(struct buffer *out, const conus_report *report);
+
 /** Writes the line above the answers of one of several atlases; nothing where there is one. */
 void table_write_atlas(struct buffer *out, const conus_report *report);
 

@@ -89,6 +89,26 @@ END
                      exit !(x > 12000 && x < 13200 && y > 6400 && y < 8000 && z > 7600 && z < 11400) }' <<<"$output"
 }
 
+@test "the table of what an axis passes is in the space that it says" {
+    # 1 mm above DV 0; then layers of 8 voxels of 200 um, 1.6 mm each
+    run -0 --separate-stderr "$CONUS" query allen.nrrd --space ccf --origin 5433,-1000,2739 --toward 5433,4000,2739 \
+        --segments - --quiet
+    [[ ${lines[0]} == 'axis from (5433.0, -1000.0, 2739.0) along (0.0000, 1.0000, 0.0000), AP, DV, ML um in CCF' ]]
+    [[ ${lines[1]} == *'enters at AP, DV, ML' && ${lines[2]} == *' mm '*' um' ]]
+    [[ ${lines[4]} == *' 1.00 '*' 2.60 '*' 1.60 '*' 5433.0 '*' 0.0 '*' 2739.0' ]]
+    run -0 --separate-stderr "$CONUS" query allen.nrrd --space bregma --origin 0,-3,1.332 --toward 0,-3,-1 \
+        --segments - --range 0,2 --quiet
+    [[ ${lines[0]} == 'axis from (0.00, -3.00, 1.33) along (0.0000, 0.0000, -1.0000), 0 to 2 mm deep, AP, ML, DV mm from bregma' ]]
+    [[ ${lines[1]} == *'enters at AP, ML, DV' && ${lines[2]} == *' mm' ]]
+}
+
+@test "a mask of an NRRD file lies where the file lies" {
+    conus query allen.nrrd --space ccf --origin 5400,-1000,5739 --toward 5400,4000,5739 -q \
+        --mask "$BATS_TEST_TMPDIR/mask.nii.gz" >"$BATS_TEST_TMPDIR/answer"
+    run -0 --separate-stderr "$CONUS" overlap allen.nrrd "$BATS_TEST_TMPDIR/mask.nii.gz" --format tsv --quiet
+    [[ $output == *$'\tarea\t60\t'* && $output != *unassigned* ]]
+}
+
 @test "where ML grows to the left by what the atlas says, a note says so" {
     run -0 --separate-stderr "$CONUS" query globe --space bregma --point 0,0,-1 --radius 0.1
     [[ $stderr == *'note: --space bregma: ML grows to the right, as the Allen Institute counts; the atlas says'* ]]
@@ -117,6 +137,24 @@ END
     cp ras.nii "$folder"
     printf '{"conus_atlas": 1, "parcellation": "ras.nii", "ccf": "asl"}' >"$folder/two.atlas.json"
     fails 3 "ccf: the volume's grid is the CCF's already" info "$folder/two.atlas.json"
+}
+
+@test "the CCF goes along with an atlas that an affine moves, and a note says so" {
+    # from where the poses are to the atlas: half as large, and shifted
+    printf '0.5 0 0 3\n0 0.5 0 4\n0 0 0.5 5\n0 0 0 1\n' >"$BATS_TEST_TMPDIR/half.txt"
+    run -0 --separate-stderr "$CONUS" query ras.nii --space ccf --point 5433,341,5761 --radius 0.001 --format tsv \
+        --atlas-transform "$BATS_TEST_TMPDIR/half.txt"
+    [[ $output == *$'\tarea\t60\t'* ]] # voxel 27, 1, 28: 1 + 4 + 0 + 55
+    [[ $stderr == *'note: --space ccf: the atlas was moved, and the CCF with it'* ]]
+    run -0 --separate-stderr "$CONUS" query ras.nii --space ccf --point 5433,341,5761 --radius 0.001
+    [[ $stderr != *'was moved'* ]]
+    python3 "$BATS_TEST_DIRNAME/fields.py" itk <(gzip -c ras.nii) "$BATS_TEST_TMPDIR/field.nii.gz" 1
+    conus phantom nested -o "$BATS_TEST_TMPDIR"
+    python3 "$BATS_TEST_DIRNAME/fields.py" itk "$BATS_TEST_TMPDIR/nested.nii.gz" "$BATS_TEST_TMPDIR/other.nii.gz" 1
+    for field in field other; do # on the grid of the CCF, and on another one
+        fails 3 'a deformation field moved it' query ras.nii --space ccf --point 5433,341,5761 --radius 1 \
+            --atlas-transform "$BATS_TEST_TMPDIR/$field.nii.gz"
+    done
 }
 
 @test "what cannot be meant is refused" {
