@@ -131,7 +131,8 @@ static int check_files(const struct work *work)
                                    {"the table of batches", settings->jobs},
                                    {0}};
     const char *input = work->output ? atlases_input(&work->atlases, inputs, work->sidecar) : NULL;
-    int code = input ? print_usage_error("--output would overwrite %s %s", input, work->sidecar) : EXIT_DONE;
+    const char *option = settings->of_segments ? "--segments" : "--output";
+    int code = input ? print_usage_error("%s would overwrite %s %s", option, input, work->sidecar) : EXIT_DONE;
     for (size_t i = 0; work->output && !code && i < sizeof endings / sizeof endings[0]; i++) {
         char *path = NULL;
         if (asprintf(&path, "%s%s", work->output, endings[i]) < 0) {
@@ -139,7 +140,7 @@ static int check_files(const struct work *work)
             return EXIT_DATA;
         }
         input = atlases_input(&work->atlases, inputs, path);
-        code = input ? print_usage_error("--output would overwrite %s %s", input, path) : EXIT_DONE;
+        code = input ? print_usage_error("%s would overwrite %s %s", option, input, path) : EXIT_DONE;
         free(path);
     }
     return code;

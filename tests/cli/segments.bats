@@ -81,6 +81,8 @@ shanks() {
     shanks >poses.tsv
     fails 2 'ends in none of .tsv, .csv, .ndjson' batch u-shape.nii.gz --poses poses.tsv --segments rows.json
     fails 2 'the same file' batch u-shape.nii.gz --poses poses.tsv -o rows.tsv --segments rows.tsv
+    fails 2 '--segments would overwrite the file of poses' batch u-shape.nii.gz --poses poses.tsv --segments poses.tsv --force
+    fails 2 '--output would overwrite the file of poses' batch u-shape.nii.gz --poses poses.tsv -o poses.tsv --segments rows.tsv --force
     fails 2 'the same file' batch u-shape.nii.gz --poses poses.tsv -o - --segments -
     fails 2 '--summary has no effect without --output' batch u-shape.nii.gz --poses poses.tsv --segments rows.tsv --summary
     fails 2 '--order has no effect without --output' batch u-shape.nii.gz --poses poses.tsv --segments rows.tsv --order depth
