@@ -39,9 +39,9 @@ struct conus_atlas {
     double own_from_world[16]; /**< Then: from where it is to where its files have it; with warps to their input. */
     struct warp *warps;        /**< Fields behind own_from_world: points go through the last one first. */
     size_t warp_count;
-    bool has_ccf;              /**< Its files say that it is the Allen CCF.                             */
-    double own_from_ccf[16];   /**< Then: from AP, DV, ML in micrometres to where its files have it.    */
-    char *path; /**< As it was asked for; NULL = it was not loaded. */
+    bool has_ccf;            /**< Its files say that it is the Allen CCF.                             */
+    double own_from_ccf[16]; /**< Then: from AP, DV, ML in micrometres to where its files have it.    */
+    char *path;              /**< As it was asked for; NULL = it was not loaded. */
     char *label_source;
     struct file_sums files; /**< Of which it is made, other than those of its volumes: a manifest first.   */
     char *transfer; /**< Transfer function of the context: a preset's name or a file; NULL = the default.       */

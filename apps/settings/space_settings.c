@@ -6,7 +6,6 @@
 #include "settings/atlases.h"
 
 #include <math.h>
-#include <string.h>
 
 const struct option space_options[] = {
     {.name = "space",
@@ -78,7 +77,9 @@ static bool is_moved(const conus_atlas *atlas)
     for (size_t i = 0; i < 4; i++) {
         double own[3];
         conus_atlas_own_point(own, atlas, corners[i]);
-        moved = moved || memcmp(own, corners[i], sizeof own) != 0;
+        for (size_t a = 0; a < 3; a++) {
+            moved = moved || own[a] != corners[i][a];
+        }
     }
     return moved;
 }

@@ -84,8 +84,8 @@ typedef struct conus_report_options {
                           formats behind it. NULL = there is no such column. */
     const conus_frame *frame; /**< Of the positions written, instead of @p space; copied. NULL = @p space, which then is
                                  #CONUS_SPACE_RAS or #CONUS_SPACE_LPS. */
-    conus_order order; /**< Of #CONUS_ROWS_ANSWERS in the formats up to #CONUS_FORMAT_NDJSON, not of a track. */
-    conus_contacts contacts; /**< For #CONUS_FORMAT_OPEN_EPHYS, of shanks: conus_report_add_segments(). */
+    conus_order order;        /**< Of #CONUS_ROWS_ANSWERS in the formats up to #CONUS_FORMAT_NDJSON, not of a track. */
+    conus_contacts contacts;  /**< For #CONUS_FORMAT_OPEN_EPHYS, of shanks: conus_report_add_segments(). */
 } conus_report_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */

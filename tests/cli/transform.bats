@@ -78,7 +78,7 @@ shifts() {
     conus phantom sphere -o . --size 24
     printf '1 0 0 300\n0 1 0 0\n0 0 -2 0\n0 0 0 1\n' >far.txt
     answers info sphere.nii.gz
-    ! grep -q Moved <<<"$output"
+    [[ "$output" != *Moved* ]]
     answers info sphere.nii.gz --format json
     [ "$(jq .moved <<<"$output")" = null ]
     low=$(conus info sphere.nii.gz | sed -n 's/.*covers  *x \([^ ]*\) .*/\1/p')
