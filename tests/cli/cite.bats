@@ -117,6 +117,52 @@ METHOD='T. Rick, A. von Kapri, T. Kuhlen: GPU Implementation of 3D Object Select
     cites b.tsv
     has 'brought into the space of the positions by an affine transform'
     has 'cut in two at x = 0'
+    python3 "$BATS_TEST_DIRNAME/fields.py" itk slabs.nii.gz field.nii.gz 2
+    conus query slabs.nii.gz $aim --atlas-transform field.nii.gz -o c.tsv
+    cites c.tsv
+    has 'space of the positions by a deformation field. Its voxels were resampled by the nearest neighbour.'
+    conus query slabs.nii.gz $aim --atlas-transform right.txt --atlas-transform field.nii.gz \
+        --atlas-transform field.nii.gz -o d.tsv
+    cites d.tsv
+    has 'by several deformation fields and affine transforms. Its voxels'
+}
+
+# An axis has no rays: neither their method nor a share or score is told of.
+@test "segments and shanks" {
+    scene
+    conus query nested.nii.gz $aim --range 10,90 --segments rows.tsv -o cone.tsv
+    conus query nested.nii.gz $aim --segments other.json -o other-cone.tsv
+    conus query nested.nii.gz $aim --range 10,90 --format spikeglx -o shank
+    run -1 conus batch nested.nii.gz --poses poses.tsv -q --range 10,90 --segments batch.tsv
+    printf 'x\ty\tz\ttx\tty\ttz\n0\t100\t0\t0\t0\t0\n' >pose.tsv
+    conus batch nested.nii.gz --poses pose.tsv -q --range 10,90 --format open-ephys --contacts 9,1,2,4 -o batch-shank
+    for result in rows.tsv other.json shank batch.tsv batch-shank; do
+        cites $result
+        has "The areas that the device's axis passes, a straight line from the device's position on, were determined in order"
+        has 'The axis is a geometric model'
+        [[ $result == other.json || "$output" == *'counted: 10 mm and 90 mm from the apex.'* ]]
+        [[ "$output" != *Rick* && "$output" != *cone* && "$output" != *ray* && "$output" != *share* && "$output" != *score* ]]
+    done
+    cites cone.tsv
+    has Rick
+    printf '0 0 0 A1\n0 0 2 A2\n' >points.txt
+    conus batch nested.nii.gz --poses points.txt --radius 2 --format spikeglx -q -o contacts
+    cites contacts
+    has 'a ball of that radius where the file gives a point'
+}
+
+@test "positions of the CCF" {
+    python3 "$BATS_TEST_DIRNAME/ccf.py"
+    conus query allen.nrrd --space bregma --origin 0,0,2 --direction 0,0,-1 -q -o a.tsv
+    cites a.tsv
+    has 'in mm from bregma, which was taken to be at the landmark of the International Brain Laboratory in the Allen CCF.'
+    has "placed by the Allen CCF's grid)"
+    conus query allen.nrrd --space bregma --bregma 5000,300,5700 --origin 0,0,2 --direction 0,0,-1 -q -o b.tsv
+    cites b.tsv
+    has 'taken to be at AP,DV,ML 5000,300,5700 µm of the Allen CCF.'
+    conus overlap allen.nrrd allen.nrrd --threshold 165 --space ccf -q -o c.tsv
+    cites c.tsv
+    has 'Positions were those of the Allen CCF, AP, DV and ML in µm from its corner.'
 }
 
 @test "the reference of an atlas is what its files say, and only if they are as they were" {

@@ -10,14 +10,14 @@ enum { LISTED = 10 };
 
 /* ---- What the sidecar and the command line say ------------------------------------------------------------------- */
 
-static const json_t *setting(const struct citation *citation, const char *name)
+const json_t *citation_setting(const struct citation *citation, const char *name)
 {
     return json_object_get(json_object_get(citation->sidecar, "Settings"), name);
 }
 
 static const char *setting_text(const struct citation *citation, const char *name)
 {
-    const char *text = json_string_value(setting(citation, name));
+    const char *text = json_string_value(citation_setting(citation, name));
     return text ? text : "";
 }
 
@@ -32,14 +32,14 @@ static const char *option_value(const struct citation *citation, const char *nam
     return NULL;
 }
 
-static bool is_command(const struct citation *citation, const char *name)
+bool citation_is_of(const struct citation *citation, const char *name)
 {
     return citation->arguments && strcmp(citation->arguments->command->name, name) == 0;
 }
 
 static bool is_admission(const struct citation *citation)
 {
-    return is_command(citation, "sweep") && !option_value(citation, "angles") && !option_value(citation, "jitter");
+    return citation_is_of(citation, "sweep") && !option_value(citation, "angles") && !option_value(citation, "jitter");
 }
 
 static const json_t *queries(const struct citation *citation)
@@ -65,9 +65,21 @@ static bool is_ball(const struct citation *citation)
     return count_with(citation, "point_ras") && !count_with(citation, "angle_deg");
 }
 
+/* Rows of --segments, whose settings have no rays, and shanks: contacts have no range. */
+static bool is_axis(const struct citation *citation)
+{
+    const json_t *settings = json_object_get(citation->sidecar, "Settings");
+    const char *format = option_value(citation, "format");
+    bool is_probe = format && (strcmp(format, "spikeglx") == 0 || strcmp(format, "open-ephys") == 0);
+    bool is_pointed = citation_is_of(citation, "query") || citation_is_of(citation, "batch");
+    return settings && is_pointed && !is_ball(citation) &&
+           (!json_object_get(settings, "resolution") || (is_probe && json_object_get(settings, "range_mm")));
+}
+
 bool citation_has_rays(const struct citation *citation)
 {
-    return citation->sidecar && !is_command(citation, "overlap") && !is_admission(citation) && !is_ball(citation);
+    return citation->sidecar && !citation_is_of(citation, "overlap") && !is_admission(citation) && !is_ball(citation) &&
+           !is_axis(citation);
 }
 
 /* Whether there are pathways among what could be hit. */
@@ -113,7 +125,7 @@ static void put_poses(FILE *out, const struct citation *citation)
     long long errors =
         batch ? json_integer_value(json_object_get(batch, "errors")) : (long long)count_with(citation, "error");
     const char *noun = is_ball(citation) ? "point" : "pose";
-    if (is_command(citation, "track")) {
+    if (citation_is_of(citation, "track")) {
         fputs("each step of a moving device", out);
     } else if (poses == 1) {
         fprintf(out, "one %s%s", noun, is_ball(citation) ? "" : " of the device");
@@ -163,7 +175,7 @@ static void put_angles(FILE *out, const struct citation *citation)
     if (batch) {
         fprintf(out, "%.9g°, or the pose's own where the file gives one",
                 json_number_value(json_object_get(batch, "angle_deg")));
-    } else if (is_command(citation, "track")) {
+    } else if (citation_is_of(citation, "track")) {
         fprintf(out, "%s°, or the step's own where the file gives one", given ? given : "10");
     } else if (count > LISTED || (count > 1 && !option_value(citation, "angles"))) {
         fprintf(out, "%.9g° to %.9g°%s", least, most,
@@ -190,7 +202,7 @@ static double find_ball(const struct citation *citation)
 /* "a cone ... angle of 20°,", or what stands in its place. */
 static void put_shape(FILE *out, const struct citation *citation)
 {
-    double radius = json_number_value(setting(citation, "radius_mm"));
+    double radius = json_number_value(citation_setting(citation, "radius_mm"));
     bool is_square = strcmp(setting_text(citation, "aperture"), "square") == 0;
     if (is_ball(citation)) {
         fprintf(out, "a ball with a radius of %.9g mm", find_ball(citation));
@@ -211,14 +223,17 @@ static void put_shape(FILE *out, const struct citation *citation)
 
 static const char *shape_of(const struct citation *citation)
 {
-    bool is_tube = json_number_value(setting(citation, "radius_mm")) > 0;
+    bool is_tube = json_number_value(citation_setting(citation, "radius_mm")) > 0;
     bool is_square = strcmp(setting_text(citation, "aperture"), "square") == 0;
+    if (is_axis(citation)) {
+        return "The axis";
+    }
     return is_tube ? (is_square ? "The prism" : "The cylinder") : is_square ? "The pyramid" : "The cone";
 }
 
 static void put_range(FILE *out, const struct citation *citation)
 {
-    const json_t *range = setting(citation, "range_mm");
+    const json_t *range = citation_setting(citation, "range_mm");
     const char *given = citation->arguments ? option_value(citation, "range") : NULL;
     if (range || given) {
         fprintf(out, " Only what lies between two depths along the axis counted: ");
@@ -235,8 +250,8 @@ static void put_range(FILE *out, const struct citation *citation)
 
 static void put_sampling(FILE *out, const struct citation *citation)
 {
-    const json_t *slices = setting(citation, "slices");
-    double fraction = json_number_value(setting(citation, "slice_fraction"));
+    const json_t *slices = citation_setting(citation, "slices");
+    double fraction = json_number_value(citation_setting(citation, "slice_fraction"));
     bool all = strcmp(setting_text(citation, "layers"), "all") == 0;
     if (strcmp(setting_text(citation, "sampling"), "slices") != 0) {
         fprintf(out, " Each ray was followed exactly, %s: no voxel and no triangle on its way was left out.",
@@ -268,15 +283,15 @@ static long long find_pixels(const struct citation *citation)
 
 static void put_grid(FILE *out, const struct citation *citation)
 {
-    long long n = json_integer_value(setting(citation, "resolution"));
+    long long n = json_integer_value(citation_setting(citation, "resolution"));
     long long pixels = find_pixels(citation);
-    bool is_tube = json_number_value(setting(citation, "radius_mm")) > 0;
+    bool is_tube = json_number_value(citation_setting(citation, "radius_mm")) > 0;
     bool is_square = strcmp(setting_text(citation, "aperture"), "square") == 0;
     double angles[LISTED + 1];
     double least;
     double most;
     find_angles(angles, &least, &most, citation);
-    bool may_be_wide = !is_tube && (most > 120 || setting(citation, "spread"));
+    bool may_be_wide = !is_tube && (most > 120 || citation_setting(citation, "spread"));
     fprintf(out, " %s was filled with ", shape_of(citation));
     if (pixels) {
         fprintf(out, "%lld ", pixels);
@@ -288,7 +303,7 @@ static void put_grid(FILE *out, const struct citation *citation)
 
 static void put_rays(FILE *out, const struct citation *citation)
 {
-    bool is_tube = json_number_value(setting(citation, "radius_mm")) > 0;
+    bool is_tube = json_number_value(citation_setting(citation, "radius_mm")) > 0;
     put_grid(out, citation);
     put_sampling(out, citation);
     fprintf(out, " An object's share is the part of the %s whose rays hit this object before any other.",
@@ -303,7 +318,7 @@ static void put_rays(FILE *out, const struct citation *citation)
 static void put_score(FILE *out, const struct citation *citation)
 {
     const char *score = setting_text(citation, "score");
-    const json_t *track = setting(citation, "track");
+    const json_t *track = citation_setting(citation, "track");
     if (strcmp(score, "share") == 0) {
         fputs(" Objects were ranked by their share.", out);
     } else {
@@ -326,6 +341,21 @@ static void put_score(FILE *out, const struct citation *citation)
     if (track) {
         fprintf(out, " A press of the trigger confirmed what was selected %.9g s before.",
                 json_number_value(json_object_get(track, "delay_s")));
+    }
+}
+
+/* ---- Positions --------------------------------------------------------------------------------------------------- */
+
+static void put_space(FILE *out, const struct citation *citation)
+{
+    const char *space = json_string_value(json_object_get(json_object_get(citation->sidecar, "Space"), "orientation"));
+    const char *bregma = option_value(citation, "bregma");
+    if (space && strcmp(space, "CCF") == 0) {
+        fputs(" Positions were those of the Allen CCF, AP, DV and ML in µm from its corner.", out);
+    } else if (space && strcmp(space, "bregma") == 0) {
+        fputs(" Positions were AP, ML and DV in mm from bregma, which was taken to be at ", out);
+        fprintf(out, bregma ? "AP,DV,ML %s µm of the Allen CCF." : "%s.",
+                bregma ? bregma : "the landmark of the International Brain Laboratory in the Allen CCF");
     }
 }
 
@@ -377,6 +407,18 @@ static void put_cone(FILE *out, const struct citation *citation)
     if (option_value(citation, "summary")) {
         fputs(" Reported are the object that ranks first, the runner-up and the difference of their scores.", out);
     }
+}
+
+static void put_axis(FILE *out, const struct citation *citation)
+{
+    fprintf(out,
+            "The %s that the device's axis passes, a straight line from the device's position on, were determined "
+            "in order of depth for ",
+            objects_of(citation, "areas", "areas and pathways"));
+    put_poses(out, citation);
+    put_program(out, citation);
+    put_range(out, citation);
+    fputs(" Borders are where the axis crosses faces of voxels, or a surface.", out);
 }
 
 static void put_admission(FILE *out, const struct citation *citation)
@@ -436,119 +478,6 @@ static void put_overlap(FILE *out, const struct citation *citation)
     put_parts(out, citation);
 }
 
-/* ---- The atlas --------------------------------------------------------------------------------------------------- */
-
-static void put_bands(FILE *out, const json_t *bands)
-{
-    size_t index;
-    const json_t *band;
-    json_array_foreach(bands, index, band)
-    {
-        const json_t *low = json_object_get(band, "low");
-        const json_t *high = json_object_get(band, "high");
-        fprintf(out, "%s%s (", index ? ", " : "", json_string_value(json_object_get(band, "name")));
-        if (json_is_number(low)) {
-            fprintf(out, "from %.9g", json_number_value(low));
-        }
-        fputs(json_is_number(low) && json_is_number(high) ? " " : "", out);
-        if (json_is_number(high)) {
-            fprintf(out, "to below %.9g", json_number_value(high));
-        }
-        fputs(json_is_number(low) || json_is_number(high) ? ")" : "all values)", out);
-    }
-}
-
-static const char *name_of(const char *path)
-{
-    const char *slash = path ? strrchr(path, '/') : NULL;
-    return slash ? slash + 1 : path ? path : "a volume";
-}
-
-/* What a volume other than of labels was taken for. */
-static void put_volume(FILE *out, const json_t *volume, bool is_overlap)
-{
-    const char *role = json_string_value(json_object_get(volume, "role"));
-    const char *file = name_of(json_string_value(json_object_get(volume, "path")));
-    const json_t *bands = json_object_get(volume, "bands");
-    double threshold = json_number_value(json_object_get(volume, "threshold"));
-    if (role && strcmp(role, "pathway") == 0 && bands) {
-        fprintf(out, " Values of %s made up ", file);
-        put_bands(out, bands);
-        fputs(".", out);
-    } else if (role && strcmp(role, "pathway") == 0) {
-        fprintf(out, " Voxels of %s with values of at least %.9g counted as a pathway.", file, threshold);
-    } else if (role && strcmp(role, "probability") == 0) {
-        fprintf(out, " Voxels of %s with values of at least %.9g counted as an area.", file, threshold);
-    } else if (role && strcmp(role, "context") == 0 && threshold != 0 && !is_overlap) {
-        fprintf(out, " Voxels of %s with values of at least %.9g blocked the rays.", file, threshold);
-    }
-}
-
-/* Equal sentences of many volumes are one. */
-static void put_volumes(FILE *out, const json_t *volumes, bool is_overlap)
-{
-    size_t size = json_array_size(volumes);
-    size_t index;
-    const json_t *volume;
-    size_t listed = 0;
-    json_array_foreach(volumes, index, volume)
-    {
-        const char *role = json_string_value(json_object_get(volume, "role"));
-        bool is_labels = role && strcmp(role, "parcellation") == 0;
-        if (!is_labels && listed++ < LISTED) {
-            put_volume(out, volume, is_overlap);
-        }
-    }
-    if (listed > LISTED) {
-        fprintf(out, " So did those of %zu more of the %zu volumes, each from its own threshold on.", listed - LISTED,
-                size);
-    }
-}
-
-static void put_treatment(FILE *out, const struct citation *citation, const json_t *atlas)
-{
-    const char *hemispheres = json_string_value(json_object_get(atlas, "hemispheres"));
-    const char *hidden = json_string_value(json_object_get(atlas, "hidden"));
-    const char *level = json_string_value(json_object_get(atlas, "level"));
-    level = level ? level : json_string_value(setting(citation, "level"));
-    put_volumes(out, json_object_get(atlas, "volumes"), is_command(citation, "overlap"));
-    if (level) {
-        fprintf(out, " Areas were joined along the area tree to the level \"%s\".", level);
-    }
-    if (hidden) {
-        fputs(" Some of its objects were left out, as if they were not there", out);
-        fprintf(out, "%s%s.", strlen(hidden) < 200 ? ", by label: " : "; the sidecar lists them",
-                strlen(hidden) < 200 ? hidden : "");
-    }
-    if (hemispheres && strcmp(hemispheres, "split") == 0) {
-        fputs(" Areas on both sides were cut in two at x = 0 of the atlas.", out);
-    } else if (hemispheres && strcmp(hemispheres, "merged") == 0) {
-        fputs(" Left and right areas of one name were joined.", out);
-    }
-    if (json_object_get(atlas, "atlas_from_world")) {
-        fputs(" It was brought into the space of the positions by an affine transform, without resampling.", out);
-    }
-}
-
-static void put_atlas(FILE *out, const struct citation *citation, size_t index)
-{
-    const struct cited_atlas *atlas = &citation->atlases[index];
-    const json_t *several = json_object_get(citation->sidecar, "Atlases");
-    const json_t *own = several ? json_array_get(several, index) : json_object_get(citation->sidecar, "Atlas");
-    const json_t *volume = json_array_get(json_object_get(own, "volumes"), 0);
-    const char *transform = json_string_value(json_object_get(volume, "transform"));
-    fprintf(out, " %s %s (file %s", index ? "Another atlas, asked by itself, was" : "The atlas was", atlas->name,
-            atlas->file);
-    if (atlas->sha256) {
-        fprintf(out, ", SHA-256 %.8s…", atlas->sha256);
-    }
-    if (transform && *transform) {
-        fprintf(out, ", placed by its %s", transform);
-    }
-    fputs(atlas->references.count ? "; see the references)." : ").", out);
-    put_treatment(out, citation, own);
-}
-
 void citation_methods(FILE *out, const struct citation *citation)
 {
     if (!citation->sidecar) {
@@ -558,17 +487,20 @@ void citation_methods(FILE *out, const struct citation *citation)
                 citation->version);
         return;
     }
-    if (is_command(citation, "overlap")) {
+    if (citation_is_of(citation, "overlap")) {
         put_overlap(out, citation);
     } else if (is_admission(citation)) {
         put_admission(out, citation);
+    } else if (is_axis(citation)) {
+        put_axis(out, citation);
     } else {
         put_cone(out, citation);
     }
+    put_space(out, citation);
     for (size_t i = 0; i < citation->atlas_count; i++) {
-        put_atlas(out, citation, i);
+        citation_atlas(out, citation, i);
     }
-    if (!is_command(citation, "overlap") && !is_ball(citation)) {
+    if (!citation_is_of(citation, "overlap") && !is_ball(citation)) {
         fprintf(out, " %s is a geometric model: no field, heat or sound was computed.", shape_of(citation));
     }
 }
