@@ -28,7 +28,7 @@ class Space:
         self._inverse = np.linalg.inv(self._matrix)
 
     def to_world(self, name: str, points: Any) -> Any:
-        """Positions; None stays None."""
+        """Positions; None stays None. Of many, those that are not finite stay as they are: poses without an answer."""
         return self._each(name, points, lib.conus_frame_to_world, True)
 
     def directions_to_world(self, name: str, directions: Any) -> Any:
@@ -54,7 +54,7 @@ class Space:
         at = ffi.cast("double *", array.ctypes.data)
         for row in range(array.size // 3):
             status = function(at + 3 * row, self._frame, at + 3 * row)
-            if is_checked:
+            if is_checked and (array.ndim == 1 or np.isfinite(array.reshape(-1, 3)[row]).all()):
                 check(status)
         return array
 

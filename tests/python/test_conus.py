@@ -341,6 +341,13 @@ def test_positions_are_of_the_ccf_or_from_bregma(tmp_path):
             assert (row.contact_x, row.contact_y, row.contact_z) == pytest.approx(hits[0].contact, rel=1e-9)
         with pytest.raises(conus.ArgumentError, match="a matrix is of ras or lps"):
             selector.select(pose=np.eye(4))
+        lost = np.array(above, dtype=float) * [np.nan, 1, 1]
+        some = selector.select_many([lost, above], [down, down], angle=1)
+        assert list(some.errors) == [0] and "finite" in some.errors[0]
+        assert list(some.to_dataframe().kind)[:2] == ["error", "area"]
+        assert list(selector.segments_many([lost, above], [down, down]).to_dataframe().kind)[:2] == ["error", "unassigned"]
+        with pytest.raises(conus.ArgumentError, match="finite"):
+            selector.select(lost, direction=down)
         grown = selector.sweep(above, direction=down, angle=5).to_dataframe()
         assert {"x", "y", "z"} <= set(grown.columns)
     with pytest.raises(conus.ArgumentError, match="not micrometres"):
