@@ -281,7 +281,9 @@ static conus_status note_ignored(struct notes *notes, const struct pose_table *t
     snprintf(reason, sizeof reason, "%s", status ? conus_message() : "");
     conus_status listed = list_passed_over(&list, table, line);
     if (!listed && list.size && status) {
-        status = fail(status, "%s; columns that are not known: %s", reason, list.data);
+        bool is_mouse = strcasestr(list.data, "\"ap\"") != NULL; /* which the spaces of the CCF know */
+        status = fail(status, "%s; columns that are not known: %s%s", reason, list.data,
+                      is_mouse ? "; ap, dv and ml are read in space ccf or bregma" : "");
     } else if (!listed && list.size) {
         status = notes_add(notes, "columns passed over: %s", list.data);
     }
