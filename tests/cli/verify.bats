@@ -61,7 +61,7 @@ setup_file() {
     make pathway.tsv query $S $aim --pathway "$N,threshold=1,name=a path" --pathway "$L,band=1:9:low" --layers all
     make moved.tsv query $S $aim --atlas-transform right.txt --atlas-transform right.txt,inverse
     make images.tsv query $N $aim --atlas-transform right.mat,from=$S,to=$N --segments out/images-rows.tsv
-    make field.tsv query $N $aim --atlas-transform field.nii.gz,from=$L,to=$S,grid=$S
+    make field.tsv query $N $aim --atlas-transform field.nii.gz,from=$L,to=$N,grid=$S
     make manifest.tsv query right.atlas.json $aim
     make several.tsv query $S --atlas $L --atlas $N $aim
     make all.json query $S --atlas $L $aim
