@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Atlases, surfaces, pathways, contexts and regions of interest from arrays. */
+#include "atlas/areas/swapped_sides.h"
 #include "atlas/atlas.h"
 #include "base/memory.h"
 #include "base/options.h"
@@ -93,6 +94,7 @@ static conus_status create_of_voxels(conus_atlas **out, struct volume_file *file
         status ? status
                : atlas_create(&atlas, &file->info, numbers, &table, label_count ? "the program" : "none found", &notes);
     status = status ? status : set_words(atlas, file->path);
+    status = status ? status : swapped_sides_note(atlas);
     memory_free(numbers);
     label_table_finish(&table);
     notes_finish(&notes);

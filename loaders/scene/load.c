@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus_atlas_load(): a volume, an FSL atlas XML, a manifest, a surface, CIFTI labels or a folder becomes an atlas. */
+#include "atlas/areas/swapped_sides.h"
 #include "atlas/atlas.h"
 #include "base/buffer.h"
 #include "base/formats/xml.h"
@@ -176,9 +177,10 @@ conus_status conus_atlas_load(conus_atlas **out, const char *path, const conus_l
     if (status) {
         return status;
     }
+    status = swapped_sides_note(atlas);
     atlas->notes.sink = NULL;
     atlas->path = memory_text(path, strlen(path));
-    if (!atlas->path) {
+    if (status || !atlas->path) {
         conus_atlas_destroy(atlas);
         return CONUS_ERROR_MEMORY;
     }

@@ -71,12 +71,12 @@ LIBRARY = {
     " loaders/cifti loaders/surfaces loaders/manifest loaders/brainglobe",
     "loaders/transform": "base base/formats atlas/deformation loaders loaders/volumes",
     "loaders/moved": "base atlas atlas/fit loaders/volumes loaders/manifest loaders/transform",
-    "loaders/scene": "base base/formats atlas/surface atlas atlas/fit atlas/warp loaders loaders/volumes loaders/tables"
+    "loaders/scene": "base base/formats atlas/surface atlas atlas/areas atlas/fit atlas/warp loaders loaders/volumes loaders/tables"
     " loaders/labels"
     " loaders/cifti loaders/surfaces/foreign loaders/surfaces loaders/manifest loaders/plan loaders/transform"
     " loaders/moved",
     "loaders/catalogue": "base base/formats loaders/volumes loaders/tables",
-    "loaders/arrays": "base atlas loaders/volumes loaders/plan loaders/scene",
+    "loaders/arrays": "base atlas atlas/areas loaders/volumes loaders/plan loaders/scene",
     "render/gl": "base",
     "render/id": "base atlas/surface atlas render/gl",
     "render/image": "base",
