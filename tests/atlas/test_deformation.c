@@ -29,7 +29,8 @@ static struct made *make(void (*way)(double out[3], const double p[3]))
     memcpy(field->base, field->world_from_voxel, sizeof field->base);
     mat4_identity(field->linear);
     for (size_t n = 0; n < (size_t)11 * 13 * 15; n++) {
-        const double node[3] = {(double)(n % 11), (double)(n / 11 % 13), (double)(n / 143)};
+        const size_t k = n / 143;
+        const double node[3] = {(double)(n % 11), (double)(n / 11 % 13), (double)k};
         double p[3];
         double moved[3];
         mat4_point(p, field->world_from_voxel, node);

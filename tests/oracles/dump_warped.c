@@ -42,7 +42,8 @@ static void dump_volume(FILE *stream, const conus_atlas *atlas)
         fwrite(&label, sizeof label, 1, stream);
     }
     for (size_t v = 0; v < volume->voxel_count; v++) {
-        double point[3] = {(double)(v % dim[0]), (double)(v / dim[0] % dim[1]), (double)(v / dim[0] / dim[1])};
+        const size_t k = v / dim[0] / dim[1];
+        double point[3] = {(double)(v % dim[0]), (double)(v / dim[0] % dim[1]), (double)k};
         mat4_point(point, volume->info.world_from_voxel, point);
         conus_atlas_own_point(point, atlas, point);
         fwrite(point, sizeof *point, 3, stream);

@@ -41,7 +41,8 @@ static void add_pathway(conus_atlas *atlas, const size_t dim[3], picture_functio
     info.role = CONUS_ROLE_SCALAR;
     info.threshold = 0.5;
     for (size_t v = 0; v < count; v++) {
-        double p[3] = {(double)(v % dim[0]), (double)(v / dim[0] % dim[1]), (double)(v / dim[0] / dim[1])};
+        const size_t k = v / dim[0] / dim[1];
+        double p[3] = {(double)(v % dim[0]), (double)(v / dim[0] % dim[1]), (double)k};
         mat4_point(p, info.world_from_voxel, p);
         values[v] = (float)value(p);
     }
