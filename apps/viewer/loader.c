@@ -18,6 +18,7 @@ struct loader {
     size_t before, total; /* files of the atlases before, and with those of the one at hand; the thread's own */
     size_t ahead;         /* atlases behind it, a file each, and one for the context; likewise */
     char why[LOADER_WHY];
+    bool stopped; /* a load, because it was cancelled; the thread's own */
     atomic_bool cancelled;
     pthread_mutex_t lock; /* guards what follows */
     bool done;
@@ -33,7 +34,8 @@ static bool show(struct loader *loader, const char *path, size_t done, size_t to
     make_plain_line(loader->progress.file);
     loader->progress.part = done < total ? (double)done / (double)total : 1;
     pthread_mutex_unlock(&loader->lock);
-    return !atomic_load(&loader->cancelled);
+    loader->stopped = atomic_load(&loader->cancelled);
+    return !loader->stopped;
 }
 
 /* Each atlas counts its own files, from 0. */
@@ -98,7 +100,7 @@ static void *load(void *user)
     int code = atlases_load(&loader->atlases, what->path, &settings);
     code = code ? code : set_contexts(loader);
     if (code || atomic_load(&loader->cancelled)) {
-        snprintf(loader->why, sizeof loader->why, "%s", atomic_load(&loader->cancelled) ? "" : error_line());
+        snprintf(loader->why, sizeof loader->why, "%s", code && !loader->stopped ? error_line() : "");
         atlases_finish(&loader->atlases);
     }
     pthread_mutex_lock(&loader->lock);

@@ -86,16 +86,17 @@ static int run_window(struct window *window, const struct view_settings *setting
                       struct script *script, double started)
 {
     int code = EXIT_DONE;
+    bool failed = false;
     start_look(&window->start);
     window->press = keys_press;
     if (path) {
         window_want(window, path);
     }
-    if (window->wanted && !open_wanted(window, settings, true, started) && !window->wanted) {
-        code = glfwWindowShouldClose(window->handle) ? EXIT_DONE : EXIT_DATA;
+    if (window->wanted && !open_wanted(window, settings, true, started, &failed) && !window->wanted && failed) {
+        code = EXIT_DATA;
     }
     while (!(code && script) && loop_run(window, script, &code)) {
-        open_wanted(window, settings, !path && !window->viewer, clock_ms());
+        open_wanted(window, settings, !path && !window->viewer, clock_ms(), &failed);
     }
     open_finish(window);
     return code;

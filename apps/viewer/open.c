@@ -237,7 +237,8 @@ static bool open_named(struct window *window, const char *text, const struct vie
     return fine;
 }
 
-bool open_wanted(struct window *window, const struct view_settings *settings, bool with_options, double begun)
+bool open_wanted(struct window *window, const struct view_settings *settings, bool with_options, double begun,
+                 bool *failed)
 {
     struct view_settings used = *settings;
     char why[LOADER_WHY] = "";
@@ -250,6 +251,7 @@ bool open_wanted(struct window *window, const struct view_settings *settings, bo
     }
     bool fine = open_named(window, path, &used, !settings->script, why);
     window->press = press;
+    *failed = why[0] != '\0';
     if (fine) {
         times_start(&window->times, begun);
     } else if (why[0]) {

@@ -9,8 +9,10 @@
 /** Opens what window->wanted names, in place of what is open; @p begun is the clock from which times count. @p
  * with_options, where nothing is open: as all @p settings say. Else without those that are for one atlas: labels,
  * pathways, what is hidden, context, transfer function, session, space. False: window and atlas stay as they were, and
- * it was said why, on stderr and in the window, unless the window was closed or something else is wanted meanwhile. */
-bool open_wanted(struct window *window, const struct view_settings *settings, bool with_options, double begun);
+ * it was said why, on stderr and in the window, which *failed tells; or the window was closed, or something else is
+ * wanted meanwhile. */
+bool open_wanted(struct window *window, const struct view_settings *settings, bool with_options, double begun,
+                 bool *failed);
 /** Loads --poses, in the space of @p frame. Returns the exit code and prints an error unless it is 0. */
 int open_poses(struct window *window, const struct view_settings *settings, const conus_frame *frame);
 /** Closes the atlas, if there is one. */
