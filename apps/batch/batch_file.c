@@ -4,8 +4,8 @@
 
 #include "common/input_file.h"
 #include "common/messages.h"
-#include "settings/option_values.h"
-#include "settings/options.h"
+#include "options/option_values.h"
+#include "options/options.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -5,7 +5,7 @@
 #include "common/messages.h"
 #include "common/output.h"
 #include "common/progress.h"
-#include "settings/option_values.h"
+#include "options/option_values.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -4,7 +4,7 @@
 #include "cli/commands.h"
 #include "common/messages.h"
 #include "common/output.h"
-#include "settings/option_values.h"
+#include "options/option_values.h"
 #include "settings/settings.h"
 
 #include <math.h>

@@ -3,7 +3,7 @@
 #include "cli/commands.h"
 #include "cli/inquiry.h"
 #include "common/messages.h"
-#include "settings/option_values.h"
+#include "options/option_values.h"
 
 #include <math.h>
 #include <stdlib.h>

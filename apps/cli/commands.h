@@ -3,7 +3,7 @@
 #ifndef CONUS_CLI_COMMANDS_H
 #define CONUS_CLI_COMMANDS_H
 
-#include "settings/options.h"
+#include "options/options.h"
 
 extern const struct command cmd_atlases;
 extern const struct command cmd_info;

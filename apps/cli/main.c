@@ -3,8 +3,8 @@
 #include "cli/commands.h"
 #include "common/messages.h"
 #include "common/output.h"
+#include "options/help.h"
 #include "pages/pages.h"
-#include "settings/help.h"
 
 #include <conus/conus.h>
 

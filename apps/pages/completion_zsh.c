@@ -2,7 +2,7 @@
 /* Completions for zsh. */
 #include "pages/completion.h"
 
-#include "settings/option_values.h"
+#include "options/option_values.h"
 
 #include <stdbool.h>
 

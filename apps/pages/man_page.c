@@ -2,8 +2,8 @@
 /* Writes man pages from tables of options. */
 #include "pages/man_page.h"
 
-#include "settings/help.h"
-#include "settings/option_values.h"
+#include "options/help.h"
+#include "options/option_values.h"
 
 #include <conus/conus.h>
 

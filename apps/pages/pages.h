@@ -5,7 +5,7 @@
 #ifndef CONUS_PAGES_PAGES_H
 #define CONUS_PAGES_PAGES_H
 
-#include "settings/options.h"
+#include "options/options.h"
 
 /** A program and its commands. */
 struct program {

@@ -3,7 +3,7 @@
 #include "settings/axis_options.h"
 
 #include "common/messages.h"
-#include "settings/option_values.h"
+#include "options/option_values.h"
 
 #include <stdlib.h>
 #include <string.h>

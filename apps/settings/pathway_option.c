@@ -3,7 +3,7 @@
 #include "settings/pathway_option.h"
 
 #include "common/messages.h"
-#include "settings/option_values.h"
+#include "options/option_values.h"
 
 #include <math.h>
 #include <stdint.h>

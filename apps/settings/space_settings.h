@@ -3,7 +3,7 @@
 #ifndef CONUS_SETTINGS_SPACE_SETTINGS_H
 #define CONUS_SETTINGS_SPACE_SETTINGS_H
 
-#include "settings/options.h"
+#include "options/options.h"
 
 #include <conus/conus.h>
 

@@ -3,7 +3,7 @@
 #include "settings/station_settings.h"
 
 #include "common/messages.h"
-#include "settings/option_values.h"
+#include "options/option_values.h"
 
 #include <stdio.h>
 #include <stdlib.h>

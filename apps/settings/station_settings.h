@@ -4,7 +4,7 @@
 #define CONUS_SETTINGS_STATION_SETTINGS_H
 
 #include "link/station.h"
-#include "settings/options.h"
+#include "options/options.h"
 
 struct station_settings {
     const char *listen, *connect, *tool, *reference, *world_from_tracker;

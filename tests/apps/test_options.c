@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The values of options, and names that were meant. */
 #include "common/messages.h"
-#include "settings/option_values.h"
-#include "settings/options.h"
+#include "options/option_values.h"
+#include "options/options.h"
 #include "test.h"
 
 #include <math.h>

@@ -8,7 +8,7 @@
 #include "cli/verify/stage.h"
 #include "common/messages.h"
 #include "common/provenance.h"
-#include "settings/options.h"
+#include "options/options.h"
 #include "test.h"
 
 #include <stdio.h>

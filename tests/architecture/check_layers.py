@@ -17,15 +17,16 @@ PUBLIC = "include/conus"
 APPS = {
     "apps/link": "",
     "apps/common": "apps/link",
-    "apps/settings": "apps/link apps/common",
-    "apps/pages": "apps/common apps/settings",
-    "apps/batch": "apps/common apps/settings",
-    "apps/cli/answers": "apps/common apps/settings",
-    "apps/cli/verify": "apps/common apps/settings",
-    "apps/cli/cite": "apps/common apps/settings",
-    "apps/cli/pictures": "apps/common apps/settings",
-    "apps/cli": "apps/link apps/common apps/settings apps/pages apps/batch apps/cli/answers apps/cli/verify"
-    " apps/cli/cite apps/cli/pictures",
+    "apps/options": "apps/common",
+    "apps/settings": "apps/link apps/common apps/options",
+    "apps/pages": "apps/common apps/options",
+    "apps/batch": "apps/common apps/options apps/settings",
+    "apps/cli/answers": "apps/common apps/options apps/settings",
+    "apps/cli/verify": "apps/common apps/options",
+    "apps/cli/cite": "apps/common apps/options",
+    "apps/cli/pictures": "apps/common apps/options",
+    "apps/cli": "apps/link apps/common apps/options apps/settings apps/pages apps/batch apps/cli/answers"
+    " apps/cli/verify apps/cli/cite apps/cli/pictures",
     "apps/mpi": "apps/common apps/pages apps/batch",
     "apps/mesh": "loaders/child",  # mesh_protocol.h: what conus and conus-mesh send each other
     "apps/viewer/model": "apps/link",

@@ -4,7 +4,7 @@
 #define CONUS_CLI_ANSWERS_MASK_H
 
 #include "common/provenance.h"
-#include "settings/options.h"
+#include "options/options.h"
 
 #include <conus/conus.h>
 

@@ -4,7 +4,7 @@
 #define CONUS_CLI_CITE_CITATION_H
 
 #include "cli/cite/reference.h"
-#include "settings/options.h"
+#include "options/options.h"
 
 #include <jansson.h>
 

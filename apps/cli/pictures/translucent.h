@@ -3,7 +3,7 @@
 #ifndef CONUS_CLI_PICTURES_TRANSLUCENT_H
 #define CONUS_CLI_PICTURES_TRANSLUCENT_H
 
-#include "settings/options.h"
+#include "options/options.h"
 
 #include <conus/conus.h>
 

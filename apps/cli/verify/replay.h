@@ -6,7 +6,7 @@
 #define CONUS_CLI_VERIFY_REPLAY_H
 
 #include "cli/verify/find_file.h"
-#include "settings/options.h"
+#include "options/options.h"
 
 enum { REPLAY_WHY = 512 };
 

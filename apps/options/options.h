@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
  * Commands and their options as tables. One table feeds the parser, its messages and --help. */
-#ifndef CONUS_SETTINGS_OPTIONS_H
-#define CONUS_SETTINGS_OPTIONS_H
+#ifndef CONUS_OPTIONS_OPTIONS_H
+#define CONUS_OPTIONS_OPTIONS_H
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file The texts of --help. */
-#ifndef CONUS_SETTINGS_HELP_H
-#define CONUS_SETTINGS_HELP_H
+#ifndef CONUS_OPTIONS_HELP_H
+#define CONUS_OPTIONS_HELP_H
 
-#include "settings/options.h"
+#include "options/options.h"
 
 /** --help of one command. */
 void help_command(FILE *out, const struct command *command);

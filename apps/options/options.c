@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Parses a command line by a command's table of options. */
-#include "settings/options.h"
+#include "options/options.h"
 
 #include "common/messages.h"
-#include "settings/help.h"
-#include "settings/option_values.h"
+#include "options/help.h"
+#include "options/option_values.h"
 
 #include <assert.h>
 #include <stdlib.h>

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file The values of options: numbers, choices, lists. */
-#ifndef CONUS_SETTINGS_OPTION_VALUES_H
-#define CONUS_SETTINGS_OPTION_VALUES_H
+#ifndef CONUS_OPTIONS_OPTION_VALUES_H
+#define CONUS_OPTIONS_OPTION_VALUES_H
 
-#include "settings/options.h"
+#include "options/options.h"
 
 /** Choice @p index of an option, NULL past the last. */
 const char *option_choice(const struct option *option, size_t index);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Parses the values of options by their types. */
-#include "settings/option_values.h"
+#include "options/option_values.h"
 
 #include "common/messages.h"
 

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The text of --help, from a command's table of options. */
-#include "settings/help.h"
+#include "options/help.h"
 
 #include "common/messages.h"
-#include "settings/option_values.h"
+#include "options/option_values.h"
 
 #include <string.h>
 
