@@ -26,13 +26,13 @@ struct reading {
 };
 
 static const struct reading readings[] = {
-    {.inverse = true, .words = "in the other direction (inverse)"},
+    {.inverse = true, .words = "in the other direction"},
     {.lps = true, .words = "with LPS in the place of RAS"},
     {.metres = true, .words = "with a translation 1000 times as long (metres)"},
-    {.inverse = true, .lps = true, .words = "in the other direction (inverse) and with LPS in the place of RAS"},
+    {.inverse = true, .lps = true, .words = "in the other direction and with LPS in the place of RAS"},
     {.inverse = true,
      .metres = true,
-     .words = "in the other direction (inverse) and with a translation 1000 times as long (metres)"},
+     .words = "in the other direction and with a translation 1000 times as long (metres)"},
     {.none = true, .words = "without the transform"},
 };
 

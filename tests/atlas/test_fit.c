@@ -203,15 +203,15 @@ static void other_readings_are_told(void **state)
     } cases[] = {
         {{-60, -24, -8}, ""},
         {{-56, -24, -8}, ""},
-        {{60, 24, 8}, "0 % of the atlas is in the head of array; in the other direction (inverse) it would be 100 %"},
+        {{60, 24, 8}, "0 % of the atlas is in the head of array; in the other direction it would be 100 %"},
         {{60, 24, -8}, "0 % of the atlas is in the head of array; with LPS in the place of RAS it would be 100 %"},
         {{-.06, -.024, -.008},
          "0 % of the atlas is in the head of array; with a translation 1000 times as long (metres) it would be 100 %"},
         {{-60, -24, 8},
-         "50 % of the atlas is in the head of array; in the other direction (inverse) and with LPS in the place of RAS "
+         "50 % of the atlas is in the head of array; in the other direction and with LPS in the place of RAS "
          "it would be 100 %"},
         {{.06, .024, .008},
-         "0 % of the atlas is in the head of array; in the other direction (inverse) and with a translation 1000 times "
+         "0 % of the atlas is in the head of array; in the other direction and with a translation 1000 times "
          "as long (metres) it would be 100 %"},
         {{-60, 90, 0}, "0 % of the atlas is in the head of array: is the transform of another image?"},
     };
@@ -230,9 +230,8 @@ static void what_is_hardly_better_is_not_told(void **state)
 {
     (void)state;
     const double nearly[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -4, 0, 0, 1};
-    assert_string_equal(
-        said_of(nearly, (const double[]){-4, 0, 0}),
-        "83 % of the atlas is in the head of array; in the other direction (inverse) it would be 100 %");
+    assert_string_equal(said_of(nearly, (const double[]){-4, 0, 0}),
+                        "83 % of the atlas is in the head of array; in the other direction it would be 100 %");
     assert_string_equal(said_of(nearly, (const double[]){0, 0, 0}), "");
     /* half as much outside is needed, too: one layer is in the head, and two would be the other way round */
     const double far[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 2, 0, 0, 1};

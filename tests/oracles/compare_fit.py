@@ -29,7 +29,7 @@ if not os.path.exists(TEMPLATES + "aal.nii.gz"):
 
 FLIP = np.diag([-1.0, -1, 1, 1])
 SIZES = {"small": (5, 10, 0.05), "medium": (15, 30, 0.15), "large": (30, 60, 0.2)}  # degrees, mm, scale
-WORDS = {"right": None, "inverse": "in the other direction (inverse) it", "LPS": "with LPS in the place of RAS it",
+WORDS = {"right": None, "inverse": "in the other direction it", "LPS": "with LPS in the place of RAS it",
          "metres": "with a translation 1000 times as long (metres) it"}
 
 

@@ -3,6 +3,7 @@
  * and look at it. */
 #include "base/file.h"
 #include "base/math3.h"
+#include "pose_checks.h"
 #include "poses/pose_load.h"
 #include "poses/pose_stream.h"
 #include "poses/programs/pose_coordsystem.h"
@@ -12,36 +13,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double target[3] = {0, -20, 10};
-
-static const char *sample(const char *name)
-{
-    static char path[4096];
-    snprintf(path, sizeof path, "%s/tests/fuzz/corpus/poses/%s", CONUS_SOURCE_DIR, name);
-    return path;
-}
-
-static conus_pose_list *load(const char *name, const conus_pose_options *options)
-{
-    conus_pose_list *list = NULL;
-    assert_ok(conus_pose_list_load(&list, sample(name), options));
-    return list;
-}
-
 static conus_pose_list *parse(const char *text, const conus_pose_options *options)
 {
-    conus_pose_list *list = NULL;
-    assert_ok(pose_list_parse(&list, text_from(text), options));
-    return list;
+    return pose_text_parse(text_from(text), options);
 }
 
 static void refuse(const char *text, const conus_pose_options *options, const char *part)
 {
-    conus_pose_list *list = NULL;
-    assert_fails(pose_list_parse(&list, text_from(text), options), CONUS_ERROR_DATA);
-    if (!strstr(conus_message(), part)) {
-        fail_msg("\"%s\" is not in \"%s\"", part, conus_message());
-    }
+    pose_text_refuse(text_from(text), options, part);
 }
 
 /* A file that says what it is, and has no pose in it. */
@@ -53,54 +32,15 @@ static void parse_none(const char *text)
     conus_pose_list_destroy(list);
 }
 
-static const conus_pose_row *row_of(const conus_pose_list *list, size_t index, const char *id)
-{
-    const conus_pose_row *row = conus_pose_list_row(list, index);
-    assert_non_null(row);
-    assert_string_equal(row->id, id);
-    return row;
-}
-
-static void assert_row_fails(const conus_pose_list *list, size_t index, const char *id, const char *part)
-{
-    const conus_pose_row *row = row_of(list, index, id);
-    if (!row->error || !strstr(row->error, part)) {
-        fail_msg("\"%s\" is not in \"%s\"", part, row->error ? row->error : "");
-    }
-}
-
-/* The beam passes the target within `tolerance` mm, 80 mm ahead. */
-static void assert_looks_at_target(const conus_pose_row *row, double tolerance)
-{
-    const double *m = row->pose.world_from_device;
-    double there[3];
-    assert_null(row->error);
-    assert_false(row->is_point);
-    vec3_add_scaled(there, m + 12, -80, m + 8);
-    vec3_sub(there, there, target);
-    assert_near(vec3_length(there), 0, tolerance);
-    assert_near(mat4_determinant3(m), 1, 1e-9);
-}
-
-static bool has_note(const conus_pose_list *list, const char *part)
-{
-    const char *note;
-    bool found = false;
-    for (size_t i = 0; (note = conus_pose_list_note(list, i)); i++) {
-        found = found || strstr(note, part);
-    }
-    return found;
-}
-
 static void brainsight_targets_samples_electrodes(void **state)
 {
     (void)state;
-    conus_pose_list *list = load("brainsight.txt", NULL);
+    conus_pose_list *list = pose_sample_load("brainsight.txt", NULL);
     assert_int_equal(conus_pose_list_count(list), 7);
-    assert_looks_at_target(row_of(list, 0, "target/M1 left"), 0.1);
-    assert_looks_at_target(row_of(list, 1, "target/vertex"), 0.1);
-    const conus_pose_row *row = row_of(list, 2, "sample/Sample 1");
-    assert_looks_at_target(row, 0.01);
+    assert_row_at_target(pose_row_of(list, 0, "target/M1 left"), 0.1);
+    assert_row_at_target(pose_row_of(list, 1, "target/vertex"), 0.1);
+    const conus_pose_row *row = pose_row_of(list, 2, "sample/Sample 1");
+    assert_row_at_target(row, 0.01);
     assert_int_equal(row->line, 11);
     /* Target Error 1.348 mm and Angular Error 4.702 degrees are how far the coil was from the target that was planned:
        where it was is known no worse for that. */
@@ -108,15 +48,15 @@ static void brainsight_targets_samples_electrodes(void **state)
     double first = row->time_s;
     assert_near(first, 1553263720.658, 1e-6); /* 2019-03-22 14:08:40.658 */
     assert_row_fails(list, 3, "sample/Sample 2", "Loc. X: \"(null)\"");
-    row = row_of(list, 4, "sample/Sample 3");
-    assert_looks_at_target(row, 0.01);
+    row = pose_row_of(list, 4, "sample/Sample 3");
+    assert_row_at_target(row, 0.01);
     assert_true(isnan(row->error_mm) && isnan(row->error_deg));
     assert_near(row->time_s - first, 9 * 3600 + 51 * 60 + 19.842, 1e-6); /* over midnight */
-    assert_looks_at_target(row_of(list, 5, "electrode/C4"), 0.01);
-    row = row_of(list, 6, "electrode/Left Ear");
+    assert_row_at_target(pose_row_of(list, 5, "electrode/C4"), 0.01);
+    row = pose_row_of(list, 6, "electrode/Left Ear");
     assert_true(row->is_point);
     assert_near(row->pose.world_from_device[12], 75.4765, 1e-9);
-    assert_true(has_note(list, "2 rows of landmarks"));
+    assert_true(pose_has_note(list, "2 rows of landmarks"));
     conus_pose_list_destroy(list);
 }
 
@@ -124,12 +64,12 @@ static void brainsight_targets_samples_electrodes(void **state)
 static void brainsight_world_is_lps(void **state)
 {
     (void)state;
-    conus_pose_list *nifti = load("brainsight.txt", NULL);
-    conus_pose_list *world = load("brainsight-world.txt", NULL);
-    const conus_pose_row *row = row_of(world, 0, "M1 left");
-    assert_looks_at_target(row, 0.1);
+    conus_pose_list *nifti = pose_sample_load("brainsight.txt", NULL);
+    conus_pose_list *world = pose_sample_load("brainsight-world.txt", NULL);
+    const conus_pose_row *row = pose_row_of(world, 0, "M1 left");
+    assert_row_at_target(row, 0.1);
     for (int i = 0; i < 16; i++) {
-        assert_near(row->pose.world_from_device[i], row_of(nifti, 0, "target/M1 left")->pose.world_from_device[i],
+        assert_near(row->pose.world_from_device[i], pose_row_of(nifti, 0, "target/M1 left")->pose.world_from_device[i],
                     1e-9);
     }
     conus_pose_list_destroy(nifti);
@@ -158,7 +98,7 @@ static void brainsight_is_read_strictly(void **state)
               NULL);
     assert_row_fails(list, 0, "left", "left-handed");
     assert_row_fails(list, 1, "skewed", "not orthonormal within 0.002");
-    assert_null(row_of(list, 2, "rounded")->error);
+    assert_null(pose_row_of(list, 2, "rounded")->error);
     assert_row_fails(list, 3, "short", "6 fields, m0n2 is number 7");
     assert_row_fails(list, 4, "holes", "m0n1: \"(null)\"");
     assert_row_fails(list, 5, "nan", "Loc. X: \"nan\"");
@@ -191,17 +131,17 @@ static void names_are_whole_or_refused(void **state)
 static void localite_markers_look_along_x(void **state)
 {
     (void)state;
-    conus_pose_list *list = load("localite-instrument.xml", NULL);
+    conus_pose_list *list = pose_sample_load("localite-instrument.xml", NULL);
     assert_int_equal(conus_pose_list_count(list), 4);
-    assert_looks_at_target(row_of(list, 0, "hot spot"), 1e-9);
-    assert_looks_at_target(row_of(list, 1, "ÜBER"), 1e-9);
-    assert_looks_at_target(row_of(list, 2, "3"), 1e-9);
+    assert_row_at_target(pose_row_of(list, 0, "hot spot"), 1e-9);
+    assert_row_at_target(pose_row_of(list, 1, "ÜBER"), 1e-9);
+    assert_row_at_target(pose_row_of(list, 2, "3"), 1e-9);
     assert_row_fails(list, 3, "spare", "not set");
     conus_pose_list_destroy(list);
-    list = load("localite-instrument.xml", &(conus_pose_options){.axis = CONUS_AXIS_MINUS_X});
+    list = pose_sample_load("localite-instrument.xml", &(conus_pose_options){.axis = CONUS_AXIS_MINUS_X});
     double beam[3];
-    const double *m = row_of(list, 0, "hot spot")->pose.world_from_device;
-    vec3_sub(beam, m + 12, target);
+    const double *m = pose_row_of(list, 0, "hot spot")->pose.world_from_device;
+    vec3_sub(beam, m + 12, pose_target);
     assert_near(vec3_dot(beam, m + 8), -80, 1e-9); /* it looks away */
     conus_pose_list_destroy(list);
 }
@@ -209,14 +149,14 @@ static void localite_markers_look_along_x(void **state)
 static void localite_triggers_have_times(void **state)
 {
     (void)state;
-    conus_pose_list *list = load("localite-trigger.xml", NULL);
-    const conus_pose_row *row = row_of(list, 0, "TMS trigger 0");
-    assert_looks_at_target(row, 1e-9);
+    conus_pose_list *list = pose_sample_load("localite-trigger.xml", NULL);
+    const conus_pose_row *row = pose_row_of(list, 0, "TMS trigger 0");
+    assert_row_at_target(row, 1e-9);
     assert_true(row->trigger);
     assert_near(row->time_s, 1.5, 1e-12);
     assert_row_fails(list, 1, "TMS trigger 1", "not tracked");
-    row = row_of(list, 2, "TMS trigger 2");
-    assert_looks_at_target(row, 1e-9);
+    row = pose_row_of(list, 2, "TMS trigger 2");
+    assert_row_at_target(row, 1e-9);
     assert_near(row->time_s, 1.9, 1e-12);
     conus_pose_list_destroy(list);
 }
@@ -234,32 +174,32 @@ static void localite_is_read_strictly(void **state)
                                   NULL);
     assert_row_fails(list, 0, "a", "data00: \"x\"");
     assert_row_fails(list, 1, "b", "no Matrix4D");
-    assert_true(has_note(list, "names no coordinateSpace; taken as RAS"));
+    assert_true(pose_has_note(list, "names no coordinateSpace; taken as RAS"));
     conus_pose_list_destroy(list);
 }
 
 static void electrodes_are_points(void **state)
 {
     (void)state;
-    conus_pose_list *list = load("electrodes.tsv", NULL);
+    conus_pose_list *list = pose_sample_load("electrodes.tsv", NULL);
     assert_int_equal(conus_pose_list_count(list), 7);
-    const conus_pose_row *row = row_of(list, 0, "LA2");
+    const conus_pose_row *row = pose_row_of(list, 0, "LA2");
     assert_true(row->is_point);
     assert_near(row->pose.world_from_device[12], -26, 0);
     assert_row_fails(list, 3, "RH1", "x: not known");
-    assert_true(has_note(list, "no *_coordsystem.json"));
+    assert_true(pose_has_note(list, "no *_coordsystem.json"));
     conus_pose_list_destroy(list);
 }
 
 static void contacts_look_along_their_shafts(void **state)
 {
     (void)state;
-    conus_pose_list *list = load("electrodes.tsv", &(conus_pose_options){.along_shafts = true});
+    conus_pose_list *list = pose_sample_load("electrodes.tsv", &(conus_pose_options){.along_shafts = true});
     static const char *const ids[] = {"LA2", "LA1", "LA10", "", "", "G1", "G2"};
     for (size_t i = 0; i < 7; i++) {
         const double beam[3] = {i < 3 ? -1 : 0, i < 3 ? 0 : 1, 0}; /* LA goes to the left, G forward */
         if (ids[i][0]) {
-            const conus_pose_row *row = row_of(list, i, ids[i]);
+            const conus_pose_row *row = pose_row_of(list, i, ids[i]);
             assert_null(row->error);
             for (int k = 0; k < 3; k++) {
                 assert_near(-row->pose.world_from_device[8 + k], beam[k], 1e-12);
@@ -343,7 +283,7 @@ static void a_named_space_wins(void **state)
     (void)state;
     conus_pose_list *list =
         parse("{\"markups\":[" RAS_LINE "," RAS_LINE "]}", &(conus_pose_options){.space = CONUS_SPACE_LPS});
-    assert_true(has_note(list, "positions are RAS"));
+    assert_true(pose_has_note(list, "positions are RAS"));
     assert_null(conus_pose_list_note(list, 1));
     conus_pose_list_destroy(list);
 }
@@ -351,21 +291,21 @@ static void a_named_space_wins(void **state)
 static void markups_are_lines_and_points(void **state)
 {
     (void)state;
-    conus_pose_list *list = load("lines.mrk.json", NULL);
+    conus_pose_list *list = pose_sample_load("lines.mrk.json", NULL);
     assert_int_equal(conus_pose_list_count(list), 6);
-    const conus_pose_row *row = row_of(list, 0, "trajectory left");
+    const conus_pose_row *row = pose_row_of(list, 0, "trajectory left");
     const double entry[3] = {-48, -58.4, 10};
     double way[3];
-    vec3_sub(way, target, entry);
+    vec3_sub(way, pose_target, entry);
     vec3_normalise(way, way);
     for (int i = 0; i < 3; i++) {
         assert_near(row->pose.world_from_device[12 + i], entry[i], 1e-12);
         assert_near(-row->pose.world_from_device[8 + i], way[i], 1e-12);
     }
-    assert_looks_at_target(row_of(list, 1, "entry"), 1e-12);
+    assert_row_at_target(pose_row_of(list, 1, "entry"), 1e-12);
     assert_row_fails(list, 2, "half", "a line of 1 points");
     assert_row_fails(list, 3, "cut", "type \"Plane\"");
-    row = row_of(list, 4, "F-1");
+    row = pose_row_of(list, 4, "F-1");
     assert_true(row->is_point);
     assert_near(row->pose.world_from_device[12], -53.5, 0);
     assert_near(row->pose.world_from_device[13], 73.25, 0);
@@ -381,7 +321,7 @@ static void lines_may_be_looked_along_either_way(void **state)
 {
     (void)state;
     conus_pose_list *list = parse(LINE, &(conus_pose_options){.axis = CONUS_AXIS_MINUS_Z});
-    const double *m = row_of(list, 0, "1")->pose.world_from_device;
+    const double *m = pose_row_of(list, 0, "1")->pose.world_from_device;
     assert_near(m[14], 5, 1e-12);
     assert_near(-m[10], -1, 1e-12);
     conus_pose_list_destroy(list);
@@ -477,7 +417,7 @@ static void notes_are_heard(void **state)
     snprintf(path, sizeof path, "%s/sphere.nii.gz", test_scratch("heard"));
     assert_ok(conus_atlas_load(&atlas, path, NULL));
 
-    snprintf(path, sizeof path, "%s", sample("brainsight.txt"));
+    snprintf(path, sizeof path, "%s", pose_sample("brainsight.txt"));
     assert_ok(conus_pose_list_load(&list, path, &options));
     assert_heard(&heard, 1, CONUS_SEVERITY_NOTE, path, "2 rows of landmarks");
     assert_ok(conus_pose_list_match(list, atlas));
@@ -526,8 +466,8 @@ static void every_prefix_is_refused_or_shorter(void **state)
     (void)state;
     for (size_t k = 0; k < sizeof samples / sizeof samples[0]; k++) {
         struct bytes bytes = {0};
-        conus_pose_list *whole = load(samples[k], NULL);
-        assert_ok(file_read(&bytes, sample(samples[k]), 1 << 20));
+        conus_pose_list *whole = pose_sample_load(samples[k], NULL);
+        assert_ok(file_read(&bytes, pose_sample(samples[k]), 1 << 20));
         for (size_t size = 0; size < bytes.size; size++) {
             char *exact = malloc(size + !size); /* so that a sanitizer sees one byte too many */
             memcpy(exact, bytes.data, size);
@@ -553,7 +493,7 @@ static void every_failing_allocation_is_clean(void **state)
     (void)state;
     for (size_t k = 0; k < sizeof samples / sizeof samples[0]; k++) {
         char path[4096];
-        snprintf(path, sizeof path, "%s", sample(samples[k]));
+        snprintf(path, sizeof path, "%s", pose_sample(samples[k]));
         test_every_allocation(load_sample, path);
     }
     char table[4096];

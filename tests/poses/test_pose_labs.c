@@ -38,11 +38,11 @@ static void invesalius_markers(void **state)
     conus_pose_list *list = pose_sample_load("invesalius.mkss", NULL);
     assert_int_equal(conus_pose_list_count(list), 4);
     assert_true(pose_has_note(list, "2 fiducials were passed over"));
-    assert_row_at_target(pose_row_of(list, 0, "hot spot"));
+    assert_row_at_target(pose_row_of(list, 0, "hot spot"), 1e-6);
     assert_int_equal(pose_row_of(list, 0, "hot spot")->line, 5);
     assert_true(pose_row_of(list, 1, "C4")->is_point);
     assert_row_at(pose_row_of(list, 1, "C4"), 61, -19.5, 3);
-    assert_row_at_target(pose_row_of(list, 2, "pulse 1"));
+    assert_row_at_target(pose_row_of(list, 2, "pulse 1"), 1e-6);
     assert_row_fails(list, 3, "lost", "x_world: not known");
     conus_pose_list_destroy(list);
 }
@@ -110,7 +110,7 @@ static void nibs_markers(void **state)
     assert_true(pose_has_note(list, "no *_coordsystem.json"));
     static const char *const ids[] = {"coil", "out", "beam", "entry"};
     for (size_t i = 0; i < 4; i++) {
-        assert_row_at_target(pose_row_of(list, i, ids[i]));
+        assert_row_at_target(pose_row_of(list, i, ids[i]), 1e-6);
     }
     assert_true(pose_row_of(list, 4, "point")->is_point);
     assert_row_at(pose_row_of(list, 4, "point"), 0, -20, 10);
@@ -120,11 +120,11 @@ static void nibs_markers(void **state)
     assert_row_fails(list, 8, "label", "no coordinates");
     conus_pose_list_destroy(list);
     list = pose_sample_load("markers.tsv", &(conus_pose_options){.axis = CONUS_AXIS_PLUS_Z});
-    assert_row_at_target(pose_row_of(list, 5, "matrix"));
-    assert_row_at_target(pose_row_of(list, 6, "normal"));
+    assert_row_at_target(pose_row_of(list, 5, "matrix"), 1e-6);
+    assert_row_at_target(pose_row_of(list, 6, "normal"), 1e-6);
     conus_pose_list_destroy(list);
     list = pose_sample_load("markers.tsv", &(conus_pose_options){.axis = CONUS_AXIS_MINUS_Z});
-    assert_row_at_target(pose_row_of(list, 1, "out")); /* its normal points out of the head */
+    assert_row_at_target(pose_row_of(list, 1, "out"), 1e-6); /* its normal points out of the head */
     const double *m = pose_row_of(list, 5, "matrix")->pose.world_from_device;
     double beam[3];
     vec3_sub(beam, m + 12, pose_target);

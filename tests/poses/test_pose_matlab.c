@@ -15,8 +15,8 @@ static void simnibs_sessions(void **state)
     (void)state;
     conus_pose_list *list = pose_sample_load("simnibs.mat", NULL);
     assert_int_equal(conus_pose_list_count(list), 3);
-    assert_row_at_target(pose_row_of(list, 0, "M1 left"));
-    assert_row_at_target(pose_row_of(list, 1, "2"));
+    assert_row_at_target(pose_row_of(list, 0, "M1 left"), 1e-6);
+    assert_row_at_target(pose_row_of(list, 1, "2"), 1e-6);
     assert_row_fails(list, 2, "planned", "matsimnibs is empty");
     conus_pose_list_destroy(list);
     list = pose_sample_load("simnibs.mat", &(conus_pose_options){.axis = CONUS_AXIS_MINUS_Z});
@@ -36,8 +36,8 @@ static void simnibs_texts(void **state)
     (void)state;
     conus_pose_list *list = pose_sample_load("simnibs.txt", &simnibs);
     assert_int_equal(conus_pose_list_count(list), 2);
-    assert_row_at_target(pose_row_of(list, 0, "1"));
-    assert_row_at_target(pose_row_of(list, 1, "2"));
+    assert_row_at_target(pose_row_of(list, 0, "1"), 1e-6);
+    assert_row_at_target(pose_row_of(list, 1, "2"), 1e-6);
     assert_int_equal(pose_row_of(list, 0, "1")->line, 2);
     assert_int_equal(pose_row_of(list, 1, "2")->line, 7);
     conus_pose_list_destroy(list);

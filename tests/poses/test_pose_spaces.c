@@ -2,6 +2,7 @@
 /* Poses in the Allen CCF and from bregma: tables, points, and the files of the International Brain Laboratory. Expected
  * places follow from the frames below by hand. */
 #include "base/file.h"
+#include "pose_checks.h"
 #include "poses/pose_load.h"
 #include "test.h"
 
@@ -20,51 +21,14 @@ static const conus_frame other_bregma = {.space = CONUS_SPACE_BREGMA,
 static const conus_pose_options in_ccf = {.frame = &ccf};
 static const conus_pose_options from_bregma = {.frame = &other_bregma};
 
-static const char *sample(const char *name)
-{
-    static char path[4096];
-    snprintf(path, sizeof path, "%s/tests/fuzz/corpus/poses/%s", CONUS_SOURCE_DIR, name);
-    return path;
-}
-
-static conus_pose_list *load(const char *name, const conus_pose_options *options)
-{
-    conus_pose_list *list = NULL;
-    assert_ok(conus_pose_list_load(&list, sample(name), options));
-    return list;
-}
-
 static conus_pose_list *parse(const char *text, const conus_pose_options *options)
 {
-    conus_pose_list *list = NULL;
-    assert_ok(pose_list_parse(&list, text_from(text), options));
-    return list;
+    return pose_text_parse(text_from(text), options);
 }
 
 static void refuse(const char *text, const conus_pose_options *options, const char *part)
 {
-    conus_pose_list *list = NULL;
-    assert_fails(pose_list_parse(&list, text_from(text), options), CONUS_ERROR_DATA);
-    if (!strstr(conus_message(), part)) {
-        fail_msg("\"%s\" is not in \"%s\"", part, conus_message());
-    }
-}
-
-static const conus_pose_row *row_of(const conus_pose_list *list, size_t index, const char *id)
-{
-    const conus_pose_row *row = conus_pose_list_row(list, index);
-    assert_non_null(row);
-    assert_string_equal(row->id, id);
-    return row;
-}
-
-static void expect_at(const conus_pose_row *row, double x, double y, double z)
-{
-    const double *m = row->pose.world_from_device;
-    assert_null(row->error);
-    assert_near(m[12], x, 1e-9);
-    assert_near(m[13], y, 1e-9);
-    assert_near(m[14], z, 1e-9);
+    pose_text_refuse(text_from(text), options, part);
 }
 
 /* Micrometres ML, AP, DV from the laboratory's bregma (AP 5400, DV 332, ML 5739): ML 5739 - 1639 = 4100, AP 5400 + 100
@@ -74,13 +38,13 @@ static void ibl_picks_count_from_their_own_bregma(void **state)
     (void)state;
     const conus_pose_options *const both[] = {&in_ccf, &from_bregma};
     for (int i = 0; i < 2; i++) {
-        conus_pose_list *list = load("ibl-picks.json", both[i]);
+        conus_pose_list *list = pose_sample_load("ibl-picks.json", both[i]);
         assert_int_equal(conus_pose_list_count(list), 4);
-        assert_true(row_of(list, 0, "1")->is_point);
-        expect_at(conus_pose_list_row(list, 0), 4.1, -5.5, -0.8);
-        expect_at(row_of(list, 1, "2"), 4.0995, -5.55, -2.10025);
-        assert_string_equal(row_of(list, 2, "3")->error, "y: a number is needed, micrometres from bregma");
-        assert_non_null(row_of(list, 3, "4")->error);
+        assert_true(pose_row_of(list, 0, "1")->is_point);
+        assert_row_at(conus_pose_list_row(list, 0), 4.1, -5.5, -0.8);
+        assert_row_at(pose_row_of(list, 1, "2"), 4.0995, -5.55, -2.10025);
+        assert_string_equal(pose_row_of(list, 2, "3")->error, "y: a number is needed, micrometres from bregma");
+        assert_non_null(pose_row_of(list, 3, "4")->error);
         conus_pose_list_destroy(list);
     }
 }
@@ -89,11 +53,11 @@ static void ibl_picks_count_from_their_own_bregma(void **state)
 static void ibl_channels_say_where_bregma_lies(void **state)
 {
     (void)state;
-    conus_pose_list *list = load("ibl-channels.json", &in_ccf);
+    conus_pose_list *list = pose_sample_load("ibl-channels.json", &in_ccf);
     assert_int_equal(conus_pose_list_count(list), 3);
-    expect_at(row_of(list, 0, "channel_0"), 4.061, -5.4, -2.068);
-    expect_at(row_of(list, 1, "channel_1"), 4.1, -5.39, -0.768);
-    assert_non_null(row_of(list, 2, "channel_2")->error);
+    assert_row_at(pose_row_of(list, 0, "channel_0"), 4.061, -5.4, -2.068);
+    assert_row_at(pose_row_of(list, 1, "channel_1"), 4.1, -5.39, -0.768);
+    assert_non_null(pose_row_of(list, 2, "channel_2")->error);
     conus_pose_list_destroy(list);
 }
 
@@ -122,24 +86,24 @@ static void ibl_is_read_strictly(void **state)
 static void tables_are_in_ccf_or_from_bregma(void **state)
 {
     (void)state;
-    conus_pose_list *list = load("ccf.csv", &in_ccf);
-    const conus_pose_row *row = row_of(list, 0, "a");
-    expect_at(row, 5.739, -5.4, 1);
+    conus_pose_list *list = pose_sample_load("ccf.csv", &in_ccf);
+    const conus_pose_row *row = pose_row_of(list, 0, "a");
+    assert_row_at(row, 5.739, -5.4, 1);
     assert_near(row->pose.world_from_device[10], 1, 1e-12); /* it looks down: -z of the device is -z of the world */
-    assert_non_null(strstr(row_of(list, 1, "b")->error, "not mm"));
-    assert_non_null(strstr(row_of(list, 2, "c")->error, "toward"));
+    assert_non_null(strstr(pose_row_of(list, 1, "b")->error, "not mm"));
+    assert_non_null(strstr(pose_row_of(list, 2, "c")->error, "toward"));
     conus_pose_list_destroy(list);
     list = parse("x,y,z,dx,dy,dz\n-3.4,2,-2.5,0,1,0\n-3400,2000,-2500,0,1,0\n", &from_bregma); /* AP, ML, DV */
-    expect_at(conus_pose_list_row(list, 0), 7.5, -8.4, -2.8);
+    assert_row_at(conus_pose_list_row(list, 0), 7.5, -8.4, -2.8);
     assert_near(conus_pose_list_row(list, 0)->pose.world_from_device[8], -1, 1e-12); /* it looks along ML: +x */
     assert_non_null(strstr(conus_pose_list_row(list, 1)->error, "not micrometres"));
     conus_pose_list_destroy(list);
     list = parse("DV\tml\tAP\tddv\tdml\tdap\tudv\tuml\tuap\n1\t2\t3\t-1\t0\t0\t0\t0\t1\n", &from_bregma);
-    expect_at(conus_pose_list_row(list, 0), 7.5, -2, 0.7);
+    assert_row_at(conus_pose_list_row(list, 0), 7.5, -2, 0.7);
     assert_near(conus_pose_list_row(list, 0)->pose.world_from_device[5], 1, 1e-12); /* +y up: AP is +y */
     conus_pose_list_destroy(list);
     list = parse("5400 332 5739 bregma\n", &in_ccf);
-    expect_at(row_of(list, 0, "bregma"), 5.739, -5.4, -0.332);
+    assert_row_at(pose_row_of(list, 0, "bregma"), 5.739, -5.4, -0.332);
     conus_pose_list_destroy(list);
 }
 
@@ -174,8 +138,8 @@ static void other_formats_are_not_in_ccf(void **state)
     refuse("1 0 0 5400 0 1 0 332 0 0 1 5739 0 0 0 1\n", &in_ccf, "format matrix are not in space ccf");
     refuse("ap,dv,ml,ap,dx,dy,dz\n", &in_ccf, "\"x\" twice");
     refuse("ap,dv,ml,dx,dy,dz\n", NULL, "x y z are needed");
-    assert_fails(conus_pose_list_load(&list, sample("brainsight.txt"), &from_bregma), CONUS_ERROR_DATA);
-    assert_fails(conus_pose_list_load(&list, sample("lines.mrk.json"), &in_ccf), CONUS_ERROR_DATA);
+    assert_fails(conus_pose_list_load(&list, pose_sample("brainsight.txt"), &from_bregma), CONUS_ERROR_DATA);
+    assert_fails(conus_pose_list_load(&list, pose_sample("lines.mrk.json"), &in_ccf), CONUS_ERROR_DATA);
     assert_fails(pose_list_parse(&list, text_from("1 2 3\n"), &no_frame), CONUS_ERROR_UNSUPPORTED);
 }
 
@@ -187,8 +151,8 @@ static void every_prefix_is_refused_or_shorter(void **state)
     (void)state;
     for (size_t k = 0; k < sizeof samples / sizeof samples[0]; k++) {
         struct bytes bytes = {0};
-        conus_pose_list *whole = load(samples[k], &in_ccf);
-        assert_ok(file_read(&bytes, sample(samples[k]), 1 << 20));
+        conus_pose_list *whole = pose_sample_load(samples[k], &in_ccf);
+        assert_ok(file_read(&bytes, pose_sample(samples[k]), 1 << 20));
         for (size_t size = 0; size < bytes.size; size++) {
             conus_pose_list *list = NULL;
             char *exact = malloc(size + !size); /* so that a sanitizer sees one byte too many */
@@ -217,7 +181,7 @@ static void every_failing_allocation_is_clean(void **state)
     (void)state;
     for (size_t k = 0; k < sizeof samples / sizeof samples[0]; k++) {
         char path[4096];
-        snprintf(path, sizeof path, "%s", sample(samples[k]));
+        snprintf(path, sizeof path, "%s", pose_sample(samples[k]));
         test_every_allocation(load_sample, path);
     }
 }

@@ -28,8 +28,8 @@ void assert_row_fails(const conus_pose_list *list, size_t index, const char *id,
 void assert_row_at(const conus_pose_row *row, double x, double y, double z);
 void assert_row_along(const conus_pose_row *row, double x, double y, double z);
 
-/** Fails unless the beam passes the target 80 mm ahead, not behind. */
-void assert_row_at_target(const conus_pose_row *row);
+/** Fails unless the beam passes the target within @p tolerance mm, 80 mm ahead, not behind. */
+void assert_row_at_target(const conus_pose_row *row, double tolerance);
 
 bool pose_has_note(const conus_pose_list *list, const char *part);
 

@@ -62,7 +62,7 @@ static void parcellations_are_kept_in_their_order(void **state)
     manifest_finish(&m);
 }
 
-static void every_key_is_kept(void **state)
+static void every_key_of_areas_is_kept(void **state)
 {
     (void)state;
     struct manifest m;
@@ -96,6 +96,14 @@ static void every_key_is_kept(void **state)
     assert_int_equal(m.prefer, MANIFEST_PREFER_AREAS);
     assert_int_equal(m.tree_count, 2);
     assert_string_equal(m.tree[0].name, "Nine");
+    manifest_finish(&m);
+}
+
+static void every_key_of_pathways_transforms_and_context_is_kept(void **state)
+{
+    (void)state;
+    struct manifest m;
+    assert_ok(manifest_parse(&m, text_from(whole)));
     assert_near(m.threshold, 0.3, 0);
     assert_int_equal(m.transform_count, 2);
     assert_false(m.single_transform);
@@ -551,7 +559,8 @@ static void every_failing_allocation_of_a_scene_is_reported(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_key_is_kept),
+        cmocka_unit_test(every_key_of_areas_is_kept),
+        cmocka_unit_test(every_key_of_pathways_transforms_and_context_is_kept),
         cmocka_unit_test(parcellations_are_kept_in_their_order),
         cmocka_unit_test(what_the_schema_does_not_know_is_refused),
         cmocka_unit_test(paths_stay_in_the_folder_unless_allowed),
