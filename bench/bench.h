@@ -95,7 +95,8 @@ struct bench_scenario {
 conus_status bench_brain_frames(struct bench *bench);
 conus_status bench_census(struct bench *bench);
 conus_status bench_batch(struct bench *bench);
-conus_status bench_batch_mesh(struct bench *bench); /**< On surfaces made of the atlas. */
+conus_status bench_batch_mesh(struct bench *bench);   /**< On surfaces made of the atlas. */
+conus_status bench_batch_layers(struct bench *bench); /**< All layers.                    */
 conus_status bench_python(struct bench *bench);
 conus_status bench_accuracy(struct bench *bench);
 conus_status bench_bonsai(struct bench *bench);

@@ -5,6 +5,7 @@
 
 #include "base/buffer.h"
 #include "base/math3.h"
+#include "selection/engine/engine_rays.h"
 #include "selection/selection.h"
 #include "selection/selector.h"
 #include "tests/support/oracle_traversal.h"
@@ -203,6 +204,68 @@ conus_status bench_batch(struct bench *bench)
     }
     for (size_t i = 0; i < VARIANTS; i++) {
         contender_finish(&contenders[i]);
+    }
+    scene_finish(&scene);
+    return status;
+}
+
+/* ---- All layers ---------------------------------------------------------------------------------------------------
+ */
+
+/* A selector of all layers whose rays list their intervals one after another, without a kernel. */
+static conus_status make_single(conus_selector **out, const conus_atlas *atlas)
+{
+    const conus_selector_options options = {.layers = CONUS_LAYERS_ALL};
+    const struct engine_options exact = {.sampling = CONUS_SAMPLING_EXACT};
+    struct engine *engine = NULL;
+    size_t last = 0;
+    while (traverse_kernel(last + 1)) {
+        last++;
+    }
+    conus_status status = conus_selector_create(out, atlas, &options);
+    status = status ? status : engine_rays_create_with(&engine, atlas, &exact, traverse_kernel(last));
+    if (!status) {
+        engine_destroy((*out)->engine);
+        (*out)->engine = engine;
+    }
+    return status;
+}
+
+conus_status bench_batch_layers(struct bench *bench)
+{
+    enum { SINGLE_RAYS, ALL, VISIBLE, WAYS };
+    static const char *const names[WAYS] = {"all layers, ray by ray, batch, 1 thread", "all layers, batch, 1 thread",
+                                            "first hits, batch, 1 thread"};
+    const conus_selector_options all = {.layers = CONUS_LAYERS_ALL};
+    struct scene scene = {0};
+    struct contender contenders[WAYS] = {0};
+    struct bench_variant variants[WAYS];
+    conus_selector *selectors[WAYS] = {0};
+    conus_status status = make_scene(&scene, bench);
+    status = status ? status : make_single(&selectors[SINGLE_RAYS], scene.atlas);
+    status = status ? status : conus_selector_create(&selectors[ALL], scene.atlas, &all);
+    status = status ? status : conus_selector_create(&selectors[VISIBLE], scene.atlas, NULL);
+    for (size_t i = 0; i < WAYS && !status; i++) {
+        status = contender_init(&contenders[i], &scene, selectors[i], 1, false);
+        variants[i] = (struct bench_variant){.name = names[i], .run = run_contender, .data = &contenders[i]};
+        if (!status) {
+            run_contender(&contenders[i]);
+            variants[i].equal = gives_the_same(&contenders[i], &contenders[SINGLE_RAYS]);
+            variants[i].other_by_design = i == VISIBLE;
+        }
+    }
+    if (!status) {
+        snprintf(bench->driver, sizeof bench->driver, "%s", conus_selector_engine(selectors[ALL]));
+        status = bench_measure(bench, "batch_layers", variants, WAYS, bench->options.poses, bench->options.angle);
+    }
+    status = status ? status : bench_ratio(bench, "layers_single_over_batch", &variants[SINGLE_RAYS], &variants[ALL]);
+    if (!status) {
+        double ratio = variants[ALL].median_ms / variants[VISIBLE].median_ms;
+        status = bench_value(bench, "layers_over_visible_aal", ratio, variants[ALL].equal);
+    }
+    for (size_t i = 0; i < WAYS; i++) {
+        contender_finish(&contenders[i]);
+        conus_selector_destroy(selectors[i]);
     }
     scene_finish(&scene);
     return status;

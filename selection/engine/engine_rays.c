@@ -8,15 +8,20 @@
 #include "selection/cone/aperture.h"
 #include "selection/engine/triangles/mesh_rays.h"
 
+#include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
 
 enum { BLOCK = APERTURE_BLOCK };
 
+/* Uniform maps are made when so many rays have listed their intervals without: AAL's takes about as long as these. */
+enum { RAYS_WITHOUT_UNIFORM = 1 << 13 };
+
 struct target {
     const struct volume *volume;
-    struct distance_map map; /* exact sampling  */
-    uint32_t slices;         /* sampled slices  */
+    struct distance_map map;     /* exact sampling                                */
+    struct distance_map uniform; /* with has_uniform; no codes: go on without one */
+    uint32_t slices;             /* sampled slices                                */
 };
 
 struct rays_engine {
@@ -25,6 +30,8 @@ struct rays_engine {
     const struct traverse_kernel *kernel;
     struct mesh_rays *meshes;        /* NULL if the atlas has none */
     struct mesh_intervals intervals; /* empty: what a query begins with */
+    atomic_size_t pierced;           /* rays that have listed their intervals */
+    atomic_bool has_uniform;         /* the targets' uniform maps are there: several threads may be here */
     size_t target_count;
     struct target targets[];
 };
@@ -41,6 +48,7 @@ static void destroy(struct engine *engine)
     struct rays_engine *rays = (struct rays_engine *)engine;
     for (size_t i = 0; i < rays->target_count; i++) {
         distance_map_finish(&rays->targets[i].map);
+        distance_map_finish(&rays->targets[i].uniform);
     }
     mesh_rays_destroy(rays->meshes);
     memory_free(rays);
@@ -209,7 +217,29 @@ static conus_status trace_meshes(const struct rays_engine *engine, struct eviden
     return status;
 }
 
-static conus_status trace_block(const struct rays_engine *engine, struct evidence *out, const struct cone *cone,
+/* What to do with each block of a cone's rays. */
+typedef conus_status block_step(const struct rays_engine *engine, void *out, const struct cone *cone,
+                                struct block *block);
+
+static conus_status for_blocks(const struct rays_engine *engine, void *out, const struct cone *cone, block_step *step)
+{
+    struct block block;
+    conus_status status = CONUS_OK;
+    uint32_t edge = block_edge(cone);
+    for (size_t first = 0; cone->rays && first < cone->rays->count && !status; first += TRAVERSE_BUNDLE) {
+        block_take(&block, cone, first);
+        status = step(engine, out, cone, &block);
+    }
+    for (uint32_t row = 0; row < cone->resolution && !cone->rays && !status; row += edge) {
+        for (uint32_t column = 0; column < cone->resolution && !status; column += edge) {
+            block_init(&block, cone, column, row);
+            status = step(engine, out, cone, &block);
+        }
+    }
+    return status;
+}
+
+static conus_status trace_block(const struct rays_engine *engine, void *out, const struct cone *cone,
                                 struct block *block)
 {
     trace_volumes(engine, out, cone, block);
@@ -218,21 +248,7 @@ static conus_status trace_block(const struct rays_engine *engine, struct evidenc
 
 conus_status engine_rays_trace_on(struct engine *engine, struct evidence *out, const struct cone *cone)
 {
-    const struct rays_engine *rays = (const struct rays_engine *)engine;
-    struct block block;
-    conus_status status = CONUS_OK;
-    uint32_t edge = block_edge(cone);
-    for (size_t first = 0; cone->rays && first < cone->rays->count && !status; first += TRAVERSE_BUNDLE) {
-        block_take(&block, cone, first);
-        status = trace_block(rays, out, cone, &block);
-    }
-    for (uint32_t row = 0; row < cone->resolution && !cone->rays && !status; row += edge) {
-        for (uint32_t column = 0; column < cone->resolution && !status; column += edge) {
-            block_init(&block, cone, column, row);
-            status = trace_block(rays, out, cone, &block);
-        }
-    }
-    return status;
+    return for_blocks((const struct rays_engine *)engine, out, cone, trace_block);
 }
 
 static conus_status trace(struct engine *engine, struct evidence *out, const struct cone *cone)
@@ -241,56 +257,64 @@ static conus_status trace(struct engine *engine, struct evidence *out, const str
     return engine_rays_trace_on(engine, out, cone);
 }
 
-static conus_status pierce_volumes(const struct rays_engine *engine, struct layers *out, const struct cone *cone,
-                                   uint32_t pixel)
+/* The thread that reaches the limit makes the uniform maps. A volume that is too large, or for whose map there is no
+ * memory, goes on without. */
+static void count_pierced(struct rays_engine *engine, size_t rays)
 {
+    size_t before = atomic_fetch_add(&engine->pierced, rays);
+    if (before >= RAYS_WITHOUT_UNIFORM || before + rays < RAYS_WITHOUT_UNIFORM) {
+        return;
+    }
+    for (size_t t = 0; t < engine->target_count; t++) {
+        struct target *target = &engine->targets[t];
+        if (distance_map_codes(&target->map) <= UNIFORM_CODES) {
+            distance_map_init_uniform(&target->uniform, target->volume, &target->map);
+        }
+    }
+    atomic_store_explicit(&engine->has_uniform, true, memory_order_release);
+}
+
+static conus_status pierce_volumes(const struct rays_engine *engine, void *out, const struct cone *cone,
+                                   struct block *block)
+{
+    bool has_uniform = atomic_load_explicit(&engine->has_uniform, memory_order_acquire);
     conus_status status = CONUS_OK;
-    double origin[3];
-    double direction[3];
-    cone_origin(origin, cone, pixel % cone->resolution, pixel / cone->resolution);
-    cone_ray(direction, cone, pixel % cone->resolution, pixel / cone->resolution);
+    (void)cone;
     for (size_t t = 0; t < engine->target_count && !status; t++) {
         const struct target *target = &engine->targets[t];
-        double start[3];
-        double step[3];
-        struct traverse_ray ray;
-        mat4_point(start, target->volume->voxel_from_world, origin);
-        mat4_direction(step, target->volume->voxel_from_world, direction);
-        traverse_ray_init(&ray, start, step);
-        status = traverse_pierce(out, &target->map, target->volume, &ray, pixel);
+        struct traverse_piercing piercing = {
+            .uniform = has_uniform && target->uniform.codes ? &target->uniform : NULL,
+            .volume = target->volume,
+            .pixel = block->pixel,
+            .out = out,
+        };
+        status = traverse_bundle_pierce(engine->kernel, &target->map, &piercing, &block->bundle);
     }
     return status;
 }
 
-static conus_status pierce_meshes(const struct rays_engine *engine, struct layers *out, const struct cone *cone)
+static conus_status pierce_meshes(const struct rays_engine *engine, void *out, const struct cone *cone,
+                                  struct block *block)
 {
-    struct block block;
-    struct mesh_intervals intervals = engine->intervals; /* of its own, since several threads may be here */
-    conus_status status = CONUS_OK;
-    uint32_t edge = block_edge(cone);
-    for (uint32_t row = 0; row < cone->resolution && !status; row += edge) {
-        for (uint32_t column = 0; column < cone->resolution && !status; column += edge) {
-            block_init(&block, cone, column, row);
-            aim_at_meshes(&block);
-            status = mesh_rays_pierce(engine->meshes, &block.meshes, &intervals, block.pixel);
-        }
-    }
-    status = status ? status : mesh_intervals_pair(out, &intervals, cone);
-    mesh_intervals_finish(&intervals);
-    return status;
+    (void)cone;
+    aim_at_meshes(block);
+    return mesh_rays_pierce(engine->meshes, &block->meshes, out, block->pixel);
 }
 
 static conus_status pierce(struct engine *engine, struct layers *out, const struct cone *cone)
 {
-    const struct rays_engine *rays = (const struct rays_engine *)engine;
-    conus_status status = CONUS_OK;
-    uint32_t pixels = rays->target_count ? cone->resolution * cone->resolution : 0;
-    for (uint32_t pixel = 0; pixel < pixels && !status; pixel++) {
-        if (is_wanted(cone, pixel % cone->resolution, pixel / cone->resolution)) {
-            status = pierce_volumes(rays, out, cone, pixel);
-        }
+    struct rays_engine *rays = (struct rays_engine *)engine;
+    conus_status status = rays->target_count ? for_blocks(rays, out, cone, pierce_volumes) : CONUS_OK;
+    if (!status && rays->target_count) {
+        count_pierced(rays, (size_t)cone->resolution * cone->resolution);
     }
-    return !status && rays->meshes ? pierce_meshes(rays, out, cone) : status;
+    if (!status && rays->meshes) {
+        struct mesh_intervals intervals = rays->intervals; /* of its own, since several threads may be here */
+        status = for_blocks(rays, &intervals, cone, pierce_meshes);
+        status = status ? status : mesh_intervals_pair(out, &intervals, cone);
+        mesh_intervals_finish(&intervals);
+    }
+    return status;
 }
 
 static conus_status add_meshes(struct rays_engine *engine, const conus_atlas *atlas)

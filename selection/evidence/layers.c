@@ -26,9 +26,18 @@ static conus_status grow(struct layers *layers)
     return CONUS_OK;
 }
 
+conus_status layers_reserve(struct layers *layers, size_t more)
+{
+    conus_status status = CONUS_OK;
+    while (layers->capacity - layers->count < more && !status) {
+        status = grow(layers);
+    }
+    return status;
+}
+
 conus_status layers_add(struct layers *layers, const conus_interval *interval)
 {
-    conus_status status = layers->count < layers->capacity ? CONUS_OK : grow(layers);
+    conus_status status = layers_reserve(layers, 1);
     if (!status) {
         layers->intervals[layers->count++] = *interval;
     }

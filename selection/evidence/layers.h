@@ -22,6 +22,9 @@ static inline void layers_clear(struct layers *layers)
     layers->count = 0;
 }
 
+/** Makes capacity for @p more intervals. */
+conus_status layers_reserve(struct layers *layers, size_t more);
+
 /** Appends a copy of @p interval. */
 conus_status layers_add(struct layers *layers, const conus_interval *interval);
 

@@ -29,6 +29,7 @@ struct scratch {
     struct bits *other;  /* the target of a dilation's steps    */
     struct bits *planes; /* [brick][PLANES] codes, bit by bit   */
     uint8_t *distance;   /* to the nearest occupied brick       */
+    uint8_t *beside;     /* [1 + voxels along i + 1]            */
 };
 
 void distance_map_finish(struct distance_map *map)
@@ -43,6 +44,7 @@ static void scratch_finish(struct scratch *scratch)
     memory_free(scratch->other);
     memory_free(scratch->planes);
     memory_free(scratch->distance);
+    memory_free(scratch->beside);
 }
 
 static conus_status scratch_init(struct scratch *scratch, const struct distance_map *map)
@@ -61,7 +63,10 @@ static conus_status scratch_init(struct scratch *scratch, const struct distance_
     scratch->other = memory_zeroed(count, sizeof *scratch->other);
     scratch->planes = memory_zeroed(count, PLANES * sizeof *scratch->planes);
     scratch->distance = memory_raw(count, sizeof *scratch->distance);
-    return scratch->grown && scratch->other && scratch->planes && scratch->distance ? CONUS_OK : CONUS_ERROR_MEMORY;
+    scratch->beside = memory_zeroed(map->dim[0] + 2, sizeof *scratch->beside);
+    return scratch->grown && scratch->other && scratch->planes && scratch->distance && scratch->beside
+               ? CONUS_OK
+               : CONUS_ERROR_MEMORY;
 }
 
 static size_t scratch_brick(const struct scratch *scratch, size_t i, size_t j, size_t k)
@@ -96,8 +101,7 @@ static uint64_t row_bits32(const uint32_t *objects, size_t count)
     return bits;
 }
 
-/* Marks one row of voxels along i, starting at linear index `voxel`. */
-static void mark_row(struct scratch *scratch, const struct volume *volume, size_t j, size_t k, size_t voxel)
+static void mark_occupied(struct scratch *scratch, const struct volume *volume, size_t j, size_t k, size_t voxel)
 {
     size_t dim = volume->info.dim[0];
     size_t y = j + DISTANCE_MARGIN;
@@ -151,11 +155,14 @@ static void find_box(struct distance_map *map, const struct scratch *scratch)
     }
 }
 
-static void mark_occupied(struct scratch *scratch, const struct volume *volume)
+/* Marks what is looked for in one row of voxels along i, which starts at linear index `voxel`. */
+typedef void row_mark(struct scratch *scratch, const struct volume *volume, size_t j, size_t k, size_t voxel);
+
+static void mark_rows(struct scratch *scratch, const struct volume *volume, row_mark *mark)
 {
     for (size_t k = 0; k < volume->info.dim[2]; k++) {
         for (size_t j = 0; j < volume->info.dim[1]; j++) {
-            mark_row(scratch, volume, j, k, volume->info.dim[0] * (j + volume->info.dim[1] * k));
+            mark(scratch, volume, j, k, volume->info.dim[0] * (j + volume->info.dim[1] * k));
         }
     }
 }
@@ -380,13 +387,13 @@ static size_t set_dimensions(struct distance_map *map, const struct volume *volu
     return distance_map_codes(map); /* not much more than the number of voxels, which was checked */
 }
 
-/* Fills the codes and the box of a map whose dimensions are set. */
-static conus_status fill_codes(struct distance_map *map, const struct volume *volume)
+/* Fills the codes of a map whose dimensions are set, as distances to what is marked, and the box of that. */
+static conus_status fill_codes(struct distance_map *map, const struct volume *volume, row_mark *mark)
 {
     struct scratch scratch;
     conus_status status = scratch_init(&scratch, map);
     if (!status) {
-        mark_occupied(&scratch, volume);
+        mark_rows(&scratch, volume, mark);
         find_box(map, &scratch);
         count_brick_distances(&scratch);
         count_fine_distances(&scratch);
@@ -411,30 +418,132 @@ conus_status distance_map_write(void *memory, const struct volume *volume)
         return CONUS_OK;
     }
     map.codes = (uint8_t *)memory + HEAD_SIZE;
-    conus_status status = fill_codes(&map, volume);
+    conus_status status = fill_codes(&map, volume, mark_occupied);
     map.codes = NULL;
     memset(memory, 0, HEAD_SIZE);
     memcpy(memory, &map, sizeof map);
     return status;
 }
 
-conus_status distance_map_init(struct distance_map *out, const struct volume *volume)
+/* A map with memory of its own. */
+static conus_status make_map(struct distance_map *out, const struct volume *volume, row_mark *mark)
 {
     struct distance_map map;
     size_t size = set_dimensions(&map, volume);
-    if (volume->distances) {
-        memcpy(out, volume->distances, sizeof *out);
-        out->codes = (uint8_t *)volume->distances + HEAD_SIZE; /* is only read */
-        return CONUS_OK;
-    }
     map.block = memory_raw(size / DISTANCE_LINE + 1, DISTANCE_LINE);
     map.codes = (uint8_t *)(((uintptr_t)map.block + DISTANCE_LINE - 1) / DISTANCE_LINE *
                             DISTANCE_LINE); /* on the processor's lines */
-    conus_status status = map.block ? fill_codes(&map, volume) : CONUS_ERROR_MEMORY;
+    conus_status status = map.block ? fill_codes(&map, volume, mark) : CONUS_ERROR_MEMORY;
     if (status) {
         distance_map_finish(&map);
         return status;
     }
     *out = map;
     return CONUS_OK;
+}
+
+conus_status distance_map_init(struct distance_map *out, const struct volume *volume)
+{
+    if (volume->distances) {
+        memcpy(out, volume->distances, sizeof *out);
+        out->codes = (uint8_t *)volume->distances + HEAD_SIZE; /* is only read */
+        return CONUS_OK;
+    }
+    return make_map(out, volume, mark_occupied);
+}
+
+/* ---- Uniform maps ------------------------------------------------------------------------------------------------ */
+
+/* Sets out[i] where voxels i of two rows differ; with an `other` of NULL, where the row holds an object. */
+static void note_differences(uint8_t *out, const struct volume *volume, size_t row, const size_t *other)
+{
+    size_t dim = volume->info.dim[0];
+    if (volume->objects16) {
+        const uint16_t *objects = volume->objects16;
+        for (size_t i = 0; i < dim; i++) {
+            out[i] |= objects[row + i] != (other ? objects[*other + i] : 0);
+        }
+    } else {
+        const uint32_t *objects = volume->objects32;
+        for (size_t i = 0; i < dim; i++) {
+            out[i] |= objects[row + i] != (other ? objects[*other + i] : 0);
+        }
+    }
+}
+
+/* Sets beside[i] where voxel i differs from one of the eight with the same i around it. */
+static void look_beside(uint8_t *beside, const struct volume *volume, size_t j, size_t k, size_t voxel)
+{
+    const size_t *dim = volume->info.dim;
+    for (int n = 0; n < 9; n++) {
+        size_t y = j + (size_t)(n % 3) - 1; /* wraps in front of the first */
+        size_t z = k + (size_t)(n / 3) - 1;
+        size_t other = dim[0] * (y + dim[1] * z);
+        if (n != 4) {
+            note_differences(beside, volume, voxel, y < dim[1] && z < dim[2] ? &other : NULL);
+        }
+    }
+}
+
+/* Marks the voxels of which one of the 26 around them holds something else; beside the grid there is nothing. */
+static void mark_borders(struct scratch *scratch, const struct volume *volume, size_t j, size_t k, size_t voxel)
+{
+    size_t dim = volume->info.dim[0];
+    size_t y = j + DISTANCE_MARGIN;
+    size_t z = k + DISTANCE_MARGIN;
+    struct bits *bricks = &scratch->grown[scratch_brick(scratch, 0, y / BRICK, z / BRICK)];
+    uint8_t *beside = scratch->beside + 1; /* one more at either end, always 0 */
+    memset(beside, 0, dim);
+    look_beside(beside, volume, j, k, voxel);
+    uint32_t before = 0;
+    uint32_t here = volume_object(volume, voxel);
+    for (size_t i = 0; i < dim; i++) {
+        uint32_t after = i + 1 < dim ? volume_object(volume, voxel + i + 1) : 0;
+        size_t x = i + DISTANCE_MARGIN;
+        if (before != here || after != here || beside[i] || beside[(ptrdiff_t)i - 1] || beside[i + 1]) {
+            bricks[x / BRICK].word[z % BRICK] |= UINT64_C(1) << (x % BRICK + BRICK * (y % BRICK));
+        }
+        before = here;
+        here = after;
+    }
+}
+
+static bool is_in_grid(const struct volume *volume, size_t i, size_t j, size_t k)
+{
+    return i < volume->info.dim[0] && j < volume->info.dim[1] && k < volume->info.dim[2];
+}
+
+/* Distances to borders become codes of a uniform map. A border is 1 + 0; beyond r voxels that are none, the voxels r +
+ * 1 away hold the same, too. Beside the grid, where any voxel may be a border, all codes are as a border's. */
+static void make_uniform(struct distance_map *map, const struct volume *volume)
+{
+    const size_t *dim = volume->info.dim;
+    for (size_t z = 0; z < DISTANCE_EDGE * map->lines[2]; z++) {
+        for (size_t y = 0; y < DISTANCE_EDGE * map->lines[1]; y++) {
+            for (size_t x = 0; x < DISTANCE_EDGE * map->lines[0]; x++) {
+                size_t i = x - DISTANCE_MARGIN; /* wraps in front of the first */
+                size_t j = y - DISTANCE_MARGIN;
+                size_t k = z - DISTANCE_MARGIN;
+                uint8_t *code = &map->codes[distance_map_at(map, i, j, k)];
+                bool inside = is_in_grid(volume, i, j, k);
+                int radius = inside ? (*code < UNIFORM_RADIUS ? *code + 1 : UNIFORM_RADIUS) : 1;
+                bool is_full = inside && volume_object(volume, i + dim[0] * (j + dim[1] * k));
+                *code = (uint8_t)(radius | (is_full ? 0 : UNIFORM_EMPTY));
+            }
+        }
+    }
+}
+
+conus_status distance_map_init_uniform(struct distance_map *out, const struct volume *volume,
+                                       const struct distance_map *map)
+{
+    struct distance_map uniform;
+    conus_status status = make_map(&uniform, volume, mark_borders);
+    if (!status) {
+        memcpy(uniform.first, map->first, sizeof map->first);
+        memcpy(uniform.last, map->last, sizeof map->last);
+        make_uniform(&uniform, volume);
+        *out = uniform;
+    }
+    return status;
 }

@@ -26,6 +26,19 @@ struct distance_map {
 conus_status distance_map_init(struct distance_map *out, const struct volume *volume);
 void distance_map_finish(struct distance_map *map);
 
+/** In a code of a uniform map: no object here. The other bits are 1 + r. */
+enum { UNIFORM_EMPTY = 0x80, UNIFORM_RADIUS = 0x7f };
+
+/** The largest grid, in codes, of which a uniform map is made. */
+#define UNIFORM_CODES ((size_t)1 << 28)
+
+/** Makes a uniform map: the code of every voxel, occupied ones too, is 1 + r where all voxels that differ from it by at
+ * most r in every index hold the same object as it does, or none as it does; the margin holds none. So a ray leaves r
+ * cells at once inside an object, too. Its box is that of @p map, the volume's distance map. Takes one byte a voxel,
+ * and two more while it is made. */
+conus_status distance_map_init_uniform(struct distance_map *out, const struct volume *volume,
+                                       const struct distance_map *map);
+
 /** Bytes of what distance_map_write() writes. */
 size_t distance_map_size(const struct volume *volume);
 /** Makes the distance map of a volume (volume->distances) at @p memory, which is aligned as malloc's is, better as a

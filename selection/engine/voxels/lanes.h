@@ -41,6 +41,11 @@ static INLINE singles singles_at(const float *from)
     return *(const singles *)from;
 }
 
+static INLINE wholes wholes_at(const int32_t *from)
+{
+    return *(const wholes *)from;
+}
+
 static INLINE void store_doubles(double *to, doubles x)
 {
     *(doubles *)to = x;
@@ -126,6 +131,11 @@ static INLINE bool all_halves(halves which)
 static INLINE bool is_true(truths which, int lane)
 {
     return which >> lane & 1;
+}
+
+static INLINE truths only(int lane)
+{
+    return (truths)(1U << lane);
 }
 
 static INLINE truths both(halves low, halves high)
@@ -225,6 +235,13 @@ static INLINE bool all_halves(halves which)
 static INLINE bool is_true(truths which, int lane)
 {
     return which[lane] != 0;
+}
+
+static INLINE truths only(int lane)
+{
+    truths out = {0};
+    out[lane] = -1;
+    return out;
 }
 
 static INLINE truths both(halves low, halves high)

@@ -150,12 +150,18 @@ struct traverse_contact traverse_one(const struct distance_map *map, const struc
     return (struct traverse_contact){.t = INFINITY, .voxel = UINT64_MAX};
 }
 
-void traverse_bundle_ray(const struct distance_map *map, struct traverse_bundle *bundle, size_t i)
+struct traverse_ray traverse_bundle_at(const struct traverse_bundle *bundle, size_t i)
 {
     struct traverse_ray ray;
     double direction[3] = {bundle->direction[0][i], bundle->direction[1][i], bundle->direction[2][i]};
     mat4_direction(direction, bundle->index_from_world, direction);
     traverse_ray_init(&ray, bundle->start, direction);
+    return ray;
+}
+
+void traverse_bundle_ray(const struct distance_map *map, struct traverse_bundle *bundle, size_t i)
+{
+    struct traverse_ray ray = traverse_bundle_at(bundle, i);
     struct traverse_contact contact = traverse_one(map, &ray, bundle->limit[i]);
     bundle->t[i] = contact.t;
     bundle->voxel[i] = contact.voxel;
@@ -190,11 +196,11 @@ const struct traverse_kernel *traverse_kernel(size_t index)
 {
     static const struct traverse_kernel kernels[] = {
 #if defined(__x86_64__)
-        {.name = "avx512", .is_supported = has_avx512, .walk = traverse_walk_avx512},
-        {.name = "avx2", .is_supported = has_avx2, .walk = traverse_walk_avx2},
-        {.name = "sse2", .is_supported = everywhere, .walk = traverse_walk_plain},
+        {.name = "avx512", .is_supported = has_avx512, .walk = traverse_walk_avx512, .pierce = traverse_pierce_avx512},
+        {.name = "avx2", .is_supported = has_avx2, .walk = traverse_walk_avx2, .pierce = traverse_pierce_avx2},
+        {.name = "sse2", .is_supported = everywhere, .walk = traverse_walk_plain, .pierce = traverse_pierce_plain},
 #else
-        {.name = "vector", .is_supported = everywhere, .walk = traverse_walk_plain},
+        {.name = "vector", .is_supported = everywhere, .walk = traverse_walk_plain, .pierce = traverse_pierce_plain},
 #endif
         {.name = "scalar", .is_supported = everywhere, .walk = walk_one_by_one},
     };
@@ -222,22 +228,51 @@ static void pad(struct traverse_bundle *bundle)
     }
 }
 
-void traverse_bundle_walk(const struct traverse_kernel *kernel, const struct distance_map *map,
-                          const struct volume *volume, struct traverse_bundle *bundle)
+/* Sets what follows from the volume; whether kernels can walk the rays. */
+static bool aim_at_volume(struct traverse_bundle *bundle, const struct distance_map *map, const struct volume *volume)
 {
-    bool is_near = distance_map_codes(map) <= TRAVERSE_CODES;
+    bool is_near = bundle->count > 0 && distance_map_codes(map) <= TRAVERSE_CODES;
     bundle->index_from_world = volume->voxel_from_world;
     mat4_point(bundle->start, bundle->index_from_world, bundle->origin);
     for (int a = 0; a < 3; a++) {
         bundle->start_cell[a] = traverse_cell(bundle->start[a]);
         is_near = is_near && fabs(bundle->start[a]) < TRAVERSE_FAR && map->dim[a] <= TRAVERSE_EDGE;
     }
+    return is_near;
+}
+
+void traverse_bundle_walk(const struct traverse_kernel *kernel, const struct distance_map *map,
+                          const struct volume *volume, struct traverse_bundle *bundle)
+{
     size_t count = bundle->count;
-    if (is_near && count > 0) {
+    if (aim_at_volume(bundle, map, volume)) {
         pad(bundle);
         kernel->walk(map, bundle);
     } else {
         walk_one_by_one(map, bundle);
     }
     bundle->count = count;
+}
+
+conus_status traverse_bundle_pierce(const struct traverse_kernel *kernel, const struct distance_map *map,
+                                    struct traverse_piercing *piercing, struct traverse_bundle *bundle)
+{
+    conus_status status = CONUS_OK;
+    bool by_kernel = aim_at_volume(bundle, map, piercing->volume) && piercing->uniform && kernel->pierce;
+    piercing->count = bundle->count;
+    if (by_kernel) {
+        for (size_t i = 0; i < bundle->count; i++) {
+            bundle->limit[i] = INFINITY;
+        }
+        pad(bundle);
+        status = kernel->pierce(piercing, bundle);
+        bundle->count = piercing->count;
+    }
+    for (size_t i = 0; i < bundle->count && !status; i++) {
+        if (!by_kernel || piercing->again[i]) {
+            struct traverse_ray ray = traverse_bundle_at(bundle, i);
+            status = traverse_pierce(piercing->out, map, piercing->volume, &ray, (uint32_t)piercing->pixel[i]);
+        }
+    }
+    return status;
 }

@@ -91,8 +91,21 @@ struct traverse_bundle {
     uint64_t voxel[TRAVERSE_BUNDLE];
 };
 
+/** Ray @p i in index space. */
+struct traverse_ray traverse_bundle_at(const struct traverse_bundle *bundle, size_t i);
+
 /** Walks ray @p i alone. */
 void traverse_bundle_ray(const struct distance_map *map, struct traverse_bundle *bundle, size_t i);
+
+/** All intervals of a bundle's rays: what a kernel lists at once. */
+struct traverse_piercing {
+    const struct distance_map *uniform; /**< The volume's uniform map.                   */
+    const struct volume *volume;
+    const size_t *pixel; /**< Of each ray.                                */
+    struct layers *out;
+    size_t count;                /**< Of rays: those behind them repeat the last. Set by traverse_bundle_pierce(). */
+    bool again[TRAVERSE_BUNDLE]; /**< Out: rays for traverse_pierce(): they have no intervals in @p out.           */
+};
 
 /** One way to walk bundles. Kernels need `count` to be a multiple of TRAVERSE_LANES and near origins;
  * traverse_bundle_walk() sees to both. */
@@ -100,18 +113,27 @@ struct traverse_kernel {
     const char *name; /**< "avx512" */
     bool (*is_supported)(void);
     void (*walk)(const struct distance_map *map, struct traverse_bundle *bundle);
+    /** NULL where there is none: then rays are pierced one by one. */
+    conus_status (*pierce)(struct traverse_piercing *piercing, struct traverse_bundle *bundle);
 };
 
 /* By instruction set: traverse_avx512.c, traverse_avx2.c, traverse_plain.c; all of them from traverse_lanes.h. */
 void traverse_walk_avx512(const struct distance_map *map, struct traverse_bundle *bundle);
 void traverse_walk_avx2(const struct distance_map *map, struct traverse_bundle *bundle);
 void traverse_walk_plain(const struct distance_map *map, struct traverse_bundle *bundle);
+conus_status traverse_pierce_avx512(struct traverse_piercing *piercing, struct traverse_bundle *bundle);
+conus_status traverse_pierce_avx2(struct traverse_piercing *piercing, struct traverse_bundle *bundle);
+conus_status traverse_pierce_plain(struct traverse_piercing *piercing, struct traverse_bundle *bundle);
 
 /** Entry @p index of the table of kernels, the fastest first; NULL past the last. The last runs on any machine. */
 const struct traverse_kernel *traverse_kernel(size_t index);
 
 /** The fastest that this machine can run. */
 const struct traverse_kernel *traverse_best_kernel(void);
+
+/** traverse_pierce() for each ray of a bundle, with the same intervals. @p map is the volume's distance map. */
+conus_status traverse_bundle_pierce(const struct traverse_kernel *kernel, const struct distance_map *map,
+                                    struct traverse_piercing *piercing, struct traverse_bundle *bundle);
 
 /** Walks the rays through @p volume, whose map @p map is. */
 void traverse_bundle_walk(const struct traverse_kernel *kernel, const struct distance_map *map,

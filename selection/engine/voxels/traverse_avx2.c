@@ -2,4 +2,5 @@
 /* The kernel of the walk for AVX2. */
 #define LANES 8
 #define KERNEL traverse_walk_avx2
+#define PIERCE traverse_pierce_avx2
 #include "selection/engine/voxels/traverse_lanes.h"

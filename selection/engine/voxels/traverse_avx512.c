@@ -2,4 +2,5 @@
 /* The kernel of the walk for AVX-512. */
 #define LANES 16
 #define KERNEL traverse_walk_avx512
+#define PIERCE traverse_pierce_avx512
 #include "selection/engine/voxels/traverse_lanes.h"

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * The walk of traverse_one() for LANES rays at a time: the body of one instruction set's kernel. A kernel's source
- * defines LANES and KERNEL (the function's name), includes this once, and is compiled with that set's flags.
+ * The walks of traverse_one() and traverse_pierce() for LANES rays at a time: the bodies of one instruction set's
+ * kernels. Their source defines LANES, KERNEL and PIERCE (the functions' names), includes this once, and is compiled
+ * with that set's flags.
  *
  * Positions are single precision, which holds twice as many rays, and only have to tell cells: where a ray is nearer to
  * a face than its error (model.md, Eq. 5), it is said to be unclear and goes to traverse_one() as a whole. The
@@ -48,6 +49,13 @@ struct walk {
     int32_t at[TRAVERSE_BUNDLE];                  /* of the cell's code, from `codes` */
     alignas(64) double exact[3][TRAVERSE_BUNDLE]; /* inverse */
     truths live[PACKETS], hit[PACKETS], unclear[PACKETS];
+};
+
+/* The intervals of its rays that have begun. */
+struct piercing {
+    struct traverse_piercing *all;
+    conus_interval begun[TRAVERSE_BUNDLE];       /* object 0: none */
+    alignas(64) int32_t object[TRAVERSE_BUNDLE]; /* theirs         */
 };
 
 static void walk_init(struct walk *walk, const struct distance_map *map, struct traverse_bundle *bundle)
@@ -220,8 +228,9 @@ static INLINE void settle(struct walk *walk, size_t slot)
     }
 }
 
-/* Lanes that hit an object stop, with their hit set; the others leave the empty box around them. */
-static INLINE void advance(struct walk *walk, size_t packet)
+/* Live lanes leave the boxes around them; `codes` are 1 + the radii of these. Sets what goes on, and what is unclear.
+ */
+static INLINE void leave(struct walk *walk, size_t packet, wholes codes, truths live)
 {
     size_t slot = packet * LANES;
     singles cell[3], origin[3], inverse[3], times[3], known[3];
@@ -232,7 +241,6 @@ static INLINE void advance(struct walk *walk, size_t packet)
         origin[a] = singles_at(walk->origin[a] + slot);
         inverse[a] = singles_at(walk->inverse[a] + slot);
     }
-    wholes codes = bytes_at(walk->codes, walk->at + slot);
     EACH_AXIS
     for (int a = 0; a < 3; a++) {
         known[a] = cell[a] + with_sign(singles_from_wholes(codes), inverse[a]);
@@ -250,9 +258,7 @@ static INLINE void advance(struct walk *walk, size_t packet)
         known[a] = choose(near[a], known[a], guess);
     }
     truths clear = (near[0] ^ near[1] ^ near[2]) & ~(near[0] & near[1] & near[2]);
-    truths met = is_zero(codes);
-    truths on = walk->live[packet] & ~met & ~at_most(singles_at(walk->stop + slot), t);
-    walk->hit[packet] |= walk->live[packet] & met;
+    truths on = live & ~at_most(singles_at(walk->stop + slot), t);
     walk->unclear[packet] |= on & ~clear;
     on &= clear;
     walk->live[packet] = on;
@@ -261,6 +267,15 @@ static INLINE void advance(struct walk *walk, size_t packet)
         store_singles(walk->cell[a] + slot, choose(on, known[a], cell[a]));
     }
     settle(walk, slot);
+}
+
+/* Lanes that hit an object stop, with their hit set; the others leave the empty box around them. */
+static INLINE void advance(struct walk *walk, size_t packet)
+{
+    wholes codes = bytes_at(walk->codes, walk->at + packet * LANES);
+    truths met = is_zero(codes);
+    walk->hit[packet] |= walk->live[packet] & met;
+    leave(walk, packet, codes, walk->live[packet] & ~met);
 }
 
 /* ---- What was hit ------------------------------------------------------------------------------------------- */
@@ -301,23 +316,30 @@ static void deliver_all(const struct walk *walk)
     }
 }
 
+/* Brings all rays into the box; lists the packets in which some are, and gives their number. */
+static INLINE size_t enter_all(struct walk *walk, uint8_t under_way[PACKETS])
+{
+    size_t count = 0;
+    for (size_t packet = 0; packet * LANES < walk->bundle->count; packet++) {
+        halves live[2], unclear[2];
+        enter(walk, packet * LANES, &live[0], &unclear[0]);
+        enter(walk, packet * LANES + HALF, &live[1], &unclear[1]);
+        walk->live[packet] = both(live[0], live[1]);
+        walk->unclear[packet] = both(unclear[0], unclear[1]);
+        walk->hit[packet] = none();
+        settle(walk, packet * LANES);
+        under_way[count] = (uint8_t)packet;
+        count += any(walk->live[packet]);
+    }
+    return count;
+}
+
 void KERNEL(const struct distance_map *map, struct traverse_bundle *bundle)
 {
     struct walk walk;
     uint8_t under_way[PACKETS];
-    size_t count = 0;
     walk_init(&walk, map, bundle);
-    for (size_t packet = 0; packet * LANES < bundle->count; packet++) {
-        halves live[2], unclear[2];
-        enter(&walk, packet * LANES, &live[0], &unclear[0]);
-        enter(&walk, packet * LANES + HALF, &live[1], &unclear[1]);
-        walk.live[packet] = both(live[0], live[1]);
-        walk.unclear[packet] = both(unclear[0], unclear[1]);
-        walk.hit[packet] = none();
-        settle(&walk, packet * LANES);
-        under_way[count] = (uint8_t)packet;
-        count += any(walk.live[packet]);
-    }
+    size_t count = enter_all(&walk, under_way);
     while (count > 0) {
         size_t left = 0;
         for (size_t i = 0; i < count; i++) {
@@ -329,4 +351,190 @@ void KERNEL(const struct distance_map *map, struct traverse_bundle *bundle)
         count = left;
     }
     deliver_all(&walk);
+}
+
+/* ---- All intervals ------------------------------------------------------------------------------------------ */
+
+/* As deliver(), of one ray. */
+static double entry_into_cell(const struct walk *walk, size_t slot, const double cell[3])
+{
+    double t = 0;
+    for (int a = 0; a < 3; a++) {
+        double inverse = walk->exact[a][slot];
+        double entry = ((cell[a] - (inverse > 0 ? 0.5 : -0.5)) - walk->bundle->start[a]) * inverse;
+        t = inverse < (double)INFINITY && t < entry ? entry : t;
+    }
+    return t;
+}
+
+/* At t the ray comes into a voxel of `object`: ends the interval that it has begun and begins that one's. There is
+ * memory. */
+static void change_object(struct piercing *piercing, size_t slot, double t, uint32_t object, uint64_t voxel)
+{
+    struct layers *out = piercing->all->out;
+    conus_interval *begun = &piercing->begun[slot];
+    if (begun->object) {
+        begun->exit = t;
+        out->intervals[out->count++] = *begun;
+    }
+    *begun = (conus_interval){.pixel = begun->pixel, .object = object, .entry = t, .voxel = voxel};
+    piercing->object[slot] = (int32_t)object;
+}
+
+static void cell_of(double cell[3], const struct walk *walk, size_t slot)
+{
+    for (int a = 0; a < 3; a++) {
+        cell[a] = walk->cell[a][slot] + (double)walk->middle[a];
+    }
+}
+
+/* Notes what the lanes of `border` are in, if it is another object than before. */
+static INLINE conus_status note_objects(const struct walk *walk, struct piercing *piercing, size_t slot, truths border,
+                                        wholes codes)
+{
+    const struct volume *volume = piercing->all->volume;
+    const size_t *dim = walk->map->dim;
+    alignas(64) int32_t at[LANES];
+    alignas(64) int32_t object[LANES];
+    wholes x = wholes_from_singles(singles_at(walk->cell[0] + slot)) + walk->middle[0];
+    wholes y = wholes_from_singles(singles_at(walk->cell[1] + slot)) + walk->middle[1];
+    wholes z = wholes_from_singles(singles_at(walk->cell[2] + slot)) + walk->middle[2];
+    truths full = border & is_zero(codes & UNIFORM_EMPTY);
+    wholes voxel = x + (int32_t)dim[0] * (y + (int32_t)dim[1] * z);
+    store_wholes(at, (wholes)choose(full, (singles)voxel, (singles)(wholes){0}));
+    __asm__("" : "+m"(at)); /* as in bytes_at() */
+    for (int l = 0; l < LANES; l++) {
+        object[l] = (int32_t)volume_object(volume, (size_t)at[l]);
+        __asm__("" : "+m"(object[l]));
+    }
+    store_wholes(object, (wholes)choose(full, (singles)wholes_at(object), (singles)(wholes){0}));
+    truths changed = border & ~is_zero(wholes_at(object) ^ wholes_at(piercing->object + slot));
+    conus_status status = any(changed) ? layers_reserve(piercing->all->out, LANES) : CONUS_OK;
+    for (int l = 0; l < LANES && !status && any(changed); l++) {
+        if (is_true(changed, l)) {
+            double cell[3];
+            cell_of(cell, walk, slot + (size_t)l);
+            change_object(piercing, slot + (size_t)l, entry_into_cell(walk, slot + (size_t)l, cell),
+                          (uint32_t)object[l], object[l] ? (uint64_t)at[l] : 0);
+        }
+    }
+    return status;
+}
+
+/* The ray leaves the box of that radius in double; false where it is out then. */
+static bool leave_in_double(struct walk *walk, struct piercing *piercing, size_t slot, int radius)
+{
+    struct traverse_ray ray = traverse_bundle_at(walk->bundle, slot);
+    struct traverse_place at;
+    cell_of(at.cell, walk, slot);
+    if (!traverse_skip(walk->map, &ray, radius, &at)) {
+        change_object(piercing, slot, at.t, 0, 0);
+        return false;
+    }
+    for (int a = 0; a < 3; a++) {
+        walk->cell[a][slot] = (float)(at.cell[a] - walk->middle[a]);
+    }
+    return true;
+}
+
+/* Unclear lanes leave the box in double, and are clear again then. */
+static conus_status clear_up(struct walk *walk, struct piercing *piercing, size_t packet, wholes radii)
+{
+    conus_status status = layers_reserve(piercing->all->out, LANES);
+    for (int l = 0; l < LANES && !status; l++) {
+        if (is_true(walk->unclear[packet], l) &&
+            leave_in_double(walk, piercing, packet * LANES + (size_t)l, radii[l] - 1)) {
+            walk->live[packet] |= only(l);
+        }
+    }
+    walk->unclear[packet] = none();
+    settle(walk, packet * LANES);
+    return status;
+}
+
+/* Live lanes leave the box in which all is the same. Before, they note what they are in: what has just come over a
+ * border, which is where the box is one cell. */
+static INLINE conus_status pierce_on(struct walk *walk, struct piercing *piercing, size_t packet, bool is_first)
+{
+    size_t slot = packet * LANES;
+    wholes codes = bytes_at(walk->codes, walk->at + slot);
+    wholes radii = codes & UNIFORM_RADIUS;
+    truths border = walk->live[packet];
+    if (!is_first) {
+        border &= is_zero(radii - 1);
+    }
+    conus_status status = any(border) ? note_objects(walk, piercing, slot, border, codes) : CONUS_OK;
+    leave(walk, packet, radii, walk->live[packet]);
+    if (any(walk->unclear[packet]) && !status) {
+        status = clear_up(walk, piercing, packet, radii);
+    }
+    return status;
+}
+
+static bool is_in_box(const struct walk *walk, size_t slot)
+{
+    double cell[3];
+    bool inside = true;
+    cell_of(cell, walk, slot);
+    for (int a = 0; a < 3; a++) {
+        inside = inside && cell[a] >= walk->map->first[a] && cell[a] <= walk->map->last[a];
+    }
+    return inside;
+}
+
+/* Rays that are unclear where they come in, or start on a face of the box, are for traverse_pierce(). */
+static void put_off_unclear(struct walk *walk, bool again[TRAVERSE_BUNDLE])
+{
+    for (size_t slot = 0; slot < walk->bundle->count; slot++) {
+        size_t packet = slot / LANES;
+        int lane = (int)(slot % LANES);
+        bool on_face = is_true(walk->live[packet], lane) && !is_in_box(walk, slot);
+        again[slot] = on_face || is_true(walk->unclear[packet], lane);
+        walk->live[packet] &= ~(on_face ? only(lane) : none());
+    }
+    for (size_t packet = 0; packet * LANES < walk->bundle->count; packet++) {
+        walk->unclear[packet] = none();
+    }
+}
+
+/* Drops the intervals, from number `first` on, of rays that only fill a packet, and gives the others their pixels. */
+static void deliver_intervals(const struct piercing *piercing, size_t first)
+{
+    struct layers *out = piercing->all->out;
+    size_t kept = first;
+    for (size_t i = first; i < out->count; i++) {
+        uint32_t slot = out->intervals[i].pixel;
+        if (slot < piercing->all->count) {
+            out->intervals[kept] = out->intervals[i];
+            out->intervals[kept++].pixel = (uint32_t)piercing->all->pixel[slot];
+        }
+    }
+    out->count = kept;
+}
+
+conus_status PIERCE(struct traverse_piercing *all, struct traverse_bundle *bundle)
+{
+    struct walk walk;
+    struct piercing piercing = {.all = all};
+    uint8_t under_way[PACKETS];
+    size_t first = all->out->count;
+    conus_status status = CONUS_OK;
+    walk_init(&walk, all->uniform, bundle);
+    for (uint32_t slot = 0; slot < TRAVERSE_BUNDLE; slot++) {
+        piercing.begun[slot] = (conus_interval){.pixel = slot};
+    }
+    size_t count = enter_all(&walk, under_way);
+    put_off_unclear(&walk, all->again);
+    for (bool is_first = true; count > 0 && !status; is_first = false) {
+        size_t left = 0;
+        for (size_t i = 0; i < count && !status; i++) {
+            size_t packet = under_way[i];
+            status = pierce_on(&walk, &piercing, packet, is_first);
+            under_way[left] = (uint8_t)packet;
+            left += any(walk.live[packet]);
+        }
+        count = left;
+    }
+    deliver_intervals(&piercing, first);
+    return status;
 }

@@ -2,4 +2,5 @@
 /* The kernel of the walk for any processor. */
 #define LANES 4
 #define KERNEL traverse_walk_plain
+#define PIERCE traverse_pierce_plain
 #include "selection/engine/voxels/traverse_lanes.h"

@@ -109,6 +109,80 @@ static void the_box_just_holds_the_objects(void **state)
     }
 }
 
+/* Largest r up to 20 with the same in all voxels of the cube of half-edge r; beside the grid there is nothing. */
+static long uniform_radius(const struct volume *volume, const long at[3])
+{
+    const long dim[3] = {(long)volume->info.dim[0], (long)volume->info.dim[1], (long)volume->info.dim[2]};
+    uint32_t object = volume_object(volume, (size_t)(at[0] + dim[0] * (at[1] + dim[1] * at[2])));
+    for (long r = 1; r <= 20; r++) {
+        long edge = 2 * r + 1;
+        for (long n = 0; n < edge * edge * edge; n++) {
+            const long p[3] = {at[0] - r + n % edge, at[1] - r + n / edge % edge, at[2] - r + n / edge / edge};
+            bool inside = p[0] >= 0 && p[1] >= 0 && p[2] >= 0 && p[0] < dim[0] && p[1] < dim[1] && p[2] < dim[2];
+            if ((inside ? volume_object(volume, (size_t)(p[0] + dim[0] * (p[1] + dim[1] * p[2]))) : 0) != object) {
+                return r - 1;
+            }
+        }
+    }
+    return 20;
+}
+
+/* Areas in place of the specks: blocks of some voxels' width that touch, and holes. */
+static void make_areas(struct volume *volume, uint64_t *random)
+{
+    const size_t *dim = volume->info.dim;
+    size_t width = random_size(random, 12);
+    for (size_t v = 0; v < volume->voxel_count; v++) {
+        size_t sum = v % dim[0] / width + v / dim[0] % dim[1] / (width + 1) * 3 + v / dim[0] / dim[1] / width * 5;
+        volume_set_object(volume, v, (uint32_t)(sum % 5 * 0x100));
+    }
+}
+
+/* Of objects, too, codes never promise more than there is, and near borders they are exact. */
+static void uniform_codes_tell_how_far_it_is_the_same(void **state)
+{
+    (void)state;
+    uint64_t random = 8;
+    for (int round = 0; round < 40; round++) {
+        struct volume volume;
+        struct distance_map map;
+        struct distance_map uniform;
+        make_volume(&volume, &random);
+        make_areas(&volume, &random);
+        assert_ok(distance_map_init(&map, &volume));
+        assert_ok(distance_map_init_uniform(&uniform, &volume, &map));
+        assert_memory_equal(uniform.first, map.first, sizeof map.first);
+        assert_memory_equal(uniform.last, map.last, sizeof map.last);
+        for (int probe = 0; probe < 100; probe++) {
+            long at[3];
+            for (int a = 0; a < 3; a++) {
+                at[a] = (long)random_size(&random, volume.info.dim[a]) - 1;
+            }
+            uint8_t code = uniform.codes[distance_map_at(&uniform, (size_t)at[0], (size_t)at[1], (size_t)at[2])];
+            size_t voxel = (size_t)at[0] + volume.info.dim[0] * ((size_t)at[1] + volume.info.dim[1] * (size_t)at[2]);
+            bool is_empty = !volume_object(&volume, voxel);
+            long radius = uniform_radius(&volume, at);
+            assert_int_equal((code & UNIFORM_EMPTY) != 0, is_empty);
+            assert_in_range(code & UNIFORM_RADIUS, 1, is_empty ? UNIFORM_RADIUS : radius + 1);
+            assert_true(radius >= 8 || is_empty || (code & UNIFORM_RADIUS) == radius + 1);
+        }
+        distance_map_finish(&uniform);
+        distance_map_finish(&map);
+        volume_finish(&volume);
+    }
+}
+
+static conus_status make_uniform_and_finish(void *data)
+{
+    struct distance_map map = {0};
+    struct distance_map uniform = {0};
+    conus_status status = distance_map_init(&map, data);
+    status = status ? status : distance_map_init_uniform(&uniform, data, &map);
+    distance_map_finish(&uniform);
+    distance_map_finish(&map);
+    return status;
+}
+
 static conus_status make_and_finish(void *data)
 {
     struct distance_map map = {0};
@@ -124,6 +198,7 @@ static void making_one_survives_every_failing_allocation(void **state)
     struct volume volume;
     make_volume(&volume, &random);
     test_every_allocation(make_and_finish, &volume);
+    test_every_allocation(make_uniform_and_finish, &volume);
     volume_finish(&volume);
 }
 
@@ -132,6 +207,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(codes_tell_how_far_it_is_empty),
         cmocka_unit_test(the_box_just_holds_the_objects),
+        cmocka_unit_test(uniform_codes_tell_how_far_it_is_the_same),
         cmocka_unit_test(making_one_survives_every_failing_allocation),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -214,6 +214,77 @@ static size_t compare_bundle(uint64_t *random, const struct distance_map *map, c
     return hits + walk_and_compare(&bundle, map, volume, wanted);
 }
 
+/* ---- All intervals ------------------------------------------------------------------------------------------ */
+
+/* Areas of some voxels' width that touch, with holes; or the objects as they are. */
+static void name_areas(struct volume *volume, uint64_t *random)
+{
+    size_t width = 1 + any_of(random, 9);
+    for (size_t v = 0; v < volume->voxel_count && width < 8; v++) {
+        const size_t *dim = volume->info.dim;
+        size_t sum = v % dim[0] / width + 3 * (v / dim[0] % dim[1] / width) + 5 * (v / dim[0] / dim[1] / (width + 1));
+        volume->objects16[v] = (uint16_t)(sum % 7 < 4 ? sum % 7 : volume->objects16[v]);
+    }
+}
+
+/* As traverse_bundle_pierce() gives them: by ray, then along the ray. */
+static void pierce_one_by_one(struct layers *out, const struct traverse_bundle *bundle, const struct distance_map *map,
+                              const struct volume *volume)
+{
+    double origin[3];
+    mat4_point(origin, volume->voxel_from_world, bundle->origin);
+    for (size_t i = 0; i < bundle->count; i++) {
+        struct traverse_ray ray;
+        double direction[3] = {bundle->direction[0][i], bundle->direction[1][i], bundle->direction[2][i]};
+        mat4_direction(direction, volume->voxel_from_world, direction);
+        traverse_ray_init(&ray, origin, direction);
+        assert_ok(traverse_pierce(out, map, volume, &ray, (uint32_t)i));
+    }
+    assert_ok(layers_sort(out, bundle->count));
+}
+
+static void assert_same_intervals(const struct layers *got, const struct layers *wanted, const char *kernel)
+{
+    assert_int_equal(got->count, wanted->count);
+    for (size_t i = 0; i < got->count; i++) {
+        const conus_interval *a = &got->intervals[i];
+        const conus_interval *b = &wanted->intervals[i];
+        if (a->pixel != b->pixel || a->object != b->object || a->voxel != b->voxel || a->entry != b->entry ||
+            a->exit != b->exit || signbit(a->entry)) {
+            fail_msg(
+                "%s, interval %zu of ray %u: object %u, %.17g to %.17g mm; wanted of ray %u object %u, %.17g to %.17g",
+                kernel, i, a->pixel, a->object, a->entry, a->exit, b->pixel, b->object, b->entry, b->exit);
+        }
+    }
+}
+
+/* Returns how many intervals there are. */
+static size_t compare_intervals(uint64_t *random, const struct distance_map *map, const struct distance_map *uniform,
+                                const struct volume *volume)
+{
+    struct traverse_bundle bundle = {0};
+    struct layers wanted = {0};
+    size_t pixel[TRAVERSE_BUNDLE];
+    aim(&bundle, random, volume);
+    for (size_t i = 0; i < TRAVERSE_BUNDLE; i++) {
+        pixel[i] = i;
+    }
+    pierce_one_by_one(&wanted, &bundle, map, volume);
+    for (size_t k = 0; traverse_kernel(k); k++) {
+        struct layers got = {0};
+        struct traverse_piercing piercing = {.uniform = uniform, .volume = volume, .pixel = pixel, .out = &got};
+        if (traverse_kernel(k)->is_supported()) {
+            assert_ok(traverse_bundle_pierce(traverse_kernel(k), map, &piercing, &bundle));
+            assert_ok(layers_sort(&got, bundle.count));
+            assert_same_intervals(&got, &wanted, traverse_kernel(k)->name);
+        }
+        layers_finish(&got);
+    }
+    size_t count = wanted.count;
+    layers_finish(&wanted);
+    return count;
+}
+
 /* ---- Tests -------------------------------------------------------------------------------------------------- */
 
 static size_t compare_scenes(uint64_t random, int scenes, double scale)
@@ -255,6 +326,30 @@ static void voxels_of_any_size_do(void **state)
     assert_true(compare_scenes(13, 20, 1e42) > 3000);
 }
 
+/* Eq. 10: to the bit, with skips inside objects or without. */
+static void kernels_list_the_intervals_of_single_rays(void **state)
+{
+    (void)state;
+    uint64_t random = 14;
+    size_t intervals = 0;
+    for (int scene = 0; scene < 150; scene++) {
+        struct volume volume;
+        struct distance_map map;
+        struct distance_map uniform;
+        make_volume(&volume, &map, &random, 1);
+        distance_map_finish(&map);
+        name_areas(&volume, &random);
+        assert_ok(distance_map_init(&map, &volume));
+        assert_ok(distance_map_init_uniform(&uniform, &volume, &map));
+        for (int bundle = 0; bundle < 3; bundle++) {
+            intervals += compare_intervals(&random, &map, &uniform, &volume);
+        }
+        distance_map_finish(&uniform);
+        end_volume(&volume, &map);
+    }
+    assert_true(intervals > 100000);
+}
+
 /* From the face between cells 1 and 2, which belongs to cell 2, down: cell 1 is hit at once. */
 static void what_is_hit_at_once_is_at_zero(void **state)
 {
@@ -280,6 +375,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(kernels_equal_the_plain_traversal),
         cmocka_unit_test(voxels_of_any_size_do),
+        cmocka_unit_test(kernels_list_the_intervals_of_single_rays),
         cmocka_unit_test(what_is_hit_at_once_is_at_zero),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
