@@ -44,9 +44,9 @@ struct station {
     pthread_mutex_t lock; /* guards what follows */
     pthread_cond_t arrived;
     bool stop;
-    struct igtl_pose tool, reference, head; /* newest of each; name "" = none yet */
-    double arrived_ms, head_arrived_ms, time_s;
-    uint64_t number;
+    struct igtl_pose tool, second, reference, head; /* newest of each; name "" = none yet */
+    double arrived_ms, second_arrived_ms, head_arrived_ms, time_s;
+    uint64_t number, second_number;
     void (*on_pose)(void);   /* NULL = none */
     struct igtl_counts past; /* of peers that left */
     struct igtl_counts counts;
@@ -57,8 +57,7 @@ struct station {
     unsigned outgoing_number;
 };
 
-/* ---- Poses --------------------------------------------------------------------------------------------------------
- */
+/* ---- Poses ------------------------------------------------------------------------------------------------------- */
 
 static void multiply(double out[16], const double a[16], const double b[16])
 {
@@ -124,11 +123,11 @@ static void world_pose(double out[16], const struct station *station, const doub
     }
 }
 
-static void device_pose(conus_pose *out, const struct station *station)
+static void device_pose(conus_pose *out, const struct station *station, const struct igtl_pose *tool)
 {
     double turn[16];
     double matrix[16];
-    world_pose(matrix, station, station->tool.matrix);
+    world_pose(matrix, station, tool->matrix);
     axis_matrix(turn, station->options.axis);
     multiply(out->world_from_device, matrix, turn);
 }
@@ -167,6 +166,11 @@ static void hear(void *user, const struct igtl_poses *poses)
             station->head = *pose;
             heard = true;
             station->head_arrived_ms = clock_ms();
+        } else if (options->second && is_named(pose, options->second)) {
+            station->second = *pose;
+            heard = true;
+            station->second_arrived_ms = clock_ms();
+            station->second_number++;
         } else if (options->tool ? is_named(pose, options->tool)
                                  : !station->tool.name[0] || strcmp(pose->name, station->tool.name) == 0) {
             station->tool = *pose;
@@ -184,8 +188,7 @@ static void hear(void *user, const struct igtl_poses *poses)
     }
 }
 
-/* ---- Peers --------------------------------------------------------------------------------------------------------
- */
+/* ---- Peers ------------------------------------------------------------------------------------------------------- */
 
 static void add_counts(struct igtl_counts *sum, const struct igtl_counts *counts)
 {
@@ -326,8 +329,7 @@ static void try_connection(struct station *station)
     freeaddrinfo(found);
 }
 
-/* ---- The thread ---------------------------------------------------------------------------------------------------
- */
+/* ---- The thread -------------------------------------------------------------------------------------------------- */
 
 static bool is_stopped(struct station *station)
 {
@@ -433,6 +435,7 @@ static void finish(struct station *station)
     free((char *)station->options.host);
     free((char *)station->options.listen);
     free((char *)station->options.tool);
+    free((char *)station->options.second);
     free((char *)station->options.reference);
     free((char *)station->options.head);
     free(station);
@@ -445,6 +448,7 @@ static void set_options(struct station *station, const struct station_options *o
     station->options.host = copied(options->host);
     station->options.listen = copied(options->listen);
     station->options.tool = copied(options->tool);
+    station->options.second = copied(options->second);
     station->options.reference = copied(options->reference);
     station->options.head = copied(options->head);
     station->options.enlarged = options->enlarged > 0 ? options->enlarged : 1;
@@ -529,7 +533,13 @@ static void fill_news(struct station *station, struct station_news *out)
     out->age_s = station->number ? (clock_ms() - station->arrived_ms) / 1e3 : INFINITY;
     out->state = state_of(station, &station->tool, out->age_s);
     if (out->state == STATION_SEEN) {
-        device_pose(&out->pose, station);
+        device_pose(&out->pose, station, &station->tool);
+    }
+    double second_age_s = station->second_number ? (clock_ms() - station->second_arrived_ms) / 1e3 : INFINITY;
+    out->second = (struct station_tool){.state = state_of(station, &station->second, second_age_s),
+                                        .number = station->second_number};
+    if (out->second.state == STATION_SEEN) {
+        device_pose(&out->second.pose, station, &station->second);
     }
     double head_age_s = station->head.name[0] ? (clock_ms() - station->head_arrived_ms) / 1e3 : INFINITY;
     out->head.state = state_of(station, &station->head, head_age_s);

@@ -18,6 +18,7 @@ struct station_options {
     const char *listen;    /**< Address to wait on; NULL = 127.0.0.1: no other machine.                         */
     uint16_t port;         /**< Of a host, 0 = STATION_PORT; to wait on, 0 = one that is free.                    */
     const char *tool;      /**< Name of the tool that points; NULL = the first that comes.      */
+    const char *second;    /**< Name of a second tool that points; NULL = none.                              */
     const char *reference; /**< Poses are taken in this tool's frame, the subject's head, say; NULL = as they come. */
     double world_from_tracker[16]; /**< Column-major, rigid; all 0 = the identity.                              */
     double enlarged;  /**< The brain is shown so many times as large as it is, about the world's origin (Eq. 1: s); 0
@@ -45,6 +46,13 @@ struct station_head {
     conus_pose screen; /**< Likewise; it moves with the reference.    */
 };
 
+/** Where a second tool is. */
+struct station_tool {
+    enum station_state state;
+    conus_pose pose; /**< Of the device in the world, where state is STATION_SEEN.   */
+    uint64_t number; /**< Of this pose, from 1; 0 = none yet. */
+};
+
 /** The state of things. */
 struct station_news {
     enum station_state state;
@@ -53,6 +61,7 @@ struct station_news {
     double age_s;    /**< Since it arrived.                                          */
     double time_s;   /**< The sender's clock.                                        */
     struct station_head head;
+    struct station_tool second;
     struct igtl_counts counts;
     uint64_t dropped; /**< Connections that were closed for what they sent.           */
     unsigned clients;

@@ -93,6 +93,31 @@ const struct option screen_options_table[] = {
     {0},
 };
 
+const struct option second_options_table[] = {
+    {.name = "second-tool",
+     .type = OPTION_TEXT,
+     .offset = FIELD(second_tool),
+     .value = "NAME",
+     .help = "another tool that points, with a cone and a list of its own: of the same tracker, or of the one of "
+             "--second-listen or --second-connect (default the first that comes there)"},
+    {.name = "second-listen",
+     .type = OPTION_TEXT,
+     .offset = FIELD(second_listen),
+     .value = "[ADDRESS:]PORT",
+     .help = "wait for the second tool's own tracker, as with --listen"},
+    {.name = "second-connect",
+     .type = OPTION_TEXT,
+     .offset = FIELD(second_connect),
+     .value = "HOST[:PORT]",
+     .help = "or connect to it, as with --connect"},
+    {.name = "second-world-from-tracker",
+     .type = OPTION_TEXT,
+     .offset = FIELD(second_world_from_tracker),
+     .value = "FILE",
+     .help = "4x4 matrix of that tracker (default that of --world-from-tracker)"},
+    {0},
+};
+
 bool settings_check_station(const struct arguments *arguments)
 {
     bool given = option_given(arguments, "listen") || option_given(arguments, "connect");
@@ -106,6 +131,44 @@ bool settings_check_station(const struct arguments *arguments)
         }
     }
     return true;
+}
+
+/* Of the first tool's options the second one's tracker uses all but the name. */
+static bool check_alone(const struct station_settings *settings, const struct arguments *arguments)
+{
+    bool first = option_given(arguments, "listen") || option_given(arguments, "connect");
+    if (settings->tool && !first) {
+        print_error_line("--tool needs --listen or --connect with it");
+        return false;
+    }
+    return options_exclude(arguments, "listen", "connect") &&
+           options_exclude(arguments, "second-listen", "second-connect");
+}
+
+bool settings_check_stations(const struct station_settings *settings, const struct arguments *arguments)
+{
+    const char *others[] = {settings->tool, settings->reference, settings->head};
+    static const char *const names[] = {"tool", "reference", "head"};
+    bool is_alone = settings->second_listen || settings->second_connect;
+    bool first = option_given(arguments, "listen") || option_given(arguments, "connect");
+    for (size_t i = 0; settings->second_tool && !is_alone && i < 3; i++) {
+        if (others[i] && strcmp(settings->second_tool, others[i]) == 0) {
+            print_error_line("--second-tool: %s is the --%s", settings->second_tool, names[i]);
+            return false;
+        }
+    }
+    if (is_alone) {
+        return check_alone(settings, arguments);
+    }
+    if (settings->second_tool && !first) {
+        print_error_line("--second-tool needs --listen, --connect, --second-listen or --second-connect with it");
+        return false;
+    }
+    if (settings->second_world_from_tracker) {
+        print_error_line("--second-world-from-tracker needs --second-listen or --second-connect with it");
+        return false;
+    }
+    return settings_check_station(arguments);
 }
 
 bool settings_check_screen(const struct station_settings *settings, const struct arguments *arguments)
@@ -160,36 +223,64 @@ static int read_matrix(double out[16], const char *path)
     return code;
 }
 
-int settings_start_station(struct station **out, const struct station_settings *settings)
+/* Where a station listens or connects to, and its option's prefix. */
+struct end {
+    const char *listen, *connect, *prefix;
+};
+
+static int start(struct station **out, const struct end *end, const char *world_from_tracker,
+                 struct station_options *options)
 {
     char address[ADDRESS_SIZE];
     char why[256];
-    const char *given = settings->listen ? settings->listen : settings->connect;
+    const char *given = end->listen ? end->listen : end->connect;
+    if (!split_address(address, &options->port, given, end->listen)) {
+        return print_usage_error("--%s%s: \"%s\" is no address and port", end->prefix,
+                                 end->listen ? "listen" : "connect", given);
+    }
+    options->listen = end->listen && address[0] ? address : NULL;
+    options->host = end->connect ? address : NULL;
+    int code = world_from_tracker ? read_matrix(options->world_from_tracker, world_from_tracker) : EXIT_DONE;
+    if (!code && !station_start(out, options, why, sizeof why)) {
+        print_error_line("%s", why);
+        code = EXIT_DATA;
+    }
+    options->listen = options->host = NULL; /* they were copied */
+    return code;
+}
+
+int settings_start_station(struct station **out, const struct station_settings *settings)
+{
+    const struct end end = {settings->listen, settings->connect, ""};
+    bool is_alone = settings->second_listen || settings->second_connect;
     struct station_options options = {.tool = settings->tool,
+                                      .second = is_alone ? NULL : settings->second_tool,
                                       .reference = settings->reference,
                                       .enlarged = settings->enlarged,
                                       .head = settings->head,
                                       .eye = {settings->eye[0], settings->eye[1], settings->eye[2]},
                                       .lps = settings->lps,
                                       .axis = (conus_axis)settings->axis};
-    if (!given) {
+    if (!end.listen && !end.connect) {
         return EXIT_DONE;
     }
-    if (!split_address(address, &options.port, given, settings->listen)) {
-        return print_usage_error("--%s: \"%s\" is no address and port", settings->listen ? "listen" : "connect", given);
+    int code = settings->screen_pose ? read_matrix(options.tracker_from_screen, settings->screen_pose) : EXIT_DONE;
+    return code ? code : start(out, &end, settings->world_from_tracker, &options);
+}
+
+int settings_start_second(struct station **out, const struct station_settings *settings)
+{
+    const struct end end = {settings->second_listen, settings->second_connect, "second-"};
+    const char *matrix = settings->second_world_from_tracker;
+    struct station_options options = {.tool = settings->second_tool,
+                                      .reference = settings->reference,
+                                      .enlarged = settings->enlarged,
+                                      .lps = settings->lps,
+                                      .axis = (conus_axis)settings->axis};
+    if (!end.listen && !end.connect) {
+        return EXIT_DONE;
     }
-    options.listen = settings->listen && address[0] ? address : NULL;
-    options.host = settings->connect ? address : NULL;
-    int code = settings->world_from_tracker ? read_matrix(options.world_from_tracker, settings->world_from_tracker)
-                                            : EXIT_DONE;
-    if (!code && settings->screen_pose) {
-        code = read_matrix(options.tracker_from_screen, settings->screen_pose);
-    }
-    if (!code && !station_start(out, &options, why, sizeof why)) {
-        print_error_line("%s", why);
-        code = EXIT_DATA;
-    }
-    return code;
+    return start(out, &end, matrix ? matrix : settings->world_from_tracker, &options);
 }
 
 void settings_station_text(char *out, size_t size, struct station *station, const struct station_news *news)

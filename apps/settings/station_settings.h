@@ -14,10 +14,13 @@ struct station_settings {
     const char *head, *screen_pose;
     double eye[3];
     uint32_t screen_mm[2];
+    const char *second_tool, *second_listen, *second_connect, *second_world_from_tracker;
 };
 
 extern const struct option station_options_table[]; /**< station_settings */
 extern const struct option screen_options_table[];  /**< station_settings, too: who looks at which screen */
+
+extern const struct option second_options_table[]; /**< station_settings, too: a second tool that points */
 
 /** Whether the options go together; prints an error if not. */
 bool settings_check_station(const struct arguments *arguments);
@@ -25,9 +28,15 @@ bool settings_check_station(const struct arguments *arguments);
 /** The same for those of the screen, of a command that has them. */
 bool settings_check_screen(const struct station_settings *settings, const struct arguments *arguments);
 
+/** The same for a command that has those of a second tool, too. */
+bool settings_check_stations(const struct station_settings *settings, const struct arguments *arguments);
+
 /** Starts a station where --listen or --connect was given, else leaves *out NULL. Returns the exit code and prints an
  * error unless it is 0. */
 int settings_start_station(struct station **out, const struct station_settings *settings);
+
+/** The same of --second-listen or --second-connect: the second tool's own station, else the first one hears of it. */
+int settings_start_second(struct station **out, const struct station_settings *settings);
 
 /** "waiting for a connection on port 18944", "Pointer is lost", ... */
 void settings_station_text(char *out, size_t size, struct station *station, const struct station_news *news);

@@ -2,6 +2,7 @@
 /* The table of keys, what each does, and the help that lists them. */
 #include "viewer/keys.h"
 
+#include "viewer/hands/hands.h"
 #include "viewer/pointing/point.h"
 #include "viewer/session/keep.h"
 #include "viewer/session/undo.h"
@@ -80,6 +81,48 @@ static void follow_next(struct window *window)
 static void use_ray(struct window *window)
 {
     point_use_ray(window->viewer, !window->viewer->cone.one_ray);
+}
+
+static void use_second(struct window *window)
+{
+    second_use(&window->second, window->viewer, !window->second.on);
+    viewer_say(window->viewer, "the second tool is %s", window->second.on ? "on" : "off");
+}
+
+static void hold_second(struct window *window)
+{
+    struct tool tool = hands_tool(window, SECOND_HAND);
+    if (window->second.on) {
+        tool_hold(&tool);
+    }
+}
+
+static void scale_second(struct window *window, double factor)
+{
+    struct tool tool = hands_tool(window, SECOND_HAND);
+    if (window->second.on) {
+        tool_widen(&tool, factor);
+    }
+}
+
+static void widen_second(struct window *window)
+{
+    scale_second(window, 1.1);
+}
+
+static void narrow_second(struct window *window)
+{
+    scale_second(window, 1 / 1.1);
+}
+
+static void move_by_next(struct window *window)
+{
+    hands_choose_next(window, FIRST_HAND);
+}
+
+static void move_second_by_next(struct window *window)
+{
+    hands_choose_next(window, SECOND_HAND);
 }
 
 static void scale_angle(struct window *window, double factor)
@@ -185,35 +228,6 @@ static void enlarge(struct window *window)
 /* ---- The wand: by 1 mm, or 2 degrees ------------------------------------------------------------------------------
  */
 
-/* Along the device's own axes. */
-static void move_wand(struct window *window, int axis, double by)
-{
-    struct viewer *viewer = window->viewer;
-    conus_pose pose = viewer->cone.pose;
-    double *m = pose.world_from_device;
-    for (int a = 0; a < 3; a++) {
-        m[12 + a] += by * m[4 * axis + a];
-    }
-    viewer_aim(viewer, &pose);
-}
-
-/* About one of them, towards the next but one. */
-static void turn_wand(struct window *window, int axis, double by)
-{
-    struct viewer *viewer = window->viewer;
-    conus_pose pose = viewer->cone.pose;
-    double *m = pose.world_from_device;
-    double *from = m + 4 * ((axis + 1) % 3);
-    double *to = m + 4 * ((axis + 2) % 3);
-    for (int a = 0; a < 3; a++) {
-        double x = from[a];
-        double y = to[a];
-        from[a] = cos(by) * x + sin(by) * y;
-        to[a] = cos(by) * y - sin(by) * x;
-    }
-    viewer_aim(viewer, &pose);
-}
-
 struct wand_key {
     const char *key;
     int axis; /* from 3 on: a turn about axis - 3 */
@@ -228,17 +242,13 @@ enum { WAND_KEYS = sizeof wand_keys / sizeof wand_keys[0] };
 
 static bool use_wand(struct window *window, const char *key)
 {
-    struct viewer *viewer = window->viewer;
-    for (size_t i = 0; i < WAND_KEYS; i++) {
+    struct tool tool = hands_moved_by(window, POINT_BY_WAND);
+    for (size_t i = 0; tool.viewer && i < WAND_KEYS; i++) {
         const struct wand_key *wand = &wand_keys[i];
-        if (strcasecmp(wand->key, key) == 0 && viewer->cone.pointer == POINT_BY_WAND) {
-            if (!viewer->cone.has_pose) {
-                viewer_place(viewer);
-            } else if (wand->axis < 3) {
-                move_wand(window, wand->axis, wand->by);
-            } else {
-                turn_wand(window, wand->axis - 3, wand->by);
-            }
+        if (strcasecmp(wand->key, key) == 0) {
+            double by[6] = {0}; /* moves along its axes, turns about them */
+            by[wand->axis] = wand->by;
+            tool_steer(&tool, by, by + 3);
             return true;
         }
     }
@@ -263,6 +273,12 @@ static const struct {
     {"+", widen, "a wider cone"},
     {"-", narrow, "a narrower cone"},
     {"l", toggle_layers, "first hits, or all hits"},
+    {"m", move_by_next, "what moves the cone: the next of mouse, wand, ..."},
+    {"2", use_second, "the second tool, with a cone and a list of its own, or none"},
+    {"3", move_second_by_next, "what moves the second tool: the next"},
+    {"b", hold_second, "hold the second tool, or let it go"},
+    {"]", widen_second, "a wider second cone"},
+    {"[", narrow_second, "a narrower one"},
     {"h", hide_chosen, "hide or show the chosen area"},
     {"i", isolate_chosen, "show the chosen area only"},
     {"ctrl+z", undo, "take back the last change; U, too"},

@@ -5,6 +5,7 @@
 #include "common/messages.h"
 #include "link/send_selection.h"
 #include "viewer/draw.h"
+#include "viewer/hands/hands.h"
 #include "viewer/session/keep.h"
 #include "viewer/session/undo.h"
 
@@ -27,11 +28,15 @@ void loop_wake(void)
     }
 }
 
-static void hear_tracker(struct window *window)
+/* Tracker and other devices. */
+static void hear_devices(struct window *window)
 {
     uint64_t before = window->news.number;
-    bool aimed = station_step(window->station, window->viewer, &window->news);
-    if (aimed && window->news.number != before) {
+    if (window->station) {
+        station_hear(window->station, window->viewer, &window->news);
+    }
+    bool aimed = hands_step(window, 1e-3 * clock_ms());
+    if (aimed && window->viewer->cone.pointer == POINT_BY_TRACKER && window->news.number != before) {
         times_add(&window->times, TIMED_LATENCY, 1e3 * window->news.age_s + window->viewer->cone.select_ms);
     }
 }
@@ -92,6 +97,7 @@ static double rest(const struct window *window, const struct script *script)
         seconds = least(seconds, blink_s);
     }
     if (window->viewer) {
+        seconds = least(seconds, hands_rest(window));
         seconds = least(seconds, replay_rest(&window->replay, window->viewer, glfwGetTime()));
     }
     return least(seconds, longest_s);
@@ -131,8 +137,8 @@ static void draw_frame(struct window *window)
 /* What happens to the atlas by itself. */
 static void serve_viewer(struct window *window)
 {
+    hear_devices(window);
     if (window->station) {
-        hear_tracker(window);
         send_answer(window);
     }
     watch_files(window);

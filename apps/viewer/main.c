@@ -73,6 +73,7 @@ static const struct option_group groups[] = {
     {"", more_atlas_options, offsetof(struct view_settings, atlas)},
     {"", space_options, offsetof(struct view_settings, space)},
     {"A tracker that points", station_options_table, offsetof(struct view_settings, station)},
+    {"A second tool", second_options_table, offsetof(struct view_settings, station)},
     {"A tracked head", screen_options_table, offsetof(struct view_settings, station)},
     {"", quiet_options, offsetof(struct view_settings, common)},
     {0},
@@ -108,6 +109,11 @@ static int start_sources(struct window *window, const struct view_settings *sett
     if (window->station) {
         station_on_pose(window->station, loop_wake);
     }
+    code = code ? code : settings_start_second(&window->second_station, &settings->station);
+    if (window->second_station) {
+        station_on_pose(window->second_station, loop_wake);
+    }
+    window->has_second_tool = settings->station.second_tool;
     if (code || !settings->poses || settings_space_needs_atlas(&settings->space)) {
         return code; /* open.c loads the poses, once it knows the atlas */
     }
@@ -149,7 +155,7 @@ static int run_view(const void *given, const struct arguments *arguments)
     struct script *script = NULL;
     struct window window;
     struct window_options options;
-    if (!option_needs(arguments, "hidden", "script") || !settings_check_station(arguments) ||
+    if (!option_needs(arguments, "hidden", "script") || !settings_check_stations(&settings->station, arguments) ||
         !settings_check_space(arguments, &settings->space) || !settings_check_screen(&settings->station, arguments)) {
         return EXIT_USAGE;
     }
@@ -167,6 +173,7 @@ static int run_view(const void *given, const struct arguments *arguments)
     code = start_sources(&window, settings);
     code = code ? code : run_window(&window, settings, arguments->operands[0], script, started);
     station_stop(window.station);
+    station_stop(window.second_station);
     conus_pose_list_destroy(window.replay.poses);
     if (!code && !settings->script) {
         leave_place(&window, &options);

@@ -5,6 +5,7 @@
 #include "common/messages.h"
 #include "settings/atlas_name.h"
 #include "settings/atlas_notes.h"
+#include "viewer/hands/hands.h"
 #include "viewer/loader.h"
 #include "viewer/loop.h"
 #include "viewer/session/session.h"
@@ -154,6 +155,10 @@ static bool show(struct window *window, struct viewer *viewer, const struct view
 {
     window_show(window, viewer);
     viewer->cone.pointer = window->station ? POINT_BY_TRACKER : window->replay.poses ? POINT_BY_REPLAY : POINT_BY_MOUSE;
+    if (window->second_station || window->has_second_tool) {
+        hands_choose(window, SECOND_HAND, POINT_BY_TRACKER);
+        second_use(&window->second, viewer, true);
+    }
     if (window->replay.poses) {
         replay_show(&window->replay, viewer, 0);
     }

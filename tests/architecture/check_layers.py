@@ -30,14 +30,18 @@ APPS = {
     "apps/mpi": "apps/common apps/pages apps/batch",
     "apps/mesh": "loaders/child",  # mesh_protocol.h: what conus and conus-mesh send each other
     "apps/viewer/model": "apps/link",
-    "apps/viewer/window": "apps/common apps/viewer/model apps/viewer/chosen",
+    "apps/viewer/devices": "apps/link",
+    "apps/viewer/second": "apps/link apps/viewer/model apps/viewer/devices apps/viewer/pointing",
+    "apps/viewer/hands": "apps/link apps/viewer/pointing apps/viewer/second apps/viewer/window",
+    "apps/viewer/window": "apps/common apps/viewer/model apps/viewer/chosen apps/viewer/devices apps/viewer/second",
     "apps/viewer/pointing": "apps/viewer/model",
     "apps/viewer/chosen": "apps/viewer/model",
-    "apps/viewer/panes": "apps/viewer/model apps/viewer/pointing apps/viewer/chosen apps/viewer/window",
-    "apps/viewer/panels": "apps/settings apps/viewer/pointing apps/viewer/window",
-    "apps/viewer/session": "apps/common apps/viewer/pointing apps/viewer/window",
+    "apps/viewer/panes": "apps/viewer/model apps/viewer/pointing apps/viewer/chosen apps/viewer/second"
+    " apps/viewer/hands apps/viewer/window",
+    "apps/viewer/panels": "apps/settings apps/viewer/pointing apps/viewer/hands apps/viewer/window",
+    "apps/viewer/session": "apps/common apps/viewer/pointing apps/viewer/hands apps/viewer/window",
     # draw.c joins the panes and panels; the window itself knows neither.
-    "apps/viewer": "apps/link apps/common apps/settings apps/pages apps/viewer/pointing apps/viewer/window apps/viewer/panes"
+    "apps/viewer": "apps/link apps/common apps/settings apps/pages apps/viewer/pointing apps/viewer/hands apps/viewer/window apps/viewer/panes"
     " apps/viewer/panels apps/viewer/session",
 }
 LIBRARY = {

@@ -33,13 +33,17 @@ END
     i=0
     while read -r pose; do
         printf 'aim %s\nresults view%02d.tsv\n' "$pose" $i
+        [ $i -gt 4 ] || printf 'second aim %s\n' "$pose"
+        [ $i -gt 8 ] || printf 'second results second%02d.tsv\n' $i
         i=$((i + 1))
-    done <poses | { echo 'angle 14'; cat; } >commands
+    done <poses | { printf 'angle 14\nsecond on\nsecond angle 9\n'; cat; } >commands
     view nested.nii.gz <commands
     i=0
     while read -r x y z tx ty tz; do
         conus query nested.nii.gz --origin="$x,$y,$z" --toward="$tx,$ty,$tz" --angle 14 --format tsv >wanted
         diff "$(printf 'view%02d.tsv' $i)" wanted
+        [ $i -gt 4 ] || conus query nested.nii.gz --origin="$x,$y,$z" --toward="$tx,$ty,$tz" --angle 9 --format tsv >second
+        [ $i -gt 8 ] || diff "$(printf 'second%02d.tsv' $i)" second # it stays where the fifth pose put it
         i=$((i + 1))
     done <poses
     [ $i -eq 50 ]
@@ -421,6 +425,11 @@ END
         view a.nii --head Glasses --tool Glasses --screen-mm 400x300 --listen 18944
     fails 2 'is not a size WxH' view a.nii --head Glasses --screen-mm 400 --listen 18944
     fails 2 '--enlarge needs --listen or --connect' view a.nii --enlarge 2
+    fails 2 '--second-tool needs --listen' view a.nii --second-tool Left
+    fails 2 '--second-tool: Left is the --tool' view a.nii --listen 18944 --tool Left --second-tool Left
+    fails 2 '--second-world-from-tracker needs' view a.nii --listen 18944 --second-world-from-tracker a.txt
+    fails 2 '--tool needs --listen or --connect' view a.nii --second-listen 18944 --tool Right
+    fails 2 '--second-connect: "a:b" is no address and port' view a.nii --second-connect a:b
 }
 
 @test "searching, hiding, isolating and taking it back" {

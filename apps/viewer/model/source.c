@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Replays a file of poses, and aims by a tracker's. */
+/* Replays a file of poses, and follows a tracked head. */
 #include "viewer/model/source.h"
 
 #include <math.h>
@@ -83,19 +83,8 @@ static void show_head(struct head *head, const struct station_head *news)
     }
 }
 
-bool station_step(struct station *station, struct viewer *viewer, struct station_news *news)
+void station_hear(struct station *station, struct viewer *viewer, struct station_news *news)
 {
-    uint64_t before = news->number;
-    enum station_state was = news->state;
     station_ask(station, news);
     show_head(&viewer->head, &news->head);
-    if (viewer->cone.pointer != POINT_BY_TRACKER) {
-        return false;
-    }
-    bool is_new = news->state == STATION_SEEN && news->number != before;
-    if (is_new) {
-        viewer_aim(viewer, &news->pose);
-    }
-    viewer->version += news->state != was;
-    return is_new;
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What moves the cone besides mouse and keys: a file that is replayed, and a tracker. */
+/** @file A file of poses that is replayed, and a head that a tracker sees. */
 #ifndef CONUS_VIEWER_MODEL_SOURCE_H
 #define CONUS_VIEWER_MODEL_SOURCE_H
 
@@ -27,9 +27,7 @@ bool replay_step(struct replay *replay, struct viewer *viewer, double clock);
 /** Seconds until it moves on; INFINITY while it does not play. */
 double replay_rest(const struct replay *replay, const struct viewer *viewer, double clock);
 
-/** Takes the newest pose of @p station, if the tracker points; and that of the head, if
- * one is named. Returns whether there
- * was a new one. */
-bool station_step(struct station *station, struct viewer *viewer, struct station_news *news);
+/** Asks @p station for its news; the head moves along, if one is named. */
+void station_hear(struct station *station, struct viewer *viewer, struct station_news *news);
 
 #endif

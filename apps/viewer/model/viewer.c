@@ -296,7 +296,8 @@ char *viewer_pins_text(const struct viewer *viewer)
 }
 
 /* The answer of atlas @p index, or why there is none, behind those of the atlases before it. */
-static conus_status add_report(conus_report **reports, struct viewer *viewer, size_t index)
+static conus_status add_report(conus_report **reports, struct viewer *viewer, struct answer *const *answers,
+                               size_t index)
 {
     struct view_atlas *on = &viewer->atlases[index];
     const conus_report_options options = {
@@ -304,28 +305,28 @@ static conus_status add_report(conus_report **reports, struct viewer *viewer, si
     conus_selector_options asked;
     bool was_asked = false;
     for (size_t i = 0; i < viewer->atlas_count; i++) {
-        was_asked = was_asked || viewer->atlases[i].answer;
+        was_asked = was_asked || (answers && answers[i]);
     }
     viewer_question(&asked, viewer);
     conus_status status = view_atlas_prepare(on, &asked);
     status = status ? status : conus_report_create(&reports[index], on->selector, &options);
-    if (!status && on->answer) {
-        status = conus_report_add(reports[index], "1", view_atlas_selection(on));
+    if (!status && answers && answers[index]) {
+        status = conus_report_add(reports[index], "1", answer_selection(answers[index]));
     } else if (!status && was_asked) {
         status = conus_report_add_error(reports[index], "1", 0, "there is no answer");
     }
     return status || !index ? status : conus_report_join(reports[0], reports[index]);
 }
 
-/* What was selected in all atlases; to be freed. */
-static conus_status make_table(char **out, struct viewer *viewer)
+/* These answers as a table; to be freed. */
+static conus_status tabulate(char **out, struct viewer *viewer, struct answer *const *answers)
 {
     conus_report **reports = calloc(viewer->atlas_count, sizeof(conus_report *));
     conus_status status = reports ? CONUS_OK : CONUS_ERROR_MEMORY;
     const char *text;
     size_t size;
     for (size_t i = 0; i < viewer->atlas_count && !status; i++) {
-        status = add_report(reports, viewer, i);
+        status = add_report(reports, viewer, answers, i);
     }
     status = status ? status : conus_report_text(&text, &size, reports[0]);
     *out = status ? NULL : strdup(text);
@@ -336,15 +337,36 @@ static conus_status make_table(char **out, struct viewer *viewer)
     return status || *out ? status : CONUS_ERROR_MEMORY;
 }
 
+/* What was selected in all atlases. */
+static conus_status make_table(char **out, struct viewer *viewer)
+{
+    struct answer **answers = calloc(viewer->atlas_count, sizeof(struct answer *));
+    for (size_t i = 0; answers && i < viewer->atlas_count; i++) {
+        answers[i] = viewer->atlases[i].answer;
+    }
+    conus_status status = answers ? tabulate(out, viewer, answers) : CONUS_ERROR_MEMORY;
+    free((void *)answers);
+    return status;
+}
+
 char *viewer_results_text(struct viewer *viewer)
 {
     char *text;
     return make_table(&text, viewer) ? NULL : text;
 }
 
+conus_status viewer_write_answers(struct viewer *viewer, struct answer *const *answers, const char *path)
+{
+    char *text = NULL;
+    conus_status status = tabulate(&text, viewer, answers);
+    status = status ? status : conus_write_file(path, text, strlen(text));
+    free(text);
+    return status;
+}
+
 conus_status viewer_write_results(struct viewer *viewer, const char *path)
 {
-    char *text;
+    char *text = NULL;
     conus_status status = make_table(&text, viewer);
     status = status ? status : conus_write_file(path, text, strlen(text));
     free(text);

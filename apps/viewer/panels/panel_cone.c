@@ -2,6 +2,7 @@
 /* The panel of the cone: score, angle, shape, engine. */
 #include "viewer/panels/panels.h"
 
+#include "viewer/hands/hands.h"
 #include "viewer/pointing/point.h"
 
 #include <math.h>
@@ -10,7 +11,6 @@
 
 enum { SCORE_LIMIT = 64 };
 
-static const char *const pointers[POINTER_COUNT] = {"mouse", "wand", "replay", "tracker"};
 static const char *const layers[] = {"visible", "all"};
 static const char *const apertures[] = {"circle", "square"};
 static const char *const samplings[] = {"exact", "slices"};
@@ -147,9 +147,8 @@ void panel_cone(struct window *window)
     if (!ui_section("Cone", true)) {
         return;
     }
-    if (ui_choose("points", &pointer, pointers, POINTER_COUNT)) {
-        viewer->cone.pointer = (enum pointer)pointer;
-        viewer->version++;
+    if (ui_choose("points", &pointer, hands_pointers, POINTER_COUNT)) {
+        hands_choose(window, FIRST_HAND, (enum pointer)pointer);
     }
     panel_source(window);
     if (viewer->cone.pointer == POINT_BY_MOUSE) {

@@ -2,7 +2,7 @@
 /* The table of results and the one of confirmed results. */
 #include "viewer/panels/panels.h"
 
-#include "viewer/pointing/notice.h"
+#include "viewer/hands/hands.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -93,9 +93,8 @@ static void draw_result(struct window *window, const struct view_atlas *on, cons
     ui_id_end();
 }
 
-static void draw_results(struct window *window, const struct view_atlas *on, float lines)
+void panel_list(struct window *window, const struct view_atlas *on, const conus_selection *selection, float lines)
 {
-    const conus_selection *selection = view_atlas_selection(on);
     size_t count = conus_selection_count(selection);
     const char *columns[5] = {"area", "share"};
     size_t shown = 2;
@@ -118,7 +117,7 @@ static void draw_results(struct window *window, const struct view_atlas *on, flo
 static void draw_all_results(struct window *window)
 {
     struct viewer *viewer = window->viewer;
-    float lines = fmaxf(16.0F / (float)viewer->atlas_count, 5);
+    float lines = fmaxf((window->second.on ? 8.0F : 16.0F) / (float)viewer->atlas_count, 5);
     for (size_t i = 0; i < viewer->atlas_count; i++) {
         const struct view_atlas *on = &viewer->atlases[i];
         ui_id((uint32_t)i);
@@ -133,7 +132,7 @@ static void draw_all_results(struct window *window)
                 viewer_draw(viewer, i);
             }
         }
-        draw_results(window, on, lines);
+        panel_list(window, on, view_atlas_selection(on), lines);
         ui_id_end();
     }
 }
@@ -164,7 +163,7 @@ void panel_results(struct window *window)
 {
     struct viewer *viewer = window->viewer;
     struct notice notice;
-    notice_find(&notice, viewer, window->station, &window->news, window->replay.poses);
+    hands_notice(&notice, window, FIRST_HAND);
     ui_panel("Hits of the cone", window->right, 0);
     if (notice.is_old) { /* what follows is pale */
         ui_text_coloured((ui_colour){255, 150, 30, 255}, "%s", notice.text);
@@ -173,7 +172,7 @@ void panel_results(struct window *window)
     if (viewer->atlas_count > 1) {
         draw_all_results(window);
     } else {
-        draw_results(window, viewer->drawn, 14);
+        panel_list(window, viewer->drawn, view_atlas_selection(viewer->drawn), window->second.on ? 8 : 14);
     }
     ui_dim_end();
     if (ui_button("confirm")) {
@@ -193,6 +192,13 @@ void panel_results(struct window *window)
     if (viewer->pin_count) {
         draw_pins(window);
     }
+    bool two = window->second.on; /* then its list stands below the first one's */
+    if (two) {
+        panel_second(window);
+    }
     panel_cone(window);
+    if (!two) {
+        panel_second(window);
+    }
     ui_panel_end();
 }

@@ -2,8 +2,8 @@
 /* The 3-D pane: shows the painter's picture, and lets the mouse turn it or aim. */
 #include "viewer/panes/panes.h"
 
+#include "viewer/hands/hands.h"
 #include "viewer/model/picker.h"
-#include "viewer/pointing/notice.h"
 #include "viewer/pointing/point.h"
 #include "viewer/window/hover.h"
 #include "viewer/window/screen.h"
@@ -192,6 +192,17 @@ static void draw_waiting(const struct window *window)
     }
 }
 
+static void draw_second_notice(const struct window *window, const float at[2])
+{
+    struct notice notice;
+    char text[128];
+    hands_notice(&notice, window, SECOND_HAND);
+    if (window->second.on && notice.text) {
+        snprintf(text, sizeof text, "tool 2: %s", notice.text);
+        ui_draw_text(at, notice.is_trouble ? orange : light, text);
+    }
+}
+
 /* At the lower edge: what is to be said of the head, and above it of the cone. */
 static void draw_notices(const struct window *window)
 {
@@ -205,10 +216,12 @@ static void draw_notices(const struct window *window)
         ui_draw_text(at, is_well ? light : orange, text);
         at[1] -= 1.4F * ui_line();
     }
-    notice_find(&notice, viewer, window->station, &window->news, window->replay.poses);
+    hands_notice(&notice, window, FIRST_HAND);
     if (notice.text) {
         ui_draw_text(at, notice.is_trouble ? orange : light, notice.text);
+        at[1] -= 1.4F * ui_line();
     }
+    draw_second_notice(window, at);
 }
 
 /* ---- The mouse --------------------------------------------------------------------------------------------------- */
@@ -229,7 +242,7 @@ static void point(struct window *window)
     double eye[3];
     double direction[3];
     find_ray(eye, direction, window);
-    point_through(window->viewer, eye, direction);
+    hands_point(window, eye, direction);
 }
 
 /* Names what is under the mouse; where the cone follows the mouse, it has its name there already. */
@@ -244,7 +257,8 @@ static void hover(struct window *window)
     if (window->hover.object) {
         window->hover.value = view_atlas_value(viewer->drawn, window->hover.object, window->hover.at);
     }
-    if (window->hover.object && (viewer->cone.pointer != POINT_BY_MOUSE || viewer->cone.frozen)) {
+    struct tool follows = hands_moved_by(window, POINT_BY_MOUSE);
+    if (window->hover.object && (!follows.viewer || tool_is_held(&follows))) {
         hover_tip(window);
     }
 }
@@ -264,8 +278,9 @@ static void use_click(struct window *window, const struct ui_mouse *mouse)
     if (!is_click) {
         return;
     }
-    if (viewer->cone.pointer == POINT_BY_MOUSE && (viewer->cone.has_pose || viewer->cone.frozen)) {
-        point_hold(viewer);
+    struct tool tool = hands_moved_by(window, POINT_BY_MOUSE);
+    if (tool.viewer && tool_pose(&tool)) {
+        tool_hold(&tool);
     }
     find_ray(eye, direction, window);
     if (viewer_pick(&object, at, viewer, eye, direction)) {
@@ -290,7 +305,7 @@ static bool use_mouse(struct window *window)
         orbit_turn(&viewer->orbit, (double)mouse.moved_x, (double)mouse.moved_y, height);
     } else if (held && moved && (mouse.down[1] || mouse.down[2])) {
         orbit_pan(&viewer->orbit, (double)mouse.moved_x, (double)mouse.moved_y, height);
-    } else if (!held && moved && viewer->cone.pointer == POINT_BY_MOUSE && !viewer->cone.frozen) {
+    } else if (!held && moved) {
         point(window);
     }
     if (mouse.wheel != 0) {
@@ -342,6 +357,7 @@ void pane_3d(struct window *window)
     ui_clip(*box);
     pane_chosen(window);
     pane_compass(window);
+    pane_second_3d(window);
     draw_crosshair(window);
     draw_names(window);
     draw_waiting(window);

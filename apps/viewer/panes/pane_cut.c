@@ -217,6 +217,15 @@ static void draw_title(const struct window *window, struct frame *frame, enum pl
     }
 }
 
+static void draw_second(struct window *window, const struct frame *frame)
+{
+    struct pane_plane plane = {.box = frame->pane->box, .mm_per_pixel = frame->mm_per_pixel};
+    memcpy(plane.centre, frame->centre, sizeof plane.centre);
+    memcpy(plane.right, frame->right, sizeof plane.right);
+    memcpy(plane.up, frame->up, sizeof plane.up);
+    pane_second_cut(window, &plane);
+}
+
 static void draw_chosen(const struct window *window, const struct cut_pane *pane)
 {
     const struct view_atlas *drawn = window->viewer->drawn;
@@ -312,6 +321,7 @@ void pane_cut(struct window *window, enum plane plane)
         use_mouse(window, &frame, plane);
     }
     ui_clip(pane->box);
+    draw_second(window, &frame);
     draw_crosshair(window, &frame);
     draw_title(window, &frame, plane);
     draw_letters(&frame);

@@ -12,6 +12,14 @@ void pane_chosen(struct window *window);
 void pane_chosen_name(const struct window *window); /**< And its name. */
 /** The name of the chosen area above a place in a pane. */
 void pane_name(const struct ui_box *box, float x, float y, const char *name);
+/** Where a flat pane looks: world mm, unit vectors. */
+struct pane_plane {
+    struct ui_box box;
+    double centre[3], right[3], up[3], mm_per_pixel;
+};
+/** The second tool's cone, over a cut and over the 3-D pane. */
+void pane_second_cut(struct window *window, const struct pane_plane *plane);
+void pane_second_3d(struct window *window);
 void pane_compass(const struct window *window); /**< Over it: which way it looks. */
 
 #endif

@@ -11,7 +11,7 @@ static void find_of_mouse(struct notice *out, const struct cone_state *cone)
     }
 }
 
-static void find_of_tracker(struct notice *out, bool has_pose, bool has_station, enum station_state state)
+void notice_of_tracker(struct notice *out, bool has_pose, bool has_station, enum station_state state)
 {
     static const char *const none[] = {"no tracker is connected yet", "no pose of the tool yet",
                                        "the tracker does not see the tool", "no pose of the tool for half a second",
@@ -37,7 +37,7 @@ void notice_find(struct notice *out, const struct viewer *viewer, bool has_stati
     if (cone->pointer == POINT_BY_MOUSE) {
         find_of_mouse(out, cone);
     } else if (cone->pointer == POINT_BY_TRACKER) {
-        find_of_tracker(out, cone->has_pose, has_station, news->state);
+        notice_of_tracker(out, cone->has_pose, has_station, news->state);
     } else if (cone->pointer == POINT_BY_REPLAY && !has_poses) {
         out->text = "no poses: see --poses";
         out->is_trouble = true;

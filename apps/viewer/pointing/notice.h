@@ -14,5 +14,8 @@ struct notice {
 /** @p has_station: there is a tracker, of which @p news are; @p has_poses: there is a file to replay. */
 void notice_find(struct notice *out, const struct viewer *viewer, bool has_station, const struct station_news *news,
                  bool has_poses);
+/** Of a tool that a tracker moves, which is @p state; @p has_station: there is a tracker for it. @p out is changed only
+ * where there is something to say. */
+void notice_of_tracker(struct notice *out, bool has_pose, bool has_station, enum station_state state);
 
 #endif

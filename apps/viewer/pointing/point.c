@@ -90,17 +90,24 @@ double point_depth(struct viewer *viewer, const double from[3], const double dir
 
 /* ---- The cone ---------------------------------------------------------------------------------------------------- */
 
-bool point_through(struct viewer *viewer, const double eye[3], const double direction[3])
+bool point_find(conus_pose *out, struct viewer *viewer, const double eye[3], const double direction[3])
 {
     double depth = viewer->cone.apex_at_eye ? 0 : point_depth(viewer, eye, direction);
     double apex[3];
     for (int a = 0; a < 3; a++) {
         apex[a] = eye[a] + depth * direction[a];
     }
-    if (isfinite(depth)) {
-        viewer_aim_along(viewer, apex, direction);
+    return isfinite(depth) && !conus_pose_along(out, apex, direction, NULL);
+}
+
+bool point_through(struct viewer *viewer, const double eye[3], const double direction[3])
+{
+    conus_pose pose;
+    bool found = point_find(&pose, viewer, eye, direction);
+    if (found) {
+        viewer_aim(viewer, &pose);
     }
-    return isfinite(depth);
+    return found;
 }
 
 void point_hold(struct viewer *viewer)
@@ -108,9 +115,10 @@ void point_hold(struct viewer *viewer)
     viewer->cone.frozen = !viewer->cone.frozen && viewer->cone.has_pose;
     viewer->version++;
     viewer_say(viewer, "%s",
-               viewer->cone.frozen     ? "the cone stays where it is"
-               : viewer->cone.has_pose ? "the cone follows the mouse"
-                                       : "there is no cone to hold");
+               viewer->cone.frozen                      ? "the cone stays where it is"
+               : !viewer->cone.has_pose                 ? "there is no cone to hold"
+               : viewer->cone.pointer == POINT_BY_MOUSE ? "the cone follows the mouse"
+                                                        : "the cone moves again");
 }
 
 void point_use_eye(struct viewer *viewer, bool at_eye)

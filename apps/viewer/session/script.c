@@ -3,7 +3,9 @@
 #include "viewer/session/script.h"
 
 #include "common/messages.h"
+#include "viewer/hands/hands.h"
 #include "viewer/pointing/point.h"
+#include "viewer/session/script_second.h"
 #include "viewer/session/script_words.h"
 #include "viewer/session/session.h"
 #include "viewer/window/screen.h"
@@ -124,7 +126,11 @@ static bool do_point(struct call *call)
     }
     window_sight(call->window, &sight);
     sight_ray(direction, &sight, (double[]){1, 1}, part);
-    point_through(call->window->viewer, sight.camera.world_from_device + 12, direction);
+    if (hands_moved_by(call->window, POINT_BY_MOUSE).second) {
+        hands_point(call->window, sight.camera.world_from_device + 12, direction);
+    } else {
+        point_through(call->window->viewer, sight.camera.world_from_device + 12, direction);
+    }
     return true;
 }
 
@@ -235,14 +241,18 @@ static bool do_fade(struct call *call)
 
 static bool do_pointer(struct call *call)
 {
-    static const char *const names[] = {"mouse", "wand", "replay", "tracker"};
     for (int i = 0; i < POINTER_COUNT; i++) {
-        if (strcmp(names[i], call->words[1]) == 0) {
-            call->window->viewer->cone.pointer = (enum pointer)i;
+        if (strcmp(hands_pointers[i], call->words[1]) == 0) {
+            hands_choose(call->window, FIRST_HAND, (enum pointer)i);
             return true;
         }
     }
     return false;
+}
+
+static bool do_second(struct call *call)
+{
+    return script_second(call->window, (const char *const *)call->words + 1, call->count);
 }
 
 static bool do_quiet_status(struct call *call)
@@ -359,6 +369,7 @@ static const struct {
     {"head", 1, 3, do_head, "X Y Z, after screen, or lost", false},
     {"angle", 1, 1, do_angle, "DEGREES", false},
     {"pointer", 1, 1, do_pointer, "mouse|wand|replay|tracker", false},
+    {"second", 1, 7, do_second, script_second_arguments, false},
     {"crosshair", 3, 3, do_crosshair, "X Y Z", false},
     {"orbit", 2, 2, do_orbit, "AZIMUTH ELEVATION, degrees", false},
     {"zoom", 1, 1, do_zoom, "CLICKS", false},

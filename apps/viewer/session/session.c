@@ -3,6 +3,7 @@
 #include "viewer/session/session.h"
 
 #include "viewer/session/session_atlases.h"
+#include "viewer/session/session_second.h"
 
 #include <errno.h>
 #include <float.h>
@@ -247,6 +248,7 @@ char *session_text(const struct window *window)
     json_object_set_new(root, "confirmed", pins_of(viewer));
     json_object_set_new(root, "thresholds", session_thresholds(viewer->atlases));
     json_object_set_new(root, "transfer", transfer_of(&viewer->transfer_editor));
+    json_object_set_new(root, "second", session_second(&window->second));
     json_object_set_new(root, "safe_colours", json_boolean(viewer->display.safe_colours));
     if (root && viewer->atlas_count > 1) {
         json_object_set_new(root, "drawn", json_integer(viewer->drawn - viewer->atlases + 1));
@@ -431,8 +433,10 @@ static bool read_session(struct window *window, const json_t *root, char why[SES
                           .follow = (double)viewer->cone.follow};
     struct atlas_edits settings;
     struct session_atlases atlases = {0};
+    struct second second;
     const char *score = known_score(json_string_value(json_object_get(root, "score")));
     bool fine = read_state(&state, root, why) && (score || session_refuse(why, "session: score: unknown")) &&
+                session_second_read(&second, &window->second, root, why) &&
                 read_atlas_edits(&settings, &atlases, viewer, root, why) &&
                 set_up(viewer, atlases.drawn, &settings, why);
     if (fine) {
@@ -441,6 +445,7 @@ static bool read_session(struct window *window, const json_t *root, char why[SES
         session_atlases_hide(&atlases, viewer);
         read_pins(viewer, root);
         viewer_reselect(viewer);
+        session_second_put(window, &second);
     }
     session_atlases_finish(&atlases);
     return fine;

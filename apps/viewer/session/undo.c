@@ -14,6 +14,11 @@ static bool moves_by_itself(const struct cone_state *cone)
            (cone->pointer == POINT_BY_MOUSE && !cone->frozen);
 }
 
+static bool second_moves_by_itself(const struct second *second)
+{
+    return second->pointer != POINT_BY_WAND && !second->held;
+}
+
 static void leave_out(json_t *root, const char *const *keys, size_t count)
 {
     for (size_t i = 0; i < count; i++) {
@@ -32,6 +37,9 @@ static char *text_of(const struct window *window)
     json_t *root = session ? json_loads(session, 0, NULL) : NULL;
     leave_out(root, views, sizeof views / sizeof views[0]);
     leave_out(root, poses, moves_by_itself(cone) ? sizeof poses / sizeof poses[0] : 0);
+    if (second_moves_by_itself(&window->second)) {
+        leave_out(json_object_get(root, "second"), poses, sizeof poses / sizeof poses[0]);
+    }
     if (cone->pointer == POINT_BY_REPLAY) { /* rows have angles */
         json_object_del(root, "angle_deg");
     }
@@ -62,7 +70,7 @@ static bool use(struct window *window, const char *state, char why[SESSION_REASO
     char *session = session_text(window);
     json_t *root = session ? json_loads(session, 0, NULL) : NULL;
     json_t *before = json_loads(state, 0, NULL);
-    json_object_update(root, before);
+    json_object_update_recursive(root, before);
     char *text = root && before ? json_dumps(root, JSON_COMPACT) : NULL;
     bool fine = text ? session_parse(window, text, strlen(text), why) : session_refuse(why, "not enough memory");
     free(text);

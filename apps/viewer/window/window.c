@@ -264,6 +264,7 @@ void window_place(const struct window *window, struct place *out)
 bool window_open(struct window *out, const struct window_options *options)
 {
     struct window window = {.enlarged = -1, .start.on = true};
+    devices_init(&window.devices);
     glfwSetErrorCallback(print_glfw_error);
     if (!glfwInit()) {
         return false;
@@ -317,6 +318,7 @@ void window_close(struct window *window)
 void window_show(struct window *window, struct viewer *viewer)
 {
     drop_pictures(window);
+    second_forget(&window->second);
     changes_finish(&window->changes);
     free(window->session_path);
     *window = (struct window){.handle = window->handle,
@@ -327,6 +329,9 @@ void window_show(struct window *window, struct viewer *viewer)
                               .replay = {.poses = window->replay.poses},
                               .station = window->station,
                               .news = window->news,
+                              .second_station = window->second_station,
+                              .has_second_tool = window->has_second_tool,
+                              .devices = window->devices,
                               .scale = window->scale,
                               .enlarged = -1,
                               .alone = window->alone,

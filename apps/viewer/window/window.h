@@ -6,9 +6,11 @@
 
 #include "viewer/chosen/cells.h"
 #include "viewer/chosen/outline.h"
+#include "viewer/devices/devices.h"
 #include "viewer/model/source.h"
 #include "viewer/model/times.h"
 #include "viewer/model/viewer.h"
+#include "viewer/second/second.h"
 #include "viewer/window/changes.h"
 #include "viewer/window/place.h"
 #include "viewer/window/start.h"
@@ -64,6 +66,10 @@ struct window {
     struct replay replay;
     struct station *station; /**< NULL = none. */
     struct station_news news;
+    struct station *second_station; /**< Of the second tool; NULL = the first one's. */
+    bool has_second_tool;           /**< The first one's station hears of it. */
+    struct devices devices;
+    struct second second;
     float scale;
     int width, height;
     struct ui_box left, right, status, panes[PANE_COUNT];

@@ -1,0 +1,64 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Looks at what a source says: numbers, and not the same for ever. */
+#include "viewer/devices/source.h"
+
+#include <math.h>
+#include <string.h>
+
+static bool are_finite(const double *values, size_t count)
+{
+    bool finite = true;
+    for (size_t i = 0; i < count; i++) {
+        finite = finite && isfinite(values[i]);
+    }
+    return finite;
+}
+
+static bool are_same(const double *a, const double *b)
+{
+    bool same = true;
+    for (size_t i = 0; i < SOURCE_VALUES; i++) {
+        same = same && a[i] == b[i];
+    }
+    return same;
+}
+
+static void drop_moves(struct source_news *news)
+{
+    memset(news->move, 0, sizeof news->move);
+    memset(news->turn, 0, sizeof news->turn);
+    news->widen = 0;
+}
+
+/* What a source that says nothing said before counts no more. */
+static bool is_frozen(struct source_watch *watch, const double *said, double now_s)
+{
+    if (!watch->any || !are_same(watch->values, said)) {
+        memcpy(watch->values, said, sizeof watch->values);
+        watch->since_s = now_s;
+        watch->any = true;
+    }
+    return now_s - watch->since_s >= SOURCE_FROZEN_S;
+}
+
+void source_ask(struct source *source, double now_s, struct source_news *out)
+{
+    double said[SOURCE_VALUES] = {0};
+    *out = (struct source_news){.state = SOURCE_NONE};
+    if (!source || !source->ask) {
+        return;
+    }
+    bool speaks = source->ask(source, now_s, out, said);
+    if (!are_finite(said, SOURCE_VALUES) || !are_finite(out->pose.world_from_device, 16) || !are_finite(out->move, 3) ||
+        !are_finite(out->turn, 3) || !isfinite(out->widen)) {
+        out->state = SOURCE_BROKEN;
+        out->has_pose = false;
+        drop_moves(out);
+        source->watch.any = false;
+    } else if (!speaks) {
+        source->watch.any = false;
+    } else if (is_frozen(&source->watch, said, now_s) && out->state == SOURCE_WELL) {
+        out->state = SOURCE_FROZEN;
+        drop_moves(out);
+    }
+}

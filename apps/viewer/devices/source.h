@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file What moves a tool: a device behind one question. It answers with a pose in the world, or with moves along the
+ * tool's own axes, and says how it is. One thread, the window's. */
+#ifndef CONUS_VIEWER_DEVICES_SOURCE_H
+#define CONUS_VIEWER_DEVICES_SOURCE_H
+
+#include <conus/conus.h>
+
+enum source_state {
+    SOURCE_NONE = 0, /**< There is none: it was not asked for, or the program was built without it. */
+    SOURCE_ABSENT,   /**< Not there, or unplugged. */
+    SOURCE_SILENT,   /**< There, but it has said nothing yet. */
+    SOURCE_LOST,     /**< The tracker does not see the tool. */
+    SOURCE_STALE,    /**< It has stopped to say where the tool is. */
+    SOURCE_BROKEN,   /**< It says what are no numbers. */
+    SOURCE_FROZEN,   /**< It has said the same, to the last bit, for SOURCE_FROZEN_S. */
+    SOURCE_WELL
+};
+
+/** Bits of what was pressed. */
+enum source_press { SOURCE_HOLD = 1, SOURCE_RESET = 2, SOURCE_CONFIRM = 4 };
+
+enum { SOURCE_FROZEN_S = 5, SOURCE_VALUES = 16 };
+
+/** What a source has to say since it was asked last. All 0 but widen is nothing. */
+struct source_news {
+    enum source_state state;
+    bool has_pose;
+    conus_pose pose;  /**< Of the device in the world, if it has one. */
+    double move[3];   /**< mm along the tool's x, y, z. */
+    double turn[3];   /**< Radians, a rotation vector in the tool's frame. */
+    double widen;     /**< The cone's angle times that; 0 = it stays. */
+    unsigned pressed; /**< Bits of source_press. */
+};
+
+/** What a device said last, raw, to find one that says the same for ever. */
+struct source_watch {
+    double values[SOURCE_VALUES];
+    double since_s; /**< By the clock of source_ask(). */
+    bool any;
+};
+
+struct source {
+    /** Answers; @p now_s is a monotonic clock. It fills @p said, [SOURCE_VALUES], where the device said something that
+     * a hand or a noise would change, and returns whether it did. */
+    bool (*ask)(struct source *source, double now_s, struct source_news *out, double said[SOURCE_VALUES]);
+    struct source_watch watch;
+};
+
+/** Asks a source. What are no numbers, and moves of one that is frozen, are left out, and the state says so. NULL, or
+ * one without its function, is a source that is not there. */
+void source_ask(struct source *source, double now_s, struct source_news *out);
+
+#endif

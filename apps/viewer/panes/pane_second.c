@@ -1,0 +1,154 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The second tool's cone over the four panes: its wall as lines of its own colour, and the names of what it hits. */
+#include "viewer/panes/panes.h"
+
+#include "viewer/second/shell.h"
+
+#include <math.h>
+
+static const ui_colour second_colour = {SECOND_RGB, 255};
+static const ui_colour shade = {10, 20, 30, 150}; /* under lines, so that they are seen on white as on black */
+
+static double distance(const double a[3], const double b[3])
+{
+    return hypot(hypot(a[0] - b[0], a[1] - b[1]), a[2] - b[2]);
+}
+
+/* To the far side of all atlases. */
+static double whole_length(const struct viewer *viewer, const struct second *second)
+{
+    return distance(second->pose.world_from_device + 12, viewer->centre) + viewer->radius;
+}
+
+/* To the farthest contact, so that the cone ends on what it hits; else the whole. */
+static double seen_length(const struct window *window)
+{
+    const struct viewer *viewer = window->viewer;
+    const conus_selection *selection = second_selection(&window->second, (size_t)(viewer->drawn - viewer->atlases));
+    double most = 0;
+    for (size_t i = 0; i < conus_selection_count(selection); i++) {
+        const conus_result *result = conus_selection_result(selection, i);
+        if (result->object && result->pixels) {
+            most = fmax(most, distance(result->contact, window->second.pose.world_from_device + 12));
+        }
+    }
+    return most > 0 ? most : whole_length(viewer, &window->second);
+}
+
+static void find_shell(struct shell *out, const struct window *window, double length)
+{
+    conus_selector_options options;
+    double angle = second_question(&options, &window->second, window->viewer);
+    if (options.radius > 0) { /* a cylinder ends there, too */
+        options.range[1] = options.range[1] > 0 ? options.range[1] : length;
+    }
+    shell_find(out, &window->second.pose, &options, angle, length);
+}
+
+static void draw_line(const float from[2], const float to[2])
+{
+    ui_draw_line(from, to, shade, 4);
+    ui_draw_line(from, to, second_colour, 1.8F);
+}
+
+static bool shows(const struct window *window)
+{
+    return window->second.on && window->second.has_pose;
+}
+
+/* ---- In a cut ---------------------------------------------------------------------------------------------------- */
+
+static double dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static void place_in(float out[2], const struct pane_plane *plane, const double at[3])
+{
+    const double offset[3] = {at[0] - plane->centre[0], at[1] - plane->centre[1], at[2] - plane->centre[2]};
+    out[0] = plane->box.x + plane->box.width / 2 + (float)(dot(offset, plane->right) / plane->mm_per_pixel);
+    out[1] = plane->box.y + plane->box.height / 2 - (float)(dot(offset, plane->up) / plane->mm_per_pixel);
+}
+
+void pane_second_cut(struct window *window, const struct pane_plane *plane)
+{
+    struct shell shell;
+    struct shell_piece pieces[2 * SHELL_POINTS];
+    double normal[3];
+    if (!shows(window)) {
+        return;
+    }
+    second_update(&window->second, window->viewer); /* a panel may have changed the atlas in this frame */
+    for (int a = 0; a < 3; a++) {
+        int b = (a + 1) % 3;
+        int c = (a + 2) % 3;
+        normal[a] = plane->right[b] * plane->up[c] - plane->right[c] * plane->up[b];
+    }
+    find_shell(&shell, window, whole_length(window->viewer, &window->second));
+    size_t count = shell_cut(pieces, &shell, plane->centre, normal);
+    for (size_t i = 0; i < count; i++) {
+        float from[2];
+        float to[2];
+        place_in(from, plane, pieces[i].ends[0]);
+        place_in(to, plane, pieces[i].ends[1]);
+        draw_line(from, to);
+    }
+}
+
+/* ---- In 3-D ------------------------------------------------------------------------------------------------------ */
+
+static bool place_of(float out[2], const struct window *window, const double world[3])
+{
+    const struct ui_box *box = &window->panes[PANE_3D];
+    double at[2];
+    bool visible = sight_project(at, &window->sight, (double[]){(double)box->width, (double)box->height}, world);
+    out[0] = box->x + (float)at[0];
+    out[1] = box->y + (float)at[1];
+    return visible;
+}
+
+static void draw_between(const struct window *window, const double from[3], const double to[3])
+{
+    float ends[2][2];
+    if (place_of(ends[0], window, from) && place_of(ends[1], window, to)) {
+        draw_line(ends[0], ends[1]);
+    }
+}
+
+static void draw_best(const struct window *window)
+{
+    const struct viewer *viewer = window->viewer;
+    const conus_selection *selection = second_selection(&window->second, (size_t)(viewer->drawn - viewer->atlases));
+    const conus_result *best = conus_selection_result(selection, 0);
+    float at[2];
+    if (best && best->object && best->pixels && place_of(at, window, best->contact)) {
+        ui_draw_circle(at, 4, second_colour, 1.5F);
+        at[0] += 10;
+        at[1] -= ui_line();
+        ui_draw_text(at, second_colour, conus_atlas_object(viewer->drawn->atlas, best->object)->name);
+    }
+}
+
+void pane_second_3d(struct window *window)
+{
+    struct shell shell;
+    float apex[2];
+    const double *eye = window->sight.camera.world_from_device + 12;
+    if (!shows(window)) {
+        return;
+    }
+    second_update(&window->second, window->viewer); /* a panel may have changed the atlas in this frame */
+    find_shell(&shell, window, seen_length(window));
+    for (size_t i = 0; i < SHELL_POINTS; i++) {
+        size_t next = (i + 1) % SHELL_POINTS;
+        draw_between(window, shell.far[i], shell.far[next]);
+        draw_between(window, shell.near[i], shell.near[next]);
+        if (shell_turns(&shell, i, eye)) {
+            draw_between(window, shell.near[i], shell.far[i]);
+        }
+    }
+    if (place_of(apex, window, window->second.pose.world_from_device + 12)) {
+        ui_draw_circle(apex, 4, second_colour, 0);
+    }
+    draw_best(window);
+}

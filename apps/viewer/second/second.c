@@ -1,0 +1,99 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Asks for what the second tool's cone hits. */
+#include "viewer/second/second.h"
+
+#include "link/clock.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static const double default_angle = 5; /* degrees, as of the first */
+
+void second_forget(struct second *second)
+{
+    for (size_t i = 0; i < second->atlas_count; i++) {
+        answer_drop(second->answers[i]);
+    }
+    free((void *)second->answers);
+    second->answers = NULL;
+    second->atlas_count = 0;
+    second->is_asked = false;
+    second->answer_number++;
+}
+
+void second_touch(struct second *second, struct viewer *viewer)
+{
+    second->is_asked = false;
+    viewer->version++;
+}
+
+void second_use(struct second *second, struct viewer *viewer, bool on)
+{
+    bool is_taken = second->pointer == viewer->cone.pointer && second->pointer != POINT_BY_TRACKER;
+    second->on = on;
+    if (!on) {
+        second_forget(second);
+    } else if (is_taken) {
+        second->pointer = second->pointer == POINT_BY_WAND ? POINT_BY_MOUSE : POINT_BY_WAND;
+    }
+    second_touch(second, viewer);
+}
+
+void second_aim(struct second *second, struct viewer *viewer, const conus_pose *pose)
+{
+    second->pose = *pose;
+    second->has_pose = true;
+    second_touch(second, viewer);
+}
+
+double second_angle(const struct second *second)
+{
+    return second->angle > 0 ? second->angle : default_angle;
+}
+
+double second_question(conus_selector_options *options, const struct second *second, const struct viewer *viewer)
+{
+    double first = viewer_question(options, viewer);
+    return options->radius > 0 || viewer->cone.one_ray ? first : second_angle(second) * M_PI / 180;
+}
+
+/* Both tools share the selector, which is the same for the same options. */
+static struct answer *ask(const struct second *second, struct viewer *viewer, struct view_atlas *on)
+{
+    conus_selector_options options;
+    conus_selection *selection = NULL;
+    double angle = second_question(&options, second, viewer);
+    conus_status status = view_atlas_prepare(on, &options);
+    status = status ? status : conus_select(&selection, on->selector, &second->pose, angle);
+    struct answer *answer = status ? NULL : answer_create(selection);
+    if (!answer) {
+        conus_selection_destroy(selection);
+        viewer_say(viewer, "second tool: %s",
+                   status && status != CONUS_ERROR_MEMORY ? conus_message() : "not enough memory");
+    }
+    return answer;
+}
+
+void second_update(struct second *second, struct viewer *viewer)
+{
+    bool is_asked = second->is_asked && second->asked_after == viewer->cone.answer_number;
+    if (!second->on || is_asked) {
+        return;
+    }
+    double begun = clock_ms();
+    second_forget(second);
+    second->answers = second->has_pose ? calloc(viewer->atlas_count, sizeof(struct answer *)) : NULL;
+    second->atlas_count = second->answers ? viewer->atlas_count : 0;
+    for (size_t i = 0; i < second->atlas_count; i++) {
+        second->answers[i] = ask(second, viewer, &viewer->atlases[i]);
+    }
+    second->is_asked = true;
+    second->asked_after = viewer->cone.answer_number;
+    second->select_ms = clock_ms() - begun;
+    viewer->version++;
+}
+
+const conus_selection *second_selection(const struct second *second, size_t atlas)
+{
+    return atlas < second->atlas_count ? answer_selection(second->answers[atlas]) : NULL;
+}
