@@ -19,18 +19,24 @@ struct bits {
     uint64_t word[BRICK_WORDS];
 };
 
-/* Scratch memory for making a map. Its bricks have an empty border of one brick all around, so that every brick has its
- * neighbours. */
+/* What the codes are made of lies in their own memory until they are written: a layer of bricks along k has the bytes
+ * of its codes, BRICK times as many as a bit a voxel takes, and PLANES + 2 of them are needed. */
 struct scratch {
-    size_t bricks[3]; /* without that border */
-    ptrdiff_t stride[3];
-    size_t brick_count;
-    struct bits *grown;  /* the occupied voxels, dilated so far */
-    struct bits *other;  /* the target of a dilation's steps    */
-    struct bits *planes; /* [brick][PLANES] codes, bit by bit   */
-    uint8_t *distance;   /* to the nearest occupied brick       */
-    uint8_t *beside;     /* [1 + voxels along i + 1]            */
+    struct bits *layers;
+    size_t bricks[3];
+    size_t grown, other;  /* which of a layer's parts is which */
+    struct bits *nothing; /* [bricks[0]]: an empty row, outside the grid */
+    uint8_t *distance;    /* to the nearest occupied brick, with a border of one brick all around, so that every ... */
+    ptrdiff_t stride[3];  /* ... brick has its neighbours */
+    uint8_t *beside;      /* [1 + voxels along i + 1] */
 };
+
+/* Parts of a layer, of one bit a voxel each; the codes' planes come first. */
+enum {
+    PART_GROWN = PLANES /* the occupied voxels, dilated so far */,
+    PART_OTHER /* the target of a dilation's steps */
+};
+static_assert((int)PART_OTHER < (int)BRICK, "the parts of a layer fit where its codes will be");
 
 void distance_map_finish(struct distance_map *map)
 {
@@ -40,9 +46,7 @@ void distance_map_finish(struct distance_map *map)
 
 static void scratch_finish(struct scratch *scratch)
 {
-    memory_free(scratch->grown);
-    memory_free(scratch->other);
-    memory_free(scratch->planes);
+    memory_free(scratch->nothing);
     memory_free(scratch->distance);
     memory_free(scratch->beside);
 }
@@ -50,7 +54,7 @@ static void scratch_finish(struct scratch *scratch)
 static conus_status scratch_init(struct scratch *scratch, const struct distance_map *map)
 {
     size_t count = 1;
-    *scratch = (struct scratch){0};
+    *scratch = (struct scratch){.layers = (void *)map->codes, .grown = PART_GROWN, .other = PART_OTHER};
     for (int a = 0; a < 3; a++) {
         scratch->bricks[a] = map->lines[a] / BRICK_LINES;
         scratch->stride[a] = (ptrdiff_t)count;
@@ -58,21 +62,36 @@ static conus_status scratch_init(struct scratch *scratch, const struct distance_
             return fail(CONUS_ERROR_MEMORY, "out of memory");
         }
     }
-    scratch->brick_count = count;
-    scratch->grown = memory_zeroed(count, sizeof *scratch->grown);
-    scratch->other = memory_zeroed(count, sizeof *scratch->other);
-    scratch->planes = memory_zeroed(count, PLANES * sizeof *scratch->planes);
+    scratch->nothing = memory_zeroed(scratch->bricks[0], sizeof *scratch->nothing);
     scratch->distance = memory_raw(count, sizeof *scratch->distance);
     scratch->beside = memory_zeroed(map->dim[0] + 2, sizeof *scratch->beside);
-    return scratch->grown && scratch->other && scratch->planes && scratch->distance && scratch->beside
-               ? CONUS_OK
-               : CONUS_ERROR_MEMORY;
+    if (!scratch->nothing || !scratch->distance || !scratch->beside) {
+        return CONUS_ERROR_MEMORY;
+    }
+    memset(scratch->distance, FAR_BRICKS, count);
+    memset(map->codes, 0, distance_map_codes(map));
+    return CONUS_OK;
 }
 
-static size_t scratch_brick(const struct scratch *scratch, size_t i, size_t j, size_t k)
+/* The row of bricks (0 .. bricks[0] - 1, j, k) of a layer's part, which for the planes has PLANES bricks for each. */
+static struct bits *row_of(const struct scratch *scratch, size_t part, size_t j, size_t k)
 {
-    return (i + 1) * (size_t)scratch->stride[0] + (j + 1) * (size_t)scratch->stride[1] +
-           (k + 1) * (size_t)scratch->stride[2];
+    size_t layer = scratch->bricks[0] * scratch->bricks[1];
+    size_t width = part ? scratch->bricks[0] : PLANES * scratch->bricks[0];
+    return scratch->layers + (k * BRICK + part) * layer + j * width;
+}
+
+/* The same, empty outside the grid. */
+static const struct bits *row_or_nothing(const struct scratch *scratch, size_t part, size_t j, size_t k)
+{
+    bool inside = j < scratch->bricks[1] && k < scratch->bricks[2];
+    return inside ? row_of(scratch, part, j, k) : scratch->nothing;
+}
+
+static uint8_t *distance_of(const struct scratch *scratch, size_t j, size_t k)
+{
+    return scratch->distance + scratch->stride[0] + (ptrdiff_t)(j + 1) * scratch->stride[1] +
+           (ptrdiff_t)(k + 1) * scratch->stride[2];
 }
 
 /* One bit per object of a run of at most 8 voxels. */
@@ -106,7 +125,7 @@ static void mark_occupied(struct scratch *scratch, const struct volume *volume, 
     size_t dim = volume->info.dim[0];
     size_t y = j + DISTANCE_MARGIN;
     size_t z = k + DISTANCE_MARGIN;
-    struct bits *brick = &scratch->grown[scratch_brick(scratch, 0, y / BRICK, z / BRICK)];
+    struct bits *brick = row_of(scratch, scratch->grown, y / BRICK, z / BRICK);
     for (size_t x = 0; x < dim + DISTANCE_MARGIN; x += BRICK, brick++) { /* voxel i is at x = i + DISTANCE_MARGIN */
         size_t skipped = x ? 0 : DISTANCE_MARGIN;
         size_t first = voxel + x + skipped - DISTANCE_MARGIN;
@@ -146,7 +165,7 @@ static void find_box(struct distance_map *map, const struct scratch *scratch)
     for (size_t b = 0; b < count; b++) {
         const size_t brick[3] = {b % scratch->bricks[0], b / scratch->bricks[0] % scratch->bricks[1],
                                  b / scratch->bricks[0] / scratch->bricks[1]};
-        const struct bits *bits = &scratch->grown[scratch_brick(scratch, brick[0], brick[1], brick[2])];
+        const struct bits *bits = row_of(scratch, scratch->grown, brick[1], brick[2]) + brick[0];
         for (size_t k = 0; k < BRICK_WORDS; k++) {
             if (bits->word[k]) {
                 extend_box(map, brick, k, bits->word[k]);
@@ -167,26 +186,28 @@ static void mark_rows(struct scratch *scratch, const struct volume *volume, row_
     }
 }
 
-/* Calls step for every row of bricks along i, that is for bricks first .. first + scratch->bricks[0] - 1. */
-typedef void row_step(struct scratch *scratch, size_t first, size_t count);
+/* Calls step for every row of bricks along i. */
+typedef void row_step(struct scratch *scratch, size_t j, size_t k);
 
 static void for_rows(struct scratch *scratch, row_step *step)
 {
     for (size_t k = 0; k < scratch->bricks[2]; k++) {
         for (size_t j = 0; j < scratch->bricks[1]; j++) {
-            step(scratch, scratch_brick(scratch, 0, j, k), scratch->bricks[0]);
+            step(scratch, j, k);
         }
     }
 }
 
 /* Adds 1 to the code of every voxel that the growth has not reached. */
-static void count_row(struct scratch *scratch, size_t first, size_t count)
+static void count_row(struct scratch *scratch, size_t j, size_t k)
 {
-    for (size_t b = first; b < first + count; b++) {
+    const struct bits *grown = row_of(scratch, scratch->grown, j, k);
+    struct bits *planes = row_of(scratch, 0, j, k);
+    for (size_t b = 0; b < scratch->bricks[0]; b++) {
         for (int w = 0; w < BRICK_WORDS; w++) {
-            uint64_t carry = ~scratch->grown[b].word[w];
+            uint64_t carry = ~grown[b].word[w];
             for (int p = 0; p < PLANES; p++) {
-                uint64_t *plane = &scratch->planes[b * PLANES + (size_t)p].word[w];
+                uint64_t *plane = &planes[b * PLANES + (size_t)p].word[w];
                 uint64_t sum = *plane ^ carry;
                 carry &= *plane;
                 *plane = sum;
@@ -197,42 +218,49 @@ static void count_row(struct scratch *scratch, size_t first, size_t count)
 
 #define EVERY_ROW(byte) (UINT64_C(0x0101010101010101) * (byte))
 
-static void grow_row_along_i(struct scratch *scratch, size_t first, size_t count)
+static void grow_row_along_i(struct scratch *scratch, size_t j, size_t k)
 {
-    const struct bits *from = scratch->grown;
-    for (size_t b = first; b < first + count; b++) {
+    const struct bits *from = row_of(scratch, scratch->grown, j, k);
+    struct bits *to = row_of(scratch, scratch->other, j, k);
+    for (size_t b = 0; b < scratch->bricks[0]; b++) {
+        const struct bits *before = b ? &from[b - 1] : scratch->nothing;
+        const struct bits *behind = b + 1 < scratch->bricks[0] ? &from[b + 1] : scratch->nothing;
         for (int w = 0; w < BRICK_WORDS; w++) {
             uint64_t x = from[b].word[w];
-            uint64_t up = (x << 1 & EVERY_ROW(0xfe)) | (from[b - 1].word[w] >> 7 & EVERY_ROW(0x01));
-            uint64_t down = (x >> 1 & EVERY_ROW(0x7f)) | (from[b + 1].word[w] << 7 & EVERY_ROW(0x80));
-            scratch->other[b].word[w] = x | up | down;
+            uint64_t up = (x << 1 & EVERY_ROW(0xfe)) | (before->word[w] >> 7 & EVERY_ROW(0x01));
+            uint64_t down = (x >> 1 & EVERY_ROW(0x7f)) | (behind->word[w] << 7 & EVERY_ROW(0x80));
+            to[b].word[w] = x | up | down;
         }
     }
 }
 
-static void grow_row_along_j(struct scratch *scratch, size_t first, size_t count)
+static void grow_row_along_j(struct scratch *scratch, size_t j, size_t k)
 {
-    const struct bits *from = scratch->other;
-    size_t step = (size_t)scratch->stride[1];
-    for (size_t b = first; b < first + count; b++) {
+    const struct bits *from = row_of(scratch, scratch->other, j, k);
+    const struct bits *before = row_or_nothing(scratch, scratch->other, j - 1, k);
+    const struct bits *behind = row_or_nothing(scratch, scratch->other, j + 1, k);
+    struct bits *to = row_of(scratch, scratch->grown, j, k);
+    for (size_t b = 0; b < scratch->bricks[0]; b++) {
         for (int w = 0; w < BRICK_WORDS; w++) {
             uint64_t x = from[b].word[w];
-            uint64_t up = x << 8 | from[b - step].word[w] >> 56;
-            uint64_t down = x >> 8 | from[b + step].word[w] << 56;
-            scratch->grown[b].word[w] = x | up | down;
+            uint64_t up = x << 8 | before[b].word[w] >> 56;
+            uint64_t down = x >> 8 | behind[b].word[w] << 56;
+            to[b].word[w] = x | up | down;
         }
     }
 }
 
-static void grow_row_along_k(struct scratch *scratch, size_t first, size_t count)
+static void grow_row_along_k(struct scratch *scratch, size_t j, size_t k)
 {
-    const struct bits *from = scratch->grown;
-    size_t step = (size_t)scratch->stride[2];
-    for (size_t b = first; b < first + count; b++) {
-        uint64_t before = from[b - step].word[BRICK_WORDS - 1];
+    const struct bits *from = row_of(scratch, scratch->grown, j, k);
+    const struct bits *below = row_or_nothing(scratch, scratch->grown, j, k - 1);
+    const struct bits *above = row_or_nothing(scratch, scratch->grown, j, k + 1);
+    struct bits *to = row_of(scratch, scratch->other, j, k);
+    for (size_t b = 0; b < scratch->bricks[0]; b++) {
+        uint64_t before = below[b].word[BRICK_WORDS - 1];
         for (int w = 0; w < BRICK_WORDS; w++) {
-            uint64_t after = w + 1 < BRICK_WORDS ? from[b].word[w + 1] : from[b + step].word[0];
-            scratch->other[b].word[w] = before | from[b].word[w] | after;
+            uint64_t after = w + 1 < BRICK_WORDS ? from[b].word[w + 1] : above[b].word[0];
+            to[b].word[w] = before | from[b].word[w] | after;
             before = from[b].word[w];
         }
     }
@@ -245,59 +273,60 @@ static void count_fine_distances(struct scratch *scratch)
         for_rows(scratch, grow_row_along_i);
         for_rows(scratch, grow_row_along_j);
         for_rows(scratch, grow_row_along_k);
-        struct bits *grown = scratch->other;
+        size_t grown = scratch->other;
         scratch->other = scratch->grown;
         scratch->grown = grown;
         for_rows(scratch, count_row);
     }
 }
 
-static void mark_distance_row(struct scratch *scratch, size_t first, size_t count)
+static void mark_distance_row(struct scratch *scratch, size_t j, size_t k)
 {
-    for (size_t b = first; b < first + count; b++) {
+    const struct bits *grown = row_of(scratch, scratch->grown, j, k);
+    uint8_t *distance = distance_of(scratch, j, k);
+    for (size_t b = 0; b < scratch->bricks[0]; b++) {
         uint64_t any = 0;
         for (int w = 0; w < BRICK_WORDS; w++) {
-            any |= scratch->grown[b].word[w];
+            any |= grown[b].word[w];
         }
-        scratch->distance[b] = any ? 0 : FAR_BRICKS;
+        distance[b] = any ? 0 : FAR_BRICKS;
     }
 }
 
 /* Lowers a brick's distance to 1 + that of the 13 neighbours before it (sign 1) or behind it (sign -1). */
-static void relax_brick(struct scratch *scratch, size_t brick, ptrdiff_t sign)
+static void relax_brick(const struct scratch *scratch, uint8_t *distance, ptrdiff_t sign)
 {
-    uint8_t best = scratch->distance[brick];
+    uint8_t best = *distance;
     for (int n = 0; n < 13; n++) {
         ptrdiff_t offset = (n % 3 - 1) * scratch->stride[0] + (n / 3 % 3 - 1) * scratch->stride[1];
         offset -= n < 9 ? scratch->stride[2] : 0;
-        uint8_t further = (uint8_t)(scratch->distance[(ptrdiff_t)brick + sign * offset] + 1);
+        uint8_t further = (uint8_t)(distance[sign * offset] + 1);
         best = further < best ? further : best;
     }
-    scratch->distance[brick] = best;
+    *distance = best;
 }
 
-static void relax_row(struct scratch *scratch, size_t first, size_t count)
+static void relax_row(struct scratch *scratch, size_t j, size_t k)
 {
-    for (size_t b = first; b < first + count; b++) {
-        relax_brick(scratch, b, 1);
+    for (size_t b = 0; b < scratch->bricks[0]; b++) {
+        relax_brick(scratch, distance_of(scratch, j, k) + b, 1);
     }
 }
 
-static void relax_row_backwards(struct scratch *scratch, size_t first, size_t count)
+static void relax_row_backwards(struct scratch *scratch, size_t j, size_t k)
 {
-    for (size_t b = first + count; b-- > first;) {
-        relax_brick(scratch, b, -1);
+    for (size_t b = scratch->bricks[0]; b-- > 0;) {
+        relax_brick(scratch, distance_of(scratch, j, k) + b, -1);
     }
 }
 
 static void count_brick_distances(struct scratch *scratch)
 {
-    memset(scratch->distance, FAR_BRICKS, scratch->brick_count);
     for_rows(scratch, mark_distance_row);
     for_rows(scratch, relax_row);
     for (size_t k = scratch->bricks[2]; k-- > 0;) {
         for (size_t j = scratch->bricks[1]; j-- > 0;) {
-            relax_row_backwards(scratch, scratch_brick(scratch, 0, j, k), scratch->bricks[0]);
+            relax_row_backwards(scratch, j, k);
         }
     }
 }
@@ -352,20 +381,29 @@ static void write_fine_codes(const struct distance_map *map, const size_t brick[
 }
 
 /* A voxel of a brick n bricks away from an occupied one has n - 1 whole empty bricks on every side. */
-static void write_codes(struct distance_map *map, const struct scratch *scratch)
+static void write_brick(const struct distance_map *map, const size_t brick[3], int distance,
+                        const struct bits planes[PLANES], const uint64_t spread[256])
 {
+    int far = 1 + BRICK * (distance - 1);
+    for (int part = 0; part < 8 && far > FINE_LEVELS; part++) {
+        memset(line_of(map, brick, part), far < UINT8_MAX ? far : UINT8_MAX, DISTANCE_LINE);
+    }
+    if (far <= FINE_LEVELS) {
+        write_fine_codes(map, brick, planes, spread);
+    }
+}
+
+/* Layer by layer, whose planes are copied to `planes` first, since the codes take their place. */
+static void write_codes(const struct distance_map *map, const struct scratch *scratch, struct bits *planes)
+{
+    size_t row = scratch->bricks[0];
     uint64_t spread[256];
     make_spread(spread);
-    for (size_t b = 0; b < scratch->bricks[0] * scratch->bricks[1] * scratch->bricks[2]; b++) {
-        const size_t brick[3] = {b % scratch->bricks[0], b / scratch->bricks[0] % scratch->bricks[1],
-                                 b / scratch->bricks[0] / scratch->bricks[1]};
-        size_t at = scratch_brick(scratch, brick[0], brick[1], brick[2]);
-        int far = 1 + BRICK * (scratch->distance[at] - 1);
-        for (int part = 0; part < 8 && far > FINE_LEVELS; part++) {
-            memset(line_of(map, brick, part), far < UINT8_MAX ? far : UINT8_MAX, DISTANCE_LINE);
-        }
-        if (far <= FINE_LEVELS) {
-            write_fine_codes(map, brick, scratch->planes + at * PLANES, spread);
+    for (size_t k = 0; k < scratch->bricks[2]; k++) {
+        memcpy(planes, row_of(scratch, 0, 0, k), row * scratch->bricks[1] * PLANES * sizeof *planes);
+        for (size_t b = 0; b < row * scratch->bricks[1]; b++) {
+            const size_t brick[3] = {b % row, b / row, k};
+            write_brick(map, brick, distance_of(scratch, brick[1], k)[brick[0]], planes + b * PLANES, spread);
         }
     }
 }
@@ -392,13 +430,16 @@ static conus_status fill_codes(struct distance_map *map, const struct volume *vo
 {
     struct scratch scratch;
     conus_status status = scratch_init(&scratch, map);
+    struct bits *planes = status ? NULL : memory_raw(scratch.bricks[0] * scratch.bricks[1], PLANES * sizeof *planes);
+    status = planes ? CONUS_OK : CONUS_ERROR_MEMORY;
     if (!status) {
         mark_rows(&scratch, volume, mark);
         find_box(map, &scratch);
         count_brick_distances(&scratch);
         count_fine_distances(&scratch);
-        write_codes(map, &scratch);
+        write_codes(map, &scratch, planes);
     }
+    memory_free(planes);
     scratch_finish(&scratch);
     return status;
 }
@@ -491,7 +532,7 @@ static void mark_borders(struct scratch *scratch, const struct volume *volume, s
     size_t dim = volume->info.dim[0];
     size_t y = j + DISTANCE_MARGIN;
     size_t z = k + DISTANCE_MARGIN;
-    struct bits *bricks = &scratch->grown[scratch_brick(scratch, 0, y / BRICK, z / BRICK)];
+    struct bits *bricks = row_of(scratch, scratch->grown, y / BRICK, z / BRICK);
     uint8_t *beside = scratch->beside + 1; /* one more at either end, always 0 */
     memset(beside, 0, dim);
     look_beside(beside, volume, j, k, voxel);
