@@ -4,6 +4,7 @@
 #define CONUS_ATLAS_ATLAS_H
 
 #include "atlas/deformation/deformation.h"
+#include "atlas/label_voxels.h"
 #include "atlas/labels.h"
 #include "atlas/surface/mesh.h"
 #include "atlas/volume.h"
@@ -55,16 +56,16 @@ struct conus_atlas {
 conus_status atlas_create(conus_atlas **out, const conus_volume_info *info, const uint32_t *labels,
                           const struct label_table *table, const char *label_source, struct notes *notes);
 
-/** Labels of voxels; both are borrowed. */
+/** Labels of voxels. */
 struct labelled_volume {
     const conus_volume_info *info;
-    const uint32_t *labels;
-    bool is_joined; /**< The labels come from several files, of which info->path is the first. */
+    struct label_voxels *labels; /**< As many as @p info says; emptied, since the atlas takes their memory over. */
+    bool is_joined;              /**< The labels come from several files, of which info->path is the first. */
 };
 
 /** The same from @p count volumes of which no two have a label in common. Areas are numbered volume by volume, those
  * without voxels with the first; of equally near ones an earlier volume's comes first. */
-conus_status atlas_create_of(conus_atlas **out, const struct labelled_volume *volumes, size_t count,
+conus_status atlas_create_of(conus_atlas **out, struct labelled_volume *volumes, size_t count,
                              const struct label_table *table, const char *label_source, struct notes *notes);
 
 /** Appends @p volume, which is taken over on success. */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* atlas_create_of(): from labels of any size and a label table to areas with dense numbers. */
 #include "atlas/atlas.h"
-#include "atlas/label_map.h"
+#include "atlas/label_voxels.h"
 #include "atlas/palette.h"
 #include "atlas/space.h"
 #include "base/buffer.h"
@@ -11,36 +11,16 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Voxels of each label present, counted run by run: neighbours along i mostly share their label. */
-static conus_status count_labels(struct label_map *voxels, const uint32_t *labels, size_t count)
-{
-    for (size_t start = 0; start < count;) {
-        size_t end = start + 1;
-        while (end < count && labels[end] == labels[start]) {
-            end++;
-        }
-        if (labels[start]) {
-            uint64_t *n = label_map_at(voxels, labels[start]);
-            if (!n) {
-                return CONUS_ERROR_MEMORY;
-            }
-            *n += end - start;
-        }
-        start = end;
-    }
-    return CONUS_OK;
-}
-
 /* Volumes on their way to become an atlas. */
 struct numbering {
-    const struct labelled_volume *volumes; /* [count] */
+    struct labelled_volume *volumes; /* [count] */
     size_t count;
     const struct label_table *table;
     struct label_map *voxels;   /* [count] label -> how many the volume has */
     struct label_map number_of; /* label -> its area */
 };
 
-static conus_status numbering_init(struct numbering *out, const struct labelled_volume *volumes, size_t count,
+static conus_status numbering_init(struct numbering *out, struct labelled_volume *volumes, size_t count,
                                    const struct label_table *table)
 {
     struct label_map *voxels = memory_zeroed(count, sizeof *voxels);
@@ -145,9 +125,7 @@ static conus_status append_all(conus_atlas *atlas, struct numbering *numbering)
     conus_status status = CONUS_OK;
     for (size_t v = 0; !status && v < numbering->count; v++) {
         status = append_grid(atlas, &numbering->volumes[v]);
-        status = status
-                     ? status
-                     : count_labels(&numbering->voxels[v], numbering->volumes[v].labels, atlas->volumes[v].voxel_count);
+        status = status ? status : label_voxels_tally(&numbering->voxels[v], numbering->volumes[v].labels);
     }
     for (size_t v = 0; !status && v < numbering->count; v++) {
         status = append_areas(atlas, numbering, v);
@@ -155,29 +133,34 @@ static conus_status append_all(conus_atlas *atlas, struct numbering *numbering)
     return status;
 }
 
-static conus_status number_voxels(struct volume *volume, struct label_map *number_of, const uint32_t *labels,
-                                  size_t area_count)
+/* The number of the area of each place in the list of labels. */
+static conus_status number_places(uint32_t *numbers, struct label_map *number_of, const struct label_voxels *labels)
 {
-    bool narrow = area_count <= UINT16_MAX;
-    volume->objects16 = narrow ? memory_zeroed(volume->voxel_count, sizeof *volume->objects16) : NULL;
-    volume->objects32 = narrow ? NULL : memory_zeroed(volume->voxel_count, sizeof *volume->objects32);
-    if (!volume->objects16 && !volume->objects32) {
-        return CONUS_ERROR_MEMORY;
-    }
-    uint32_t last = 0;
-    uint32_t number = 0;
-    for (size_t i = 0; i < volume->voxel_count; i++) {
-        if (labels[i] != last) {
-            last = labels[i];
-            number = last ? (uint32_t)*label_map_at(number_of, last) : 0; /* counted before: it is there */
+    for (size_t p = 0; p < labels->label_count; p++) {
+        const uint64_t *number = labels->labels[p] ? label_map_at(number_of, labels->labels[p]) : NULL;
+        if (labels->labels[p] && !number) {
+            return CONUS_ERROR_MEMORY;
         }
-        if (number && narrow) {
-            volume->objects16[i] = (uint16_t)number;
-        } else if (number) {
-            volume->objects32[i] = number;
-        }
+        numbers[p] = number ? (uint32_t)*number : 0; /* 0: no voxel has it any more */
     }
     return CONUS_OK;
+}
+
+/* Takes the voxels over. */
+static conus_status number_voxels(struct volume *volume, struct label_map *number_of, struct label_voxels *labels,
+                                  size_t area_count)
+{
+    uint32_t *numbers = memory_raw(labels->label_count, sizeof *numbers);
+    conus_status status = numbers ? number_places(numbers, number_of, labels) : CONUS_ERROR_MEMORY;
+    status = status ? status : label_voxels_renumber(labels, numbers, area_count <= UINT16_MAX);
+    if (!status) {
+        volume->objects16 = labels->narrow;
+        volume->objects32 = labels->wide;
+        labels->narrow = NULL;
+        labels->wide = NULL;
+    }
+    memory_free(numbers);
+    return status;
 }
 
 static conus_status number_all(conus_atlas *atlas, struct numbering *numbering)
@@ -308,7 +291,7 @@ static conus_status create_with(conus_atlas **out, struct numbering *numbering, 
     return CONUS_OK;
 }
 
-conus_status atlas_create_of(conus_atlas **out, const struct labelled_volume *volumes, size_t count,
+conus_status atlas_create_of(conus_atlas **out, struct labelled_volume *volumes, size_t count,
                              const struct label_table *table, const char *label_source, struct notes *notes)
 {
     struct numbering numbering;
@@ -321,6 +304,10 @@ conus_status atlas_create_of(conus_atlas **out, const struct labelled_volume *vo
 conus_status atlas_create(conus_atlas **out, const conus_volume_info *info, const uint32_t *labels,
                           const struct label_table *table, const char *label_source, struct notes *notes)
 {
-    const struct labelled_volume volume = {.info = info, .labels = labels};
-    return atlas_create_of(out, &volume, 1, table, label_source, notes);
+    struct label_voxels voxels = {0};
+    struct labelled_volume volume = {.info = info, .labels = &voxels};
+    conus_status status = label_voxels_of(&voxels, labels, info->dim[0] * info->dim[1] * info->dim[2]);
+    status = status ? status : atlas_create_of(out, &volume, 1, table, label_source, notes);
+    label_voxels_finish(&voxels);
+    return status;
 }

@@ -84,18 +84,18 @@ static conus_status create_of_voxels(conus_atlas **out, struct volume_file *file
     const struct note_sink sink = {options->log, options->log_user, file->path};
     struct label_table table = {0};
     struct notes notes = {.sink = &sink};
-    uint32_t *numbers = NULL;
+    struct label_voxels numbers = {0};
+    struct labelled_volume volume = {.info = &file->info, .labels = &numbers};
     conus_atlas *atlas = NULL;
     file->info.role = CONUS_ROLE_PARCELLATION;
     conus_status status = volume_file_labels(&numbers, file);
     status = status ? status : add_labels(&table, labels, label_count, &notes);
-    status = status || options->labels_anyway ? status : parcellation_refuse_grey(file, numbers, &table, false);
-    status =
-        status ? status
-               : atlas_create(&atlas, &file->info, numbers, &table, label_count ? "the program" : "none found", &notes);
+    status = status || options->labels_anyway ? status : parcellation_refuse_grey(file, &numbers, &table, false);
+    status = status ? status
+                    : atlas_create_of(&atlas, &volume, 1, &table, label_count ? "the program" : "none found", &notes);
     status = status ? status : set_words(atlas, file->path);
     status = status ? status : swapped_sides_note(atlas);
-    memory_free(numbers);
+    label_voxels_finish(&numbers);
     label_table_finish(&table);
     notes_finish(&notes);
     if (status) {

@@ -122,7 +122,7 @@ static conus_status settle_search(struct label_search *search)
 }
 
 conus_status label_table_of_volume(struct label_table *out, char **source, const struct volume_file *volume,
-                                   const uint32_t *voxels, struct file_sums *read, struct notes *notes)
+                                   const struct label_voxels *voxels, struct file_sums *read, struct notes *notes)
 {
     struct label_search search = {.volume = volume,
                                   .use = {.info = &volume->info, .voxels = voxels, .max_memory = volume->max_memory},

@@ -13,6 +13,6 @@
  * @p out. @p read, unless NULL, gets the files that the table is of, other than the volume's. A table that is damaged
  * is an error only if nothing else is found; else a note. */
 conus_status label_table_of_volume(struct label_table *out, char **source, const struct volume_file *volume,
-                                   const uint32_t *voxels, struct file_sums *read, struct notes *notes);
+                                   const struct label_voxels *voxels, struct file_sums *read, struct notes *notes);
 
 #endif

@@ -5,24 +5,15 @@
 #include "base/memory.h"
 #include "loaders/tables/label_cells.h"
 
-static size_t count_voxels(const conus_volume_info *info)
-{
-    return info->dim[0] * info->dim[1] * info->dim[2];
-}
-
 conus_status label_fit_find(struct label_fit *out, const struct label_table *table, const struct label_use *use)
 {
     struct label_fit fit = {.complete = true};
     bool *seen = memory_zeroed(table->count + 1, sizeof *seen);
-    size_t count = count_voxels(use->info);
     if (!seen) {
         return CONUS_ERROR_MEMORY;
     }
-    for (size_t i = 0; fit.complete && i < count; i++) {
-        uint32_t number = use->voxels[i];
-        if (!number || (i && number == use->voxels[i - 1])) {
-            continue;
-        }
+    for (size_t i = 1; fit.complete && i < use->voxels->label_count; i++) { /* the first is 0 */
+        uint32_t number = use->voxels->labels[i];
         const struct label *label = label_table_find(table, number);
         fit.complete = label && label->name;
         if (fit.complete) {

@@ -84,7 +84,7 @@ static void count_labels(struct census *out, const struct label_use *use)
     size_t count = info->dim[0] * info->dim[1] * info->dim[2];
     *out = (struct census){.lowest = 0};
     for (size_t at = 0; at < count; at++) {
-        uint32_t label = use->voxels[at];
+        uint32_t label = label_voxels_at(use->voxels, at);
         out->lowest = label && (!out->lowest || label < out->lowest) ? label : out->lowest;
         if (label && label < COARSE) {
             count_voxel(out, info, at, label);

@@ -15,7 +15,7 @@ static const double sparse_share = 0.2; /* of voxels that are not zero: a pathwa
 static const double half = 0.5;         /* of neighbours equal, where there are too few to tell: labels */
 
 static conus_status has_table(bool *out, struct label_table *table, const struct volume_file *file,
-                              const uint32_t *labels)
+                              const struct label_voxels *labels)
 {
     struct notes notes = {0};
     char *source = NULL;
@@ -29,28 +29,16 @@ static conus_status has_table(bool *out, struct label_table *table, const struct
     return status;
 }
 
-/* Whether more than one value, besides 0, is there: a mask is no parcellation. */
-static bool has_several(const uint32_t *labels, size_t count)
-{
-    uint32_t first = 0;
-    for (size_t i = 0; i < count; i++) {
-        if (labels[i] && first && labels[i] != first) {
-            return true;
-        }
-        first = first ? first : labels[i];
-    }
-    return false;
-}
-
-static conus_status judge_labels(struct volume_guess *out, const struct volume_file *file, const uint32_t *labels)
+static conus_status judge_labels(struct volume_guess *out, const struct volume_file *file,
+                                 const struct label_voxels *labels)
 {
     struct label_table table = {0};
     struct grey_verdict verdict = {0};
     bool named = false;
-    size_t voxels = file->info.dim[0] * file->info.dim[1] * file->info.dim[2];
     conus_status status = has_table(&named, &table, file, labels);
     status = status ? status : grey_judge_file(&verdict, file, labels, &table, false);
-    bool pieces = has_several(labels, voxels) && (verdict.telling || verdict.equal > half);
+    bool several = labels->label_count > 2; /* besides 0: a mask is no parcellation */
+    bool pieces = several && (verdict.telling || verdict.equal > half);
     if (!status && !verdict.grey && (named || pieces)) {
         *out =
             (struct volume_guess){VOLUME_LABELS, 1, named ? "named by a label table" : "areas of equal whole numbers"};
@@ -82,14 +70,14 @@ static conus_status judge_filled(struct volume_guess *out, const struct volume_f
 
 static conus_status judge_volume(struct volume_guess *out, struct volume_file *file, struct notes *notes)
 {
-    uint32_t *labels = NULL;
+    struct label_voxels labels = {0};
     conus_status status = judge_filled(out, file, notes);
     if (status) {
         return status;
     }
     status = volume_file_labels(&labels, file);
-    status = status ? status : judge_labels(out, file, labels);
-    memory_free(labels);
+    status = status ? status : judge_labels(out, file, &labels);
+    label_voxels_finish(&labels);
     return status == CONUS_ERROR_DATA ? CONUS_OK : status; /* fractions, or a damaged table */
 }
 

@@ -51,12 +51,18 @@ conus_status cifti_parcellation_read(struct parcellation *out, const char *path,
                       file.path);
     }
     status = status ? status : describe(&out->file, &file, max_memory);
-    status = status ? status : cifti_choice_voxels(&out->labels, &out->table, &file.choice);
+    uint32_t *labels = NULL;
+    status = status ? status : cifti_choice_voxels(&labels, &out->table, &file.choice);
     if (!status && !out->table.count) {
         status = fail(CONUS_ERROR_DATA, "%s: no voxel has a label but 0 in map %zu", file.path, file.choice.map);
     }
     if (!status) {
-        set_range(&out->file.info, out->labels);
+        set_range(&out->file.info, labels);
+        status = label_voxels_of(&out->labels, labels,
+                                 file.choice.cifti.dim[0] * file.choice.cifti.dim[1] * file.choice.cifti.dim[2]);
+    }
+    memory_free(labels);
+    if (!status) {
         buffer_format(&source, "label table in %s", file.path);
         status = buffer_status(&source);
         out->source = source.data;

@@ -20,7 +20,7 @@
 void parcellation_finish(struct parcellation *parts)
 {
     volume_file_finish(&parts->file);
-    memory_free(parts->labels);
+    label_voxels_finish(&parts->labels);
     label_table_finish(&parts->table);
     memory_free(parts->source);
     file_sums_finish(&parts->read);
@@ -45,7 +45,7 @@ static conus_status read_override(struct parcellation *parts, const char *path)
 {
     const char *format = NULL;
     struct label_table table = {0};
-    const struct label_use use = {&parts->file.info, parts->labels, NULL, parts->file.max_memory, &parts->read};
+    const struct label_use use = {&parts->file.info, &parts->labels, NULL, parts->file.max_memory, &parts->read};
     conus_status status = label_file_read(&table, &format, path, &use, &parts->notes);
     status = status ? status : set_source(parts, format, path);
     if (status) {
@@ -121,9 +121,9 @@ static conus_status load_fsl(struct parcellation *parts, const char *path, struc
                       path, atlas.type);
     }
     status = status ? status : open_finest(parts, &atlas, path, max_memory);
-    status = status ? status : volume_file_labels(&parts->labels, &parts->file);
+    status = status ? status : volume_file_take_labels(&parts->labels, &parts->file);
     if (!status) {
-        const struct label_use use = {&parts->file.info, parts->labels, path, max_memory, NULL};
+        const struct label_use use = {&parts->file.info, &parts->labels, path, max_memory, NULL};
         status = fsl_atlas_number(&atlas, &use, &parts->notes);
     }
     status = status ? status : set_source(parts, atlas.is_spm ? "SPM atlas XML" : "FSL atlas XML", path_base(path));
@@ -155,11 +155,11 @@ static conus_status read_names(struct parcellation *parts, const char *override,
         return read_override(parts, override);
     }
     return markup ? CONUS_OK
-                  : label_table_of_volume(&parts->table, &parts->source, &parts->file, parts->labels, &parts->read,
+                  : label_table_of_volume(&parts->table, &parts->source, &parts->file, &parts->labels, &parts->read,
                                           &parts->notes);
 }
 
-conus_status parcellation_refuse_grey(const struct volume_file *file, const uint32_t *labels,
+conus_status parcellation_refuse_grey(const struct volume_file *file, const struct label_voxels *labels,
                                       const struct label_table *table, bool stated)
 {
     struct grey_verdict verdict;
@@ -192,15 +192,16 @@ conus_status parcellation_read(struct parcellation *out, const char *path, const
     bool markup = file_first_character(path) == '<';
     conus_status status = markup ? load_markup(out, path, options->max_memory, needed)
                                  : volume_file_open_as(&out->file, path, options->max_memory, needed, &out->notes);
-    status = status || markup ? status : volume_file_labels(&out->labels, &out->file);
+    status = status || markup ? status : volume_file_take_labels(&out->labels, &out->file);
     status = status ? status : file_sums_move(&out->read, &out->file.read);
     status = status ? status : read_names(out, options->labels, markup);
     out->file.info.role = CONUS_ROLE_PARCELLATION;
     return status || options->labels_anyway ? status
-                                            : parcellation_refuse_grey(&out->file, out->labels, &out->table, markup);
+                                            : parcellation_refuse_grey(&out->file, &out->labels, &out->table, markup);
 }
 
 conus_status parcellation_atlas(conus_atlas **out, struct parcellation *parts)
 {
-    return atlas_create(out, &parts->file.info, parts->labels, &parts->table, parts->source, &parts->notes);
+    struct labelled_volume volume = {.info = &parts->file.info, .labels = &parts->labels};
+    return atlas_create_of(out, &volume, 1, &parts->table, parts->source, &parts->notes);
 }

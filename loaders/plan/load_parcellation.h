@@ -9,7 +9,7 @@
 /** What a parcellation is made of, until atlas_create() has it. */
 struct parcellation {
     struct volume_file file;
-    uint32_t *labels;
+    struct label_voxels labels;
     struct label_table table;
     char hemisphere;       /**< Of areas whose table says none; 0 = unsaid. */
     bool is_joined;        /**< Voxels of other files are among its own. */
@@ -26,7 +26,7 @@ void parcellation_finish(struct parcellation *parts);
 
 /** Fails with CONUS_ERROR_DATA where @p labels, the voxels of @p file, look like an image's grey values, as of
  * grey_judge_file(). */
-conus_status parcellation_refuse_grey(const struct volume_file *file, const uint32_t *labels,
+conus_status parcellation_refuse_grey(const struct volume_file *file, const struct label_voxels *labels,
                                       const struct label_table *table, bool stated);
 
 /** An atlas of it; the notes go there. */

@@ -62,15 +62,15 @@ static conus_status shift_table(struct label_table *table, uint32_t offset, char
     return status;
 }
 
-static conus_status shift_voxels(struct parcellation *part, uint32_t offset)
+static conus_status shift_voxels(struct label_voxels *voxels, uint32_t offset)
 {
     uint32_t largest = 0;
-    for (size_t i = 0; i < parcellation_voxels(part); i++) {
-        largest = part->labels[i] > largest ? part->labels[i] : largest;
+    for (size_t p = 0; p < voxels->label_count; p++) {
+        largest = voxels->labels[p] > largest ? voxels->labels[p] : largest;
     }
     conus_status status = check_offset(largest, offset);
-    for (size_t i = 0; !status && i < parcellation_voxels(part); i++) {
-        part->labels[i] += part->labels[i] ? offset : 0;
+    for (size_t p = 0; !status && p < voxels->label_count; p++) {
+        voxels->labels[p] += voxels->labels[p] ? offset : 0;
     }
     return status;
 }
@@ -79,30 +79,10 @@ conus_status parcellation_shift(struct parcellation *part, uint32_t offset, char
 {
     part->hemisphere = hemisphere;
     conus_status status = shift_table(&part->table, offset, hemisphere);
-    return status || !offset ? status : shift_voxels(part, offset);
+    return status || !offset ? status : shift_voxels(&part->labels, offset);
 }
 
 /* ---- Labels of all ----------------------------------------------------------------------------------------------- */
-
-/* Run by run: neighbours along i mostly share their label. */
-static conus_status count_voxels(struct label_map *counts, const struct parcellation *part)
-{
-    size_t size = parcellation_voxels(part);
-    for (size_t start = 0, end; start < size; start = end) {
-        uint32_t label = part->labels[start];
-        for (end = start + 1; end < size && part->labels[end] == label;) {
-            end++;
-        }
-        uint64_t *count = label ? label_map_at(counts, label) : NULL;
-        if (label && !count) {
-            return CONUS_ERROR_MEMORY;
-        }
-        if (label) {
-            *count += end - start;
-        }
-    }
-    return CONUS_OK;
-}
 
 /* Which of the first `count` parts is the first to have voxels of the label; `count` if none has. */
 static conus_status find_owner(size_t *out, const struct parcellations *all, size_t count, uint32_t label)
@@ -229,7 +209,7 @@ conus_status parcellations_unite(struct parcellations *all)
 {
     conus_status status = CONUS_OK;
     for (size_t p = 0; !status && p < all->count; p++) {
-        status = count_voxels(&all->voxels[p], &all->parts[p]);
+        status = label_voxels_tally(&all->voxels[p], &all->parts[p].labels);
     }
     status = status ? status : refuse_clashes(all);
     status = status ? status : settle_hemispheres(all);

@@ -42,7 +42,7 @@ static bool is_claimed(const struct claim *claims, size_t count, size_t voxel, c
     for (size_t q = 0; q < count; q++) {
         size_t at = voxel;
         bool inside = claims[q].same || volume_find_voxel(&at, &claims[q].grid, centre);
-        if (inside && claims[q].part->labels[at]) {
+        if (inside && label_voxels_at(&claims[q].part->labels, at)) {
             return true;
         }
     }
@@ -71,11 +71,12 @@ static conus_status take_claimed(struct label_map *lost, struct parcellation *pa
         const size_t at[3] = {voxel % info->dim[0], voxel / info->dim[0] % info->dim[1],
                               voxel / info->dim[0] / info->dim[1]};
         double centre[3] = {(double)at[0], (double)at[1], (double)at[2]};
-        if (part->labels[voxel]) {
+        uint32_t label = label_voxels_at(&part->labels, voxel);
+        if (label) {
             mat4_point(centre, info->world_from_voxel, centre);
             if (is_claimed(claims, count, voxel, centre)) {
-                status = count_lost(lost, part->labels[voxel]);
-                part->labels[voxel] = 0;
+                status = count_lost(lost, label);
+                label_voxels_clear(&part->labels, voxel);
             }
         }
     }
@@ -210,14 +211,12 @@ static conus_status note_spaces(struct parcellations *all)
 /* No voxel is an area's in both any more. */
 static conus_status merge_into(struct parcellation *to, struct parcellation *from, struct file_sums *read)
 {
-    for (size_t i = 0; i < parcellation_voxels(to); i++) {
-        to->labels[i] = to->labels[i] ? to->labels[i] : from->labels[i];
-    }
+    conus_status status = label_voxels_merge(&to->labels, &from->labels);
     to->file.info.minimum = fmin(to->file.info.minimum, from->file.info.minimum);
     to->file.info.maximum = fmax(to->file.info.maximum, from->file.info.maximum);
     to->is_joined = true;
     bool known = strcmp(to->file.path, from->file.path) == 0; /* another volume of it */
-    return known ? CONUS_OK : file_sums_put(read, from->file.path, from->file.info.sha256);
+    return status || known ? status : file_sums_put(read, from->file.path, from->file.info.sha256);
 }
 
 static conus_status merge_grids(struct parcellations *all)
@@ -259,7 +258,7 @@ conus_status parcellations_atlas(conus_atlas **out, struct parcellations *all)
 {
     struct labelled_volume *volumes = memory_zeroed(all->count, sizeof *volumes);
     for (size_t p = 0; volumes && p < all->count; p++) {
-        volumes[p] = (struct labelled_volume){&all->parts[p].file.info, all->parts[p].labels, all->parts[p].is_joined};
+        volumes[p] = (struct labelled_volume){&all->parts[p].file.info, &all->parts[p].labels, all->parts[p].is_joined};
     }
     conus_status status = volumes
                               ? atlas_create_of(out, volumes, all->count, &all->table, all->source.data, &all->notes)

@@ -117,15 +117,9 @@ static conus_status hand_over_entries(struct area_plan *plan, struct label_table
 /* Voxels with a planned area's label become background. */
 static void clear_voxels(const struct area_plan *plan, struct parcellation *parts)
 {
-    uint32_t last = 0;
-    bool cleared = false;
-    for (size_t i = 0; i < parcellation_voxels(parts); i++) {
-        uint32_t label = parts->labels[i];
-        if (label != last) {
-            cleared = label && area_plan_find(plan, label);
-            last = label;
-        }
-        parts->labels[i] = cleared ? 0 : label;
+    for (size_t p = 0; p < parts->labels.label_count; p++) {
+        uint32_t *label = &parts->labels.labels[p];
+        *label = *label && area_plan_find(plan, *label) ? 0 : *label;
     }
 }
 

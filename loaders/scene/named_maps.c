@@ -99,13 +99,16 @@ static conus_status judge(bool *labels, const struct volume_file *file, const fl
 {
     const size_t *dim = file->info.dim;
     struct grey_verdict verdict = {0};
+    struct label_voxels voxels = {0};
     uint32_t *numbers = memory_raw(dim[0] * dim[1] * dim[2], sizeof *numbers);
     conus_status status = numbers ? CONUS_OK : CONUS_ERROR_MEMORY;
     for (size_t i = 0; !status && i < dim[0] * dim[1] * dim[2]; i++) {
         numbers[i] = (uint32_t)values[i];
     }
-    status = status ? status : grey_judge(&verdict, numbers, dim, &(struct grey_claims){0});
+    status = status ? status : label_voxels_of(&voxels, numbers, dim[0] * dim[1] * dim[2]);
+    status = status ? status : grey_judge(&verdict, &voxels, dim, &(struct grey_claims){0});
     *labels = !verdict.grey;
+    label_voxels_finish(&voxels);
     memory_free(numbers);
     return status;
 }

@@ -50,7 +50,7 @@ static struct fit count_fits(const struct fsl_atlas *atlas, const struct label_u
         uint32_t next = atlas->labels.entries[i].number;
         mat4_point(at, voxel_from_point, atlas->points[i].at);
         if (atlas->points[i].given && voxel_at(&voxel, use->info, at)) {
-            uint32_t label = use->voxels[voxel];
+            uint32_t label = label_voxels_at(use->voxels, voxel);
             fit.inside++;
             fit.next += label == next;
             fit.index += label && label == next - 1;

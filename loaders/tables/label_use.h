@@ -3,6 +3,7 @@
 #ifndef CONUS_LOADERS_TABLES_LABEL_USE_H
 #define CONUS_LOADERS_TABLES_LABEL_USE_H
 
+#include "atlas/label_voxels.h"
 #include "base/file_sums.h"
 #include "conus/conus.h"
 
@@ -10,11 +11,11 @@
 
 /** Zero: for no volume that is known. */
 struct label_use {
-    const conus_volume_info *info; /**< Of the volume that the table names, or NULL.  */
-    const uint32_t *voxels;        /**< Its labels, i fastest; NULL if not known.     */
-    const char *path;              /**< Of the table's file, or NULL.                 */
-    uint64_t max_memory;           /**< For the table's file and what it becomes; 0 = 8 GiB. */
-    struct file_sums *read;        /**< Gets the files that the table is of; may be NULL. */
+    const conus_volume_info *info;     /**< Of the volume that the table names, or NULL.  */
+    const struct label_voxels *voxels; /**< Its labels as they were read, i fastest; NULL if not known. */
+    const char *path;                  /**< Of the table's file, or NULL.                 */
+    uint64_t max_memory;               /**< For the table's file and what it becomes; 0 = 8 GiB. */
+    struct file_sums *read;            /**< Gets the files that the table is of; may be NULL. */
 };
 
 #endif

@@ -32,10 +32,11 @@ static const double chance = 0.55;           /* of a neighbour to be nearer in v
 
 /* The volume, and how to go through it. */
 struct walk {
-    const uint32_t *labels;
+    const struct label_voxels *labels;
     const size_t *dim;
     size_t step;                 /* every step-th plane */
     uint32_t plateaus[PLATEAUS]; /* values that do not count, 0 where there are fewer; 0 itself does not either */
+    uint32_t *block, *beside;    /* [BLOCK + 1] labels of a row, and of one beside it */
 };
 
 /* 1 or 0. */
@@ -84,8 +85,8 @@ static conus_status find_plateaus(struct walk *walk, size_t count)
         return CONUS_ERROR_MEMORY;
     }
     for (size_t i = 0; i < count; i += step) {
-        sample[n] = walk->labels[i];
-        n += walk->labels[i] != 0;
+        sample[n] = label_voxels_at(walk->labels, i);
+        n += sample[n] != 0;
     }
     qsort(sample, n, sizeof *sample, compare_u32);
     take_plateaus(walk->plateaus, sample, n);
@@ -97,21 +98,24 @@ static conus_status find_plateaus(struct walk *walk, size_t count)
 
 typedef void pair_visitor(void *user, const uint32_t *a, const uint32_t *b, size_t count, const uint32_t *plateaus);
 
-/* Visits the voxels a[] of a row with their neighbours b[] along i, j and k. */
+/* Visits the voxels a[] of a row with their neighbours b[] along i, j and k, a block at a time. */
 static void visit_row(const struct walk *walk, size_t j, size_t k, pair_visitor *visit, void *user)
 {
     size_t row = walk->dim[0];
     size_t plane = row * walk->dim[1];
-    const uint32_t *start = walk->labels + k * plane + j * row;
     for (size_t i = 0; i < row; i += BLOCK) {
-        const uint32_t *a = start + i;
+        size_t at = k * plane + j * row + i;
         size_t count = row - i < BLOCK ? row - i : BLOCK;
-        visit(user, a, a + 1, i + count < row ? count : count - 1, walk->plateaus);
+        size_t pairs = i + count < row ? count : count - 1;
+        label_voxels_get(walk->block, walk->labels, at, pairs + 1);
+        visit(user, walk->block, walk->block + 1, pairs, walk->plateaus);
         if (j + 1 < walk->dim[1]) {
-            visit(user, a, a + row, count, walk->plateaus);
+            label_voxels_get(walk->beside, walk->labels, at + row, count);
+            visit(user, walk->block, walk->beside, count, walk->plateaus);
         }
         if (k + 1 < walk->dim[2]) {
-            visit(user, a, a + plane, count, walk->plateaus);
+            label_voxels_get(walk->beside, walk->labels, at + plane, count);
+            visit(user, walk->block, walk->beside, count, walk->plateaus);
         }
     }
 }
@@ -160,7 +164,7 @@ static size_t count_filled(const struct walk *walk)
     size_t filled = 0;
     for (size_t k = 0; k < walk->dim[2]; k += walk->step) {
         for (size_t i = 0; i < plane; i++) {
-            filled += value_counts(walk->labels[k * plane + i], walk->plateaus);
+            filled += value_counts(label_voxels_at(walk->labels, k * plane + i), walk->plateaus);
         }
     }
     return filled;
@@ -173,7 +177,7 @@ static size_t gather_values(uint32_t *out, const struct walk *walk, size_t every
     size_t n = 0;
     for (size_t k = 0; k < walk->dim[2]; k += walk->step) {
         for (size_t i = 0; i < plane; i++) {
-            uint32_t value = walk->labels[k * plane + i];
+            uint32_t value = label_voxels_at(walk->labels, k * plane + i);
             if (value_counts(value, walk->plateaus) && seen++ % every == 0) {
                 out[n++] = value;
             }
@@ -307,21 +311,30 @@ static conus_status judge_values(struct grey_verdict *out, const struct walk *wa
     return status;
 }
 
-conus_status grey_judge(struct grey_verdict *out, const uint32_t *labels, const size_t dim[3],
-                        const struct grey_claims *claims)
+static conus_status judge_walk(struct grey_verdict *out, struct walk *walk, const struct grey_claims *claims)
 {
-    size_t count = dim[0] * dim[1] * dim[2];
-    struct walk walk = {labels, dim, count > small ? dim[2] / planes + 1 : 1, {0}};
     struct tally tally = {0};
     struct grey_verdict verdict = {.equal = 1, .telling = true};
-    conus_status status = find_plateaus(&walk, count);
+    conus_status status = find_plateaus(walk, walk->labels->count);
     if (status) {
         return status;
     }
-    visit_neighbours(&walk, count_pairs, &tally);
+    visit_neighbours(walk, count_pairs, &tally);
     verdict.equal = tally.pairs ? (double)tally.equal / (double)tally.pairs : 1;
-    status = verdict.equal < most_equal ? judge_values(&verdict, &walk, &tally, claims) : CONUS_OK;
+    status = verdict.equal < most_equal ? judge_values(&verdict, walk, &tally, claims) : CONUS_OK;
     *out = status ? *out : verdict;
+    return status;
+}
+
+conus_status grey_judge(struct grey_verdict *out, const struct label_voxels *labels, const size_t dim[3],
+                        const struct grey_claims *claims)
+{
+    size_t block = (dim[0] < BLOCK ? dim[0] : BLOCK) + 1;
+    struct walk walk = {.labels = labels, .dim = dim, .step = labels->count > small ? dim[2] / planes + 1 : 1};
+    walk.block = memory_raw(2 * block, sizeof *walk.block);
+    walk.beside = walk.block ? walk.block + block : NULL;
+    conus_status status = walk.block ? judge_walk(out, &walk, claims) : CONUS_ERROR_MEMORY;
+    memory_free(walk.block);
     return status;
 }
 
@@ -333,8 +346,8 @@ static bool is_named_dseg(const char *path)
     return stem > length && memcmp(path + stem - length, suffix, length) == 0;
 }
 
-conus_status grey_judge_file(struct grey_verdict *out, const struct volume_file *file, const uint32_t *labels,
-                             const struct label_table *table, bool stated)
+conus_status grey_judge_file(struct grey_verdict *out, const struct volume_file *file,
+                             const struct label_voxels *labels, const struct label_table *table, bool stated)
 {
     const struct grey_claims claims = {table, stated || is_named_dseg(file->path)};
     if (file->intent_code == INTENT_LABEL) {

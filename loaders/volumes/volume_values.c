@@ -135,16 +135,17 @@ static void describe_value(char *out, size_t size, const struct volume_file *fil
     }
 }
 
-/* Names the first voxel from `start` on that is no label. */
-static conus_status fail_label(const struct volume_file *file, const struct decoder *decoder, size_t start)
+/* Names the first voxel of `voxels` from `start` on that is no label. */
+static conus_status fail_label(const struct volume_file *file, const struct decoder *decoder, const uint8_t *voxels,
+                               size_t start)
 {
     size_t size = volume_datatype_size(file->datatype);
     uint32_t label;
-    while (block_labels(&label, decoder, file, file->voxels.data + start * size, 1)) {
+    while (block_labels(&label, decoder, file, voxels + start * size, 1)) {
         start++;
     }
     char value[128];
-    describe_value(value, sizeof value, file, file->voxels.data + start * size);
+    describe_value(value, sizeof value, file, voxels + start * size);
     size_t row = start / file->info.dim[0];
     return fail(CONUS_ERROR_DATA,
                 "%s: voxel (%zu, %zu, %zu): found %s, allowed labels are whole numbers from 0 to "
@@ -152,32 +153,64 @@ static conus_status fail_label(const struct volume_file *file, const struct deco
                 file->path, start % file->info.dim[0], row % file->info.dim[1], row / file->info.dim[1], value);
 }
 
-conus_status volume_file_labels(uint32_t **out, struct volume_file *file)
+/* Decodes `voxels` into `coder`, whose memory they may lie in. */
+static conus_status code_labels(struct label_coder *coder, struct volume_file *file, const uint8_t *voxels)
 {
     const struct decoder *decoder = find_decoder(file->datatype);
     size_t count = count_voxels(file);
     size_t size = volume_datatype_size(file->datatype);
-    uint32_t *labels = memory_raw(count, sizeof *labels);
-    if (!labels) {
-        return CONUS_ERROR_MEMORY;
-    }
     uint32_t minimum = UINT32_MAX;
     uint32_t maximum = 0;
-    for (size_t at = 0; at < count; at += BLOCK) {
+    conus_status status = CONUS_OK;
+    for (size_t at = 0; !status && at < count; at += BLOCK) {
+        uint32_t labels[BLOCK];
         size_t block = count - at < BLOCK ? count - at : BLOCK;
-        if (!block_labels(labels + at, decoder, file, file->voxels.data + at * size, block)) {
-            memory_free(labels);
-            return fail_label(file, decoder, at);
+        if (!block_labels(labels, decoder, file, voxels + at * size, block)) {
+            return fail_label(file, decoder, voxels, at);
         }
-        for (size_t i = at; i < at + block; i++) {
+        for (size_t i = 0; i < block; i++) {
             minimum = labels[i] < minimum ? labels[i] : minimum;
             maximum = labels[i] > maximum ? labels[i] : maximum;
         }
+        status = label_coder_add(coder, labels, block);
     }
     file->info.minimum = minimum;
     file->info.maximum = maximum;
-    *out = labels;
-    return CONUS_OK;
+    return status;
+}
+
+/* `memory` becomes the coder's. */
+static conus_status read_labels(struct label_voxels *out, struct volume_file *file, const uint8_t *voxels,
+                                const struct bytes *memory)
+{
+    struct label_coder coder;
+    conus_status status = label_coder_init(&coder, count_voxels(file), file->max_memory, memory->data, memory->size);
+    status = status ? status : code_labels(&coder, file, voxels);
+    if (status) {
+        status = status == CONUS_ERROR_MEMORY ? fail_in(status, file->path) : status;
+    } else {
+        label_coder_end(out, &coder);
+    }
+    label_coder_finish(&coder);
+    return status;
+}
+
+conus_status volume_file_labels(struct label_voxels *out, struct volume_file *file)
+{
+    return read_labels(out, file, file->voxels.data, &(struct bytes){0});
+}
+
+conus_status volume_file_take_labels(struct label_voxels *out, struct volume_file *file)
+{
+    struct bytes voxels = file->voxels;
+    bool in_place = volume_datatype_size(file->datatype) >= sizeof(uint16_t) && !file->series.data;
+    file->voxels = (struct bytes){0};
+    conus_status status = read_labels(out, file, voxels.data, in_place ? &voxels : &(struct bytes){0});
+    if (!in_place) {
+        bytes_finish(file->series.data ? &file->series : &voxels);
+    }
+    file->series = (struct bytes){0};
+    return status;
 }
 
 /* ---- Values ------------------------------------------------------------------------------------------------------ */

@@ -3,13 +3,19 @@
 #ifndef CONUS_LOADERS_VOLUMES_VOLUME_VALUES_H
 #define CONUS_LOADERS_VOLUMES_VOLUME_VALUES_H
 
+#include "atlas/label_voxels.h"
 #include "loaders/volumes/volume_file.h"
 
-/** Decodes to labels, one per voxel. Refuses scaled values that are not whole, or outside 0..4294967295, naming the
- * first such voxel. *out is the caller's to memory_free(). Sets info.minimum and maximum. */
-conus_status volume_file_labels(uint32_t **out, struct volume_file *file);
+/** Decodes to labels. Refuses scaled values that are not whole, or outside 0..4294967295, naming the first such voxel.
+ * @p out is the caller's to finish. Sets info.minimum and maximum. */
+conus_status volume_file_labels(struct label_voxels *out, struct volume_file *file);
 
-/** Decodes to scaled values. Values that are not finite become 0, and a note counts them. Otherwise as above. */
+/** The same in the memory of the file's voxels, where one of them has at least 2 bytes: a second copy is never there.
+ * @p file has no voxels afterwards, also on failure. */
+conus_status volume_file_take_labels(struct label_voxels *out, struct volume_file *file);
+
+/** Decodes to scaled values. Values that are not finite become 0, and a note counts them. *out is the caller's to
+ * memory_free(). Otherwise as volume_file_labels(). */
 conus_status volume_file_values(float **out, struct volume_file *file, struct notes *notes);
 
 /** The same, but that these become NaN, which minimum and maximum disregard. CONUS_ERROR_DATA where all are. */

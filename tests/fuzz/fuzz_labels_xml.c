@@ -8,7 +8,9 @@
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 /* A volume of 3 x 2 x 2 labels, in which points may lie. */
-static const uint32_t voxels[12] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
+static uint16_t places[12] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
+static uint32_t labels[12] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
+static const struct label_voxels voxels = {.count = 12, .narrow = places, .labels = labels, .label_count = 12};
 static const conus_volume_info infos[2] = {{.dim = {3, 2, 2}}, {.dim = {3, 2, 2}, .volume = 1}};
 
 static void parse(const struct label_format *format, struct text text)
@@ -16,7 +18,7 @@ static void parse(const struct label_format *format, struct text text)
     struct label_table table = {0};
     struct notes notes = {0};
     for (size_t volume = 0; volume < 2; volume++) {
-        const struct label_use use = {.info = &infos[volume], .voxels = voxels};
+        const struct label_use use = {.info = &infos[volume], .voxels = &voxels};
         if (!label_text_parse(&table, format, text, &use, &notes)) {
             label_table_finish(&table);
         }

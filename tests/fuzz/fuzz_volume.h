@@ -7,6 +7,7 @@
 #include "loaders/volumes/volume_file.h"
 #include "loaders/volumes/volume_header.h"
 #include "loaders/volumes/volume_values.h"
+#include "tests/support/label_list.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -28,7 +29,8 @@ static inline void fuzz_check_header(const struct volume_header *header)
     }
 }
 
-/** Decodes volume 0, if @p data holds it whole. Where labels come out, the values must be the same. */
+/** Decodes volume 0, if @p data holds it whole. Where labels come out, the values must be the same, and so must labels
+ * that take the place of the voxels. */
 static inline void fuzz_decode(const struct volume_header *header, const uint8_t *data, size_t size)
 {
     if (header->offset > size || header->volume_size > size - header->offset) {
@@ -37,13 +39,14 @@ static inline void fuzz_decode(const struct volume_header *header, const uint8_t
     struct volume_file file = {.info = header->info, .datatype = header->datatype, .swapped = header->swapped};
     struct notes notes = {0};
     uint32_t *labels = NULL;
+    struct label_voxels taken = {0};
     float *values = NULL;
     file.path = memory_text("fuzz", 4);
     file.voxels.data = memory_raw(header->volume_size, 1);
     file.voxels.size = header->volume_size;
     if (file.path && file.voxels.data) {
         memcpy(file.voxels.data, data + header->offset, header->volume_size);
-        conus_status status = volume_file_labels(&labels, &file);
+        conus_status status = label_list_read(&labels, &file);
         if (!volume_file_values(&values, &file, &notes) && !status) {
             for (size_t v = 0; v < header->volume_size / volume_datatype_size(header->datatype); v++) {
                 if ((float)labels[v] != values[v]) {
@@ -51,7 +54,14 @@ static inline void fuzz_decode(const struct volume_header *header, const uint8_t
                 }
             }
         }
+        conus_status again = volume_file_take_labels(&taken, &file);
+        for (size_t v = 0; !again && !status && v < taken.count; v++) {
+            if (label_voxels_at(&taken, v) != labels[v]) {
+                abort();
+            }
+        }
     }
+    label_voxels_finish(&taken);
     memory_free(labels);
     memory_free(values);
     notes_finish(&notes);

@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "loaders/volumes/volume_file.h"
 #include "loaders/volumes/volume_values.h"
+#include "tests/support/label_list.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -41,7 +42,7 @@ static conus_status dump(struct volume_file *file, char **argv, struct notes *no
     }
     if (!status) {
         print_info(file, notes);
-        if (volume_file_labels(&labels, file)) {
+        if (label_list_read(&labels, file)) {
             printf("unlabelled %s\n", conus_message());
         } else {
             status = write_raw(argv[3], labels, &file->info);

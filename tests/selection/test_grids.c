@@ -39,19 +39,23 @@ static struct grids make_grids(uint64_t *state)
     struct grids grids = {.count = 2 + (size_t)test_random(state, 0, MOST - 1)};
     conus_volume_info infos[MOST];
     struct labelled_volume volumes[MOST];
+    struct label_voxels labels[MOST] = {0};
     for (size_t g = 0; g < grids.count; g++) {
         const size_t dim[3] = {1 + (size_t)test_random(state, 0, 14), 1 + (size_t)test_random(state, 0, 14),
                                1 + (size_t)test_random(state, 0, 14)};
         infos[g] = scene_grid(state, dim);
-        volumes[g] = (struct labelled_volume){.info = &infos[g], .labels = random_labels(state, &infos[g], g)};
-        grids.single[g] = scene_parcellation(&infos[g], volumes[g].labels);
+        uint32_t *list = random_labels(state, &infos[g], g);
+        assert_ok(label_voxels_of(&labels[g], list, dim[0] * dim[1] * dim[2]));
+        volumes[g] = (struct labelled_volume){.info = &infos[g], .labels = &labels[g]};
+        grids.single[g] = scene_parcellation(&infos[g], list);
+        memory_free(list);
     }
     struct notes notes = {0};
     const struct label_table none = {0};
     assert_ok(atlas_create_of(&grids.joint, volumes, grids.count, &none, "grids", &notes));
     notes_finish(&notes);
     for (size_t g = 0; g < grids.count; g++) {
-        memory_free((void *)volumes[g].labels);
+        label_voxels_finish(&labels[g]);
     }
     return grids;
 }
@@ -128,10 +132,11 @@ static void the_nearest_of_all_grids_is_hit(void **state)
 static void of_equals_the_earlier_grid_is_hit(void **state)
 {
     (void)state;
-    static const uint32_t labels[][1] = {{9}, {3}};
+    struct label_voxels labels[2] = {0};
+    assert_ok(label_voxels_of(&labels[0], (uint32_t[]){9}, 1));
+    assert_ok(label_voxels_of(&labels[1], (uint32_t[]){3}, 1));
     const conus_volume_info info = scene_plain_grid((size_t[]){1, 1, 1}, NULL);
-    const struct labelled_volume volumes[] = {{.info = &info, .labels = labels[0]},
-                                              {.info = &info, .labels = labels[1]}};
+    struct labelled_volume volumes[] = {{.info = &info, .labels = &labels[0]}, {.info = &info, .labels = &labels[1]}};
     const struct label_table none = {0};
     struct notes notes = {0};
     conus_atlas *atlas = NULL;
@@ -142,6 +147,8 @@ static void of_equals_the_earlier_grid_is_hit(void **state)
     assert_int_equal(label_of(atlas, evidence.object[0]), 9);
     evidence_finish(&evidence);
     conus_atlas_destroy(atlas);
+    label_voxels_finish(&labels[0]);
+    label_voxels_finish(&labels[1]);
     notes_finish(&notes);
 }
 

@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "builders/nifti_builder.h"
 #include "builders/tiff_builder.h"
+#include "label_list.h"
 #include "loaders/volumes/volume_file.h"
 #include "loaders/volumes/volume_values.h"
 #include "test.h"
@@ -495,7 +496,7 @@ static conus_status open_and_decode(void *path)
     struct notes notes = {0};
     uint32_t *labels = NULL;
     conus_status status = volume_file_open(&file, path, 0, &notes);
-    status = status ? status : volume_file_labels(&labels, &file);
+    status = status ? status : label_list_read(&labels, &file);
     memory_free(labels);
     notes_finish(&notes);
     volume_file_finish(&file);

@@ -6,6 +6,7 @@
 #include "base/buffer.h"
 #include "base/file.h"
 #include "base/memory.h"
+#include "label_list.h"
 #include "loaders/volumes/nifti_write.h"
 #include "loaders/volumes/volume_values.h"
 #include "test.h"
@@ -49,7 +50,10 @@ static struct volume fill(size_t ni, size_t nj, size_t nk, value_of *value)
 static struct grey_verdict judge(const struct volume *volume, const struct grey_claims *claims)
 {
     struct grey_verdict verdict;
-    assert_ok(grey_judge(&verdict, volume->labels, volume->dim, claims));
+    struct label_voxels labels = {0};
+    assert_ok(label_voxels_of(&labels, volume->labels, count_of(volume)));
+    assert_ok(grey_judge(&verdict, &labels, volume->dim, claims));
+    label_voxels_finish(&labels);
     return verdict;
 }
 
@@ -431,7 +435,7 @@ static void check_real(const char *path, bool grey, size_t steps)
     struct notes notes = {0};
     uint32_t *labels = NULL;
     assert_ok(volume_file_open(&file, path, 0, &notes));
-    assert_ok(volume_file_labels(&labels, &file));
+    assert_ok(label_list_read(&labels, &file));
     for (size_t step = 1; step <= steps; step++) {
         struct volume volume = thin_out(labels, file.info.dim, step);
         struct grey_verdict verdict = judge(&volume, &nothing);

@@ -4,6 +4,7 @@
 
 #include "base/memory.h"
 #include "builders/nifti_builder.h"
+#include "label_list.h"
 #include "loaders/volumes/volume_file.h"
 #include "loaders/volumes/volume_values.h"
 #include "test.h"
@@ -121,7 +122,7 @@ static void voxels_of_every_type_and_frame(void **state)
         assert_string_equal(file.info.datatype, types[i / 4].datatype);
         assert_int_equal(file.info.volume_count, 2);
         assert_int_equal(file.embedded.size, 0);
-        assert_ok(volume_file_labels(&labels, &file));
+        assert_ok(label_list_read(&labels, &file));
         for (size_t v = 0; v < 24; v++) {
             assert_int_equal(labels[v], 24 * frame + v);
         }

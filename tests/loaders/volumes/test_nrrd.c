@@ -5,6 +5,7 @@
 #include "base/memory.h"
 #include "builders/bent_text.h"
 #include "builders/nifti_builder.h"
+#include "label_list.h"
 #include "loaders/volumes/volume_file.h"
 #include "loaders/volumes/volume_values.h"
 #include "test.h"
@@ -39,7 +40,7 @@ static conus_status parse_bent(struct text_volume *out, const char *text, const 
 static void check_labels(struct volume_file *file, size_t count, size_t first, size_t step)
 {
     uint32_t *labels;
-    assert_ok(volume_file_labels(&labels, file));
+    assert_ok(label_list_read(&labels, file));
     for (size_t v = 0; v < count; v++) {
         assert_int_equal(labels[v], first + step * v);
     }

@@ -5,6 +5,7 @@
 #include "base/math3.h"
 #include "base/memory.h"
 #include "builders/nifti_builder.h"
+#include "label_list.h"
 #include "loaders/volumes/volume_header.h"
 #include "loaders/volumes/volume_values.h"
 #include "test.h"
@@ -58,7 +59,7 @@ static void assert_small(struct volume_file *file)
     uint32_t *labels;
     float *values;
     struct notes notes = {0};
-    assert_ok(volume_file_labels(&labels, file));
+    assert_ok(label_list_read(&labels, file));
     assert_near(file->info.minimum, 0, 0);
     assert_near(file->info.maximum, 127, 0);
     assert_ok(volume_file_values(&values, file, &notes));
@@ -129,7 +130,7 @@ static void one_volume_of_a_series(void **state)
         assert_int_equal(file.info.volume_count, 6);
         assert_int_equal(file.voxels.size, 2 * SMALL_COUNT);
         assert_null(strchr(file.path, ','));
-        assert_ok(volume_file_labels(&labels, &file));
+        assert_ok(label_list_read(&labels, &file));
         for (size_t v = 0; v < SMALL_COUNT; v++) {
             assert_int_equal(labels[v], 10 * chosen + v);
         }
@@ -469,7 +470,7 @@ static conus_status open_and_decode(void *path)
     float *values = NULL;
     conus_status status = volume_file_open(&file, path, 0, &notes);
     if (!status) {
-        status = volume_file_labels(&labels, &file);
+        status = label_list_read(&labels, &file);
     }
     if (!status) {
         status = volume_file_values(&values, &file, &notes);
@@ -552,7 +553,7 @@ static void reads_the_mricron_templates(void **state)
         assert_string_equal(file.info.orientation, wanted[i].orientation);
         assert_string_equal(file.info.transform, wanted[i].transform);
         assert_int_equal(file.embedded.size, wanted[i].embedded);
-        assert_ok(volume_file_labels(&labels, &file));
+        assert_ok(label_list_read(&labels, &file));
         assert_near(file.info.minimum, 0, 0);
         assert_near(file.info.maximum, wanted[i].maximum, 0);
         memory_free(labels);

@@ -1,0 +1,294 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Labels as places in a list of those that there are. */
+#include "atlas/label_voxels.h"
+
+#include "base/memory.h"
+
+#include <string.h>
+
+enum { NARROW = sizeof(uint16_t), WIDE = sizeof(uint32_t) };
+
+void label_voxels_finish(struct label_voxels *voxels)
+{
+    memory_free(voxels->narrow);
+    memory_free(voxels->wide);
+    memory_free(voxels->labels);
+    *voxels = (struct label_voxels){0};
+}
+
+static uint32_t place_at(const struct label_voxels *voxels, size_t voxel)
+{
+    return voxels->narrow ? voxels->narrow[voxel] : voxels->wide[voxel];
+}
+
+static void set_place(struct label_voxels *voxels, size_t voxel, uint32_t place)
+{
+    if (voxels->narrow) {
+        voxels->narrow[voxel] = (uint16_t)place;
+    } else {
+        voxels->wide[voxel] = place;
+    }
+}
+
+void label_voxels_get(uint32_t *out, const struct label_voxels *voxels, size_t first, size_t count)
+{
+    for (size_t i = 0; voxels->narrow && i < count; i++) {
+        out[i] = voxels->labels[voxels->narrow[first + i]];
+    }
+    for (size_t i = 0; voxels->wide && i < count; i++) {
+        out[i] = voxels->labels[voxels->wide[first + i]];
+    }
+}
+
+void label_voxels_clear(struct label_voxels *voxels, size_t voxel)
+{
+    set_place(voxels, voxel, 0);
+}
+
+/* Run by run: neighbours along i mostly share their label. */
+static void count_places(uint64_t *counts, const struct label_voxels *voxels)
+{
+    for (size_t start = 0, end; start < voxels->count; start = end) {
+        uint32_t place = place_at(voxels, start);
+        for (end = start + 1; end < voxels->count && place_at(voxels, end) == place;) {
+            end++;
+        }
+        counts[place] += end - start;
+    }
+}
+
+conus_status label_voxels_tally(struct label_map *out, const struct label_voxels *voxels)
+{
+    uint64_t *counts = memory_zeroed(voxels->label_count, sizeof *counts);
+    conus_status status = counts ? CONUS_OK : CONUS_ERROR_MEMORY;
+    if (!status) {
+        count_places(counts, voxels);
+    }
+    for (size_t p = 1; !status && p < voxels->label_count; p++) {
+        uint64_t *count = voxels->labels[p] && counts[p] ? label_map_at(out, voxels->labels[p]) : &counts[p];
+        status = count ? CONUS_OK : CONUS_ERROR_MEMORY;
+        if (!status && count != &counts[p]) {
+            *count += counts[p];
+        }
+    }
+    memory_free(counts);
+    return status;
+}
+
+/* Makes the first `count` of 2 bytes each 4 bytes, in the same memory or elsewhere. */
+static void widen_places(uint8_t *to, const uint8_t *from, size_t count)
+{
+    for (size_t i = count; i-- > 0;) {
+        uint16_t narrow;
+        memcpy(&narrow, from + i * NARROW, NARROW);
+        uint32_t wide = narrow;
+        memcpy(to + i * WIDE, &wide, WIDE);
+    }
+}
+
+static conus_status make_wide(struct label_voxels *voxels)
+{
+    if (voxels->wide) {
+        return CONUS_OK;
+    }
+    uint32_t *wide = memory_resize(voxels->narrow, voxels->count, sizeof *wide);
+    if (!wide) {
+        return CONUS_ERROR_MEMORY;
+    }
+    widen_places((uint8_t *)wide, (uint8_t *)wide, voxels->count);
+    voxels->wide = wide;
+    voxels->narrow = NULL;
+    return CONUS_OK;
+}
+
+/* All of them must fit. */
+static void make_narrow(struct label_voxels *voxels)
+{
+    uint8_t *memory = (uint8_t *)voxels->wide;
+    for (size_t i = 0; i < voxels->count; i++) {
+        uint32_t wide;
+        memcpy(&wide, memory + i * WIDE, WIDE);
+        uint16_t narrow = (uint16_t)wide;
+        memcpy(memory + i * NARROW, &narrow, NARROW);
+    }
+    uint8_t *less = memory_resize(memory, voxels->count, NARROW);
+    voxels->narrow = (void *)(less ? less : memory);
+    voxels->wide = NULL;
+}
+
+conus_status label_voxels_merge(struct label_voxels *to, const struct label_voxels *from)
+{
+    size_t shift = to->label_count - 1; /* of a place: label 0 is there once */
+    size_t count = shift + from->label_count;
+    uint32_t *labels = memory_resize(to->labels, count, sizeof *labels);
+    if (!labels) {
+        return CONUS_ERROR_MEMORY;
+    }
+    to->labels = labels;
+    if (count > UINT16_MAX + (size_t)1 && make_wide(to)) {
+        return CONUS_ERROR_MEMORY;
+    }
+    memcpy(labels + to->label_count, from->labels + 1, (from->label_count - 1) * sizeof *labels);
+    to->label_count = count;
+    for (size_t i = 0; i < to->count; i++) {
+        uint32_t place = place_at(from, i);
+        if (place && !labels[place_at(to, i)]) {
+            set_place(to, i, place + (uint32_t)shift);
+        }
+    }
+    return CONUS_OK;
+}
+
+conus_status label_voxels_renumber(struct label_voxels *voxels, const uint32_t *numbers, bool narrow)
+{
+    conus_status status = narrow ? CONUS_OK : make_wide(voxels);
+    if (status) {
+        return status;
+    }
+    for (size_t i = 0; voxels->narrow && i < voxels->count; i++) {
+        voxels->narrow[i] = (uint16_t)numbers[voxels->narrow[i]];
+    }
+    for (size_t i = 0; voxels->wide && i < voxels->count; i++) {
+        voxels->wide[i] = numbers[voxels->wide[i]];
+    }
+    if (narrow && voxels->wide) {
+        make_narrow(voxels);
+    }
+    return CONUS_OK;
+}
+
+conus_status label_voxels_of(struct label_voxels *out, const uint32_t *labels, size_t count)
+{
+    struct label_coder coder;
+    conus_status status = label_coder_init(&coder, count, 0, NULL, 0);
+    status = status ? status : label_coder_add(&coder, labels, count);
+    if (!status) {
+        label_coder_end(out, &coder);
+    }
+    label_coder_finish(&coder);
+    return status;
+}
+
+/* ---- Block by block ---------------------------------------------------------------------------------------------- */
+
+void label_coder_finish(struct label_coder *coder)
+{
+    memory_free(coder->memory);
+    memory_free(coder->earlier);
+    memory_free(coder->voxels.labels);
+    label_map_finish(&coder->place_of);
+    *coder = (struct label_coder){0};
+}
+
+static conus_status check_limit(const struct label_coder *coder, size_t each)
+{
+    size_t size;
+    bool fits = memory_multiply(coder->voxels.count, each, &size) && (!coder->limit || size <= coder->limit);
+    return fits ? CONUS_OK
+                : fail(CONUS_ERROR_MEMORY,
+                       "labels: found %zu voxels, which take %zu bytes each, allowed are %llu bytes (--max-memory)",
+                       coder->voxels.count, each, (unsigned long long)coder->limit);
+}
+
+/* Appends to the list. */
+static conus_status append_label(struct label_coder *coder, uint32_t label)
+{
+    struct label_voxels *voxels = &coder->voxels;
+    if (voxels->label_count == LABEL_VOXELS_LIMIT) {
+        return fail(CONUS_ERROR_MEMORY,
+                    "labels: found more than %d different ones, as only images have; --context draws an image",
+                    LABEL_VOXELS_LIMIT);
+    }
+    if (!memory_reserve(&voxels->labels, &coder->label_capacity, voxels->label_count + 1, sizeof *voxels->labels)) {
+        return CONUS_ERROR_MEMORY;
+    }
+    voxels->labels[voxels->label_count++] = label;
+    return CONUS_OK;
+}
+
+conus_status label_coder_init(struct label_coder *coder, size_t count, uint64_t limit, uint8_t *memory, size_t size)
+{
+    *coder = (struct label_coder){.voxels.count = count, .memory = memory, .size = size, .limit = limit};
+    conus_status status = check_limit(coder, NARROW);
+    if (!status && !memory) {
+        coder->memory = memory_raw(count, NARROW);
+        coder->size = count * NARROW;
+    }
+    status = status || coder->memory ? status : CONUS_ERROR_MEMORY;
+    return status ? status : append_label(coder, 0);
+}
+
+/* Places of 2 bytes do not suffice any more. */
+static conus_status widen_coder(struct label_coder *coder)
+{
+    bool in_place = coder->size / WIDE >= coder->voxels.count;
+    conus_status status = check_limit(coder, WIDE);
+    uint8_t *wide = status ? NULL : in_place ? coder->memory : memory_raw(coder->voxels.count, WIDE);
+    if (!wide) {
+        return status ? status : CONUS_ERROR_MEMORY;
+    }
+    widen_places(wide, coder->memory, coder->done);
+    coder->earlier = in_place ? NULL : coder->memory;
+    coder->memory = wide;
+    coder->size = in_place ? coder->size : coder->voxels.count * WIDE;
+    coder->voxels.wide = (void *)wide;
+    return CONUS_OK;
+}
+
+/* The place of a label, which is appended if it is new. */
+static conus_status find_place(uint32_t *place, struct label_coder *coder, uint32_t label)
+{
+    uint64_t *found = label ? label_map_at(&coder->place_of, label) : NULL;
+    conus_status status = found || !label ? CONUS_OK : CONUS_ERROR_MEMORY;
+    if (found && !*found) {
+        *found = coder->voxels.label_count;
+        status = append_label(coder, label);
+    }
+    *place = found ? (uint32_t)*found : 0;
+    return status || *place <= UINT16_MAX || coder->voxels.wide ? status : widen_coder(coder);
+}
+
+static void write_run(struct label_coder *coder, uint32_t place, size_t count)
+{
+    size_t from = coder->done;
+    coder->done += count;
+    if (coder->voxels.wide) {
+        for (size_t i = from; i < coder->done; i++) {
+            coder->voxels.wide[i] = place;
+        }
+        return;
+    }
+    uint16_t *narrow = (void *)coder->memory;
+    for (size_t i = from; i < coder->done; i++) {
+        narrow[i] = (uint16_t)place;
+    }
+}
+
+conus_status label_coder_add(struct label_coder *coder, const uint32_t *labels, size_t count)
+{
+    conus_status status = CONUS_OK;
+    for (size_t start = 0, end; !status && start < count; start = end) {
+        for (end = start + 1; end < count && labels[end] == labels[start];) {
+            end++;
+        }
+        if (labels[start] != coder->last) {
+            status = find_place(&coder->last_place, coder, labels[start]);
+            coder->last = labels[start];
+        }
+        write_run(coder, coder->last_place, status ? 0 : end - start);
+    }
+    return status;
+}
+
+void label_coder_end(struct label_voxels *out, struct label_coder *coder)
+{
+    size_t each = coder->voxels.wide ? WIDE : NARROW;
+    uint8_t *less =
+        coder->size > coder->voxels.count * each ? memory_resize(coder->memory, coder->voxels.count, each) : NULL;
+    void *memory = less ? less : coder->memory;
+    coder->memory = NULL;
+    *out = coder->voxels;
+    out->narrow = out->wide ? NULL : memory;
+    out->wide = out->wide ? memory : NULL;
+    coder->voxels = (struct label_voxels){0};
+}

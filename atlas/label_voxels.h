@@ -1,0 +1,74 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * The labels of voxels, any 32-bit numbers, in 2 bytes a voxel: each voxel has the place of its label in a list. More
+ * than 65,535 different labels take 4 bytes a voxel. */
+#ifndef CONUS_ATLAS_LABEL_VOXELS_H
+#define CONUS_ATLAS_LABEL_VOXELS_H
+
+#include "atlas/label_map.h"
+
+struct label_voxels {
+    size_t count;     /**< Of voxels.                                                                   */
+    uint16_t *narrow; /**< [count] places in `labels`, owned: one of the two,                           */
+    uint32_t *wide;   /**< by the number of different labels.                                           */
+    uint32_t *labels; /**< [label_count], owned: 0, then in the order in which they were first read. They may be
+                           changed: all voxels of a label change with it. */
+    size_t label_count;
+};
+
+enum { LABEL_VOXELS_LIMIT = 1 << 24 }; /**< Different labels. */
+
+void label_voxels_finish(struct label_voxels *voxels);
+
+static inline uint32_t label_voxels_at(const struct label_voxels *voxels, size_t voxel)
+{
+    return voxels->labels[voxels->narrow ? voxels->narrow[voxel] : voxels->wide[voxel]];
+}
+
+/** The labels of @p count voxels from @p first on. */
+void label_voxels_get(uint32_t *out, const struct label_voxels *voxels, size_t first, size_t count);
+
+/** Gives the voxel label 0. */
+void label_voxels_clear(struct label_voxels *voxels, size_t voxel);
+
+/** Adds to @p out how many voxels each label but 0 has. */
+conus_status label_voxels_tally(struct label_map *out, const struct label_voxels *voxels);
+
+/** Gives those voxels of @p to that have label 0 the labels that they have in @p from. Both have as many voxels. On
+ * failure @p to is as before. */
+conus_status label_voxels_merge(struct label_voxels *to, const struct label_voxels *from);
+
+/** Puts numbers[p] in the place of each place p, in the same memory; 2 bytes for each if @p narrow, else 4. What is in
+ * `labels` does not belong to them any more. */
+conus_status label_voxels_renumber(struct label_voxels *voxels, const uint32_t *numbers, bool narrow);
+
+/** The labels of an array. */
+conus_status label_voxels_of(struct label_voxels *out, const uint32_t *labels, size_t count);
+
+/** Makes label voxels of labels that come block by block. */
+struct label_coder {
+    struct label_voxels voxels;
+    uint8_t *memory;  /* of the places */
+    size_t size;      /* its bytes */
+    uint8_t *earlier; /* what `memory` was before the places became wide, if that was not in place */
+    size_t done;      /* voxels */
+    uint64_t limit;
+    size_t label_capacity;
+    struct label_map place_of; /* label -> place */
+    uint32_t last, last_place;
+};
+
+/** For @p count voxels, whose places may take @p limit bytes (0 = any): CONUS_ERROR_MEMORY where that is too little.
+ * They are written to @p memory, of @p size bytes, taken over also on failure, if it is not NULL. The caller may keep
+ * the labels that are still to come in it, where each takes @p size / @p count bytes, 2 or more. */
+conus_status label_coder_init(struct label_coder *coder, size_t count, uint64_t limit, uint8_t *memory, size_t size);
+
+/** Appends the labels of the next @p count voxels. More than LABEL_VOXELS_LIMIT different ones, or more than fit, are
+ * CONUS_ERROR_MEMORY. */
+conus_status label_coder_add(struct label_coder *coder, const uint32_t *labels, size_t count);
+
+/** Moves the result to @p out once all voxels are there. */
+void label_coder_end(struct label_voxels *out, struct label_coder *coder);
+void label_coder_finish(struct label_coder *coder);
+
+#endif
