@@ -195,7 +195,7 @@ static conus_status append_label(struct label_coder *coder, uint32_t label)
 {
     struct label_voxels *voxels = &coder->voxels;
     if (voxels->label_count == LABEL_VOXELS_LIMIT) {
-        return fail(CONUS_ERROR_MEMORY,
+        return fail(CONUS_ERROR_DATA,
                     "labels: found more than %d different ones, as only images have; --context draws an image",
                     LABEL_VOXELS_LIMIT);
     }

@@ -63,8 +63,8 @@ struct label_coder {
  * the labels that are still to come in it, where each takes @p size / @p count bytes, 2 or more. */
 conus_status label_coder_init(struct label_coder *coder, size_t count, uint64_t limit, uint8_t *memory, size_t size);
 
-/** Appends the labels of the next @p count voxels. More than LABEL_VOXELS_LIMIT different ones, or more than fit, are
- * CONUS_ERROR_MEMORY. */
+/** Appends the labels of the next @p count voxels. More than LABEL_VOXELS_LIMIT different ones are CONUS_ERROR_DATA,
+ * more than fit CONUS_ERROR_MEMORY. */
 conus_status label_coder_add(struct label_coder *coder, const uint32_t *labels, size_t count);
 
 /** Moves the result to @p out once all voxels are there. */

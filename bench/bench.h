@@ -106,6 +106,7 @@ conus_status bench_volume(struct bench *bench);
 conus_status bench_volume_gl(struct bench *bench);
 conus_status bench_mesh(struct bench *bench);
 conus_status bench_skipping(struct bench *bench);
+conus_status bench_open(struct bench *bench);
 conus_status bench_steps(struct bench *bench);
 conus_status bench_startup(struct bench *bench);
 conus_status bench_torus(struct bench *bench);

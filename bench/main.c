@@ -57,6 +57,8 @@ static const struct bench_scenario scenarios[] = {
      bench_brain_frames, 1, 9, 20},
     {"accuracy", "how wrong slices are: labels and thin tubes, over cones' angles", bench_accuracy, 64, 5, 2},
     {"startup", "loading an atlas, making selectors, and the whole of conus query", bench_startup, 1, 15, 15},
+    {"open", "the atlas enlarged three times along each axis: conus query on it, and its memory per voxel", bench_open,
+     1, 3, 15},
     {"hand", "a trembling hand: how often --poses trials select the area that was meant", bench_hand, 64, 0, 0},
 };
 

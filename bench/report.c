@@ -95,6 +95,7 @@ static const struct hold {
     {"colour_slicing_over_skipping", false, 5},
     {"dda_over_simd", false, 6},
     {"query_process_s", true, 0.1},
+    {"open_bytes_per_voxel", true, 3.2},
     {"python_over_batch", false, 1},
 };
 

@@ -173,6 +173,7 @@ static conus_status code_labels(struct label_coder *coder, struct volume_file *f
             maximum = labels[i] > maximum ? labels[i] : maximum;
         }
         status = label_coder_add(coder, labels, block);
+        status = status ? fail_in(status, file->path) : CONUS_OK;
     }
     file->info.minimum = minimum;
     file->info.maximum = maximum;
@@ -185,10 +186,8 @@ static conus_status read_labels(struct label_voxels *out, struct volume_file *fi
 {
     struct label_coder coder;
     conus_status status = label_coder_init(&coder, count_voxels(file), file->max_memory, memory->data, memory->size);
-    status = status ? status : code_labels(&coder, file, voxels);
-    if (status) {
-        status = status == CONUS_ERROR_MEMORY ? fail_in(status, file->path) : status;
-    } else {
+    status = status ? fail_in(status, file->path) : code_labels(&coder, file, voxels);
+    if (!status) {
         label_coder_end(out, &coder);
     }
     label_coder_finish(&coder);
