@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file The format of an answer, the file it goes to, and the sidecar beside that file. */
+/** @file The options for the format of an answer, the file it goes to, and the sidecar beside that file. */
 #ifndef CONUS_CLI_ANSWERS_ANSWER_FORMAT_H
 #define CONUS_CLI_ANSWERS_ANSWER_FORMAT_H
 
-#include "common/provenance.h"
+#include "common/answer_file.h"
 #include "settings/settings.h"
 
 struct answer_settings {
@@ -24,13 +24,5 @@ bool answer_format(conus_format *out, const struct arguments *arguments, const s
  * behind it; *out is the caller's to free(), or NULL where there is none to write: a report in JSON says everything
  * itself. Returns the exit code and prints an error unless it is 0. */
 int answer_sidecar(char **out, conus_format format, const struct answer_settings *settings);
-
-/** Writes the report's sidecar to @p sidecar, unless that is NULL, and then its text to @p path. @p provenance has what
- * was read besides the atlas, and the other outputs, which are there already. Returns the exit code and prints an error
- * unless it is 0. */
-int answer_write(conus_report *report, const char *path, const char *sidecar, const struct provenance *provenance);
-/** Writes only the sidecar of an answer whose text, @p size bytes, is known; NULL = it went to standard output. */
-int answer_write_sidecar(conus_report *report, const char *path, const char *sidecar,
-                         const struct provenance *provenance, const char *text, size_t size);
 
 #endif

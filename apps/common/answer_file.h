@@ -1,0 +1,18 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file An answer in a file, with the sidecar beside it. */
+#ifndef CONUS_COMMON_ANSWER_FILE_H
+#define CONUS_COMMON_ANSWER_FILE_H
+
+#include "common/provenance.h"
+
+#include <conus/conus.h>
+
+/** Writes the report's sidecar to @p sidecar, unless that is NULL, and then its text to @p path. @p provenance has what
+ * was read besides the atlas, and the other outputs, which are there already. Returns the exit code and prints an error
+ * unless it is 0. */
+int answer_write(conus_report *report, const char *path, const char *sidecar, const struct provenance *provenance);
+/** Writes only the sidecar of an answer whose text, @p size bytes, is known; NULL = it went to standard output. */
+int answer_write_sidecar(conus_report *report, const char *path, const char *sidecar,
+                         const struct provenance *provenance, const char *text, size_t size);
+
+#endif
