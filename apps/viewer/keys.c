@@ -199,6 +199,21 @@ static void keep_picture(struct window *window)
     window->keeps_picture = true; /* once the frame is drawn */
 }
 
+static void copy_list(struct window *window)
+{
+    window_copy(window, COPY_RESULTS);
+}
+
+static void copy_confirmed(struct window *window)
+{
+    window_copy(window, COPY_PINS);
+}
+
+static void export_list(struct window *window)
+{
+    keep(window, KEEP_RESULTS);
+}
+
 static void enlarge_texts(struct window *window)
 {
     window_zoom(window, 1);
@@ -295,6 +310,9 @@ static const struct {
     {"o", keep_session, "or anew: conus-DATE-TIME.json, in the folder where conus was started; Ctrl+Shift+S, too"},
     {"ctrl+shift+s", keep_session, NULL},
     {"p", keep_picture, "save what the window shows: conus-DATE-TIME.png, there, too"},
+    {"ctrl+c", copy_list, "copy the hits of the cone as a table"},
+    {"ctrl+shift+c", copy_confirmed, "copy what was confirmed"},
+    {"ctrl+e", export_list, "export the hits of the cone: conus-DATE-TIME-hits.tsv, .csv or .json, there, too"},
     {"ctrl+o", window_go_to_start, "the start page, for another atlas; Escape comes back"},
     {"tab", enlarge, "one pane after the other fills the window"},
     {"f11", fill_screen, "3-D alone, over the whole screen, and back"},

@@ -38,8 +38,9 @@ APPS = {
     "apps/viewer/chosen": "apps/viewer/model",
     "apps/viewer/panes": "apps/viewer/model apps/viewer/pointing apps/viewer/chosen apps/viewer/second"
     " apps/viewer/hands apps/viewer/window",
-    "apps/viewer/panels": "apps/settings apps/viewer/pointing apps/viewer/hands apps/viewer/window",
-    "apps/viewer/session": "apps/common apps/viewer/pointing apps/viewer/hands apps/viewer/window",
+    "apps/viewer/results": "apps/common apps/viewer/model",
+    "apps/viewer/panels": "apps/settings apps/viewer/pointing apps/viewer/results apps/viewer/hands apps/viewer/window",
+    "apps/viewer/session": "apps/common apps/viewer/pointing apps/viewer/results apps/viewer/hands apps/viewer/window",
     # draw.c joins the panes and panels; the window itself knows neither.
     "apps/viewer": "apps/link apps/common apps/settings apps/pages apps/viewer/pointing apps/viewer/hands apps/viewer/window apps/viewer/panes"
     " apps/viewer/panels apps/viewer/session",

@@ -49,6 +49,35 @@ END
     [ $i -eq 50 ]
 }
 
+@test "exported files are those of conus query -o, sidecars included" {
+    need_window
+    conus phantom nested -o .
+    conus phantom u-shape -o .
+    mkdir view query
+    view nested.nii.gz --atlas u-shape.nii.gz --hide ShO <<'END'
+aim 60 10 6 0 0 6
+angle 30
+export view/a.tsv
+key l
+export view/b.csv
+export view/c.json
+END
+    for file in a.tsv b.csv c.json; do
+        layers=$([ $file = a.tsv ] && echo visible || echo all)
+        conus query nested.nii.gz --atlas u-shape.nii.gz --hide ShO --origin=60,10,6 --toward=0,0,6 --angle 30 \
+            --layers "$layers" -o query/$file
+        cmp view/$file query/$file || [ $file = c.json ]
+    done
+    # a window has no command line of its own, and so another checksum; files have their names
+    for file in a b c; do
+        for from in view query; do
+            jq 'del(.GeneratedBy[].CommandLine, .Checksum, .Outputs[].path)' $from/$file.json >$from.$file
+            [ -s $from.$file ]
+        done
+        cmp view.$file query.$file
+    done
+}
+
 @test "positions are those of the mouse, in scripts, lists and poses" {
     need_window
     python3 "$BATS_TEST_DIRNAME/ccf.py"

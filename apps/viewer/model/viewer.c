@@ -297,11 +297,14 @@ char *viewer_pins_text(const struct viewer *viewer)
 
 /* The answer of atlas @p index, or why there is none, behind those of the atlases before it. */
 static conus_status add_report(conus_report **reports, struct viewer *viewer, struct answer *const *answers,
-                               size_t index)
+                               size_t index, conus_format format, const char *command)
 {
     struct view_atlas *on = &viewer->atlases[index];
-    const conus_report_options options = {
-        .format = CONUS_FORMAT_TSV, .atlas = on->name[0] ? on->name : NULL, .frame = &viewer->frame};
+    const conus_report_options options = {.format = format,
+                                          .atlas = on->name[0] ? on->name : NULL,
+                                          .frame = &viewer->frame,
+                                          .command = command,
+                                          .no_voxels = true};
     conus_selector_options asked;
     bool was_asked = false;
     for (size_t i = 0; i < viewer->atlas_count; i++) {
@@ -318,6 +321,34 @@ static conus_status add_report(conus_report **reports, struct viewer *viewer, st
     return status || !index ? status : conus_report_join(reports[0], reports[index]);
 }
 
+static conus_status report_answers(conus_report **reports, struct viewer *viewer, struct answer *const *answers,
+                                   conus_format format, const char *command)
+{
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; i < viewer->atlas_count && !status; i++) {
+        status = add_report(reports, viewer, answers, i, format, command);
+    }
+    return status;
+}
+
+/* The answers of the atlases; the array is to be freed. */
+static struct answer **answers_of(const struct viewer *viewer)
+{
+    struct answer **answers = calloc(viewer->atlas_count, sizeof(struct answer *));
+    for (size_t i = 0; answers && i < viewer->atlas_count; i++) {
+        answers[i] = viewer->atlases[i].answer;
+    }
+    return answers;
+}
+
+conus_status viewer_report(conus_report **reports, struct viewer *viewer, conus_format format, const char *command)
+{
+    struct answer **answers = answers_of(viewer);
+    conus_status status = answers ? report_answers(reports, viewer, answers, format, command) : CONUS_ERROR_MEMORY;
+    free((void *)answers);
+    return status;
+}
+
 /* These answers as a table; to be freed. */
 static conus_status tabulate(char **out, struct viewer *viewer, struct answer *const *answers)
 {
@@ -325,9 +356,7 @@ static conus_status tabulate(char **out, struct viewer *viewer, struct answer *c
     conus_status status = reports ? CONUS_OK : CONUS_ERROR_MEMORY;
     const char *text;
     size_t size;
-    for (size_t i = 0; i < viewer->atlas_count && !status; i++) {
-        status = add_report(reports, viewer, answers, i);
-    }
+    status = status ? status : report_answers(reports, viewer, answers, CONUS_FORMAT_TSV, NULL);
     status = status ? status : conus_report_text(&text, &size, reports[0]);
     *out = status ? NULL : strdup(text);
     for (size_t i = 0; reports && i < viewer->atlas_count; i++) {
@@ -340,10 +369,7 @@ static conus_status tabulate(char **out, struct viewer *viewer, struct answer *c
 /* What was selected in all atlases. */
 static conus_status make_table(char **out, struct viewer *viewer)
 {
-    struct answer **answers = calloc(viewer->atlas_count, sizeof(struct answer *));
-    for (size_t i = 0; answers && i < viewer->atlas_count; i++) {
-        answers[i] = viewer->atlases[i].answer;
-    }
+    struct answer **answers = answers_of(viewer);
     conus_status status = answers ? tabulate(out, viewer, answers) : CONUS_ERROR_MEMORY;
     free((void *)answers);
     return status;

@@ -48,6 +48,14 @@ struct display {
     bool no_outlines, radiological, safe_colours;
 };
 
+/** What the lists of hits show (results/columns.h). All 0: the usual. */
+struct result_list {
+    uint32_t columns; /**< A bit for each column that was chosen; 0 = none was, the usual ones are shown. */
+    size_t order;     /**< The column that rows are ordered by; 0 = the rank, */
+    bool reversed;    /**< the other way round. */
+    size_t format;    /**< Of exported files (results/export.h). */
+};
+
 struct viewer {
     struct view_atlas *atlases; /**< [atlas_count] As they were given. */
     size_t atlas_count;
@@ -60,6 +68,7 @@ struct viewer {
 
     struct cone_state cone;
     struct display display;
+    struct result_list list;
 
     /* where the panes look */
     struct orbit orbit;
@@ -121,6 +130,10 @@ const conus_selection *viewer_selection(const struct viewer *viewer);
 char *viewer_pins_text(const struct viewer *viewer);
 /** What was selected in all atlases, as a table, likewise. */
 char *viewer_results_text(struct viewer *viewer);
+
+/** Makes a report of @p format for each atlas, on its answer; the texts of the first are those of all. @p reports is
+ * [atlas_count], zeroed, and the caller's to end in any case. @p command: the command line that they say, or NULL. */
+conus_status viewer_report(conus_report **reports, struct viewer *viewer, conus_format format, const char *command);
 
 /** The same, as conus query -o FILE.tsv writes it. */
 conus_status viewer_write_results(struct viewer *viewer, const char *path);

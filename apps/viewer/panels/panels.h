@@ -9,11 +9,13 @@ void panel_start(struct window *window); /**< In place of all others. */
 /** Buttons of the keys that everybody needs, in one line. */
 void panel_tools(struct window *window);
 void panel_areas(struct window *window);
-/** What a cone hits in an atlas, as a table so many lines high. */
+/** What a cone hits in an atlas, as a list so many lines high. */
 void panel_list(struct window *window, const struct view_atlas *on, const conus_selection *selection, float lines);
 void panel_second(struct window *window); /**< The second tool. */
 void panel_cone(struct window *window);
 void panel_results(struct window *window);
+/** Of the results: the button that chooses the columns of the lists. */
+void panel_columns(struct window *window);
 void panel_transfer(struct window *window);
 void panel_source(struct window *window);
 void panel_status(struct window *window);

@@ -2,14 +2,27 @@
 /* Finds a free name by the time, and writes a session or picture there. */
 #include "viewer/session/keep.h"
 
+#include "common/provenance.h"
+#include "viewer/results/columns.h"
+#include "viewer/results/export.h"
 #include "viewer/session/session.h"
 
 #include <limits.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <time.h>
 #include <unistd.h>
 
 enum { NAME_SIZE = 64, SAME_SECOND = 100 };
+
+/* Nor a sidecar. */
+static bool is_free(const char *name)
+{
+    char *sidecar = provenance_path(name);
+    bool is = sidecar && access(name, F_OK) != 0 && access(sidecar, F_OK) != 0;
+    free(sidecar);
+    return is;
+}
 
 static void make_name(char name[NAME_SIZE], const char *ending)
 {
@@ -18,20 +31,37 @@ static void make_name(char name[NAME_SIZE], const char *ending)
     time_t clock = time(NULL);
     strftime(date, sizeof date, "%Y%m%d-%H%M%S", localtime_r(&clock, &now));
     snprintf(name, NAME_SIZE, "conus-%s%s", date, ending);
-    for (int i = 2; i < SAME_SECOND && access(name, F_OK) == 0; i++) {
+    for (int i = 2; i < SAME_SECOND && !is_free(name); i++) {
         snprintf(name, NAME_SIZE, "conus-%s-%d%s", date, i, ending);
+    }
+}
+
+/* False: *why says why not. */
+static bool write_file(struct window *window, enum keep what, const char *path, char why[SESSION_REASON])
+{
+    switch (what) {
+    case KEEP_PICTURE:
+        return !window_write(window, path);
+    case KEEP_RESULTS:
+        return export_results(window->viewer, path, why);
+    default:
+        return session_save(window, path, why);
     }
 }
 
 void keep(struct window *window, enum keep what)
 {
     char name[NAME_SIZE];
+    char ending[16];
     char why[SESSION_REASON] = "";
-    make_name(name, what == KEEP_PICTURE ? ".png" : ".json");
+    snprintf(ending, sizeof ending, "%s%s", what == KEEP_RESULTS ? "-hits" : "",
+             what == KEEP_PICTURE   ? ".png"
+             : what == KEEP_RESULTS ? result_ending(window->viewer->list.format)
+                                    : ".json");
+    make_name(name, ending);
     char path[PATH_MAX];
     snprintf(path, sizeof path, "%s", what == KEEP_SAME_SESSION && window->session_path ? window->session_path : name);
-    bool kept = what == KEEP_PICTURE ? !window_write(window, path) : session_save(window, path, why);
-    if (kept) {
+    if (write_file(window, what, path, why)) {
         viewer_say(window->viewer, "saved: %s", path);
     } else {
         viewer_say(window->viewer, "%s", why[0] ? why : conus_message());

@@ -7,9 +7,10 @@
 
 #include "viewer/window/window.h"
 
-enum keep { KEEP_SESSION = 0, KEEP_SAME_SESSION, KEEP_PICTURE };
+enum keep { KEEP_SESSION = 0, KEEP_SAME_SESSION, KEEP_PICTURE, KEEP_RESULTS };
 
-/** Writes it, and says where in the status line. A picture is what has just been drawn. */
+/** Writes it, and says where in the status line. A picture is what has just been drawn; the hits of the cone get a
+ * sidecar. */
 void keep(struct window *window, enum keep what);
 
 #endif

@@ -5,6 +5,8 @@
 #include "common/messages.h"
 #include "viewer/hands/hands.h"
 #include "viewer/pointing/point.h"
+#include "viewer/results/columns.h"
+#include "viewer/results/export.h"
 #include "viewer/session/script_second.h"
 #include "viewer/session/script_words.h"
 #include "viewer/session/session.h"
@@ -353,6 +355,31 @@ static bool do_results(struct call *call)
     return is_done(viewer_write_results(call->window->viewer, call->words[1]));
 }
 
+static bool do_export(struct call *call)
+{
+    char why[EXPORT_WHY];
+    bool fine = export_results(call->window->viewer, call->words[1], why);
+    if (!fine) {
+        print_error_line("%s", why);
+    }
+    return fine;
+}
+
+static bool do_columns(struct call *call)
+{
+    return result_choose(call->window->viewer, call->words + 1, call->count);
+}
+
+/* As a click above the column. */
+static bool do_order(struct call *call)
+{
+    size_t column = result_find(call->words[1]);
+    if (column < RESULT_COLUMNS) {
+        result_order_by(call->window->viewer, column);
+    }
+    return column < RESULT_COLUMNS;
+}
+
 static const struct {
     const char *name;
     size_t least, most; /* arguments */
@@ -385,6 +412,9 @@ static const struct {
     {"screenshot", 1, 1, do_screenshot, "FILE.png", true},
     {"picture", 3, 3, do_picture, "FILE.png WIDTH HEIGHT", false},
     {"results", 1, 1, do_results, "FILE.tsv", false},
+    {"export", 1, 1, do_export, "FILE.tsv|csv|json", false},
+    {"columns", 0, SCRIPT_WORDS - 1, do_columns, "[NAME] ..., columns of conus query's tables", false},
+    {"order", 1, 1, do_order, "NAME, a column of conus query's tables", false},
     {"times", 1, 1, do_times, "FILE.json", true},
     {"size", 2, 2, do_size, "WIDTH HEIGHT", true},
     {"save", 1, 1, do_save, "FILE.json", false},

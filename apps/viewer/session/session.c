@@ -3,6 +3,7 @@
 #include "viewer/session/session.h"
 
 #include "viewer/session/session_atlases.h"
+#include "viewer/session/session_list.h"
 #include "viewer/session/session_second.h"
 
 #include <errno.h>
@@ -250,6 +251,7 @@ char *session_text(const struct window *window)
     json_object_set_new(root, "transfer", transfer_of(&viewer->transfer_editor));
     json_object_set_new(root, "second", session_second(&window->second));
     json_object_set_new(root, "safe_colours", json_boolean(viewer->display.safe_colours));
+    json_object_set_new(root, "results", session_list(&viewer->list));
     if (root && viewer->atlas_count > 1) {
         json_object_set_new(root, "drawn", json_integer(viewer->drawn - viewer->atlases + 1));
         if (json_object_set_new(root, "further_atlases", session_further(viewer))) {
@@ -434,14 +436,17 @@ static bool read_session(struct window *window, const json_t *root, char why[SES
     struct atlas_edits settings;
     struct session_atlases atlases = {0};
     struct second second;
+    struct result_list list = viewer->list;
     const char *score = known_score(json_string_value(json_object_get(root, "score")));
-    bool fine = read_state(&state, root, why) && (score || session_refuse(why, "session: score: unknown")) &&
+    bool fine = read_state(&state, root, why) && session_list_read(&list, root, why) &&
+                (score || session_refuse(why, "session: score: unknown")) &&
                 session_second_read(&second, &window->second, root, why) &&
                 read_atlas_edits(&settings, &atlases, viewer, root, why) &&
                 set_up(viewer, atlases.drawn, &settings, why);
     if (fine) {
         put_state(window, &state);
         viewer->cone.options.score = score;
+        viewer->list = list;
         session_atlases_hide(&atlases, viewer);
         read_pins(viewer, root);
         viewer_reselect(viewer);

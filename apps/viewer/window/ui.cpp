@@ -36,6 +36,7 @@ static void set_style(float scale)
     style.FrameRounding = 3;
     style.WindowPadding = ImVec2(8, 6);
     style.ItemSpacing = ImVec2(6, 4);
+    style.CellPadding.x = 3;
     style.Colors[ImGuiCol_WindowBg] = ImVec4(0.13F, 0.135F, 0.15F, 1);
     style.Colors[ImGuiCol_TitleBg] = style.Colors[ImGuiCol_TitleBgActive] = ImVec4(0.17F, 0.18F, 0.21F, 1);
     style.ScaleAllSizes(scale);

@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { LEFT_WIDTH = 250, RIGHT_WIDTH = 430, STATUS_HEIGHT = 24 };
+enum { LEFT_WIDTH = 250, PANES_WIDTH = 550 /* at least, where they have it */, RIGHT_WIDTH = 480, STATUS_HEIGHT = 24 };
 
 /* ---- Textures ---------------------------------------------------------------------------------------------------- */
 
@@ -416,7 +416,8 @@ void window_lay_out(struct window *window)
     float status = STATUS_HEIGHT * window->scale;
     float height = fmaxf((float)window->height - status, 0);
     float left = floorf(fminf(LEFT_WIDTH * window->scale, width / 4));
-    float right = floorf(fminf(RIGHT_WIDTH * window->scale, width / 3));
+    float rest = width - left - PANES_WIDTH * window->scale;
+    float right = floorf(fminf(RIGHT_WIDTH * window->scale, fmaxf(rest, width / 3)));
     float half_width = floorf((width - left - right) / 2);
     float half_height = floorf(height / 2);
     window->left = (struct ui_box){0, 0, left, height};

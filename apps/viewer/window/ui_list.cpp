@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The widgets of ui_list.h, by Dear ImGui.
+#include "viewer/window/ui_list.h"
+
+#include <imgui.h>
+
+#include <cstring>
+#include <string>
+
+static ImVec2 padded(float width, float height)
+{
+    return ImVec2(width + 2 * ImGui::GetStyle().CellPadding.x + 1, height);
+}
+
+extern "C" {
+
+bool ui_list(const char *id, const float *widths, size_t count, float height)
+{
+    float wanted = ImGui::GetStyle().ScrollbarSize;
+    for (size_t i = 0; i < count; i++) {
+        wanted += padded(widths[i], 0).x;
+    }
+    bool fits = wanted <= ImGui::GetContentRegionAvail().x;
+    ImGuiTableFlags flags = ImGuiTableFlags_ScrollY | ImGuiTableFlags_RowBg | ImGuiTableFlags_SizingFixedFit |
+                            ImGuiTableFlags_BordersInnerV | ImGuiTableFlags_NoSavedSettings |
+                            (fits ? 0 : ImGuiTableFlags_ScrollX);
+    ImGui::PushID(fits ? "fits" : "scrolls"); // a table keeps the flags of its columns
+    ImGui::PushID(static_cast<int>(count));
+    if (!ImGui::BeginTable(id, static_cast<int>(count), flags, ImVec2(0, height))) {
+        ImGui::PopID();
+        ImGui::PopID();
+        return false;
+    }
+    ImGui::TableSetupScrollFreeze(fits ? 0 : 1, 1);
+    for (size_t i = 0; i < count; i++) {
+        bool takes_rest = i == 0 && fits;
+        ImGui::TableSetupColumn("", takes_rest ? ImGuiTableColumnFlags_WidthStretch : ImGuiTableColumnFlags_WidthFixed,
+                                takes_rest ? 1 : widths[i]);
+    }
+    return true;
+}
+
+void ui_list_end(void)
+{
+    ImGui::EndTable();
+    ImGui::PopID();
+    ImGui::PopID();
+}
+
+void ui_list_top(void)
+{
+    ImGui::TableNextRow(ImGuiTableRowFlags_Headers);
+}
+
+bool ui_list_heading(const char *text, bool right)
+{
+    ImGui::TableNextColumn();
+    ImGui::PushStyleVar(ImGuiStyleVar_SelectableTextAlign, ImVec2(right ? 1.0F : 0.0F, 0));
+    bool pressed = ImGui::Selectable(text);
+    ImGui::PopStyleVar();
+    return pressed;
+}
+
+bool ui_list_row(void)
+{
+    float line = ImGui::GetTextLineHeightWithSpacing();
+    ImGui::TableNextRow();
+    ImGui::TableNextColumn();
+    ImVec2 at = ImGui::GetCursorScreenPos();
+    bool seen = ImGui::IsRectVisible(ImVec2(at.x, at.y - 2 * line), ImVec2(at.x + 1, at.y + 3 * line));
+    if (!seen) {
+        ImGui::Dummy(ImVec2(1, ImGui::GetTextLineHeight()));
+    }
+    return seen;
+}
+
+void ui_text_right(const char *text)
+{
+    float blank = ImGui::GetContentRegionAvail().x - ImGui::CalcTextSize(text).x;
+    ImGui::SetCursorPosX(ImGui::GetCursorPosX() + (blank > 0 ? blank : 0));
+    ImGui::TextUnformatted(text);
+}
+
+void ui_underline(double part, ui_colour colour)
+{
+    ImVec2 at = ImGui::GetCursorScreenPos();
+    float room = ImGui::GetContentRegionAvail().x;
+    float top = at.y + ImGui::GetTextLineHeight() - 1;
+    ImGui::GetWindowDrawList()->AddRectFilled(ImVec2(at.x, top),
+                                              ImVec2(at.x + room * static_cast<float>(part), top + 3),
+                                              ImGui::GetColorU32(IM_COL32(colour.r, colour.g, colour.b, colour.a)));
+}
+
+bool ui_row_cut(const char *label, bool selected, const char *tip)
+{
+    float room = ImGui::GetContentRegionAvail().x;
+    bool is_cut = ImGui::CalcTextSize(label).x > room;
+    std::string shown(label);
+    while (is_cut && !shown.empty() && ImGui::CalcTextSize((shown + "...").c_str()).x > room) {
+        do { // whole characters of UTF-8
+            char last = shown.back();
+            shown.pop_back();
+            if ((last & 0xc0) != 0x80) {
+                break;
+            }
+        } while (!shown.empty());
+    }
+    shown += is_cut ? "..." : "";
+    bool pressed = ImGui::Selectable(shown.c_str(), selected);
+    ui_tip((is_cut ? std::string(label) + "\n" + tip : std::string(tip)).c_str());
+    return pressed;
+}
+
+bool ui_popup(const char *label)
+{
+    if (ImGui::Button(label)) {
+        ImGui::OpenPopup(label);
+    }
+    return ImGui::BeginPopup(label);
+}
+
+void ui_popup_end(void)
+{
+    ImGui::EndPopup();
+}
+
+void ui_flow(const char *label)
+{
+    const ImGuiStyle &style = ImGui::GetStyle();
+    float end =
+        ImGui::GetItemRectMax().x + style.ItemSpacing.x + ImGui::CalcTextSize(label).x + 2 * style.FramePadding.x;
+    if (end <= ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x) {
+        ImGui::SameLine();
+    }
+}
+
+} // extern "C"

@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Widgets of long lists with columns, beside those of ui.h, whose rules hold. */
+#ifndef CONUS_VIEWER_WINDOW_UI_LIST_H
+#define CONUS_VIEWER_WINDOW_UI_LIST_H
+
+#include "viewer/window/ui.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** A list of @p count columns, the first of which is at least so wide, and takes what the others leave. Where they
+ * leave less, the list scrolls to the side below it. False: nothing of it is to be drawn, and it is not to be ended. */
+bool ui_list(const char *id, const float *widths, size_t count, float height);
+void ui_list_end(void);
+/** The row of headings; then, for each column, a heading, true when it was pressed. @p right: as texts of
+ * ui_text_right(). */
+void ui_list_top(void);
+bool ui_list_heading(const char *text, bool right);
+/** The next row, and its first cell. False where it lies so far out of sight that nothing need be drawn in it. */
+bool ui_list_row(void);
+void ui_text_right(const char *text); /**< It ends at the cell's right edge. */
+/** A line under the cell's text, as long as the part of the cell's width. */
+void ui_underline(double part, ui_colour colour);
+/** A line of a list that can be pressed. What does not fit ends in "..."; then the tip has it whole, as has @p tip. */
+bool ui_row_cut(const char *label, bool selected, const char *tip);
+
+/** A button that opens what comes up to ui_popup_end(), if it is true, over the window. */
+bool ui_popup(const char *label);
+void ui_popup_end(void);
+/** The next widget, a button with this label, stands in the same line where it fits, else below. */
+void ui_flow(const char *label);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,296 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The lists of hits: cells against the tables of the report writers, order, columns in sessions, exported files. */
+#include "viewer/results/columns.h"
+#include "viewer/results/export.h"
+#include "viewer/session/session.h"
+
+#include "test.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static void load(struct viewer *out, const char *kind, const char *file)
+{
+    conus_atlas *atlas = NULL;
+    char path[600];
+    char folder[512];
+    snprintf(folder, sizeof folder, "%s", test_scratch(kind));
+    assert_ok(conus_phantom_write(kind, folder, NULL));
+    snprintf(path, sizeof path, "%s/%s", folder, file);
+    assert_ok(conus_atlas_load(&atlas, path, NULL));
+    assert_ok(viewer_create(out, &(struct view_source){.atlas = atlas, .path = "phantom"}, 1, NULL, NULL, NULL));
+}
+
+/* From a ball around the brain towards points near its middle. */
+static void aim_anywhere(struct viewer *viewer, unsigned *seed)
+{
+    double from[3];
+    double along[3];
+    double length = 0;
+    for (int a = 0; a < 3; a++) {
+        from[a] = (double)rand_r(seed) / RAND_MAX - 0.5;
+        length += from[a] * from[a];
+    }
+    for (int a = 0; a < 3; a++) {
+        from[a] *= 1.5 * viewer->radius / sqrt(length);
+        along[a] = 20 * ((double)rand_r(seed) / RAND_MAX - 0.5) - from[a];
+        from[a] += viewer->centre[a];
+    }
+    viewer_aim_along(viewer, from, along);
+}
+
+/* ---- Cells ------------------------------------------------------------------------------------------------------- */
+
+enum { CELLS = 64 };
+
+/* Ends the cells of a line of TSV, in place; gives the next line. */
+static char *cut(char *cells[CELLS], size_t *count, char *line)
+{
+    char *end = line + strcspn(line, "\n");
+    char *next = *end ? end + 1 : end;
+    *end = '\0';
+    *count = 0;
+    for (char *cell; (cell = strsep(&line, "\t"));) {
+        cells[(*count)++] = cell;
+    }
+    return next;
+}
+
+static void check_row(const struct viewer *viewer, const conus_result *result, char *const *names, char *const *cells,
+                      size_t count)
+{
+    size_t found = 0;
+    for (size_t i = 0; i < count; i++) {
+        char text[RESULT_TEXT];
+        size_t column = result_find(names[i]);
+        bool has_words = column == RESULT_NAME && !result->object;
+        if (column < RESULT_COLUMNS) {
+            const char *exact = result_exact(text, viewer, viewer->drawn, column, result);
+            found++;
+            assert_string_equal(exact, has_words ? "(nothing hit)" : cells[i]);
+        }
+    }
+    assert_int_equal(found, RESULT_COLUMNS);
+}
+
+/* All digits are those of the library's TSV, in the same rows. */
+static void check_against_tsv(struct viewer *viewer)
+{
+    char *names[CELLS];
+    char *cells[CELLS];
+    size_t columns;
+    size_t count;
+    const conus_selection *selection = viewer_selection(viewer);
+    char *text = viewer_results_text(viewer);
+    char *line = cut(names, &columns, text);
+    for (size_t i = 0; i < conus_selection_count(selection); i++) {
+        line = cut(cells, &count, line);
+        assert_int_equal(count, columns);
+        check_row(viewer, conus_selection_result(selection, i), names, cells, columns);
+    }
+    assert_string_equal(line, "");
+    free(text);
+}
+
+/* The digits shown are those of the table for people, whose columns come in this order. */
+static void check_against_table(struct viewer *viewer, const size_t *columns, size_t count)
+{
+    conus_report *report = NULL;
+    const char *text;
+    size_t size;
+    assert_ok(viewer_report(&report, viewer, CONUS_FORMAT_TABLE, NULL));
+    assert_ok(conus_report_text(&text, &size, report));
+    const char *at = strstr(text, "rank  name");
+    assert_non_null(at);
+    at = strchr(strchr(at, '\n') + 1, '\n') + 1; /* behind the two lines of headings */
+    for (size_t i = 0; conus_selection_result(viewer_selection(viewer), i)->object; i++) {
+        for (size_t c = 0; c < count; c++) {
+            char cell[RESULT_TEXT];
+            const char *wanted = result_cell(cell, viewer, viewer->drawn, columns[c],
+                                             conus_selection_result(viewer_selection(viewer), i));
+            at += strspn(at, " ");
+            assert_memory_equal(at, wanted, strlen(wanted));
+            at += strlen(wanted);
+            assert_true(*at == ' ' || *at == '\n');
+        }
+        assert_int_equal(*at, '\n');
+        at++;
+    }
+    conus_report_destroy(report);
+}
+
+static void cells_are_those_of_conus_query(void **state)
+{
+    static const size_t visible[] = {RESULT_RANK,     RESULT_NAME,   RESULT_LABEL, RESULT_SHARE, RESULT_PIXELS,
+                                     RESULT_DISTANCE, RESULT_OFFSET, RESULT_X,     RESULT_Y,     RESULT_Z};
+    static const size_t all[] = {RESULT_RANK,   RESULT_NAME,    RESULT_LABEL,    RESULT_SHARE,
+                                 RESULT_PIXELS, RESULT_PIERCED, RESULT_ENTRY,    RESULT_EXIT,
+                                 RESULT_PATH,   RESULT_VOLUME,  RESULT_FRACTION, RESULT_MEAN};
+    struct viewer viewer;
+    unsigned seed = 17;
+    size_t rows = 0;
+    (void)state;
+    load(&viewer, "brain", "brain.atlas.json");
+    for (int i = 0; i < 50; i++) {
+        bool layers = i >= 25; /* one selector for each half */
+        viewer.frame.space = i % 3 ? CONUS_SPACE_RAS : CONUS_SPACE_LPS;
+        viewer.cone.angle = 5 + i;
+        viewer.cone.options.layers = layers ? CONUS_LAYERS_ALL : CONUS_LAYERS_VISIBLE;
+        aim_anywhere(&viewer, &seed);
+        check_against_tsv(&viewer);
+        check_against_table(&viewer, layers ? all : visible, layers ? sizeof all / sizeof *all : 10);
+        rows += conus_selection_count(viewer_selection(&viewer));
+    }
+    assert_true(rows > 150);
+    viewer_finish(&viewer);
+}
+
+/* ---- Order and columns ------------------------------------------------------------------------------------------- */
+
+static const conus_result *row_at(const struct viewer *viewer, size_t place)
+{
+    size_t *order = result_order(viewer, viewer->drawn, view_atlas_selection(viewer->drawn));
+    const conus_result *result = conus_selection_result(viewer_selection(viewer), order[place]);
+    free(order);
+    return result;
+}
+
+/* With all layers what is occluded has no contact: it comes last both ways round, but before what is unassigned. */
+static void rows_have_the_order_of_a_column(void **state)
+{
+    struct viewer viewer;
+    (void)state;
+    load(&viewer, "nested", "nested.nii.gz");
+    viewer.cone.options.layers = CONUS_LAYERS_ALL;
+    viewer.cone.angle = 30;
+    viewer_aim_along(&viewer, (double[]){0, 90, 0}, (double[]){0, -1, 0});
+    assert_int_equal(conus_selection_count(viewer_selection(&viewer)), 4);
+    result_order_by(&viewer, RESULT_PATH); /* the longest way inside is the outermost shell's: 2 (24 - 16) mm */
+    assert_int_equal(row_at(&viewer, 3)->object, 0);
+    assert_true(row_at(&viewer, 0)->path >= row_at(&viewer, 1)->path);
+    assert_true(row_at(&viewer, 1)->path >= row_at(&viewer, 2)->path);
+    result_order_by(&viewer, RESULT_PATH);
+    assert_true(row_at(&viewer, 0)->path <= row_at(&viewer, 1)->path);
+    assert_int_equal(row_at(&viewer, 3)->object, 0);
+    result_order_by(&viewer, RESULT_PATH);
+    assert_int_equal(viewer.list.order, RESULT_RANK);
+    assert_false(viewer.list.reversed);
+    for (int way = 0; way < 2; way++) {
+        result_order_by(&viewer, RESULT_Y);
+        assert_int_equal(row_at(&viewer, 0)->object, 1); /* the only one that is seen */
+        assert_int_equal(row_at(&viewer, 3)->object, 0);
+    }
+    result_order_by(&viewer, RESULT_NAME);
+    const char *first = conus_atlas_object(viewer.drawn->atlas, row_at(&viewer, 0)->object)->name;
+    result_order_by(&viewer, RESULT_NAME);
+    const char *last = conus_atlas_object(viewer.drawn->atlas, row_at(&viewer, 0)->object)->name;
+    assert_true(strcmp(first, last) < 0);
+    viewer_finish(&viewer);
+}
+
+static bool has(const struct viewer *viewer, size_t column)
+{
+    size_t shown[RESULT_COLUMNS];
+    size_t count = result_shown(shown, viewer);
+    bool found = false;
+    for (size_t i = 0; i < count; i++) {
+        found = found || shown[i] == column;
+    }
+    return found;
+}
+
+static void columns_are_chosen(void **state)
+{
+    struct viewer viewer;
+    char *wanted[] = {"pixels", "path_mm"};
+    char *unknown[] = {"pixels", "colour"};
+    (void)state;
+    load(&viewer, "nested", "nested.nii.gz");
+    assert_true(has(&viewer, RESULT_X) && has(&viewer, RESULT_DISTANCE) && !has(&viewer, RESULT_SCORE));
+    viewer.cone.options.score = "centre";
+    assert_true(has(&viewer, RESULT_SCORE));
+    result_show(&viewer, RESULT_X, false);
+    viewer.cone.options.score = "share"; /* what was shown when one was taken away stays */
+    assert_true(!has(&viewer, RESULT_X) && has(&viewer, RESULT_Y) && has(&viewer, RESULT_SCORE));
+    assert_true(result_choose(&viewer, wanted, 2));
+    assert_true(has(&viewer, RESULT_NAME) && has(&viewer, RESULT_PIXELS) && !has(&viewer, RESULT_SHARE));
+    assert_false(has(&viewer, RESULT_PATH)); /* there are first hits only */
+    viewer.cone.options.layers = CONUS_LAYERS_ALL;
+    assert_true(has(&viewer, RESULT_PATH));
+    assert_false(result_choose(&viewer, unknown, 2));
+    assert_true(has(&viewer, RESULT_PATH));
+    result_show(&viewer, RESULT_NAME, false);
+    assert_true(has(&viewer, RESULT_NAME));
+    assert_true(result_choose(&viewer, NULL, 0));
+    assert_true(has(&viewer, RESULT_ENTRY) && !has(&viewer, RESULT_PIXELS));
+    viewer_finish(&viewer);
+}
+
+/* ---- Sessions ---------------------------------------------------------------------------------------------------- */
+
+static void sessions_keep_the_list(void **state)
+{
+    struct viewer viewer;
+    struct window window = {.viewer = &viewer, .enlarged = -1};
+    char why[SESSION_REASON];
+    (void)state;
+    load(&viewer, "nested", "nested.nii.gz");
+    result_show(&viewer, RESULT_MAX, true);
+    result_order_by(&viewer, RESULT_OFFSET);
+    result_order_by(&viewer, RESULT_OFFSET);
+    viewer.list.format = 2;
+    struct result_list kept = viewer.list;
+    char *text = session_text(&window);
+    viewer.list = (struct result_list){0};
+    assert_true(session_parse(&window, text, strlen(text), why));
+    assert_int_equal(viewer.list.columns, kept.columns);
+    assert_int_equal(viewer.list.order, RESULT_OFFSET);
+    assert_true(viewer.list.reversed);
+    assert_int_equal(viewer.list.format, 2);
+    static const char *const wrong[][2] = {{"\"max_value\"", "\"max_valve\""},
+                                           {"\"order\": \"offset_deg\"", "\"order\": \"offset_rad\""},
+                                           {"\"reversed\": true", "\"reversed\":    1"},
+                                           {"\"export\": \"JSON\"", "\"export\": \"JSOM\""}};
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        char *changed = strdup(text);
+        char *at = strstr(changed, wrong[i][0]);
+        assert_non_null(at);
+        memcpy(at, wrong[i][1], strlen(wrong[i][1]));
+        viewer.list = (struct result_list){.order = RESULT_LABEL};
+        assert_false(session_parse(&window, changed, strlen(changed), why));
+        assert_non_null(strstr(why, "session: results: "));
+        assert_int_equal(viewer.list.order, RESULT_LABEL);
+        free(changed);
+    }
+    free(text);
+    viewer_finish(&viewer);
+}
+
+/* ---- Files ------------------------------------------------------------------------------------------------------- */
+
+static void what_cannot_be_exported_is_said(void **state)
+{
+    struct viewer viewer;
+    char why[EXPORT_WHY];
+    (void)state;
+    load(&viewer, "nested", "nested.nii.gz");
+    assert_false(export_results(&viewer, "/nowhere/at/all.tsv", why));
+    assert_non_null(strstr(why, "/nowhere/at/all"));
+    assert_false(export_results(&viewer, "hits.xlsx", why));
+    assert_non_null(strstr(why, "hits.xlsx"));
+    viewer_finish(&viewer);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(cells_are_those_of_conus_query),
+        cmocka_unit_test(rows_have_the_order_of_a_column),
+        cmocka_unit_test(columns_are_chosen),
+        cmocka_unit_test(sessions_keep_the_list),
+        cmocka_unit_test(what_cannot_be_exported_is_said),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
