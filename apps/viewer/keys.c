@@ -7,6 +7,7 @@
 #include "viewer/session/keep.h"
 #include "viewer/session/undo.h"
 #include "viewer/window/screen.h"
+#include "viewer/window/ui_list.h"
 
 #include <math.h>
 #include <strings.h>
@@ -388,27 +389,38 @@ static void show_key(const char *key, const char *meaning, float at)
 {
     char text[KEY_LIMIT];
     write_key(text, key);
-    ui_text_coloured((ui_colour){255, 200, 90, 255}, "%s", text);
+    ui_text_coloured(theme_texts[THEME_AMBER], "%s", text);
     ui_same_line_at(at);
     ui_text_wrapped(meaning);
 }
 
-void keys_draw_help(struct window *window)
+/* In two columns where there is room. */
+static void show_keys(float at)
 {
-    float width = fminf(620 * window->scale, (float)window->width);
-    float height = fminf(690 * window->scale, (float)window->height);
-    float at = 90 * window->scale;
-    ui_panel("Keys and mouse (?, F1 or Escape closes this)",
-             (struct ui_box){((float)window->width - width) / 2, ((float)window->height - height) / 2, width, height},
-             UI_IN_FRONT);
     for (size_t i = 0; i < KEYS; i++) {
         if (keys[i].meaning) {
             show_key(keys[i].key, keys[i].meaning, at);
+        }
+        if (i + 1 == (KEYS + 1) / 2) {
+            ui_next_column();
         }
     }
     show_key("W S A D", "the wand: forward, back, left, right", at);
     show_key("E Q", "the wand: up, down", at);
     show_key("arrows", "the wand: turn", at);
+}
+
+void keys_draw_help(struct window *window)
+{
+    bool is_wide = (float)window->width >= 1240 * window->scale;
+    float width = fminf((is_wide ? 1240 : 640) * window->scale, (float)window->width);
+    float height = fminf((is_wide ? 620 : 760) * window->scale, (float)window->height);
+    ui_panel("Keys and mouse (?, F1 or Escape closes this)",
+             (struct ui_box){((float)window->width - width) / 2, ((float)window->height - height) / 2, width, height},
+             UI_IN_FRONT);
+    ui_columns(is_wide ? 2 : 1);
+    show_keys(115 * window->scale);
+    ui_columns(1);
     ui_separator();
     ui_text_wrapped(
         "3-D: left button turns, right button moves, wheel comes nearer; the cone follows the mouse, a click holds it "

@@ -11,15 +11,23 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void load(struct viewer *out, const char *kind, const char *file)
+/* A phantom, and the labels of another one as the values of a pathway; NULL = none. */
+static void load(struct viewer *out, const char *kind, const char *tract)
 {
     conus_atlas *atlas = NULL;
     char path[600];
     char folder[512];
     snprintf(folder, sizeof folder, "%s", test_scratch(kind));
     assert_ok(conus_phantom_write(kind, folder, NULL));
-    snprintf(path, sizeof path, "%s/%s", folder, file);
+    snprintf(path, sizeof path, "%s/%s.nii.gz", folder, kind);
     assert_ok(conus_atlas_load(&atlas, path, NULL));
+    if (tract) {
+        const conus_pathway_options pathway = {.name = "tract", .threshold = 3};
+        char file[600];
+        assert_ok(conus_phantom_write(tract, folder, NULL));
+        snprintf(file, sizeof file, "%s/%s.nii.gz", folder, tract);
+        assert_ok(conus_atlas_add_pathway(atlas, file, &pathway));
+    }
     assert_ok(viewer_create(out, &(struct view_source){.atlas = atlas, .path = "phantom"}, 1, NULL, NULL, NULL));
 }
 
@@ -132,7 +140,7 @@ static void cells_are_those_of_conus_query(void **state)
     unsigned seed = 17;
     size_t rows = 0;
     (void)state;
-    load(&viewer, "brain", "brain.atlas.json");
+    load(&viewer, "slabs", "tubes");
     for (int i = 0; i < 50; i++) {
         bool layers = i >= 25; /* one selector for each half */
         viewer.frame.space = i % 3 ? CONUS_SPACE_RAS : CONUS_SPACE_LPS;
@@ -162,7 +170,7 @@ static void rows_have_the_order_of_a_column(void **state)
 {
     struct viewer viewer;
     (void)state;
-    load(&viewer, "nested", "nested.nii.gz");
+    load(&viewer, "nested", NULL);
     viewer.cone.options.layers = CONUS_LAYERS_ALL;
     viewer.cone.angle = 30;
     viewer_aim_along(&viewer, (double[]){0, 90, 0}, (double[]){0, -1, 0});
@@ -207,7 +215,7 @@ static void columns_are_chosen(void **state)
     char *wanted[] = {"pixels", "path_mm"};
     char *unknown[] = {"pixels", "colour"};
     (void)state;
-    load(&viewer, "nested", "nested.nii.gz");
+    load(&viewer, "nested", NULL);
     assert_true(has(&viewer, RESULT_X) && has(&viewer, RESULT_DISTANCE) && !has(&viewer, RESULT_SCORE));
     viewer.cone.options.score = "centre";
     assert_true(has(&viewer, RESULT_SCORE));
@@ -236,7 +244,7 @@ static void sessions_keep_the_list(void **state)
     struct window window = {.viewer = &viewer, .enlarged = -1};
     char why[SESSION_REASON];
     (void)state;
-    load(&viewer, "nested", "nested.nii.gz");
+    load(&viewer, "nested", NULL);
     result_show(&viewer, RESULT_MAX, true);
     result_order_by(&viewer, RESULT_OFFSET);
     result_order_by(&viewer, RESULT_OFFSET);
@@ -275,7 +283,7 @@ static void what_cannot_be_exported_is_said(void **state)
     struct viewer viewer;
     char why[EXPORT_WHY];
     (void)state;
-    load(&viewer, "nested", "nested.nii.gz");
+    load(&viewer, "nested", NULL);
     assert_false(export_results(&viewer, "/nowhere/at/all.tsv", why));
     assert_non_null(strstr(why, "/nowhere/at/all"));
     assert_false(export_results(&viewer, "hits.xlsx", why));

@@ -2,9 +2,11 @@
 /* The list of areas and pathways, with search and check boxes. */
 #include "viewer/panels/panels.h"
 
+#include "viewer/window/ui_list.h"
+
 #include <stdio.h>
 
-static const float opacities[] = {[SHOWN_NOT] = 0.4F, [SHOWN_IN_PART] = 0.7F, [SHOWN] = 1};
+enum { TIP_SIZE = 96 };
 
 static ui_colour colour_of(const struct viewer *viewer, uint32_t object)
 {
@@ -24,14 +26,18 @@ static bool has_children(const struct viewer *viewer, uint32_t object)
     return false;
 }
 
-static void draw_tip(const conus_object *object)
+static void write_tip(char tip[TIP_SIZE], const conus_object *object)
 {
-    char tip[256];
-    int used = snprintf(tip, sizeof tip, "%.180s\nlabel %u", object->name, object->label);
+    int used = snprintf(tip, TIP_SIZE, "label %u", object->label);
     if (object->volume_mm3 > 0) {
-        snprintf(tip + used, sizeof tip - (size_t)used, "\n%.0f mm\u00b3", object->volume_mm3);
+        snprintf(tip + used, TIP_SIZE - (size_t)used, ", %.0f mm\u00b3", object->volume_mm3);
     }
-    ui_tip(tip);
+}
+
+/* Of both, with what is between them. */
+static float buttons_width(const struct window *window)
+{
+    return ui_text_width("show") + ui_text_width("only") + 32 * window->scale;
 }
 
 static void draw_buttons(struct viewer *viewer, uint32_t object)
@@ -62,20 +68,22 @@ static void draw_area(struct window *window, uint32_t number)
     struct viewer *viewer = window->viewer;
     const conus_object *object = conus_atlas_object(viewer->drawn->atlas, number);
     enum shown shown = viewer_shown(viewer, number);
+    char name[256];
+    char tip[TIP_SIZE];
+    write_tip(tip, object);
     ui_id(number);
-    ui_dim(opacities[shown]);
+    ui_dim(shown == SHOWN_NOT ? theme_pale : shown == SHOWN_IN_PART ? (1 + theme_pale) / 2 : 1);
     ui_chip("colour", colour_of(viewer, number));
     ui_same_line();
     if (viewer->drawn->shown.chosen == number) {
         scroll_to(window, number);
-        ui_text_coloured((ui_colour){255, 200, 90, 255}, "%s%s", object->name,
-                         shown == SHOWN_IN_PART ? " (in part)" : "");
-        draw_tip(object);
+        snprintf(name, sizeof name, "%s%s", object->name, shown == SHOWN_IN_PART ? " (in part)" : "");
+        ui_tint(theme_texts[THEME_AMBER]);
+        ui_text_cut(name, ui_room() - buttons_width(window));
+        ui_tint_end();
         draw_buttons(viewer, number);
-    } else if (ui_row(object->name, false)) {
+    } else if (ui_row_cut(object->name, false, tip)) {
         viewer_choose(viewer, number);
-    } else {
-        draw_tip(object);
     }
     ui_dim_end();
     ui_id_end();

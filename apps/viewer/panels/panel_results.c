@@ -27,7 +27,7 @@ static void draw_all_results(struct window *window)
     for (size_t i = 0; i < viewer->atlas_count; i++) {
         const struct view_atlas *on = &viewer->atlases[i];
         ui_id((uint32_t)i);
-        ui_text_coloured((ui_colour){255, 200, 90, 255}, "%s", on->name);
+        ui_text_coloured(theme_texts[THEME_AMBER], "%s", on->name);
         ui_same_line();
         if (on == viewer->drawn) {
             ui_text("drawn");
@@ -52,7 +52,7 @@ static void draw_pins(struct window *window)
         for (size_t i = viewer->pin_count; i > 0; i--) {
             const struct pin *pin = &viewer->pins[i - 1];
             ui_cell();
-            ui_text("%s", pin->name);
+            ui_text_cut(pin->name, ui_room());
             draw_number("%.2f %%", 100 * pin->share);
             draw_number("%.2f", pin->distance);
             draw_number("%.2f", pin->apart);
@@ -112,9 +112,9 @@ void panel_results(struct window *window)
     hands_notice(&notice, window, FIRST_HAND);
     ui_panel("Hits of the cone", window->right, 0);
     if (notice.is_old) { /* what follows is pale */
-        ui_text_coloured((ui_colour){255, 150, 30, 255}, "%s", notice.text);
+        ui_text_coloured(theme_texts[THEME_ORANGE], "%s", notice.text);
     }
-    ui_dim(notice.is_old ? 0.4F : 1);
+    ui_dim(notice.is_old ? theme_pale : 1);
     if (viewer->atlas_count > 1) {
         draw_all_results(window);
     } else {

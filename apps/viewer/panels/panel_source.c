@@ -30,15 +30,14 @@ static void show_replay(struct window *window)
 
 static void show_tracker(struct window *window)
 {
-    static const ui_colour colours[] = {
-        {190, 190, 196, 255}, {190, 190, 196, 255}, {255, 120, 90, 255}, {255, 120, 90, 255}, {110, 230, 130, 255}};
+    static const enum theme_text colours[] = {THEME_HINT, THEME_HINT, THEME_RED, THEME_RED, THEME_GREEN};
     char text[160];
     if (!window->station) {
         ui_text("no tracker: start with --listen or --connect");
         return;
     }
     settings_station_text(text, sizeof text, window->station, &window->news);
-    ui_text_coloured(colours[window->news.state], "%s", text);
+    ui_text_coloured(theme_texts[colours[window->news.state]], "%s", text);
 }
 
 void panel_source(struct window *window)

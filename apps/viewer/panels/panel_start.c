@@ -4,10 +4,6 @@
 
 #include <math.h>
 
-static const ui_colour dim = {160, 166, 178, 255};
-static const ui_colour amber = {255, 200, 90, 255};
-static const ui_colour orange = {255, 150, 30, 255};
-
 static const float page_width = 640, number_width = 26, key_width = 80;
 
 /* ---- Its parts, from above --------------------------------------------------------------------------------------- */
@@ -34,7 +30,7 @@ static void draw_field(struct window *window)
     bool asked = ui_entered();
     ui_same_line();
     asked = ui_button(open) || asked;
-    ui_tint(start->why[0] ? orange : dim);
+    ui_tint(theme_texts[start->why[0] ? THEME_ORANGE : THEME_HINT]);
     ui_text_wrapped(start->why[0] ? start->why : "NIfTI and MGH volumes, surfaces, folders of surfaces, manifests");
     ui_tint_end();
     if (asked) {
@@ -52,12 +48,12 @@ static void draw_entry(struct window *window, size_t index)
     ui_id_end();
     ui_tip(words);
     ui_same_line_at(4 * window->scale);
-    ui_text_coloured(amber, "%zu", index + 1);
+    ui_text_coloured(theme_texts[THEME_AMBER], "%zu", index + 1);
     ui_same_line_at(number_width * window->scale);
     ui_text("%s", name);
     if (name > words) {
         ui_same_line();
-        ui_text_coloured(dim, "%.*s", (int)(name - words), words);
+        ui_text_coloured(theme_texts[THEME_HINT], "%.*s", (int)(name - words), words);
     }
     if (chosen) {
         window_want(window, start_path(&window->start, index));
@@ -70,7 +66,7 @@ static void draw_list(struct window *window, const char *title, size_t first, si
         return;
     }
     ui_gap(ui_line() / 2);
-    ui_text_coloured(dim, "%s", title);
+    ui_text_coloured(theme_texts[THEME_HINT], "%s", title);
     ui_separator();
     for (size_t i = first; i < end; i++) {
         draw_entry(window, i);
@@ -79,9 +75,9 @@ static void draw_list(struct window *window, const char *title, size_t first, si
 
 static void draw_key(const struct window *window, const char *key, const char *meaning)
 {
-    ui_text_coloured(amber, "%s", key);
+    ui_text_coloured(theme_texts[THEME_AMBER], "%s", key);
     ui_same_line_at(key_width * window->scale);
-    ui_text_coloured(dim, "%s", meaning);
+    ui_text_coloured(theme_texts[THEME_HINT], "%s", meaning);
 }
 
 static void draw_keys(const struct window *window)

@@ -2,6 +2,8 @@
 /* Grey values of the context and values of pathways: what of them is seen. */
 #include "viewer/panels/panels.h"
 
+#include "viewer/window/ui_list.h"
+
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -145,7 +147,9 @@ static void show_band(const conus_object *band)
     if (isfinite(band->high)) {
         snprintf(high, sizeof high, " below %.6g", band->high);
     }
-    ui_text("%s: values%s%s%s", band->name, low, low[0] && high[0] ? " to" : "", high);
+    char text[512];
+    snprintf(text, sizeof text, "%s: values%s%s%s", band->name, low, low[0] && high[0] ? " to" : "", high);
+    ui_text_wrapped(text);
 }
 
 static void edit_thresholds(struct viewer *viewer)
@@ -159,8 +163,11 @@ static void edit_thresholds(struct viewer *viewer)
         if (info && info->maximum > info->minimum) {
             double threshold = info->threshold;
             ui_id(number);
-            ui_slider(object->name, &threshold, info->minimum, info->maximum, "from %.6g", false);
+            ui_text_cut(object->name, ui_room());
+            ui_width(ui_room());
+            ui_slider("##threshold", &threshold, info->minimum, info->maximum, "from %.6g", false);
             bool done = ui_edited();
+            ui_tip("the value from which on voxels are of the pathway, in the unit of its file");
             ui_id_end();
             if (done && threshold != info->threshold) {
                 viewer_set_threshold(viewer, number, threshold);

@@ -16,7 +16,6 @@
 static const ui_colour light = {235, 235, 240, 255};
 static const ui_colour dark = {20, 20, 24, 255};
 static const ui_colour cross = {90, 220, 120, 160};
-static const ui_colour orange = {255, 150, 30, 255};
 
 /* What the mouse moves, and what a tracker or a replay moves, rests when it stood still for so long. */
 static const double view_rest_ms = 120, others_rest_ms = 300;
@@ -184,9 +183,9 @@ static void draw_waiting(const struct window *window)
     char error[256];
     const float at[2] = {box->x + 20, box->y + box->height / 2};
     if (!window->viewer->painter) {
-        ui_draw_text(at, orange, "not enough memory to draw");
+        ui_draw_text(at, theme_texts[THEME_ORANGE], "not enough memory to draw");
     } else if (painter_error(window->viewer->painter, error, sizeof error)) {
-        ui_draw_text(at, orange, error);
+        ui_draw_text(at, theme_texts[THEME_ORANGE], error);
     } else if (!window->painted.name) {
         ui_draw_text(at, light, "drawing ...");
     }
@@ -199,7 +198,7 @@ static void draw_second_notice(const struct window *window, const float at[2])
     hands_notice(&notice, window, SECOND_HAND);
     if (window->second.on && notice.text) {
         snprintf(text, sizeof text, "tool 2: %s", notice.text);
-        ui_draw_text(at, notice.is_trouble ? orange : light, text);
+        ui_draw_text(at, notice.is_trouble ? theme_texts[THEME_ORANGE] : light, text);
     }
 }
 
@@ -213,12 +212,12 @@ static void draw_notices(const struct window *window)
     float at[2] = {box->x + 8, box->y + box->height - 1.4F * ui_line()};
     const char *text = head_text(&viewer->head, &is_well);
     if (text) {
-        ui_draw_text(at, is_well ? light : orange, text);
+        ui_draw_text(at, is_well ? light : theme_texts[THEME_ORANGE], text);
         at[1] -= 1.4F * ui_line();
     }
     hands_notice(&notice, window, FIRST_HAND);
     if (notice.text) {
-        ui_draw_text(at, notice.is_trouble ? orange : light, notice.text);
+        ui_draw_text(at, notice.is_trouble ? theme_texts[THEME_ORANGE] : light, notice.text);
         at[1] -= 1.4F * ui_line();
     }
     draw_second_notice(window, at);

@@ -78,11 +78,10 @@ void pane_chosen_name(const struct window *window)
 
 void pane_name(const struct ui_box *box, float x, float y, const char *name)
 {
-    static const ui_colour amber = {255, 200, 90, 255};
     float width = ui_text_width(name);
     const float at[2] = {fmaxf(fminf(x - width / 2, box->x + box->width - width - 6), box->x + 6),
                          fmaxf(y - 1.2F * ui_line(), box->y + 2)};
-    ui_draw_text(at, amber, name);
+    ui_draw_text(at, theme_texts[THEME_AMBER], name);
 }
 
 void pane_chosen(struct window *window)

@@ -3,7 +3,7 @@
 #include "viewer/panes/panes.h"
 
 static const ui_colour near = {235, 235, 240, 255};
-static const ui_colour far = {150, 150, 156, 255};
+static const ui_colour far = {175, 175, 181, 255};
 static const ui_colour edge = {20, 20, 24, 190};
 
 /* Half an axis; what points away from the viewer is paler. */

@@ -2,6 +2,9 @@
 // The widgets of ui.h, by Dear ImGui.
 #include "viewer/window/ui.h"
 
+#include "viewer/window/ui_audit.h"
+#include "viewer/window/ui_style.h"
+
 #include <GLFW/glfw3.h>
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_opengl3.h>
@@ -9,38 +12,12 @@
 #include <imgui.h>
 
 #include <cstdarg>
+#include <cstdio>
 #include <cstring>
-
-static const char *const font_file = CONUS_VIEWER_FONT;
 
 static ImU32 packed(ui_colour c)
 {
     return IM_COL32(c.r, c.g, c.b, c.a);
-}
-
-static bool load_font(float scale)
-{
-    static const ImWchar ranges[] = {0x20, 0x24f, 0x370, 0x3ff, 0x2010, 0x2044, 0x2190, 0x22ff, 0};
-    static const ImWchar ascii[] = {0x20, 0x7e, 0};
-    ImGuiIO &io = ImGui::GetIO();
-    io.Fonts->Clear();
-    return io.Fonts->AddFontFromFileTTF(font_file, 15 * scale, nullptr, ranges) &&
-           io.Fonts->AddFontFromFileTTF(font_file, 30 * scale, nullptr, ascii);
-}
-
-static void set_style(float scale)
-{
-    ImGuiStyle style;
-    ImGui::StyleColorsDark(&style);
-    style.WindowRounding = style.WindowBorderSize = 0;
-    style.FrameRounding = 3;
-    style.WindowPadding = ImVec2(8, 6);
-    style.ItemSpacing = ImVec2(6, 4);
-    style.CellPadding.x = 3;
-    style.Colors[ImGuiCol_WindowBg] = ImVec4(0.13F, 0.135F, 0.15F, 1);
-    style.Colors[ImGuiCol_TitleBg] = style.Colors[ImGuiCol_TitleBgActive] = ImVec4(0.17F, 0.18F, 0.21F, 1);
-    style.ScaleAllSizes(scale);
-    ImGui::GetStyle() = style;
 }
 
 extern "C" {
@@ -50,8 +27,7 @@ bool ui_create(void *window, float scale)
     IMGUI_CHECKVERSION();
     ImGui::CreateContext();
     ImGui::GetIO().IniFilename = nullptr;
-    set_style(scale);
-    return load_font(scale) && ImGui_ImplGlfw_InitForOpenGL(static_cast<GLFWwindow *>(window), true) &&
+    return ui_style(scale) && ImGui_ImplGlfw_InitForOpenGL(static_cast<GLFWwindow *>(window), true) &&
            ImGui_ImplOpenGL3_Init("#version 450 core");
 }
 
@@ -70,9 +46,8 @@ void ui_destroy(void)
 
 bool ui_set_scale(float scale)
 {
-    set_style(scale);
     ImGui_ImplOpenGL3_DestroyFontsTexture();
-    return load_font(scale) && ImGui_ImplOpenGL3_CreateFontsTexture();
+    return ui_style(scale) && ImGui_ImplOpenGL3_CreateFontsTexture();
 }
 
 void ui_begin(void)
@@ -217,6 +192,7 @@ void ui_text(const char *format, ...)
     va_start(arguments, format);
     ImGui::TextV(format, arguments);
     va_end(arguments);
+    audit_item(format);
 }
 
 void ui_text_coloured(ui_colour colour, const char *format, ...)
@@ -225,11 +201,13 @@ void ui_text_coloured(ui_colour colour, const char *format, ...)
     va_start(arguments, format);
     ImGui::TextColoredV(ImGui::ColorConvertU32ToFloat4(packed(colour)), format, arguments);
     va_end(arguments);
+    audit_item(format);
 }
 
 void ui_text_number(const char *format, double value)
 {
     ImGui::Text(format, value);
+    audit_item(format);
 }
 
 void ui_text_wrapped(const char *text)
@@ -237,6 +215,7 @@ void ui_text_wrapped(const char *text)
     ImGui::PushTextWrapPos(0);
     ImGui::TextUnformatted(text);
     ImGui::PopTextWrapPos();
+    audit_item(text);
 }
 
 void ui_heading(const char *text)
@@ -272,23 +251,34 @@ bool ui_hovered(void)
 
 bool ui_button(const char *label)
 {
-    return ImGui::Button(label);
+    bool pressed = ImGui::Button(label);
+    audit_item(label);
+    return pressed;
 }
 
 bool ui_small_button(const char *label)
 {
-    return ImGui::SmallButton(label);
+    bool pressed = ImGui::SmallButton(label);
+    audit_item(label);
+    return pressed;
 }
 
 bool ui_check(const char *label, bool *value)
 {
-    return ImGui::Checkbox(label, value);
+    bool changed = ImGui::Checkbox(label, value);
+    audit_item(label);
+    return changed;
 }
 
 bool ui_choose(const char *label, size_t *index, const char *const *choices, size_t count)
 {
     bool changed = false;
-    if (ImGui::BeginCombo(label, *index < count ? choices[*index] : "")) {
+    const char *shown = *index < count ? choices[*index] : "";
+    audit_within(shown, ImGui::CalcItemWidth() - ImGui::GetFrameHeight() - ImGui::GetStyle().FramePadding.x);
+    bool open = ImGui::BeginCombo(label, shown);
+    if (!open) {
+        audit_item(label);
+    } else {
         for (size_t i = 0; i < count; i++) {
             if (ImGui::Selectable(choices[i], i == *index)) {
                 changed = i != *index;
@@ -303,12 +293,20 @@ bool ui_choose(const char *label, size_t *index, const char *const *choices, siz
 bool ui_slider(const char *label, double *value, double low, double high, const char *format, bool logarithmic)
 {
     ImGuiSliderFlags flags = ImGuiSliderFlags_AlwaysClamp | (logarithmic ? ImGuiSliderFlags_Logarithmic : 0);
-    return ImGui::SliderScalar(label, ImGuiDataType_Double, value, &low, &high, format, flags);
+    char shown[64];
+    snprintf(shown, sizeof shown, format, *value);
+    audit_within(shown, ImGui::CalcItemWidth());
+    bool changed = ImGui::SliderScalar(label, ImGuiDataType_Double, value, &low, &high, format, flags);
+    audit_item(label);
+    return changed;
 }
 
 bool ui_count(const char *label, uint32_t *value, uint32_t low, uint32_t high)
 {
-    return ImGui::SliderScalar(label, ImGuiDataType_U32, value, &low, &high, "%u", ImGuiSliderFlags_AlwaysClamp);
+    bool changed =
+        ImGui::SliderScalar(label, ImGuiDataType_U32, value, &low, &high, "%u", ImGuiSliderFlags_AlwaysClamp);
+    audit_item(label);
+    return changed;
 }
 
 bool ui_number(const char *label, double *value, const char *format)
@@ -318,8 +316,17 @@ bool ui_number(const char *label, double *value, const char *format)
 
 bool ui_numbers(const char *label, double value[3], const char *format)
 {
-    return ImGui::InputScalarN(label, ImGuiDataType_Double, value, 3, nullptr, nullptr, format,
-                               ImGuiInputTextFlags_EnterReturnsTrue);
+    const ImGuiStyle &style = ImGui::GetStyle();
+    float wide = (ImGui::CalcItemWidth() - 2 * style.ItemInnerSpacing.x) / 3 - 2 * style.FramePadding.x;
+    for (int i = 0; i < 3; i++) {
+        char shown[64];
+        snprintf(shown, sizeof shown, format, value[i]);
+        audit_within(shown, wide);
+    }
+    bool changed = ImGui::InputScalarN(label, ImGuiDataType_Double, value, 3, nullptr, nullptr, format,
+                                       ImGuiInputTextFlags_EnterReturnsTrue);
+    audit_item(label);
+    return changed;
 }
 
 void ui_take_keys(void)
@@ -329,6 +336,7 @@ void ui_take_keys(void)
 
 bool ui_type(const char *label, char *text, size_t size, const char *hint)
 {
+    audit_within(hint, ImGui::CalcItemWidth() - 2 * ImGui::GetStyle().FramePadding.x);
     return ImGui::InputTextWithHint(label, hint, text, size);
 }
 
@@ -352,11 +360,15 @@ void ui_bar(double part, float width, ui_colour colour)
 
 bool ui_row(const char *label, bool selected)
 {
+    audit_within(label, ui_room());
     return ImGui::Selectable(label, selected);
 }
 
 bool ui_section(const char *label, bool open)
 {
+    if (audit_runs()) {
+        ImGui::SetNextItemOpen(true);
+    }
     return ImGui::CollapsingHeader(label, open ? ImGuiTreeNodeFlags_DefaultOpen : 0);
 }
 
@@ -384,7 +396,12 @@ bool ui_table(const char *id, const char *const *columns, size_t count, float he
     for (size_t i = 0; i < count; i++) {
         ImGui::TableSetupColumn(columns[i], i ? 0 : ImGuiTableColumnFlags_WidthStretch);
     }
-    ImGui::TableHeadersRow();
+    ImGui::TableNextRow(ImGuiTableRowFlags_Headers);
+    for (size_t i = 0; i < count; i++) {
+        ImGui::TableNextColumn();
+        audit_within(columns[i], ui_room());
+        ImGui::TableHeader(columns[i]);
+    }
     return true;
 }
 
@@ -465,7 +482,7 @@ void ui_draw_text(const float at[2], ui_colour colour, const char *text)
     ImDrawList *list = ImGui::GetWindowDrawList();
     ImVec2 size = ImGui::CalcTextSize(text);
     list->AddRectFilled(ImVec2(at[0] - 3, at[1] - 1), ImVec2(at[0] + size.x + 3, at[1] + size.y + 1),
-                        IM_COL32(0, 0, 0, 150), 3);
+                        packed(theme_surfaces[THEME_SHADE]), 3);
     list->AddText(ImVec2(at[0], at[1]), packed(colour), text);
 }
 

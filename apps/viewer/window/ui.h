@@ -6,6 +6,8 @@
 #ifndef CONUS_VIEWER_WINDOW_UI_H
 #define CONUS_VIEWER_WINDOW_UI_H
 
+#include "viewer/theme/theme.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -13,10 +15,6 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-typedef struct ui_colour {
-    uint8_t r, g, b, a;
-} ui_colour;
 
 struct ui_box {
     float x, y, width, height;
@@ -62,7 +60,7 @@ void ui_tint(ui_colour colour); /**< Of the texts up to ui_tint_end(). */
 void ui_tint_end(void);
 void ui_gap(float height); /**< Nothing, so high. */
 void ui_same_line(void);
-void ui_same_line_at(float x); /**< The next widget x from the panel's left edge. */
+void ui_same_line_at(float x); /**< The next widget x from the panel's, or column's, left edge. */
 void ui_separator(void);
 void ui_indent(void);
 void ui_unindent(void);

@@ -2,6 +2,8 @@
 // The widgets of ui_list.h, by Dear ImGui.
 #include "viewer/window/ui_list.h"
 
+#include "viewer/window/ui_audit.h"
+
 #include <imgui.h>
 
 #include <cstring>
@@ -10,6 +12,22 @@
 static ImVec2 padded(float width, float height)
 {
     return ImVec2(width + 2 * ImGui::GetStyle().CellPadding.x + 1, height);
+}
+
+/* The text, or its beginning with "...", whole characters of UTF-8. */
+static std::string cut_to(const char *text, float room)
+{
+    std::string shown(text);
+    if (ImGui::CalcTextSize(text).x <= room) {
+        return shown;
+    }
+    while (!shown.empty() && ImGui::CalcTextSize((shown + "...").c_str()).x > room) {
+        while ((shown.back() & 0xc0) == 0x80) {
+            shown.pop_back();
+        }
+        shown.pop_back();
+    }
+    return shown + "...";
 }
 
 extern "C" {
@@ -55,6 +73,7 @@ void ui_list_top(void)
 bool ui_list_heading(const char *text, bool right)
 {
     ImGui::TableNextColumn();
+    audit_within(text, ui_room());
     ImGui::PushStyleVar(ImGuiStyleVar_SelectableTextAlign, ImVec2(right ? 1.0F : 0.0F, 0));
     bool pressed = ImGui::Selectable(text);
     ImGui::PopStyleVar();
@@ -76,6 +95,7 @@ bool ui_list_row(void)
 
 void ui_text_right(const char *text)
 {
+    audit_within(text, ui_room());
     float blank = ImGui::GetContentRegionAvail().x - ImGui::CalcTextSize(text).x;
     ImGui::SetCursorPosX(ImGui::GetCursorPosX() + (blank > 0 ? blank : 0));
     ImGui::TextUnformatted(text);
@@ -93,27 +113,38 @@ void ui_underline(double part, ui_colour colour)
 
 bool ui_row_cut(const char *label, bool selected, const char *tip)
 {
-    float room = ImGui::GetContentRegionAvail().x;
-    bool is_cut = ImGui::CalcTextSize(label).x > room;
-    std::string shown(label);
-    while (is_cut && !shown.empty() && ImGui::CalcTextSize((shown + "...").c_str()).x > room) {
-        do { // whole characters of UTF-8
-            char last = shown.back();
-            shown.pop_back();
-            if ((last & 0xc0) != 0x80) {
-                break;
-            }
-        } while (!shown.empty());
-    }
-    shown += is_cut ? "..." : "";
+    std::string shown = cut_to(label, ImGui::GetContentRegionAvail().x);
+    bool is_cut = shown != label;
     bool pressed = ImGui::Selectable(shown.c_str(), selected);
     ui_tip((is_cut ? std::string(label) + "\n" + tip : std::string(tip)).c_str());
     return pressed;
 }
 
+void ui_text_cut(const char *text, float width)
+{
+    std::string shown = cut_to(text, width);
+    ImGui::TextUnformatted(shown.c_str());
+    audit_item(text);
+    if (shown != text) {
+        ui_tip(text);
+    }
+}
+
+void ui_columns(size_t count)
+{
+    ImGui::Columns(static_cast<int>(count), nullptr, false);
+}
+
+void ui_next_column(void)
+{
+    ImGui::NextColumn();
+}
+
 bool ui_popup(const char *label)
 {
-    if (ImGui::Button(label)) {
+    bool pressed = ImGui::Button(label);
+    audit_item(label);
+    if (pressed) {
         ImGui::OpenPopup(label);
     }
     return ImGui::BeginPopup(label);

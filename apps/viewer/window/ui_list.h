@@ -25,6 +25,12 @@ void ui_underline(double part, ui_colour colour);
 /** A line of a list that can be pressed. What does not fit ends in "..."; then the tip has it whole, as has @p tip. */
 bool ui_row_cut(const char *label, bool selected, const char *tip);
 
+/** A text that ends in "..." where it is wider than @p width; then its tip has it whole. */
+void ui_text_cut(const char *text, float width);
+/** What follows stands in so many columns, filled from ui_next_column() to the next; 1 ends them. */
+void ui_columns(size_t count);
+void ui_next_column(void);
+
 /** A button that opens what comes up to ui_popup_end(), if it is true, over the window. */
 bool ui_popup(const char *label);
 void ui_popup_end(void);

@@ -412,6 +412,11 @@ void window_resize(struct window *window, int width, int height)
 void window_lay_out(struct window *window)
 {
     glfwGetFramebufferSize(window->handle, &window->width, &window->height);
+    window_divide(window);
+}
+
+void window_divide(struct window *window)
+{
     float width = (float)window->width;
     float status = STATUS_HEIGHT * window->scale;
     float height = fmaxf((float)window->height - status, 0);
@@ -475,7 +480,8 @@ double window_rest(const struct window *window)
 void window_clear(const struct window *window)
 {
     glViewport(0, 0, window->width, window->height);
-    glClearColor(0.13F, 0.135F, 0.15F, 1);
+    const ui_colour panel = theme_surfaces[THEME_PANEL];
+    glClearColor((float)panel.r / 255, (float)panel.g / 255, (float)panel.b / 255, 1);
     glClear(GL_COLOR_BUFFER_BIT);
 }
 

@@ -145,6 +145,8 @@ void window_zoom(struct window *window, int steps);
 bool window_press(struct window *window, const char *key);
 /** Lays everything out for the window's size now. */
 void window_lay_out(struct window *window);
+/** The same for its width and height as they stand there. */
+void window_divide(struct window *window);
 
 /** Whether a pane is on the window and large enough to be drawn. */
 bool window_shows_pane(const struct window *window, int pane);

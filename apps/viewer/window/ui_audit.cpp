@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Keeps the texts that are cut, while a test asks for them.
+#include "viewer/window/ui_audit.h"
+
+#include "viewer/window/ui_style.h"
+
+#include <imgui.h>
+
+#include <string>
+#include <vector>
+
+namespace
+{
+
+struct audit {
+    std::vector<std::string> cut;
+    size_t count = 0;
+    ImVec2 size;
+};
+
+const float told = 1; // pixel: less is rounding
+
+audit *current()
+{
+    return static_cast<audit *>(ImGui::GetIO().UserData);
+}
+
+} // namespace
+
+bool audit_runs(void)
+{
+    return current();
+}
+
+void audit_item(const char *text)
+{
+    audit *audit = current();
+    if (!audit) {
+        return;
+    }
+    const ImDrawList *list = ImGui::GetWindowDrawList();
+    ImVec2 low = list->GetClipRectMin();
+    ImVec2 high = list->GetClipRectMax();
+    bool is_seen = ImGui::GetItemRectMax().y > low.y && ImGui::GetItemRectMin().y < high.y;
+    audit->count++;
+    if (is_seen && (ImGui::GetItemRectMin().x < low.x - told || ImGui::GetItemRectMax().x > high.x + told)) {
+        audit->cut.emplace_back(text);
+    }
+}
+
+void audit_within(const char *text, float room)
+{
+    audit *audit = current();
+    if (!audit) {
+        return;
+    }
+    audit->count++;
+    if (ImGui::CalcTextSize(text, nullptr, true).x > room + told) {
+        audit->cut.emplace_back(text);
+    }
+}
+
+extern "C" {
+
+void ui_audit_begin(void)
+{
+    audit *audit = current();
+    audit->cut.clear();
+    audit->count = 0;
+    ImGui::GetIO().DisplaySize = audit->size;
+    ImGui::NewFrame();
+}
+
+void ui_audit_end(void)
+{
+    ImGui::Render();
+}
+
+const char *ui_audit_cut(size_t index)
+{
+    const audit *audit = current();
+    return index < audit->cut.size() ? audit->cut[index].c_str() : nullptr;
+}
+
+size_t ui_audit_count(void)
+{
+    return current()->count;
+}
+
+bool ui_audit_colour(ui_colour *out, const char **name, size_t index)
+{
+    if (index >= ImGuiCol_COUNT) {
+        return false;
+    }
+    ImU32 packed = ImGui::ColorConvertFloat4ToU32(ImGui::GetStyle().Colors[index]);
+    *name = ImGui::GetStyleColorName(static_cast<ImGuiCol>(index));
+    *out = {static_cast<uint8_t>(packed >> IM_COL32_R_SHIFT), static_cast<uint8_t>(packed >> IM_COL32_G_SHIFT),
+            static_cast<uint8_t>(packed >> IM_COL32_B_SHIFT), static_cast<uint8_t>(packed >> IM_COL32_A_SHIFT)};
+    return true;
+}
+
+bool ui_audit_create(float scale, float width, float height)
+{
+    ImGui::CreateContext();
+    ImGuiIO &io = ImGui::GetIO();
+    unsigned char *pixels;
+    int wide;
+    int high;
+    static audit audit;
+    audit.size = ImVec2(width, height);
+    io.IniFilename = nullptr;
+    io.UserData = &audit;
+    bool fine = ui_style(scale);
+    io.Fonts->GetTexDataAsRGBA32(&pixels, &wide, &high);
+    return fine;
+}
+
+} // extern "C"

@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file For tests: which texts of the newest frame could not be read whole. */
+#ifndef CONUS_VIEWER_WINDOW_UI_AUDIT_H
+#define CONUS_VIEWER_WINDOW_UI_AUDIT_H
+
+#include "viewer/window/ui.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Widgets without a screen: nothing is drawn, and frames are so large. False where there is no font. They end with
+ * ui_destroy(). From now on texts are looked at. */
+bool ui_audit_create(float scale, float width, float height);
+/** Begins and ends a frame of them. */
+void ui_audit_begin(void);
+void ui_audit_end(void);
+/** A text that lay partly beside its panel, cell, or field, at its left or right; NULL = no more. Names of areas that
+ * ui_row_cut() cuts are none. Until the next frame. */
+const char *ui_audit_cut(size_t index);
+/** How many texts were looked at. */
+size_t ui_audit_count(void);
+/** A colour of the style, and its name in Dear ImGui; false = no more. */
+bool ui_audit_colour(ui_colour *out, const char **name, size_t index);
+
+#ifdef __cplusplus
+}
+
+/** Whether texts are looked at; then all sections are open. */
+bool audit_runs(void);
+/** The widget before, which is as wide as its text. */
+void audit_item(const char *text);
+/** A text within something so wide. */
+void audit_within(const char *text, float room);
+#endif
+
+#endif

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The font, sizes and colours of Dear ImGui's widgets.
+#include "viewer/window/ui_style.h"
+
+#include "viewer/theme/theme.h"
+
+#include <imgui.h>
+
+static const char *const font_file = CONUS_VIEWER_FONT;
+
+static ImVec4 from_theme(ui_colour c)
+{
+    return ImGui::ColorConvertU32ToFloat4(IM_COL32(c.r, c.g, c.b, c.a));
+}
+
+static bool load_font(float scale)
+{
+    static const ImWchar ranges[] = {0x20, 0x24f, 0x370, 0x3ff, 0x2010, 0x2044, 0x2190, 0x22ff, 0};
+    static const ImWchar ascii[] = {0x20, 0x7e, 0};
+    ImGuiIO &io = ImGui::GetIO();
+    io.Fonts->Clear();
+    return io.Fonts->AddFontFromFileTTF(font_file, 15 * scale, nullptr, ranges) &&
+           io.Fonts->AddFontFromFileTTF(font_file, 30 * scale, nullptr, ascii);
+}
+
+/* What stands under texts is of the theme, and opaque. */
+static void set_colours(ImGuiStyle &style)
+{
+    static const struct {
+        ImGuiCol of;
+        enum theme_surface surface;
+    } surfaces[] = {
+        {ImGuiCol_WindowBg, THEME_PANEL},
+        {ImGuiCol_PopupBg, THEME_POPUP},
+        {ImGuiCol_TitleBg, THEME_TITLE},
+        {ImGuiCol_TitleBgActive, THEME_TITLE},
+        {ImGuiCol_FrameBg, THEME_FIELD},
+        {ImGuiCol_FrameBgHovered, THEME_FIELD_HOVERED},
+        {ImGuiCol_FrameBgActive, THEME_FIELD_HELD},
+        {ImGuiCol_Button, THEME_BUTTON},
+        {ImGuiCol_ButtonHovered, THEME_BUTTON_HOVERED},
+        {ImGuiCol_ButtonActive, THEME_BUTTON_HELD},
+        {ImGuiCol_Header, THEME_ROW},
+        {ImGuiCol_HeaderHovered, THEME_ROW_HOVERED},
+        {ImGuiCol_HeaderActive, THEME_ROW_HELD},
+        {ImGuiCol_TableRowBgAlt, THEME_ODD_ROW},
+        {ImGuiCol_TableHeaderBg, THEME_HEADINGS},
+        {ImGuiCol_SliderGrab, THEME_KNOB},
+        {ImGuiCol_SliderGrabActive, THEME_KNOB_HELD},
+        {ImGuiCol_TextSelectedBg, THEME_MARKED},
+    };
+    for (const auto &one : surfaces) {
+        style.Colors[one.of] = from_theme(theme_surfaces[one.surface]);
+    }
+    style.Colors[ImGuiCol_Text] = from_theme(theme_texts[THEME_PLAIN]);
+    style.Colors[ImGuiCol_TextDisabled] = from_theme(theme_texts[THEME_HINT]);
+    style.Colors[ImGuiCol_CheckMark] = style.Colors[ImGuiCol_NavHighlight] = from_theme(theme_mark);
+}
+
+static void set_style(float scale)
+{
+    ImGuiStyle style;
+    ImGui::StyleColorsDark(&style);
+    style.WindowRounding = style.WindowBorderSize = 0;
+    style.FrameRounding = 3;
+    style.WindowPadding = ImVec2(8, 6);
+    style.ItemSpacing = ImVec2(6, 4);
+    style.CellPadding.x = 3;
+    set_colours(style);
+    style.ScaleAllSizes(scale);
+    ImGui::GetStyle() = style;
+}
+
+bool ui_style(float scale)
+{
+    set_style(scale);
+    return load_font(scale);
+}

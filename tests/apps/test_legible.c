@@ -1,0 +1,270 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Whether what the window says can be read: contrast of its colours, and texts that are cut, at usual sizes. */
+#include "viewer/keys.h"
+#include "viewer/panels/panels.h"
+#include "viewer/results/columns.h"
+#include "viewer/window/ui_audit.h"
+
+#include "test.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- Contrast ---------------------------------------------------------------------------------------------------- */
+
+/* Pairs that are known: black on white has 21, #767676 is the lightest grey that passes on white, #777777 fails. Grey
+ * 0x76 = 118 by hand: ((118 / 255 + 0.055) / 1.055)^2.4 = 0.18116, (1.05) / (0.23116) = 4.542. */
+static void contrast_is_that_of_wcag(void **state)
+{
+    const ui_colour white = {255, 255, 255, 255};
+    (void)state;
+    assert_near(theme_contrast((ui_colour){0, 0, 0, 255}, white), 21, 1e-9);
+    assert_near(theme_contrast(white, white), 1, 1e-12);
+    assert_near(theme_contrast(white, (ui_colour){0x76, 0x76, 0x76, 255}), 4.542, 1e-3);
+    assert_true(theme_contrast(white, (ui_colour){0x77, 0x77, 0x77, 255}) < 4.5);
+    assert_near(theme_contrast((ui_colour){255, 0, 0, 255}, white), 1.05 / (0.2126 + 0.05), 1e-9);
+    assert_near(theme_contrast((ui_colour){10, 0, 0, 255}, (ui_colour){0, 0, 0, 255}),
+                (0.2126 * 10 / 255 / 12.92 + 0.05) / 0.05, 1e-9); /* the straight part of the curve */
+}
+
+static void over_is_a_mix(void **state)
+{
+    ui_colour mixed = theme_over((ui_colour){200, 100, 0, 255}, (ui_colour){100, 100, 100, 255}, 0.5);
+    (void)state;
+    assert_int_equal(mixed.r, 150);
+    assert_int_equal(mixed.g, 100);
+    assert_int_equal(mixed.b, 50);
+    assert_int_equal(theme_over((ui_colour){0, 0, 0, 205}, (ui_colour){255, 255, 255, 255}, 1).r, 50);
+}
+
+static ui_colour surface_of(size_t surface)
+{
+    return theme_over(theme_surfaces[surface], (ui_colour){255, 255, 255, 255}, 1); /* over a white picture */
+}
+
+static bool may_stand(size_t text, size_t surface)
+{
+    bool is_field = surface >= THEME_FIELD && surface <= THEME_FIELD_HELD;
+    bool is_row = surface >= THEME_ROW && surface <= THEME_ODD_ROW;
+    bool is_plain = surface <= THEME_TITLE || surface == THEME_HEADINGS || surface == THEME_SHADE || is_row;
+    return text == THEME_PLAIN || is_plain || (text == THEME_HINT && is_field);
+}
+
+static void every_text_can_be_read(void **state)
+{
+    size_t pairs = 0;
+    (void)state;
+    for (size_t text = 0; text < THEME_TEXTS; text++) {
+        for (size_t surface = 0; surface < THEME_SURFACES; surface++) {
+            double contrast = theme_contrast(theme_texts[text], surface_of(surface));
+            if (may_stand(text, surface) && contrast < THEME_CONTRAST) {
+                fail_msg("text %zu on surface %zu: %.2f", text, surface, contrast);
+            }
+            pairs += may_stand(text, surface);
+        }
+    }
+    assert_int_equal(pairs, 18 + 5 * 9 + 3);
+}
+
+/* Hidden areas, old answers: not on knobs; what is chosen or a heading, only on panels. */
+static void pale_texts_can_be_read(void **state)
+{
+    (void)state;
+    for (size_t surface = 0; surface < THEME_SURFACES; surface++) {
+        ui_colour below = surface_of(surface);
+        bool is_knob = surface == THEME_KNOB || surface == THEME_KNOB_HELD;
+        if (!is_knob &&
+            theme_contrast(theme_over(theme_texts[THEME_PLAIN], below, theme_pale), below) < THEME_CONTRAST) {
+            fail_msg("pale on surface %zu", surface);
+        }
+    }
+    ui_colour panel = surface_of(THEME_PANEL);
+    assert_true(theme_contrast(theme_over(theme_texts[THEME_AMBER], panel, theme_pale), panel) >= THEME_CONTRAST);
+}
+
+static bool begins_with_one_of(const char *name, const char *const *beginnings)
+{
+    bool found = false;
+    for (; *beginnings; beginnings++) {
+        found = found || strncmp(name, *beginnings, strlen(*beginnings)) == 0;
+    }
+    return found;
+}
+
+/* The colours that the widgets really have: plain text on all that a widget with text fills, and marks on fields. */
+static void the_widgets_have_these_colours(void **state)
+{
+    static const char *const filled[] = {"WindowBg", "PopupBg",       "FrameBg",       "TitleBg",    "Button",
+                                         "Header",   "TableHeaderBg", "TableRowBgAlt", "SliderGrab", "TextSelectedBg",
+                                         NULL};
+    static const char *const marks[] = {"CheckMark", "NavHighlight", NULL};
+    const char *name;
+    ui_colour colour;
+    size_t seen = 0;
+    (void)state;
+    assert_true(ui_audit_create(1, 640, 480));
+    for (size_t i = 0; ui_audit_colour(&colour, &name, i); i++) {
+        bool is_filled = begins_with_one_of(name, filled) && strcmp(name, "TitleBgCollapsed") != 0;
+        ui_colour shown = theme_over(colour, theme_surfaces[THEME_PANEL], 1);
+        if (is_filled && theme_contrast(theme_texts[THEME_PLAIN], shown) < THEME_CONTRAST) {
+            fail_msg("%s: %.2f", name, theme_contrast(theme_texts[THEME_PLAIN], shown));
+        }
+        if (begins_with_one_of(name, marks)) {
+            assert_true(theme_contrast(shown, theme_surfaces[THEME_FIELD_HOVERED]) >= THEME_MARK_CONTRAST);
+            assert_true(theme_contrast(shown, theme_surfaces[THEME_PANEL]) >= THEME_MARK_CONTRAST);
+        }
+        bool is_text = strcmp(name, "Text") == 0 || strcmp(name, "TextDisabled") == 0;
+        const ui_colour wanted = theme_texts[strcmp(name, "Text") == 0 ? THEME_PLAIN : THEME_HINT];
+        assert_true(!is_text || memcmp(&colour, &wanted, sizeof colour) == 0);
+        seen += is_filled + is_text;
+    }
+    assert_int_equal(seen, 20);
+    ui_destroy();
+}
+
+/* ---- Texts that are cut ------------------------------------------------------------------------------------------ */
+
+static const char long_name[] = "superior longitudinal fasciculus, temporoparietal part, of the left hemisphere";
+
+/* Areas, a pathway, and a context. */
+static conus_atlas *load_scene(void)
+{
+    conus_atlas *atlas = NULL;
+    const conus_pathway_options pathway = {.name = long_name, .threshold = 3};
+    char path[600];
+    char folder[512];
+    snprintf(folder, sizeof folder, "%s", test_scratch("scene"));
+    assert_ok(conus_phantom_write("slabs", folder, NULL));
+    assert_ok(conus_phantom_write("tubes", folder, NULL));
+    snprintf(path, sizeof path, "%s/slabs.nii.gz", folder);
+    assert_ok(conus_atlas_load(&atlas, path, NULL));
+    snprintf(path, sizeof path, "%s/tubes.nii.gz", folder);
+    assert_ok(conus_atlas_add_pathway(atlas, path, &pathway));
+    assert_ok(conus_atlas_set_context(atlas, path, NULL));
+    return atlas;
+}
+
+static void draw(struct window *window)
+{
+    ui_audit_begin();
+    if (window->start.on) {
+        panel_start(window);
+    } else {
+        panel_areas(window);
+        panel_results(window);
+        panel_status(window);
+    }
+    if (window->show_help) {
+        keys_draw_help(window);
+    }
+    ui_audit_end();
+}
+
+static void nothing_is_cut(struct window *window, const char *where)
+{
+    for (int i = 0; i < 4; i++) { /* columns find their widths */
+        draw(window);
+    }
+    assert_true(ui_audit_count() > 10);
+    if (ui_audit_cut(0)) {
+        fail_msg("%d x %d, scale %g, %s: \"%s\" is cut", window->width, window->height, (double)window->scale, where,
+                 ui_audit_cut(0));
+    }
+}
+
+/* Every setting in turn, with all that it adds to the panels. */
+static void look_at_all(struct window *window)
+{
+    struct viewer *viewer = window->viewer;
+    nothing_is_cut(window, "first hits");
+    viewer->cone.options.layers = CONUS_LAYERS_ALL;
+    viewer->cone.options.radius = 12.5;
+    viewer->cone.options.score = "unoccluded";
+    viewer_reselect(viewer);
+    nothing_is_cut(window, "all hits in a cylinder");
+    viewer->cone.options.sampling = CONUS_SAMPLING_SLICES;
+    viewer->cone.options.layers = CONUS_LAYERS_VISIBLE;
+    viewer->cone.pointer = POINT_BY_WAND;
+    viewer->frame.space = CONUS_SPACE_BREGMA;
+    viewer_reselect(viewer);
+    nothing_is_cut(window, "slices, from bregma");
+    viewer_confirm(viewer);
+    viewer_choose(viewer, 1);
+    nothing_is_cut(window, "confirmed");
+    viewer_choose(viewer, 3);
+    viewer_pin(viewer, 0, 3, 0.5, 12.3, (double[]){0, 0, 0});
+    nothing_is_cut(window, "a long name");
+    viewer_hide(viewer, 1, true);
+    viewer_clear(viewer);
+    viewer->cone.pointer = POINT_BY_REPLAY;
+    nothing_is_cut(window, "hidden, and no cone");
+    viewer->cone.pointer = POINT_BY_TRACKER;
+    snprintf(viewer->drawn->shown.search, sizeof viewer->drawn->shown.search, "nothing of that name");
+    nothing_is_cut(window, "a tracker, and nothing found");
+    viewer->drawn->shown.search[0] = '\0';
+    window->show_help = true;
+    nothing_is_cut(window, "keys");
+    window->show_help = false;
+    window->start.on = true;
+    nothing_is_cut(window, "start page");
+    window->start.on = false;
+}
+
+static void nothing_is_cut_at_usual_sizes(void **state)
+{
+    static const struct {
+        int width, height;
+        float scale;
+    } screens[] = {{1280, 800, 1}, {1920, 1080, 1}, {1920, 1080, 1.5F}, {2560, 1440, 1}, {2560, 1440, 2}};
+    conus_atlas *atlas = load_scene();
+    struct viewer viewer;
+    (void)state;
+    assert_ok(viewer_create(&viewer, &(struct view_source){.atlas = atlas, .path = "slabs"}, 1, NULL, NULL, NULL));
+    for (size_t i = 0; i < sizeof screens / sizeof screens[0]; i++) {
+        struct window window = {.viewer = &viewer, .enlarged = -1, .scale = screens[i].scale};
+        window.width = screens[i].width;
+        window.height = screens[i].height;
+        window_divide(&window);
+        viewer.cone = (struct cone_state){.angle = 20};
+        viewer.frame.space = CONUS_SPACE_RAS;
+        viewer_show_all(&viewer);
+        viewer_aim_along(&viewer, (double[]){-123.4, -123.4, -123.4}, (double[]){1, 1, 1});
+        viewer_say(&viewer, "opened: slabs.nii.gz");
+        assert_true(ui_audit_create(window.scale, (float)window.width, (float)window.height));
+        look_at_all(&window);
+        ui_destroy();
+    }
+    viewer_finish(&viewer);
+}
+
+/* The test itself notices. */
+static void what_is_cut_is_found(void **state)
+{
+    (void)state;
+    assert_true(ui_audit_create(1, 200, 100));
+    ui_audit_begin();
+    ui_panel("small", (struct ui_box){0, 0, 100, 100}, 0);
+    ui_button("fits");
+    ui_text("This does not fit into a hundred pixels.");
+    ui_button("Nor does this long button");
+    ui_panel_end();
+    ui_audit_end();
+    assert_int_equal(ui_audit_count(), 3);
+    assert_string_equal(ui_audit_cut(0), "This does not fit into a hundred pixels.");
+    assert_string_equal(ui_audit_cut(1), "Nor does this long button");
+    assert_null(ui_audit_cut(2));
+    ui_destroy();
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(contrast_is_that_of_wcag),       cmocka_unit_test(over_is_a_mix),
+        cmocka_unit_test(every_text_can_be_read),         cmocka_unit_test(pale_texts_can_be_read),
+        cmocka_unit_test(the_widgets_have_these_colours), cmocka_unit_test(what_is_cut_is_found),
+        cmocka_unit_test(nothing_is_cut_at_usual_sizes),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
