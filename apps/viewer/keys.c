@@ -348,6 +348,10 @@ static bool press_at_start(struct window *window, const char *key)
         start->takes_keys = true;
     } else if (strcasecmp(key, "enter") == 0) {
         window_want_typed(window);
+    } else if (strcasecmp(key, "up") == 0 || strcasecmp(key, "down") == 0) {
+        start_move(start, strcasecmp(key, "up") == 0 ? -1 : 1);
+    } else if (strcasecmp(key, "s") == 0 && start->has_no_sample) {
+        window_want_sample(window);
     } else if (strcasecmp(key, "escape") == 0 && window->show_help) {
         window->show_help = false;
     } else if (strcasecmp(key, "escape") == 0 && window->viewer) {

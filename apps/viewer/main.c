@@ -192,8 +192,8 @@ static const struct command cmd_view = {
         "Four panes: the brain in 3-D and its axial, coronal and sagittal cuts. The cone follows the mouse, from the\n"
         "surface under it, or a wand moved by keys; the areas that it hits are named, ranked and highlighted. A click\n"
         "holds it, Escape clears it. Press ? in the window for the keys.\n\n"
-        "Without ATLAS the window opens with a page that lists what was opened lately. Drop a file or a folder on\n"
-        "it, or type a path, or the name of an installed atlas (conus atlases).",
+        "Without ATLAS the window opens with a page that lists the installed atlases (conus atlases), which can be\n"
+        "searched by name, and what was opened lately. Drop a file or a folder on it, or type a path.",
     .examples =
         "  conus view /usr/share/mricron/templates/aal.nii.gz --context /usr/share/mricron/templates/ch2bet.nii.gz\n"
         "  conus view aal --atlas /usr/share/mricron/templates/brodmann.nii.gz\n",

@@ -195,6 +195,107 @@ static void the_start_page_shows_no_escapes(void **state)
     assert_string_equal(path, "~a");
     start.typed[0] = '\0';
     assert_false(start_typed(path, &start));
+    start_finish(&start);
+}
+
+/* Of the atlases of $CONUS_ATLAS_PATH: nested, slabs and sphere, in this order, and no others. */
+static void look_for_three(struct start *start)
+{
+    static const char *const kinds[] = {"nested", "slabs", "sphere"};
+    char state[PATH_MAX];
+    char here[512];
+    char folder[1200];
+    find_state(state, "recent.json");
+    assert_non_null(getcwd(here, sizeof here));
+    snprintf(folder, sizeof folder, "%s/%s", here, test_scratch("atlases"));
+    for (size_t i = 0; i < 3; i++) {
+        assert_ok(conus_phantom_write(kinds[i], folder, NULL));
+    }
+    setenv("CONUS_ATLAS_PATH", folder, 1);
+    setenv("XDG_DATA_DIRS", "/none", 1);
+    start_look(start);
+    assert_true(conus_catalogue_count(start->catalogue) >= 3); /* own ones come first */
+}
+
+static void assert_opens(struct start *start, const char *typed, const char *wanted)
+{
+    char path[PATH_MAX];
+    snprintf(start->typed, sizeof start->typed, "%s", typed);
+    assert_true(start_typed(path, start));
+    assert_string_equal(path, wanted);
+}
+
+static void what_is_typed_finds_an_installed_atlas(void **state)
+{
+    struct start start = {.on = true};
+    (void)state;
+    look_for_three(&start);
+    assert_opens(&start, "sla", "slabs");
+    assert_opens(&start, "OWN sph", "sphere");
+    assert_opens(&start, "e", "nested"); /* the first of two */
+    start_move(&start, 1);
+    assert_opens(&start, "e", "sphere"); /* slabs has no e */
+    start_move(&start, -1);
+    start_move(&start, -1);
+    assert_opens(&start, "e", "nested"); /* the first stays the first */
+    assert_opens(&start, "own:slabs", "slabs");
+    assert_opens(&start, "no such atlas", "no such atlas"); /* so that it is said why not */
+    assert_opens(&start, "./e", "./e");
+    assert_opens(&start, "/e", "/e");
+    start_finish(&start);
+}
+
+/* Where a file of this folder hides the name, the source is said, too. */
+static void an_atlas_of_the_list_is_opened_and_no_file_of_its_name(void **state)
+{
+    struct start start = {.on = true};
+    char words[PATH_MAX];
+    (void)state;
+    look_for_three(&start);
+    const conus_installed *slabs = conus_catalogue_atlas(start.catalogue, 1);
+    assert_true(installed_words(words, start.catalogue, slabs));
+    assert_string_equal(words, "slabs");
+    assert_ok(conus_write_file("slabs", "", 0));
+    assert_true(installed_words(words, start.catalogue, slabs));
+    assert_string_equal(words, "own:slabs");
+    assert_ok(conus_write_file("own:slabs", "", 0));
+    assert_true(installed_words(words, start.catalogue, slabs));
+    assert_string_equal(words, slabs->path);
+    assert_opens(&start, "slabs", "slabs"); /* what is typed is the file */
+    remove("slabs");
+    remove("own:slabs");
+    start_finish(&start);
+}
+
+static void where_nothing_was_typed_the_arrows_choose(void **state)
+{
+    struct start start = {.on = true};
+    char path[PATH_MAX];
+    (void)state;
+    look_for_three(&start);
+    assert_false(start_typed(path, &start));
+    start_move(&start, 1);
+    assert_opens(&start, "", "nested");
+    start_move(&start, 1);
+    assert_opens(&start, "", "slabs");
+    start_finish(&start);
+    assert_false(start_typed(path, &start)); /* without a list */
+}
+
+static void without_an_atlas_a_phantom_is_the_sample(void **state)
+{
+    struct start start = {.on = true};
+    char path[PATH_MAX];
+    char again[PATH_MAX];
+    (void)state;
+    look_for_three(&start);
+    assert_true(start.has_no_sample);
+    assert_string_equal(start.found, "");
+    assert_true(start_sample(path));
+    assert_int_equal(access(path, R_OK), 0);
+    assert_true(start_sample(again));
+    assert_string_equal(again, path);
+    start_finish(&start);
 }
 
 int main(void)
@@ -206,6 +307,10 @@ int main(void)
         cmocka_unit_test(only_a_whole_list_is_read),
         cmocka_unit_test(what_is_opened_comes_first),
         cmocka_unit_test(the_start_page_shows_no_escapes),
+        cmocka_unit_test(what_is_typed_finds_an_installed_atlas),
+        cmocka_unit_test(an_atlas_of_the_list_is_opened_and_no_file_of_its_name),
+        cmocka_unit_test(where_nothing_was_typed_the_arrows_choose),
+        cmocka_unit_test(without_an_atlas_a_phantom_is_the_sample),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

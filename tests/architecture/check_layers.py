@@ -34,8 +34,9 @@ APPS = {
     "apps/viewer/second": "apps/link apps/viewer/model apps/viewer/devices apps/viewer/pointing",
     "apps/viewer/hands": "apps/link apps/viewer/pointing apps/viewer/second apps/viewer/window",
     "apps/viewer/theme": "",
+    "apps/viewer/opening": "",
     "apps/viewer/window": "apps/common apps/viewer/model apps/viewer/chosen apps/viewer/devices apps/viewer/second"
-    " apps/viewer/theme",
+    " apps/viewer/theme apps/viewer/opening",
     "apps/viewer/pointing": "apps/viewer/model",
     "apps/viewer/chosen": "apps/viewer/model",
     "apps/viewer/panes": "apps/viewer/model apps/viewer/pointing apps/viewer/chosen apps/viewer/second"

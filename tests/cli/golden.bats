@@ -62,7 +62,7 @@ looks_as() {
 
 @test "the start page" {
     export ASAN_OPTIONS=detect_leaks=0 # Mesa forgets 128 bytes of a driver that is unloaded before anything was drawn
-    export XDG_STATE_HOME=$PWD XDG_DATA_DIRS=/none
+    export XDG_STATE_HOME=$PWD XDG_DATA_DIRS=/none HOME=$PWD
     mkdir conus
     cat >conus/recent.json <<'END'
 {"conus_recent": 1, "atlases": ["/data/atlases/Schaefer2018_400Parcels_7Networks_order_FSLMNI152_1mm.nii.gz",

@@ -146,6 +146,24 @@ open_from() {
     wait "$child"
 }
 
+@test "what is typed searches the installed atlases, and the arrow keys choose" {
+    need_window
+    own_folders
+    export CONUS_ATLAS_PATH=$PWD/mine
+    for kind in nested slabs sphere; do conus phantom $kind -o mine; done
+    printf 'type sla\nkey enter\nsave found.json\n' | view
+    [ "$(jq -r .atlas found.json)" = "$PWD/mine/slabs.nii.gz" ]
+    printf 'key down\nkey down\nkey down\nkey up\nkey enter\nsave found.json\n' | view
+    [ "$(jq -r .atlas found.json)" = "$PWD/mine/slabs.nii.gz" ]
+    # without the AAL atlas a phantom is the sample, and with it there is none
+    printf 'key s\nsave found.json\n' | view
+    [ "$(jq -r '.atlas, .objects' found.json)" = "$PWD/state/conus/sample/brain.atlas.json"$'\n12' ]
+    mkdir -p data/mricron/templates
+    cp mine/nested.nii.gz data/mricron/templates/aal.nii.gz
+    run -3 --separate-stderr page --script <(echo key s)
+    check_message 'key KEY is needed'
+}
+
 @test "what is opened is remembered, newest first, eight of them" {
     need_window
     own_folders
@@ -348,7 +366,7 @@ END
     until look '.objects == 3'; do # down the page, until the entry is met
         down=$((down + 6))
         [ $down -lt 400 ]
-        xdotool mousemove --window "$window" 700 $down
+        xdotool mousemove --window "$window" 200 $down
         pass
         xdotool click 1
     done

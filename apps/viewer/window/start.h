@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What the start page offers: atlases that were opened lately, those of this computer, and a path to type. */
+/** @file What the start page offers: atlases that were opened lately, those that are installed, a sample, and a line
+ * for a path or for words to search by. */
 #ifndef CONUS_VIEWER_WINDOW_START_H
 #define CONUS_VIEWER_WINDOW_START_H
 
+#include "viewer/opening/installed.h"
 #include "viewer/window/recent.h"
 
 enum { START_WHY = 512 };
@@ -13,16 +15,32 @@ struct start {
     char typed[PATH_MAX];
     char why[START_WHY]; /**< Why the last one was not opened, plain; "" = there is nothing to say. */
     struct recent recent;
-    char found[PATH_MAX]; /**< An atlas of this computer that is not among the recent ones; "" = none. */
+    char found[PATH_MAX]; /**< The sample, Debian's AAL atlas, if it is there and not among the recent ones; or "". */
+    bool has_no_sample;   /**< That atlas is not installed: a phantom is the sample. */
+    conus_catalogue *catalogue; /**< What is installed; NULL = it was not looked for. */
+    size_t picked;              /**< Index of the installed atlas that Enter opens; past the last = none. */
+    char picked_by[PATH_MAX];   /**< What was typed when it was picked. */
 };
 
-/** Fills the lists anew. */
+/** Fills the lists anew; to be ended by start_finish(). */
 void start_look(struct start *start);
+void start_finish(struct start *start);
 /** Path @p index of the lists, the recent ones first; NULL past the last. */
 const char *start_path(const struct start *start, size_t index);
 /** Path @p index without what may not be shown, and where its last name begins in it. */
 const char *start_words(char words[PATH_MAX], const struct start *start, size_t index);
-/** The path that was typed, where ~ is the home folder; false where there is none, or it is too long. */
-bool start_typed(char path[PATH_MAX], const struct start *start);
+/** What the installed atlases are searched by: what was typed, unless that is a path; then "". */
+const char *start_words_typed(const struct start *start);
+/** Index of the installed atlas that is marked, which what was typed finds or the arrow keys chose; past the last =
+ * none, as where nothing was typed or it is a path. */
+size_t start_picked(struct start *start);
+/** Marks the next installed atlas, by 1 below, by -1 above. */
+void start_move(struct start *start, int by);
+/** What Enter opens: the path that was typed, where ~ is the home folder, or the atlas that is marked; false where
+ * there is none, or it is too long. */
+bool start_typed(char path[PATH_MAX], struct start *start);
+/** Writes the phantom that is the sample, unless it is there, in the folder of the window's state: its path, or false
+ * with conus_message(). */
+bool start_sample(char path[PATH_MAX]);
 
 #endif

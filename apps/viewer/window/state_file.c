@@ -4,8 +4,6 @@
 
 #include <conus/conus.h>
 
-#include <limits.h>
-#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -34,6 +32,15 @@ static void make_folders(char *path)
     }
 }
 
+bool state_file_path(char path[PATH_MAX], const char *name)
+{
+    bool fine = find_path(path, name);
+    if (fine) {
+        make_folders(path);
+    }
+    return fine;
+}
+
 char *state_file_read(size_t *size, const char *name, size_t limit)
 {
     char path[PATH_MAX];
@@ -54,8 +61,7 @@ char *state_file_read(size_t *size, const char *name, size_t limit)
 void state_file_write(const char *name, const char *text, size_t size)
 {
     char path[PATH_MAX];
-    if (find_path(path, name)) {
-        make_folders(path);
+    if (state_file_path(path, name)) {
         conus_status status = conus_write_file(path, text, size);
         (void)status;
     }

@@ -111,6 +111,11 @@ void ui_scroll_end(void)
     ImGui::EndChild();
 }
 
+void ui_column(const char *id, float width, float height)
+{
+    ImGui::BeginChild(id, ImVec2(width, height));
+}
+
 void ui_scroll_here(void)
 {
     ImGui::SetScrollHereY(0.4F);
@@ -164,6 +169,11 @@ void ui_indent(void)
 void ui_unindent(void)
 {
     ImGui::Unindent();
+}
+
+float ui_room_below(void)
+{
+    return ImGui::GetContentRegionAvail().y;
 }
 
 float ui_room(void)
@@ -237,6 +247,13 @@ void ui_tip(const char *text)
 bool ui_entered(void)
 {
     return ImGui::IsItemDeactivated() && ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Enter));
+}
+
+int ui_arrow(void)
+{
+    bool up = ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_UpArrow));
+    bool down = ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_DownArrow));
+    return (down ? 1 : 0) - (up ? 1 : 0);
 }
 
 bool ui_edited(void)

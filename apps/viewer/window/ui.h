@@ -52,6 +52,8 @@ void ui_panel_end(void);
 /** A part that scrolls by itself, @p height high (0 = the rest). */
 void ui_scroll(const char *id, float height);
 void ui_scroll_end(void);
+/** Likewise, but so wide; the next one may stand beside it, after ui_same_line(). */
+void ui_column(const char *id, float width, float height);
 /** The list scrolls to where the next widget comes. */
 void ui_scroll_here(void);
 void ui_dim(float opacity); /**< Of the widgets up to ui_dim_end(). */
@@ -64,6 +66,7 @@ void ui_same_line_at(float x); /**< The next widget x from the panel's, or colum
 void ui_separator(void);
 void ui_indent(void);
 void ui_unindent(void);
+float ui_room_below(void);  /**< From where the next widget comes to the panel's, or the scrolled part's, lower edge. */
 float ui_room(void);        /**< From where the next widget comes to the panel's right edge. */
 void ui_width(float width); /**< Of the next widget. */
 /** Widgets up to ui_id_end() may have the names of others. */
@@ -78,6 +81,8 @@ void ui_text_wrapped(const char *text);
 void ui_heading(const char *text); /**< In large letters, of ASCII. */
 /** A text over the widget before, where the mouse is on it. */
 void ui_tip(const char *text);
+/** Of a line that has the keyboard: 1 = the arrow down was pressed, -1 = that up. */
+int ui_arrow(void);
 bool ui_entered(void); /**< Whether Enter was pressed in the line before. */
 bool ui_edited(void);  /**< Whether the widget before was let go after a change. */
 bool ui_hovered(void); /**< Whether the mouse is on the widget before. */

@@ -310,6 +310,7 @@ void window_close(struct window *window)
     free(window->wanted);
     free(window->session_path);
     changes_finish(&window->changes);
+    start_finish(&window->start);
     ui_destroy();
     glfwDestroyWindow(window->handle);
     glfwTerminate();
@@ -361,6 +362,16 @@ void window_want_typed(struct window *window)
     char path[PATH_MAX];
     if (start_typed(path, &window->start)) {
         window_want(window, path);
+    }
+}
+
+void window_want_sample(struct window *window)
+{
+    char path[PATH_MAX];
+    if (start_sample(path)) {
+        window_want(window, path);
+    } else {
+        window_say(window, conus_message());
     }
 }
 

@@ -126,6 +126,8 @@ void window_show(struct window *window, struct viewer *viewer);
 void window_want(struct window *window, const char *path);
 /** Likewise what was typed on the start page, if anything was. */
 void window_want_typed(struct window *window);
+/** Likewise the sample of the start page, if that is the phantom. */
+void window_want_sample(struct window *window);
 /** Shows the start page, which says what would be lost with the atlas that is open. */
 void window_go_to_start(struct window *window);
 /** Asks for what was dropped on the window, if it is one thing; where confirmed results would be lost, only once it is
