@@ -10,6 +10,7 @@
 #include "viewer/window/ui_list.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <strings.h>
 
 static void toggle_help(struct window *window)
@@ -354,6 +355,10 @@ static bool press_at_start(struct window *window, const char *key)
         window_want_sample(window);
     } else if (strcasecmp(key, "escape") == 0 && window->show_help) {
         window->show_help = false;
+    } else if (strcasecmp(key, "escape") == 0 && window->session_waits) {
+        free(window->session_waits);
+        window->session_waits = NULL;
+        start->why[0] = '\0';
     } else if (strcasecmp(key, "escape") == 0 && window->viewer) {
         start->on = false;
     } else {

@@ -6,22 +6,13 @@
 #include "viewer/keys.h"
 #include "viewer/loop.h"
 #include "viewer/open.h"
+#include "viewer/view_words.h"
 
 #include <GLFW/glfw3.h>
 
 enum { DEFAULT_WIDTH = 1500, DEFAULT_HEIGHT = 940 };
 
 static const struct option own_options[] = {
-    {.name = "context",
-     .type = OPTION_TEXT,
-     .offset = offsetof(struct view_settings, context),
-     .value = "FILE",
-     .help = "scalar map to draw around the areas, such as a T1; replaces the manifest's"},
-    {.name = "transfer",
-     .type = OPTION_TEXT,
-     .offset = offsetof(struct view_settings, transfer),
-     .value = "NAME|FILE",
-     .help = "transfer function of the context in 3-D, as for conus render"},
     {.name = "size",
      .type = OPTION_SIZE,
      .offset = offsetof(struct view_settings, size),
@@ -40,7 +31,7 @@ static const struct option own_options[] = {
      .type = OPTION_TEXT,
      .offset = offsetof(struct view_settings, session),
      .value = "FILE.json",
-     .help = "open as a saved session was left"},
+     .help = "open as a saved session was left; without ATLAS its own atlas, with the options that it had"},
     {.name = "script",
      .type = OPTION_TEXT,
      .offset = offsetof(struct view_settings, script),
@@ -67,7 +58,8 @@ static const struct option own_options[] = {
 };
 
 static const struct option_group groups[] = {
-    {"What is shown", own_options, 0},
+    {"What is shown", scene_options, 0},
+    {"", own_options, 0},
     {"", atlas_options, offsetof(struct view_settings, atlas)},
     {"", shown_options, offsetof(struct view_settings, atlas)},
     {"", more_atlas_options, offsetof(struct view_settings, atlas)},
@@ -88,16 +80,18 @@ static int run_window(struct window *window, const struct view_settings *setting
 {
     int code = EXIT_DONE;
     bool failed = false;
+    struct view_settings later = *settings;
+    later.session = NULL; /* it is for the first, or waits for its atlas */
     start_look(&window->start);
     window->press = keys_press;
-    if (path) {
-        window_want(window, path);
+    if (path || settings->session) {
+        window_want(window, path ? path : settings->session);
     }
     if (window->wanted && !open_wanted(window, settings, true, started, &failed) && !window->wanted && failed) {
         code = EXIT_DATA;
     }
     while (!(code && script) && loop_run(window, script, &code)) {
-        open_wanted(window, settings, !path && !window->viewer, clock_ms(), &failed);
+        open_wanted(window, &later, !path && !window->viewer, clock_ms(), &failed);
     }
     open_finish(window);
     return code;
@@ -214,6 +208,7 @@ int main(int count, char **words)
     }
     code = options_parse(&arguments, &settings, &cmd_view, count, words, 1);
     if (code < 0) {
+        settings.arguments = &arguments;
         code = run_view(&settings, &arguments);
     }
     options_finish(&settings, &arguments);

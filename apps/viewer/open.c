@@ -8,6 +8,7 @@
 #include "viewer/hands/hands.h"
 #include "viewer/loader.h"
 #include "viewer/loop.h"
+#include "viewer/reopen.h"
 #include "viewer/session/session.h"
 #include "viewer/window/screen.h"
 
@@ -15,6 +16,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* Between two looks at how far loading is. */
 static const double progress_s = 0.1;
@@ -172,13 +174,31 @@ static bool show(struct window *window, struct viewer *viewer, const struct view
     return true;
 }
 
+/* For sessions; the catalogue's labels, too. */
+static json_t *describe(const struct viewer *viewer, const struct atlas_name *name,
+                        const struct view_settings *settings)
+{
+    const char *labels = settings->atlas.labels ? NULL : atlas_name_labels(name, NULL);
+    json_t *words = view_words(settings->arguments, labels);
+    return words ? opened_describe(viewer->atlases->atlas, name->path, words) : NULL;
+}
+
 /* Those were for another atlas, which may be of another brain, with other names. */
 static void leave_options(struct view_settings *settings)
 {
     settings->atlas = (struct atlas_settings){.max_memory = settings->atlas.max_memory};
     settings->context = settings->transfer = settings->session = NULL;
     settings->poses = NULL;
+    settings->arguments = NULL;
     settings->space = (struct space_settings){0};
+}
+
+/* For the sessions of what is shown from now on; the one before comes back. */
+static json_t *set_opened(struct window *window, json_t *opened)
+{
+    json_t *before = window->opened;
+    window->opened = opened;
+    return before;
 }
 
 /* The viewer has them then. */
@@ -189,10 +209,11 @@ static void hand_over(struct atlases *atlases)
     }
 }
 
-/* `text` is the path, or the name of an installed atlas. */
-static bool open_path(struct window *window, const char *text, const char *path, struct view_settings settings,
-                      char *why)
+/* `text` is the path, or the name of an installed atlas and `name` what that means. */
+static bool open_path(struct window *window, const char *text, const struct atlas_name *name,
+                      struct view_settings settings, char *why)
 {
+    const char *path = name->path;
     struct viewer *before = window->viewer;
     struct viewer *viewer = NULL;
     struct atlases atlases = {0};
@@ -216,10 +237,14 @@ static bool open_path(struct window *window, const char *text, const char *path,
     if (before && viewer) {
         viewer->display.radiological = before->display.radiological;
     }
+    json_t *opened = viewer ? describe(viewer, name, &settings) : NULL;
+    json_t *opened_before = viewer ? set_opened(window, opened) : NULL;
     bool fine = viewer && show(window, viewer, &settings, why);
-    if (viewer && !fine) { /* of the session: nothing was open before */
-        window_show(window, NULL);
+    if (viewer && !fine) { /* of the session */
+        opened_before = set_opened(window, opened_before);
+        window_show(window, before);
     }
+    json_decref(opened_before);
     finish(fine ? before : viewer);
     return fine;
 }
@@ -231,7 +256,7 @@ static bool open_named(struct window *window, const char *text, const struct vie
     struct atlas_name name;
     bool fine = atlas_name_find(&name, text) == EXIT_DONE;
     if (fine) {
-        fine = open_path(window, text, name.path, *settings, why);
+        fine = open_path(window, text, &name, *settings, why);
     } else {
         snprintf(why, LOADER_WHY, "%s", error_line());
     }
@@ -239,6 +264,55 @@ static bool open_named(struct window *window, const char *text, const struct vie
         recent_add(name.path);
     }
     atlas_name_finish(&name);
+    return fine;
+}
+
+/* A session, whose atlas is opened unless it is open already; `atlas`: in place of it, or NULL. */
+static bool open_session(struct window *window, const char *session, const char *atlas,
+                         const struct view_settings *settings, bool with_options, char why[LOADER_WHY])
+{
+    struct reopening reopening;
+    bool missing;
+    bool fine = reopening_prepare(&reopening, session, atlas, settings, with_options, &missing, why);
+    if (fine && !atlas && reopening_is_open(&reopening, window)) {
+        fine = session_load(window, session, why);
+        window->start.on = window->start.on && !fine;
+    } else if (fine) {
+        fine = open_named(window, reopening.path, &reopening.worded.settings, !settings->script, why);
+    }
+    if (fine && session_file_differs(&reopening.file, window->viewer->atlases->atlas)) {
+        viewer_say(window->viewer, "the session is of another file than this %s: numbers and names may differ",
+                   window->viewer->atlases->path);
+    }
+    if (fine && !settings->script) {
+        recent_add(session);
+    }
+    if (fine || missing) {
+        char *waits = missing ? strdup(session) : NULL;
+        free(window->session_waits);
+        window->session_waits = waits;
+        window->start.on = window->start.on || missing;
+    }
+    reopening_finish(&reopening);
+    return fine;
+}
+
+/* What is named, a session or an atlas, or the atlas that a session waits for. */
+static bool open_either(struct window *window, const char *path, const struct view_settings *settings,
+                        bool with_options, char why[LOADER_WHY])
+{
+    struct session_file file = {0};
+    char *session = NULL;
+    bool is_session = session_file_read(&file, path) || (settings->session && strcmp(path, settings->session) == 0);
+    if (is_session) {
+        session_file_finish(&file);
+        session = strdup(path);
+    } else if (window->session_waits) {
+        session = strdup(window->session_waits);
+    }
+    bool fine = session ? open_session(window, session, is_session ? NULL : path, settings, with_options, why)
+                        : open_named(window, path, settings, !settings->script, why);
+    free(session);
     return fine;
 }
 
@@ -254,9 +328,9 @@ bool open_wanted(struct window *window, const struct view_settings *settings, bo
     if (!with_options) {
         leave_options(&used);
     }
-    bool fine = open_named(window, path, &used, !settings->script, why);
+    bool fine = open_either(window, path, &used, with_options, why);
     window->press = press;
-    *failed = why[0] != '\0';
+    *failed = why[0] && !window->session_waits; /* for an atlas */
     if (fine) {
         times_start(&window->times, begun);
     } else if (why[0]) {

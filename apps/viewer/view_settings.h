@@ -16,6 +16,7 @@ struct view_settings {
     uint32_t size[2];
     double scale;
     bool hidden, safe_colours, full_screen;
+    const struct arguments *arguments; /* no option: that these came from; NULL = from none */
 };
 
 #endif

@@ -34,7 +34,7 @@ APPS = {
     "apps/viewer/second": "apps/link apps/viewer/model apps/viewer/devices apps/viewer/pointing",
     "apps/viewer/hands": "apps/link apps/viewer/pointing apps/viewer/second apps/viewer/window",
     "apps/viewer/theme": "",
-    "apps/viewer/opening": "",
+    "apps/viewer/opening": "apps/common",
     "apps/viewer/window": "apps/common apps/viewer/model apps/viewer/chosen apps/viewer/devices apps/viewer/second"
     " apps/viewer/theme apps/viewer/opening",
     "apps/viewer/pointing": "apps/viewer/model",
@@ -45,8 +45,8 @@ APPS = {
     "apps/viewer/panels": "apps/settings apps/viewer/pointing apps/viewer/results apps/viewer/hands apps/viewer/window",
     "apps/viewer/session": "apps/common apps/viewer/pointing apps/viewer/results apps/viewer/hands apps/viewer/window",
     # draw.c joins the panes and panels; the window itself knows neither.
-    "apps/viewer": "apps/link apps/common apps/settings apps/pages apps/viewer/pointing apps/viewer/hands apps/viewer/window apps/viewer/panes"
-    " apps/viewer/panels apps/viewer/session",
+    "apps/viewer": "apps/link apps/common apps/settings apps/pages apps/viewer/pointing apps/viewer/hands"
+    " apps/viewer/window apps/viewer/panes apps/viewer/panels apps/viewer/session apps/viewer/opening",
 }
 LIBRARY = {
     "base": "",

@@ -214,17 +214,78 @@ END
     queried slabs.nii.gz | diff after.tsv -
     run -1 conus diff before.png typed.png
     run -1 conus diff typed.png said.png
-    # a session that does not fit is no reason to leave, either
-    echo 'save slabs.json' | view slabs.nii.gz
-    sphere --size 16
-    cat >script <<END
-drop sphere.nii.gz
-drop slabs.nii.gz
-save again.json
+}
+
+@test "a session opens its atlas as it was opened" {
+    need_window
+    own_folders
+    conus phantom slabs -o elsewhere
+    conus phantom sphere -o .
+    conus phantom u-shape -o .
+    printf 'index\tname\n1\tone\n300\ttwo\n' >names.tsv
+    view elsewhere/slabs.nii.gz --labels names.tsv --context sphere.nii.gz --hemispheres split --atlas u-shape.nii.gz \
+        --space lps <<END
+$AIM
+choose "two left"
+key h
+results left.tsv
+save left.json
+picture left.png 64 64
 END
-    run -0 --separate-stderr timeout $HANG "$CONUS" view --session slabs.json --script script --quiet
-    check_message 'of an atlas with 2 areas and pathways, this one has 1'
-    diff slabs.json again.json
+    jq -e --arg here "$PWD" '.opened.options == ["--labels=\($here)/names.tsv", "--context=\($here)/sphere.nii.gz",
+        "--hemispheres=split", "--atlas=\($here)/u-shape.nii.gz", "--space=lps"] and .opened.folder == $here' left.json
+    mkdir below
+    local how
+    for how in '--session ../left.json' ../left.json; do # from another folder, as an option and as what is to be opened
+        printf 'results %s/again.tsv\npicture %s/again.png 64 64\n' "$PWD" "$PWD" >script
+        # shellcheck disable=SC2086 # two words
+        run -0 --separate-stderr env -C below timeout $HANG "$CONUS" view $how --script ../script --quiet --size 1000x640
+        [ -z "$stderr" ]
+        diff left.tsv again.tsv
+        conus diff left.png again.png
+    done
+    # one that is dropped is opened as well, and is the same again
+    printf 'drop left.json\nsave dropped.json\nresults again.tsv\n' | view elsewhere/slabs.nii.gz
+    diff left.tsv again.tsv
+    local names='(.atlas, .further_atlases[].atlas) |= sub(".*/"; "")' # which have paths now
+    diff <(jq "$names" left.json) <(jq "$names" dropped.json)
+    # the command line comes before what the session says
+    printf 'index\tname\n1\tuno\n300\tdue\n' >other.tsv
+    printf 'results again.tsv\n' | view --session left.json --labels other.tsv
+    grep -q uno again.tsv
+    not grep -q one again.tsv
+}
+
+@test "a session finds an atlas that was moved, or asks for it" {
+    need_window
+    own_folders
+    conus phantom slabs -o .
+    sphere --size 16
+    printf '%s\nsave left.json\nresults left.tsv\n' "$AIM" | view slabs.nii.gz
+    # renamed, it has the checksum still; where there is no table beside it any more, names are others
+    mkdir moved
+    mv slabs.nii.gz moved/renamed.nii.gz
+    mv slabs.tsv moved/renamed.tsv
+    cp left.json moved
+    printf 'results again.tsv\n' | view --session moved/left.json
+    diff left.tsv again.tsv
+    mkdir others # one as large is another
+    head -c "$(stat -c %s moved/renamed.nii.gz)" /dev/zero >others/zeros.nii.gz
+    left_open "$PWD/others/zeros.nii.gz" "$PWD/moved/renamed.nii.gz"
+    printf 'results again.tsv\n' | view --session left.json
+    diff left.tsv again.tsv
+    # nowhere: it says so, and the next atlas is the session's if it fits
+    rm -r state
+    printf 'drop sphere.nii.gz\ndrop moved/renamed.nii.gz\nresults again.tsv\n' >script
+    run -0 --separate-stderr timeout $HANG "$CONUS" view --session left.json --script script --quiet
+    [[ ${stderr_lines[0]} == "conus: left.json: its atlas is not found: $PWD/slabs.nii.gz. "* ]]
+    [ "${stderr_lines[1]}" = 'conus: session: of an atlas with 2 areas and pathways, this one has 1' ]
+    [ ${#stderr_lines[@]} -eq 2 ]
+    diff left.tsv again.tsv
+    # or none
+    printf 'key escape\ndrop sphere.nii.gz\nsave other.json\n' >script
+    run -0 --separate-stderr timeout $HANG "$CONUS" view --session left.json --script script --quiet
+    [ "$(jq .objects other.json)" = 1 ]
 }
 
 @test "an ATLAS that cannot be opened leads to the page" {

@@ -71,13 +71,15 @@ static bool init_atlases(struct viewer *viewer, const struct view_source *source
 conus_status viewer_create(struct viewer *out, const struct view_source *sources, size_t count, const char *transfer,
                            conus_log log, void (*wake)(void))
 {
-    struct viewer viewer = {.transfer = transfer, .cone = {.angle = default_angle}, .wake = wake};
+    struct viewer viewer = {
+        .transfer = transfer ? strdup(transfer) : NULL, .cone = {.angle = default_angle}, .wake = wake};
     viewer.display.fill = 0.45;
     viewer.cone.options.log = log;
     viewer.magnification = 1;
-    if (!init_atlases(&viewer, sources, count) ||
+    if ((transfer && !viewer.transfer) || !init_atlases(&viewer, sources, count) ||
         !painter_create(&viewer.painter, viewer.drawn->atlas, transfer, log, wake)) {
         finish_atlases(&viewer, false);
+        free(viewer.transfer);
         return CONUS_ERROR_MEMORY;
     }
     find_ball(&viewer);
@@ -91,6 +93,7 @@ void viewer_finish(struct viewer *viewer)
 {
     painter_destroy(viewer->painter);
     finish_atlases(viewer, true);
+    free(viewer->transfer);
     *viewer = (struct viewer){0};
 }
 

@@ -62,7 +62,7 @@ struct viewer {
     const char **names; /**< [atlas_count] Theirs. */
     struct view_atlas
         *drawn; /**< The one of them that pictures show, that is searched, hidden, picked and confirmed. */
-    const char *transfer;
+    char *transfer;
     double centre[3], radius; /**< A ball around all atlases, world mm. */
     conus_frame frame;        /**< The space in which positions are typed, shown and written. */
 
@@ -89,7 +89,7 @@ struct viewer {
 };
 
 /** Gets ready for @p count atlases, at least one, the first of which is drawn. They are taken over on success, their
- * strings are not; @p transfer must outlive the viewer; @p log and @p wake (painter.h) may be NULL. */
+ * strings, @p transfer and @p log are not; @p transfer, @p log and @p wake (painter.h) may be NULL. */
 conus_status viewer_create(struct viewer *out, const struct view_source *sources, size_t count, const char *transfer,
                            conus_log log, void (*wake)(void));
 void viewer_finish(struct viewer *viewer);

@@ -209,7 +209,9 @@ static void draw_keys(const struct window *window)
         draw_key(window, "1, 2 ...", "open what has this number");
     }
     draw_key(window, "Tab", "search or type a path; the arrow keys choose, Enter opens");
-    if (window->viewer) {
+    if (window->session_waits) {
+        draw_key(window, "Escape", "open atlases without the session");
+    } else if (window->viewer) {
         draw_key(window, "Escape", "back to the atlas that is open");
     }
     draw_key(window, "?", "keys and mouse where an atlas is open");

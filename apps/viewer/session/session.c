@@ -244,6 +244,9 @@ char *session_text(const struct window *window)
     for (size_t i = state.slice_fraction > 0 ? 0 : 1; root && i < OPTIONAL_FIELDS; i++) {
         json_object_set_new(root, fields[i].key, numbers(&fields[i]));
     }
+    if (window->opened) {
+        json_object_set(root, "opened", window->opened);
+    }
     json_object_set_new(root, "place", session_place(viewer->atlases));
     json_object_set_new(root, "hidden", session_hidden(viewer->atlases));
     json_object_set_new(root, "confirmed", pins_of(viewer));

@@ -8,6 +8,7 @@
 #include <epoxy/gl.h>
 
 #include <GLFW/glfw3.h>
+#include <jansson.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -309,6 +310,8 @@ void window_close(struct window *window)
     drop_pictures(window);
     free(window->wanted);
     free(window->session_path);
+    free(window->session_waits);
+    json_decref(window->opened);
     changes_finish(&window->changes);
     start_finish(&window->start);
     ui_destroy();
@@ -326,6 +329,8 @@ void window_show(struct window *window, struct viewer *viewer)
                               .viewer = viewer,
                               .press = window->press,
                               .wanted = window->wanted,
+                              .opened = window->opened,
+                              .session_waits = window->session_waits,
                               .start = window->start,
                               .replay = {.poses = window->replay.poses},
                               .station = window->station,

@@ -61,7 +61,9 @@ struct window {
     void *handle;                                          /**< GLFWwindow */
     struct viewer *viewer;                                 /**< NULL = there is no atlas. */
     bool (*press)(struct window *window, const char *key); /**< What keys do; NULL while an atlas is loaded. */
-    char *wanted;                                          /**< Path of the atlas to be opened next; NULL = none. */
+    char *wanted;                                          /**< Path of what is to be opened next; NULL = none. */
+    struct json_t *opened; /**< What a session says of that (opening/session_file.h); NULL = nothing. */
+    char *session_waits;   /**< A session whose atlas was not found: the next atlas is its; NULL = none. */
     struct start start;
     struct replay replay;
     struct station *station; /**< NULL = none. */
@@ -122,7 +124,7 @@ struct window_options {
 bool window_open(struct window *out, const struct window_options *options);
 /** Shows what @p viewer holds (NULL = the start page), with nothing left of the one before. */
 void window_show(struct window *window, struct viewer *viewer);
-/** Asks for another atlas, in place of what was asked for before. */
+/** Asks for another atlas, or a session and its atlas, in place of what was asked for before. */
 void window_want(struct window *window, const char *path);
 /** Likewise what was typed on the start page, if anything was. */
 void window_want_typed(struct window *window);
