@@ -12,6 +12,10 @@
 static void draw_panels(struct window *window)
 {
     window->hover = (struct hover){.value = NAN};
+    if (window->dialog.on) {
+        panel_dialog(window);
+        return;
+    }
     if (window->start.on) {
         panel_start(window);
         return;

@@ -9,6 +9,7 @@
 #include "viewer/window/screen.h"
 #include "viewer/window/ui_list.h"
 
+#include <GLFW/glfw3.h>
 #include <math.h>
 #include <stdlib.h>
 #include <strings.h>
@@ -196,6 +197,21 @@ static void keep_same_session(struct window *window)
     keep(window, KEEP_SAME_SESSION);
 }
 
+static void open_file(struct window *window)
+{
+    window_show_dialog(window, DIALOG_OPEN);
+}
+
+static void save_as(struct window *window)
+{
+    window_show_dialog(window, DIALOG_SAVE);
+}
+
+static void quit(struct window *window)
+{
+    glfwSetWindowShouldClose(window->handle, GLFW_TRUE);
+}
+
 static void keep_picture(struct window *window)
 {
     window->keeps_picture = true; /* once the frame is drawn */
@@ -309,13 +325,15 @@ static const struct {
     {"n", draw_next, "draw the next of several atlases"},
     {"c", change_colours, "colours for any colour vision, or the atlas's own"},
     {"ctrl+s", keep_same_session, "save the session where it was opened or saved last"},
-    {"o", keep_session, "or anew: conus-DATE-TIME.json, in the folder where conus was started; Ctrl+Shift+S, too"},
-    {"ctrl+shift+s", keep_session, NULL},
+    {"ctrl+shift+s", save_as, "save the session under another name"},
+    {"o", keep_session, "or at once: conus-DATE-TIME.json, in the folder where conus was started"},
     {"p", keep_picture, "save what the window shows: conus-DATE-TIME.png, there, too"},
     {"ctrl+c", copy_list, "copy the hits of the cone as a table"},
     {"ctrl+shift+c", copy_confirmed, "copy what was confirmed"},
     {"ctrl+e", export_list, "export the hits of the cone: conus-DATE-TIME-hits.tsv, .csv or .json, there, too"},
-    {"ctrl+o", window_go_to_start, "the start page, for another atlas; Escape comes back"},
+    {"ctrl+o", open_file, "open a file: an atlas or a session"},
+    {"ctrl+n", window_go_to_start, "the start page: installed atlases, and what was opened before; Escape comes back"},
+    {"ctrl+q", quit, "close the window"},
     {"tab", enlarge, "one pane after the other fills the window"},
     {"f11", fill_screen, "3-D alone, over the whole screen, and back"},
     {"ctrl++", enlarge_texts, "larger texts and panels"},
@@ -328,14 +346,32 @@ enum { KEYS = sizeof keys / sizeof keys[0] };
 static bool press_anywhere(struct window *window, const char *key)
 {
     for (size_t i = 0; i < KEYS; i++) {
-        bool needs_none = keys[i].act == toggle_help || keys[i].act == enlarge_texts || keys[i].act == shrink_texts ||
-                          keys[i].act == reset_texts;
+        bool needs_none = keys[i].act == toggle_help || keys[i].act == open_file || keys[i].act == quit ||
+                          keys[i].act == enlarge_texts || keys[i].act == shrink_texts || keys[i].act == reset_texts;
         if (needs_none && strcasecmp(keys[i].key, key) == 0) {
             keys[i].act(window);
             return true;
         }
     }
     return false;
+}
+
+static bool press_in_dialog(struct window *window, const char *key)
+{
+    struct dialog *dialog = &window->dialog;
+    bool goes_up = strcasecmp(key, "up") == 0;
+    if (goes_up || strcasecmp(key, "down") == 0) {
+        dialog_move(dialog, goes_up ? -1 : 1);
+    } else if (strcasecmp(key, "enter") == 0) {
+        window_use_dialog(window);
+    } else if (strcasecmp(key, "escape") == 0) {
+        dialog->on = false;
+    } else if (strcasecmp(key, "tab") == 0) {
+        dialog->takes_keys = true;
+    } else {
+        return strcasecmp(key, "ctrl+q") == 0 && press_anywhere(window, key);
+    }
+    return true;
 }
 
 /* There the digits are those of its lists. */
@@ -369,6 +405,9 @@ static bool press_at_start(struct window *window, const char *key)
 
 bool keys_press(struct window *window, const char *key)
 {
+    if (window->dialog.on) {
+        return press_in_dialog(window, key);
+    }
     if (window->start.on) {
         return press_at_start(window, key);
     }

@@ -132,6 +132,9 @@ static void draw_frame(struct window *window)
         window->keeps_picture = false;
         keep(window, KEEP_PICTURE);
     }
+    if (window->saves_as) {
+        keep_as(window);
+    }
 }
 
 /* What happens to the atlas by itself. */

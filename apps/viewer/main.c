@@ -84,6 +84,7 @@ static int run_window(struct window *window, const struct view_settings *setting
     later.session = NULL; /* it is for the first, or waits for its atlas */
     start_look(&window->start);
     window->press = keys_press;
+    window->remembers = !script;
     if (path || settings->session) {
         window_want(window, path ? path : settings->session);
     }

@@ -278,13 +278,13 @@ static bool open_session(struct window *window, const char *session, const char 
         fine = session_load(window, session, why);
         window->start.on = window->start.on && !fine;
     } else if (fine) {
-        fine = open_named(window, reopening.path, &reopening.worded.settings, !settings->script, why);
+        fine = open_named(window, reopening.path, &reopening.worded.settings, window->remembers, why);
     }
     if (fine && session_file_differs(&reopening.file, window->viewer->atlases->atlas)) {
         viewer_say(window->viewer, "the session is of another file than this %s: numbers and names may differ",
                    window->viewer->atlases->path);
     }
-    if (fine && !settings->script) {
+    if (fine && window->remembers) {
         recent_add(session);
     }
     if (fine || missing) {
@@ -311,7 +311,7 @@ static bool open_either(struct window *window, const char *path, const struct vi
         session = strdup(window->session_waits);
     }
     bool fine = session ? open_session(window, session, is_session ? NULL : path, settings, with_options, why)
-                        : open_named(window, path, settings, !settings->script, why);
+                        : open_named(window, path, settings, window->remembers, why);
     free(session);
     return fine;
 }

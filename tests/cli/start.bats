@@ -398,7 +398,7 @@ END
     [ ! -s said ]
 }
 
-@test "keys and mouse: a path is typed, an entry clicked, and Ctrl+O comes back to the page" {
+@test "keys and mouse: a path is typed, an entry clicked, and Ctrl+N comes back to the page" {
     own_folders
     conus phantom slabs -o .
     conus phantom nested -o .
@@ -412,7 +412,7 @@ END
     look '.objects == 2'
     xdotool keyup --window "$window" Return
     tell "$AIM" 'save before.json'
-    xdotool key --window "$window" ctrl+o
+    xdotool key --window "$window" ctrl+n
     pass
     xdotool key --window "$window" v # no key of the page
     xdotool key --window "$window" Escape
@@ -421,7 +421,7 @@ END
     pass
     diff before.json after.json
     [ -z "$(find . -name 'conus-2*')" ] # O alone saves the session
-    xdotool key --window "$window" ctrl+o
+    xdotool key --window "$window" ctrl+n
     pass
     local down=100
     until look '.objects == 3'; do # down the page, until the entry is met
@@ -430,6 +430,57 @@ END
         xdotool mousemove --window "$window" 200 $down
         pass
         xdotool click 1
+    done
+    leave
+}
+
+@test "Ctrl+O opens a file by keys and mouse, and Escape comes back" {
+    own_folders
+    conus phantom nested -o a
+    conus phantom slabs -o 'a/b c'
+    conus phantom sphere -o .
+    mkdir only
+    mv a/nested.nii.gz only
+    rm a/nested.* # so that the key Down means the same when it repeats
+    live sphere.nii.gz
+    xdotool key --window "$window" ctrl+o
+    pass
+    xdotool type --window "$window" a/ # behind the folder where conus was started
+    pass
+    for key in Down Return; do # b c
+        xdotool keydown --window "$window" $key
+        pass
+        xdotool keyup --window "$window" $key
+        pass
+    done
+    xdotool type --window "$window" nii
+    pass
+    xdotool keydown --window "$window" Return
+    look '.objects == 2 and (.atlas | endswith("/a/b c/slabs.nii.gz"))'
+    xdotool keyup --window "$window" Return
+    tell "$AIM" 'save before.json'
+    xdotool key --window "$window" ctrl+o
+    pass
+    xdotool keydown --window "$window" Escape
+    pass
+    xdotool keyup --window "$window" Escape
+    tell 'save after.json'
+    pass
+    diff before.json after.json
+    xdotool key --window "$window" ctrl+o
+    pass
+    # by the mouse: down the list of one file, until a click meets it
+    local down=140
+    until look '.objects == 3'; do
+        xdotool keyup --window "$window" Return
+        down=$((down + 8))
+        [ $down -lt 300 ]
+        tell "type $PWD/only/"
+        xdotool mousemove --window "$window" 700 $down
+        pass
+        xdotool click 1
+        pass
+        xdotool keydown --window "$window" Return
     done
     leave
 }

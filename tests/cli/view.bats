@@ -681,12 +681,20 @@ save one.json
 angle 9
 key ctrl+s
 angle 11
-key ctrl+shift+s
+key o
 angle 13
+key ctrl+s
+angle 15
+key ctrl+shift+s
+type two
+key enter
+wait 1
+angle 16
 key ctrl+s
 END
     [ "$(jq .angle_deg one.json)" = 9 ]
     [ "$(jq .angle_deg conus-2*.json)" = 13 ] # one file
+    [ "$(jq .angle_deg two.json)" = 16 ]
     printf 'angle 17\nkey ctrl+s\n' | view slabs.nii.gz --session one.json
     [ "$(jq .angle_deg one.json)" = 17 ]
     rm conus-2*.json

@@ -139,6 +139,10 @@ static void draw_installed(struct window *window, size_t index, bool picked)
     ui_id((uint32_t)index);
     bool chosen = ui_row("##installed", picked);
     ui_id_end();
+    if (picked && window->start.scrolls) {
+        ui_scroll_here();
+        window->start.scrolls = false;
+    }
     snprintf(words, sizeof words, "%s", atlas->path);
     conus_plain_text(words);
     ui_tip(words);

@@ -13,7 +13,7 @@ static void press(struct window *window, const char *label, const char *key, con
 
 void panel_tools(struct window *window)
 {
-    press(window, "open", "ctrl+o", "another atlas, from the start page (Ctrl+O)");
+    press(window, "open", "ctrl+o", "an atlas or a session (Ctrl+O)");
     ui_same_line();
     press(window, "save", "ctrl+s", "saves the session (Ctrl+S)");
     ui_same_line();

@@ -49,6 +49,22 @@ static bool write_file(struct window *window, enum keep what, const char *path, 
     }
 }
 
+void keep_as(struct window *window)
+{
+    char why[SESSION_REASON] = "";
+    char *path = window->saves_as;
+    window->saves_as = NULL;
+    if (session_save(window, path, why)) {
+        viewer_say(window->viewer, "saved: %s", path);
+        if (window->remembers) {
+            recent_add(path);
+        }
+    } else {
+        viewer_say(window->viewer, "%s", why);
+    }
+    free(path);
+}
+
 void keep(struct window *window, enum keep what)
 {
     char name[NAME_SIZE];

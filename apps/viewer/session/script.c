@@ -147,6 +147,10 @@ static bool do_drop(struct call *call)
 static bool do_type(struct call *call)
 {
     struct start *start = &call->window->start;
+    if (call->window->dialog.on) {
+        dialog_set(&call->window->dialog, call->words[1]);
+        return true;
+    }
     size_t size = strlen(call->words[1]) + 1;
     bool fine = start->on && size <= sizeof start->typed;
     memcpy(start->typed, call->words[1], fine ? size : 0);
@@ -389,7 +393,7 @@ static const struct {
 } commands[] = {
     {"key", 1, 1, do_key, "KEY", true},
     {"drop", 1, 1, do_drop, "PATH", true},
-    {"type", 1, 1, do_type, "PATH, on the start page", true},
+    {"type", 1, 1, do_type, "PATH, on the start page or where a file is chosen", true},
     {"aim", 6, 6, do_aim, "X Y Z TX TY TZ", false},
     {"point", 2, 2, do_point, "RIGHT DOWN, parts of the 3-D pane", false},
     {"screen", 8, 8, do_screen, "X Y Z TX TY TZ WIDTH HEIGHT", false},

@@ -90,6 +90,7 @@ void start_move(struct start *start, int by)
     const char *words = start_words_typed(start);
     size_t count = conus_catalogue_count(start->catalogue);
     size_t picked = start_picked(start);
+    start->scrolls = true;
     if (picked < count) {
         start->picked = installed_next(start->catalogue, words, picked, by);
     } else if (count) { /* from below the list to its first, or from above to its last */

@@ -19,6 +19,7 @@ struct start {
     bool has_no_sample;   /**< That atlas is not installed: a phantom is the sample. */
     conus_catalogue *catalogue; /**< What is installed; NULL = it was not looked for. */
     size_t picked;              /**< Index of the installed atlas that Enter opens; past the last = none. */
+    bool scrolls;               /**< The list is to scroll to it. */
     char picked_by[PATH_MAX];   /**< What was typed when it was picked. */
 };
 

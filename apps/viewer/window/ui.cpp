@@ -357,6 +357,38 @@ bool ui_type(const char *label, char *text, size_t size, const char *hint)
     return ImGui::InputTextWithHint(label, hint, text, size);
 }
 
+struct path_line {
+    const char *text;
+    bool *is_set;
+};
+
+static int take_text(ImGuiInputTextCallbackData *data)
+{
+    auto *line = static_cast<path_line *>(data->UserData);
+    if (*line->is_set) {
+        data->DeleteChars(0, data->BufTextLen);
+        data->InsertChars(0, line->text);
+        data->CursorPos = data->BufTextLen;
+        data->ClearSelection();
+        *line->is_set = false;
+    }
+    return 0;
+}
+
+bool ui_type_path(const char *label, char *text, size_t size, bool *is_set)
+{
+    char wanted[4096]; // the line may write to text before it asks
+    std::strncpy(wanted, text, sizeof wanted - 1);
+    wanted[sizeof wanted - 1] = 0;
+    path_line line = {wanted, is_set};
+    return ImGui::InputText(label, text, size, ImGuiInputTextFlags_CallbackAlways, take_text, &line);
+}
+
+bool ui_escaped(void)
+{
+    return ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape));
+}
+
 void ui_chip(const char *id, ui_colour colour)
 {
     float edge = 0.8F * ImGui::GetTextLineHeight();

@@ -99,6 +99,9 @@ bool ui_numbers(const char *label, double value[3], const char *format);
 void ui_take_keys(void);
 /** A line that is typed; true when it changed. */
 bool ui_type(const char *label, char *text, size_t size, const char *hint);
+/** A line for a path without a hint; where *is_set is true it takes over what @p text is, with the mark at its end. */
+bool ui_type_path(const char *label, char *text, size_t size, bool *is_set);
+bool ui_escaped(void);                          /**< Escape was pressed. */
 void ui_chip(const char *id, ui_colour colour); /**< A small square. */
 void ui_bar(double part, float width, ui_colour colour);
 bool ui_row(const char *label, bool selected); /**< A line that can be clicked. */

@@ -314,6 +314,8 @@ void window_close(struct window *window)
     json_decref(window->opened);
     changes_finish(&window->changes);
     start_finish(&window->start);
+    dialog_finish(&window->dialog);
+    free(window->saves_as);
     ui_destroy();
     glfwDestroyWindow(window->handle);
     glfwTerminate();
@@ -332,6 +334,9 @@ void window_show(struct window *window, struct viewer *viewer)
                               .opened = window->opened,
                               .session_waits = window->session_waits,
                               .start = window->start,
+                              .dialog = window->dialog,
+                              .saves_as = window->saves_as,
+                              .remembers = window->remembers,
                               .replay = {.poses = window->replay.poses},
                               .station = window->station,
                               .news = window->news,
@@ -350,6 +355,7 @@ void window_show(struct window *window, struct viewer *viewer)
                               .screen_scale = window->screen_scale,
                               .zoom = window->zoom};
     window->start.on = !viewer;
+    window->dialog.on = false;
     window_lay_out(window);
 }
 
@@ -503,8 +509,8 @@ void window_clear(const struct window *window)
 
 bool window_is_settled(const struct window *window)
 {
-    bool settled = window->start.on || window->painted_fine || !window_shows_pane(window, PANE_3D);
-    for (int p = 0; p < PLANE_COUNT && !window->start.on; p++) {
+    bool settled = window->start.on || window->dialog.on || window->painted_fine || !window_shows_pane(window, PANE_3D);
+    for (int p = 0; p < PLANE_COUNT && !window->start.on && !window->dialog.on; p++) {
         settled = settled && (window->cuts[p].version == window->viewer->version || !window_shows_pane(window, p));
     }
     return settled;

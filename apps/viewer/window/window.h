@@ -12,6 +12,7 @@
 #include "viewer/model/viewer.h"
 #include "viewer/second/second.h"
 #include "viewer/window/changes.h"
+#include "viewer/window/dialog.h"
 #include "viewer/window/place.h"
 #include "viewer/window/start.h"
 #include "viewer/window/ui.h"
@@ -65,6 +66,9 @@ struct window {
     struct json_t *opened; /**< What a session says of that (opening/session_file.h); NULL = nothing. */
     char *session_waits;   /**< A session whose atlas was not found: the next atlas is its; NULL = none. */
     struct start start;
+    struct dialog dialog; /**< In place of the start page and all panels, while it is on. */
+    bool remembers;       /**< What is opened and saved is listed on the start page, also next time. */
+    char *saves_as;       /**< Where the session is to be written after the next frame; NULL = nowhere. */
     struct replay replay;
     struct station *station; /**< NULL = none. */
     struct station_news news;
@@ -130,6 +134,12 @@ void window_want(struct window *window, const char *path);
 void window_want_typed(struct window *window);
 /** Likewise the sample of the start page, if that is the phantom. */
 void window_want_sample(struct window *window);
+/** Lets the user choose a file to open, or one to save the session in; without an atlas there is no session. */
+void window_show_dialog(struct window *window, enum dialog_purpose purpose);
+/** Does what the dialog is for, if a file is chosen there. */
+void window_use_dialog(struct window *window);
+/** Opens the folder that the dialog lists. */
+void window_use_folder(struct window *window);
 /** Shows the start page, which says what would be lost with the atlas that is open. */
 void window_go_to_start(struct window *window);
 /** Asks for what was dropped on the window, if it is one thing; where confirmed results would be lost, only once it is

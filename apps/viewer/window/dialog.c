@@ -1,0 +1,281 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What the dialog lists and answers, without how it looks. */
+#include "viewer/window/dialog.h"
+
+#include "common/messages.h"
+#include "common/output.h"
+
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* ---- Paths ------------------------------------------------------------------------------------------------------- */
+
+static bool is_folder(const char *path)
+{
+    struct stat info;
+    return stat(path, &info) == 0 && S_ISDIR(info.st_mode);
+}
+
+/* What the text means: ~ is the home folder. */
+static bool find_path(char path[PATH_MAX], const struct dialog *dialog)
+{
+    const char *home = getenv("HOME");
+    bool at_home = home && (strncmp(dialog->text, "~/", 2) == 0 || strcmp(dialog->text, "~") == 0);
+    int size = snprintf(path, PATH_MAX, "%s%s", at_home ? home : "", dialog->text + at_home);
+    return size > 0 && size < PATH_MAX;
+}
+
+/* Behind the last slash. */
+static const char *leaf(const char *text)
+{
+    const char *slash = strrchr(text, '/');
+    return slash ? slash + 1 : text;
+}
+
+void dialog_here(char path[PATH_MAX], const struct dialog *dialog)
+{
+    char whole[PATH_MAX];
+    if (!find_path(whole, dialog)) {
+        whole[0] = '\0';
+    }
+    size_t length = (size_t)(leaf(whole) - whole);
+    while (length > 1 && whole[length - 1] == '/') {
+        length--;
+    }
+    snprintf(path, PATH_MAX, "%.*s", length ? (int)length : 1, length ? whole : ".");
+}
+
+/* ---- The text ---------------------------------------------------------------------------------------------------- */
+
+void dialog_set(struct dialog *dialog, const char *text)
+{
+    snprintf(dialog->text, sizeof dialog->text, "%s", text);
+    dialog->is_set = dialog->takes_keys = true;
+    dialog_look(dialog);
+}
+
+/* A folder, so that its entries follow. */
+static void go_to(struct dialog *dialog, const char *folder)
+{
+    char text[PATH_MAX];
+    size_t length = strlen(folder);
+    if (snprintf(text, sizeof text, "%s%s", folder, length && folder[length - 1] == '/' ? "" : "/") < PATH_MAX) {
+        dialog_set(dialog, text);
+    }
+}
+
+void dialog_look(struct dialog *dialog)
+{
+    char path[PATH_MAX];
+    enum folder_filter filter = dialog->all                      ? FOLDER_ALL
+                                : dialog->purpose == DIALOG_SAVE ? FOLDER_SESSIONS
+                                                                 : FOLDER_OPENABLE;
+    dialog_here(path, dialog);
+    if (strcmp(path, dialog->folder.path) != 0 || filter != dialog->folder.filter) {
+        folder_read(&dialog->folder, path, filter);
+        dialog->marked = SIZE_MAX;
+    }
+    if (strcmp(dialog->text, dialog->text_before) != 0) {
+        memcpy(dialog->text_before, dialog->text, sizeof dialog->text);
+        dialog->marked = SIZE_MAX;
+        dialog->sure = false;
+        dialog->why[0] = '\0';
+    }
+}
+
+/* ---- The list ---------------------------------------------------------------------------------------------------- */
+
+bool dialog_fits(const struct dialog *dialog, size_t index)
+{
+    const struct folder *folder = &dialog->folder;
+    const char *part = leaf(dialog->text);
+    bool is_taken = dialog->marked < folder->count && strcmp(folder->entries[dialog->marked].name, part) == 0;
+    return dialog->purpose == DIALOG_SAVE || is_taken || folder_fits(folder->entries[index].name, part);
+}
+
+void dialog_move(struct dialog *dialog, int by)
+{
+    dialog_look(dialog);
+    size_t count = dialog->folder.count;
+    size_t step = by > 0 ? 1 : SIZE_MAX; /* which is one back */
+    size_t from = dialog->marked < count ? dialog->marked : by > 0 ? SIZE_MAX : count;
+    for (size_t i = from + step; i < count; i += step) {
+        if (dialog_fits(dialog, i)) {
+            dialog->marked = i;
+            dialog->scrolls = true;
+            return;
+        }
+    }
+}
+
+void dialog_leave(struct dialog *dialog)
+{
+    char here[PATH_MAX];
+    char resolved[PATH_MAX];
+    dialog_here(here, dialog);
+    char *slash = realpath(here, resolved) ? strrchr(resolved, '/') : NULL;
+    if (slash) {
+        slash[slash == resolved] = '\0';
+        go_to(dialog, resolved);
+    }
+}
+
+void dialog_take(struct dialog *dialog, size_t index)
+{
+    char path[PATH_MAX];
+    char here[PATH_MAX];
+    const struct folder_entry *entry = &dialog->folder.entries[index];
+    dialog_here(here, dialog);
+    if (snprintf(path, sizeof path, "%s%s%s", here, strcmp(here, "/") == 0 ? "" : "/", entry->name) >= PATH_MAX) {
+        return;
+    }
+    if (entry->is_folder) {
+        go_to(dialog, path);
+    } else {
+        dialog_set(dialog, path);
+        dialog->marked = index;
+    }
+}
+
+/* ---- The answer -------------------------------------------------------------------------------------------------- */
+
+static void complain(struct dialog *dialog, const char *text, const char *path)
+{
+    snprintf(dialog->why, sizeof dialog->why, "%.300s: %s", path, text);
+    make_plain_line(dialog->why);
+    dialog->takes_keys = dialog->is_set = true;
+}
+
+/* A session is JSON, and nothing is lost without a question. */
+static bool answer_save(char path[PATH_MAX], struct dialog *dialog)
+{
+    if (!path_ends(path, ".json")) {
+        size_t length = strlen(path);
+        if (length + sizeof ".json" > PATH_MAX) {
+            complain(dialog, "too long", path);
+            return false;
+        }
+        memcpy(path + length, ".json", sizeof ".json");
+    }
+    if (!dialog->sure && access(path, F_OK) == 0) {
+        complain(dialog, "is there already; Enter again writes over it", path);
+        dialog->sure = true;
+        return false;
+    }
+    return true;
+}
+
+/* A file, also with ",volume=K" and the like behind it, or the name of an installed atlas. */
+static bool may_be_opened(const char *path)
+{
+    char file[PATH_MAX];
+    snprintf(file, sizeof file, "%.*s", (int)strcspn(path, ","), path);
+    return !strchr(path, '/') || access(path, F_OK) == 0 || access(file, F_OK) == 0;
+}
+
+/* Where a part of a name is typed that one entry has, it is that one. */
+static void mark_only(struct dialog *dialog, const char *path)
+{
+    size_t fitting = 0;
+    for (size_t i = 0; i < dialog->folder.count && !may_be_opened(path); i++) {
+        if (dialog_fits(dialog, i)) {
+            dialog->marked = fitting++ ? SIZE_MAX : i;
+        }
+    }
+}
+
+bool dialog_enter(char path[PATH_MAX], struct dialog *dialog)
+{
+    dialog_look(dialog);
+    if (dialog->purpose == DIALOG_OPEN && find_path(path, dialog)) {
+        mark_only(dialog, path);
+    }
+    if (dialog->marked < dialog->folder.count) {
+        dialog_take(dialog, dialog->marked);
+        if (!leaf(dialog->text)[0]) { /* a folder */
+            return false;
+        }
+    }
+    if (!find_path(path, dialog) || !leaf(path)[0]) {
+        dialog->takes_keys = dialog->is_set = true;
+        return false;
+    }
+    if (is_folder(path)) {
+        go_to(dialog, path);
+        return false;
+    }
+    if (dialog->purpose == DIALOG_OPEN && !may_be_opened(path)) {
+        complain(dialog, "there is no such file", path);
+        return false;
+    }
+    return dialog->purpose == DIALOG_OPEN || answer_save(path, dialog);
+}
+
+/* ---- Showing it -------------------------------------------------------------------------------------------------- */
+
+static void add_place(struct dialog *dialog, const char *path)
+{
+    bool is_new = dialog->place_count < DIALOG_PLACES && strlen(path) < PATH_MAX && is_folder(path);
+    for (size_t i = 0; i < dialog->place_count; i++) {
+        is_new = is_new && strcmp(dialog->places[i], path) != 0;
+    }
+    if (is_new) {
+        memcpy(dialog->places[dialog->place_count++], path, strlen(path) + 1);
+    }
+}
+
+/* The folder of a path. */
+static void add_folder(struct dialog *dialog, const char *path)
+{
+    char folder[PATH_MAX];
+    snprintf(folder, sizeof folder, "%s", path);
+    char *slash = strrchr(folder, '/');
+    if (slash) {
+        slash[slash == folder] = '\0';
+        add_place(dialog, folder);
+    }
+}
+
+static void find_places(struct dialog *dialog, const struct start *start)
+{
+    char here[PATH_MAX];
+    dialog->place_count = 0;
+    for (size_t i = 0; i < start->recent.count && i + 4 < DIALOG_PLACES; i++) {
+        add_folder(dialog, start->recent.paths[i]);
+    }
+    if (getcwd(here, sizeof here)) {
+        add_place(dialog, here);
+    }
+    const char *home = getenv("HOME");
+    add_place(dialog, home ? home : "/");
+    for (size_t i = 0; i < conus_catalogue_place_count(start->catalogue); i++) {
+        const conus_catalogue_place *place = conus_catalogue_place_at(start->catalogue, i);
+        if (place->there) {
+            add_place(dialog, place->path);
+        }
+    }
+}
+
+void dialog_show(struct dialog *dialog, enum dialog_purpose purpose, const char *path, const struct start *start)
+{
+    find_places(dialog, start);
+    dialog->on = true;
+    dialog->purpose = purpose;
+    dialog->why[0] = '\0';
+    dialog->sure = false;
+    folder_finish(&dialog->folder); /* to be read anew */
+    if (path) {
+        dialog_set(dialog, path);
+    } else {
+        go_to(dialog, dialog->place_count ? dialog->places[0] : "/");
+    }
+}
+
+void dialog_finish(struct dialog *dialog)
+{
+    folder_finish(&dialog->folder);
+}

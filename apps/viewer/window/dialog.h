@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file The page on which a file is chosen, to be opened or written: a path, and the folder that it is in. */
+#ifndef CONUS_VIEWER_WINDOW_DIALOG_H
+#define CONUS_VIEWER_WINDOW_DIALOG_H
+
+#include "viewer/opening/folder.h"
+#include "viewer/window/start.h"
+
+enum { DIALOG_PLACES = 10, DIALOG_WHY = 512 };
+enum dialog_purpose { DIALOG_OPEN, DIALOG_SAVE };
+
+/** All 0 is one that was never shown. */
+struct dialog {
+    bool on;
+    enum dialog_purpose purpose;
+    char text[PATH_MAX];  /**< What is typed: up to its last '/' the folder that is listed, then a part of a name. */
+    bool is_set;          /**< The text is not what the line has: it is to take it over. */
+    bool takes_keys;      /**< From the next frame on what is typed goes into the line. */
+    bool all;             /**< Lists all files. */
+    size_t marked;        /**< Entry of the folder; past the last = none. */
+    bool scrolls;         /**< The list is to scroll to what is marked. */
+    bool sure;            /**< To write over the file that is there. */
+    char why[DIALOG_WHY]; /**< What is wrong, or ""; plain. */
+    char text_before[PATH_MAX]; /**< When marked and sure were set. */
+    struct folder folder;
+    char places[DIALOG_PLACES][PATH_MAX]; /**< Folders to go to. */
+    size_t place_count;
+};
+
+/** Shows it, with the text @p path, or where that is NULL with the folder of what was opened last, else with the one
+ * where conus was started. */
+void dialog_show(struct dialog *dialog, enum dialog_purpose purpose, const char *path, const struct start *start);
+void dialog_finish(struct dialog *dialog);
+/** Puts a text into the line. */
+void dialog_set(struct dialog *dialog, const char *text);
+/** Reads the folder that the text is in, unless it was read; to be called before its entries are looked at. */
+void dialog_look(struct dialog *dialog);
+/** Whether entry @p index of the folder fits the part of a name. */
+bool dialog_fits(const struct dialog *dialog, size_t index);
+/** Marks the next entry that fits, by 1 below, by -1 above. */
+void dialog_move(struct dialog *dialog, int by);
+/** Goes to the folder around the one that is listed. */
+void dialog_leave(struct dialog *dialog);
+/** Takes entry @p index: a folder is listed, a file is the text. */
+void dialog_take(struct dialog *dialog, size_t index);
+/** What Enter does: true, and the path, where a file is chosen; a folder is listed. A file that would be written over
+ * is asked about first. */
+bool dialog_enter(char path[PATH_MAX], struct dialog *dialog);
+/** The folder that is listed, without a '/' at its end but for the root. */
+void dialog_here(char path[PATH_MAX], const struct dialog *dialog);
+
+#endif
