@@ -20,6 +20,7 @@ static void draw_panels(struct window *window)
         panel_start(window);
         return;
     }
+    pane_borders(window); /* first, so that they lie in front */
     if (!window->alone) {
         panel_areas(window);
         panel_results(window);

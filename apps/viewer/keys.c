@@ -247,6 +247,31 @@ static void reset_texts(struct window *window)
     window_zoom(window, 0);
 }
 
+static void widen_first(struct window *window)
+{
+    layout_widen_first(&window->layout, 1);
+}
+
+static void narrow_first(struct window *window)
+{
+    layout_widen_first(&window->layout, -1);
+}
+
+static void widen_panels(struct window *window)
+{
+    layout_widen_panels(&window->layout, 1, (float)window->width, window->scale);
+}
+
+static void narrow_panels(struct window *window)
+{
+    layout_widen_panels(&window->layout, -1, (float)window->width, window->scale);
+}
+
+static void reset_layout(struct window *window)
+{
+    window->layout = (struct layout){.panels = {0}};
+}
+
 static void fill_screen(struct window *window)
 {
     window_fill_screen(window, !window->alone);
@@ -335,6 +360,13 @@ static const struct {
     {"ctrl+n", window_go_to_start, "the start page: installed atlases, and what was opened before; Escape comes back"},
     {"ctrl+q", quit, "close the window"},
     {"tab", enlarge, "one pane after the other fills the window"},
+    {"m", window_maximise,
+     "the pane under the mouse fills the window, or all come back; so does a double click in a cut"},
+    {"]", widen_first, "a larger 3-D pane; borders can be dragged, too, and a double click puts them back"},
+    {"[", narrow_first, "a smaller 3-D pane"},
+    {"}", widen_panels, "wider panels"},
+    {"{", narrow_panels, "narrower panels"},
+    {"\\", reset_layout, "panes and panels as at first"},
     {"f11", fill_screen, "3-D alone, over the whole screen, and back"},
     {"ctrl++", enlarge_texts, "larger texts and panels"},
     {"ctrl+-", shrink_texts, "smaller ones"},

@@ -29,11 +29,21 @@ static void assert_same_place(const struct place *a, const struct place *b)
     const int wanted[] = {b->width, b->height, b->x, b->y, b->known};
     assert_memory_equal(found, wanted, sizeof found);
     assert_near(a->zoom, b->zoom, 1e-12);
+    for (size_t i = 0; i < 2; i++) {
+        assert_near(a->layout.panels[i], b->layout.panels[i], 1e-12);
+        assert_near(a->layout.division[i], b->layout.division[i], 1e-12);
+    }
 }
 
 static void the_window_finds_its_place_again(void **state)
 {
-    const struct place left = {.width = 900, .height = 700, .known = true, .x = 11, .y = -22, .zoom = 1.25};
+    const struct place left = {.width = 900,
+                               .height = 700,
+                               .known = true,
+                               .x = 11,
+                               .y = -22,
+                               .zoom = 1.25,
+                               .layout = {.panels = {300, 0}, .division = {0.25, 0}}};
     struct place found = {.width = 1, .height = 2};
     char path[PATH_MAX];
     (void)state;
@@ -53,6 +63,9 @@ static void the_window_finds_its_place_again(void **state)
                                       "{\"width\": 99999, \"height\": 700, \"x\": 0, \"y\": 0}",
                                       "{\"width\": 900, \"height\": 700, \"x\": 0, \"y\": 0, \"zoom\": 9}",
                                       "{\"width\": 900, \"height\": 700, \"x\": 0, \"y\": 0, \"zoom\": \"1\"}",
+                                      "{\"width\": 900, \"height\": 700, \"x\": 0, \"y\": 0, \"panels\": [9, 0]}",
+                                      "{\"width\": 900, \"height\": 700, \"x\": 0, \"y\": 0, \"panels\": [300]}",
+                                      "{\"width\": 900, \"height\": 700, \"x\": 0, \"y\": 0, \"division\": [0, 1]}",
                                       "{\"width\": \"900\", \"height\": 700, \"x\": 0, \"y\": 0}"};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         found = (struct place){.width = 5};
@@ -80,6 +93,58 @@ static void a_window_fits_its_screen(void **state)
         place_fit(&place, area);
         assert_same_place(&place, &cases[i].after);
     }
+}
+
+static void assert_divides(const struct layout *layout, float width, const float wanted[6])
+{
+    const struct division d = layout_divide(layout, width, 800, 1);
+    const float found[] = {d.left, d.right, d.columns, d.rows, d.column, d.row};
+    for (size_t i = 0; i < 6; i++) {
+        assert_near(found[i], wanted[i], 0);
+    }
+}
+
+/* Of 1280 pixels 250 and 480 are panels at first: 550 are left for the panes, which need so many. With 300 on the left
+ * 430 are left on the right. A panel of the
+ * user's has two fifths at most: 512 of 1280. */
+static void panes_and_panels_are_as_the_user_left_them(void **state)
+{
+    struct layout layout = {.panels = {0}};
+    (void)state;
+    assert_divides(&layout, 1280, (const float[]){250, 480, 550, 800, 275, 400});
+    layout_move(&layout, BORDER_LEFT, 300, 1280, 800, 1);
+    layout_move(&layout, BORDER_RIGHT, 880, 1280, 800, 1); /* 400 wide; 580 are left for the columns */
+    layout_move(&layout, BORDER_COLUMN, 300 + 145, 1280, 800, 1);
+    layout_move(&layout, BORDER_ROW, 600, 1280, 800, 1);
+    assert_divides(&layout, 1280, (const float[]){300, 400, 580, 800, 145, 600});
+    assert_divides(&layout, 500, (const float[]){200, 200, 100, 800, 25, 600}); /* of a smaller window two fifths */
+    assert_true(layout_is_fine(&layout));
+    layout_reset(&layout, BORDER_COLUMN);
+    layout_reset(&layout, BORDER_RIGHT);
+    assert_divides(&layout, 1280, (const float[]){300, 430, 550, 800, 275, 600});
+    layout_move(&layout, BORDER_LEFT, -50, 1280, 800, 1);
+    layout_move(&layout, BORDER_RIGHT, 0, 1280, 800, 1);
+    layout_move(&layout, BORDER_COLUMN, 0, 1280, 800, 1);
+    layout_move(&layout, BORDER_ROW, 800, 1280, 800, 1);
+    assert_divides(&layout, 1280, (const float[]){240, 512, 528, 800, 52, 720}); /* a tenth of 528, and nine of 800 */
+    assert_true(layout_is_fine(&layout));
+}
+
+/* By keys: a twentieth of the middle, 20 pixels of each panel. */
+static void keys_divide_the_window(void **state)
+{
+    struct layout layout = {.panels = {0}};
+    (void)state;
+    layout_widen_first(&layout, 1);
+    assert_divides(&layout, 1280, (const float[]){250, 480, 550, 800, 302, 440}); /* 0.55 of 550 is 302.5 */
+    layout_widen_panels(&layout, 1, 1280, 1);
+    assert_divides(&layout, 1280, (const float[]){270, 500, 510, 800, 280, 440}); /* 0.55 of 510 is 280.5 */
+    layout_widen_panels(&layout, -1, 1280, 1);
+    assert_divides(&layout, 1280, (const float[]){250, 480, 550, 800, 302, 440});
+    for (int i = 0; i < 20; i++) {
+        layout_widen_first(&layout, -1);
+    }
+    assert_true(layout_is_fine(&layout));
 }
 
 /* Inches are 25.4 mm: 1920 pixels on 344 mm are 141.8 to the inch, 1.477 times 96; 3840 on 294 mm 331.8, 3.46 times;
@@ -303,6 +368,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_window_finds_its_place_again),
         cmocka_unit_test(a_window_fits_its_screen),
+        cmocka_unit_test(panes_and_panels_are_as_the_user_left_them),
+        cmocka_unit_test(keys_divide_the_window),
         cmocka_unit_test(texts_are_as_large_as_the_screen_is_dense),
         cmocka_unit_test(only_a_whole_list_is_read),
         cmocka_unit_test(what_is_opened_comes_first),

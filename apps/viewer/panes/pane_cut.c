@@ -293,7 +293,9 @@ static void use_mouse(struct window *window, const struct frame *frame, enum pla
         next[2 - (int)plane] += mouse.wheel > 0 ? 1 : -1;
         viewer_cross(viewer, next);
     }
-    if (ui_surface_held() && mouse.down[0]) {
+    if (ui_surface_held() && mouse.doubled) {
+        window_maximise(window);
+    } else if (ui_surface_held() && mouse.down[0]) {
         viewer_cross(viewer, at);
         viewer->drawn->shown.chosen = window->hover.object ? window->hover.object : viewer->drawn->shown.chosen;
     } else if (ui_surface_held() && mouse.down[1] && viewer->cone.pointer == POINT_BY_WAND) {

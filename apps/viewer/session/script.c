@@ -353,6 +353,19 @@ static bool do_size(struct call *call)
     return fine;
 }
 
+/* Widths of the panels, pixels at scale 1, and parts of the middle, all 0 as at first. */
+static bool do_panes(struct call *call)
+{
+    double given[4] = {0};
+    bool fine = numbers(given, call, 0, 4);
+    struct layout layout = {.panels = {given[0], given[1]}, .division = {given[2], given[3]}};
+    fine = fine && layout_is_fine(&layout);
+    if (fine) {
+        call->window->layout = layout;
+    }
+    return fine;
+}
+
 /* What the list shows, as conus query would write it. */
 static bool do_results(struct call *call)
 {
@@ -421,6 +434,7 @@ static const struct {
     {"order", 1, 1, do_order, "NAME, a column of conus query's tables", false},
     {"times", 1, 1, do_times, "FILE.json", true},
     {"size", 2, 2, do_size, "WIDTH HEIGHT", true},
+    {"panes", 4, 4, do_panes, "LEFT RIGHT COLUMN ROW", true},
     {"save", 1, 1, do_save, "FILE.json", false},
     {"open", 1, 1, do_open, "FILE.json", false},
 };

@@ -5,6 +5,8 @@
 #ifndef CONUS_VIEWER_WINDOW_PLACE_H
 #define CONUS_VIEWER_WINDOW_PLACE_H
 
+#include "viewer/window/layout.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -12,6 +14,7 @@ struct place {
     int width, height;
     bool known; /**< x and y hold. */
     int x, y;
+    struct layout layout;
     double zoom; /**< Of texts and panels, by the user: so many times what the screen asks for; 0 = 1. */
 };
 

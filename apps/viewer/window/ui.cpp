@@ -87,12 +87,13 @@ void ui_panel(const char *title, struct ui_box box, unsigned flags)
     if (plain) {
         window |= ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse;
         ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(0, 0));
+        ImGui::PushStyleVar(ImGuiStyleVar_WindowMinSize, ImVec2(1, 1));
     }
     ImGui::SetNextWindowPos(ImVec2(box.x, box.y));
     ImGui::SetNextWindowSize(ImVec2(box.width, box.height));
     ImGui::Begin(title, nullptr, window);
     if (plain) {
-        ImGui::PopStyleVar();
+        ImGui::PopStyleVar(2);
     }
 }
 
@@ -574,6 +575,11 @@ struct ui_box ui_area(const char *id, float height)
     struct ui_box box = {at.x, at.y, width > 1 ? width : 1, height};
     ImGui::InvisibleButton(id, ImVec2(box.width, box.height));
     return box;
+}
+
+void ui_resize_pointer(bool down)
+{
+    ImGui::SetMouseCursor(down ? ImGuiMouseCursor_ResizeNS : ImGuiMouseCursor_ResizeEW);
 }
 
 bool ui_surface_held(void)

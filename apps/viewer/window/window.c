@@ -14,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { LEFT_WIDTH = 250, PANES_WIDTH = 550 /* at least, where they have it */, RIGHT_WIDTH = 480, STATUS_HEIGHT = 24 };
+enum { STATUS_HEIGHT = 24 };
 
 /* ---- Textures ---------------------------------------------------------------------------------------------------- */
 
@@ -254,9 +254,10 @@ void window_place(const struct window *window, struct place *out)
     if (window->alone) {
         *out = window->before;
         out->zoom = window->zoom;
+        out->layout = window->layout;
         return;
     }
-    *out = (struct place){.known = true};
+    *out = (struct place){.known = true, .layout = window->layout};
     glfwGetWindowSize(window->handle, &out->width, &out->height);
     glfwGetWindowPos(window->handle, &out->x, &out->y);
     out->zoom = window->zoom;
@@ -264,7 +265,7 @@ void window_place(const struct window *window, struct place *out)
 
 bool window_open(struct window *out, const struct window_options *options)
 {
-    struct window window = {.enlarged = -1, .start.on = true};
+    struct window window = {.enlarged = -1, .start.on = true, .layout = options->place.layout};
     devices_init(&window.devices);
     glfwSetErrorCallback(print_glfw_error);
     if (!glfwInit()) {
@@ -344,6 +345,7 @@ void window_show(struct window *window, struct viewer *viewer)
                               .has_second_tool = window->has_second_tool,
                               .devices = window->devices,
                               .scale = window->scale,
+                              .layout = window->layout,
                               .enlarged = -1,
                               .alone = window->alone,
                               .before = window->before,
@@ -391,6 +393,7 @@ void window_go_to_start(struct window *window)
     struct start *start = &window->start;
     size_t pins = window->viewer ? window->viewer->pin_count : 0;
     start_look(start);
+    window->dialog.on = false;
     start->why[0] = '\0';
     if (pins) {
         snprintf(start->why, sizeof start->why,
@@ -442,23 +445,19 @@ void window_divide(struct window *window)
     float width = (float)window->width;
     float status = STATUS_HEIGHT * window->scale;
     float height = fmaxf((float)window->height - status, 0);
-    float left = floorf(fminf(LEFT_WIDTH * window->scale, width / 4));
-    float rest = width - left - PANES_WIDTH * window->scale;
-    float right = floorf(fminf(RIGHT_WIDTH * window->scale, fmaxf(rest, width / 3)));
-    float half_width = floorf((width - left - right) / 2);
-    float half_height = floorf(height / 2);
-    window->left = (struct ui_box){0, 0, left, height};
-    window->right = (struct ui_box){width - right, 0, right, height};
+    struct division d = layout_divide(&window->layout, width, height, window->scale);
+    window->left = (struct ui_box){0, 0, d.left, height};
+    window->right = (struct ui_box){width - d.right, 0, d.right, height};
     window->status = (struct ui_box){0, height, width, status};
     for (int p = 0; p < PANE_COUNT; p++) {
         static const int place[PANE_COUNT] = {1, 2, 3, 0}; /* 3-D is the first, then axial, coronal, sagittal */
-        bool only = window->enlarged == p;
         int column = place[p] % 2;
         int row = place[p] / 2;
-        window->panes[p] = (struct ui_box){left + (float)column * half_width, (float)row * half_height, half_width - 1,
-                                           half_height - 1};
-        if (only) {
-            window->panes[p] = (struct ui_box){left, 0, 2 * half_width, 2 * half_height};
+        window->panes[p] =
+            (struct ui_box){d.left + (column ? d.column : 0), row ? d.row : 0,
+                            (column ? d.columns - d.column : d.column) - 1, (row ? d.rows - d.row : d.row) - 1};
+        if (window->enlarged == p) {
+            window->panes[p] = (struct ui_box){d.left, 0, d.columns, d.rows};
         }
     }
     if (window->alone) {
@@ -471,6 +470,20 @@ bool window_shows_pane(const struct window *window, int pane)
     const struct ui_box *box = &window->panes[pane];
     bool chosen = window->alone ? pane == PANE_3D : window->enlarged < 0 || window->enlarged == pane;
     return chosen && box->width >= 2 && box->height >= 2;
+}
+
+void window_maximise(struct window *window)
+{
+    struct ui_mouse mouse = ui_mouse_now();
+    int under = PANE_3D;
+    for (int p = 0; p < PANE_COUNT; p++) {
+        const struct ui_box *box = &window->panes[p];
+        bool is_on = mouse.x >= box->x && mouse.x < box->x + box->width && mouse.y >= box->y &&
+                     mouse.y < box->y + box->height;
+        under = is_on ? p : under;
+    }
+    window->enlarged = window->enlarged < 0 ? under : -1;
+    window_lay_out(window);
 }
 
 static bool is_behind(const struct window *window)

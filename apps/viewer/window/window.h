@@ -79,6 +79,7 @@ struct window {
     float scale;
     int width, height;
     struct ui_box left, right, status, panes[PANE_COUNT];
+    struct layout layout;
     int enlarged;        /**< The pane that fills the middle, or -1. */
     bool alone;          /**< The 3-D pane fills the whole screen.   */
     struct place before; /**< Where the window was before that.      */
@@ -162,6 +163,8 @@ void window_lay_out(struct window *window);
 /** The same for its width and height as they stand there. */
 void window_divide(struct window *window);
 
+/** Lets the pane under the mouse, or else that in 3-D, fill the middle, or all come back. */
+void window_maximise(struct window *window);
 /** Whether a pane is on the window and large enough to be drawn. */
 bool window_shows_pane(const struct window *window, int pane);
 

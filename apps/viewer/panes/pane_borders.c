@@ -1,0 +1,66 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What lies between panels and panes, to be dragged by the mouse. */
+#include "viewer/panes/panes.h"
+
+#include <math.h>
+
+static const ui_colour light = {120, 170, 230, 200};
+static const float thick = 6; /* where the mouse meets it, at scale 1 */
+
+/* Where the border's middle is; false where there is none. */
+static bool find_box(struct ui_box *out, const struct window *window, enum border border)
+{
+    float height = window->status.y;
+    float width = (float)window->width;
+    struct division d = layout_divide(&window->layout, width, height, window->scale);
+    float edge = floorf(thick * window->scale);
+    float at[] = {d.left, width - d.right, d.left + d.column, d.row};
+    *out = border == BORDER_ROW ? (struct ui_box){d.left, at[border] - edge / 2, d.columns, edge}
+                                : (struct ui_box){at[border] - edge / 2, 0, edge, height};
+    return !window->alone && (border < BORDER_COLUMN || window->enlarged < 0);
+}
+
+static void use_mouse(struct window *window, enum border border)
+{
+    struct ui_mouse mouse = ui_mouse_now();
+    if (mouse.doubled) {
+        layout_reset(&window->layout, border);
+    } else if (ui_surface_held() && (mouse.moved_x != 0 || mouse.moved_y != 0)) {
+        layout_move(&window->layout, border, border == BORDER_ROW ? mouse.y : mouse.x, (float)window->width,
+                    window->status.y, window->scale);
+    }
+}
+
+/* A third of it, in its middle. */
+static void draw_mark(const struct ui_box *box, enum border border)
+{
+    struct ui_box mark = *box;
+    if (border == BORDER_ROW) {
+        mark.y += box->height / 3;
+        mark.height /= 3;
+    } else {
+        mark.x += box->width / 3;
+        mark.width /= 3;
+    }
+    ui_draw_box(mark, light, 0);
+}
+
+void pane_borders(struct window *window)
+{
+    static const char *const ids[] = {"border left", "border right", "border column", "border row"};
+    for (int i = BORDER_COUNT - 1; i >= 0; i--) {
+        enum border border = (enum border)i;
+        struct ui_box box;
+        if (!find_box(&box, window, border)) {
+            continue;
+        }
+        ui_panel(ids[i], box, UI_PLAIN);
+        if (ui_surface("surface", box)) {
+            use_mouse(window, border);
+            ui_resize_pointer(border == BORDER_ROW);
+            draw_mark(&box, border);
+            ui_tip("drag it; a double click puts it back");
+        }
+        ui_panel_end();
+    }
+}
