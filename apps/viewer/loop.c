@@ -8,6 +8,7 @@
 #include "viewer/hands/hands.h"
 #include "viewer/session/keep.h"
 #include "viewer/session/undo.h"
+#include "viewer/window/title.h"
 
 #include <GLFW/glfw3.h>
 #include <math.h>
@@ -127,6 +128,7 @@ static void draw_frame(struct window *window)
 {
     times_begin_frame(&window->times);
     draw_window(window);
+    title_update(window);
     note_changes(window);
     if (window->keeps_picture) {
         window->keeps_picture = false;

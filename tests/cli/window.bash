@@ -55,7 +55,7 @@ look() {
 
 # find_window: that of process $child, which has been started.
 find_window() {
-    window=$(xdotool search --onlyvisible --name '^conus$' 2>/dev/null)
+    window=$(xdotool search --onlyvisible --name '^conus( - .*)?$' 2>/dev/null)
 }
 
 # close_window ID: as a window manager does.

@@ -88,9 +88,9 @@ void layout_widen_first(struct layout *layout, int steps)
 
 void layout_widen_panels(struct layout *layout, int steps, float width, float scale)
 {
+    const float now[2] = {panel_width(layout, 0, width, scale), panel_width(layout, 1, width, scale)};
     for (size_t side = 0; side < 2; side++) {
-        double now = (double)panel_width(layout, side, width, scale) / (double)scale;
-        set_panel(layout, side, now + steps * panel_step, width, scale);
+        set_panel(layout, side, (double)(now[side] / scale) + steps * panel_step, width, scale);
     }
 }
 

@@ -17,7 +17,7 @@
 #include "viewer/window/start.h"
 #include "viewer/window/ui.h"
 
-enum { PANE_COUNT = 4, PANE_3D = 3 /**< After the planes. */, KEY_LIMIT = 32 };
+enum { PANE_COUNT = 4, PANE_3D = 3 /**< After the planes. */, KEY_LIMIT = 32, TITLE_SIZE = 320 };
 
 /** A picture on the screen. */
 struct texture {
@@ -79,6 +79,7 @@ struct window {
     float scale;
     int width, height;
     struct ui_box left, right, status, panes[PANE_COUNT];
+    char title[TITLE_SIZE]; /**< As title.h gave it last; "" = none yet. */
     struct layout layout;
     int enlarged;        /**< The pane that fills the middle, or -1. */
     bool alone;          /**< The 3-D pane fills the whole screen.   */

@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What the window's title says. */
+#include "viewer/window/title.h"
+
+#include "test.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static void assert_titled(const struct window *window, const char *wanted)
+{
+    char title[TITLE_SIZE];
+    title_write(title, window);
+    assert_string_equal(title, wanted);
+}
+
+/* From y = 90 towards the balls of "nested" the outermost is met first. */
+static void the_title_says_what_is_open_and_hit(void **state)
+{
+    struct window window = {.enlarged = -1};
+    struct viewer viewer;
+    conus_atlas *atlas = NULL;
+    char path[600];
+    char folder[512];
+    (void)state;
+    assert_titled(&window, "conus");
+    snprintf(folder, sizeof folder, "%s", test_scratch("phantom"));
+    assert_ok(conus_phantom_write("nested", folder, NULL));
+    snprintf(path, sizeof path, "%s/nested.nii.gz", folder);
+    assert_ok(conus_atlas_load(&atlas, path, NULL));
+    assert_ok(viewer_create(&viewer, &(struct view_source){.atlas = atlas, .path = path}, 1, NULL, NULL, NULL));
+    window.viewer = &viewer;
+    assert_titled(&window, "conus - nested.nii.gz");
+    viewer_choose(&viewer, 3);
+    assert_titled(&window, "conus - nested.nii.gz - Core (chosen)");
+    viewer_aim_along(&viewer, (const double[]){0, 90, 0}, (const double[]){0, -1, 0});
+    assert_titled(&window, "conus - nested.nii.gz - Shell outer (hit)");
+    viewer.cone.frozen = true;
+    window.session_path = strdup("/a/my\n.json");
+    assert_titled(&window, "conus - nested.nii.gz [my .json] - Shell outer (held)");
+    window.start.on = true;
+    assert_titled(&window, "conus");
+    free(window.session_path);
+    viewer_finish(&viewer);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_title_says_what_is_open_and_hit),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,121 @@
+#!/usr/bin/env bats
+# The window as somebody uses it who has no shell: started without arguments, driven by keys and mouse alone (xdotool, no
+# script), and read by its title.
+load helpers
+load window
+
+# start: the window without arguments, as $window.
+start() {
+    background timeout $HANG "$CONUS" view --quiet
+    wait_until "$child" find_window
+}
+
+# titled TEXT: whether the window has this title.
+titled() {
+    [ "$(xdotool getwindowname "$window" 2>/dev/null)" = "$1" ]
+}
+
+# tries_until CONDITION COMMAND...: what may come before the window is ready for it, and so is done again until the
+# condition, a command as text, holds; each of these may be done twice without harm.
+tries_until() {
+    local condition=$1 looks
+    shift
+    until eval "$condition"; do
+        "$@"
+        for ((looks = 0; looks < 50; looks++)); do
+            ! eval "$condition" || break
+            runs "$child"
+            sleep 0.02
+        done
+        xdotool keyup --window "$window" Return
+    done
+}
+
+# shows TITLE COMMAND...: likewise, until the window has this title.
+shows() {
+    tries_until "titled '$1'" "${@:2}"
+}
+
+# enter: the key has to be down when a frame is drawn.
+enter() {
+    xdotool keydown --window "$window" Return
+}
+
+open_slabs() {
+    xdotool key --window "$window" Tab ctrl+a
+    xdotool type --window "$window" slabs
+    enter
+}
+
+search_300() {
+    xdotool mousemove --window "$window" 100 66 click 1
+    xdotool key --window "$window" ctrl+a
+    xdotool type --window "$window" 300
+    enter
+}
+
+# The 3-D pane is the first of the middle; where in it the slab is, is tried.
+across=0
+isolate_and_point() {
+    xdotool key --window "$window" i
+    across=$(((across + 37) % 300))
+    xdotool mousemove --window "$window" $((270 + across)) $((120 + 2 * across / 3))
+}
+
+hold() {
+    xdotool click 1
+}
+
+open_first() {
+    xdotool key --window "$window" 1
+}
+
+# By the name that is proposed.
+save_as() {
+    xdotool key --window "$window" ctrl+shift+s
+    enter
+}
+
+is_there() {
+    jq -e .objects "$1" >/dev/null 2>&1
+}
+
+@test "start, open by name, search, isolate, point, hold, read the name, save, close, start again: all is back" {
+    need_window
+    command -v xdotool >/dev/null || skip "no xdotool"
+    export XDG_STATE_HOME=$PWD/state XDG_DATA_DIRS=$PWD/data HOME=$PWD CONUS_ATLAS_PATH=$PWD/mine
+    conus phantom slabs -o mine
+    conus phantom sphere -o mine
+    mkdir -p data/mricron/templates # so that S opens no sample where it comes too early
+    cp mine/sphere.nii.gz data/mricron/templates/aal.nii.gz
+    start
+    titled conus
+    shows 'conus - slabs.nii.gz' open_slabs
+    shows 'conus - slabs.nii.gz - Slab posterior (chosen)' search_300
+    shows 'conus - slabs.nii.gz - Slab posterior (hit)' isolate_and_point
+    shows 'conus - slabs.nii.gz - Slab posterior (held)' hold
+    xdotool key --window "$window" braceright # wider panels
+    # a figure of what is seen would be saved here
+    tries_until 'is_there slabs-session.json' save_as
+    wait_until "$child" titled 'conus - slabs.nii.gz [slabs-session.json] - Slab posterior (held)'
+    xdotool key --window "$window" ctrl+q
+    wait "$child"
+    mv slabs-session.json before.json
+    jq -e '.hidden == [1] and .frozen == 1 and .has_pose == 1' before.json
+    jq -e '.panels[0] > 250' state/conus/window.json
+    # what was read is what conus answers for that cone, hidden areas left out
+    jq -r '.world_from_device | "--origin=\(.[12]),\(.[13]),\(.[14]) --direction=\(-.[8]),\(-.[9]),\(-.[10])"' before.json >axis
+    read -ra cone <axis
+    conus query slabs "${cone[@]}" --angle "$(jq .angle_deg before.json)" --hide 1 --format tsv --quiet >rows.tsv
+    [ "$(awk -F '\t' 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i } NR == 2 { print $at["name"] }' rows.tsv)" = 'Slab posterior' ]
+    # again
+    cp before.json slabs-session.json
+    start
+    shows 'conus - slabs.nii.gz [slabs-session.json] - Slab posterior (held)' open_first
+    rm slabs-session.json
+    xdotool key --window "$window" ctrl+s
+    wait_until "$child" is_there slabs-session.json
+    xdotool key --window "$window" ctrl+q
+    wait "$child"
+    diff before.json slabs-session.json
+}
