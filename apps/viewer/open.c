@@ -193,12 +193,52 @@ static void leave_options(struct view_settings *settings)
     settings->space = (struct space_settings){0};
 }
 
-/* For the sessions of what is shown from now on; the one before comes back. */
-static json_t *set_opened(struct window *window, json_t *opened)
+/* What the window keeps of the atlas that is open, for the case that another one cannot take its place. */
+struct aside {
+    struct changes changes;
+    char *session_path;
+    json_t *opened;
+};
+
+static struct aside set_aside(struct window *window)
 {
-    json_t *before = window->opened;
-    window->opened = opened;
-    return before;
+    struct aside aside = {window->changes, window->session_path, window->opened};
+    window->changes = (struct changes){.count = 0};
+    window->session_path = NULL;
+    window->opened = NULL;
+    return aside;
+}
+
+static void bring_back(struct window *window, struct viewer *viewer, struct aside *aside)
+{
+    json_decref(window->opened);
+    window_show(window, viewer);
+    window->changes = aside->changes;
+    window->session_path = aside->session_path;
+    window->opened = aside->opened;
+    *aside = (struct aside){.opened = NULL};
+}
+
+static void aside_finish(struct aside *aside)
+{
+    changes_finish(&aside->changes);
+    free(aside->session_path);
+    json_decref(aside->opened);
+}
+
+/* Shows the viewer in place of the one before, which stays where the session does not fit. */
+static bool replace(struct window *window, struct viewer *viewer, const struct atlas_name *name,
+                    const struct view_settings *settings, char *why)
+{
+    struct viewer *before = window->viewer;
+    struct aside aside = set_aside(window);
+    window->opened = describe(viewer, name, settings);
+    bool fine = show(window, viewer, settings, why);
+    if (!fine) {
+        bring_back(window, before, &aside);
+    }
+    aside_finish(&aside);
+    return fine;
 }
 
 /* The viewer has them then. */
@@ -237,14 +277,7 @@ static bool open_path(struct window *window, const char *text, const struct atla
     if (before && viewer) {
         viewer->display.radiological = before->display.radiological;
     }
-    json_t *opened = viewer ? describe(viewer, name, &settings) : NULL;
-    json_t *opened_before = viewer ? set_opened(window, opened) : NULL;
-    bool fine = viewer && show(window, viewer, &settings, why);
-    if (viewer && !fine) { /* of the session */
-        opened_before = set_opened(window, opened_before);
-        window_show(window, before);
-    }
-    json_decref(opened_before);
+    bool fine = viewer && replace(window, viewer, name, &settings, why);
     finish(fine ? before : viewer);
     return fine;
 }

@@ -1,6 +1,6 @@
 #!/usr/bin/env bats
-# The window as somebody uses it who has no shell: started without arguments, driven by keys and mouse alone (xdotool, no
-# script), and read by its title.
+# The window as somebody uses it who has no shell: started without arguments, driven by keys and mouse alone, which
+# xdotool sends, without a script, and read by its title.
 load helpers
 load window
 
@@ -104,10 +104,12 @@ is_there() {
     jq -e '.hidden == [1] and .frozen == 1 and .has_pose == 1' before.json
     jq -e '.panels[0] > 250' state/conus/window.json
     # what was read is what conus answers for that cone, hidden areas left out
-    jq -r '.world_from_device | "--origin=\(.[12]),\(.[13]),\(.[14]) --direction=\(-.[8]),\(-.[9]),\(-.[10])"' before.json >axis
+    jq -r '.world_from_device | "--origin=\(.[12]),\(.[13]),\(.[14]) --direction=\(-.[8]),\(-.[9]),\(-.[10])"' \
+        before.json >axis
     read -ra cone <axis
     conus query slabs "${cone[@]}" --angle "$(jq .angle_deg before.json)" --hide 1 --format tsv --quiet >rows.tsv
-    [ "$(awk -F '\t' 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i } NR == 2 { print $at["name"] }' rows.tsv)" = 'Slab posterior' ]
+    [ "$(awk -F '\t' 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i }
+        NR == 2 { print $at["name"] }' rows.tsv)" = 'Slab posterior' ]
     # again
     cp before.json slabs-session.json
     start

@@ -56,7 +56,7 @@ END
     # where there is no page, there is nothing to type into
     printf 'type slabs.nii.gz\n' >script
     run -3 --separate-stderr timeout $HANG "$CONUS" view nested.nii.gz --script script --quiet
-    check_message 'script:1: type PATH, on the start page is needed, or it could not be done'
+    check_message 'script:1: type PATH, on the start page or where a file is chosen is needed, or it could not be done'
 }
 
 @test "the name of an installed atlas opens it, and its path is remembered" {
@@ -239,7 +239,8 @@ END
     for how in '--session ../left.json' ../left.json; do # from another folder, as an option and as what is to be opened
         printf 'results %s/again.tsv\npicture %s/again.png 64 64\n' "$PWD" "$PWD" >script
         # shellcheck disable=SC2086 # two words
-        run -0 --separate-stderr env -C below timeout $HANG "$CONUS" view $how --script ../script --quiet --size 1000x640
+        run -0 --separate-stderr env -C below timeout $HANG "$CONUS" view $how --script ../script --quiet \
+            --size 1000x640
         [ -z "$stderr" ]
         diff left.tsv again.tsv
         conus diff left.png again.png
@@ -282,6 +283,13 @@ END
     [ "${stderr_lines[1]}" = 'conus: session: of an atlas with 2 areas and pathways, this one has 1' ]
     [ ${#stderr_lines[@]} -eq 2 ]
     diff left.tsv again.tsv
+    # one that does not fit leaves what is open as it was, with its name and what can be taken back
+    printf 'save sphere.json\n' | view sphere.nii.gz
+    jq '.objects = 7' left.json >moved/bad.json
+    printf 'angle 9\nwait 1\nangle 11\nwait 1\ndrop moved/bad.json\nkey ctrl+z\nkey ctrl+s\n' >script
+    run -0 --separate-stderr timeout $HANG "$CONUS" view --session sphere.json --script script --quiet
+    check_message 'of an atlas with 7 areas and pathways, this one has 2'
+    [ "$(jq .angle_deg sphere.json)" = 9 ]
     # or none
     printf 'key escape\ndrop sphere.nii.gz\nsave other.json\n' >script
     run -0 --separate-stderr timeout $HANG "$CONUS" view --session left.json --script script --quiet

@@ -114,7 +114,7 @@ static bool is_same_file(const struct session_file *file, const char *path)
 {
     char sum[SHA256_TEXT];
     struct stat info;
-    return file->sha256[0] && stat(path, &info) == 0 && S_ISREG(info.st_mode) &&
+    return file->sha256[0] && access(path, R_OK) == 0 && stat(path, &info) == 0 && S_ISREG(info.st_mode) &&
            (uint64_t)info.st_size == file->bytes && !provenance_hash_file(sum, path) && strcmp(sum, file->sha256) == 0;
 }
 

@@ -25,10 +25,12 @@ static void draw_title(void)
 static void draw_field(struct window *window)
 {
     static const char open[] = "Open";
+    static const char choose[] = "Choose a file";
     struct start *start = &window->start;
-    float button = ui_text_width(open) + 14 * window->scale; /* with what is around its text and before it */
+    float around = 14 * window->scale; /* a button's text, and before it */
+    float buttons = ui_text_width(open) + ui_text_width(choose) + 2 * around;
     ui_text_wrapped("Drop an atlas on this window, a file or a folder, or give its path or name:");
-    ui_width(ui_room() - button);
+    ui_width(ui_room() - buttons);
     if (start->takes_keys) {
         ui_take_keys();
         start->takes_keys = false;
@@ -41,6 +43,11 @@ static void draw_field(struct window *window)
     }
     ui_same_line();
     asked = ui_button(open) || asked;
+    ui_same_line();
+    if (ui_button(choose)) {
+        window_show_dialog(window, DIALOG_OPEN);
+    }
+    ui_tip("by folders (Ctrl+O)");
     ui_tint(theme_texts[start->why[0] ? THEME_ORANGE : THEME_HINT]);
     ui_text_wrapped(start->why[0] ? start->why : "NIfTI and MGH volumes, surfaces, folders of surfaces, manifests");
     ui_tint_end();
@@ -213,6 +220,7 @@ static void draw_keys(const struct window *window)
         draw_key(window, "1, 2 ...", "open what has this number");
     }
     draw_key(window, "Tab", "search or type a path; the arrow keys choose, Enter opens");
+    draw_key(window, "Ctrl+O", "choose a file");
     if (window->session_waits) {
         draw_key(window, "Escape", "open atlases without the session");
     } else if (window->viewer) {
@@ -232,7 +240,7 @@ void panel_start(struct window *window)
     draw_title();
     draw_field(window);
     ui_gap(ui_line() / 2);
-    draw_lists(window, fmaxf(ui_room_below() - 5.5F * ui_line(), 10 * ui_line()));
+    draw_lists(window, fmaxf(ui_room_below() - 6.5F * ui_line(), 10 * ui_line()));
     ui_gap(ui_line() / 2);
     draw_keys(window);
     ui_scroll_end();

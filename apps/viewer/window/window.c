@@ -117,6 +117,12 @@ static const char *name_of(int key)
     return "";
 }
 
+/* Held down these do nothing more: Escape leaves a page, and shall not clear the cone behind it, too. */
+static bool acts_once(int key)
+{
+    return key == GLFW_KEY_ENTER || key == GLFW_KEY_KP_ENTER || key == GLFW_KEY_ESCAPE || key == GLFW_KEY_SPACE;
+}
+
 static void press_named(GLFWwindow *handle, int key, int scancode, int action, int mods)
 {
     struct window *window = glfwGetWindowUserPointer(handle);
@@ -126,7 +132,7 @@ static void press_named(GLFWwindow *handle, int key, int scancode, int action, i
     if (!name[0] && (mods & GLFW_MOD_CONTROL) && !(mods & (GLFW_MOD_ALT | GLFW_MOD_SUPER))) {
         name_with_control(name, key, scancode, mods);
     }
-    if (name[0] && action != GLFW_RELEASE && !ui_wants_keys()) {
+    if (name[0] && action != GLFW_RELEASE && !(action == GLFW_REPEAT && acts_once(key)) && !ui_wants_keys()) {
         window_press(window, name);
     }
 }
