@@ -29,6 +29,7 @@ APPS = {
     " apps/cli/verify apps/cli/cite apps/cli/pictures",
     "apps/mpi": "apps/common apps/pages apps/batch",
     "apps/mesh": "loaders/child",  # mesh_protocol.h: what conus and conus-mesh send each other
+    "apps/viewer/search": "",
     "apps/viewer/model": "apps/link",
     "apps/viewer/devices": "apps/link",
     "apps/viewer/second": "apps/link apps/viewer/model apps/viewer/devices apps/viewer/pointing",
@@ -42,8 +43,10 @@ APPS = {
     "apps/viewer/panes": "apps/viewer/model apps/viewer/pointing apps/viewer/chosen apps/viewer/second"
     " apps/viewer/hands apps/viewer/window",
     "apps/viewer/results": "apps/common apps/viewer/model",
-    "apps/viewer/panels": "apps/settings apps/viewer/pointing apps/viewer/results apps/viewer/hands apps/viewer/window",
-    "apps/viewer/session": "apps/common apps/viewer/pointing apps/viewer/results apps/viewer/hands apps/viewer/window",
+    "apps/viewer/panels": "apps/settings apps/viewer/search apps/viewer/pointing"
+    " apps/viewer/results apps/viewer/hands apps/viewer/window",
+    "apps/viewer/session": "apps/common apps/viewer/search apps/viewer/pointing"
+    " apps/viewer/results apps/viewer/hands apps/viewer/window",
     # draw.c joins the panes and panels; the window itself knows neither.
     "apps/viewer": "apps/link apps/common apps/settings apps/pages apps/viewer/pointing apps/viewer/hands"
     " apps/viewer/window apps/viewer/panes apps/viewer/panels apps/viewer/session apps/viewer/opening",

@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Hiding, showing and finding areas and pathways. */
+/* Hiding and showing areas and pathways. */
 #include "viewer/model/viewer.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 bool shown_init(struct shown_objects *out, const conus_atlas *atlas)
 {
@@ -93,40 +91,4 @@ void viewer_set_hidden(struct viewer *viewer, struct view_atlas *on, bool *hidde
     free(on->shown.hidden);
     on->shown.hidden = hidden;
     hide_in_atlas(viewer, on);
-}
-
-static bool contains(const char *text, const char *part)
-{
-    size_t length = strlen(part);
-    for (; *text; text++) {
-        if (strncasecmp(text, part, length) == 0) {
-            return true;
-        }
-    }
-    return length == 0;
-}
-
-static bool fits(const conus_object *object, const char *text)
-{
-    char label[16];
-    snprintf(label, sizeof label, "%u", object->label);
-    return contains(object->name, text) || contains(object->abbreviation, text) || strcmp(label, text) == 0;
-}
-
-bool viewer_fits(const struct viewer *viewer, uint32_t object)
-{
-    return fits(conus_atlas_object(viewer->drawn->atlas, object), viewer->drawn->shown.search);
-}
-
-uint32_t viewer_find(const struct viewer *viewer, const char *text)
-{
-    uint32_t found = 0;
-    for (uint32_t number = 1; number <= viewer->drawn->object_count; number++) {
-        const conus_object *object = conus_atlas_object(viewer->drawn->atlas, number);
-        if (strcmp(object->name, text) == 0) {
-            return number;
-        }
-        found = !found && fits(object, text) ? number : found;
-    }
-    return found;
 }

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Which areas and pathways of an atlas are shown, and the search among them: of the atlas that is drawn, unless
- * another is named. */
+/** @file Which areas and pathways of an atlas are shown: of the atlas that is drawn, unless another is named. */
 #ifndef CONUS_VIEWER_MODEL_SHOWN_H
 #define CONUS_VIEWER_MODEL_SHOWN_H
 
@@ -29,13 +28,9 @@ void viewer_isolate(struct viewer *viewer, uint32_t object);
 void viewer_show_all(struct viewer *viewer);
 /** Hides in @p on, one of the viewer's atlases, what @p hidden says, [object_count + 1], which is taken over. */
 void viewer_set_hidden(struct viewer *viewer, struct view_atlas *on, bool *hidden);
-/** The first object whose name, abbreviation or label fits @p text best; 0 = none. */
-uint32_t viewer_find(const struct viewer *viewer, const char *text);
 /** Whether @p object is @p ancestor or below it. */
 bool viewer_is_below(const struct viewer *viewer, uint32_t object, uint32_t ancestor);
 /** What is shown of an object and all below it. */
 enum shown viewer_shown(const struct viewer *viewer, uint32_t object);
-/** Whether @p object fits the search. */
-bool viewer_fits(const struct viewer *viewer, uint32_t object);
 
 #endif

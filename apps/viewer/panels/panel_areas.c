@@ -2,9 +2,11 @@
 /* The list of areas and pathways, with search and check boxes. */
 #include "viewer/panels/panels.h"
 
+#include "viewer/search/search.h"
 #include "viewer/window/ui_list.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 
 enum { TIP_SIZE = 96 };
 
@@ -117,29 +119,27 @@ static void draw_tree(struct window *window, uint32_t parent)
 
 static void choose_first(struct viewer *viewer)
 {
-    uint32_t number = 1;
-    while (number <= viewer->drawn->object_count && !viewer_fits(viewer, number)) {
-        number++;
-    }
-    if (number <= viewer->drawn->object_count) {
-        viewer_choose(viewer, number);
+    uint32_t best = search_best(viewer->drawn->atlas, viewer->drawn->shown.search);
+    if (best) {
+        viewer_choose(viewer, best);
     }
 }
 
+/* Best first. */
 static void draw_found(struct window *window)
 {
-    bool any = false;
-    for (uint32_t number = 1; number <= window->viewer->drawn->object_count; number++) {
-        if (viewer_fits(window->viewer, number)) {
-            draw_area(window, number);
-            any = true;
-        }
+    struct shown_objects *shown = &window->viewer->drawn->shown;
+    size_t count;
+    uint32_t *found = search_all(&count, window->viewer->drawn->atlas, shown->search);
+    for (size_t i = 0; found && i < count; i++) {
+        draw_area(window, found[i]);
     }
-    if (!any) {
+    free(found);
+    if (!count) {
         ui_text("nothing fits");
         ui_same_line();
         if (ui_small_button("clear")) {
-            window->viewer->drawn->shown.search[0] = '\0';
+            shown->search[0] = '\0';
         }
     }
 }
@@ -171,6 +171,8 @@ void panel_areas(struct window *window)
     ui_id((uint32_t)(viewer->drawn - viewer->atlases)); /* each has a list of its own, scrolled and opened */
     ui_width(window->left.width - 20);
     ui_type("##search", viewer->drawn->shown.search, sizeof viewer->drawn->shown.search, "search name or label");
+    ui_tip("whole names come first, then names and words that begin so, names with it inside, and label numbers;\n"
+           "Enter chooses the first");
     if (ui_entered() && viewer->drawn->shown.search[0]) {
         choose_first(viewer);
     }

@@ -8,6 +8,7 @@
 #include "viewer/results/columns.h"
 #include "viewer/results/export.h"
 #include "viewer/session/script_second.h"
+#include "viewer/search/search.h"
 #include "viewer/session/script_words.h"
 #include "viewer/session/session.h"
 #include "viewer/window/screen.h"
@@ -216,7 +217,7 @@ static bool do_search(struct call *call)
 
 static bool do_choose(struct call *call)
 {
-    uint32_t object = viewer_find(call->window->viewer, call->words[1]);
+    uint32_t object = search_best(call->window->viewer->drawn->atlas, call->words[1]);
     viewer_choose(call->window->viewer, object);
     return object;
 }
@@ -224,7 +225,7 @@ static bool do_choose(struct call *call)
 static bool do_threshold(struct call *call)
 {
     struct viewer *viewer = call->window->viewer;
-    uint32_t object = viewer_find(viewer, call->words[1]);
+    uint32_t object = search_best(viewer->drawn->atlas, call->words[1]);
     const conus_volume_info *info = view_atlas_pathway(viewer->drawn, object);
     double threshold;
     bool fine = info && numbers(&threshold, call, 1, 1) && threshold >= info->minimum && threshold <= info->maximum;
