@@ -3,6 +3,7 @@
 #include "viewer/keys.h"
 
 #include "viewer/hands/hands.h"
+#include "viewer/keys_look.h"
 #include "viewer/pointing/point.h"
 #include "viewer/session/keep.h"
 #include "viewer/session/undo.h"
@@ -334,9 +335,9 @@ static const struct {
     {"m", move_by_next, "what moves the cone: the next of mouse, wand, ..."},
     {"2", use_second, "the second tool, with a cone and a list of its own, or none"},
     {"3", move_second_by_next, "what moves the second tool: the next"},
-    {"b", hold_second, "hold the second tool, or let it go"},
-    {"]", widen_second, "a wider second cone"},
-    {"[", narrow_second, "a narrower one"},
+    {"4", hold_second, "hold the second tool, or let it go"},
+    {"6", widen_second, "a wider second cone"},
+    {"5", narrow_second, "a narrower one"},
     {"h", hide_chosen, "hide or show the chosen area"},
     {"i", isolate_chosen, "show the chosen area only"},
     {"ctrl+z", undo, "take back the last change; U, too"},
@@ -349,6 +350,14 @@ static const struct {
     {"t", toggle_head, "what a tracked head sees, or what the mouse turns"},
     {"n", draw_next, "draw the next of several atlases"},
     {"c", change_colours, "colours for any colour vision, or the atlas's own"},
+    {"]", look_brighter, "brighter cuts; [ darker, } more contrast, { less: grey values of the context"},
+    {"[", look_darker, NULL},
+    {"}", look_more_contrast, NULL},
+    {"{", look_less_contrast, NULL},
+    {"b", look_reset_grey, "their black and white as they were found"},
+    {".", look_more_opaque, "the chosen area more opaque in 3-D, or else what the cone does not hit; , less"},
+    {",", look_less_opaque, NULL},
+    {"k", look_next_backdrop, "another background of 3-D: light, white, black, transparent in figures"},
     {"ctrl+s", keep_same_session, "save the session where it was opened or saved last"},
     {"ctrl+shift+s", save_as, "save the session under another name"},
     {"o", keep_session, "or at once: conus-DATE-TIME.json, in the folder where conus was started"},
@@ -360,11 +369,11 @@ static const struct {
     {"ctrl+n", window_go_to_start, "the start page, for another atlas; Escape comes back"},
     {"ctrl+q", quit, "close the window"},
     {"tab", enlarge, "one pane after the other fills the window"},
-    {"m", window_maximise, "the pane under the mouse alone, or all again; also a double click in a cut"},
-    {"]", widen_first, "a larger 3-D pane; borders can be dragged, too"},
-    {"[", narrow_first, "a smaller 3-D pane"},
-    {"}", widen_panels, "wider panels"},
-    {"{", narrow_panels, "narrower panels"},
+    {"w", window_maximise, "the pane under the mouse alone, or all again; also a double click in a cut"},
+    {")", widen_first, "a larger 3-D pane; borders can be dragged, too"},
+    {"(", narrow_first, "a smaller 3-D pane"},
+    {">", widen_panels, "wider panels"},
+    {"<", narrow_panels, "narrower panels"},
     {"\\", reset_layout, "panes and panels as at first"},
     {"f11", fill_screen, "3-D alone, over the whole screen, and back"},
     {"ctrl++", enlarge_texts, "larger texts and panels"},
@@ -504,7 +513,9 @@ void keys_draw_help(struct window *window)
     ui_text_wrapped(
         "3-D: left button turns, right button moves, wheel comes nearer; the cone follows the mouse, a click holds it "
         "and sets the crosshair, another one lets it go, a double click confirms.\n"
-        "Flat panes: left button sets the crosshair, wheel goes through the cuts, Ctrl and wheel magnify; with "
+        "Flat panes: left button sets the crosshair, wheel goes through the cuts, Ctrl and wheel magnify; middle "
+        "button, or Ctrl and left, drags the context's brightness (up) and contrast (right), a double click resets; "
+        "with "
         "the wand, right button puts the device there, with Shift it points there.");
     ui_panel_end();
 }

@@ -30,7 +30,8 @@ APPS = {
     "apps/mpi": "apps/common apps/pages apps/batch",
     "apps/mesh": "loaders/child",  # mesh_protocol.h: what conus and conus-mesh send each other
     "apps/viewer/search": "",
-    "apps/viewer/model": "apps/link",
+    "apps/viewer/look": "",
+    "apps/viewer/model": "apps/link apps/viewer/look",
     "apps/viewer/devices": "apps/link",
     "apps/viewer/second": "apps/link apps/viewer/model apps/viewer/devices apps/viewer/pointing",
     "apps/viewer/hands": "apps/link apps/viewer/pointing apps/viewer/second apps/viewer/window",

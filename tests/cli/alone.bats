@@ -94,7 +94,7 @@ is_there() {
     shows 'conus - slabs.nii.gz - Slab posterior (chosen)' search_300
     shows 'conus - slabs.nii.gz - Slab posterior (hit)' isolate_and_point
     shows 'conus - slabs.nii.gz - Slab posterior (held)' hold
-    xdotool key --window "$window" braceright # wider panels
+    xdotool key --window "$window" greater # wider panels
     # a figure of what is seen would be saved here
     tries_until 'is_there slabs-session.json' save_as
     wait_until "$child" titled 'conus - slabs.nii.gz [slabs-session.json] - Slab posterior (held)'

@@ -18,12 +18,13 @@ struct painter {
     int unused;
 };
 
-bool painter_create(struct painter **out, const conus_atlas *atlas, const char *transfer, conus_log log,
-                    void (*wake)(void))
+bool painter_create(struct painter **out, const conus_atlas *atlas, const char *transfer, const struct look *look,
+                    conus_log log, void (*wake)(void))
 {
     static struct painter none;
     (void)atlas;
     (void)transfer;
+    (void)look;
     (void)log;
     (void)wake;
     *out = &none;
@@ -43,6 +44,12 @@ void painter_hold(struct painter *painter)
 void painter_resume(struct painter *painter)
 {
     (void)painter;
+}
+
+bool painter_set_opacity(struct painter *painter, const struct look *look)
+{
+    (void)painter;
+    return look->opacity;
 }
 
 bool painter_set_transfer(struct painter *painter, const conus_transfer_point *points, size_t count)

@@ -30,7 +30,8 @@ static bool pass_transfer(const struct viewer *viewer)
 static void start_painter(struct viewer *viewer)
 {
     struct painter *painter = NULL;
-    if (painter_create(&painter, viewer->drawn->atlas, viewer->transfer, viewer->cone.options.log, viewer->wake)) {
+    if (painter_create(&painter, viewer->drawn->atlas, viewer->preset ? viewer->preset : viewer->transfer,
+                       &viewer->drawn->look, viewer->cone.options.log, viewer->wake)) {
         viewer->painter = painter;
         viewer->transfer_editor.ready = false;
     }
@@ -56,11 +57,30 @@ void viewer_draw(struct viewer *viewer, size_t index)
     painter_destroy(viewer->painter);
     viewer->painter = NULL;
     viewer->drawn = next;
-    viewer->transfer_editor.edited = viewer->transfer_editor.edited && view_atlas_shares_context(before, next);
+    if (!view_atlas_shares_context(before, next)) {
+        viewer->transfer_editor.edited = false;
+        viewer->preset = NULL;
+    }
     start_painter(viewer);
     viewer->atlas_number++;
     viewer->cone.answer_number++;
     viewer->version++;
+}
+
+/* Anew, for what a renderer is made with. */
+static void repaint(struct viewer *viewer)
+{
+    painter_destroy(viewer->painter);
+    viewer->painter = NULL;
+    start_painter(viewer);
+    viewer->version++;
+}
+
+void viewer_use_preset(struct viewer *viewer, const char *preset)
+{
+    viewer->preset = preset;
+    viewer->transfer_editor.edited = false;
+    repaint(viewer);
 }
 
 void viewer_use_transfer(struct viewer *viewer)
@@ -102,6 +122,74 @@ void viewer_use_safe_colours(struct viewer *viewer, bool safe)
     rest(viewer);
     set_colours(viewer, safe);
     resume(viewer);
+}
+
+/* ---- The look ------------------------------------------------------------------------------------------------------
+ */
+
+void viewer_set_grey(struct viewer *viewer, double black, double white)
+{
+    for (size_t i = 0; i < viewer->atlas_count; i++) {
+        struct view_atlas *on = &viewer->atlases[i];
+        if (on == viewer->drawn || view_atlas_shares_context(on, viewer->drawn)) {
+            on->look.grey[0] = black;
+            on->look.grey[1] = white;
+        }
+    }
+    viewer->version++;
+}
+
+bool viewer_move_grey(struct viewer *viewer, double right, double up)
+{
+    const struct view_atlas *on = viewer->drawn;
+    double grey[2];
+    if (!(on->window[1] > on->window[0])) {
+        return false;
+    }
+    memcpy(grey, view_atlas_grey(on), sizeof grey);
+    look_move_grey(grey, on->window, right, up);
+    viewer_set_grey(viewer, grey[0], grey[1]);
+    return true;
+}
+
+static void pass_opacity(struct viewer *viewer)
+{
+    if (viewer->painter && !painter_set_opacity(viewer->painter, &viewer->drawn->look)) {
+        viewer_say(viewer, "not enough memory");
+    }
+    viewer->scene_number++;
+    viewer->version++;
+}
+
+void viewer_set_opacity(struct viewer *viewer, uint32_t object, double opacity)
+{
+    double *list = viewer->drawn->look.opacity;
+    for (uint32_t number = 1; object && number <= viewer->drawn->object_count; number++) {
+        list[number] = viewer_is_below(viewer, number, object) ? opacity : list[number];
+    }
+    list[0] = object ? list[0] : opacity;
+    pass_opacity(viewer);
+}
+
+void viewer_set_haze(struct viewer *viewer, uint32_t pathway, size_t haze)
+{
+    viewer->drawn->look.haze[pathway] = (uint8_t)haze;
+    repaint(viewer);
+}
+
+void viewer_set_look(struct viewer *viewer, struct view_atlas *on, struct look *look)
+{
+    bool same = look_same_haze(&on->look, look);
+    look_finish(&on->look);
+    on->look = *look;
+    *look = (struct look){0};
+    if (on != viewer->drawn) {
+        viewer->version++;
+    } else if (same) {
+        pass_opacity(viewer);
+    } else {
+        repaint(viewer);
+    }
 }
 
 /* ---- All at once ---------------------------------------------------------------------------------------------------
@@ -179,7 +267,8 @@ conus_status viewer_set_up(struct viewer *viewer, const struct atlas_edits *sett
         other = other || differ(&viewer->atlases[i], settings->thresholds[i]);
     }
     bool back = settings->sets_transfer && editor->edited && !settings->point_count;
-    bool rests = other || back || settings->safe_colours != viewer->display.safe_colours;
+    bool preset = settings->sets_transfer && settings->preset != viewer->preset;
+    bool rests = other || back || preset || settings->safe_colours != viewer->display.safe_colours;
     conus_status status = CONUS_OK;
     if (rests) {
         rest(viewer);
@@ -189,6 +278,7 @@ conus_status viewer_set_up(struct viewer *viewer, const struct atlas_edits *sett
         set_colours(viewer, settings->safe_colours);
     }
     if (!status && settings->sets_transfer) {
+        viewer->preset = settings->preset;
         set_points(editor, settings);
     }
     if (rests) {

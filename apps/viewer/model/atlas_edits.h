@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file Changes of the atlases themselves while they are shown: which of them is drawn, thresholds, colours, the
- * context's transfer function. */
+ * context's transfer function, and of how they look. */
 #ifndef CONUS_VIEWER_MODEL_ATLAS_EDITS_H
 #define CONUS_VIEWER_MODEL_ATLAS_EDITS_H
 
-#include <conus/conus.h>
+#include "viewer/look/look.h"
 
+struct view_atlas;
 struct viewer;
 
 enum { EDITOR_POINTS = 32, EDITOR_BINS = 128 };
@@ -26,7 +27,9 @@ struct atlas_edits {
     double *const *thresholds; /**< [atlas_count][object_count + 1] by number; those of areas are not read. NULL, of all
                                     or of one atlas = as they are. Changed. */
     bool safe_colours;
-    bool sets_transfer; /**< Then the points are; none of them = the function that the context came with. */
+    bool sets_transfer; /**< Then the points and the preset are; no points = the preset, or else the function that the
+                             context came with. */
+    const char *preset; /**< Static; NULL = none. */
     conus_transfer_point points[EDITOR_POINTS];
     size_t point_count;
 };
@@ -40,6 +43,23 @@ void viewer_set_threshold(struct viewer *viewer, uint32_t object, double thresho
 
 /** Sets all at once; where that fails (memory), the atlases are as they were. */
 conus_status viewer_set_up(struct viewer *viewer, const struct atlas_edits *settings);
+
+/** Draws with a preset in place of the editor's points, or with NULL as the context came; @p preset is static. */
+void viewer_use_preset(struct viewer *viewer, const char *preset);
+
+/** Grey values that the cuts show as black and white, of the drawn atlas and those of the same context; both 0 = those
+ * that were found. White is more than black. */
+void viewer_set_grey(struct viewer *viewer, double black, double white);
+/** Moves them (look_move_grey()) from where they are; false where the drawn atlas has no context, or one of a single
+ * value. */
+bool viewer_move_grey(struct viewer *viewer, double right, double up);
+/** Opacity in 3-D, 0 to 1, of an object of the drawn atlas and all below it, NaN = as if none was set; of object 0: of
+ * what the cone does not hit, more than 0. */
+void viewer_set_opacity(struct viewer *viewer, uint32_t object, double opacity);
+/** Draws a pathway of the drawn atlas so (look.h). */
+void viewer_set_haze(struct viewer *viewer, uint32_t pathway, size_t haze);
+/** Takes over how @p on, one of the viewer's atlases, looks; @p look is of as many objects. */
+void viewer_set_look(struct viewer *viewer, struct view_atlas *on, struct look *look);
 
 /** Draws with the editor's points from now on. */
 void viewer_use_transfer(struct viewer *viewer);

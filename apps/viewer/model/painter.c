@@ -20,19 +20,25 @@ enum { COARSEST = 5, MESSAGE_SIZE = 512, LEVELS = 4096, TRANSFER_POINTS = 64 };
 /* How fine pictures of one painting become, one after the other. */
 enum stage { STAGE_NONE = 0, STAGE_COARSE, STAGE_FULL, STAGE_SMOOTH };
 
+/* What changed of the scene, and is not drawn yet. */
+struct scene_news {
+    bool hidden;                  /* the atlas hides other objects */
+    conus_transfer_point *points; /* of another transfer function; NULL = none */
+    size_t point_count;
+    double *opacity; /* as in struct look; NULL = none */
+};
+
 struct painter {
     pthread_t thread;
     pthread_mutex_t lock; /* guards what follows */
     pthread_cond_t wake;
     bool stop;
     struct painting asked;
-    bool is_new;         /* asked has not been begun */
-    bool is_busy;        /* reads the atlas */
-    unsigned holds;      /* the window is about to change the atlas, or does: do not begin to read it */
-    bool hidden_is_new;  /* the atlas hides other objects */
+    bool is_new;    /* asked has not been begun */
+    bool is_busy;   /* reads the atlas */
+    unsigned holds; /* the window is about to change the atlas, or does: do not begin to read it */
+    struct scene_news news;
     pthread_cond_t rest; /* is_busy ended */
-    conus_transfer_point *points;
-    size_t point_count; /* of a function that is not used yet; 0 = none */
     struct painted done;
     char error[MESSAGE_SIZE];
     char device[160];
@@ -43,6 +49,9 @@ struct painter {
     /* the thread's own */
     const conus_atlas *atlas;
     char *transfer;
+    double *opacity;
+    conus_pathway_transfer *pathways;
+    size_t pathway_count;
     conus_log log;
     void (*wake_window)(void);
     double ms_per_pixel;
@@ -51,8 +60,8 @@ struct painter {
 
 bool painting_shows_same(const struct painting *a, const struct painting *b)
 {
-    return a->width == b->width && a->height == b->height && a->fade == b->fade && a->chosen == b->chosen &&
-           a->answer_number == b->answer_number && a->scene_number == b->scene_number &&
+    return a->width == b->width && a->height == b->height && a->fade == b->fade && a->backdrop == b->backdrop &&
+           a->chosen == b->chosen && a->answer_number == b->answer_number && a->scene_number == b->scene_number &&
            sight_is_same(&a->sight, &b->sight);
 }
 
@@ -121,15 +130,18 @@ static bool paint(struct painter *painter, conus_renderer *renderer, const struc
     double coarse = coarseness(painter, what, stage);
     conus_image *image = NULL;
     const double *f = what->sight.frustum;
-    const conus_view view = {.width = (uint32_t)fmax(what->width / coarse, 1),
-                             .height = (uint32_t)fmax(what->height / coarse, 1),
-                             .frustum = {f[0], f[1], f[2], f[3]},
-                             .camera = &what->sight.camera,
-                             .selection = answer_selection(what->answer),
-                             .chosen = what->chosen,
-                             .no_legend = true,
-                             .draft = stage != STAGE_SMOOTH,
-                             .fade = what->fade};
+    conus_view view = {.width = (uint32_t)fmax(what->width / coarse, 1),
+                       .height = (uint32_t)fmax(what->height / coarse, 1),
+                       .frustum = {f[0], f[1], f[2], f[3]},
+                       .camera = &what->sight.camera,
+                       .selection = answer_selection(what->answer),
+                       .chosen = what->chosen,
+                       .no_legend = true,
+                       .draft = stage != STAGE_SMOOTH,
+                       .fade = what->fade,
+                       .opacity = painter->opacity,
+                       .pale = painter->opacity[0]};
+    backdrop_set(&view, what->backdrop);
     double begun = clock_ms();
     if (conus_render(&image, renderer, &view)) {
         note_error(painter);
@@ -162,15 +174,34 @@ static void note_transfer(struct painter *painter, const conus_renderer *rendere
     wake_window(painter);
 }
 
-static void apply_changes(struct painter *painter, conus_renderer *renderer, bool hidden, conus_transfer_point *points,
-                          size_t point_count)
+/* Ends what is left of it. */
+static void forget_news(struct scene_news *news)
 {
-    conus_status status = hidden ? conus_renderer_update(renderer) : CONUS_OK;
-    status = !status && points ? conus_renderer_set_transfer(renderer, points, point_count) : status;
+    free(news->points);
+    free(news->opacity);
+    *news = (struct scene_news){0};
+}
+
+static void apply_news(struct painter *painter, conus_renderer *renderer, struct scene_news *news)
+{
+    conus_status status = news->hidden ? conus_renderer_update(renderer) : CONUS_OK;
+    if (!status && news->points) {
+        status = conus_renderer_set_transfer(renderer, news->points, news->point_count);
+    }
     if (status) {
         note_error(painter);
     }
-    free(points);
+    if (news->opacity) {
+        free(painter->opacity);
+        painter->opacity = news->opacity;
+        news->opacity = NULL;
+    }
+    forget_news(news);
+}
+
+static bool is_news(const struct scene_news *news)
+{
+    return news->hidden || news->points || news->opacity;
 }
 
 /* With the lock held. */
@@ -181,19 +212,17 @@ static void end_reading(struct painter *painter)
 }
 
 /* Waits for something to do; what is there is moved out. False: stop. */
-static bool wait_for_work(struct painter *painter, struct painting *what, enum stage *stage, bool *hidden,
-                          conus_transfer_point **points, size_t *point_count)
+static bool wait_for_work(struct painter *painter, struct painting *what, enum stage *stage, struct scene_news *news)
 {
     pthread_mutex_lock(&painter->lock);
     end_reading(painter);
     bool idle = *stage == STAGE_SMOOTH || (*stage == STAGE_COARSE && what->moving) || *stage == STAGE_NONE;
-    while (!painter->stop &&
-           (painter->holds || (idle && !painter->is_new && !painter->hidden_is_new && !painter->point_count))) {
+    while (!painter->stop && (painter->holds || (idle && !painter->is_new && !is_news(&painter->news)))) {
         pthread_cond_wait(&painter->wake, &painter->lock);
     }
-    bool rests = painter->is_new && !painter->hidden_is_new && !painter->point_count &&
+    bool rests = painter->is_new && !is_news(&painter->news) &&
                  painting_shows_same(&painter->asked, what); /* what was drawn so far holds: continue, finer */
-    bool changed = (painter->is_new || painter->hidden_is_new || painter->point_count) && !rests;
+    bool changed = (painter->is_new || is_news(&painter->news)) && !rests;
     if (painter->is_new) {
         answer_drop(what->answer);
         *what = painter->asked;
@@ -203,12 +232,8 @@ static bool wait_for_work(struct painter *painter, struct painting *what, enum s
     if (changed) {
         *stage = STAGE_NONE;
     }
-    *hidden = painter->hidden_is_new;
-    *points = painter->point_count ? painter->points : NULL;
-    *point_count = painter->point_count;
-    painter->points = *points ? NULL : painter->points;
-    painter->hidden_is_new = false;
-    painter->point_count = 0;
+    *news = painter->news;
+    painter->news = (struct scene_news){0};
     bool continues = !painter->stop;
     painter->is_busy = continues;
     pthread_mutex_unlock(&painter->lock);
@@ -219,17 +244,15 @@ static void paint_all(struct painter *painter, conus_renderer *renderer)
 {
     struct painting what = {0};
     enum stage stage = STAGE_NONE;
-    bool hidden;
-    conus_transfer_point *points;
-    size_t point_count;
-    while (wait_for_work(painter, &what, &stage, &hidden, &points, &point_count)) {
-        apply_changes(painter, renderer, hidden, points, point_count);
+    struct scene_news news;
+    while (wait_for_work(painter, &what, &stage, &news)) {
+        apply_news(painter, renderer, &news);
         if (what.width && what.height) {
             stage++;
             stage = paint(painter, renderer, &what, stage) ? stage : STAGE_SMOOTH;
         }
     }
-    free(points);
+    forget_news(&news);
     answer_drop(what.answer);
 }
 
@@ -237,7 +260,10 @@ static void *run(void *user)
 {
     struct painter *painter = user;
     conus_renderer *renderer = NULL;
-    const conus_renderer_options options = {.transfer = painter->transfer, .log = painter->log};
+    const conus_renderer_options options = {.transfer = painter->transfer,
+                                            .log = painter->log,
+                                            .pathways = painter->pathways,
+                                            .pathway_count = painter->pathway_count};
     make_bytes(painter);
     setpriority(PRIO_PROCESS, 0, getpriority(PRIO_PROCESS, 0) + niceness); /* of this thread, and those it starts */
     if (conus_renderer_create(&renderer, painter->atlas, &options)) {
@@ -258,8 +284,27 @@ static void *run(void *user)
 
 /* ---- The window's side ----------------------------------------------------------------------------------------- */
 
-bool painter_create(struct painter **out, const conus_atlas *atlas, const char *transfer, conus_log log,
-                    void (*wake)(void))
+static double *copy_opacity(const struct look *look)
+{
+    double *copy = malloc((look->object_count + 1) * sizeof *copy);
+    if (copy) {
+        memcpy(copy, look->opacity, (look->object_count + 1) * sizeof *copy);
+    }
+    return copy;
+}
+
+static void free_painter(struct painter *painter)
+{
+    forget_news(&painter->news);
+    free(painter->done.rgba);
+    free(painter->opacity);
+    free(painter->pathways);
+    free(painter->transfer);
+    free(painter);
+}
+
+bool painter_create(struct painter **out, const conus_atlas *atlas, const char *transfer, const struct look *look,
+                    conus_log log, void (*wake)(void))
 {
     struct painter *painter = calloc(1, sizeof *painter);
     if (!painter) {
@@ -270,12 +315,15 @@ bool painter_create(struct painter **out, const conus_atlas *atlas, const char *
     painter->wake_window = wake;
     painter->is_busy = true; /* until there is a renderer */
     painter->transfer = transfer ? strdup(transfer) : NULL;
+    painter->opacity = copy_opacity(look);
+    painter->pathways = calloc(look->object_count + 1, sizeof *painter->pathways);
+    bool fine = (painter->transfer || !transfer) && painter->opacity && painter->pathways;
+    painter->pathway_count = fine ? look_pathways(painter->pathways, look) : 0;
     pthread_mutex_init(&painter->lock, NULL);
     pthread_cond_init(&painter->wake, NULL);
     pthread_cond_init(&painter->rest, NULL);
-    if ((transfer && !painter->transfer) || pthread_create(&painter->thread, NULL, run, painter)) {
-        free(painter->transfer);
-        free(painter);
+    if (!fine || pthread_create(&painter->thread, NULL, run, painter)) {
+        free_painter(painter);
         return false;
     }
     *out = painter;
@@ -296,10 +344,7 @@ void painter_destroy(struct painter *painter)
     pthread_cond_destroy(&painter->rest);
     pthread_mutex_destroy(&painter->lock);
     answer_drop(painter->asked.answer);
-    free(painter->done.rgba);
-    free(painter->points);
-    free(painter->transfer);
-    free(painter);
+    free_painter(painter);
 }
 
 void painter_ask(struct painter *painter, const struct painting *what)
@@ -345,9 +390,23 @@ void painter_resume(struct painter *painter)
 {
     pthread_mutex_lock(&painter->lock);
     painter->holds--;
-    painter->hidden_is_new = true;
+    painter->news.hidden = true;
     pthread_cond_signal(&painter->wake);
     pthread_mutex_unlock(&painter->lock);
+}
+
+bool painter_set_opacity(struct painter *painter, const struct look *look)
+{
+    double *copy = copy_opacity(look);
+    if (!copy) {
+        return false;
+    }
+    pthread_mutex_lock(&painter->lock);
+    free(painter->news.opacity);
+    painter->news.opacity = copy;
+    pthread_cond_signal(&painter->wake);
+    pthread_mutex_unlock(&painter->lock);
+    return true;
 }
 
 bool painter_set_transfer(struct painter *painter, const conus_transfer_point *points, size_t count)
@@ -358,9 +417,9 @@ bool painter_set_transfer(struct painter *painter, const conus_transfer_point *p
     }
     memcpy(copy, points, count * sizeof *copy);
     pthread_mutex_lock(&painter->lock);
-    free(painter->points);
-    painter->points = copy;
-    painter->point_count = count;
+    free(painter->news.points);
+    painter->news.points = copy;
+    painter->news.point_count = count;
     painter->used_count = count < TRANSFER_POINTS ? count : 0;
     memcpy(painter->used, points, painter->used_count * sizeof *points);
     pthread_cond_signal(&painter->wake);

@@ -6,6 +6,7 @@
 #ifndef CONUS_VIEWER_MODEL_PAINTER_H
 #define CONUS_VIEWER_MODEL_PAINTER_H
 
+#include "viewer/look/look.h"
 #include "viewer/model/answer.h"
 #include "viewer/model/sight.h"
 
@@ -16,10 +17,11 @@ struct painting {
     struct sight sight;
     uint32_t width, height;
     double fade;
+    enum backdrop backdrop;
     uint32_t chosen;        /**< Object that is never pale; 0 = none. */
     struct answer *answer;  /**< Its cone is drawn; NULL = none. */
     unsigned answer_number; /**< Of the answer: two paintings of the same number have the same one. */
-    unsigned scene_number;  /**< Of what is hidden, the transfer function and the atlas. */
+    unsigned scene_number;  /**< Of what is hidden, the transfer function, opacities and the atlas. */
     bool moving;            /**< Another one will follow soon: be quick. */
 };
 
@@ -35,11 +37,12 @@ struct painted {
     bool fine; /**< Nothing finer will come of the same painting. */
 };
 
-/** Starts the thread; @p transfer and @p log (called on that thread) as in conus_renderer_options. @p wake (NULL =
- * none) is called there when there is something new: a picture, an error, the device's name. False without memory or
- * threads. */
-bool painter_create(struct painter **out, const conus_atlas *atlas, const char *transfer, conus_log log,
-                    void (*wake)(void));
+/** Starts the thread; @p transfer and @p log (called on that thread) as in conus_renderer_options, opacities and haze
+ * as
+ * @p look says, which is copied. @p wake (NULL = none) is called there when there is something new: a picture, an
+ * error, the device's name. False without memory or threads. */
+bool painter_create(struct painter **out, const conus_atlas *atlas, const char *transfer, const struct look *look,
+                    conus_log log, void (*wake)(void));
 void painter_destroy(struct painter *painter);
 
 /** Asks for a picture instead of what was asked before. */
@@ -52,6 +55,9 @@ bool painter_take(struct painter *painter, struct painted *out);
 void painter_hold(struct painter *painter);
 /** The atlas may hide other objects now. */
 void painter_resume(struct painter *painter);
+/** Draws with the opacities of @p look from now on; false without memory. */
+bool painter_set_opacity(struct painter *painter, const struct look *look);
+/** Draws with another transfer function; false without memory. */
 bool painter_set_transfer(struct painter *painter, const conus_transfer_point *points, size_t count);
 
 /** The transfer function that is used, up to @p capacity points; 0 before it is known, or where there is no context. */

@@ -21,7 +21,8 @@ bool view_atlas_init(struct view_atlas *out, const struct view_source *source)
                             .name = strdup(source->name ? source->name : ""),
                             .object_count = conus_atlas_object_count(source->atlas)};
     bool has_shown = shown_init(&on.shown, on.atlas);
-    if (!has_shown || !on.path || !on.name) {
+    bool has_look = look_init(&on.look, on.object_count);
+    if (!has_shown || !has_look || !on.path || !on.name) {
         view_atlas_finish(&on);
         return false;
     }
@@ -36,6 +37,7 @@ void view_atlas_finish(struct view_atlas *on)
     view_atlas_forget(on);
     view_atlas_rest(on);
     shown_finish(&on->shown);
+    look_finish(&on->look);
     watch_destroy(on->watch);
     free(on->name);
     free(on->path);
@@ -105,6 +107,12 @@ size_t view_atlas_context(const struct view_atlas *on)
         i++;
     }
     return i;
+}
+
+const double *view_atlas_grey(const struct view_atlas *on)
+{
+    const double *set = on->look.grey;
+    return set[0] != 0 || set[1] != 0 ? set : on->window;
 }
 
 bool view_atlas_shares_context(const struct view_atlas *a, const struct view_atlas *b)

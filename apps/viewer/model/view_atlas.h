@@ -4,6 +4,7 @@
 #ifndef CONUS_VIEWER_MODEL_VIEW_ATLAS_H
 #define CONUS_VIEWER_MODEL_VIEW_ATLAS_H
 
+#include "viewer/look/look.h"
 #include "viewer/model/answer.h"
 #include "viewer/model/shown.h"
 #include "viewer/model/watch.h"
@@ -13,7 +14,9 @@ struct view_atlas {
     char *path; /**< As it was given. */
     char *name; /**< Of the column `atlas`; "" where it is the only one. */
     size_t object_count;
-    double window[2]; /**< Grey values of the context that the cuts show as black and white; both 0 without one. */
+    double window[2]; /**< Grey values of the context that the cuts show as black and white, unless the look says
+                         others: what air and bright tissue have; both 0 without one. */
+    struct look look;
     struct shown_objects shown;
     struct watch *watch;              /**< NULL without memory. */
     conus_selector *selector;         /**< Made when needed; NULL after the atlas changed. */
@@ -48,6 +51,8 @@ void view_atlas_forget(struct view_atlas *on);
 const conus_selection *view_atlas_selection(const struct view_atlas *on);
 /** Index of the context volume, or the number of volumes where there is none. */
 size_t view_atlas_context(const struct view_atlas *on);
+/** Grey values that the cuts show as black and white now. */
+const double *view_atlas_grey(const struct view_atlas *on);
 /** Whether the same file is the context of both, or none is. */
 bool view_atlas_shares_context(const struct view_atlas *a, const struct view_atlas *b);
 /** The volume of a pathway from a threshold on; NULL of another object. */

@@ -77,7 +77,7 @@ conus_status viewer_create(struct viewer *out, const struct view_source *sources
     viewer.cone.options.log = log;
     viewer.magnification = 1;
     if ((transfer && !viewer.transfer) || !init_atlases(&viewer, sources, count) ||
-        !painter_create(&viewer.painter, viewer.drawn->atlas, transfer, log, wake)) {
+        !painter_create(&viewer.painter, viewer.drawn->atlas, transfer, &viewer.drawn->look, log, wake)) {
         finish_atlases(&viewer, false);
         free(viewer.transfer);
         return CONUS_ERROR_MEMORY;
@@ -410,14 +410,23 @@ conus_status viewer_write_picture(const struct viewer *viewer, const struct sigh
     struct sight fitted = *sight;
     sight_fit(&fitted, (double[]){width, height});
     const double *f = fitted.frustum;
-    const conus_renderer_options options = {.transfer = viewer->transfer};
-    const conus_view view = {.width = width,
-                             .height = height,
-                             .frustum = {f[0], f[1], f[2], f[3]},
-                             .camera = &fitted.camera,
-                             .selection = viewer_selection(viewer),
-                             .chosen = viewer->drawn->shown.chosen,
-                             .fade = viewer->display.fade};
+    const struct look *look = &viewer->drawn->look;
+    conus_pathway_transfer *pathways = calloc(look->object_count + 1, sizeof *pathways);
+    if (!pathways) {
+        return CONUS_ERROR_MEMORY;
+    }
+    const conus_renderer_options options = {.transfer = viewer->preset ? viewer->preset : viewer->transfer,
+                                            .pathways = pathways,
+                                            .pathway_count = look_pathways(pathways, look)};
+    conus_view view = {.width = width,
+                       .height = height,
+                       .frustum = {f[0], f[1], f[2], f[3]},
+                       .camera = &fitted.camera,
+                       .selection = viewer_selection(viewer),
+                       .chosen = viewer->drawn->shown.chosen,
+                       .fade = viewer->display.fade};
+    look_set(&view, look);
+    backdrop_set(&view, viewer->display.backdrop);
     conus_status status = conus_renderer_create(&renderer, viewer->drawn->atlas, &options);
     const struct transfer_editor *editor = &viewer->transfer_editor;
     if (!status && editor->edited) {
@@ -427,6 +436,7 @@ conus_status viewer_write_picture(const struct viewer *viewer, const struct sigh
     status = status ? status : conus_image_write(image, path);
     conus_image_destroy(image);
     conus_renderer_destroy(renderer);
+    free(pathways);
     return status;
 }
 

@@ -46,6 +46,7 @@ struct cone_state {
 struct display {
     double fade, fill; /**< Of the context in 3-D; opacity of areas in the flat panes. */
     bool no_outlines, radiological, safe_colours;
+    enum backdrop backdrop; /**< Of the 3-D pane and figures. */
 };
 
 /** What the lists of hits show (results/columns.h). All 0: the usual. */
@@ -61,8 +62,9 @@ struct viewer {
     size_t atlas_count;
     const char **names; /**< [atlas_count] Theirs. */
     struct view_atlas
-        *drawn; /**< The one of them that pictures show, that is searched, hidden, picked and confirmed. */
-    char *transfer;
+        *drawn;         /**< The one of them that pictures show, that is searched, hidden, picked and confirmed. */
+    char *transfer;     /**< As it was given; NULL = the context's own. */
+    const char *preset; /**< Name of a transfer function in its place, static; NULL = none. */
     double centre[3], radius; /**< A ball around all atlases, world mm. */
     conus_frame frame;        /**< The space in which positions are typed, shown and written. */
 

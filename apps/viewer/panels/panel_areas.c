@@ -84,6 +84,7 @@ static void draw_area(struct window *window, uint32_t number)
         ui_text_cut(name, ui_room() - buttons_width(window));
         ui_tint_end();
         draw_buttons(viewer, number);
+        panel_look_area(viewer, number);
     } else if (ui_row_cut(object->name, false, tip)) {
         viewer_choose(viewer, number);
     }

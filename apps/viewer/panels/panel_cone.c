@@ -176,6 +176,7 @@ void panel_cone(struct window *window)
             viewer_use_safe_colours(viewer, safe);
         }
         viewer->version += shown;
+        panel_look_view(viewer);
     }
     panel_transfer(window);
 }

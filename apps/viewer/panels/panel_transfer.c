@@ -157,6 +157,9 @@ static void edit_thresholds(struct viewer *viewer)
     for (uint32_t number = 1; number <= viewer->drawn->object_count; number++) {
         const conus_object *object = conus_atlas_object(viewer->drawn->atlas, number);
         const conus_volume_info *info = view_atlas_pathway(viewer->drawn, number);
+        if (object->kind == CONUS_KIND_PATHWAY) {
+            panel_look_pathway(viewer, number);
+        }
         if (object->is_band) {
             show_band(object);
         }
@@ -182,8 +185,13 @@ void panel_transfer(struct window *window)
     struct viewer *viewer = window->viewer;
     const conus_object *last =
         conus_atlas_object(viewer->drawn->atlas, viewer->drawn->object_count); /* pathways come last */
-    if (make_ready(viewer) && ui_section("Context", false)) {
-        edit_transfer(viewer);
+    bool has_context = view_atlas_context(viewer->drawn) < conus_atlas_volume_count(viewer->drawn->atlas);
+    bool is_ready = make_ready(viewer);
+    if (has_context && ui_section("Context", false)) {
+        panel_look_context(viewer);
+        if (is_ready) {
+            edit_transfer(viewer);
+        }
     }
     if (last && last->kind == CONUS_KIND_PATHWAY && ui_section("Pathways", true)) {
         edit_thresholds(viewer);

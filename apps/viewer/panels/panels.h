@@ -18,6 +18,11 @@ void panel_results(struct window *window);
 /** Of the results: the button that chooses the columns of the lists. */
 void panel_columns(struct window *window);
 void panel_transfer(struct window *window);
+/** Widgets of how the atlas looks, of other panels: the 3-D view, */
+void panel_look_view(struct viewer *viewer);
+void panel_look_context(struct viewer *viewer);                   /**< the context, */
+void panel_look_pathway(struct viewer *viewer, uint32_t pathway); /**< a pathway, */
+void panel_look_area(struct viewer *viewer, uint32_t object);     /**< an area. */
 void panel_source(struct window *window);
 void panel_status(struct window *window);
 

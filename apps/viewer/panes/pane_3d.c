@@ -35,6 +35,7 @@ static void ask_painter(struct window *window, bool moving)
                             .width = (uint32_t)fmaxf(box->width, 1),
                             .height = (uint32_t)fmaxf(box->height, 1),
                             .fade = viewer->display.fade,
+                            .backdrop = viewer->display.backdrop,
                             .chosen = viewer->drawn->shown.chosen,
                             .answer = viewer->drawn->answer,
                             .answer_number = viewer->cone.answer_number,

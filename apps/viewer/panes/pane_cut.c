@@ -88,7 +88,7 @@ static void draw_picture(struct window *window, const struct frame *frame)
                            .height = frame->height,
                            .fill = viewer->display.fill,
                            .no_outlines = viewer->display.no_outlines,
-                           .window = {viewer->drawn->window[0], viewer->drawn->window[1]},
+                           .window = {view_atlas_grey(viewer->drawn)[0], view_atlas_grey(viewer->drawn)[1]},
                            .selection = viewer_selection(viewer),
                            .chosen = viewer->drawn->shown.chosen};
     memcpy(view.centre, frame->centre, sizeof view.centre);
@@ -293,6 +293,9 @@ static void use_mouse(struct window *window, const struct frame *frame, enum pla
         next[2 - (int)plane] += mouse.wheel > 0 ? 1 : -1;
         viewer_cross(viewer, next);
     }
+    if (pane_grey_drag(window, &mouse)) {
+        return;
+    }
     if (ui_surface_held() && mouse.doubled) {
         window_maximise(window);
     } else if (ui_surface_held() && mouse.down[0]) {
@@ -327,6 +330,7 @@ void pane_cut(struct window *window, enum plane plane)
     draw_crosshair(window, &frame);
     draw_title(window, &frame, plane);
     draw_letters(&frame);
+    pane_grey_show(window, &pane->box);
     draw_chosen(window, frame.pane);
     ui_clip_end();
     if (touched && window->hover.object) {

@@ -9,6 +9,7 @@
 #include "viewer/results/export.h"
 #include "viewer/session/script_second.h"
 #include "viewer/search/search.h"
+#include "viewer/session/script_look.h"
 #include "viewer/session/script_words.h"
 #include "viewer/session/session.h"
 #include "viewer/window/screen.h"
@@ -246,6 +247,31 @@ static bool do_fade(struct call *call)
     return fine;
 }
 
+static bool do_grey(struct call *call)
+{
+    return script_grey(call->window, call->words + 1, call->count);
+}
+
+static bool do_opacity(struct call *call)
+{
+    return script_opacity(call->window, call->words + 1, call->count);
+}
+
+static bool do_haze(struct call *call)
+{
+    return script_haze(call->window, call->words + 1, call->count);
+}
+
+static bool do_preset(struct call *call)
+{
+    return script_preset(call->window, call->words + 1, call->count);
+}
+
+static bool do_background(struct call *call)
+{
+    return script_background(call->window, call->words + 1, call->count);
+}
+
 static bool do_pointer(struct call *call)
 {
     for (int i = 0; i < POINTER_COUNT; i++) {
@@ -422,6 +448,11 @@ static const struct {
     {"search", 0, 1, do_search, "[TEXT]", false},
     {"choose", 1, 1, do_choose, "NAME", false},
     {"threshold", 2, 2, do_threshold, "PATHWAY VALUE", false},
+    {"grey", 0, 2, do_grey, "[BLACK WHITE], with a context", false},
+    {"opacity", 1, 2, do_opacity, "[AREA] PART, or AREA reset", false},
+    {"haze", 2, 2, do_haze, "PATHWAY solid|own|PRESET", false},
+    {"preset", 0, 1, do_preset, "[NAME]", false},
+    {"background", 1, 1, do_background, "light|white|black|transparent", false},
     {"quiet-status", 0, 0, do_quiet_status, "", true},
     {"wait", 1, 1, do_wait, "FRAMES", true},
     {"pause", 1, 1, do_pause, "SECONDS", true},

@@ -4,6 +4,7 @@
 
 #include "viewer/session/session_atlases.h"
 #include "viewer/session/session_list.h"
+#include "viewer/session/session_look.h"
 #include "viewer/session/session_second.h"
 
 #include <errno.h>
@@ -253,6 +254,9 @@ char *session_text(const struct window *window)
     json_object_set_new(root, "thresholds", session_thresholds(viewer->atlases));
     json_object_set_new(root, "transfer", transfer_of(&viewer->transfer_editor));
     json_object_set_new(root, "second", session_second(&window->second));
+    json_object_set_new(root, "preset", viewer->preset ? json_string(viewer->preset) : json_null());
+    json_object_set_new(root, "look", session_look(viewer->atlases));
+    json_object_set_new(root, "background", json_string(backdrop_names[viewer->display.backdrop]));
     json_object_set_new(root, "safe_colours", json_boolean(viewer->display.safe_colours));
     json_object_set_new(root, "results", session_list(&viewer->list));
     if (root && viewer->atlas_count > 1) {
@@ -395,7 +399,9 @@ static bool read_atlas_edits(struct atlas_edits *out, struct session_atlases *at
     if (safe && !json_is_boolean(safe)) {
         return session_refuse(why, "session: safe_colours: true or false is needed");
     }
-    return !transfer || read_transfer(out, &viewer->atlases[atlases->drawn], transfer, why);
+    const struct view_atlas *drawn = &viewer->atlases[atlases->drawn];
+    return !transfer || (read_transfer(out, drawn, transfer, why) &&
+                         session_preset_read(&out->preset, drawn, json_object_get(root, "preset"), why));
 }
 
 static bool read_state(struct state *out, const json_t *root, char why[SESSION_REASON])
@@ -440,17 +446,20 @@ static bool read_session(struct window *window, const json_t *root, char why[SES
     struct session_atlases atlases = {0};
     struct second second;
     struct result_list list = viewer->list;
+    enum backdrop backdrop = viewer->display.backdrop;
     const char *score = known_score(json_string_value(json_object_get(root, "score")));
     bool fine = read_state(&state, root, why) && session_list_read(&list, root, why) &&
                 (score || session_refuse(why, "session: score: unknown")) &&
                 session_second_read(&second, &window->second, root, why) &&
                 read_atlas_edits(&settings, &atlases, viewer, root, why) &&
+                session_backdrop_read(&backdrop, json_object_get(root, "background"), why) &&
                 set_up(viewer, atlases.drawn, &settings, why);
     if (fine) {
         put_state(window, &state);
         viewer->cone.options.score = score;
         viewer->list = list;
-        session_atlases_hide(&atlases, viewer);
+        viewer->display.backdrop = backdrop;
+        session_atlases_show(&atlases, viewer);
         read_pins(viewer, root);
         viewer_reselect(viewer);
         session_second_put(window, &second);

@@ -3,6 +3,7 @@
 #include "viewer/session/session_atlases.h"
 
 #include "viewer/session/session.h"
+#include "viewer/session/session_look.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -68,9 +69,10 @@ json_t *session_further(const struct viewer *viewer)
     bool fine = list;
     for (size_t i = 1; i < viewer->atlas_count && fine; i++) {
         const struct view_atlas *on = &viewer->atlases[i];
-        fine = !json_array_append_new(list, json_pack("{s: s, s: i, s: o, s: o, s: o}", "atlas", on->path, "objects",
-                                                      (int)on->object_count, "place", session_place(on), "hidden",
-                                                      session_hidden(on), "thresholds", session_thresholds(on)));
+        fine = !json_array_append_new(list, json_pack("{s: s, s: i, s: o, s: o, s: o, s: o}", "atlas", on->path,
+                                                      "objects", (int)on->object_count, "place", session_place(on),
+                                                      "hidden", session_hidden(on), "thresholds",
+                                                      session_thresholds(on), "look", session_look(on)));
     }
     if (!fine) {
         json_decref(list);
@@ -149,6 +151,7 @@ static bool read_atlas(struct session_atlases *out, size_t index, const struct v
                        char why[SESSION_REASON])
 {
     const json_t *list = json_object_get(entry, "thresholds");
+    const json_t *look = json_object_get(entry, "look");
     json_int_t objects = json_integer_value(json_object_get(entry, "objects"));
     if ((size_t)objects != on->object_count) {
         return session_refuse(why, "session: of an atlas with %lld areas and pathways, %s has %zu", (long long)objects,
@@ -163,7 +166,8 @@ static bool read_atlas(struct session_atlases *out, size_t index, const struct v
         return session_refuse(why, "session: not enough memory");
     }
     return read_hidden(out->hidden[index], entry, on->object_count, why) &&
-           (!list || read_thresholds(out->thresholds[index], on, list, why));
+           (!list || read_thresholds(out->thresholds[index], on, list, why)) &&
+           (!look || session_look_read(&out->looks[index], on, look, why));
 }
 
 static bool read_further(struct session_atlases *out, const struct viewer *viewer, const json_t *list,
@@ -196,21 +200,25 @@ bool session_atlases_read(struct session_atlases *out, const struct viewer *view
     const json_t *drawn = json_object_get(root, "drawn");
     *out = (struct session_atlases){.hidden = calloc(viewer->atlas_count, sizeof *out->hidden),
                                     .thresholds = calloc(viewer->atlas_count, sizeof *out->thresholds),
+                                    .looks = calloc(viewer->atlas_count, sizeof *out->looks),
                                     .count = viewer->atlas_count,
                                     .drawn = (size_t)(viewer->drawn - viewer->atlases)};
-    if (!out->hidden || !out->thresholds) {
+    if (!out->hidden || !out->thresholds || !out->looks) {
         return session_refuse(why, "session: not enough memory");
     }
     return read_atlas(out, 0, viewer->atlases, root, why) && (!further || read_further(out, viewer, further, why)) &&
            (!drawn || read_drawn(out, viewer, drawn, why));
 }
 
-void session_atlases_hide(struct session_atlases *from, struct viewer *viewer)
+void session_atlases_show(struct session_atlases *from, struct viewer *viewer)
 {
     for (size_t i = 0; i < from->count; i++) {
         if (from->hidden[i]) {
             viewer_set_hidden(viewer, &viewer->atlases[i], from->hidden[i]);
             from->hidden[i] = NULL;
+        }
+        if (from->looks[i].object_count) {
+            viewer_set_look(viewer, &viewer->atlases[i], &from->looks[i]);
         }
     }
 }
@@ -224,7 +232,11 @@ void session_atlases_finish(struct session_atlases *from)
         if (from->thresholds) {
             free(from->thresholds[i]);
         }
+        if (from->looks) {
+            look_finish(&from->looks[i]);
+        }
     }
     free(from->hidden);
     free(from->thresholds);
+    free(from->looks);
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What a session says of each atlas: what is hidden, thresholds of pathways, and which atlas is drawn. */
+/** @file What a session says of each atlas: what is hidden, thresholds of pathways, how it looks, and which atlas is
+ * drawn. */
 #ifndef CONUS_VIEWER_SESSION_SESSION_ATLASES_H
 #define CONUS_VIEWER_SESSION_SESSION_ATLASES_H
 
@@ -20,6 +21,7 @@ json_t *session_further(const struct viewer *viewer);
 struct session_atlases {
     bool **hidden;       /**< [count][object_count + 1]; NULL of an atlas = as it is. */
     double **thresholds; /**< [count][object_count + 1] Likewise. */
+    struct look *looks;  /**< [count] Of no objects = as it is. */
     size_t count;        /**< Of the viewer's atlases. */
     size_t drawn;        /**< Index of the one to be drawn. */
 };
@@ -27,8 +29,8 @@ struct session_atlases {
 /** Reads them; false where they do not fit the viewer's atlases. The caller's to finish in any case. */
 bool session_atlases_read(struct session_atlases *out, const struct viewer *viewer, const json_t *root,
                           char why[SESSION_REASON]);
-/** Hides what they say. */
-void session_atlases_hide(struct session_atlases *from, struct viewer *viewer);
+/** Hides what they say, and makes the atlases look so. */
+void session_atlases_show(struct session_atlases *from, struct viewer *viewer);
 void session_atlases_finish(struct session_atlases *from);
 
 #endif

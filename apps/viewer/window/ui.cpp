@@ -551,6 +551,7 @@ struct ui_mouse ui_mouse_now(void)
         mouse.released[b] = ImGui::IsMouseReleased(b);
     }
     mouse.doubled = ImGui::IsMouseDoubleClicked(0);
+    mouse.doubled_middle = ImGui::IsMouseDoubleClicked(2);
     mouse.shift = io.KeyShift;
     mouse.control = io.KeyCtrl;
     return mouse;

@@ -132,7 +132,8 @@ void ui_draw_text(const float at[2], ui_colour colour, const char *text);
 
 struct ui_mouse {
     float x, y, moved_x, moved_y, wheel;
-    bool down[3], pressed[3], released[3], doubled; /**< Left, right, middle. */
+    bool down[3], pressed[3], released[3]; /**< Left, right, middle. */
+    bool doubled, doubled_middle;          /**< Left; middle. */
     bool shift, control;
 };
 

@@ -1,0 +1,158 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Writes how an atlas looks as JSON, and reads and checks it. */
+#include "viewer/session/session_look.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Grey values are floats; a window of them that a mouse makes is some times wider. */
+static const double grey_limit = 1e30;
+
+/* ---- Writing ----------------------------------------------------------------------------------------------------- */
+
+static json_t *grey_of(const struct look *look)
+{
+    bool set = look->grey[0] != 0 || look->grey[1] != 0;
+    return set ? json_pack("[f, f]", look->grey[0], look->grey[1]) : json_null();
+}
+
+static json_t *opacities_of(const struct look *look)
+{
+    json_t *list = json_array();
+    for (size_t number = 1; number <= look->object_count; number++) {
+        if (!isnan(look->opacity[number])) {
+            json_array_append_new(list, json_pack("[i, f]", (int)number, look->opacity[number]));
+        }
+    }
+    return list;
+}
+
+static json_t *haze_of(const struct view_atlas *on)
+{
+    json_t *list = json_array();
+    for (size_t number = 1; number <= on->look.object_count; number++) {
+        if (on->look.haze[number] != HAZE_NONE) {
+            json_array_append_new(list, json_pack("[i, s]", (int)number, haze_name(on->look.haze[number])));
+        }
+    }
+    return list;
+}
+
+json_t *session_look(const struct view_atlas *on)
+{
+    return json_pack("{s: o, s: o, s: f, s: o}", "grey", grey_of(&on->look), "opacities", opacities_of(&on->look),
+                     "opacity_of_the_rest", on->look.opacity[0], "pathways", haze_of(on));
+}
+
+/* ---- Reading ----------------------------------------------------------------------------------------------------- */
+
+static bool read_grey(struct look *out, const json_t *value, char why[SESSION_REASON])
+{
+    if (!value || json_is_null(value)) {
+        return true;
+    }
+    for (size_t i = 0; i < 2; i++) {
+        out->grey[i] = json_number_value(json_array_get(value, i));
+    }
+    bool fine = json_is_array(value) && json_array_size(value) == 2 && json_is_number(json_array_get(value, 0)) &&
+                json_is_number(json_array_get(value, 1)) && out->grey[0] >= -grey_limit && out->grey[1] <= grey_limit &&
+                out->grey[0] < out->grey[1];
+    return fine || session_refuse(why, "session: grey: two numbers are needed, black less than white, or null");
+}
+
+/* An object's number in an entry of a list; 0 = none that is allowed. */
+static size_t number_of(const json_t *entry, const struct look *look)
+{
+    json_int_t number = json_integer_value(json_array_get(entry, 0));
+    bool fine = json_array_size(entry) == 2 && number >= 1 && (uint64_t)number <= look->object_count;
+    return fine ? (size_t)number : 0;
+}
+
+static bool read_opacities(struct look *out, const json_t *list, char why[SESSION_REASON])
+{
+    bool fine = !list || json_is_array(list);
+    for (size_t i = 0; fine && i < json_array_size(list); i++) {
+        const json_t *entry = json_array_get(list, i);
+        const json_t *opacity = json_array_get(entry, 1);
+        size_t number = number_of(entry, out);
+        fine = number && json_is_number(opacity) && json_number_value(opacity) >= 0 && json_number_value(opacity) <= 1;
+        out->opacity[fine ? number : 0] = json_number_value(opacity);
+    }
+    return fine || session_refuse(why,
+                                  "session: opacities: a list of pairs is needed, each a number from 1 to %zu and an "
+                                  "opacity from 0 to 1",
+                                  out->object_count);
+}
+
+static bool read_rest(struct look *out, const json_t *value, char why[SESSION_REASON])
+{
+    out->opacity[0] = value ? json_number_value(value) : 1;
+    return (out->opacity[0] > 0 && out->opacity[0] <= 1) ||
+           session_refuse(why, "session: opacity_of_the_rest: a number above 0 and up to 1 is needed");
+}
+
+static bool read_haze(struct look *out, const struct view_atlas *on, const json_t *list, char why[SESSION_REASON])
+{
+    bool fine = !list || json_is_array(list);
+    for (size_t i = 0; fine && i < json_array_size(list); i++) {
+        const json_t *entry = json_array_get(list, i);
+        const char *name = json_string_value(json_array_get(entry, 1));
+        size_t number = number_of(entry, out);
+        size_t haze = name ? haze_find(name) : HAZE_LIMIT;
+        fine = number && haze < HAZE_LIMIT && conus_atlas_object(on->atlas, number)->kind == CONUS_KIND_PATHWAY;
+        out->haze[fine ? number : 0] = (uint8_t)(fine ? haze : HAZE_NONE);
+    }
+    return fine || session_refuse(why, "session: pathways: a list of pairs is needed, each a pathway's number and "
+                                       "\"solid\", \"own\" or the name of a preset");
+}
+
+bool session_look_read(struct look *out, const struct view_atlas *on, const json_t *entry, char why[SESSION_REASON])
+{
+    struct look look;
+    if (!look_init(&look, on->object_count)) {
+        return session_refuse(why, "session: not enough memory");
+    }
+    bool fine = (json_is_object(entry) || session_refuse(why, "session: look: an object is needed")) &&
+                read_grey(&look, json_object_get(entry, "grey"), why) &&
+                read_opacities(&look, json_object_get(entry, "opacities"), why) &&
+                read_rest(&look, json_object_get(entry, "opacity_of_the_rest"), why) &&
+                read_haze(&look, on, json_object_get(entry, "pathways"), why);
+    if (fine) {
+        *out = look;
+    } else {
+        look_finish(&look);
+    }
+    return fine;
+}
+
+bool session_backdrop_read(enum backdrop *backdrop, const json_t *name, char why[SESSION_REASON])
+{
+    const char *text = json_string_value(name);
+    if (!name) {
+        return true;
+    }
+    for (int i = 0; text && i < BACKDROP_COUNT; i++) {
+        if (strcmp(backdrop_names[i], text) == 0) {
+            *backdrop = (enum backdrop)i;
+            return true;
+        }
+    }
+    return session_refuse(why, "session: background: light, white, black or transparent is needed");
+}
+
+bool session_preset_read(const char **preset, const struct view_atlas *on, const json_t *name, char why[SESSION_REASON])
+{
+    const char *text = json_string_value(name);
+    const char *found = NULL;
+    *preset = NULL;
+    if (!name || json_is_null(name)) {
+        return true;
+    }
+    if (view_atlas_context(on) == conus_atlas_volume_count(on->atlas)) {
+        return session_refuse(why, "session: preset: there is no context here, open it with --context");
+    }
+    for (size_t i = 0; text && !*preset && (found = conus_transfer_preset(i)); i++) {
+        *preset = strcmp(found, text) == 0 ? found : NULL;
+    }
+    return *preset || session_refuse(why, "session: preset: the name of a transfer function is needed, or null");
+}

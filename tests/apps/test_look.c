@@ -1,0 +1,332 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* How an atlas looks: grey values, opacities, haze, colours of the context and the background, without a window. */
+#include "viewer/look/look.h"
+#include "viewer/pointing/point.h"
+#include "viewer/session/session.h"
+#include "viewer/session/undo.h"
+
+#include "test.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static const double eye[3] = {0, 90, 0};
+static const double back[3] = {0, -1, 0};
+
+/* The nested balls; with them the first ball again, as a pathway and as the context. */
+static conus_atlas *load(bool with_context)
+{
+    conus_atlas *atlas = NULL;
+    test_folder("phantom");
+    if (access(test_in("nested.nii.gz"), F_OK)) { /* once */
+        assert_ok(conus_phantom_write("nested", test_in(""), &(conus_phantom_options){.size = 32}));
+    }
+    assert_ok(conus_atlas_load(&atlas, test_in("nested.nii.gz"), NULL));
+    if (with_context) {
+        const conus_pathway_options pathway = {.name = "Tract", .threshold = 0.5};
+        assert_ok(conus_atlas_add_pathway(atlas, test_in("nested.nii.gz"), &pathway));
+        assert_ok(conus_atlas_set_context(atlas, test_in("nested.nii.gz"), NULL));
+    }
+    return atlas;
+}
+
+static void open_window(struct window *out, struct viewer *viewer, bool with_context)
+{
+    const struct view_source source = {.atlas = load(with_context), .path = "nested"};
+    assert_ok(viewer_create(viewer, &source, 1, NULL, NULL, NULL));
+    *out = (struct window){.viewer = viewer, .enlarged = -1};
+    undo_note(out);
+}
+
+static void close_window(struct window *window)
+{
+    changes_finish(&window->changes);
+    viewer_finish(window->viewer);
+}
+
+/* ---- Grey values ------------------------------------------------------------------------------------------------- */
+
+/* Brighter by half of 0 to 100 puts the middle from 50 to 0; twice the contrast halves the width. */
+static void grey_values_move_by_their_own_width(void **state)
+{
+    const double found[2] = {0, 100};
+    double grey[2] = {0, 100};
+    (void)state;
+    look_move_grey(grey, found, 0, 0.5);
+    assert_near(grey[0], -50, 1e-12);
+    assert_near(grey[1], 50, 1e-12);
+    look_move_grey(grey, found, log(2), -0.5);
+    assert_near(grey[0], 25, 1e-12);
+    assert_near(grey[1], 75, 1e-12);
+    look_move_grey(grey, found, 100, 100); /* to a thousandth, about -100 */
+    assert_near(grey[0], -100.05, 1e-9);
+    assert_near(grey[1], -99.95, 1e-9);
+    look_move_grey(grey, found, -100, -100); /* to ten times as wide, about 200 */
+    assert_near(grey[0], -300, 1e-9);
+    assert_near(grey[1], 700, 1e-9);
+}
+
+/* What the cuts show says nothing of where the head begins. */
+static void the_apex_stays_where_it_was(void **state)
+{
+    struct viewer viewer;
+    struct window window;
+    (void)state;
+    open_window(&window, &viewer, true);
+    double before = point_depth(&viewer, eye, back);
+    assert_true(isfinite(before));
+    assert_ptr_equal(view_atlas_grey(viewer.drawn), viewer.drawn->window);
+    assert_true(viewer_move_grey(&viewer, 0, -1));
+    assert_near(view_atlas_grey(viewer.drawn)[0], viewer.drawn->window[1], 1e-6); /* the middle is as far up */
+    assert_near(point_depth(&viewer, eye, back), before, 0);
+    viewer_set_grey(&viewer, 0, 0);
+    assert_ptr_equal(view_atlas_grey(viewer.drawn), viewer.drawn->window);
+    close_window(&window);
+    open_window(&window, &viewer, false);
+    assert_false(viewer_move_grey(&viewer, 0, 1));
+    close_window(&window);
+}
+
+static void atlases_of_one_context_have_the_same_grey_values(void **state)
+{
+    struct viewer viewer;
+    const struct view_source sources[] = {{load(true), "a", "a"}, {load(false), "b", "b"}, {load(true), "c", "c"}};
+    (void)state;
+    assert_ok(viewer_create(&viewer, sources, 3, NULL, NULL, NULL));
+    viewer_set_grey(&viewer, 1, 2);
+    assert_near(view_atlas_grey(&viewer.atlases[2])[1], 2, 0);
+    assert_near(view_atlas_grey(&viewer.atlases[1])[1], 0, 0);
+    viewer_finish(&viewer);
+}
+
+/* ---- The painter's pictures -------------------------------------------------------------------------------------- */
+
+enum { SIDE = 24 };
+
+/* The finest picture of the viewer's drawn atlas; its middle pixel, sRGB. */
+static void paint(uint8_t rgb[3], struct viewer *viewer)
+{
+    struct painting what = {.width = SIDE, .height = SIDE, .backdrop = viewer->display.backdrop};
+    struct painted picture;
+    bool fine = false;
+    char error[256];
+    what.scene_number = viewer->scene_number;
+    orbit_fit(&viewer->orbit, (double[]){SIDE, SIDE});
+    sight_of_orbit(&what.sight, &viewer->orbit, (double[]){SIDE, SIDE});
+    painter_ask(viewer->painter, &what);
+    while (!fine) {
+        assert_false(painter_error(viewer->painter, error, sizeof error));
+        if (!painter_take(viewer->painter, &picture)) {
+            usleep(1000);
+            continue;
+        }
+        fine = picture.fine && picture.what.scene_number == what.scene_number;
+        memcpy(rgb, picture.rgba + (size_t)4 * (SIDE * SIDE / 2 + SIDE / 2), 3);
+        free(picture.rgba);
+    }
+}
+
+static uint8_t byte_of(float linear)
+{
+    double srgb = linear <= 0.0031308F ? 12.92 * (double)linear : 1.055 * pow((double)linear, 1 / 2.4) - 0.055;
+    return (uint8_t)(255 * fmin(fmax(srgb, 0), 1) + 0.5);
+}
+
+/* The same pixel by conus_render(), with @p opacity of every object and @p pale of the rest. */
+static void render(uint8_t rgb[3], struct viewer *viewer, const double *opacity, double pale,
+                   const conus_renderer_options *options)
+{
+    static const char *const channels[] = {"R", "G", "B"};
+    conus_renderer *renderer = NULL;
+    conus_image *image = NULL;
+    struct sight sight;
+    sight_of_orbit(&sight, &viewer->orbit, (double[]){SIDE, SIDE});
+    const double *f = sight.frustum;
+    const conus_view view = {.width = SIDE,
+                             .height = SIDE,
+                             .frustum = {f[0], f[1], f[2], f[3]},
+                             .camera = &sight.camera,
+                             .no_legend = true,
+                             .opacity = opacity,
+                             .pale = pale,
+                             .background = CONUS_BACKGROUND_COLOUR};
+    assert_ok(conus_renderer_create(&renderer, viewer->drawn->atlas, options));
+    assert_ok(conus_render(&image, renderer, &view));
+    for (int c = 0; c < 3; c++) {
+        rgb[c] = byte_of(conus_image_floats(image, channels[c])[SIDE * SIDE / 2 + SIDE / 2]);
+    }
+    conus_image_destroy(image);
+    conus_renderer_destroy(renderer);
+}
+
+static void assert_same_pixel(const uint8_t a[3], const uint8_t b[3])
+{
+    for (int c = 0; c < 3; c++) {
+        assert_in_range(a[c], b[c] > 2 ? b[c] - 2 : 0, b[c] + 2); /* the window's table has 4096 levels */
+    }
+}
+
+static void the_window_draws_opacities_as_render_does(void **state)
+{
+    struct viewer viewer;
+    struct window window;
+    uint8_t opaque[3], painted[3], rendered[3];
+    const double outer[4] = {NAN, 0.3, NAN, NAN};
+    const double all[4] = {NAN, NAN, NAN, NAN};
+    (void)state;
+    open_window(&window, &viewer, false);
+    viewer.display.backdrop = BACKDROP_BLACK;
+    paint(opaque, &viewer);
+    viewer_set_opacity(&viewer, 1, 0.3);
+    paint(painted, &viewer);
+    assert_memory_not_equal(opaque, painted, 3);
+    render(rendered, &viewer, outer, 0, NULL);
+    assert_same_pixel(painted, rendered);
+    viewer_set_opacity(&viewer, 1, NAN);
+    viewer_set_opacity(&viewer, 0, 0.4);
+    paint(painted, &viewer);
+    render(rendered, &viewer, all, 0.4, NULL);
+    assert_same_pixel(painted, rendered);
+    viewer_set_opacity(&viewer, 0, 1);
+    paint(painted, &viewer);
+    assert_memory_equal(painted, opaque, 3);
+    close_window(&window);
+}
+
+static void the_window_draws_haze_and_presets_as_render_does(void **state)
+{
+    struct viewer viewer;
+    struct window window;
+    uint8_t solid[3], painted[3], rendered[3];
+    const conus_pathway_transfer heat = {4, "heat"};
+    (void)state;
+    open_window(&window, &viewer, true);
+    viewer.display.backdrop = BACKDROP_BLACK;
+    paint(solid, &viewer);
+    assert_string_equal(haze_name(HAZE_NONE), "solid");
+    assert_int_equal(haze_find("no such"), HAZE_LIMIT);
+    viewer_set_haze(&viewer, 4, haze_find("heat"));
+    paint(painted, &viewer);
+    assert_memory_not_equal(solid, painted, 3);
+    render(rendered, &viewer, NULL, 0, &(conus_renderer_options){.pathways = &heat, .pathway_count = 1});
+    assert_same_pixel(painted, rendered);
+    viewer_use_preset(&viewer, "bright");
+    paint(painted, &viewer);
+    render(rendered, &viewer, NULL, 0,
+           &(conus_renderer_options){.transfer = "bright", .pathways = &heat, .pathway_count = 1});
+    assert_same_pixel(painted, rendered);
+    viewer_set_haze(&viewer, 4, HAZE_NONE);
+    viewer_use_preset(&viewer, NULL);
+    paint(painted, &viewer);
+    assert_memory_equal(painted, solid, 3);
+    close_window(&window);
+}
+
+/* ---- Sessions and undo ------------------------------------------------------------------------------------------- */
+
+static void each_change_is_taken_back(void **state)
+{
+    struct viewer viewer;
+    struct window window;
+    const struct look *look;
+    (void)state;
+    open_window(&window, &viewer, true);
+    viewer_set_grey(&viewer, 0.5, 2);
+    undo_note(&window);
+    viewer_set_opacity(&viewer, 2, 0.25);
+    undo_note(&window);
+    viewer_set_opacity(&viewer, 0, 0.5);
+    undo_note(&window);
+    viewer_set_haze(&viewer, 4, HAZE_OWN);
+    undo_note(&window);
+    viewer_use_preset(&viewer, conus_transfer_preset(2));
+    undo_note(&window);
+    viewer.display.backdrop = BACKDROP_TRANSPARENT;
+    viewer.version++;
+    char *all = session_text(&window);
+    look = &viewer.drawn->look;
+    undo_step(&window, -1);
+    assert_int_equal(viewer.display.backdrop, BACKDROP_LIGHT);
+    assert_non_null(viewer.preset);
+    undo_step(&window, -1);
+    assert_null(viewer.preset);
+    assert_int_equal(look->haze[4], HAZE_OWN);
+    undo_step(&window, -1);
+    assert_int_equal(look->haze[4], HAZE_NONE);
+    assert_near(look->opacity[0], 0.5, 0);
+    undo_step(&window, -1);
+    assert_near(look->opacity[0], 1, 0);
+    assert_near(look->opacity[2], 0.25, 0);
+    undo_step(&window, -1);
+    assert_true(isnan(look->opacity[2]));
+    assert_near(view_atlas_grey(viewer.drawn)[0], 0.5, 0);
+    undo_step(&window, -1);
+    assert_ptr_equal(view_atlas_grey(viewer.drawn), viewer.drawn->window);
+    for (int i = 0; i < 6; i++) {
+        undo_step(&window, 1);
+    }
+    char *again = session_text(&window);
+    assert_string_equal(all, again);
+    free(again);
+    free(all);
+    close_window(&window);
+}
+
+/* In the session of the window as it is, @p from stands once; with @p to in its place it is refused, and nothing
+ * changes. */
+static void assert_refused(struct window *window, const char *from, const char *to, const char *why)
+{
+    char reason[SESSION_REASON] = "";
+    char *text = session_text(window);
+    char *at = strstr(text, from);
+    char changed[1 << 14];
+    assert_non_null(at);
+    snprintf(changed, sizeof changed, "%.*s%s%s", (int)(at - text), text, to, at + strlen(from));
+    assert_false(session_parse(window, changed, strlen(changed), reason));
+    assert_non_null(strstr(reason, why));
+    char *after = session_text(window);
+    assert_string_equal(text, after);
+    free(after);
+    free(text);
+}
+
+static void what_cannot_be_is_refused(void **state)
+{
+    struct viewer viewer;
+    struct window window;
+    (void)state;
+    open_window(&window, &viewer, true);
+    assert_refused(&window, "\"grey\": null", "\"grey\": [2, 2]", "grey");
+    assert_refused(&window, "\"grey\": null", "\"grey\": [1, 2, 3]", "grey");
+    assert_refused(&window, "\"grey\": null", "\"grey\": [\"a\", 2]", "grey");
+    assert_refused(&window, "\"opacities\": []", "\"opacities\": [[5, 1]]", "1 to 4");
+    assert_refused(&window, "\"opacities\": []", "\"opacities\": [[0, 1]]", "1 to 4");
+    assert_refused(&window, "\"opacities\": []", "\"opacities\": [[1, 1.5]]", "0 to 1");
+    assert_refused(&window, "\"opacities\": []", "\"opacities\": 3", "list");
+    assert_refused(&window, "\"opacity_of_the_rest\": 1.0", "\"opacity_of_the_rest\": 0", "above 0");
+    assert_refused(&window, "\"pathways\": []", "\"pathways\": [[1, \"own\"]]", "pathway");
+    assert_refused(&window, "\"pathways\": []", "\"pathways\": [[4, \"nonsense\"]]", "preset");
+    assert_refused(&window, "\"background\": \"light\"", "\"background\": \"pink\"", "transparent");
+    assert_refused(&window, "\"preset\": null", "\"preset\": \"pink\"", "transfer function");
+    close_window(&window);
+    open_window(&window, &viewer, false);
+    assert_refused(&window, "\"preset\": null", "\"preset\": \"heat\"", "--context");
+    close_window(&window);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(grey_values_move_by_their_own_width),
+        cmocka_unit_test(the_apex_stays_where_it_was),
+        cmocka_unit_test(atlases_of_one_context_have_the_same_grey_values),
+        cmocka_unit_test(the_window_draws_opacities_as_render_does),
+        cmocka_unit_test(the_window_draws_haze_and_presets_as_render_does),
+        cmocka_unit_test(each_change_is_taken_back),
+        cmocka_unit_test(what_cannot_be_is_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
