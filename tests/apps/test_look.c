@@ -2,6 +2,7 @@
 /* How an atlas looks: grey values, opacities, haze, colours of the context and the background, without a window. */
 #include "viewer/look/look.h"
 #include "viewer/pointing/point.h"
+#include "viewer/session/script_look.h"
 #include "viewer/session/session.h"
 #include "viewer/session/undo.h"
 
@@ -317,6 +318,33 @@ static void what_cannot_be_is_refused(void **state)
     close_window(&window);
 }
 
+static void words_that_cannot_be_change_nothing(void **state)
+{
+    struct viewer viewer;
+    struct window window;
+    char *outer[] = {"Shell outer", "1.5", "reset", "solid", "own"};
+    char *core[] = {"Tract", "nonsense"};
+    char *numbers[] = {"2", "1", "0", "-1"};
+    (void)state;
+    open_window(&window, &viewer, true);
+    char *before = session_text(&window);
+    assert_false(script_grey(&window, numbers, 1) || script_grey(&window, numbers, 2) ||
+                 script_grey(&window, outer, 2));
+    assert_false(script_opacity(&window, outer, 2) || script_opacity(&window, core, 2));
+    assert_false(script_opacity(&window, numbers + 2, 1) || script_opacity(&window, numbers + 3, 1));
+    assert_false(script_opacity(&window, outer + 2, 1)); /* what the cone does not hit has no name */
+    assert_false(script_haze(&window, (char *[]){outer[0], outer[4]}, 2) || script_haze(&window, core, 2));
+    assert_false(script_preset(&window, core + 1, 1) || script_background(&window, core + 1, 1));
+    char *after = session_text(&window);
+    assert_string_equal(before, after);
+    free(after);
+    free(before);
+    close_window(&window);
+    open_window(&window, &viewer, false);
+    assert_false(script_grey(&window, (char *[]){"1", "2"}, 2));
+    close_window(&window);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -327,6 +355,7 @@ int main(void)
         cmocka_unit_test(the_window_draws_haze_and_presets_as_render_does),
         cmocka_unit_test(each_change_is_taken_back),
         cmocka_unit_test(what_cannot_be_is_refused),
+        cmocka_unit_test(words_that_cannot_be_change_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
