@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus render: draws an atlas, with or without a cone, into a picture file. */
 #include "cli/commands.h"
-#include "cli/pictures/figure.h"
 #include "cli/pictures/render_rows.h"
 #include "cli/pictures/translucent.h"
 #include "common/messages.h"
 #include "common/output.h"
+#include "figures/figure.h"
 #include "settings/aim_notes.h"
 #include "settings/atlas_input.h"
 #include "settings/atlas_notes.h"

@@ -69,6 +69,9 @@ void draw_window(struct window *window)
     if (window->show_help) {
         keys_draw_help(window);
     }
+    if (window->figure.open && window->viewer && !window->start.on) {
+        panel_figure(window);
+    }
     ui_end();
     window->frame_ms = 1e3 * (glfwGetTime() - begun);
     times_add(&window->times, TIMED_FRAME, window->frame_ms);

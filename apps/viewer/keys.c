@@ -2,6 +2,7 @@
 /* The table of keys, what each does, and the help that lists them. */
 #include "viewer/keys.h"
 
+#include "viewer/figures/figure_form.h"
 #include "viewer/hands/hands.h"
 #include "viewer/keys_look.h"
 #include "viewer/pointing/point.h"
@@ -65,6 +66,8 @@ static void clear(struct window *window)
 {
     if (window->show_help) {
         window->show_help = false;
+    } else if (window->figure.open) {
+        window->figure.open = false;
     } else {
         viewer_clear(window->viewer);
         viewer_choose(window->viewer, 0);
@@ -233,6 +236,16 @@ static void export_list(struct window *window)
     keep(window, KEEP_RESULTS);
 }
 
+static void ask_for_figure(struct window *window)
+{
+    figure_form_open(window);
+}
+
+static void copy_figure(struct window *window)
+{
+    figure_form_copy(window);
+}
+
 static void enlarge_texts(struct window *window)
 {
     window_zoom(window, 1);
@@ -365,6 +378,8 @@ static const struct {
     {"ctrl+c", copy_list, "copy the hits of the cone as a table"},
     {"ctrl+shift+c", copy_confirmed, "copy what was confirmed"},
     {"ctrl+e", export_list, "export the hits of the cone: conus-DATE-TIME-hits.tsv, .csv or .json, there, too"},
+    {"ctrl+p", ask_for_figure, "save 3-D or a cut as a figure: its size, dpi, background, legend and name"},
+    {"ctrl+shift+p", copy_figure, "copy the path of the figure that was saved last"},
     {"ctrl+o", open_file, "open a file: an atlas or a session"},
     {"ctrl+n", window_go_to_start, "the start page, for another atlas; Escape comes back"},
     {"ctrl+q", quit, "close the window"},

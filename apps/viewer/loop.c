@@ -5,6 +5,7 @@
 #include "common/messages.h"
 #include "link/send_selection.h"
 #include "viewer/draw.h"
+#include "viewer/figures/figure_form.h"
 #include "viewer/hands/hands.h"
 #include "viewer/session/keep.h"
 #include "viewer/session/undo.h"
@@ -137,6 +138,7 @@ static void draw_frame(struct window *window)
     if (window->saves_as) {
         keep_as(window);
     }
+    figure_form_step(window);
 }
 
 /* What happens to the atlas by itself. */

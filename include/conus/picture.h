@@ -241,6 +241,23 @@ CONUS_CHECKED conus_status conus_cut(uint8_t *rgba, uint32_t *objects, const con
                                      const conus_cut_view *view);
 
 /**
+ * Draws a cut as a figure: with letters of directions at its edges where they are within 15 degrees of them, a scale
+ * bar, and with a selection its legend, as conus_render() has them.
+ * @param[out] out Channels R, G, B, A, as of conus_render(). End it with conus_image_destroy().
+ * @param atlas The atlas.
+ * @param view What to draw. Its width and height are the figure's. A legend on the right takes some of the width;
+ * where the cut then becomes narrower than high, mm_per_pixel grows, so that its shorter side shows as much.
+ * @param sheet Its legend, background, dpi and no_legend count; the background is seen beside the cut only. NULL =
+ * defaults.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a view or sheet out of its range; #CONUS_ERROR_MEMORY for more than 8
+ * GiB, at 32 bytes per pixel.
+ * @threads Any, while none changes the atlas.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_cut_image(conus_image **out, const conus_atlas *atlas, const conus_cut_view *view,
+                                           const conus_view *sheet);
+
+/**
  * Prepares to draw one cut after the other, as windows do. The pictures are those of conus_cut(), but voxels and
  * surfaces are read again only where a view lies elsewhere. Another selection over the same place costs little.
  * @param[out] out The cutter; end it with conus_cutter_destroy().

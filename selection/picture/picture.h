@@ -36,6 +36,17 @@ struct picture {
 /** Lays the legend of the areas hit, a scale bar and the directions (R L A P S I) over @p image; with a font. */
 conus_status picture_annotate(conus_image *image, const struct picture *picture);
 
+/** Likewise of a cut, whose letters are light: the legend, a scale bar, and letters where the cut's axes are within 15
+ * degrees of the world's; the camera's first two columns are the cut's right and up. */
+conus_status picture_annotate_cut(conus_image *image, struct picture *picture, double mm_per_pixel);
+
+/** Linear light, premultiplied, and opacity of the background, @p part of the way down. */
+void picture_background(float out[4], const conus_view *options, float part);
+
+/** Sets drawing and sheet as options say, and gets text ready: font, letters and the legend. Without a font there is no
+ * text, and a word about it in @p log (NULL = none). */
+conus_status picture_prepare_sheet(struct picture *picture, uint64_t max_memory, conus_log log, void *log_user);
+
 /** Makes the legend of a picture that has a selection, and place for it beside or below the drawing. */
 conus_status picture_legend_init(struct picture *picture);
 void picture_legend_finish(struct picture *picture);

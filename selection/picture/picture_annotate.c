@@ -6,6 +6,7 @@
 #include "render/flat/draw.h"
 
 #include <stdio.h>
+#include <string.h>
 
 enum { CELL_SIZE = 24 };
 
@@ -105,19 +106,14 @@ static double round_length(double limit)
     return limit >= 5 * power ? 5 * power : limit >= 2 * power ? 2 * power : power;
 }
 
-/* A bar as long as so many mm are at the depth of the middle of what shows. */
-static conus_status draw_scale(conus_image *image, const struct picture *picture)
+/* A bar, as long as so many mm are, at the lower edge, `beside` letters from the right. */
+static conus_status draw_bar(conus_image *image, const struct picture *picture, double pixels_per_mm, double beside)
 {
-    double x, y, depth;
-    if (!camera_project(&x, &y, &depth, &picture->camera, &picture->frame, picture->centre)) {
-        return CONUS_OK;
-    }
     double size = picture->em;
-    double pixels_per_mm = picture->drawing[0] / (2 * depth * picture->camera.slope[0]);
     double length = round_length(0.14 * picture->drawing[0] / pixels_per_mm);
     char text[CELL_SIZE];
     snprintf(text, sizeof text, "%g mm", length);
-    double right = picture->drawing[0] - (is_across(picture) ? 1.5 : 10.5) * size;
+    double right = picture->drawing[0] - beside * size;
     double left = right - length * pixels_per_mm;
     double base = picture->drawing[1] - 1.4 * size;
     double line = 2 * picture->line;
@@ -128,6 +124,17 @@ static conus_status draw_scale(conus_image *image, const struct picture *picture
     return font_draw(picture->font, image, at, size, picture->ink, text);
 }
 
+/* For the depth of the middle of what shows. */
+static conus_status draw_scale(conus_image *image, const struct picture *picture)
+{
+    double x, y, depth;
+    if (!camera_project(&x, &y, &depth, &picture->camera, &picture->frame, picture->centre)) {
+        return CONUS_OK;
+    }
+    double pixels_per_mm = picture->drawing[0] / (2 * depth * picture->camera.slope[0]);
+    return draw_bar(image, picture, pixels_per_mm, is_across(picture) ? 1.5 : 10.5);
+}
+
 conus_status picture_annotate(conus_image *image, const struct picture *picture)
 {
     conus_status status = picture->legend ? picture_legend_draw(image, picture) : CONUS_OK;
@@ -135,4 +142,14 @@ conus_status picture_annotate(conus_image *image, const struct picture *picture)
         status = is_across(picture) ? draw_edges(image, picture) : draw_directions(image, picture);
     }
     return status ? status : draw_scale(image, picture);
+}
+
+conus_status picture_annotate_cut(conus_image *image, struct picture *picture, double mm_per_pixel)
+{
+    conus_status status = picture->legend ? picture_legend_draw(image, picture) : CONUS_OK;
+    memcpy(picture->ink, (const float[]){0.83F, 0.83F, 0.86F, 1}, sizeof picture->ink); /* on black, mostly */
+    if (!status && is_across(picture)) {
+        status = draw_edges(image, picture);
+    }
+    return status ? status : draw_bar(image, picture, 1 / mm_per_pixel, 1.5);
 }

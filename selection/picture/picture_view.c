@@ -304,8 +304,7 @@ static conus_status place_camera(struct picture *picture, const struct colour_pa
 
 /* ---- Pixels --------------------------------------------------------------------------------------------------- */
 
-/* Linear light, premultiplied, and opacity of the background in a row. */
-static void background_at(float out[4], const conus_view *options, float part)
+void picture_background(float out[4], const conus_view *options, float part)
 {
     bool transparent = options->background == CONUS_BACKGROUND_TRANSPARENT;
     for (int c = 0; c < 3; c++) {
@@ -326,7 +325,7 @@ static void lay_over_background(conus_image *image, const struct picture *pictur
         bool drawn = row < drawing[1];
         const float *from = picture->rgba + (drawn ? (size_t)4 * drawing[0] * (drawing[1] - 1 - row) : 0);
         float under[4];
-        background_at(under, &picture->options, (float)row / (float)image->height);
+        picture_background(under, &picture->options, (float)row / (float)image->height);
         for (uint32_t column = 0; column < image->width; column++) {
             size_t at = (size_t)image->width * row + column;
             const float *pixel = drawn && column < drawing[0] ? from + (size_t)4 * column : nothing;
@@ -344,7 +343,7 @@ static void lay_over_background(conus_image *image, const struct picture *pictur
 static void choose_ink(struct picture *picture)
 {
     float under[4];
-    background_at(under, &picture->options, 0);
+    picture_background(under, &picture->options, 0);
     float light = 0.2126F * under[0] + 0.7152F * under[1] + 0.0722F * under[2];
     bool dark = under[3] > 0 && light < 0.18F;
     for (int c = 0; c < 3; c++) {
@@ -354,26 +353,26 @@ static void choose_ink(struct picture *picture)
 }
 
 /* Where there is no font, a word about it in the log, and no text. */
-static conus_status find_font(struct picture *picture, const conus_renderer *renderer)
+static conus_status find_font(struct picture *picture, conus_log log, void *log_user)
 {
     conus_status status = picture->options.no_legend ? CONUS_OK : font_create(&picture->font);
     if (status == CONUS_ERROR_UNSUPPORTED) {
-        if (renderer->log) {
+        if (log) {
             const conus_note note = {.severity = CONUS_SEVERITY_WARNING, .line = conus_message()};
-            renderer->log(renderer->log_user, &note);
+            log(log_user, &note);
         }
         status = CONUS_OK;
     }
     return status;
 }
 
-static conus_status prepare_sheet(struct picture *picture, const conus_renderer *renderer)
+conus_status picture_prepare_sheet(struct picture *picture, uint64_t max_memory, conus_log log, void *log_user)
 {
     const conus_view *options = &picture->options;
     uint64_t bytes = UINT64_C(32) * options->width * options->height; /* as drawn, and laid over the background */
-    if (bytes > renderer->max_memory) {
+    if (bytes > max_memory) {
         return fail(CONUS_ERROR_MEMORY, "picture of %u x %u pixels: %llu bytes, allowed are %llu", options->width,
-                    options->height, (unsigned long long)bytes, (unsigned long long)renderer->max_memory);
+                    options->height, (unsigned long long)bytes, (unsigned long long)max_memory);
     }
     picture->drawing[0] = options->width;
     picture->drawing[1] = picture->sheet_height = options->height;
@@ -381,7 +380,7 @@ static conus_status prepare_sheet(struct picture *picture, const conus_renderer 
         options->dpi > 0 ? POINTS / 72 * options->dpi : fmax(11, fmin(options->width, options->height) / 54.0);
     picture->line = options->dpi > 0 ? picture->em / 19 : 1;
     choose_ink(picture);
-    conus_status status = find_font(picture, renderer);
+    conus_status status = find_font(picture, log, log_user);
     bool legend = picture->font && options->selection && options->legend != CONUS_LEGEND_NONE;
     return status || !legend ? status : picture_legend_init(picture);
 }
@@ -520,7 +519,7 @@ conus_status conus_render(conus_image **out, conus_renderer *renderer, const con
     if (!status && picture.options.selection) {
         add_cone(&picture);
     }
-    status = status ? status : prepare_sheet(&picture, renderer);
+    status = status ? status : picture_prepare_sheet(&picture, renderer->max_memory, renderer->log, renderer->log_user);
     status = status ? status : place_camera(&picture, &renderer->colour);
     status = status ? status : draw(&picture, renderer);
     status = status ? status : make_image(out, &picture, renderer);

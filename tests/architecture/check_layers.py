@@ -19,13 +19,14 @@ APPS = {
     "apps/common": "apps/link",
     "apps/options": "apps/common",
     "apps/settings": "apps/link apps/common apps/options",
+    "apps/figures": "apps/common apps/options",
     "apps/pages": "apps/common apps/options",
     "apps/batch": "apps/common apps/options apps/settings",
     "apps/cli/answers": "apps/common apps/options apps/settings",
     "apps/cli/verify": "apps/common apps/options",
     "apps/cli/cite": "apps/common apps/options",
     "apps/cli/pictures": "apps/common apps/options",
-    "apps/cli": "apps/link apps/common apps/options apps/settings apps/pages apps/batch apps/cli/answers"
+    "apps/cli": "apps/link apps/common apps/options apps/settings apps/figures apps/pages apps/batch apps/cli/answers"
     " apps/cli/verify apps/cli/cite apps/cli/pictures",
     "apps/mpi": "apps/common apps/pages apps/batch",
     "apps/mesh": "loaders/child",  # mesh_protocol.h: what conus and conus-mesh send each other
@@ -37,20 +38,22 @@ APPS = {
     "apps/viewer/hands": "apps/link apps/viewer/pointing apps/viewer/second apps/viewer/window",
     "apps/viewer/theme": "",
     "apps/viewer/opening": "apps/common",
-    "apps/viewer/window": "apps/common apps/viewer/model apps/viewer/chosen apps/viewer/devices apps/viewer/second"
+    "apps/viewer/window": "apps/common apps/viewer/look apps/viewer/model apps/viewer/chosen apps/viewer/devices apps/viewer/second"
     " apps/viewer/theme apps/viewer/opening",
     "apps/viewer/pointing": "apps/viewer/model",
     "apps/viewer/chosen": "apps/viewer/model",
-    "apps/viewer/panes": "apps/viewer/model apps/viewer/pointing apps/viewer/chosen apps/viewer/second"
+    "apps/viewer/figures": "apps/figures apps/viewer/model apps/viewer/window",
+    "apps/viewer/panes": "apps/viewer/figures apps/viewer/model apps/viewer/pointing apps/viewer/chosen apps/viewer/second"
     " apps/viewer/hands apps/viewer/window",
     "apps/viewer/results": "apps/common apps/viewer/model",
-    "apps/viewer/panels": "apps/settings apps/viewer/search apps/viewer/pointing"
+    "apps/viewer/panels": "apps/settings apps/viewer/search apps/viewer/figures apps/viewer/pointing"
     " apps/viewer/results apps/viewer/hands apps/viewer/window",
-    "apps/viewer/session": "apps/common apps/viewer/search apps/viewer/pointing"
+    "apps/viewer/session": "apps/common apps/viewer/search apps/viewer/figures apps/viewer/pointing"
     " apps/viewer/results apps/viewer/hands apps/viewer/window",
     # draw.c joins the panes and panels; the window itself knows neither.
     "apps/viewer": "apps/link apps/common apps/settings apps/pages apps/viewer/pointing apps/viewer/hands"
-    " apps/viewer/window apps/viewer/panes apps/viewer/panels apps/viewer/session apps/viewer/opening",
+    " apps/viewer/window apps/viewer/panes apps/viewer/panels apps/viewer/session apps/viewer/opening"
+    " apps/viewer/figures",
 }
 LIBRARY = {
     "base": "",

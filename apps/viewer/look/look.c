@@ -2,6 +2,8 @@
 /* What is behind, opacities, and pathways as haze. */
 #include "viewer/look/look.h"
 
+#include "viewer/look/sheet.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,6 +14,18 @@ void backdrop_set(conus_view *view, enum backdrop backdrop)
 {
     view->background = backdrop == BACKDROP_LIGHT ? CONUS_BACKGROUND_LIGHT : CONUS_BACKGROUND_COLOUR;
     memset(view->background_rgb, backdrop == BACKDROP_BLACK ? 0 : 255, sizeof view->background_rgb);
+}
+
+void sheet_init(struct sheet *out)
+{
+    *out = (struct sheet){.pixels = {1400, 1050}, .mm = {85, 64}};
+}
+
+bool sheet_is_same(const struct sheet *a, const struct sheet *b)
+{
+    return a->in_mm == b->in_mm && a->pixels[0] == b->pixels[0] && a->pixels[1] == b->pixels[1] &&
+           a->mm[0] == b->mm[0] && a->mm[1] == b->mm[1] && a->dpi == b->dpi && a->legend == b->legend &&
+           a->no_text == b->no_text;
 }
 
 const char *haze_name(size_t haze)

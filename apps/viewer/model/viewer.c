@@ -402,44 +402,6 @@ conus_status viewer_write_results(struct viewer *viewer, const char *path)
     return status;
 }
 
-conus_status viewer_write_picture(const struct viewer *viewer, const struct sight *sight, const char *path,
-                                  uint32_t width, uint32_t height)
-{
-    conus_renderer *renderer = NULL;
-    conus_image *image = NULL;
-    struct sight fitted = *sight;
-    sight_fit(&fitted, (double[]){width, height});
-    const double *f = fitted.frustum;
-    const struct look *look = &viewer->drawn->look;
-    conus_pathway_transfer *pathways = calloc(look->object_count + 1, sizeof *pathways);
-    if (!pathways) {
-        return CONUS_ERROR_MEMORY;
-    }
-    const conus_renderer_options options = {.transfer = viewer->preset ? viewer->preset : viewer->transfer,
-                                            .pathways = pathways,
-                                            .pathway_count = look_pathways(pathways, look)};
-    conus_view view = {.width = width,
-                       .height = height,
-                       .frustum = {f[0], f[1], f[2], f[3]},
-                       .camera = &fitted.camera,
-                       .selection = viewer_selection(viewer),
-                       .chosen = viewer->drawn->shown.chosen,
-                       .fade = viewer->display.fade};
-    look_set(&view, look);
-    backdrop_set(&view, viewer->display.backdrop);
-    conus_status status = conus_renderer_create(&renderer, viewer->drawn->atlas, &options);
-    const struct transfer_editor *editor = &viewer->transfer_editor;
-    if (!status && editor->edited) {
-        status = conus_renderer_set_transfer(renderer, editor->points, editor->count);
-    }
-    status = status ? status : conus_render(&image, renderer, &view);
-    status = status ? status : conus_image_write(image, path);
-    conus_image_destroy(image);
-    conus_renderer_destroy(renderer);
-    free(pathways);
-    return status;
-}
-
 /* ---- The crosshair ---------------------------------------------------------------------------------------------- */
 
 void viewer_cross(struct viewer *viewer, const double at[3])

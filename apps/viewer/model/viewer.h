@@ -142,10 +142,6 @@ conus_status viewer_write_results(struct viewer *viewer, const char *path);
 /** Likewise of other answers, [atlas_count] in the viewer's atlases, to the same question but for pose and angle; NULL,
  * or of one NULL, = there is none. */
 conus_status viewer_write_answers(struct viewer *viewer, struct answer *const *answers, const char *path);
-/** What is seen in 3-D at any size, off-screen, as fine as conus render draws it; a shape other than the pane's shows
- * more or less to the left and right. */
-conus_status viewer_write_picture(const struct viewer *viewer, const struct sight *sight, const char *path,
-                                  uint32_t width, uint32_t height);
 
 /* ---- Where the panes look -----------------------------------------------------------------------------------------
  */

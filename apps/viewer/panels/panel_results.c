@@ -103,6 +103,11 @@ static void draw_buttons(struct window *window)
     ui_flow("columns");
     panel_columns(window);
     draw_export(window);
+    ui_flow("figure");
+    if (ui_button("figure")) {
+        window_press(window, "ctrl+p");
+    }
+    ui_tip("saves 3-D or a cut at any size (Ctrl+P)");
 }
 
 void panel_results(struct window *window)

@@ -2,6 +2,7 @@
 /* A flat pane: the cut, the crosshair, the cone in it, and the mouse on it. */
 #include "viewer/panes/panes.h"
 
+#include "viewer/figures/cut_view.h"
 #include "viewer/model/picker.h"
 #include "viewer/window/hover.h"
 
@@ -16,12 +17,6 @@ static const ui_colour cross = {90, 220, 120, 160};
 static double dot(const double a[3], const double b[3])
 {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-/* mm per pixel: at magnification 1 the atlas fills the pane. */
-static double scale_of(const struct viewer *viewer, const struct ui_box *box)
-{
-    return 1.9 * viewer->radius / (double)fmaxf(fminf(box->width, box->height), 1) / viewer->magnification;
 }
 
 /* What a pane shows now. */
@@ -44,13 +39,6 @@ static bool have_cutter(struct cut_pane *pane, struct viewer *viewer)
     pane->cutter = NULL;
     pane->atlas_number = viewer->atlas_number;
     return !conus_cutter_create(&pane->cutter, viewer->drawn->atlas);
-}
-
-/* The pane looks at the atlas's middle, but for the depth, which is the crosshair's. */
-static void find_centre(double out[3], const struct viewer *viewer, enum plane plane)
-{
-    memcpy(out, viewer->centre, sizeof viewer->centre);
-    out[2 - (int)plane] = viewer->crosshair[2 - (int)plane];
 }
 
 static bool is_drawn(const struct cut_pane *pane, const struct viewer *viewer, const struct frame *frame)
@@ -76,30 +64,19 @@ static void show_cut(struct cut_pane *pane, const struct viewer *viewer, uint32_
     free(wanted);
 }
 
-static void draw_picture(struct window *window, const struct frame *frame)
+static void draw_picture(struct window *window, const struct frame *frame, const conus_cut_view *view)
 {
     struct viewer *viewer = window->viewer;
     struct cut_pane *pane = frame->pane;
     if (is_drawn(pane, viewer, frame)) {
         return;
     }
-    conus_cut_view view = {.mm_per_pixel = frame->mm_per_pixel,
-                           .width = frame->width,
-                           .height = frame->height,
-                           .fill = viewer->display.fill,
-                           .no_outlines = viewer->display.no_outlines,
-                           .window = {view_atlas_grey(viewer->drawn)[0], view_atlas_grey(viewer->drawn)[1]},
-                           .selection = viewer_selection(viewer),
-                           .chosen = viewer->drawn->shown.chosen};
-    memcpy(view.centre, frame->centre, sizeof view.centre);
-    memcpy(view.right, frame->right, sizeof view.right);
-    memcpy(view.up, frame->up, sizeof view.up);
     pane->version = viewer->version; /* what cannot be drawn is said once */
     memcpy(pane->centre, frame->centre, sizeof pane->centre);
-    if (!have_cutter(pane, viewer) || conus_cutter_draw(pane->cutter, &view)) {
+    if (!have_cutter(pane, viewer) || conus_cutter_draw(pane->cutter, view)) {
         viewer_say(viewer, "%s", conus_message());
     } else {
-        show_cut(pane, viewer, view.width, view.height);
+        show_cut(pane, viewer, view->width, view->height);
     }
 }
 
@@ -310,13 +287,14 @@ void pane_cut(struct window *window, enum plane plane)
 {
     static const char *const ids[] = {"axial", "coronal", "sagittal"};
     struct cut_pane *pane = &window->cuts[plane];
-    struct frame frame = {.pane = pane, .mm_per_pixel = scale_of(window->viewer, &window->panes[plane])};
+    conus_cut_view view;
     pane->box = window->panes[plane];
-    frame.width = (uint32_t)fmaxf(pane->box.width, 1);
-    frame.height = (uint32_t)fmaxf(pane->box.height, 1);
-    viewer_plane(frame.right, frame.up, window->viewer, plane);
-    find_centre(frame.centre, window->viewer, plane);
-    draw_picture(window, &frame);
+    cut_view(&view, window->viewer, plane, (double[]){(double)pane->box.width, (double)pane->box.height});
+    struct frame frame = {.pane = pane, .mm_per_pixel = view.mm_per_pixel, .width = view.width, .height = view.height};
+    memcpy(frame.right, view.right, sizeof frame.right);
+    memcpy(frame.up, view.up, sizeof frame.up);
+    memcpy(frame.centre, view.centre, sizeof frame.centre);
+    draw_picture(window, &frame, &view);
     ui_panel(ids[plane], pane->box, UI_PLAIN);
     if (pane->texture.name) {
         ui_draw_image(pane->texture.name, pane->box);

@@ -9,6 +9,7 @@
 #include "viewer/results/export.h"
 #include "viewer/session/script_second.h"
 #include "viewer/search/search.h"
+#include "viewer/session/script_figure.h"
 #include "viewer/session/script_look.h"
 #include "viewer/session/script_words.h"
 #include "viewer/session/session.h"
@@ -333,15 +334,23 @@ static bool do_screenshot(struct call *call)
     return is_done(window_write(call->window, call->words[1]));
 }
 
+/* The 3-D view as conus render draws it by itself, whatever the sheet of figures is. */
 static bool do_picture(struct call *call)
 {
     double size[2];
-    struct sight sight;
-    bool fine = numbers(size, call, 1, 2) && size[0] >= 1 && size[1] >= 1;
-    window_sight(call->window, &sight);
-    return fine && size[0] <= PICTURE_LIMIT && size[1] <= PICTURE_LIMIT &&
-           is_done(viewer_write_picture(call->window->viewer, &sight, call->words[1], (uint32_t)size[0],
-                                        (uint32_t)size[1]));
+    bool fine = numbers(size, call, 1, 2) && size[0] >= 1 && size[1] >= 1 && size[0] <= PICTURE_LIMIT &&
+                size[1] <= PICTURE_LIMIT;
+    return fine && script_picture(call->window, call->words[1], size);
+}
+
+static bool do_sheet(struct call *call)
+{
+    return script_sheet(call->window, call->words + 1, call->count);
+}
+
+static bool do_figure(struct call *call)
+{
+    return script_figure(call->window, call->words + 1, call->count);
 }
 
 static bool do_save(struct call *call)
@@ -460,6 +469,8 @@ static const struct {
     {"until", 1, 1, do_until, "FILE", true},
     {"screenshot", 1, 1, do_screenshot, "FILE.png", true},
     {"picture", 3, 3, do_picture, "FILE.png WIDTH HEIGHT", false},
+    {"sheet", 2, 3, do_sheet, "pixels|mm WIDTH HEIGHT, dpi N, legend inside|right|below|none, text on|off", false},
+    {"figure", 1, 2, do_figure, "FILE.png [3d|axial|coronal|sagittal]", false},
     {"results", 1, 1, do_results, "FILE.tsv", false},
     {"export", 1, 1, do_export, "FILE.tsv|csv|json", false},
     {"columns", 0, SCRIPT_WORDS - 1, do_columns, "[NAME] ..., columns of conus query's tables", false},

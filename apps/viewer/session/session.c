@@ -257,6 +257,7 @@ char *session_text(const struct window *window)
     json_object_set_new(root, "preset", viewer->preset ? json_string(viewer->preset) : json_null());
     json_object_set_new(root, "look", session_look(viewer->atlases));
     json_object_set_new(root, "background", json_string(backdrop_names[viewer->display.backdrop]));
+    json_object_set_new(root, "figure", session_sheet(&window->sheet));
     json_object_set_new(root, "safe_colours", json_boolean(viewer->display.safe_colours));
     json_object_set_new(root, "results", session_list(&viewer->list));
     if (root && viewer->atlas_count > 1) {
@@ -447,18 +448,21 @@ static bool read_session(struct window *window, const json_t *root, char why[SES
     struct second second;
     struct result_list list = viewer->list;
     enum backdrop backdrop = viewer->display.backdrop;
+    struct sheet sheet = window->sheet;
     const char *score = known_score(json_string_value(json_object_get(root, "score")));
     bool fine = read_state(&state, root, why) && session_list_read(&list, root, why) &&
                 (score || session_refuse(why, "session: score: unknown")) &&
                 session_second_read(&second, &window->second, root, why) &&
                 read_atlas_edits(&settings, &atlases, viewer, root, why) &&
                 session_backdrop_read(&backdrop, json_object_get(root, "background"), why) &&
+                session_sheet_read(&sheet, json_object_get(root, "figure"), why) &&
                 set_up(viewer, atlases.drawn, &settings, why);
     if (fine) {
         put_state(window, &state);
         viewer->cone.options.score = score;
         viewer->list = list;
         viewer->display.backdrop = backdrop;
+        window->sheet = sheet;
         session_atlases_show(&atlases, viewer);
         read_pins(viewer, root);
         viewer_reselect(viewer);

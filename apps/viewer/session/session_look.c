@@ -140,6 +140,45 @@ bool session_backdrop_read(enum backdrop *backdrop, const json_t *name, char why
     return session_refuse(why, "session: background: light, white, black or transparent is needed");
 }
 
+/* ---- The sheet of figures ---------------------------------------------------------------------------------------- */
+
+json_t *session_sheet(const struct sheet *sheet)
+{
+    return json_pack("{s: b, s: [i, i], s: [f, f], s: f, s: i, s: b}", "in_mm", sheet->in_mm, "pixels",
+                     (int)sheet->pixels[0], (int)sheet->pixels[1], "mm", sheet->mm[0], sheet->mm[1], "dpi", sheet->dpi,
+                     "legend", (int)sheet->legend, "text", !sheet->no_text);
+}
+
+bool session_sheet_read(struct sheet *sheet, const json_t *entry, char why[SESSION_REASON])
+{
+    int in_mm, text;
+    json_int_t pixels[2], legend;
+    double mm[2], dpi;
+    if (!entry) {
+        return true;
+    }
+    bool fine =
+        !json_unpack((json_t *)entry, "{s: b, s: [I, I!], s: [F, F!], s: F, s: I, s: b}", "in_mm", &in_mm, "pixels",
+                     &pixels[0], &pixels[1], "mm", &mm[0], &mm[1], "dpi", &dpi, "legend", &legend, "text", &text) &&
+        (dpi == 0 || (dpi >= SHEET_DPI_LEAST && dpi <= SHEET_DPI_LIMIT)) && legend >= 0 && legend <= CONUS_LEGEND_NONE;
+    for (int i = 0; i < 2 && fine; i++) {
+        fine = pixels[i] >= 0 && pixels[i] <= SHEET_SIDE_LIMIT && mm[i] >= 0 && mm[i] <= SHEET_MM_LIMIT;
+    }
+    if (!fine) {
+        return session_refuse(why,
+                              "session: figure: in_mm, pixels from 0 to %d, mm from 0 to %d, dpi of 0 or %d to %d, "
+                              "legend from 0 to %d and text are needed",
+                              SHEET_SIDE_LIMIT, SHEET_MM_LIMIT, SHEET_DPI_LEAST, SHEET_DPI_LIMIT, CONUS_LEGEND_NONE);
+    }
+    *sheet = (struct sheet){.in_mm = in_mm,
+                            .pixels = {(uint32_t)pixels[0], (uint32_t)pixels[1]},
+                            .mm = {mm[0], mm[1]},
+                            .dpi = dpi,
+                            .legend = (conus_legend)legend,
+                            .no_text = !text};
+    return true;
+}
+
 bool session_preset_read(const char **preset, const struct view_atlas *on, const json_t *name, char why[SESSION_REASON])
 {
     const char *text = json_string_value(name);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What a session says of how each atlas looks, and of the background and the context's colours. */
+/** @file What a session says of how each atlas looks, and of the background, the context's colours, and the
+ * sheet of figures. */
 #ifndef CONUS_VIEWER_SESSION_SESSION_LOOK_H
 #define CONUS_VIEWER_SESSION_SESSION_LOOK_H
 
@@ -14,6 +15,11 @@ bool session_look_read(struct look *out, const struct view_atlas *on, const json
 
 /** A name of one, NULL = @p backdrop stays as it is. */
 bool session_backdrop_read(enum backdrop *backdrop, const json_t *name, char why[SESSION_REASON]);
+
+/** The sheet of figures. */
+json_t *session_sheet(const struct sheet *sheet);
+/** NULL = it stays as it is. */
+bool session_sheet_read(struct sheet *sheet, const json_t *entry, char why[SESSION_REASON]);
 
 /** The name of a preset of transfer functions, for @p on; null and NULL = none. */
 bool session_preset_read(const char **preset, const struct view_atlas *on, const json_t *name,

@@ -273,6 +273,7 @@ bool window_open(struct window *out, const struct window_options *options)
 {
     struct window window = {.enlarged = -1, .start.on = true, .layout = options->place.layout};
     devices_init(&window.devices);
+    sheet_init(&window.sheet);
     glfwSetErrorCallback(print_glfw_error);
     if (!glfwInit()) {
         return false;

@@ -7,6 +7,7 @@
 #include "viewer/chosen/cells.h"
 #include "viewer/chosen/outline.h"
 #include "viewer/devices/devices.h"
+#include "viewer/look/sheet.h"
 #include "viewer/model/source.h"
 #include "viewer/model/times.h"
 #include "viewer/model/viewer.h"
@@ -58,6 +59,19 @@ struct hover {
     double eye[3], direction[3]; /**< A unit vector. */
 };
 
+enum { FIGURE_NAME = 512 };
+
+/** The question what is to be saved as a figure, and under which name. */
+struct figure_form {
+    bool open, takes_keys; /**< It is shown; its name takes the keyboard in the next frame. */
+    size_t pane;           /**< PANE_3D, or a plane. */
+    char name[FIGURE_NAME];
+    char replaced[FIGURE_NAME]; /**< The file that is there already, and may be replaced. */
+    char saved[FIGURE_NAME];    /**< Path of the newest figure; "" = none. */
+    char news[FIGURE_NAME + 32];
+    unsigned frames; /**< Until it is written; 0 = none is to be. */
+};
+
 struct window {
     void *handle;                                          /**< GLFWwindow */
     struct viewer *viewer;                                 /**< NULL = there is no atlas. */
@@ -100,6 +114,8 @@ struct window {
     unsigned frames_wanted;             /**< To be drawn still, whatever changes. */
     unsigned shown_version, shown_said; /**< Of the viewer, in the newest frame. */
     unsigned shown_head;                /**< Likewise. */
+    struct sheet sheet;                 /**< Of figures. */
+    struct figure_form figure;
     struct changes changes;             /**< Of states that session/undo.h notes. */
     unsigned noted_version, noted_said; /**< Of the viewer, when it was looked at last for that. */
     char *session_path;                 /**< Of the session that was opened or saved last; NULL = none. */

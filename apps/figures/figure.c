@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What a picture's sheet is like: in pixels or millimetres, from which side, on what, with which text. */
-#include "cli/pictures/figure.h"
+#include "figures/figure.h"
 
 #include "common/messages.h"
 
@@ -16,7 +16,7 @@ static const double MM_PER_INCH = 25.4;
 
 /* In the orders of conus_side and conus_legend. */
 static const char *const sides[] = {"cone", "left", "right", "front", "back", "top", "bottom", NULL};
-static const char *const legends[] = {"inside", "right", "below", "none", NULL};
+const char *const figure_legends[] = {"inside", "right", "below", "none", NULL};
 
 const struct option figure_options[] = {
     {.name = "size",
@@ -63,7 +63,7 @@ const struct option figure_options[] = {
      .offset = FIELD(legend),
      .value = "WHERE",
      .help = "where the legend is; right and below make the picture higher where it needs that:",
-     .choices = legends},
+     .choices = figure_legends},
     {.name = "no-legend",
      .type = OPTION_FLAG,
      .offset = FIELD(no_legend),

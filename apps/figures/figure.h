@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file The options of conus render about the sheet: its size, side, background, legend and letters. */
-#ifndef CONUS_CLI_PICTURES_FIGURE_H
-#define CONUS_CLI_PICTURES_FIGURE_H
+/** @file The options of conus render about the sheet: its size, side, background, legend and letters. The window's
+ * figures have the same. */
+#ifndef CONUS_FIGURES_FIGURE_H
+#define CONUS_FIGURES_FIGURE_H
 
 #include "options/options.h"
 
@@ -14,6 +15,9 @@ struct figure_settings {
     const char *background;
     bool safe_colours, no_legend;
 };
+
+/** Names of conus_legend, in its order, then NULL. */
+extern const char *const figure_legends[];
 
 extern const struct option figure_options[];
 

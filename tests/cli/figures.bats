@@ -1,0 +1,65 @@
+#!/usr/bin/env bats
+# Figures of the window: what it saves is what conus render draws, and keys, a name and the clipboard lead to it.
+load helpers
+load window
+
+# of_session FILE.json: the camera of the session's view as options of conus render, by the orbit's own definition.
+of_session() {
+    jq -r '.orbit as $o | [($o[5] | cos) * ($o[4] | sin) * -1, ($o[5] | cos) * ($o[4] | cos), ($o[5] | sin)] as $d |
+        "--camera-origin=\([range(3)] | map($o[.] + $o[3] * $d[.] | tostring) | join(",")) " +
+        "--camera-toward=\($o[:3] | map(tostring) | join(","))"' "$1"
+}
+
+# same A B: the same size, and no byte of a pixel differs by more than one level.
+same() {
+    /usr/bin/python3 - "$@" <<'END'
+import sys
+import OpenImageIO as oiio
+import numpy
+a, b = (oiio.ImageBuf(name).get_pixels(oiio.UINT8).astype(int) for name in sys.argv[1:])
+assert a.shape == b.shape, (a.shape, b.shape)
+worst = numpy.abs(a - b).max()
+assert worst <= 1, worst
+assert numpy.ptp(a[..., :3]) > 100
+END
+}
+
+@test "a figure is what conus render draws with the same camera and options" {
+    need_window
+    /usr/bin/python3 -c 'import OpenImageIO' 2>/dev/null || skip "no python3-openimageio"
+    conus phantom nested -o . --size 32
+    view nested.nii.gz <<'END'
+size 1280 500
+key tab
+key tab
+key tab
+key tab
+wait 8
+orbit 40 20
+aim 60 10 6 0 0 0
+angle 20
+opacity "Shell outer" 0.4
+opacity 0.7
+background transparent
+sheet pixels 300 200
+sheet legend right
+figure right.png
+sheet mm 30 25
+sheet dpi 200
+sheet legend below
+background white
+figure below.png 3d
+figure axial.png axial
+save s.json
+END
+    [ "$(jq .enlarged s.json)" = 3 ] # the pane is wide, so its height is 0.5 radians
+    # shellcheck disable=SC2046 # several words
+    set -- $(of_session s.json)
+    cone=(--origin=60,10,6 --toward=0,0,0 --angle 20 --opacity 0.7 --opacity 'Shell outer=0.4')
+    for how in 'right --size 300x200 --legend right --background transparent' \
+        'below --width-mm 30 --height-mm 25 --dpi 200 --legend below --background white'; do
+        # shellcheck disable=SC2086
+        conus render nested.nii.gz "$@" --field-of-view 28.64788975654116 "${cone[@]}" -o wanted.png ${how#* } --quiet
+        same "${how%% *}.png" wanted.png
+    done
+}

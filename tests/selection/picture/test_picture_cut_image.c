@@ -1,0 +1,222 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Cuts as figures: the cut's own pixels, letters, the scale, the legend, the sheet. */
+#include "render/image/image.h"
+#include "render/image/image_srgb.h"
+
+#include "test.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { WIDTH = 400, HEIGHT = 300, BAND = 24 };
+
+/* A ball of 20 mm around the origin. */
+static conus_atlas *load(void)
+{
+    conus_atlas *atlas = NULL;
+    test_folder("phantom");
+    assert_ok(conus_phantom_write("sphere", test_in(""), NULL));
+    assert_ok(conus_atlas_load(&atlas, test_in("sphere.nii.gz"), NULL));
+    return atlas;
+}
+
+static const conus_cut_view plain = {.mm_per_pixel = 0.5, .width = WIDTH, .height = HEIGHT, .fill = 1};
+
+/* sRGB of a pixel; what is not opaque is no pixel of a cut. */
+static void pixel_of(uint8_t rgb[3], const conus_image *image, size_t column, size_t row)
+{
+    static const char *const channels[] = {"R", "G", "B"};
+    for (int c = 0; c < 3; c++) {
+        float linear = conus_image_floats(image, channels[c])[row * conus_image_width(image) + column];
+        rgb[c] = (uint8_t)(255 * srgb_from_linear((double)linear) + 0.5);
+    }
+}
+
+/* How many pixels in a box differ from the plain cut's. */
+static size_t count_changed(const conus_image *image, const uint8_t *rgba, size_t left, size_t top, size_t side)
+{
+    size_t changed = 0;
+    for (size_t row = top; row < top + side; row++) {
+        for (size_t column = left; column < left + side; column++) {
+            uint8_t rgb[3];
+            pixel_of(rgb, image, column, row);
+            changed += memcmp(rgb, rgba + 4 * (row * WIDTH + column), 3) != 0;
+        }
+    }
+    return changed;
+}
+
+static void without_text_it_is_the_cut(void **state)
+{
+    conus_atlas *atlas = load();
+    conus_image *image = NULL;
+    uint8_t *rgba = malloc((size_t)4 * WIDTH * HEIGHT);
+    (void)state;
+    assert_non_null(rgba);
+    assert_ok(conus_cut(rgba, NULL, atlas, &plain));
+    assert_ok(conus_cut_image(&image, atlas, &plain, &(conus_view){.no_legend = true, .dpi = 300}));
+    assert_int_equal(conus_image_width(image), WIDTH);
+    assert_int_equal(conus_image_height(image), HEIGHT);
+    assert_near(image->dpi, 300, 0);
+    assert_int_equal(count_changed(image, rgba, 0, 0, HEIGHT), 0);
+    assert_int_equal(count_changed(image, rgba, WIDTH - HEIGHT, 0, HEIGHT), 0);
+    conus_image_destroy(image);
+    free(rgba);
+    conus_atlas_destroy(atlas);
+}
+
+/* Letters are 16.5 pixels high (one and a half of 11), and their middles 11.55 from the edges. */
+static void letters_stand_where_the_axes_are(void **state)
+{
+    static const size_t boxes[4][2] = {
+        {0, HEIGHT / 2 - 12}, {WIDTH - BAND, HEIGHT / 2 - 12}, {WIDTH / 2 - 12, 0}, {WIDTH / 2 - 12, HEIGHT - BAND}};
+    conus_atlas *atlas = load();
+    uint8_t *rgba = malloc((size_t)4 * WIDTH * HEIGHT);
+    size_t right[4];
+    (void)state;
+    assert_non_null(rgba);
+    assert_ok(conus_cut(rgba, NULL, atlas, &plain)); /* black there, whichever way it looks */
+    for (int turn = 0; turn < 3; turn++) {
+        conus_cut_view view = plain;
+        conus_image *image = NULL;
+        double angle = turn == 0 ? 0 : turn == 1 ? M_PI : M_PI / 4;
+        memcpy(view.right, (double[]){cos(angle), turn == 2 ? sin(angle) : 0, 0}, sizeof view.right);
+        memcpy(view.up, (double[]){turn == 2 ? -sin(angle) : 0, turn == 2 ? cos(angle) : 1, 0}, sizeof view.up);
+        assert_ok(conus_cut_image(&image, atlas, &view, NULL));
+        for (int i = 0; i < 4; i++) {
+            size_t changed = count_changed(image, rgba, boxes[i][0], boxes[i][1], BAND);
+            assert_true(turn == 2 ? changed == 0 : changed > 10); /* oblique: no letter would be true */
+            right[i] = turn == 0 ? changed : right[i];
+        }
+        if (turn == 1) { /* radiological: L, with fewer pixels than R, is on the right now */
+            assert_true(right[0] < right[1]);
+            assert_true(count_changed(image, rgba, boxes[1][0], boxes[1][1], BAND) <
+                        count_changed(image, rgba, boxes[0][0], boxes[0][1], BAND));
+        }
+        conus_image_destroy(image);
+    }
+    free(rgba);
+    conus_atlas_destroy(atlas);
+}
+
+/* At most 0.14 of 400 pixels of 0.5 mm, 28 mm, is the bar: 20 mm, 40 pixels, and up to two of its round ends. */
+static void the_bar_is_as_long_as_it_says(void **state)
+{
+    conus_atlas *atlas = load();
+    conus_image *image = NULL;
+    size_t lit = 0;
+    (void)state;
+    assert_ok(conus_cut_image(&image, atlas, &plain, NULL));
+    for (size_t column = WIDTH - 100; column < WIDTH; column++) {
+        uint8_t rgb[3];
+        pixel_of(rgb, image, column, HEIGHT - 16); /* 1.4 letters of 11 above the edge */
+        lit += rgb[0] > 60;
+    }
+    assert_in_range(lit, 39, 44);
+    conus_image_destroy(image);
+    conus_atlas_destroy(atlas);
+}
+
+/* Pixels of the row through the middle that are not as the sheet or black, of the first @p width. */
+static size_t width_of_ball(const conus_image *image, size_t width)
+{
+    size_t count = 0;
+    for (size_t column = 0; column < width; column++) {
+        uint8_t rgb[3];
+        pixel_of(rgb, image, column, HEIGHT / 2 + 20);
+        count += rgb[0] || rgb[1] || rgb[2];
+    }
+    return count;
+}
+
+static void a_legend_has_its_place(void **state)
+{
+    conus_atlas *atlas = load();
+    conus_selector *selector = NULL;
+    conus_selection *selection = NULL;
+    conus_pose pose;
+    conus_view sheet = {.background = CONUS_BACKGROUND_COLOUR, .background_rgb = {10, 20, 200}};
+    conus_cut_view view = plain;
+    conus_image *image = NULL;
+    uint8_t rgb[3];
+    (void)state;
+    assert_ok(conus_pose_along(&pose, (double[]){0, 0, 90}, (double[]){0, 0, -1}, NULL)); /* across the cut */
+    assert_ok(conus_selector_create(&selector, atlas, NULL));
+    assert_ok(conus_select(&selection, selector, &pose, 0.01));
+    view.selection = selection;
+    sheet.legend = CONUS_LEGEND_BELOW;
+    assert_ok(conus_cut_image(&image, atlas, &view, &sheet));
+    assert_true(conus_image_height(image) > HEIGHT + 20);
+    pixel_of(rgb, image, WIDTH - 1, conus_image_height(image) - 1);
+    assert_memory_equal(rgb, sheet.background_rgb, 3);
+    size_t below = width_of_ball(image, WIDTH);
+    assert_in_range(below, 66, 71); /* 10.25 mm below the middle: 2 sqrt(20^2 - 10.25^2) = 34.3 mm, of voxels of 1 */
+    conus_image_destroy(image);
+    sheet.legend = CONUS_LEGEND_RIGHT;
+    assert_ok(conus_cut_image(&image, atlas, &view, &sheet));
+    assert_int_equal(conus_image_width(image), WIDTH);
+    pixel_of(rgb, image, WIDTH - 1, HEIGHT - 1);
+    assert_memory_equal(rgb, sheet.background_rgb, 3);
+    size_t drawing = 0; /* up to where the sheet begins, in the lowest row, which is black */
+    for (pixel_of(rgb, image, 0, HEIGHT - 1); !rgb[2]; pixel_of(rgb, image, drawing, HEIGHT - 1)) {
+        drawing++;
+    }
+    assert_in_range(drawing, WIDTH / 2, HEIGHT - 1); /* now its width is what shows 150 mm */
+    double half = 20.5 * 0.5 * HEIGHT / (double)drawing;
+    double chord = 2 * sqrt(400 - half * half) / 150 * (double)drawing;
+    assert_near(width_of_ball(image, drawing), chord, 3);
+    conus_image_destroy(image);
+    conus_selection_destroy(selection);
+    conus_selector_destroy(selector);
+    conus_atlas_destroy(atlas);
+}
+
+static void what_cannot_be_is_refused(void **state)
+{
+    conus_atlas *atlas = load();
+    conus_image *image = NULL;
+    conus_cut_view view = plain;
+    (void)state;
+    assert_fails(conus_cut_image(&image, atlas, &plain, &(conus_view){.dpi = -1}), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_cut_image(&image, atlas, &plain, &(conus_view){.legend = CONUS_LEGEND_NONE + 1}),
+                 CONUS_ERROR_ARGUMENT);
+    view.width = 0;
+    assert_fails(conus_cut_image(&image, atlas, &view, NULL), CONUS_ERROR_ARGUMENT);
+    view.width = 16385;
+    assert_fails(conus_cut_image(&image, atlas, &view, NULL), CONUS_ERROR_ARGUMENT);
+    view.width = view.height = 16384; /* 32 bytes each: exactly 8 GiB are allowed, but there is no need to draw them */
+    view.fill = 2;
+    test_limit_allocations(1 << 28);
+    assert_true(conus_cut_image(&image, atlas, &view, NULL) != CONUS_OK);
+    test_limit_allocations(0);
+    assert_null(image);
+    conus_atlas_destroy(atlas);
+}
+
+static conus_status attempt(void *data)
+{
+    conus_image *image = NULL;
+    conus_status status = conus_cut_image(&image, data, &plain, NULL);
+    assert_true(!status == (image != NULL));
+    conus_image_destroy(image);
+    return status;
+}
+
+static void every_allocation_may_fail(void **state)
+{
+    conus_atlas *atlas = load();
+    (void)state;
+    test_every_allocation(attempt, atlas);
+    conus_atlas_destroy(atlas);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(without_text_it_is_the_cut),    cmocka_unit_test(letters_stand_where_the_axes_are),
+        cmocka_unit_test(the_bar_is_as_long_as_it_says), cmocka_unit_test(a_legend_has_its_place),
+        cmocka_unit_test(what_cannot_be_is_refused),     cmocka_unit_test(every_allocation_may_fail),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
