@@ -466,6 +466,9 @@ bool keys_press(struct window *window, const char *key)
     if (window->start.on) {
         return press_at_start(window, key);
     }
+    if (window->figure.open && strcasecmp(key, "escape") != 0 && strncasecmp(key, "ctrl+", 5) != 0) {
+        return true; /* the question is before the brain: a second Enter confirms nothing */
+    }
     for (size_t i = 0; i < KEYS; i++) {
         if (strcasecmp(keys[i].key, key) == 0) {
             keys[i].act(window);

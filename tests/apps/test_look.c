@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* How an atlas looks: grey values, opacities, haze, colours of the context and the background, without a window. */
+#include "viewer/figures/figure_form.h"
 #include "viewer/look/look.h"
 #include "viewer/pointing/point.h"
 #include "viewer/session/script_look.h"
@@ -345,6 +346,69 @@ static void words_that_cannot_be_change_nothing(void **state)
     close_window(&window);
 }
 
+/* ---- The question for a figure ----------------------------------------------------------------------------------- */
+
+static void finish_figure(struct window *window)
+{
+    assert_true(window->figure.frames > 0);
+    while (window->figure.frames) {
+        figure_form_step(window);
+    }
+}
+
+static void a_file_is_replaced_when_it_is_said_twice(void **state)
+{
+    struct viewer viewer;
+    struct window window;
+    struct figure_form *form = &window.figure;
+    (void)state;
+    open_window(&window, &viewer, false);
+    window.sheet = (struct sheet){.pixels = {40, 30}, .no_text = true};
+    snprintf(form->name, sizeof form->name, "%s", test_in("figure"));
+    form->pane = AXIAL;
+    figure_form_save(&window);
+    assert_string_equal(strrchr(form->name, '.'), ".png");
+    figure_form_step(&window); /* of the frame in which it is asked, */
+    figure_form_step(&window); /* and of the one that says so */
+    assert_true(access(form->name, F_OK));
+    finish_figure(&window);
+    assert_false(access(form->name, F_OK));
+    assert_non_null(strstr(viewer.message, "saved: "));
+    figure_form_save(&window);
+    assert_int_equal(form->frames, 0);
+    assert_non_null(strstr(viewer.message, "there already"));
+    figure_form_save(&window);
+    finish_figure(&window);
+    assert_non_null(strstr(viewer.message, "saved: "));
+    snprintf(form->name, sizeof form->name, "%s", test_in("no/folder.png"));
+    figure_form_save(&window);
+    finish_figure(&window);
+    assert_non_null(strstr(viewer.message, "no/folder.png"));
+    assert_null(strstr(viewer.message, "saved: "));
+    close_window(&window);
+}
+
+static void sheets_of_sessions_are_checked(void **state)
+{
+    struct viewer viewer;
+    struct window window;
+    (void)state;
+    open_window(&window, &viewer, false);
+    window.sheet = (struct sheet){.in_mm = true, .mm = {85, 60}, .dpi = 300, .legend = CONUS_LEGEND_BELOW};
+    assert_refused(&window, "\"dpi\": 300.0", "\"dpi\": 5", "dpi");
+    assert_refused(&window, "\"legend\": 2", "\"legend\": 4", "legend");
+    assert_refused(&window, "\"dpi\": 300.0", "\"dpi\": true", "dpi");
+    assert_refused(&window, "85.0", "1e9", "mm");
+    viewer.version++;
+    undo_note(&window);
+    window.sheet.dpi = 600;
+    viewer.version++;
+    undo_step(&window, -1);
+    assert_near(window.sheet.dpi, 300, 0);
+    assert_int_equal(window.sheet.legend, CONUS_LEGEND_BELOW);
+    close_window(&window);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -356,6 +420,8 @@ int main(void)
         cmocka_unit_test(each_change_is_taken_back),
         cmocka_unit_test(what_cannot_be_is_refused),
         cmocka_unit_test(words_that_cannot_be_change_nothing),
+        cmocka_unit_test(a_file_is_replaced_when_it_is_said_twice),
+        cmocka_unit_test(sheets_of_sessions_are_checked),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

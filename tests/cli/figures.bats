@@ -63,3 +63,38 @@ END
         same "${how%% *}.png" wanted.png
     done
 }
+
+@test "Ctrl+P asks for a name, Enter saves, and a file that is there is not replaced at once" {
+    conus phantom nested -o . --size 32
+    live nested.nii.gz
+    tell 'sheet pixels 120 90' 'sheet text off'
+    xdotool key --window "$window" ctrl+p
+    until look '.figure.text == false'; do :; done
+    xdotool keydown --window "$window" Return # it has to be down when a frame is drawn
+    until [ -s figure-1.png ]; do look true; done
+    xdotool keyup --window "$window" Return
+    look true
+    before=$(stat -c %Y.%i figure-1.png)
+    xdotool key --window "$window" ctrl+p # with the next free name
+    look true
+    xdotool key --window "$window" ctrl+a
+    xdotool type --window "$window" figure-1.png
+    look true
+    xdotool keydown --window "$window" Return
+    look true
+    xdotool keyup --window "$window" Return
+    look true
+    [ ! -e figure-2.png ]
+    [ "$(stat -c %Y.%i figure-1.png)" = "$before" ]
+    xdotool key --window "$window" ctrl+shift+c
+    look true
+    look '.confirmed == []' # Enter was for the question
+    if command -v xsel >/dev/null; then
+        (while sleep 0.1; do tell 'wait 1'; done) & # the window answers between frames
+        pid=$!
+        copied=$(timeout 10 xsel -ob) || true
+        kill $pid
+        [ "$copied" = "$PWD/figure-1.png" ]
+    fi
+    leave
+}

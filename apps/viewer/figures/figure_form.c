@@ -12,7 +12,8 @@
 
 const char *const figure_panes[PANE_COUNT] = {"axial", "coronal", "sagittal", "3d"};
 
-enum { FRAMES_BEFORE = 2, FREE_NAMES = 10000 };
+/* The frame in which it is asked, and one more that says so and is shown. */
+enum { FRAMES_BEFORE = 4, FREE_NAMES = 10000 };
 
 static void find_name(char name[FIGURE_NAME])
 {
