@@ -9,7 +9,7 @@ static const double grey_step = 0.05, opacity_step = 0.1;
 static void say_grey(struct viewer *viewer)
 {
     const double *grey = view_atlas_grey(viewer->drawn);
-    viewer_say(viewer, "cuts: black %.4g, white %.4g", grey[0], grey[1]);
+    viewer_say(viewer, "cuts: black %.6g, white %.6g", grey[0], grey[1]);
 }
 
 static void move_grey(struct window *window, double right, double up)

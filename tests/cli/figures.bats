@@ -86,7 +86,7 @@ END
     look true
     [ ! -e figure-2.png ]
     [ "$(stat -c %Y.%i figure-1.png)" = "$before" ]
-    xdotool key --window "$window" ctrl+shift+c
+    xdotool key --window "$window" ctrl+shift+p
     look true
     look '.confirmed == []' # Enter was for the question
     if command -v xsel >/dev/null; then

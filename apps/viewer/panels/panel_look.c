@@ -33,11 +33,11 @@ static void edit_grey(struct viewer *viewer)
     double least = fmin(info->minimum, black);
     double most = fmax(info->maximum, white);
     double gap = (most - least) / 1000;
-    bool changed = ui_slider("black", &black, least, white - gap, "%.4g", false);
+    bool changed = ui_slider("black", &black, least, white - gap, "%.6g", false);
     ui_tip(
         "the grey value that the cuts show as black, in the image's own unit. In a cut drag with the middle button,\n"
         "or with Ctrl and the left one: up is brighter, right is more contrast; a double click resets");
-    changed = ui_slider("white", &white, fmin(black + gap, most), most, "%.4g", false) || changed;
+    changed = ui_slider("white", &white, fmin(black + gap, most), most, "%.6g", false) || changed;
     ui_tip("the grey value that the cuts show as white; [ and ] change brightness, { and } contrast");
     if (changed && white > black) {
         viewer_set_grey(viewer, black, white);
@@ -82,7 +82,7 @@ void panel_look_pathway(struct viewer *viewer, uint32_t pathway)
         count++;
     }
     ui_id(pathway);
-    if (ui_choose("drawn", &haze, names, count)) {
+    if (ui_choose("drawn as", &haze, names, count)) {
         viewer_set_haze(viewer, pathway, haze);
     }
     ui_tip(

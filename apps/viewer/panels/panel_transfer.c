@@ -157,9 +157,6 @@ static void edit_thresholds(struct viewer *viewer)
     for (uint32_t number = 1; number <= viewer->drawn->object_count; number++) {
         const conus_object *object = conus_atlas_object(viewer->drawn->atlas, number);
         const conus_volume_info *info = view_atlas_pathway(viewer->drawn, number);
-        if (object->kind == CONUS_KIND_PATHWAY) {
-            panel_look_pathway(viewer, number);
-        }
         if (object->is_band) {
             show_band(object);
         }
@@ -176,6 +173,9 @@ static void edit_thresholds(struct viewer *viewer)
                 viewer_set_threshold(viewer, number, threshold);
                 return; /* objects and volumes have changed */
             }
+        }
+        if (object->kind == CONUS_KIND_PATHWAY) {
+            panel_look_pathway(viewer, number);
         }
     }
 }

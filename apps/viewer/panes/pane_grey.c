@@ -31,7 +31,7 @@ void pane_grey_show(const struct window *window, const struct ui_box *box)
     const double *grey = view_atlas_grey(on);
     char text[96];
     if (grey != on->window) {
-        snprintf(text, sizeof text, "black %.4g  white %.4g", grey[0], grey[1]);
+        snprintf(text, sizeof text, "black %.6g  white %.6g", grey[0], grey[1]);
         ui_draw_text((float[]){box->x + 8, box->y + box->height - 1.4F * ui_line()}, light, text);
     }
 }
