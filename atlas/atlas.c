@@ -39,6 +39,8 @@ void conus_atlas_destroy(conus_atlas *atlas)
         deformation_finish(&atlas->warps[i].field);
     }
     memory_free(atlas->warps);
+    atlas_cut_context_surfaces(atlas, 0);
+    memory_free(atlas->context_surfaces);
     memory_free(atlas->places);
     memory_free(atlas->path);
     memory_free(atlas->label_source);

@@ -20,6 +20,13 @@ struct object_place {
     uint8_t own_rgb[3]; /**< The object's colour while the atlas has safe ones. */
 };
 
+/** A surface around the areas, which no ray hits. */
+struct context_surface {
+    struct mesh mesh; /**< Checked and measured. */
+    double opacity;   /**< Above 0 to 1. */
+    char hemisphere;  /**< 'L', 'R', 'B' where the file says so, else 0. */
+};
+
 struct conus_atlas {
     struct volume *volumes; /**< Those of labels, one for each grid, then pathways and context as added. Pathways that
                                are bands of values share a volume. */
@@ -47,6 +54,8 @@ struct conus_atlas {
     struct file_sums files; /**< Of which it is made, other than those of its volumes: a manifest first.   */
     char *transfer; /**< Transfer function of the context: a preset's name or a file; NULL = the default.       */
     struct notes notes;
+    struct context_surface *context_surfaces; /**< [context_surface_count] */
+    size_t context_surface_count;
 };
 
 /** Makes an atlas from a labelled volume. @p labels has one label per voxel of @p info (0 = background); areas are
@@ -118,6 +127,12 @@ conus_status atlas_add_bands(conus_atlas *atlas, const conus_volume_info *info, 
 /** Sets the context volume, replacing one that was there. Voxels with values >= info->threshold stop rays, unless that
  * is 0. @p values is taken over on success. */
 conus_status atlas_set_context(conus_atlas *atlas, const conus_volume_info *info, float *values);
+
+/** Appends a surface to those around the areas. Its mesh, which is checked, is measured, and taken over on success. */
+conus_status atlas_add_context_surface(conus_atlas *atlas, struct context_surface *surface);
+
+/** Ends the surfaces around the areas behind the first @p count. */
+void atlas_cut_context_surfaces(conus_atlas *atlas, size_t count);
 
 /** Notes that the atlas rests on the file @p path with these bytes; a path that is noted already is not noted again. */
 conus_status atlas_add_file(conus_atlas *atlas, const char *path, const struct bytes *content);

@@ -20,7 +20,7 @@ enum info_format { INFO_TABLE, INFO_TSV, INFO_JSON, INFO_TREE };
 
 struct info_settings {
     struct atlas_settings atlas;
-    const char *context;
+    struct context_choice context;
     size_t format; /* enum info_format */
     struct common_settings common;
 };
@@ -28,11 +28,6 @@ struct info_settings {
 static const char *const formats[] = {"table", "tsv", "json", "tree", NULL};
 
 static const struct option own_options[] = {
-    {.name = "context",
-     .type = OPTION_TEXT,
-     .offset = offsetof(struct info_settings, context),
-     .value = "FILE",
-     .help = "load this scalar map, too, as render would draw it around the areas"},
     {.name = "format",
      .type = OPTION_CHOICE,
      .offset = offsetof(struct info_settings, format),
@@ -45,6 +40,7 @@ static const struct option own_options[] = {
 
 static const struct option_group groups[] = {
     {"What is loaded", atlas_options, offsetof(struct info_settings, atlas)},
+    {"", context_choice_options, offsetof(struct info_settings, context)},
     {"", own_options, 0},
     {"", plain_options, offsetof(struct info_settings, common)},
     {0},
@@ -172,6 +168,25 @@ static void put_surfaces(FILE *out, const conus_atlas *atlas)
     if (surfaces) {
         fprintf(out, "%sSurfaces\n  %zu, of them %zu closed; %llu triangles\n",
                 conus_atlas_volume_count(atlas) ? "\n" : "", surfaces, closed, triangles);
+    }
+}
+
+/* What is drawn around the areas and is no volume. */
+static void put_around(FILE *out, const conus_atlas *atlas)
+{
+    for (size_t i = 0; i < conus_atlas_context_surface_count(atlas); i++) {
+        conus_context_surface surface = CONUS_CONTEXT_SURFACE_INIT;
+        if (conus_atlas_context_surface(&surface, atlas, i)) {
+            continue;
+        }
+        const double *low = surface.low;
+        const double *high = surface.high;
+        fprintf(out, "\nContext, a surface\n  file         %s\n", surface.path);
+        fprintf(out, "  triangles    %zu, %s\n", surface.triangles,
+                surface.closed ? "closed" : "not closed: it does not say what is in the head");
+        fprintf(out, "  reaches      x %.6g to %.6g, y %.6g to %.6g, z %.6g to %.6g mm\n", low[0], high[0], low[1],
+                high[1], low[2], high[2]);
+        fprintf(out, "  opacity      %.9g\n", surface.opacity);
     }
 }
 
@@ -400,6 +415,7 @@ static int put_table(FILE *out, const conus_atlas *atlas, const conus_installed 
     put_installed(out, installed);
     put_volumes(out, atlas);
     put_surfaces(out, atlas);
+    put_around(out, atlas);
     put_ccf(out, atlas);
     info_place_put(out, atlas);
     put_notes(out, atlas);
@@ -468,7 +484,7 @@ static int load_and_write(const struct atlas_name *name, const struct info_setti
     if (code) {
         return code;
     }
-    code = settings_load_context(atlas, settings->context, 0, &settings->atlas);
+    code = context_choice_load(atlas, &settings->context, &settings->atlas);
     if (!code) {
         code = write_atlas(atlas, name->atlas, (enum info_format)settings->format);
     }

@@ -28,7 +28,7 @@ struct render_settings {
     double camera_origin[3], camera_toward[3], camera_up[3];
     double field_of_view; /* degrees */
     double frustum[4];
-    const char *context;
+    struct context_choice context;
     const char *transfer;
     bool no_skipping;
 };
@@ -85,11 +85,6 @@ static const struct option picture_options[] = {
      .help = "planes across the view at which the volumes are sampled (default sqrt(2) times the longest edge)",
      .low = 1,
      .high = 65536},
-    {.name = "context",
-     .type = OPTION_TEXT,
-     .offset = offsetof(struct render_settings, context),
-     .value = "FILE",
-     .help = "scalar map to draw around the areas, such as a T1"},
     {.name = "transfer",
      .type = OPTION_TEXT,
      .offset = offsetof(struct render_settings, transfer),
@@ -125,6 +120,7 @@ static const struct option row_options[] = {
 
 static const struct option_group groups[] = {
     {"Picture", picture_options, 0},
+    {"", context_choice_options, offsetof(struct render_settings, context)},
     {"", figure_options, offsetof(struct render_settings, figure)},
     {"", translucent_options, offsetof(struct render_settings, translucent)},
     {"Cone to draw", aim_options, offsetof(struct render_settings, aim)},
@@ -244,11 +240,25 @@ static bool check_rows(const struct render_settings *settings, const struct argu
            (file || settings_check_pose_file(arguments, "pose", "camera"));
 }
 
+/* What is about the context needs one of its kind. */
+static bool check_context(const struct render_settings *settings, const struct arguments *arguments)
+{
+    if (!option_needs(arguments, "transfer", "context") || !option_needs(arguments, "context-opacity", "context")) {
+        return false;
+    }
+    if (settings->transfer && !context_choice_has_volume(&settings->context)) {
+        print_error_line("--transfer has no effect: %s is a surface (--context-opacity)",
+                         settings->context.files.items[0]);
+        return false;
+    }
+    return true;
+}
+
 static bool check_picture(const struct render_settings *settings, const struct arguments *arguments)
 {
     return path_check_ending("output", settings->output, ".png", ".exr") && check_cone(settings, arguments) &&
            check_camera(arguments) && check_rows(settings, arguments) && figure_check(&settings->figure, arguments) &&
-           translucent_check(&settings->translucent) && option_needs(arguments, "transfer", "context") &&
+           translucent_check(&settings->translucent) && check_context(settings, arguments) &&
            settings_check_space(arguments, &settings->aim.space);
 }
 
@@ -379,7 +389,7 @@ static int load_atlas(struct picture *picture)
 {
     const struct render_settings *settings = picture->settings;
     int code = settings_load_atlas(&picture->atlas, picture->arguments->operands[0], &settings->atlas);
-    code = code ? code : settings_load_context(picture->atlas, settings->context, 0, &settings->atlas);
+    code = code ? code : context_choice_load(picture->atlas, &settings->context, &settings->atlas);
     return code ? code : translucent_find(&picture->translucent, picture->atlas, &settings->translucent);
 }
 
@@ -571,7 +581,7 @@ const struct command cmd_render = {
     .summary = "draw the atlas, a cone in it and the cone's first hits",
     .operands = {"ATLAS"},
     .form = "-o FILE",
-    .description = "Draws the areas and pathways, the context volume around them, and a cone with its axis, contacts\n"
+    .description = "Draws the areas and pathways, the context around them, and a cone with its axis, contacts\n"
                    "and a legend of its first hits. Needs OpenGL 4.5, in hardware or software.",
     .examples = "  conus render aal.nii.gz -o aal.png --context ch2bet.nii.gz\n"
                 "  conus render aal.nii.gz -o cone.png --origin -90,20,20 --toward 0,-10,10 --angle 20\n"

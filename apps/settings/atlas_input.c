@@ -173,6 +173,52 @@ int settings_load_context(conus_atlas *atlas, const char *path, double blocks, c
     return status ? print_status(status) : EXIT_DONE;
 }
 
+/* One volume, and an opacity only with surfaces. */
+static int check_choice(const struct context_choice *choice)
+{
+    const char *volume = NULL;
+    size_t surfaces = 0;
+    for (size_t i = 0; i < choice->files.count; i++) {
+        const char *path = choice->files.items[i];
+        if (conus_context_is_surface(path)) {
+            surfaces++;
+        } else if (volume) {
+            return print_usage_error("--context: %s and %s are no surfaces, one volume is allowed", volume, path);
+        } else {
+            volume = path;
+        }
+    }
+    if (choice->opacity != 0 && !choice->files.count) {
+        return print_usage_error("--context-opacity has no effect without --context");
+    }
+    return choice->opacity == 0 || surfaces
+               ? EXIT_DONE
+               : print_usage_error("--context-opacity has no effect: %s is no surface (--transfer is of volumes)",
+                                   volume);
+}
+
+bool context_choice_has_volume(const struct context_choice *choice)
+{
+    bool found = false;
+    for (size_t i = 0; i < choice->files.count; i++) {
+        found = found || !conus_context_is_surface(choice->files.items[i]);
+    }
+    return found;
+}
+
+int context_choice_load(conus_atlas *atlas, const struct context_choice *choice, const struct atlas_settings *settings)
+{
+    int code = check_choice(choice);
+    for (size_t i = 0; i < choice->files.count && !code; i++) {
+        const char *path = choice->files.items[i];
+        const conus_context_options options = {.opacity = conus_context_is_surface(path) ? choice->opacity : 0,
+                                               .max_memory = settings->max_memory};
+        conus_status status = conus_atlas_set_context(atlas, path, &options);
+        code = status ? print_status(status) : EXIT_DONE;
+    }
+    return code;
+}
+
 /* Whether `path` is the file that the atlas's label source names ("BIDS label table in aal.tsv, colours in aal.lut"),
  * which lies beside the voxels. */
 static bool is_label_table(const conus_atlas *atlas, const char *path)

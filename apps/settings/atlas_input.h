@@ -12,6 +12,13 @@ int settings_load_atlas(conus_atlas **out, const char *path, const struct atlas_
 /** Sets the context, unless @p path is NULL; @p blocks 0 = it does not block. Gives the exit code likewise. */
 int settings_load_context(conus_atlas *atlas, const char *path, double blocks, const struct atlas_settings *settings);
 
+/** Sets each of the files as what is around the areas: a volume in the place of another one, surfaces beside each
+ * other. Gives the exit code likewise. */
+int context_choice_load(conus_atlas *atlas, const struct context_choice *choice, const struct atlas_settings *settings);
+
+/** Whether one of the files is no surface. */
+bool context_choice_has_volume(const struct context_choice *choice);
+
 /** A file that the command line names. */
 struct input {
     const char *what; /**< "the atlas"; NULL ends a list. */

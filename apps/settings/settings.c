@@ -135,6 +135,24 @@ const struct option context_options[] = {
     {0},
 };
 
+const struct option context_choice_options[] = {
+    {.name = "context",
+     .type = OPTION_LIST,
+     .offset = FIELD(context_choice, files),
+     .value = "FILE",
+     .help = "scalar map, such as a T1, or surface, such as a scalp, to draw around the areas, in the place of a "
+             "manifest's volume; may be repeated for more surfaces"},
+    {.name = "context-opacity",
+     .type = OPTION_NUMBER,
+     .offset = FIELD(context_choice, opacity),
+     .value = "O",
+     .help = "opacity of the context's surfaces, above 0 to 1 (default 0.25)",
+     .low = 0,
+     .high = 1,
+     .open = true},
+    {0},
+};
+
 const struct option aim_options[] = {
     {.name = "origin",
      .type = OPTION_VECTOR,

@@ -50,25 +50,56 @@ static bool note(void *user, const char *path, size_t done, size_t total)
     return show(loader, path, loader->before + done, loader->total + loader->ahead);
 }
 
-/* The path of an atlas's context, as conus_atlas_load() takes it; NULL = it has none. */
-static char *context_of(const conus_atlas *atlas)
+/* The paths of an atlas's context, as conus_atlas_load() takes them. */
+struct own_context {
+    struct context_choice choice;
+    char *volume; /* of which it is the first, if there is one */
+};
+
+static void own_context_finish(struct own_context *own)
 {
-    char *path = NULL;
+    free(own->choice.files.items);
+    free(own->volume);
+}
+
+static void own_context_find(struct own_context *out, const conus_atlas *atlas)
+{
+    size_t surfaces = conus_atlas_context_surface_count(atlas);
+    struct option_list *files = &out->choice.files;
+    *out = (struct own_context){0};
+    files->items = calloc(surfaces + 1, sizeof *files->items);
     for (size_t i = 0; i < conus_atlas_volume_count(atlas); i++) {
         const conus_volume_info *info = conus_atlas_volume(atlas, i);
         if (info->role == CONUS_ROLE_CONTEXT &&
-            asprintf(&path, info->volume_count > 1 ? "%s,volume=%zu" : "%s", info->path, info->volume) < 0) {
-            path = NULL;
+            asprintf(&out->volume, info->volume_count > 1 ? "%s,volume=%zu" : "%s", info->path, info->volume) < 0) {
+            out->volume = NULL;
         }
     }
-    return path;
+    if (files->items && out->volume) {
+        files->items[files->count++] = out->volume;
+    }
+    for (size_t i = 0; i < surfaces && files->items; i++) {
+        conus_context_surface surface = CONUS_CONTEXT_SURFACE_INIT;
+        if (!conus_atlas_context_surface(&surface, atlas, i)) {
+            files->items[files->count++] = surface.path;
+            out->choice.opacity = surface.opacity;
+        }
+    }
 }
 
-static int set_context(struct loader *loader, size_t index, const char *path)
+static bool has_context(const conus_atlas *atlas)
 {
-    bool goes_on = show(loader, path, loader->total, loader->total + 1);
-    return goes_on ? settings_load_context(loader->atlases.items[index].atlas, path, 0, loader->what.settings)
-                   : EXIT_DATA;
+    struct own_context own;
+    own_context_find(&own, atlas);
+    bool has = own.choice.files.count > 0;
+    own_context_finish(&own);
+    return has;
+}
+
+static int set_context(struct loader *loader, size_t index, const struct context_choice *choice)
+{
+    bool goes_on = show(loader, choice->files.items[0], loader->total, loader->total + 1);
+    return goes_on ? context_choice_load(loader->atlases.items[index].atlas, choice, loader->what.settings) : EXIT_DATA;
 }
 
 /* Any of the atlases may be drawn: each has the context, but for one that has its own. What no option asked for is no
@@ -76,16 +107,16 @@ static int set_context(struct loader *loader, size_t index, const char *path)
 static int set_contexts(struct loader *loader)
 {
     const struct atlases *atlases = &loader->atlases;
-    const char *given = loader->what.context;
-    char *path = given ? strdup(given) : context_of(atlases->items[0].atlas);
-    int code = given ? set_context(loader, 0, given) : EXIT_DONE;
-    for (size_t i = 1; i < atlases->count && path && !code; i++) {
-        char *own = context_of(atlases->items[i].atlas);
-        int failed = own ? EXIT_DONE : set_context(loader, i, path);
-        code = given ? failed : EXIT_DONE;
-        free(own);
+    const struct context_choice *given = loader->what.context;
+    struct own_context own;
+    own_context_find(&own, atlases->items[0].atlas);
+    const struct context_choice *choice = given->files.count ? given : &own.choice;
+    int code = given->files.count ? set_context(loader, 0, given) : EXIT_DONE;
+    for (size_t i = 1; i < atlases->count && choice->files.count && !code; i++) {
+        int failed = has_context(atlases->items[i].atlas) ? EXIT_DONE : set_context(loader, i, choice);
+        code = given->files.count ? failed : EXIT_DONE;
     }
-    free(path);
+    own_context_finish(&own);
     return code;
 }
 
@@ -96,7 +127,7 @@ static void *load(void *user)
     struct atlas_settings settings = *what->settings;
     settings.progress = note;
     settings.progress_user = loader;
-    loader->ahead = settings.more.count + 1 + (what->context != NULL);
+    loader->ahead = settings.more.count + 1 + (what->context->files.count > 0);
     int code = atlases_load(&loader->atlases, what->path, &settings);
     code = code ? code : set_contexts(loader);
     if (code || atomic_load(&loader->cancelled)) {

@@ -12,8 +12,9 @@ struct loader;
 struct loading {
     const char *path; /**< Of the first, or its name. */
     const struct atlas_settings *settings;
-    const char *context; /**< NULL = the first atlas's own. Another one that has none of its own gets the same. */
-    void (*wake)(void);  /**< Called when it is done. */
+    const struct context_choice *context; /**< Without files the first atlas's own. Another atlas that has none of its
+                                             own gets the same. */
+    void (*wake)(void);                   /**< Called when it is done. */
 };
 
 /** How far it is. */

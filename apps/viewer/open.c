@@ -187,7 +187,8 @@ static json_t *describe(const struct viewer *viewer, const struct atlas_name *na
 static void leave_options(struct view_settings *settings)
 {
     settings->atlas = (struct atlas_settings){.max_memory = settings->atlas.max_memory};
-    settings->context = settings->transfer = settings->session = NULL;
+    settings->context = (struct context_choice){0};
+    settings->transfer = settings->session = NULL;
     settings->poses = NULL;
     settings->arguments = NULL;
     settings->space = (struct space_settings){0};
@@ -258,7 +259,7 @@ static bool open_path(struct window *window, const char *text, const struct atla
     struct viewer *viewer = NULL;
     struct atlases atlases = {0};
     conus_frame frame = {0};
-    const struct loading what = {text, &settings.atlas, settings.context, glfwPostEmptyEvent};
+    const struct loading what = {text, &settings.atlas, &settings.context, glfwPostEmptyEvent};
     if (before) {
         settings.safe_colours = before->display.safe_colours;
         settings.full_screen = false;

@@ -12,7 +12,8 @@ struct view_settings {
     struct space_settings space;
     struct station_settings station;
     const char *poses;
-    const char *context, *transfer, *script, *session;
+    struct context_choice context;
+    const char *transfer, *script, *session;
     uint32_t size[2];
     double scale;
     bool hidden, safe_colours, full_screen;

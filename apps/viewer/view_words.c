@@ -12,11 +12,6 @@
 #include <unistd.h>
 
 const struct option scene_options[] = {
-    {.name = "context",
-     .type = OPTION_TEXT,
-     .offset = offsetof(struct view_settings, context),
-     .value = "FILE",
-     .help = "scalar map to draw around the areas, such as a T1; replaces the manifest's"},
     {.name = "transfer",
      .type = OPTION_TEXT,
      .offset = offsetof(struct view_settings, transfer),
@@ -26,7 +21,8 @@ const struct option scene_options[] = {
 };
 
 static const struct option_group groups[] = {
-    {"What is opened", scene_options, 0},
+    {"What is opened", context_choice_options, offsetof(struct view_settings, context)},
+    {"", scene_options, 0},
     {"", atlas_options, offsetof(struct view_settings, atlas)},
     {"", more_atlas_options, offsetof(struct view_settings, atlas)},
     {"", space_options, offsetof(struct view_settings, space)},

@@ -7,7 +7,7 @@
 
 #include <jansson.h>
 
-/** --context and --transfer. */
+/** --transfer. */
 extern const struct option scene_options[];
 
 /** Those of @p arguments (NULL = none) that are of the atlas, its context and its space, but for --max-memory, --only

@@ -2,6 +2,7 @@
 /* Tries what people mistake: the direction of a transform, LPS for RAS, metres for millimetres. */
 #include "atlas/fit/fit.h"
 
+#include "atlas/fit/surface_head.h"
 #include "base/math3.h"
 
 struct fit fit_of(const struct head *head, const struct area_points *points, const double move[16])
@@ -101,22 +102,54 @@ static conus_status compare(conus_atlas *atlas, const struct head *head, const s
                             100 * fit.in_head, head->context->info.path);
 }
 
-conus_status fit_note(conus_atlas *atlas, const conus_volume_info *info, float *values)
+static conus_status note_of(conus_atlas *atlas, const struct volume *context)
 {
     struct area_points points = {0};
     struct head head = {0};
+    conus_status status = area_points_make(&points, atlas);
+    status = status ? status : head_make(&head, context);
+    status = status || !points.count || !isfinite(head.threshold) ? status : compare(atlas, &head, &points);
+    head_finish(&head);
+    area_points_finish(&points);
+    return status;
+}
+
+conus_status fit_note(conus_atlas *atlas, const conus_volume_info *info, float *values)
+{
     struct volume context = {0};
     if (!atlas->is_moved) {
         return CONUS_OK;
     }
     conus_status status = volume_init(&context, info);
     context.values = values;
-    status = status ? status : area_points_make(&points, atlas);
-    status = status ? status : head_make(&head, &context);
-    status = status || !points.count || !isfinite(head.threshold) ? status : compare(atlas, &head, &points);
-    head_finish(&head);
-    area_points_finish(&points);
+    status = status ? status : note_of(atlas, &context);
     context.values = NULL; /* the caller's */
     volume_finish(&context);
+    return status;
+}
+
+/* Whether there is one side of a brain without the other: much of the atlas is not in it. */
+static bool is_half(const conus_atlas *atlas)
+{
+    bool has[2] = {false, false};
+    for (size_t i = 0; i < atlas->context_surface_count; i++) {
+        has[0] = has[0] || atlas->context_surfaces[i].hemisphere == 'L';
+        has[1] = has[1] || atlas->context_surfaces[i].hemisphere == 'R';
+    }
+    return has[0] != has[1];
+}
+
+conus_status fit_note_surfaces(conus_atlas *atlas)
+{
+    struct volume inside = {0};
+    if (!atlas->is_moved || atlas_context(atlas) || is_half(atlas)) {
+        return CONUS_OK;
+    }
+    conus_status status = surface_head_make(&inside, atlas);
+    if (!status && inside.values) {
+        inside.info.path = atlas->context_surfaces[atlas->context_surface_count - 1].mesh.path;
+        status = note_of(atlas, &inside);
+    }
+    volume_finish(&inside);
     return status;
 }

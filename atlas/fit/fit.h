@@ -19,4 +19,9 @@ struct fit fit_of(const struct head *head, const struct area_points *points, con
  * is there and no other reading is better. Nothing otherwise. CONUS_ERROR_MEMORY. */
 conus_status fit_note(conus_atlas *atlas, const conus_volume_info *info, float *values);
 
+/** The same for the surfaces around the areas, of which the last has just been added: what closed ones hold is the
+ * head. Nothing where none is closed, where there is one side of a brain without the other, and beside a context
+ * volume, which shows more. */
+conus_status fit_note_surfaces(conus_atlas *atlas);
+
 #endif

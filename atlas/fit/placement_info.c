@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus_atlas_placement(): where an atlas was, where it is, and what of it is in the head of its context. */
 #include "atlas/fit/fit.h"
+#include "atlas/fit/surface_head.h"
 #include "base/math3.h"
 
 #include <stddef.h>
@@ -36,6 +37,16 @@ static void hide_matrix(conus_placement *out)
     out->mirrors = false;
 }
 
+/* Of closed surfaces, where there is no volume. */
+static conus_status fill_surface_fit(conus_placement *out, const conus_atlas *atlas, const struct area_points *points)
+{
+    struct volume inside = {0};
+    conus_status status = surface_head_make(&inside, atlas);
+    status = status || !inside.values ? status : fill_fit(out, &inside, points);
+    volume_finish(&inside);
+    return status;
+}
+
 static conus_status fill(conus_placement *out, const conus_atlas *atlas, const struct area_points *points)
 {
     double here[16];
@@ -54,7 +65,7 @@ static conus_status fill(conus_placement *out, const conus_atlas *atlas, const s
     vec3_sub(own_centre, out->centre, own_centre);
     out->distance_mm = vec3_length(own_centre);
     const struct volume *context = atlas_context(atlas);
-    return context ? fill_fit(out, context, points) : CONUS_OK;
+    return context ? fill_fit(out, context, points) : fill_surface_fit(out, atlas, points);
 }
 
 conus_status conus_atlas_placement(conus_placement *out, const conus_atlas *atlas)

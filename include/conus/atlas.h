@@ -140,23 +140,35 @@ typedef struct conus_context_options {
     uint64_t max_memory;    /**< As conus_load_options.max_memory. */
     conus_log log;          /**< As conus_load_options.log. */
     void *log_user;         /**< Passed to @p log. */
+    double opacity;         /**< Of a surface, above 0 to 1; 0 = 0.25. Of a volume the transfer function says it. */
 } conus_context_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
 #define CONUS_CONTEXT_OPTIONS_INIT CONUS_INIT_(conus_context_options)
 
 /**
- * Sets the volume that is drawn around the areas (a T1, say), and replaces the one that is there. It is never
- * selectable.
+ * Sets what is drawn around the areas and is never selectable. A volume (a T1, say) replaces the one that is there. A
+ * surface (a scalp, say, or one hemisphere's pial surface), in any format that conus reads, is drawn translucent beside
+ * those that are there; rays never hit it, and conus_atlas_transform() does not move it.
  * @param atlas The atlas; unchanged on failure.
- * @param path The volume, as for conus_atlas_load().
+ * @param path The volume or surface, as for conus_atlas_load().
  * @param options NULL = defaults.
- * @return #CONUS_OK; the errors of conus_atlas_load().
+ * @return #CONUS_OK; the errors of conus_atlas_load(); #CONUS_ERROR_ARGUMENT for a surface that is to block rays, for a
+ * volume with an opacity, and for an opacity that is not allowed.
  * @threads One at a time, while no other thread uses the atlas.
  * @since 0.1
  */
 CONUS_CHECKED conus_status conus_atlas_set_context(conus_atlas *atlas, const char *path,
                                                    const conus_context_options *options);
+
+/**
+ * Tells as what conus_atlas_set_context() reads a file.
+ * @param path The file.
+ * @return True where it is a surface; false for everything else, also for a file that is not there.
+ * @threads Any.
+ * @since 0.1
+ */
+CONUS_API bool conus_context_is_surface(const char *path);
 
 /** What the vectors of a deformation field are. */
 typedef enum conus_vectors {

@@ -137,6 +137,54 @@ CONUS_API size_t conus_atlas_volume_count(const conus_atlas *atlas);
  */
 CONUS_API const conus_volume_info *conus_atlas_volume(const conus_atlas *atlas, size_t index);
 
+/** A surface that conus_atlas_set_context() has put around the areas. */
+typedef struct conus_context_surface {
+    size_t struct_size; /**< Its size, as #CONUS_CONTEXT_SURFACE_INIT sets it; 0 = that of this version. */
+    const char *path;   /**< UTF-8 where the file system has it so. Borrowed until the atlas ends. */
+    size_t vertices;    /**< Of the file. */
+    size_t triangles;   /**< Those without area are left out. */
+    bool closed;        /**< Every edge is of two triangles: it has an inside. */
+    char hemisphere;    /**< 'L', 'R', 'B', or 0 where the file does not say. */
+    double opacity;     /**< Above 0 to 1. */
+    double low[3];      /**< Lowest x, y, z of its vertices, world mm. */
+    double high[3];     /**< The highest. */
+} conus_context_surface;
+
+/** The size of the struct that the caller was compiled with. */
+#define CONUS_CONTEXT_SURFACE_INIT CONUS_INIT_(conus_context_surface)
+
+/**
+ * Counts the surfaces around the areas.
+ * @param atlas NULL counts 0.
+ * @return How many conus_atlas_set_context() has added.
+ * @threads Any, while none changes the atlas.
+ * @since 0.1
+ */
+CONUS_API size_t conus_atlas_context_surface_count(const conus_atlas *atlas);
+
+/**
+ * Tells about a surface around the areas.
+ * @param[in,out] out Its struct_size is read; unchanged on failure.
+ * @param atlas The atlas.
+ * @param index From 0, in the order in which they were added.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT past the last.
+ * @threads Any, while none changes the atlas.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_atlas_context_surface(conus_context_surface *out, const conus_atlas *atlas,
+                                                       size_t index);
+
+/**
+ * Finds where a ray first meets a surface around the areas, from either side. Looks at every triangle.
+ * @param atlas The atlas.
+ * @param origin World mm.
+ * @param direction Of any length but 0.
+ * @return How far that is from @p origin, in units of the length of @p direction; INFINITY where it meets none.
+ * @threads Any, while none changes the atlas.
+ * @since 0.1
+ */
+CONUS_API double conus_atlas_context_depth(const conus_atlas *atlas, const double origin[3], const double direction[3]);
+
 /**
  * Finds where a world point is in the atlas's own space, that of its files.
  * @param[out] out mm; the point itself, unless the atlas was moved (conus_atlas_transform()); NaN where a deformation
@@ -153,7 +201,7 @@ typedef struct conus_placement {
     size_t struct_size; /**< Its size, as #CONUS_PLACEMENT_INIT sets it; 0 = that of this version. */
     bool is_moved;      /**< By conus_atlas_transform(), conus_atlas_move() or a manifest's "transform". */
     bool mirrors;       /**< Left and right are exchanged. */
-    bool has_context;   /**< There is a context, and the last three are known. */
+    bool has_context;   /**< There is a context, and the last three are known: its volume, or else closed surfaces. */
     bool is_warped;     /**< By a deformation field: the matrix, growth and own box are NAN, mirrors is false. */
     double atlas_from_world[16]; /**< From where it lies to its own space, that of its files. */
     double growth;               /**< What is 1 mm^3 in its own space is so much here. */
@@ -164,8 +212,10 @@ typedef struct conus_placement {
     double centre[3];            /**< The mean of its voxels' centres, or of its vertices; world mm. */
     double distance_mm;          /**< How far that is from where it is in its own space. */
     double head_threshold; /**< Values of the context from this one on are the head's, with what they enclose along two
-                              axes of its grid; by Otsu's method. INFINITY where all are alike. */
-    double in_grid;        /**< Part of the voxels whose centre is in the grid of the context, 0 to 1. */
+                              axes of its grid; by Otsu's method. INFINITY where all are alike. Of surfaces
+                              it is between 0, outside, and 1, inside. */
+    double in_grid;        /**< Part of the voxels whose centre is in the grid of the context, or in the box around its
+                              surfaces, 0 to 1. */
     double in_head;        /**< The same, in the head. */
 } conus_placement;
 

@@ -240,7 +240,7 @@ conus_status conus_atlas_set_context_values(conus_atlas *atlas, const conus_voxe
     conus_status status = array_volume_open(&array, voxels);
     const struct note_sink sink = {options->log, options->log_user, array.file.path};
     struct notes notes = {.sink = &sink};
-    status = status ? status : context_set(atlas, &array.file, options->block_threshold, &notes);
+    status = status ? status : context_set(atlas, &array.file, options, &notes);
     notes_finish(&notes);
     array_volume_finish(&array);
     return status;

@@ -3,6 +3,7 @@
 #include "loaders/manifest/manifest.h"
 
 #include "base/memory.h"
+#include "loaders/manifest/manifest_context.h"
 #include "loaders/manifest/manifest_transform.h"
 #include "loaders/manifest/schema.h"
 #include "loaders/tables/label_cells.h"
@@ -16,32 +17,6 @@ static conus_status read_version(void *field, const json_t *value, const struct 
     return json_is_integer(value) && json_integer_value(value) == MANIFEST_VERSION
                ? CONUS_OK
                : schema_fail(place, value, "1, the version of this format,");
-}
-
-static conus_status read_volume_number(void *field, const json_t *value, const struct schema_place *place)
-{
-    struct manifest_volume *out = field;
-    json_int_t number = json_is_integer(value) ? json_integer_value(value) : -1;
-    if (number < 0 || number > UINT32_MAX) {
-        return schema_fail(place, value, "a whole number from 0");
-    }
-    out->chosen = true;
-    out->volume = (uint32_t)number;
-    return CONUS_OK;
-}
-
-static conus_status read_resolution(void *field, const json_t *value, const struct schema_place *place)
-{
-    struct manifest_volume *out = field;
-    if (json_array_size(value) != 3) {
-        return schema_fail(place, value, "a list of three numbers, in micrometres,");
-    }
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && i < 3; i++) {
-        struct schema_place inner = schema_element(place, i);
-        status = schema_positive(&out->resolution[i], json_array_get(value, i), &inner);
-    }
-    return status;
 }
 
 static conus_status read_names(void *field, const json_t *value, const struct schema_place *place)
@@ -103,27 +78,12 @@ static conus_status read_hemisphere(void *field, const json_t *value, const stru
 
 #define AT(type, member) offsetof(struct type, member)
 
-static conus_status read_transfer_file(void *field, const json_t *value, const struct schema_place *place)
-{
-    struct manifest_context *context = field;
-    context->transfer_is_file = true;
-    return schema_path(&context->transfer, value, place);
-}
-
-static conus_status read_transfer(void *field, const json_t *value, const struct schema_place *place)
-{
-    struct manifest_context *context = field;
-    static const struct schema_field keys[] = {{"file", read_transfer_file, 0, true}, {0}};
-    return json_is_object(value) ? schema_object(context, value, keys, place)
-                                 : schema_text(&context->transfer, value, place);
-}
-
 static conus_status read_labelled(void *field, const json_t *value, const struct schema_place *place)
 {
     static const struct schema_field keys[] = {
         {"file", schema_path, AT(manifest_parcellation, source.file), true},
-        {"volume", read_volume_number, AT(manifest_parcellation, source), false},
-        {"resolution", read_resolution, AT(manifest_parcellation, source), false},
+        {"volume", manifest_volume_number_read, AT(manifest_parcellation, source), false},
+        {"resolution", manifest_resolution_read, AT(manifest_parcellation, source), false},
         {"orientation", schema_text, AT(manifest_parcellation, source.orientation), false},
         {"labels", schema_path, AT(manifest_parcellation, labels), false},
         {"label_offset", read_offset, AT(manifest_parcellation, label_offset), false},
@@ -163,23 +123,6 @@ static conus_status read_parcellations(void *field, const json_t *value, const s
     return status ? status
                   : schema_list((void **)&out->parcellations, &out->parcellation_count, sizeof *out->parcellations,
                                 value, read_labelled, place);
-}
-
-static conus_status read_context(void *field, const json_t *value, const struct schema_place *place)
-{
-    static const struct schema_field keys[] = {
-        {"file", schema_path, AT(manifest_context, source.file), true},
-        {"volume", read_volume_number, AT(manifest_context, source), false},
-        {"resolution", read_resolution, AT(manifest_context, source), false},
-        {"orientation", schema_text, AT(manifest_context, source.orientation), false},
-        {"transfer", read_transfer, 0, false},
-        {"blocks", schema_positive, AT(manifest_context, blocks), false},
-        {"moves", schema_flag, AT(manifest_context, moves), false},
-        {0},
-    };
-    struct manifest_context *out = field;
-    return json_is_string(value) ? schema_path(&out->source.file, value, place)
-                                 : schema_object(out, value, keys, place);
 }
 
 static conus_status read_end(void *field, const json_t *value, const struct schema_place *place)
@@ -249,8 +192,8 @@ static conus_status read_entry(struct manifest_pathway *out, const json_t *value
 {
     static const struct schema_field keys[] = {
         {"file", schema_path, AT(manifest_pathway, source.file), false},
-        {"volume", read_volume_number, AT(manifest_pathway, source), false},
-        {"resolution", read_resolution, AT(manifest_pathway, source), false},
+        {"volume", manifest_volume_number_read, AT(manifest_pathway, source), false},
+        {"resolution", manifest_resolution_read, AT(manifest_pathway, source), false},
         {"orientation", schema_text, AT(manifest_pathway, source.orientation), false},
         {"fsl", schema_path, AT(manifest_pathway, fsl), false},
         {"name", schema_text, AT(manifest_pathway, name), false},
@@ -467,7 +410,7 @@ static const struct schema_field manifest_keys[] = {
     {"pathways", read_pathways, 0, false},
     {"threshold", schema_positive, AT(manifest, threshold), false},
     {"transform", manifest_transforms_read, 0, false},
-    {"context", read_context, AT(manifest, context), false},
+    {"context", manifest_contexts_read, 0, false},
     {0},
 };
 
@@ -482,8 +425,10 @@ static conus_status check_moves(const struct manifest *manifest)
         }
         moves = moves || manifest->pathways[i].moves;
     }
-    if (manifest->context.moves && !manifest->transform_count) {
-        return fail(CONUS_ERROR_DATA, "context.%s", why);
+    for (size_t i = 0; i < manifest->context_count; i++) {
+        if (manifest->contexts[i].moves && !manifest->transform_count) {
+            return fail(CONUS_ERROR_DATA, "context.%s", why);
+        }
     }
     return moves || !manifest->transform_count
                ? CONUS_OK
@@ -527,12 +472,6 @@ conus_status manifest_parse(struct manifest *out, struct text text)
     return CONUS_OK;
 }
 
-static void volume_finish(struct manifest_volume *volume)
-{
-    memory_free(volume->file);
-    memory_free(volume->orientation);
-}
-
 static void pathway_finish(struct manifest_pathway *pathway)
 {
     for (size_t i = 0; i < pathway->name_count; i++) {
@@ -545,7 +484,7 @@ static void pathway_finish(struct manifest_pathway *pathway)
     memory_free(pathway->names);
     memory_free(pathway->name);
     memory_free(pathway->fsl);
-    volume_finish(&pathway->source);
+    manifest_volume_finish(&pathway->source);
 }
 
 static void area_finish(struct manifest_area *area)
@@ -578,12 +517,11 @@ void manifest_finish(struct manifest *manifest)
     }
     memory_free(manifest->pathways);
     for (size_t i = 0; i < manifest->parcellation_count; i++) {
-        volume_finish(&manifest->parcellations[i].source);
+        manifest_volume_finish(&manifest->parcellations[i].source);
         memory_free(manifest->parcellations[i].labels);
     }
     memory_free(manifest->parcellations);
-    volume_finish(&manifest->context.source);
-    memory_free(manifest->context.transfer);
+    manifest_contexts_finish(manifest);
     manifest_transforms_finish(manifest);
     *manifest = (struct manifest){0};
 }

@@ -41,8 +41,9 @@ struct manifest_context {
     struct manifest_volume source;
     char *transfer; /**< A preset's name or a file; NULL if none.                */
     bool transfer_is_file;
-    bool moves;    /**< It is moved with the areas.                             */
-    double blocks; /**< Threshold from which on it stops rays; 0 if it does not.  */
+    bool moves;     /**< It is moved with the areas.                             */
+    double blocks;  /**< Threshold from which on it stops rays; 0 if it does not.  */
+    double opacity; /**< Of a surface; 0 = the default.                          */
 };
 
 /** Surfaces that are areas: one file, the files that match a pattern, or a BrainGlobe folder. */
@@ -91,7 +92,8 @@ struct manifest {
     struct manifest_parcellation *parcellations; /**< By priority. */
     size_t parcellation_count;
     bool single; /**< There is one, which the manifest has as "parcellation", not in a list.              */
-    struct manifest_context context;
+    struct manifest_context *contexts; /**< At most one volume, and surfaces. */
+    size_t context_count;
     enum mesh_space space; /**< Of the surfaces' coordinates; unstated = as each file says.                       */
     enum manifest_ccf ccf;
     enum manifest_preference prefer;

@@ -12,6 +12,7 @@
 #include "loaders/plan/plan_settle.h"
 #include "loaders/scene/fsl_maps.h"
 #include "loaders/scene/load_areas.h"
+#include "loaders/scene/load_context.h"
 #include "loaders/scene/load_probability.h"
 #include "loaders/scene/load_scalar.h"
 
@@ -166,8 +167,7 @@ static conus_status create_atlas(struct loading *loading, struct area_plan *plan
 /* Parcellations, pathways, context. Volumes of one file count each: they are unpacked one by one. */
 static size_t files_besides(const struct manifest *manifest)
 {
-    size_t files = manifest->parcellation_count;
-    files += manifest->context.source.file ? 1 : 0;
+    size_t files = manifest->parcellation_count + manifest->context_count;
     for (size_t i = 0; i < manifest->map_count; i++) {
         files += manifest->maps[i].names ? manifest->maps[i].name_count : 1;
     }
@@ -471,43 +471,45 @@ static conus_status add_pathways(struct loading *loading, bool moves)
 
 /* ---- Context ------------------------------------------------------------------------------------------------- */
 
-static conus_status set_transfer(struct loading *loading)
+static conus_status set_transfer(struct loading *loading, const struct manifest_context *context)
 {
-    const struct manifest_context *context = &loading->manifest->context;
     const char *name = context->transfer;
-    char *transfer = context->transfer_is_file ? file_beside(loading->path, name) : memory_text(name, strlen(name));
-    if (!transfer) {
-        return CONUS_ERROR_MEMORY;
+    memory_free(loading->atlas->transfer);
+    loading->atlas->transfer =
+        context->transfer_is_file ? file_beside(loading->path, name) : memory_text(name, strlen(name));
+    if (!loading->atlas->transfer || !context->transfer_is_file || file_exists(loading->atlas->transfer)) {
+        return loading->atlas->transfer ? CONUS_OK : CONUS_ERROR_MEMORY;
     }
-    loading->atlas->transfer = transfer;
-    return context->transfer_is_file && !file_exists(transfer)
-               ? fail(CONUS_ERROR_IO, "transfer.file: %s: there is no such file", transfer)
-               : CONUS_OK;
+    return fail(CONUS_ERROR_IO, "transfer.file: %s: there is no such file", loading->atlas->transfer);
 }
 
-static conus_status set_context(struct loading *loading, bool moves)
+static conus_status set_one(struct loading *loading, const struct manifest_context *context)
 {
-    const struct manifest_context *context = &loading->manifest->context;
-    if (!context->source.file || context->moves != moves) {
-        return CONUS_OK;
-    }
     char *path = source_path(loading, &context->source);
-    const conus_context_options options = {.block_threshold = context->blocks,
-                                           .max_memory = loading->options->max_memory,
-                                           .log = loading->options->log,
-                                           .log_user = loading->options->log_user};
     conus_status status = path ? load_progress_report(loading->progress, path, 1) : CONUS_ERROR_MEMORY;
-    status = status ? status : conus_atlas_set_context(loading->atlas, path, &options);
-    status = status || !context->transfer ? status : set_transfer(loading);
+    status = status ? status : context_entry_set(loading->atlas, context, path, loading->options);
     memory_free(path);
-    return status ? fail_at(status, loading, "context") : CONUS_OK;
+    return status || !context->transfer ? status : set_transfer(loading, context);
+}
+
+static conus_status set_contexts(struct loading *loading, bool moves)
+{
+    const struct manifest *manifest = loading->manifest;
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; i < manifest->context_count && !status; i++) {
+        char key[32];
+        snprintf(key, sizeof key, "context[%zu]", i);
+        status = manifest->contexts[i].moves == moves ? set_one(loading, &manifest->contexts[i]) : CONUS_OK;
+        status = status ? fail_at(status, loading, manifest->context_count > 1 ? key : "context") : CONUS_OK;
+    }
+    return status;
 }
 
 /* The areas are there. */
 static conus_status add_what_moves(struct loading *loading)
 {
     conus_status status = add_pathways(loading, true);
-    status = status ? status : set_context(loading, true);
+    status = status ? status : set_contexts(loading, true);
     if (status) {
         return status;
     }
@@ -521,7 +523,7 @@ static conus_status load_scene(conus_atlas **out, struct loading *loading)
     status = status ? status : add_probabilities(loading);
     status = status ? status : add_what_moves(loading);
     status = status ? status : add_pathways(loading, false);
-    status = status ? status : set_context(loading, false);
+    status = status ? status : set_contexts(loading, false);
     if (status) {
         conus_atlas_destroy(loading->atlas);
         return status;

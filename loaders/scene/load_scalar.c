@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* conus_atlas_add_pathway() and conus_atlas_set_context(): volumes whose values are numbers, not names. */
+/* conus_atlas_add_pathway(), and the volume of conus_atlas_set_context(): volumes whose values are numbers, not names.
+ */
 #include "loaders/scene/load_scalar.h"
 
 #include "atlas/fit/fit.h"
@@ -252,14 +253,19 @@ static conus_status choose_block(conus_volume_info *info, double wanted)
                                       info->path, text_number(threshold, wanted), text_number(maximum, info->maximum));
 }
 
-conus_status context_set(conus_atlas *atlas, struct volume_file *file, double block_threshold, struct notes *notes)
+conus_status context_set(conus_atlas *atlas, struct volume_file *file, const conus_context_options *options,
+                         struct notes *notes)
 {
     float *values = NULL;
     size_t note_count = atlas->notes.count;
-    conus_status status = volume_file_values(&values, file, notes);
+    conus_status status =
+        options->opacity == 0
+            ? volume_file_values(&values, file, notes)
+            : fail(CONUS_ERROR_ARGUMENT, "%s: an opacity of %g, which is of surfaces; a volume has a transfer function",
+                   file->info.path, options->opacity);
     if (!status) {
         file->info.role = CONUS_ROLE_CONTEXT;
-        status = choose_block(&file->info, block_threshold);
+        status = choose_block(&file->info, options->block_threshold);
     }
     status = status ? status : notes_move(&atlas->notes, notes);
     status = status ? status : fit_note(atlas, &file->info, values);
@@ -268,21 +274,5 @@ conus_status context_set(conus_atlas *atlas, struct volume_file *file, double bl
         memory_free(values);
         notes_cut(&atlas->notes, note_count);
     }
-    return status;
-}
-
-conus_status conus_atlas_set_context(conus_atlas *atlas, const char *path, const conus_context_options *options)
-{
-    struct volume_file file = {0};
-    if (!atlas || !path) {
-        return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_set_context: an atlas and a path are needed");
-    }
-    options = options_of(conus_context_options, options);
-    const struct note_sink sink = {options->log, options->log_user, path};
-    struct notes notes = {.sink = &sink};
-    conus_status status = volume_file_open(&file, path, options->max_memory, &notes);
-    status = status ? status : context_set(atlas, &file, options->block_threshold, &notes);
-    notes_finish(&notes);
-    volume_file_finish(&file);
     return status;
 }

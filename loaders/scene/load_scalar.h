@@ -11,8 +11,9 @@
 conus_status pathway_add(conus_atlas *atlas, struct volume_file *file, const conus_pathway_options *options,
                          struct notes *notes);
 
-/** Sets the chosen volume of @p file as the context, whose voxels block from @p block_threshold on (0 = none do). Notes
- * and failure as above. */
-conus_status context_set(conus_atlas *atlas, struct volume_file *file, double block_threshold, struct notes *notes);
+/** Sets the chosen volume of @p file as the context: from which value on voxels block, and that there is no opacity, is
+ * read of @p options. Notes and failure as above. */
+conus_status context_set(conus_atlas *atlas, struct volume_file *file, const conus_context_options *options,
+                         struct notes *notes);
 
 #endif

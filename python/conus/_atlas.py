@@ -220,6 +220,7 @@ def load(
     pathways: Iterable[Any] = (),
     context: Any = None,
     context_blocks: float = 0,
+    context_opacity: float = 0,
     hemispheres: str = "as-is",
     only: Optional[str] = None,
     hide: Optional[str] = None,
@@ -246,9 +247,10 @@ def load(
         Paths, or nibabel images, of scalar maps; each is one pathway. ``(map, threshold)`` sets from
         which value on (default: a quarter of the map's scale). ``(map, {name: (low, high), ...})``
         makes a pathway of each band of values, from low to below high; None is no end.
-    context, context_blocks
-        A path or nibabel image that is drawn around the areas; voxels with values from
-        ``context_blocks`` on block rays (0 = none).
+    context, context_blocks, context_opacity
+        What is drawn around the areas: a path or nibabel image of a volume, the path of a surface, or a
+        list of these with at most one volume. Its voxels with values from ``context_blocks`` on block
+        rays (0 = none); surfaces have ``context_opacity``, above 0 to 1 (0 = 0.25), and block nothing.
     hemispheres
         "as-is", "split" (areas of both sides are cut at x = 0) or "merged".
     only, hide
@@ -307,10 +309,7 @@ def load(
         raise ArgumentError("pathways: a path, wanted is a list")
     for pathway in pathways:
         _add_pathway(raw, pathway, max_memory)
-    if context is None and context_blocks:
-        raise ArgumentError("context_blocks: there is no context")
-    if context is not None:
-        _set_context(raw, context, context_blocks, max_memory)
+    _set_contexts(raw, context, context_blocks, context_opacity, max_memory)
     if only is not None or hide is not None:
         check(lib.conus_atlas_show(raw, optional(utf8, "only", only), optional(utf8, "hide", hide)))
     if flag("safe_colours", safe_colours):
@@ -381,9 +380,9 @@ def _add_pathway(atlas: Any, pathway: Any, max_memory: int) -> None:
         state.check(lib.conus_atlas_add_pathway(atlas, path_of("pathways", source), options))
 
 
-def _set_context(atlas: Any, source: Any, blocks: float, max_memory: int) -> None:
+def _set_context(atlas: Any, source: Any, blocks: float, opacity: float, max_memory: int) -> None:
     options = ffi.new("conus_context_options *")
-    options.block_threshold, options.max_memory = real("context_blocks", blocks), max_memory
+    options.block_threshold, options.opacity, options.max_memory = blocks, opacity, max_memory
     state = _Callback()
     _handle = state.hear(options)
     if hasattr(source, "dataobj"):
@@ -391,6 +390,24 @@ def _set_context(atlas: Any, source: Any, blocks: float, max_memory: int) -> Non
         state.check(lib.conus_atlas_set_context_values(atlas, voxels, options))
     else:
         state.check(lib.conus_atlas_set_context(atlas, path_of("context", source), options))
+
+
+def _is_surface(source: Any) -> bool:
+    return not hasattr(source, "dataobj") and bool(lib.conus_context_is_surface(path_of("context", source)))
+
+
+def _set_contexts(atlas: Any, context: Any, blocks: float, opacity: float, max_memory: int) -> None:
+    sources = list(context) if isinstance(context, (list, tuple)) else [] if context is None else [context]
+    surfaces = [_is_surface(source) for source in sources]
+    if blocks and surfaces.count(False) == 0:
+        raise ArgumentError("context_blocks: there is no context volume")
+    if opacity and surfaces.count(True) == 0:
+        raise ArgumentError("context_opacity: there is no surface")
+    if surfaces.count(False) > 1:
+        raise ArgumentError("context: several volumes, wanted is at most one")
+    blocks, opacity = real("context_blocks", blocks), real("context_opacity", opacity)
+    for source, surface in zip(sources, surfaces):
+        _set_context(atlas, source, 0 if surface else blocks, opacity if surface else 0, max_memory)
 
 
 def _region(source: Any, threshold: float, max_memory: int) -> Any:

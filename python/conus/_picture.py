@@ -241,7 +241,7 @@ class Renderer:
 
     def _needs_context(self) -> None:
         if not len(self.transfer):
-            raise ArgumentError("transfer: the atlas has no context")
+            raise ArgumentError("transfer: the atlas has no context volume")
 
     def render(
         self,

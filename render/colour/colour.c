@@ -65,19 +65,19 @@ conus_status colour_pass_init(struct colour_pass *out, const conus_atlas *atlas,
     return CONUS_OK;
 }
 
+static bool has_layers(const struct colour_pass *pass, const struct colour_view *view)
+{
+    return view->opacity || pass->has_haze || pass->around_count;
+}
+
 conus_status colour_pass_need(struct colour_pass *pass, const struct colour_view *view)
 {
-    if (pass->layer_tile_program || !(view->opacity || pass->has_haze)) {
+    if (pass->layer_tile_program || !has_layers(pass, view)) {
         return CONUS_OK;
     }
     conus_status status =
         pass->layer_program ? CONUS_OK : colour_program_create(&pass->layer_program, &screen, COLOUR_LAYERS);
     return status ? status : colour_program_create(&pass->layer_tile_program, &tile, COLOUR_LAYERS);
-}
-
-static bool has_layers(const struct colour_pass *pass, const struct colour_view *view)
-{
-    return view->opacity || pass->has_haze;
 }
 
 GLuint colour_pass_tile_program(const struct colour_pass *pass, const struct colour_view *view)
@@ -203,13 +203,14 @@ void colour_pass_finish(struct colour_pass *pass)
     }
     memory_free(pass->colours);
     memory_free(pass->shown);
+    memory_free(pass->opacity);
+    memory_free(pass->around);
     memory_free(pass->drawn);
     memory_free(pass->content);
     haze_choice_finish(&pass->hazy);
     *pass = (struct colour_pass){0};
 }
 
-/* ---- Drawing -------------------------------------------------------------------------------------------------- */
 /* ---- Drawing -------------------------------------------------------------------------------------------------- */
 
 static void bind_pass(const struct colour_pass *pass, bool layers)
@@ -233,38 +234,44 @@ static void bind_pass(const struct colour_pass *pass, bool layers)
     glUseProgram(layers ? pass->layer_program : pass->program);
 }
 
-/* NULL: all opaque. */
-static void set_opacities(const struct colour_pass *pass, const float *opacity)
+/* Of all numbers: what the view asks for of objects, and what is left of the surfaces around them. */
+static const float *find_opacities(const struct colour_pass *pass, const struct colour_view *view)
 {
-    static const float opaque = 1;
-    glClearNamedBufferData(pass->opacities, GL_R32F, GL_RED, GL_FLOAT, &opaque);
-    if (opacity) {
-        glNamedBufferSubData(pass->opacities, 0, (GLsizeiptr)((pass->object_count + 1) * sizeof *opacity), opacity);
+    size_t count = pass->object_count + 1;
+    for (size_t number = 0; number < count; number++) {
+        pass->opacity[number] = view->opacity ? view->opacity[number] : 1;
     }
+    for (size_t i = count; i < count + pass->around_count; i++) {
+        pass->opacity[i] = pass->around[i - count] * (float)(1 - view->fade);
+    }
+    return pass->opacity;
 }
 
 void colour_pass_prepare(const struct colour_pass *pass, const struct colour_view *view)
 {
     struct colour_view_block block = {0};
     colour_view_pack(&block, pass, view);
-    for (size_t number = 0; number <= pass->object_count; number++) {
-        size_t from = view->group ? view->group[number] : number;
+    size_t count = 1 + pass->object_count + pass->around_count;
+    for (size_t number = 0; number < count; number++) {
+        bool is_object = number <= pass->object_count;
+        size_t from = view->group && is_object ? view->group[number] : number;
         memcpy(pass->shown + 4 * number, pass->colours + 4 * from, 3 * sizeof *pass->shown);
-        pass->shown[4 * number + 3] = view->emphasis ? (float)view->emphasis[number] : (float)EMPHASIS_FULL;
+        pass->shown[4 * number + 3] = (float)(view->emphasis && is_object ? view->emphasis[number] : EMPHASIS_FULL);
     }
     glNamedBufferSubData(pass->view, 0, sizeof block, &block);
-    glNamedBufferSubData(pass->palette, 0, (GLsizeiptr)((pass->object_count + 1) * 4 * sizeof *pass->shown),
-                         pass->shown);
+    glNamedBufferSubData(pass->palette, 0, (GLsizeiptr)(count * 4 * sizeof *pass->shown), pass->shown);
     if (has_layers(pass, view)) {
-        set_opacities(pass, view->opacity);
+        const float *opacity = find_opacities(pass, view);
+        glNamedBufferSubData(pass->opacities, 0, (GLsizeiptr)(count * sizeof *opacity), opacity);
     }
     bind_pass(pass, has_layers(pass, view));
 }
 
 conus_status colour_pass_begin(const struct colour_pass *pass, const struct colour_view *view)
 {
+    const float *opacity = has_layers(pass, view) ? find_opacities(pass, view) : NULL;
     const struct mesh_layer_view layer = {
-        view->camera, view->width, view->height, {view->shift[0], view->shift[1]}, view->opacity};
+        view->camera, view->width, view->height, {view->shift[0], view->shift[1]}, opacity};
     return pass->meshes ? mesh_layer_draw(pass->meshes, &layer) : CONUS_OK;
 }
 

@@ -39,9 +39,11 @@ struct colour_pass {
     struct haze_choice hazy;   /**< Pathways that are haze.                */
     struct mesh_layer *meshes; /**< NULL if there are none.              */
     bool has_areas, has_context, has_haze;
-    size_t object_count;
-    float *colours;       /**< [object_count + 1][4] linear R, G, B, 1.                                        */
-    float *shown;         /**< [object_count + 1][4] what the last picture used of them.                       */
+    size_t object_count, around_count; /**< Objects, and surfaces around them, whose numbers follow.            */
+    float *colours;       /**< [1 + object_count + around_count][4] linear R, G, B, 1.                         */
+    float *shown;         /**< As many: what the last picture used of them.                                    */
+    float *opacity;       /**< [1 + object_count + around_count] of the last picture.                          */
+    float *around;        /**< [around_count] opacities of the surfaces around the areas.                      */
     double (*content)[3]; /**< [content_count] world points around everything that shows.                */
     size_t content_count;
     size_t object_points; /**< The first so many of these are of voxels' objects.                        */

@@ -149,23 +149,30 @@ conus_status colour_upload_objects(struct colour_pass *pass, const conus_atlas *
     return status ? status : upload_haze(pass, atlas, hazy, memory_left);
 }
 
+/* The mesh of an object that is shown, or behind these of a surface around them; NULL if there is none. */
+static const struct mesh *shown_mesh(const conus_atlas *atlas, size_t number)
+{
+    return number <= atlas->object_count ? atlas_object_mesh(atlas, (uint32_t)number)
+                                         : &atlas->context_surfaces[number - atlas->object_count - 1].mesh;
+}
+
 /* Vertices, about MESH_POINTS of them, for the camera to frame. */
 static conus_status add_mesh_content(struct colour_pass *pass, const conus_atlas *atlas)
 {
     size_t vertices = 0;
-    for (uint32_t number = 1; number <= atlas->object_count; number++) {
-        const struct mesh *mesh = atlas_object_mesh(atlas, number);
+    size_t last = atlas->object_count + atlas->context_surface_count;
+    for (size_t number = 1; number <= last; number++) {
+        const struct mesh *mesh = shown_mesh(atlas, number);
         vertices += mesh ? mesh->vertex_count : 0;
     }
     size_t step = vertices / MESH_POINTS + 1;
-    double(*points)[3] =
-        memory_resize(pass->content, pass->content_count + vertices / step + atlas->mesh_count + 1, sizeof *points);
+    double(*points)[3] = memory_resize(pass->content, pass->content_count + vertices / step + last + 1, sizeof *points);
     if (!points) {
         return CONUS_ERROR_MEMORY;
     }
     pass->content = points;
-    for (uint32_t number = 1; number <= atlas->object_count; number++) {
-        const struct mesh *mesh = atlas_object_mesh(atlas, number);
+    for (size_t number = 1; number <= last; number++) {
+        const struct mesh *mesh = shown_mesh(atlas, number);
         for (size_t v = 0; mesh && v < mesh->vertex_count; v += step) {
             for (size_t a = 0; a < 3; a++) {
                 points[pass->content_count][a] = (double)mesh->positions[3 * v + a];
@@ -178,7 +185,7 @@ static conus_status add_mesh_content(struct colour_pass *pass, const conus_atlas
 
 conus_status colour_upload_meshes(struct colour_pass *pass, const conus_atlas *atlas, uint64_t *memory_left)
 {
-    if (!atlas->mesh_count) {
+    if (!atlas->mesh_count && !atlas->context_surface_count) {
         return CONUS_OK;
     }
     conus_status status = mesh_layer_create(&pass->meshes, atlas, memory_left);
@@ -223,26 +230,40 @@ conus_status colour_upload_context(struct colour_pass *pass, const struct volume
     return status;
 }
 
-conus_status colour_upload_palette(struct colour_pass *pass, const conus_atlas *atlas)
+/* Bone: what it is around has the colours. */
+static const double around_srgb[3] = {0.86, 0.83, 0.78};
+
+static void fill_colours(struct colour_pass *pass, const conus_atlas *atlas)
 {
-    pass->object_count = atlas->object_count;
-    pass->colours = memory_zeroed(atlas->object_count + 1, 4 * sizeof *pass->colours);
-    pass->shown = memory_zeroed(atlas->object_count + 1, 4 * sizeof *pass->shown);
-    pass->drawn = memory_zeroed(atlas->object_count + 1, sizeof *pass->drawn);
-    if (!pass->colours || !pass->shown || !pass->drawn) {
-        return CONUS_ERROR_MEMORY;
-    }
-    for (size_t number = 1; number <= atlas->object_count; number++) {
-        for (int c = 0; c < 3; c++) {
-            double srgb = atlas->objects[number - 1].rgb[c] / 255.0;
-            pass->colours[4 * number + (size_t)c] = (float)linear_from_srgb(srgb);
+    for (size_t number = 1; number <= atlas->object_count + atlas->context_surface_count; number++) {
+        for (size_t c = 0; c < 3; c++) {
+            double srgb = number <= atlas->object_count ? atlas->objects[number - 1].rgb[c] / 255.0 : around_srgb[c];
+            pass->colours[4 * number + c] = (float)linear_from_srgb(srgb);
         }
     }
+    for (size_t i = 0; i < atlas->context_surface_count; i++) {
+        pass->around[i] = (float)atlas->context_surfaces[i].opacity;
+    }
+}
+
+conus_status colour_upload_palette(struct colour_pass *pass, const conus_atlas *atlas)
+{
+    size_t count = 1 + atlas->object_count + atlas->context_surface_count;
+    pass->object_count = atlas->object_count;
+    pass->around_count = atlas->context_surface_count;
+    pass->colours = memory_zeroed(count, 4 * sizeof *pass->colours);
+    pass->shown = memory_zeroed(count, 4 * sizeof *pass->shown);
+    pass->opacity = memory_zeroed(count, sizeof *pass->opacity);
+    pass->around = memory_zeroed(pass->around_count, sizeof *pass->around);
+    pass->drawn = memory_zeroed(atlas->object_count + 1, sizeof *pass->drawn);
+    if (!pass->colours || !pass->shown || !pass->opacity || !pass->around || !pass->drawn) {
+        return CONUS_ERROR_MEMORY;
+    }
+    fill_colours(pass, atlas);
     glCreateBuffers(1, &pass->palette);
-    glNamedBufferData(pass->palette, (GLsizeiptr)((atlas->object_count + 1) * 4 * sizeof *pass->colours), NULL,
-                      GL_DYNAMIC_DRAW);
+    glNamedBufferData(pass->palette, (GLsizeiptr)(count * 4 * sizeof *pass->colours), NULL, GL_DYNAMIC_DRAW);
     glCreateBuffers(1, &pass->opacities);
-    glNamedBufferData(pass->opacities, (GLsizeiptr)((atlas->object_count + 1) * sizeof(float)), NULL, GL_DYNAMIC_DRAW);
+    glNamedBufferData(pass->opacities, (GLsizeiptr)(count * sizeof(float)), NULL, GL_DYNAMIC_DRAW);
     glCreateBuffers(1, &pass->view);
     glNamedBufferData(pass->view, sizeof(struct colour_view_block), NULL, GL_DYNAMIC_DRAW);
     glCreateVertexArrays(1, &pass->vertices);

@@ -9,6 +9,9 @@
 
 enum { HATCH = 6, PALE = 40 };
 
+/* Lines of surfaces around the areas: a grey that shows on the context's black and white. */
+static const uint8_t around_rgb[3] = {172, 165, 155};
+
 /* Of each emphasis, between stripes and on them. */
 struct opacities {
     double of[3][2];
@@ -71,7 +74,7 @@ static conus_status reserve_pixels(struct cut *cut, size_t pixels)
     if (pixels <= cut->pixel_capacity) {
         return CONUS_OK;
     }
-    bool contours = cut->surface_count > 0;
+    bool contours = cut->surface_count || cut->atlas->context_surface_count;
     free_pixels(cut);
     cut->has_grey = cut->has_objects = false;
     cut->rgba = memory_raw(pixels, 4);
@@ -154,7 +157,9 @@ static void draw_row(const struct cut *cut, const struct cut_view *view, const s
         uint32_t contour = cut->contours ? cut->contours[at] : 0;
         memset(pixel, cut->grey[at], 3);
         pixel[3] = 255;
-        if (contour) {
+        if (contour == CUT_AROUND) {
+            memcpy(pixel, around_rgb, 3);
+        } else if (contour) {
             memcpy(pixel, list[contour - 1].rgb, 3);
         } else if (object) {
             cut_blend(pixel, list[object - 1].rgb, opacity_at(cut, view, opacities, column, row));

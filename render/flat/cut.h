@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
  * A flat cut through an atlas, drawn on the CPU: the context in grey, areas filled and outlined, meshes as their
- * contours and filled where they are closed, pathways over them, and the cut through a cone. Labels are looked up,
- * never interpolated.
+ * contours and filled where they are closed, surfaces around them as contours, pathways over them, and the cut through
+ * a cone. Labels are looked up, never interpolated.
  *
  * A cut keeps what it found: the next one looks at voxels and triangles again only where they lie elsewhere. */
 #ifndef CONUS_RENDER_FLAT_CUT_H
@@ -36,13 +36,17 @@ struct cut_view {
     const struct cut_cone *cone; /**< NULL = none.                                                               */
 };
 
+/** Stands in contours for a surface around the areas. */
+#define CUT_AROUND UINT32_MAX
+
 struct cut {
     const conus_atlas *atlas;
     uint8_t *rgba;     /**< [height width 4] sRGB and opacity 255, top row first.                               */
     uint32_t *objects; /**< [height width] The area or pathway that a pixel's centre is in; 0 = none.            */
 
     uint8_t *grey;      /**< [height width] Of the context.                                                      */
-    uint32_t *contours; /**< [height width] The object whose surface the plane cuts there; NULL without meshes.  */
+    uint32_t *contours; /**< [height width] The object whose surface the plane cuts there, or CUT_AROUND; NULL without
+                           surfaces.                                                                             */
     int32_t *turns; /**< [height width] Of the surface at hand: how often more it winds from there on; NULL likewise.
                          0 between surfaces.                                                              */
     size_t pixel_capacity; /**< Of each of these arrays.                                                            */

@@ -313,11 +313,27 @@ static void find_surface(struct cut *cut, const struct pane *pane, const struct 
     fill_rows(cut, &turned, object);
 }
 
+/* Their lines only: nothing is in what is around the areas. */
+static void find_around(struct cut *cut, const struct pane *pane)
+{
+    const conus_atlas *atlas = cut->atlas;
+    for (size_t i = 0; i < atlas->context_surface_count; i++) {
+        const struct mesh *mesh = &atlas->context_surfaces[i].mesh;
+        for (size_t t = 0; is_near(pane, &mesh->shape) && t < mesh->triangle_count; t++) {
+            double ends[2][2] = {{0}};
+            if (cut_triangle(ends, pane, mesh, mesh->triangles + 3 * t)) {
+                draw_line(cut->contours, pane, ends[0], ends[1], CUT_AROUND);
+            }
+        }
+    }
+}
+
 static void find_surfaces(struct cut *cut, const struct cut_view *view)
 {
     struct pane pane;
     pane_init(&pane, &view->place);
     memset(cut->contours, 0, (size_t)pane.width * pane.height * sizeof *cut->contours);
+    find_around(cut, &pane);
     for (size_t i = 0; i < cut->surface_count; i++) {
         uint32_t number = cut->surfaces[i];
         const struct mesh *mesh = atlas_object_mesh(cut->atlas, number);

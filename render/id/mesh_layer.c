@@ -30,12 +30,12 @@ struct mesh_layer {
     struct mesh_program solid, peel;
     GLint taken; /* of peel */
     GLuint vertices, vertex_buffer, index_buffer;
-    size_t object_count;
-    struct part *parts;   /* [object_count] */
-    GLsizei *counts;      /* [object_count] The parts that are drawn, one after the other: Mesa 22.3 draws nothing */
+    size_t part_count;
+    struct part *parts;   /* [part_count] */
+    GLsizei *counts;      /* [part_count] The parts that are drawn, one after the other: Mesa 22.3 draws nothing */
     const void **offsets; /* behind an empty one.                                                                   */
     GLsizei drawn_count;
-    bool *shown; /* [object_count] Parts that are not hidden. */
+    bool *shown; /* [part_count] Parts that are not hidden. */
     struct target target;
     struct target peeled;             /* one layer, */
     GLuint peel_surface, peel_object; /* and all of them */
@@ -81,6 +81,18 @@ static void fill_mesh(struct vertex *vertices, uint32_t *indices, uint32_t first
     }
 }
 
+/* Behind the objects come the surfaces around the areas. */
+static size_t count_parts(const conus_atlas *atlas)
+{
+    return atlas->object_count + atlas->context_surface_count;
+}
+
+static const struct mesh *part_mesh(const conus_atlas *atlas, size_t part)
+{
+    return part < atlas->object_count ? atlas_stored_mesh(atlas, (uint32_t)part + 1)
+                                      : &atlas->context_surfaces[part - atlas->object_count].mesh;
+}
+
 struct sizes {
     size_t vertices, indices;
 };
@@ -88,8 +100,8 @@ struct sizes {
 static conus_status check_sizes(struct sizes *out, const conus_atlas *atlas, uint64_t *memory_left)
 {
     struct sizes sizes = {0};
-    for (uint32_t number = 1; number <= atlas->object_count; number++) {
-        const struct mesh *mesh = atlas_stored_mesh(atlas, number);
+    for (size_t part = 0; part < count_parts(atlas); part++) {
+        const struct mesh *mesh = part_mesh(atlas, part);
         sizes.vertices += mesh ? mesh->vertex_count : 0;
         sizes.indices += mesh ? 3 * mesh->triangle_count : 0;
     }
@@ -132,12 +144,13 @@ static conus_status upload_meshes(struct mesh_layer *layer, const conus_atlas *a
     uint32_t *indices = status ? NULL : memory_raw(sizes.indices, sizeof *indices);
     if (!status && vertices && indices) {
         struct sizes next = {0};
-        for (uint32_t number = 1; number <= atlas->object_count; number++) {
-            const struct mesh *mesh = atlas_stored_mesh(atlas, number);
+        for (size_t part = 0; part < count_parts(atlas); part++) {
+            const struct mesh *mesh = part_mesh(atlas, part);
             if (mesh) {
-                fill_mesh(vertices + next.vertices, indices + next.indices, (uint32_t)next.vertices, mesh, number);
-                layer->parts[number - 1].count = (GLsizei)(3 * mesh->triangle_count);
-                layer->parts[number - 1].offset = (const void *)(next.indices * sizeof *indices); /* as GL has it */
+                fill_mesh(vertices + next.vertices, indices + next.indices, (uint32_t)next.vertices, mesh,
+                          (uint32_t)part + 1);
+                layer->parts[part].count = (GLsizei)(3 * mesh->triangle_count);
+                layer->parts[part].offset = (const void *)(next.indices * sizeof *indices); /* as GL has it */
                 next.vertices += mesh->vertex_count;
                 next.indices += 3 * mesh->triangle_count;
             }
@@ -175,13 +188,13 @@ static conus_status make_programs(struct mesh_layer *layer)
     return status;
 }
 
-static conus_status make_parts(struct mesh_layer *layer, size_t object_count)
+static conus_status make_parts(struct mesh_layer *layer, size_t count)
 {
-    layer->object_count = object_count;
-    layer->counts = memory_zeroed(object_count, sizeof *layer->counts);
-    layer->parts = memory_zeroed(object_count, sizeof *layer->parts);
-    layer->offsets = memory_zeroed(object_count, sizeof(void *));
-    layer->shown = memory_zeroed(object_count, sizeof *layer->shown);
+    layer->part_count = count;
+    layer->counts = memory_zeroed(count, sizeof *layer->counts);
+    layer->parts = memory_zeroed(count, sizeof *layer->parts);
+    layer->offsets = memory_zeroed(count, sizeof(void *));
+    layer->shown = memory_zeroed(count, sizeof *layer->shown);
     return layer->counts && layer->parts && layer->offsets && layer->shown ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
@@ -192,7 +205,7 @@ conus_status mesh_layer_create(struct mesh_layer **out, const conus_atlas *atlas
         return CONUS_ERROR_MEMORY;
     }
     conus_status status = make_programs(layer);
-    status = status ? status : make_parts(layer, atlas->object_count);
+    status = status ? status : make_parts(layer, count_parts(atlas));
     status = status ? status : upload_meshes(layer, atlas, memory_left);
     if (status) {
         mesh_layer_destroy(layer);
@@ -205,8 +218,9 @@ conus_status mesh_layer_create(struct mesh_layer **out, const conus_atlas *atlas
 
 void mesh_layer_update(struct mesh_layer *layer, const conus_atlas *atlas)
 {
-    for (size_t i = 0; i < layer->object_count; i++) {
-        layer->shown[i] = layer->parts[i].count && atlas_object_mesh(atlas, (uint32_t)i + 1);
+    for (size_t i = 0; i < layer->part_count; i++) {
+        bool is_around = i >= atlas->object_count;
+        layer->shown[i] = layer->parts[i].count && (is_around || atlas_object_mesh(atlas, (uint32_t)i + 1));
     }
 }
 
@@ -262,7 +276,7 @@ static void use_program(const struct mesh_program *program, const struct mesh_la
 static void list_parts(struct mesh_layer *layer, const float *opacity, bool translucent)
 {
     layer->drawn_count = 0;
-    for (size_t i = 0; i < layer->object_count; i++) {
+    for (size_t i = 0; i < layer->part_count; i++) {
         float part = opacity ? opacity[i + 1] : 1;
         if (layer->shown[i] && part > 0 && (part < 1) == translucent) {
             layer->counts[layer->drawn_count] = layer->parts[i].count;

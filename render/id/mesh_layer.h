@@ -13,7 +13,8 @@ enum { MESH_LAYER_PEELS = 8 };
 
 struct mesh_layer;
 
-/** Uploads the meshes of @p atlas, of which there must be some. Takes their size off @p memory_left. */
+/** Uploads the meshes of @p atlas and the surfaces around its areas, whose numbers follow those of the objects; there
+ * must be some. Takes their size off @p memory_left. */
 conus_status mesh_layer_create(struct mesh_layer **out, const conus_atlas *atlas, uint64_t *memory_left);
 /** NULL is fine. */
 void mesh_layer_destroy(struct mesh_layer *layer);
@@ -25,7 +26,7 @@ struct mesh_layer_view {
     const struct camera *camera;
     uint32_t width, height;
     double shift[2];      /**< Of the rays from the pixels' centres, in pixels, right and up. */
-    const float *opacity; /**< [object_count + 1] by number; NULL = all 1. What is 0 is not drawn. */
+    const float *opacity; /**< By number, from 0 on; NULL = all 1. What is 0 is not drawn. */
 };
 
 /** Draws into textures of its own; its framebuffer stays bound. */

@@ -332,7 +332,9 @@ static bool load_besides(struct atlases *out, const char *first, const char *mor
     char paths[3][600];
     const char *further = paths[1];
     const struct atlas_settings settings = {.more = {&further, 1}};
-    const struct loading what = {paths[0], &settings, context ? paths[2] : NULL, wake_nobody};
+    const char *files[] = {paths[2]};
+    const struct context_choice choice = {.files = {files, context ? 1 : 0}};
+    const struct loading what = {paths[0], &settings, &choice, wake_nobody};
     struct loader *loader = NULL;
     snprintf(paths[0], sizeof paths[0], "%s", test_in(first));
     snprintf(paths[1], sizeof paths[1], "%s", test_in(more));

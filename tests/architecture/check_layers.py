@@ -63,7 +63,7 @@ LIBRARY = {
     "atlas": "base atlas/surface atlas/deformation",
     "atlas/areas": "base atlas",
     "atlas/warp": "base atlas/deformation atlas",
-    "atlas/fit": "base atlas",
+    "atlas/fit": "base atlas/surface atlas",
     "atlas/phantom": "base atlas/surface atlas",
     "poses/rows": "base",
     "poses/programs": "base base/formats poses/rows",

@@ -2,6 +2,7 @@
 /* The head in a context, where a moved atlas lies, and what is said about that. */
 #include "atlas/fit/fit.h"
 #include "base/math3.h"
+#include "base/memory.h"
 #include "mesh_scene.h"
 #include "scene.h"
 #include "test.h"
@@ -175,6 +176,82 @@ static void surfaces_have_a_place_and_nothing_has_none(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* A box of 32 mm about `centre` around the areas, open at one end if not `closed`; of one side of a brain or none. */
+static conus_status add_box(conus_atlas *atlas, const double centre[3], bool closed, char hemisphere)
+{
+    double low[3];
+    double high[3];
+    for (int a = 0; a < 3; a++) {
+        low[a] = centre[a] - 16;
+        high[a] = centre[a] + 16;
+    }
+    struct context_surface surface = {.mesh = mesh_scene_box(low, high), .opacity = 1, .hemisphere = hemisphere};
+    surface.mesh.triangle_count -= closed ? 0 : 1;
+    conus_status status = mesh_check(&surface.mesh, &atlas->notes);
+    status = status ? status : atlas_add_context_surface(atlas, &surface);
+    mesh_finish(&surface.mesh);
+    return status;
+}
+
+/* The cube's voxels have their centres at -10, -6, -2, 2, 6, 10 along each axis. A box that ends at x = 0 holds half of
+ * them; the box around it and one more that begins at x = 4 holds five sixths, three and two of which are in them. */
+static void closed_surfaces_show_a_head(void **state)
+{
+    (void)state;
+    conus_placement place = CONUS_PLACEMENT_INIT;
+    conus_atlas *atlas = make_cube();
+    assert_ok(add_box(atlas, (const double[]){-16, 0, 0}, false, 0));
+    assert_ok(conus_atlas_placement(&place, atlas));
+    assert_false(place.has_context);
+    assert_ok(add_box(atlas, (const double[]){-16, 0, 0}, true, 0));
+    assert_ok(conus_atlas_placement(&place, atlas));
+    assert_true(place.has_context && place.head_threshold > 0 && place.head_threshold < 1);
+    assert_near(place.in_grid, 0.5, 1e-12);
+    assert_near(place.in_head, 0.5, 1e-12);
+    assert_ok(add_box(atlas, (const double[]){-16, 0, 0}, true, 0)); /* once more: a point in both is in the head */
+    assert_ok(add_box(atlas, (const double[]){20, 24, 0}, true, 0)); /* begins at y = 8, too */
+    assert_ok(conus_atlas_placement(&place, atlas));
+    assert_near(place.in_grid, 1, 1e-12);
+    assert_near(place.in_head, 0.5 + 2.0 / 6 / 6, 1e-12);
+    assert_ok(add_head(atlas, (const double[]){100, 0, 0})); /* a volume shows more */
+    assert_ok(conus_atlas_placement(&place, atlas));
+    assert_near(place.in_head, 0, 0);
+    conus_atlas_destroy(atlas);
+}
+
+static void surfaces_tell_of_other_readings(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = make_cube();
+    assert_ok(conus_atlas_move(atlas, (const double[16]){1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 60, 24, 8, 1}));
+    size_t before = conus_atlas_note_count(atlas);
+    assert_ok(add_box(atlas, (const double[]){60, 24, 8}, true, 'L'));
+    assert_ok(fit_note_surfaces(atlas)); /* of a left half, what is right of it is no wonder */
+    assert_int_equal(conus_atlas_note_count(atlas), before);
+    assert_ok(add_box(atlas, (const double[]){60, 24, 8}, true, 'R'));
+    atlas->context_surfaces[1].mesh.path = memory_text("rh.pial", 7);
+    assert_ok(fit_note_surfaces(atlas));
+    assert_int_equal(conus_atlas_note_count(atlas), before + 1);
+    assert_string_equal(conus_atlas_note(atlas, before),
+                        "0 % of the atlas is in the head of rh.pial; in the other direction it would be 100 %");
+    conus_atlas_destroy(atlas);
+}
+
+/* Nearer of both walls, from either side; a ray that looks away meets none. */
+static void a_ray_meets_a_surface_around(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = make_cube();
+    static const double towards[3] = {2, 0, 0};
+    assert_true(isinf(conus_atlas_context_depth(atlas, (const double[]){-40, 1, 2}, towards)));
+    assert_ok(add_box(atlas, (const double[3]){0}, true, 0));
+    assert_near(conus_atlas_context_depth(atlas, (const double[]){-40, 1, 2}, towards), 12, 1e-9);
+    assert_near(conus_atlas_context_depth(atlas, (const double[]){0, 1, 2}, towards), 8, 1e-9);
+    assert_true(isinf(conus_atlas_context_depth(atlas, (const double[]){40, 1, 2}, towards)));
+    assert_true(isinf(conus_atlas_context_depth(atlas, (const double[]){-40, 17, 2}, towards)));
+    conus_atlas_destroy(atlas);
+}
+
 /* What is said of a cube that was moved by `atlas_from_world`, when a head lies at `centre`; "" for nothing. */
 static const char *said_of(const double atlas_from_world[16], const double centre[3])
 {
@@ -277,6 +354,9 @@ int main(void)
         cmocka_unit_test(of_large_grids_every_third_voxel_counts),
         cmocka_unit_test(a_placement_says_where_the_areas_are),
         cmocka_unit_test(surfaces_have_a_place_and_nothing_has_none),
+        cmocka_unit_test(closed_surfaces_show_a_head),
+        cmocka_unit_test(surfaces_tell_of_other_readings),
+        cmocka_unit_test(a_ray_meets_a_surface_around),
         cmocka_unit_test(other_readings_are_told),
         cmocka_unit_test(what_is_hardly_better_is_not_told),
         cmocka_unit_test(every_failing_allocation_leaves_the_atlas),

@@ -85,3 +85,30 @@ load helpers
     "$CONUS" query "a$odd.nii.gz" --origin 0,0,90 --toward 0,0,0 | grep -q 'Ball 31m  '
     fails 3 '31m' info "$odd.nii.gz"
 }
+
+# A tetrahedron with corners at 0 and at 100 mm of each axis.
+@test "a surface around the areas is told of" {
+    sphere --size 16
+    printf 'v 0 0 0\nv 100 0 0\nv 0 100 0\nv 0 0 100\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n' >skin.obj
+    printf 'v 0 0 0\nv 100 0 0\nv 0 100 0\nf 1 2 3\n' >sheet.obj
+    run -0 --separate-stderr "$CONUS" info sphere.nii.gz --context skin.obj --context-opacity 0.5
+    has $'Context, a surface\n  file         skin.obj\n  triangles    4, closed\n'
+    has $'  reaches      x 0 to 100, y 0 to 100, z 0 to 100 mm\n  opacity      0.5\n'
+    run -0 --separate-stderr "$CONUS" info sphere.nii.gz --context sheet.obj --context skin.obj --format json
+    python3 -c 'import json, sys
+a, b = json.load(sys.stdin)["context_surfaces"]
+assert (a["path"], a["closed"], a["triangles"], a["opacity"]) == ("sheet.obj", False, 1, 0.25), a
+assert (b["path"], b["closed"], b["vertices"], b["high"]) == ("skin.obj", True, 4, [100, 100, 100]), b' <<<"$output"
+    printf '1 0 0 500\n0 1 0 0\n0 0 1 0\n0 0 0 1\n' >far.txt
+    run -0 --separate-stderr "$CONUS" info sphere.nii.gz --atlas-transform far.txt --context skin.obj
+    has '0.0 % of its voxels in the box around the closed surfaces, 0.0 % in the head (in them, and what they enclose)'
+    has '0 % of the atlas is in the head of skin.obj: is the transform of another image?'
+    has 'x 0 to 100, y 0 to 100, z 0 to 100 mm'
+    fails 2 '--context: sphere.nii.gz and sphere.nii.gz are no surfaces, one volume is allowed' \
+        info sphere.nii.gz --context sphere.nii.gz --context skin.obj --context sphere.nii.gz
+    fails 2 '--context-opacity has no effect: sphere.nii.gz is no surface' \
+        info sphere.nii.gz --context sphere.nii.gz --context-opacity 0.5
+    fails 2 '--context-opacity has no effect without --context' info sphere.nii.gz --context-opacity 0.5
+    fails 2 'skin.obj: a surface does not block rays' query sphere.nii.gz --context skin.obj --context-blocks 1 \
+        --origin 0,0,90 --toward 0,0,0
+}

@@ -144,6 +144,22 @@ session() {
     [ ! -e a.png ]
 }
 
+@test "a surface around the areas is drawn, more or less" {
+    sphere --size 24
+    printf 'v -90 -60 -90\nv 90 -60 -90\nv 0 -60 90\nf 1 2 3\n' >sheet.obj
+    gl render sphere.nii.gz $SMALL -q --view front -o plain.exr
+    for opacity in 0.25 0.5; do
+        gl render sphere.nii.gz $SMALL -q --view front -o $opacity.exr --context sheet.obj --context-opacity $opacity
+        run -1 conus diff plain.exr $opacity.exr
+    done
+    gl render sphere.nii.gz $SMALL -q --view front -o default.exr --context sheet.obj
+    answers diff 0.25.exr default.exr
+    run -1 conus diff 0.25.exr 0.5.exr
+    fails 2 '--transfer has no effect: sheet.obj is a surface' render sphere.nii.gz --context sheet.obj \
+        --transfer brain -o a.png
+    [ ! -e a.png ]
+}
+
 @test "figures that cannot be are refused before anything is loaded" {
     fails 2 '--size and --width-mm exclude each other' render a.nii -o a.png --size 10x10 --width-mm 85
     fails 2 '--height-mm has no effect without --width-mm' render a.nii -o a.png --height-mm 85

@@ -11,7 +11,7 @@
 
 SIZE(conus_load_options, 72);
 SIZE(conus_pathway_options, 64);
-SIZE(conus_context_options, 40);
+SIZE(conus_context_options, 48);
 SIZE(conus_transform_options, 56);
 SIZE(conus_pose_options, 56);
 SIZE(conus_selector_options, 96);
@@ -52,6 +52,7 @@ SIZE(conus_score_info, 24);
 SIZE(conus_contacts, 24);
 SIZE(conus_segment, 72);
 SIZE(conus_step, 16);
+SIZE(conus_context_surface, 96);
 SIZE(conus_admission, 64);
 SIZE(conus_chance, 64);
 SIZE(conus_coverage, 64);

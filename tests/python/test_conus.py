@@ -731,6 +731,27 @@ def test_a_placement_says_where_the_areas_are():
     assert 0 < seen.in_head < seen.in_grid <= 1
 
 
+def test_a_context_may_be_surfaces(tmp_path):
+    """A box of 40 mm about the left plate's middle: the other plate of two is not in it."""
+    corners = [(x, y, z) for x in (-45, -5) for y in (-40, 40) for z in (-40, 40)]
+    faces = ["1 2 4 3", "5 7 8 6", "1 5 6 2", "3 4 8 7", "1 3 7 5", "2 6 8 4"]
+    box = tmp_path / "box.obj"
+    box.write_text("".join("v %d %d %d\n" % c for c in corners) + "".join(f"f {f}\n" for f in faces))
+    atlas = conus.load(plates(), AFFINE, context=[box], context_opacity=0.5)
+    assert atlas.placement().in_head == pytest.approx(0.5, abs=0.01)
+    plain = conus.load(plates(), AFFINE)
+    hits = [one.select(origin=(0, 0, 0), direction=(-5, 0, 0), angle=10) for one in (atlas, plain)]
+    assert [(hit.name, hit.distance_mm) for hit in hits[0]] == [(hit.name, hit.distance_mm) for hit in hits[1]]
+    for arguments, why in (
+        ({"context": box, "context_blocks": 1}, "there is no context volume"),
+        ({"context_opacity": 0.5}, "there is no surface"),
+        ({"context": box, "context_opacity": 1.5}, "opacity of 1.5"),
+        ({"context": ["a.nii", "b.nii"]}, "several volumes"),
+    ):
+        with pytest.raises(conus.ArgumentError, match=why):
+            conus.load(plates(), AFFINE, **arguments)
+
+
 def test_a_manifest_has_its_transform(tmp_path):
     nibabel = pytest.importorskip("nibabel")
     nibabel.Nifti1Image(plates(), AFFINE).to_filename(tmp_path / "plates.nii")

@@ -141,6 +141,25 @@ static json_t *object(const conus_atlas *atlas, size_t number)
                      "triangles", triangles(object), "closed", closed(object), "volume_mm3", volume_mm3(object));
 }
 
+static json_t *around(const conus_atlas *atlas)
+{
+    json_t *surfaces = json_array();
+    for (size_t i = 0; i < conus_atlas_context_surface_count(atlas); i++) {
+        conus_context_surface surface = CONUS_CONTEXT_SURFACE_INIT;
+        if (!conus_atlas_context_surface(&surface, atlas, i)) {
+            const double *low = surface.low;
+            const double *high = surface.high;
+            json_array_append_new(surfaces,
+                                  json_pack("{s:o,s:I,s:I,s:b,s:o,s:f,s:[f,f,f],s:[f,f,f]}", "path",
+                                            info_json_bytes(surface.path), "vertices", (json_int_t)surface.vertices,
+                                            "triangles", (json_int_t)surface.triangles, "closed", surface.closed,
+                                            "hemisphere", hemisphere(surface.hemisphere), "opacity", surface.opacity,
+                                            "low", low[0], low[1], low[2], "high", high[0], high[1], high[2]));
+        }
+    }
+    return surfaces;
+}
+
 /* From AP, DV, ML in micrometres to the world; null where it is not the Allen CCF. */
 static json_t *ccf(const conus_atlas *atlas)
 {
@@ -173,10 +192,11 @@ char *info_json(const conus_atlas *atlas, const conus_installed *installed)
     for (size_t i = 1; i <= conus_atlas_object_count(atlas); i++) {
         whole = json_array_append_new(objects, object(atlas, i)) == 0 && whole;
     }
-    json_t *root = json_pack("{s:s,s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "conus", conus_version(), "installed",
+    json_t *root = json_pack("{s:s,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "conus", conus_version(), "installed",
                              installed ? info_json_installed(installed) : json_null(), "labels",
-                             info_json_bytes(conus_atlas_label_source(atlas)), "volumes", volumes, "world_from_ccf",
-                             ccf(atlas), "moved", info_place_json(atlas), "notes", notes, "objects", objects);
+                             info_json_bytes(conus_atlas_label_source(atlas)), "volumes", volumes, "context_surfaces",
+                             around(atlas), "world_from_ccf", ccf(atlas), "moved", info_place_json(atlas), "notes",
+                             notes, "objects", objects);
     char *text = whole && root ? json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(DIGITS)) : NULL;
     json_decref(root);
     char *line = NULL;

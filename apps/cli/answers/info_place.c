@@ -17,10 +17,23 @@ static void put_box(FILE *out, const char *what, const double low[3], const doub
             low[2], high[2]);
 }
 
-static void put_context(FILE *out, const conus_placement *place)
+static bool has_context_volume(const conus_atlas *atlas)
 {
-    fprintf(out, "  in context   %.1f %% of its voxels in the grid", 100 * place->in_grid);
-    if (isfinite(place->head_threshold)) {
+    bool found = false;
+    for (size_t i = 0; i < conus_atlas_volume_count(atlas); i++) {
+        found = found || conus_atlas_volume(atlas, i)->role == CONUS_ROLE_CONTEXT;
+    }
+    return found;
+}
+
+static void put_context(FILE *out, const conus_atlas *atlas, const conus_placement *place)
+{
+    bool is_volume = has_context_volume(atlas);
+    fprintf(out, "  in context   %.1f %% of its voxels in the %s", 100 * place->in_grid,
+            is_volume ? "grid" : "box around the closed surfaces");
+    if (!is_volume) {
+        fprintf(out, ", %.1f %% in the head (in them, and what they enclose)", 100 * place->in_head);
+    } else if (isfinite(place->head_threshold)) {
         fprintf(out, ", %.1f %% in the head (values from %.4g on, and what they enclose)", 100 * place->in_head,
                 place->head_threshold);
     }
@@ -45,7 +58,7 @@ void info_place_put(FILE *out, const conus_atlas *atlas)
     }
     put_box(out, "areas are   ", place.low, place.high);
     if (place.has_context) {
-        put_context(out, &place);
+        put_context(out, atlas, &place);
     }
 }
 

@@ -84,6 +84,7 @@ double point_depth(struct viewer *viewer, const double from[3], const double dir
     for (int a = 0; a < 3; a++) {
         across = hypot(across, from[a] - viewer->centre[a]);
     }
+    nearest = fmin(nearest, conus_atlas_context_depth(viewer->drawn->atlas, from, direction));
     double least = fmax(across - far, 0);
     return fmin(nearest, depth_of_context(viewer, from, direction, least, fmin(nearest, across + far)));
 }

@@ -112,7 +112,7 @@ static void every_key_of_pathways_transforms_and_context_is_kept(void **state)
     assert_string_equal(m.transforms[0].to, "../mni.nii");
     assert_true(m.transforms[0].inverse && !m.transforms[1].inverse);
     assert_string_equal(m.transforms[1].file, "b.tfm");
-    assert_true(m.pathways[1].moves && !m.pathways[0].moves && m.context.moves);
+    assert_true(m.pathways[1].moves && !m.pathways[0].moves && m.contexts[0].moves);
     assert_int_equal(m.pathway_count, 5);
     assert_int_equal(m.pathways[4].band_count, 3);
     assert_string_equal(m.pathways[4].bands[0].name, "Air");
@@ -126,10 +126,10 @@ static void every_key_of_pathways_transforms_and_context_is_kept(void **state)
     assert_int_equal(m.pathways[2].name_count, 2);
     assert_string_equal(m.pathways[2].names[1], "b");
     assert_string_equal(m.pathways[3].fsl, "JHU.xml");
-    assert_string_equal(m.context.source.file, "t1.nii");
-    assert_true(m.context.source.chosen && m.context.transfer_is_file);
-    assert_string_equal(m.context.transfer, "t1.tf");
-    assert_near(m.context.blocks, 80, 0);
+    assert_string_equal(m.contexts[0].source.file, "t1.nii");
+    assert_true(m.contexts[0].source.chosen && m.contexts[0].transfer_is_file);
+    assert_string_equal(m.contexts[0].transfer, "t1.tf");
+    assert_near(m.contexts[0].blocks, 80, 0);
     manifest_finish(&m);
 }
 

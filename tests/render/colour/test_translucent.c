@@ -16,6 +16,7 @@
 enum { WIDTH = PICTURE_WIDTH, HEIGHT = PICTURE_HEIGHT, PIXELS = PICTURE_PIXELS };
 
 static const uint8_t red[3] = {255, 0, 0}, green[3] = {0, 255, 0}, blue[3] = {0, 0, 255};
+static const uint8_t bone[3]; /* stands for the colour of what is around the areas, sRGB 0.86, 0.83, 0.78 */
 
 /* ---- Scenes ----------------------------------------------------------------------------------------------------- */
 
@@ -123,7 +124,9 @@ static void check_parts(const float *rgba, const struct part *parts, size_t coun
     double wanted[4] = {0};
     for (size_t i = 0; i < count; i++) {
         for (int c = 0; c < 3; c++) {
-            double colour = parts[i].rgb[c] / 255.0; /* 0 or 1 in linear light, too */
+            static const double around_srgb[3] = {0.86, 0.83, 0.78};
+            double colour = parts[i].rgb == bone ? pow((around_srgb[c] + 0.055) / 1.055, 2.4)
+                                                 : parts[i].rgb[c] / 255.0; /* 0 or 1 in linear light, too */
             wanted[c] += (1 - wanted[3]) * parts[i].opacity * (parts[i].is_haze ? colour : lit(colour));
         }
         wanted[3] += (1 - wanted[3]) * parts[i].opacity;
@@ -160,6 +163,66 @@ static void walls_are_composed_front_to_back(void **state)
         conus_renderer *renderer = renderer_of(atlas, NULL);
         float *rgba = draw_with(renderer, opacity, 0);
         check_parts(rgba, parts, 3, 2e-5);
+        memory_free(rgba);
+        conus_renderer_destroy(renderer);
+        conus_atlas_destroy(atlas);
+    }
+}
+
+/* A square across the view like add_wall(), around the areas. */
+static void add_around(conus_atlas *atlas, float y, double opacity)
+{
+    const float positions[] = {-300, y, -300, 300, y, -300, 300, y, 300, -300, y, 300};
+    const uint32_t triangles[] = {0, 1, 2, 0, 2, 3};
+    struct context_surface surface = {.opacity = opacity};
+    assert_ok(mesh_init(&surface.mesh, 4, 2));
+    memcpy(surface.mesh.positions, positions, sizeof positions);
+    memcpy(surface.mesh.triangles, triangles, sizeof triangles);
+    assert_ok(atlas_add_context_surface(atlas, &surface));
+}
+
+/* Haze from y = -8 to 8; surfaces around at -12, 4 and 40; areas at 20, translucent, and 30. The camera looks along y.
+ */
+static void surfaces_around_are_composed_with_all_else(void **state)
+{
+    (void)state;
+    const struct part parts[] = {{bone, 0.25, false}, haze(12),        {bone, 0.4, false}, haze(4),
+                                 {green, 0.5, false}, {blue, 1, false}};
+    const struct part halved[] = {{bone, 0.125, false}, haze(12), {bone, 0.2, false}, haze(4), {green, 1, false}};
+    conus_atlas *atlas = mesh_scene_atlas();
+    add_wall(atlas, 30, blue);
+    add_wall(atlas, 20, green);
+    add_pathway(atlas, around, slab);
+    add_around(atlas, 4, 0.4);
+    add_around(atlas, -12, 0.25);
+    add_around(atlas, 40, 0.5);
+    conus_renderer *renderer = renderer_of(atlas, red_haze());
+    float *rgba = draw_with(renderer, (const float[]){1, 1, 0.5F, 1}, 500);
+    check_parts(rgba, parts, 6, 6e-3);
+    memory_free(rgba);
+    struct camera camera = from_the_front();
+    rgba = picture_draw(renderer, &camera, &(struct colour_view){.fade = 0.5, .slices = 500}, false);
+    check_parts(rgba, halved, 5, 6e-3);
+    memory_free(rgba);
+    rgba = picture_draw(renderer, &camera, &(struct colour_view){.fade = 1, .slices = 500}, false);
+    check_parts(rgba, (const struct part[]){haze(16), {green, 1, false}}, 2, 6e-3);
+    memory_free(rgba);
+    conus_renderer_destroy(renderer);
+    conus_atlas_destroy(atlas);
+}
+
+/* Nothing else asks for translucency. One that is opaque hides. */
+static void a_surface_around_lies_over_opaque_areas(void **state)
+{
+    (void)state;
+    for (int opaque = 0; opaque < 2; opaque++) {
+        const struct part parts[] = {{bone, opaque ? 1 : 0.25, false}, {blue, 1, false}};
+        conus_atlas *atlas = mesh_scene_atlas();
+        add_wall(atlas, 30, blue);
+        add_around(atlas, 10, opaque ? 1 : 0.25);
+        conus_renderer *renderer = renderer_of(atlas, NULL);
+        float *rgba = draw_with(renderer, NULL, 0);
+        check_parts(rgba, parts, 2, 2e-5);
         memory_free(rgba);
         conus_renderer_destroy(renderer);
         conus_atlas_destroy(atlas);
@@ -434,6 +497,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(walls_are_composed_front_to_back),
+        cmocka_unit_test(surfaces_around_are_composed_with_all_else),
+        cmocka_unit_test(a_surface_around_lies_over_opaque_areas),
         cmocka_unit_test(many_walls_are_the_nearest_eight),
         cmocka_unit_test(a_surface_counts_once),
         cmocka_unit_test(haze_lies_before_and_behind_a_wall),

@@ -9,6 +9,7 @@
 #include "test.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum { SIDE = 61 };
@@ -111,6 +112,31 @@ static void fill_and_outline(void **state)
     view.no_outlines = true;
     assert_ok(conus_cut(picture.rgba, NULL, atlas, &view));
     assert_memory_equal(pixel_at(&picture, edge, 30), black, 3);
+    conus_atlas_destroy(atlas);
+}
+
+/* A box whose walls the plane z = 0 cuts where pixels have their centres: at x and y of -12 and 12. */
+static void a_surface_around_is_an_outline(void **state)
+{
+    (void)state;
+    static struct picture picture;
+    static struct picture plain;
+    static const uint8_t bone[3] = {172, 165, 155};
+    conus_atlas *atlas = open_phantom("sphere");
+    const conus_cut_view view = {.width = SIDE, .height = SIDE, .fill = 1, .no_outlines = true};
+    struct context_surface surface = {
+        .opacity = 0.25, .mesh = mesh_scene_box((const double[]){-12, -12, -12}, (const double[]){12, 12, 12})};
+    assert_ok(conus_cut(plain.rgba, plain.objects, atlas, &view));
+    assert_ok(mesh_check(&surface.mesh, NULL));
+    assert_ok(atlas_add_context_surface(atlas, &surface));
+    assert_ok(conus_cut(picture.rgba, picture.objects, atlas, &view));
+    assert_memory_equal(picture.objects, plain.objects, sizeof plain.objects);
+    for (int y = 0; y < SIDE; y++) {
+        for (int x = 0; x < SIDE; x++) {
+            int far = abs(x - 30) > abs(y - 30) ? abs(x - 30) : abs(y - 30);
+            assert_memory_equal(pixel_at(&picture, x, y), far == 12 ? bone : pixel_at(&plain, x, y), 3);
+        }
+    }
     conus_atlas_destroy(atlas);
 }
 
@@ -452,6 +478,7 @@ int main(void)
         cmocka_unit_test(the_default_is_axial_and_neurological),
         cmocka_unit_test(hidden_objects_are_left_out),
         cmocka_unit_test(fill_and_outline),
+        cmocka_unit_test(a_surface_around_is_an_outline),
         cmocka_unit_test(the_context_is_linear_between_black_and_white),
         cmocka_unit_test(values_are_linear_between_voxels),
         cmocka_unit_test(a_cone_is_drawn_to_scale),

@@ -1,0 +1,116 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* conus_atlas_set_context(): a volume or a surface around the areas. */
+#include "loaders/scene/load_context.h"
+
+#include "atlas/fit/fit.h"
+#include "base/memory.h"
+#include "base/options.h"
+#include "loaders/scene/load_scalar.h"
+#include "loaders/surfaces/mesh_file.h"
+
+static const double default_opacity = 0.25;
+
+static conus_status check_surface(const char *path, const conus_context_options *options)
+{
+    if (options->block_threshold != 0) {
+        return fail(CONUS_ERROR_ARGUMENT, "%s: a surface does not block rays, only voxels of a volume do", path);
+    }
+    return options->opacity >= 0 && options->opacity <= 1
+               ? CONUS_OK
+               : fail(CONUS_ERROR_ARGUMENT, "%s: opacity of %g, allowed is above 0 to 1 (0 = %g)", path,
+                      options->opacity, default_opacity);
+}
+
+/* Reads, and measures where it lies later. */
+static conus_status read_surface(struct context_surface *out, const char *path, const conus_context_options *options,
+                                 struct notes *notes)
+{
+    const struct mesh_file_options file = {.max_memory = options->max_memory};
+    struct label about = {0};
+    conus_status status = check_surface(path, options);
+    status = status ? status : mesh_file_read(&out->mesh, &about, path, &file, notes);
+    out->opacity = options->opacity > 0 ? options->opacity : default_opacity;
+    out->hemisphere = about.hemisphere;
+    label_finish(&about);
+    return status;
+}
+
+/* On failure the atlas is as before. */
+static conus_status add_surface(conus_atlas *atlas, const char *path, const conus_context_options *options,
+                                struct notes *notes)
+{
+    struct context_surface surface = {0};
+    struct file_state state;
+    size_t count = atlas->context_surface_count;
+    size_t note_count = atlas->notes.count;
+    conus_status status = file_state_find(&state, path);
+    status = status ? status : read_surface(&surface, path, options, notes);
+    status = status ? status : notes_move(&atlas->notes, notes);
+    status = status ? status : atlas_add_context_surface(atlas, &surface);
+    status = status ? status : fit_note_surfaces(atlas);
+    status = status ? status : atlas_note_file(atlas, path, &state);
+    if (status) {
+        atlas_cut_context_surfaces(atlas, count);
+        notes_cut(&atlas->notes, note_count);
+        mesh_finish(&surface.mesh);
+    }
+    return status;
+}
+
+static conus_status set_volume(conus_atlas *atlas, const char *path, const conus_context_options *options,
+                               struct notes *notes)
+{
+    struct volume_file file = {0};
+    conus_status status = volume_file_open(&file, path, options->max_memory, notes);
+    status = status ? status : context_set(atlas, &file, options, notes);
+    volume_file_finish(&file);
+    return status;
+}
+
+bool conus_context_is_surface(const char *path)
+{
+    return mesh_file_is(path);
+}
+
+conus_status conus_atlas_set_context(conus_atlas *atlas, const char *path, const conus_context_options *options)
+{
+    if (!atlas || !path) {
+        return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_set_context: an atlas and a path are needed");
+    }
+    options = options_of(conus_context_options, options);
+    const struct note_sink sink = {options->log, options->log_user, path};
+    struct notes notes = {.sink = &sink};
+    conus_status status =
+        mesh_file_is(path) ? add_surface(atlas, path, options, &notes) : set_volume(atlas, path, options, &notes);
+    notes_finish(&notes);
+    return status;
+}
+
+/* ---- Manifests -------------------------------------------------------------------------------------------------- */
+
+static const char *wrong_of_surface(const struct manifest_context *entry)
+{
+    return entry->transfer     ? "transfer: is of volumes, this is a surface"
+           : entry->blocks > 0 ? "blocks: only voxels of a volume do, this is a surface"
+           : entry->moves      ? "moves: a surface is where poses are"
+                               : NULL;
+}
+
+static const char *wrong_of_volume(const struct manifest_context *entry, const conus_atlas *atlas)
+{
+    return entry->opacity != 0    ? "opacity: is of surfaces, this is none; a volume has a transfer function"
+           : atlas_context(atlas) ? "file: is no surface, and there is a volume already"
+                                  : NULL;
+}
+
+conus_status context_entry_set(conus_atlas *atlas, const struct manifest_context *entry, const char *path,
+                               const conus_load_options *options)
+{
+    const conus_context_options context = {.block_threshold = entry->blocks,
+                                           .max_memory = options->max_memory,
+                                           .log = options->log,
+                                           .log_user = options->log_user,
+                                           .opacity = entry->opacity};
+    const char *wrong = mesh_file_is(path) ? wrong_of_surface(entry) : wrong_of_volume(entry, atlas);
+    return wrong ? fail(CONUS_ERROR_DATA, "%s", wrong) : conus_atlas_set_context(atlas, path, &context);
+}

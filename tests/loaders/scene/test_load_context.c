@@ -1,0 +1,235 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Surfaces around the areas: from files and manifests, never hit, never moved. */
+#include "atlas/atlas.h"
+#include "base/memory.h"
+#include "loaders/surfaces/mesh_format.h"
+#include "mesh_scene.h"
+#include "test.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static const double low[3] = {-20, -30, -40};
+static const double high[3] = {25, 35, 45};
+
+/* Writes a box as a file of the test's folder; gives its path. */
+static const char *write_box(const char *name, conus_mesh_format format)
+{
+    struct mesh box = mesh_scene_box(low, high);
+    struct buffer bytes = {0};
+    const char *path = test_in(name);
+    assert_ok(mesh_check(&box, NULL));
+    assert_ok(
+        mesh_format(&bytes, &box, &(struct mesh_title){.name = "box", .space = "NIFTI_XFORM_SCANNER_ANAT"}, format));
+    assert_ok(conus_write_file(path, bytes.data, bytes.size));
+    buffer_finish(&bytes);
+    mesh_finish(&box);
+    return path;
+}
+
+static void put_big(struct buffer *out, const void *value)
+{
+    const uint8_t *b = value;
+    const char turned[4] = {(char)b[3], (char)b[2], (char)b[1], (char)b[0]};
+    buffer_append(out, turned, 4);
+}
+
+/* FreeSurfer's: mark, comment, two line feeds, counts, positions, indices; big-endian. */
+static const char *write_freesurfer(const char *name)
+{
+    struct mesh box = mesh_scene_box(low, high);
+    struct buffer bytes = {0};
+    const char *path = test_in(name);
+    const uint32_t counts[2] = {(uint32_t)box.vertex_count, (uint32_t)box.triangle_count};
+    buffer_append(&bytes,
+                  "\xff\xff\xfe"
+                  "made\n\n",
+                  9);
+    put_big(&bytes, &counts[0]);
+    put_big(&bytes, &counts[1]);
+    for (size_t i = 0; i < 3 * box.vertex_count; i++) {
+        put_big(&bytes, &box.positions[i]);
+    }
+    for (size_t i = 0; i < 3 * box.triangle_count; i++) {
+        put_big(&bytes, &box.triangles[i]);
+    }
+    assert_ok(conus_write_file(path, bytes.data, bytes.size));
+    buffer_finish(&bytes);
+    mesh_finish(&box);
+    return path;
+}
+
+/* A ball of 10 mm about 0, which the box encloses. */
+static conus_atlas *make_ball(void)
+{
+    conus_atlas *atlas = mesh_scene_atlas();
+    struct mesh ball = mesh_scene_sphere((const double[3]){0}, 10, 16, 16);
+    mesh_scene_add(atlas, &ball);
+    return atlas;
+}
+
+static void check_box(const conus_atlas *atlas, size_t index, const char *path)
+{
+    conus_context_surface surface = CONUS_CONTEXT_SURFACE_INIT;
+    assert_ok(conus_atlas_context_surface(&surface, atlas, index));
+    assert_string_equal(surface.path, path);
+    assert_int_equal(surface.triangles, 12);
+    assert_true(surface.closed);
+    for (int a = 0; a < 3; a++) {
+        assert_near(surface.low[a], low[a], 1e-5);
+        assert_near(surface.high[a], high[a], 1e-5);
+    }
+}
+
+static void all_formats_of_surfaces_are_taken(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *name;
+        conus_mesh_format format;
+    } files[] = {{"box.surf.gii", CONUS_MESH_GIFTI}, {"box.vtp", CONUS_MESH_VTP},
+                 {"box.obj", CONUS_MESH_OBJ},        {"box.ply", CONUS_MESH_PLY},
+                 {"box.stl", CONUS_MESH_STL},        {"lh.box", CONUS_MESH_STL}}; /* FreeSurfer's */
+    conus_context_surface surface = CONUS_CONTEXT_SURFACE_INIT;
+    conus_atlas *atlas = make_ball();
+    test_folder("formats");
+    for (size_t i = 0; i < 6; i++) {
+        const char *path = i < 5 ? write_box(files[i].name, files[i].format) : write_freesurfer(files[i].name);
+        const conus_context_options options = {.opacity = i ? 0.5 : 0};
+        assert_true(conus_context_is_surface(path));
+        assert_ok(conus_atlas_set_context(atlas, path, &options));
+        assert_int_equal(conus_atlas_context_surface_count(atlas), i + 1);
+        check_box(atlas, i, path);
+        assert_ok(conus_atlas_context_surface(&surface, atlas, i));
+        assert_near(surface.opacity, i ? 0.5 : 0.25, 0);
+        assert_string_equal(conus_atlas_file(atlas, i), path);
+    }
+    assert_fails(conus_atlas_context_surface(&surface, atlas, 6), CONUS_ERROR_ARGUMENT);
+    assert_int_equal(conus_atlas_object_count(atlas), 1);
+    assert_int_equal(conus_atlas_volume_count(atlas), 0);
+    conus_atlas_destroy(atlas);
+}
+
+/* The ball is behind a wall of the box at y = -30, at 10 mm from its middle: 40 mm from an eye at y = -50. */
+static void no_ray_hits_them_and_nothing_moves_them(void **state)
+{
+    (void)state;
+    test_folder("around");
+    conus_atlas *atlas = make_ball();
+    const struct cone cone = mesh_scene_cone((const double[]){0, -50, 0}, (const double[]){0, 0, 0}, 5, 32);
+    const char *path = write_box("skin.stl", CONUS_MESH_STL);
+    conus_selection *before = mesh_scene_select(atlas, &(conus_selector_options){0}, &cone);
+    assert_ok(conus_atlas_set_context(atlas, path, NULL));
+    conus_selection *after = mesh_scene_select(atlas, &(conus_selector_options){0}, &cone);
+    assert_int_equal(conus_selection_count(after), conus_selection_count(before));
+    assert_memory_equal(conus_selection_result(after, 0), conus_selection_result(before, 0), sizeof(conus_result));
+    assert_near(conus_selection_result(after, 0)->distance, 40, 0.2);
+    conus_selection_destroy(before);
+    conus_selection_destroy(after);
+    assert_ok(conus_atlas_move(atlas, (const double[16]){1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 3, 4, 5, 1}));
+    check_box(atlas, 0, path);
+    conus_atlas_destroy(atlas);
+}
+
+static void what_is_not_of_surfaces_is_refused(void **state)
+{
+    (void)state;
+    test_folder("refused");
+    conus_atlas *atlas = make_ball();
+    const char *path = write_box("skin.ply", CONUS_MESH_PLY);
+    static const conus_context_options options[] = {
+        {.block_threshold = 1}, {.opacity = 1.5}, {.opacity = -0.5}, {.opacity = NAN}};
+    for (size_t i = 0; i < 4; i++) {
+        assert_fails(conus_atlas_set_context(atlas, path, &options[i]), CONUS_ERROR_ARGUMENT);
+        assert_non_null(strstr(conus_message(), path));
+    }
+    assert_ok(conus_write_file(test_in("bad.obj"), "v 0 0 0\nf 1 2 3\n", 16));
+    assert_fails(conus_atlas_set_context(atlas, test_in("bad.obj"), NULL), CONUS_ERROR_DATA);
+    assert_fails(conus_atlas_set_context(atlas, test_in("none.obj"), NULL), CONUS_ERROR_IO);
+    assert_false(conus_context_is_surface(test_in("none.obj")));
+    assert_int_equal(conus_atlas_context_surface_count(atlas), 0);
+    assert_int_equal(conus_atlas_note_count(atlas), 0);
+    assert_int_equal(conus_atlas_file_count(atlas), 0);
+    conus_atlas_destroy(atlas);
+}
+
+static conus_status load_text(conus_atlas **out, const char *context)
+{
+    char text[512];
+    int size =
+        snprintf(text, sizeof text,
+                 "{\"conus_atlas\": 1, \"areas\": [{\"file\": \"ball.gii\", \"label\": 1}], \"context\": %s}", context);
+    const char *path = test_in("scene.atlas.json");
+    assert_ok(conus_write_file(path, text, (size_t)size));
+    return conus_atlas_load(out, path, NULL);
+}
+
+static void manifests_name_them(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *context, *why;
+    } bad[] = {
+        {"{\"file\": \"l.gii\", \"transfer\": \"brain\"}", "context: transfer: is of volumes, this is a surface"},
+        {"{\"file\": \"l.gii\", \"blocks\": 3}", "context: blocks: only voxels of a volume do, this is a surface"},
+        {"[\"l.gii\", {\"file\": \"r.obj\", \"opacity\": 2}]", "context[1].opacity: found 2, a number above 0 to 1"},
+        {"[\"l.gii\", {\"file\": \"r.obj\", \"moves\": true}]", "context.moves: there is no transform"},
+    };
+    conus_atlas *atlas = NULL;
+    conus_context_surface surface = CONUS_CONTEXT_SURFACE_INIT;
+    test_folder("manifest");
+    write_box("ball.gii", CONUS_MESH_GIFTI);
+    write_box("l.gii", CONUS_MESH_GIFTI);
+    write_box("r.obj", CONUS_MESH_OBJ);
+    assert_ok(load_text(&atlas, "[\"l.gii\", {\"file\": \"r.obj\", \"opacity\": 0.75}]"));
+    check_box(atlas, 0, test_in("l.gii"));
+    check_box(atlas, 1, test_in("r.obj"));
+    assert_ok(conus_atlas_context_surface(&surface, atlas, 1));
+    assert_near(surface.opacity, 0.75, 0);
+    conus_atlas_destroy(atlas);
+    assert_ok(load_text(&atlas, "\"r.obj\""));
+    assert_int_equal(conus_atlas_context_surface_count(atlas), 1);
+    conus_atlas_destroy(atlas);
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        assert_fails(load_text(&atlas, bad[i].context), CONUS_ERROR_DATA);
+        if (!strstr(conus_message(), bad[i].why)) {
+            fail_msg("%s", conus_message());
+        }
+    }
+}
+
+static conus_status attempt(void *data)
+{
+    conus_atlas *atlas = make_ball();
+    test_fail_allocation(*(long *)data);
+    conus_status status = conus_atlas_set_context(atlas, test_in("skin.gii"), NULL);
+    test_fail_allocation(-1);
+    assert_int_equal(conus_atlas_context_surface_count(atlas), status ? 0 : 1);
+    conus_atlas_destroy(atlas);
+    return status;
+}
+
+static void every_failing_allocation_leaves_the_atlas(void **state)
+{
+    (void)state;
+    test_folder("memory");
+    write_box("skin.gii", CONUS_MESH_GIFTI);
+    conus_status status = CONUS_ERROR_MEMORY;
+    for (long n = 0; status; n++) {
+        status = attempt(&n);
+        assert_true(!status || status == CONUS_ERROR_MEMORY);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(all_formats_of_surfaces_are_taken),
+        cmocka_unit_test(no_ray_hits_them_and_nothing_moves_them),
+        cmocka_unit_test(what_is_not_of_surfaces_is_refused),
+        cmocka_unit_test(manifests_name_them),
+        cmocka_unit_test(every_failing_allocation_leaves_the_atlas),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
