@@ -28,23 +28,39 @@ static void place_volume(struct colour_volume *out, const struct volume *volume)
     memcpy(out->world_from_voxel, volume->info.world_from_voxel, sizeof out->world_from_voxel);
 }
 
-/* Appends the corners of all bricks that show. */
+/* Whether one of the up to eight bricks round a corner shows. */
+static bool corner_shows(const struct bricks *bricks, const size_t corner[3])
+{
+    bool shows = false;
+    for (size_t n = 0; n < 8 && !shows; n++) {
+        size_t at[3];
+        bool exists = true;
+        for (size_t a = 0; a < 3; a++) {
+            at[a] = corner[a] - (n >> a & 1); /* before the first it wraps around */
+            exists = exists && at[a] < bricks->dim[a];
+        }
+        shows = exists && !bricks->distance[at[0] + bricks->dim[0] * (at[1] + bricks->dim[1] * at[2])];
+    }
+    return shows;
+}
+
+/* Appends the corners of all bricks that show, each once. */
 static conus_status add_content(struct colour_pass *pass, const struct bricks *bricks,
                                 const struct colour_volume *volume)
 {
-    size_t count = bricks->dim[0] * bricks->dim[1] * bricks->dim[2];
-    double(*points)[3] = memory_resize(pass->content, pass->content_count + 8 * count + 1, sizeof *points);
+    const size_t dim[3] = {bricks->dim[0] + 1, bricks->dim[1] + 1, bricks->dim[2] + 1};
+    size_t count = dim[0] * dim[1] * dim[2];
+    double(*points)[3] = memory_resize(pass->content, pass->content_count + count + 1, sizeof *points);
     if (!points) {
         return CONUS_ERROR_MEMORY;
     }
     pass->content = points;
-    for (size_t b = 0; b < count; b++) {
-        const size_t at[3] = {b % bricks->dim[0], b / bricks->dim[0] % bricks->dim[1],
-                              b / bricks->dim[0] / bricks->dim[1]};
-        for (int n = 0; n < 8 && !bricks->distance[b]; n++) {
+    for (size_t c = 0; c < count; c++) {
+        const size_t corner[3] = {c % dim[0], c / dim[0] % dim[1], c / dim[0] / dim[1]};
+        if (corner_shows(bricks, corner)) {
             double voxel[3];
             for (int a = 0; a < 3; a++) {
-                size_t edge = (at[a] + (size_t)(n >> a & 1)) * BRICKS_EDGE;
+                size_t edge = corner[a] * BRICKS_EDGE;
                 voxel[a] = (double)(edge < volume->dim[a] ? edge : volume->dim[a]) - 0.5;
             }
             mat4_point(points[pass->content_count++], volume->world_from_voxel, voxel);

@@ -14,6 +14,7 @@
 #include <string.h>
 
 enum {
+    LEVEL = 4,        /* with the rows' differences: a third of the time of libpng's defaults, a twelfth more bytes */
     MAX_RATIO = 1032, /* of deflate */
     SAMPLES = 1 << 16,
 };
@@ -99,6 +100,8 @@ static bool write_png(struct job *job, const uint8_t *rgba, uint32_t width, uint
     png_set_write_fn(job->png, job, write_bytes, flush_nothing);
     png_set_IHDR(job->png, job->info, width, height, 8, PNG_COLOR_TYPE_RGB_ALPHA, PNG_INTERLACE_NONE,
                  PNG_COMPRESSION_TYPE_BASE, PNG_FILTER_TYPE_BASE);
+    png_set_filter(job->png, PNG_FILTER_TYPE_BASE, PNG_FILTER_UP);
+    png_set_compression_level(job->png, LEVEL);
     png_set_sRGB(job->png, job->info, PNG_sRGB_INTENT_RELATIVE);
     write_density(job);
     png_write_info(job->png, job->info);
