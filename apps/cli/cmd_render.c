@@ -443,6 +443,7 @@ static conus_status draw_picture(const struct picture *picture, const conus_sele
                        .selection = selection,
                        .opacity = picture->translucent.opacity,
                        .pale = picture->translucent.pale,
+                       .frame = &picture->frame,
                        .no_skipping = settings->no_skipping};
     figure_view(&view, &settings->figure);
     conus_status status = conus_render(&image, picture->renderer, &view);

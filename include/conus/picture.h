@@ -7,6 +7,7 @@
 #define CONUS_PUBLIC_PICTURE_H
 
 #include <conus/image.h>
+#include <conus/space.h>
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -178,6 +179,7 @@ typedef struct conus_view {
                               NaN. Not of pathways that are haze. */
     double pale;           /**< Opacity of what the selection does not hit, of all without a selection; 0 = 1, as of
                               what it hits. */
+    const conus_frame *frame; /**< In which the legend says where the cone begins; NULL = RAS mm. */
 } conus_view;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */

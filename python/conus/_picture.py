@@ -335,6 +335,7 @@ class Renderer:
             if selection.atlas is not self.atlas:
                 raise ArgumentError("selection: it is of another atlas")
             options.selection = selection._p
+            options.frame = selection.space._frame if selection.space else ffi.NULL
         options.chosen = 0 if chosen is None else self.atlas.find(chosen)
         options.fade, options.draft, options.no_skipping = fade, draft, not skipping
         options.side = choice("view", view, _SIDES)

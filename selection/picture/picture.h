@@ -51,6 +51,11 @@ conus_status picture_prepare_sheet(struct picture *picture, uint64_t max_memory,
 conus_status picture_legend_init(struct picture *picture);
 void picture_legend_finish(struct picture *picture);
 
+enum { PICTURE_TEXT = 160 };
+
+/** The legend's words about where a cone begins, in the space of @p frame; NULL = RAS mm. */
+void picture_describe_cone(char out[PICTURE_TEXT], const struct cone *cone, const conus_frame *frame);
+
 /** The width that a legend takes inside of the drawing, pixels; 0 where there is none. */
 double picture_legend_width(const struct picture *picture);
 

@@ -8,8 +8,9 @@
 #include "render/flat/legend.h"
 
 #include <stdio.h>
+#include <string.h>
 
-enum { TEXT_SIZE = 128, CELL_SIZE = 24, PATHWAY_ROWS = 5 };
+enum { TEXT_SIZE = PICTURE_TEXT, CELL_SIZE = 24, PATHWAY_ROWS = 5 };
 
 /* Inside, of the picture's width, while letters of SMALLEST of their size are enough; else all of it. */
 static const double INSIDE = 0.42;
@@ -99,12 +100,24 @@ static size_t add_pathways(struct legend_row rows[PATHWAY_ROWS], char words[TEXT
     return count;
 }
 
-static void describe_cone(char out[TEXT_SIZE], const struct cone *cone)
+void picture_describe_cone(char out[PICTURE_TEXT], const struct cone *cone, const conus_frame *frame)
 {
-    const double *apex = cone->pose.world_from_device + 12;
+    static const char *const places[] = {", RAS mm", ", LPS mm", " \u00b5m in CCF", " mm from bregma"};
+    const conus_space space = frame ? frame->space : CONUS_SPACE_RAS;
     bool rod = cone->radius > 0;
-    snprintf(out, TEXT_SIZE, "%s%.4g%s from %.4g, %.4g, %.4g, RAS mm", rod ? "radius " : "",
-             rod ? cone->radius : degrees_from_radians(cone->angle), rod ? " mm" : "\u00b0", apex[0], apex[1], apex[2]);
+    double at[3];
+    memcpy(at, cone->pose.world_from_device + 12, sizeof at);
+    if (frame) {
+        conus_frame_from_world(at, frame, at);
+    }
+    int size = snprintf(out, PICTURE_TEXT, "%s%.4g%s from", rod ? "radius " : "",
+                        rod ? cone->radius : degrees_from_radians(cone->angle), rod ? " mm" : "\u00b0");
+    for (size_t a = 0; a < 3; a++) {
+        const char *axis = space < CONUS_SPACE_CCF ? "" : conus_space_axis(space, a);
+        size += snprintf(out + size, PICTURE_TEXT - (size_t)size, "%s %s%s%.*g", a ? "," : "", axis, *axis ? " " : "",
+                         space == CONUS_SPACE_CCF ? 6 : 4, at[a]);
+    }
+    snprintf(out + size, PICTURE_TEXT - (size_t)size, "%s", places[space]);
 }
 
 static void fill_rows(struct picture_legend *out, const struct picture *picture)
@@ -119,7 +132,7 @@ static void fill_rows(struct picture_legend *out, const struct picture *picture)
         }
     }
     count += add_pathways(out->rows + count, out->words, picture);
-    describe_cone(out->subtitle, &selection->cone);
+    picture_describe_cone(out->subtitle, &selection->cone, picture->options.frame);
     out->legend = (struct legend){.title = "First hits of the cone",
                                   .subtitle = out->subtitle,
                                   .header = {"share", "distance"},

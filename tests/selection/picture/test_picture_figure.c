@@ -4,6 +4,7 @@
 #include "picture_scene.h"
 #include "render/flat/font.h"
 #include "render/image/image.h"
+#include "selection/picture/picture.h"
 #include "test.h"
 #include "test_gl.h"
 
@@ -87,6 +88,40 @@ static void need_font(void)
     if (status) {
         skip();
     }
+}
+
+/* ---- Words ------------------------------------------------------------------------------------------------------ */
+
+/* CCF numbers that are 1000 (10 - z), 1000 (4 - y), 1000 (5 + x) of a world point; bregma's the mm from there. */
+static void the_legend_is_in_the_space_asked_for(void **state)
+{
+    (void)state;
+    struct cone cone = {.angle = radians_from_degrees(20)};
+    assert_ok(conus_pose_toward(&cone.pose, (double[]){-0.25, 4.5, 12.5}, (double[3]){0}, NULL));
+    static const struct {
+        conus_frame frame;
+        const char *words;
+    } cases[] = {
+        {{.space = CONUS_SPACE_RAS, .world_from_space = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}},
+         "20\u00b0 from -0.25, 4.5, 12.5, RAS mm"},
+        {{.space = CONUS_SPACE_LPS, .world_from_space = {-1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}},
+         "20\u00b0 from 0.25, -4.5, 12.5, LPS mm"},
+        {{.space = CONUS_SPACE_CCF,
+          .world_from_space = {0, 0, -0.001, 0, 0, -0.001, 0, 0, 0.001, 0, 0, 0, -5, 4, 10, 1}},
+         "20\u00b0 from AP -2500, DV -500, ML 4750 \u00b5m in CCF"},
+        {{.space = CONUS_SPACE_BREGMA, .world_from_space = {0, 1, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, -1, 2, 3, 1}},
+         "20\u00b0 from AP 2.5, ML 0.75, DV 9.5 mm from bregma"},
+    };
+    char words[PICTURE_TEXT];
+    picture_describe_cone(words, &cone, NULL);
+    assert_string_equal(words, cases[0].words);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        picture_describe_cone(words, &cone, &cases[i].frame);
+        assert_string_equal(words, cases[i].words);
+    }
+    cone.radius = 2.5;
+    picture_describe_cone(words, &cone, &cases[3].frame);
+    assert_string_equal(words, "radius 2.5 mm from AP 2.5, ML 0.75, DV 9.5 mm from bregma");
 }
 
 /* ---- Sides ------------------------------------------------------------------------------------------------------ */
@@ -411,10 +446,15 @@ static void allocations_may_fail(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(each_side_shows_what_is_there),  cmocka_unit_test(letters_tell_left_from_right),
-        cmocka_unit_test(backgrounds_lie_behind),         cmocka_unit_test(a_legend_outside_leaves_the_drawing_alone),
-        cmocka_unit_test(files_say_how_large_they_are),   cmocka_unit_test(letters_grow_with_the_resolution),
-        cmocka_unit_test(views_out_of_range_are_refused), cmocka_unit_test(allocations_may_fail),
+        cmocka_unit_test(the_legend_is_in_the_space_asked_for),
+        cmocka_unit_test(each_side_shows_what_is_there),
+        cmocka_unit_test(letters_tell_left_from_right),
+        cmocka_unit_test(backgrounds_lie_behind),
+        cmocka_unit_test(a_legend_outside_leaves_the_drawing_alone),
+        cmocka_unit_test(files_say_how_large_they_are),
+        cmocka_unit_test(letters_grow_with_the_resolution),
+        cmocka_unit_test(views_out_of_range_are_refused),
+        cmocka_unit_test(allocations_may_fail),
     };
     return cmocka_run_group_tests(tests, make_scene, finish_scene);
 }
