@@ -9,4 +9,8 @@
  * CONUS_ERROR_MEMORY. */
 conus_status draft_transform_say(struct manifest_draft *draft, const char *name);
 
+/** Says the same of the volume @p name, if its header says that it is a deformation field or what belongs to one;
+ * *is_field then. CONUS_ERROR_MEMORY. */
+conus_status draft_field_say(bool *is_field, struct manifest_draft *draft, const char *name);
+
 #endif

@@ -480,7 +480,9 @@ static conus_status take_brainglobe(bool *taken, struct manifest_draft *draft)
 static conus_status look_at_other(struct manifest_draft *draft, const char *name, bool brainglobe)
 {
     if (!brainglobe || !(path_ends_in(name, ".tiff") || path_ends_in(name, ".tif"))) {
-        return look_at_volume(draft, name);
+        bool is_field = false;
+        conus_status status = draft_field_say(&is_field, draft, name);
+        return status || is_field ? status : look_at_volume(draft, name);
     }
     bool known = strcmp(name, BRAINGLOBE_ANNOTATION) == 0 || strcmp(name, BRAINGLOBE_REFERENCE) == 0;
     return known ? CONUS_OK : manifest_draft_log(draft, "%s: left out, another stack of the BrainGlobe folder", name);

@@ -52,6 +52,18 @@ conus_status field_file_is(bool *out, const char *path)
     return status;
 }
 
+conus_status field_file_words(const char **out, bool *usable, const char *path)
+{
+    struct bytes head = {0};
+    struct field_header header;
+    conus_status status = read_head(&head, path);
+    bool known = !status && head.data && field_header_parse(&header, head.data, head.size) == CONUS_OK;
+    *usable = false;
+    *out = known ? field_header_words(usable, &header) : NULL;
+    bytes_finish(&head);
+    return status;
+}
+
 static conus_status find_kind(enum field_kind *out, const char *path, const conus_transform_options *options)
 {
     struct bytes head = {0};

@@ -10,6 +10,10 @@
 /** Whether @p path is a NIfTI file, and so no affine. */
 conus_status field_file_is(bool *out, const char *path);
 
+/** What the file @p path calls itself, as field_header_words(); NULL also for what is no NIfTI file, or damaged.
+ * CONUS_ERROR_IO, CONUS_ERROR_MEMORY. */
+conus_status field_file_words(const char **out, bool *usable, const char *path);
+
 /** Reads the field in @p path, for points of where poses are; @p grid describes its nodes. Of @p options, from and to
  * are FSL's images; inverse is refused. What was read goes into @p read, what a careful user should know into
  * @p notes. Errors name path, field, value and what is allowed. End @p out with deformation_finish(). */

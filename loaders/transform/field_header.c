@@ -99,6 +99,24 @@ static conus_status vectors_kind(enum field_kind *out, const struct field_header
     return CONUS_OK;
 }
 
+const char *field_header_words(bool *usable, const struct field_header *header)
+{
+    const int64_t *dim = header->dim;
+    const int code = header->intent_code;
+    bool vectors = dim[0] == 5 && dim[4] == 1 && dim[5] == 3;
+    *usable = (vectors && (code == INTENT_VECTOR || code == INTENT_DISPLACEMENT)) ||
+              (code == FNIRT_FIELD && dim[0] == 4 && dim[4] == 3);
+    if (*usable) {
+        return code == FNIRT_FIELD                              ? "a deformation field of fnirt"
+               : strcmp(header->intent_name, "Mapping") == 0    ? "a deformation field of SPM"
+               : strcmp(header->intent_name, "NREG_TRANS") == 0 ? "a deformation of NiftyReg"
+                                                                : "a deformation field of ITK or SPM";
+    }
+    return code == CUBIC_SPLINES || code == COSINES || code == QUADRATIC_SPLINES   ? "coefficients of a field of fnirt"
+           : code == TOPUP_CUBIC || code == TOPUP_QUADRATIC || code == TOPUP_FIELD ? "a field of topup"
+                                                                                   : NULL;
+}
+
 conus_status field_header_kind(enum field_kind *out, const struct field_header *header, bool has_images,
                                conus_vectors vectors)
 {

@@ -25,6 +25,11 @@ enum { FIELD_HEADER_SIZE = 540 }; /**< Bytes that field_header_parse() wants to 
 /** Takes the fields from @p data, the first bytes of a NIfTI file (nifti_has_magic()), unpacked. */
 conus_status field_header_parse(struct field_header *out, const uint8_t *data, size_t size);
 
+/** What a file with this header calls itself, in words ("a deformation field of SPM", static): a field that
+ * conus_atlas_transform() may take, *usable, or what a program of registration writes besides. NULL where it says
+ * nothing of the kind, as 4-D fields do that FSL's tools but fnirt's write. */
+const char *field_header_words(bool *usable, const struct field_header *header);
+
 /** Says what the vectors are, by the header and by what is stated: @p has_images, FSL's two. CONUS_ERROR_DATA for what
  * is no field, CONUS_ERROR_UNSUPPORTED for coefficients of splines, CONUS_ERROR_ARGUMENT where header and statement
  * contradict each other. */

@@ -48,6 +48,30 @@ said() {
     [ "$(jq '.moved.atlas_from_world[0][3]' <<<"$output")" = 7 ]
 }
 
+# An intent code of 1007 makes a field of ITK or SPM, 2006 one of fnirt; 2007 is of coefficients.
+@test "deformation fields in the folder are no pathways" {
+    conus phantom slabs -o scene --size 16
+    for kind in itk spm rel abs; do
+        python3 "$BATS_TEST_DIRNAME/fields.py" $kind scene/slabs.nii.gz scene/$kind.nii.gz 8
+    done
+    python3 - <<'END'
+import gzip, struct
+data = bytearray(gzip.open("scene/rel.nii.gz").read())
+for code, name in ((2006, "fnirt"), (2007, "splines"), (2018, "topup")):
+    data[68:70] = struct.pack("<h", code)
+    gzip.open(f"scene/{name}.nii.gz", "wb").write(data)
+END
+    rm scene/rel.nii.gz scene/abs.nii.gz
+    makes scene
+    said 'itk.nii.gz: a deformation field of ITK or SPM, left out: where it leads is not known; "transform": "itk.nii.gz"'
+    said 'spm.nii.gz: a deformation field of '
+    said 'fnirt.nii.gz: a deformation field of fnirt, left out'
+    said 'splines.nii.gz: coefficients of a field of fnirt, left out: it moves no areas'
+    said 'topup.nii.gz: a field of topup, left out'
+    answers info scene/scene.atlas.json
+    has '2 areas (0 without a name, 0 without a shape), 0 pathways'
+}
+
 @test "parcellations on two grids are one atlas" {
     conus phantom slabs -o two --size 24
     conus phantom sphere -o two --size 40
