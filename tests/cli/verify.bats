@@ -136,12 +136,14 @@ says() {
 
 @test "results of every kind are identical, in any locale, time zone and folder" {
     study
-    [ "$(wc -l <results)" -ge 50 ]
     export CONUS_ATLAS_PATH=own TZ=Asia/Kathmandu LC_ALL=C.UTF-8
     inventory >"$BATS_TEST_TMPDIR/before"
+    local verified=0
     while read -r result; do
         says 0 "$result: identical" "$result"
+        verified=$((verified + 1))
     done <results
+    [ "$verified" -ge 50 ]
     inventory | diff "$BATS_TEST_TMPDIR/before" - # it wrote nothing here
     says 0 identical out/voxels.tsv --sidecar out/layers.json
     says 0 identical out/seen.exr --sidecar out/layers.json
