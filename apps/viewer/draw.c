@@ -5,9 +5,33 @@
 #include "viewer/keys.h"
 #include "viewer/panels/panels.h"
 #include "viewer/panes/panes.h"
+#include "viewer/window/ui_navigate.h"
 
 #include <GLFW/glfw3.h>
 #include <math.h>
+
+/* A click on anything gives the keys back to the panes. */
+static void navigate(struct window *window)
+{
+    static const char *const panels[] = {NULL, "Areas", "Hits of the cone"};
+    const struct ui_mouse mouse = ui_mouse_now();
+    bool is_pressed = mouse.pressed[0] || mouse.pressed[1] || mouse.pressed[2];
+    bool ends = ui_navigates() && (is_pressed || window->start.on || window->alone);
+    if (window->navigates_anew || ends) {
+        window->navigated = ends ? 0 : window->navigated;
+        window->navigates_anew = false;
+        ui_navigate(panels[window->navigated]);
+    }
+}
+
+/* What was tapped is down for one frame. */
+static void tap(struct window *window, bool down)
+{
+    if (window->tapped && (down || glfwGetKey(window->handle, window->tapped) != GLFW_PRESS)) {
+        ui_hold_key(window->tapped, down);
+    }
+    window->tapped = down ? window->tapped : 0;
+}
 
 static void draw_panels(struct window *window)
 {
@@ -64,7 +88,9 @@ void draw_window(struct window *window)
     }
     window->next_scale = 0;
     window_clear(window);
+    tap(window, true);
     ui_begin();
+    navigate(window);
     draw_panels(window);
     if (window->show_help) {
         keys_draw_help(window);
@@ -73,6 +99,7 @@ void draw_window(struct window *window)
         panel_figure(window);
     }
     ui_end();
+    tap(window, false);
     window->frame_ms = 1e3 * (glfwGetTime() - begun);
     times_add(&window->times, TIMED_FRAME, window->frame_ms);
 }

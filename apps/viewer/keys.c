@@ -5,11 +5,13 @@
 #include "viewer/figures/figure_form.h"
 #include "viewer/hands/hands.h"
 #include "viewer/keys_look.h"
+#include "viewer/keys_view.h"
 #include "viewer/pointing/point.h"
 #include "viewer/session/keep.h"
 #include "viewer/session/undo.h"
 #include "viewer/window/screen.h"
 #include "viewer/window/ui_list.h"
+#include "viewer/window/ui_navigate.h"
 
 #include <GLFW/glfw3.h>
 #include <math.h>
@@ -68,11 +70,21 @@ static void clear(struct window *window)
         window->show_help = false;
     } else if (window->figure.open) {
         window->figure.open = false;
+    } else if (ui_navigates()) {
+        window->navigated = 0;
+        window->navigates_anew = true;
     } else {
         viewer_clear(window->viewer);
         viewer_choose(window->viewer, 0);
         viewer_say(window->viewer, "cleared");
     }
+}
+
+/* From the areas to the hits, and back to the panes. */
+static void go_to_panel(struct window *window)
+{
+    window->navigated = ui_navigates() ? (window->navigated + 1) % 3 : 1;
+    window->navigates_anew = true;
 }
 
 static void use_eye(struct window *window)
@@ -383,6 +395,8 @@ static const struct {
     {"ctrl+o", open_file, "open a file: an atlas or a session"},
     {"ctrl+n", window_go_to_start, "the start page, for another atlas; Escape comes back"},
     {"ctrl+q", quit, "close the window"},
+    {"f6", go_to_panel,
+     "keys go to the areas, the hits, back: arrows and Tab move, Space presses or enters, Escape leaves"},
     {"tab", enlarge, "one pane after the other fills the window"},
     {"w", window_maximise, "the pane under the mouse alone, or all again; also a double click in a cut"},
     {")", widen_first, "a larger 3-D pane; borders can be dragged, too"},
@@ -475,7 +489,7 @@ bool keys_press(struct window *window, const char *key)
             return true;
         }
     }
-    return use_wand(window, key);
+    return use_wand(window, key) || keys_view_press(window, key);
 }
 
 /* As on the keyboard: Ctrl+O. */
@@ -511,21 +525,25 @@ static void show_keys(float at)
             ui_next_column();
         }
     }
+    const char *meaning;
+    const char *name;
+    for (size_t i = 0; (name = keys_view_name(&meaning, i)); i++) {
+        show_key(name, meaning, at);
+    }
     show_key("W S A D", "the wand: forward, back, left, right", at);
     show_key("E Q", "the wand: up, down", at);
-    show_key("arrows", "the wand: turn", at);
 }
 
 void keys_draw_help(struct window *window)
 {
     bool is_wide = (float)window->width >= 1240 * window->scale;
     float width = fminf((is_wide ? 1240 : 640) * window->scale, (float)window->width);
-    float height = fminf((is_wide ? 620 : 760) * window->scale, (float)window->height);
+    float height = fminf((is_wide ? 680 : 780) * window->scale, (float)window->height);
     ui_panel("Keys and mouse (?, F1 or Escape closes this)",
              (struct ui_box){((float)window->width - width) / 2, ((float)window->height - height) / 2, width, height},
              UI_IN_FRONT);
     ui_columns(is_wide ? 2 : 1);
-    show_keys(115 * window->scale);
+    show_keys(120 * window->scale);
     ui_columns(1);
     ui_separator();
     ui_text_wrapped(

@@ -547,6 +547,26 @@ END
     grep -q Sphere mouse.tsv
 }
 
+@test "keys reach the panels, their lists and the views" {
+    conus phantom nested -o .
+    live nested.nii.gz
+    tap() { for key; do xdotool key --window "$window" "$key"; pass; done; }
+    tell 'aim 60 10 6 0 0 6' 'crosshair 1 2 3' 'orbit 10 0'
+    look '.results.order == "rank" and .has_pose == 1'
+    distance=$(jq '.orbit[3]' look$looks.json)
+    tap F6 F6 space space # the hits, their list, its first heading
+    look '.results.order == "name" and .frozen == 0'
+    tap Escape Escape # out of the list, and back to the panes
+    look '.has_pose == 1'
+    tap shift+Right shift+Down shift+Prior ctrl+Prior Left Prior
+    look '.crosshair == [2, 1, 4] and .magnification > 1.09 and .magnification < 1.11'
+    # 0.025 of a pane's height is 3.5 times as much in radians, 5 degrees; a click of the wheel is a tenth
+    look "(.orbit[4] * 180 / 3.14159265 - 10 + 5.0134 | fabs) < 0.001 and .orbit[3] < 0.91 * $distance"
+    tap Escape
+    look '.has_pose == 0'
+    leave
+}
+
 @test "an answer whose tracker is gone is pale, and said to be old" {
     need_window
     /usr/bin/python3 -c 'import OpenImageIO' 2>/dev/null || skip "no python3-openimageio"

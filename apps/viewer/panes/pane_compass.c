@@ -31,7 +31,8 @@ void pane_compass(const struct window *window)
     const struct ui_box *box = &window->panes[PANE_3D];
     float reach = 2.9F * ui_line();
     bool is_well;
-    float below = head_text(&window->viewer->head, &is_well) ? 1.6F * ui_line() : 0; /* its text stands there */
+    bool has_text = head_text(&window->viewer->head, &is_well) || !window->viewer->cone.has_pose;
+    float below = has_text ? 1.6F * ui_line() : 0; /* where it stands */
     const float centre[2] = {box->x + box->width - reach, box->y + box->height - reach - below};
     if (box->width > 3 * reach && box->height > 4 * reach) {
         for (int half = 0; half < 12; half++) { /* what points away first */

@@ -104,7 +104,7 @@ void ui_panel_end(void)
 
 void ui_scroll(const char *id, float height)
 {
-    ImGui::BeginChild(id, ImVec2(0, height));
+    ImGui::BeginChild(id, ImVec2(0, height), false, ImGuiWindowFlags_NavFlattened);
 }
 
 void ui_scroll_end(void)

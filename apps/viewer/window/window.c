@@ -4,6 +4,7 @@
 
 #include "common/messages.h"
 #include "viewer/window/screen.h"
+#include "viewer/window/ui_navigate.h"
 
 #include <epoxy/gl.h>
 
@@ -105,10 +106,13 @@ static const char *name_of(int key)
     static const struct {
         int key;
         const char *name;
-    } names[] = {{GLFW_KEY_ENTER, "enter"}, {GLFW_KEY_KP_ENTER, "enter"}, {GLFW_KEY_SPACE, "space"},
-                 {GLFW_KEY_TAB, "tab"},     {GLFW_KEY_F1, "f1"},          {GLFW_KEY_F11, "f11"},
-                 {GLFW_KEY_UP, "up"},       {GLFW_KEY_DOWN, "down"},      {GLFW_KEY_LEFT, "left"},
-                 {GLFW_KEY_RIGHT, "right"}, {GLFW_KEY_ESCAPE, "escape"}};
+    } names[] = {{GLFW_KEY_ENTER, "enter"},    {GLFW_KEY_KP_ENTER, "enter"},
+                 {GLFW_KEY_SPACE, "space"},    {GLFW_KEY_TAB, "tab"},
+                 {GLFW_KEY_F1, "f1"},          {GLFW_KEY_F11, "f11"},
+                 {GLFW_KEY_UP, "up"},          {GLFW_KEY_DOWN, "down"},
+                 {GLFW_KEY_LEFT, "left"},      {GLFW_KEY_RIGHT, "right"},
+                 {GLFW_KEY_ESCAPE, "escape"},  {GLFW_KEY_F6, "f6"},
+                 {GLFW_KEY_PAGE_UP, "pageup"}, {GLFW_KEY_PAGE_DOWN, "pagedown"}};
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
         if (names[i].key == key) {
             return names[i].name;
@@ -123,16 +127,33 @@ static bool acts_once(int key)
     return key == GLFW_KEY_ENTER || key == GLFW_KEY_KP_ENTER || key == GLFW_KEY_ESCAPE || key == GLFW_KEY_SPACE;
 }
 
+static bool is_move(int key)
+{
+    return key >= GLFW_KEY_RIGHT && key <= GLFW_KEY_PAGE_DOWN; /* arrows, Page Up and Down */
+}
+
+/* What moves between widgets and presses them. */
+static bool is_for_widgets(int key)
+{
+    bool presses = key == GLFW_KEY_ENTER || key == GLFW_KEY_KP_ENTER || key == GLFW_KEY_SPACE || key == GLFW_KEY_TAB;
+    return (ui_navigates() && (presses || is_move(key))) || (key == GLFW_KEY_ESCAPE && ui_navigates_deep());
+}
+
 static void press_named(GLFWwindow *handle, int key, int scancode, int action, int mods)
 {
     struct window *window = glfwGetWindowUserPointer(handle);
     char name[KEY_LIMIT] = "";
     touch(handle);
-    snprintf(name, sizeof name, "%s", name_of(key));
+    const char *with = !is_move(key) ? "" : mods & GLFW_MOD_SHIFT ? "shift+" : mods & GLFW_MOD_CONTROL ? "ctrl+" : "";
+    snprintf(name, sizeof name, "%s%s", with, name_of(key));
     if (!name[0] && (mods & GLFW_MOD_CONTROL) && !(mods & (GLFW_MOD_ALT | GLFW_MOD_SUPER))) {
         name_with_control(name, key, scancode, mods);
     }
-    if (name[0] && action != GLFW_RELEASE && !(action == GLFW_REPEAT && acts_once(key)) && !ui_wants_keys()) {
+    if (action == GLFW_PRESS && is_for_widgets(key)) {
+        window->tapped = key;
+    }
+    bool counts = action == GLFW_PRESS || (action == GLFW_REPEAT && !acts_once(key));
+    if (name[0] && counts && !ui_wants_keys() && !is_for_widgets(key)) {
         window_press(window, name);
     }
 }

@@ -120,7 +120,10 @@ struct window {
     unsigned noted_version, noted_said; /**< Of the viewer, when it was looked at last for that. */
     char *session_path;                 /**< Of the session that was opened or saved last; NULL = none. */
     bool show_help;
-    bool quiet_status; /**< The status line leaves out what differs from run to run: times and the device. */
+    int navigated;       /**< The panel that keys go to, from 1: areas, hits; 0 = none. */
+    bool navigates_anew; /**< From the next frame on. */
+    int tapped;          /**< The key of GLFW that was pressed last for the widgets; 0 = none since the newest frame. */
+    bool quiet_status;   /**< The status line leaves out what differs from run to run: times and the device. */
     struct hover hover;
     bool keeps_picture;                 /**< The next frame goes into a file.     */
     uint32_t listed;                    /**< What the list of areas was scrolled to last. */
