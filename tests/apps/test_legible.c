@@ -162,6 +162,7 @@ static void draw(struct window *window)
     ui_audit_end();
 }
 
+/* And every widget has a tip. */
 static void nothing_is_cut(struct window *window, const char *where)
 {
     for (int i = 0; i < 4; i++) { /* columns find their widths */
@@ -171,6 +172,9 @@ static void nothing_is_cut(struct window *window, const char *where)
     if (ui_audit_cut(0)) {
         fail_msg("%d x %d, scale %g, %s: \"%s\" is cut", window->width, window->height, (double)window->scale, where,
                  ui_audit_cut(0));
+    }
+    if (ui_audit_untold(0)) {
+        fail_msg("%s: \"%s\" has no tip", where, ui_audit_untold(0));
     }
 }
 

@@ -49,11 +49,12 @@ static void draw_buttons(struct viewer *viewer, uint32_t object)
     if (ui_small_button(hide ? "hide" : "show")) {
         viewer_hide(viewer, object, hide);
     }
+    ui_tip("hidden areas are not hit, not drawn, and block nothing; H, too");
     ui_same_line();
     if (ui_small_button("only")) {
         viewer_isolate(viewer, object);
     }
-    ui_tip("hide all others; U takes it back");
+    ui_tip("hides all others; I, too, and Ctrl+Z takes it back");
 }
 
 /* Once, when it was chosen. */
@@ -142,6 +143,7 @@ static void draw_found(struct window *window)
         if (ui_small_button("clear")) {
             shown->search[0] = '\0';
         }
+        ui_tip("lists all areas again");
     }
 }
 
@@ -172,14 +174,16 @@ void panel_areas(struct window *window)
     ui_id((uint32_t)(viewer->drawn - viewer->atlases)); /* each has a list of its own, scrolled and opened */
     ui_width(window->left.width - 20);
     ui_type("##search", viewer->drawn->shown.search, sizeof viewer->drawn->shown.search, "search name or label");
+    bool wants_first = ui_entered();
     ui_tip("whole names come first, then names and words that begin so, names with it inside, and label numbers;\n"
            "Enter chooses the first");
-    if (ui_entered() && viewer->drawn->shown.search[0]) {
+    if (wants_first && viewer->drawn->shown.search[0]) {
         choose_first(viewer);
     }
     if (ui_button("show all")) {
         viewer_show_all(viewer);
     }
+    ui_tip("no area is hidden any more; V, too");
     ui_same_line();
     ui_text("%zu in all", viewer->drawn->object_count);
     ui_separator();

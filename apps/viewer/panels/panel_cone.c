@@ -29,6 +29,7 @@ static bool choose_score(struct viewer *viewer)
         }
     }
     bool changed = ui_choose("score", &chosen, names, count);
+    ui_tip("by what the hits are ranked, the best first: conus query --help says what each means");
     viewer->cone.options.score = names[chosen];
     return changed;
 }
@@ -69,13 +70,16 @@ static bool choose_ray(struct viewer *viewer)
 static bool choose_shape(struct viewer *viewer)
 {
     bool changed = ui_slider("angle", &viewer->cone.angle, 0.1, 179, "%.1f\u00b0", true);
+    ui_tip("full opening angle of the cone, degrees; + and - change it");
     bool cylinder = viewer->cone.options.radius > 0;
     if (ui_check("cylinder instead", &cylinder)) {
         viewer->cone.options.radius = cylinder ? 2 : 0;
         changed = true;
     }
+    ui_tip("in place of the cone a tube around its axis, such as a needle or a probe");
     if (cylinder) {
         changed = ui_slider("radius", &viewer->cone.options.radius, 0.1, 50, "%.1f mm", true) || changed;
+        ui_tip("radius of the cylinder, mm");
     }
     return changed;
 }
@@ -89,6 +93,7 @@ static bool choose_slices(conus_selector_options *options)
         return false;
     }
     bool changed = ui_slider("slices", &part, 0.01, 1, "%.2f of the picture's", true);
+    ui_tip("how many planes across the view are visited, as a part of those of the picture");
     options->slice_fraction = changed ? part : options->slice_fraction;
     return changed;
 }
@@ -102,10 +107,15 @@ static bool choose_look(struct viewer *viewer)
     size_t sampling = (size_t)options->sampling;
     size_t engine = options->engine == CONUS_ENGINE_GL;
     bool changed = ui_choose("layers", &layer, layers, 2);
+    ui_tip("first hits only, or all hits in the cone, occluded ones too; L changes it");
     changed = ui_count("pixels", &resolution, 1, 64) || changed;
+    ui_tip("N, of N x N rays, one per pixel of the image that the device sees");
     changed = ui_choose("aperture", &aperture, apertures, 2) || changed;
+    ui_tip("the pixels that count: those in the circle, or all of the square");
     changed = ui_choose("sampling", &sampling, samplings, 2) || changed;
+    ui_tip("every voxel along a ray, or planes across the view only, which can miss thin objects");
     changed = ui_choose("engine", &engine, engines, 2) || changed;
+    ui_tip("what traces the rays, the processor or OpenGL: the hits are the same");
     options->layers = sampling == CONUS_SAMPLING_SLICES ? CONUS_LAYERS_VISIBLE : (conus_layers)layer;
     options->resolution = resolution;
     options->aperture = (conus_aperture)aperture;
@@ -133,7 +143,9 @@ static void show_pose(struct viewer *viewer)
     conus_frame_from_world(origin, &viewer->frame, origin);
     conus_frame_direction_from_world(along, &viewer->frame, along);
     bool moved = ui_numbers(label, origin, viewer_place_format(viewer));
+    ui_tip("where the cone has its apex; type numbers and press Enter");
     bool turned = ui_numbers("along", along, "%.3f");
+    ui_tip("the direction of the cone's axis, of any length; type numbers and press Enter");
     if ((moved || turned) && viewer_to_world(origin, viewer, origin)) {
         conus_frame_direction_to_world(along, &viewer->frame, along);
         viewer_aim_along(viewer, origin, along);
@@ -150,6 +162,7 @@ void panel_cone(struct window *window)
     if (ui_choose("points", &pointer, hands_pointers, POINTER_COUNT)) {
         hands_choose(window, FIRST_HAND, (enum pointer)pointer);
     }
+    ui_tip("what moves the cone: the mouse, keys, a file of poses, or a tracked tool");
     panel_source(window);
     if (viewer->cone.pointer == POINT_BY_MOUSE) {
         choose_apex(viewer);
@@ -166,15 +179,20 @@ void panel_cone(struct window *window)
     }
     if (ui_section("View", false)) {
         bool shown = ui_slider("context", &viewer->display.fade, 0, 1, "%.2f faded", false);
+        ui_tip("how much the context is thinned in 3-D: 0 as its transfer function says, 1 not at all there");
         shown = ui_slider("areas", &viewer->display.fill, 0, 1, "%.2f filled", false) || shown;
+        ui_tip("opacity of the areas in the cuts, 0 to 1");
         bool outlines = !viewer->display.no_outlines;
         shown = ui_check("outlines", &outlines) || shown;
+        ui_tip("lines around the areas in the cuts");
         viewer->display.no_outlines = !outlines;
         shown = ui_check("radiological (left is right)", &viewer->display.radiological) || shown;
+        ui_tip("the head's left on the right of the cuts; F changes it");
         bool safe = viewer->display.safe_colours;
         if (ui_check("colours for any colour vision", &safe)) {
             viewer_use_safe_colours(viewer, safe);
         }
+        ui_tip("in place of the atlas's own; C changes them");
         viewer->version += shown;
         panel_look_view(viewer);
     }

@@ -19,11 +19,13 @@ static void show_replay(struct window *window)
     if (ui_button(replay->playing ? "stop" : "play")) {
         replay_toggle(replay, glfwGetTime());
     }
+    ui_tip("the poses one after the other, at their times");
     ui_same_line();
     if (ui_count("row", &row, 1, (uint32_t)count)) {
         replay->playing = false;
         replay_show(replay, window->viewer, row - 1);
     }
+    ui_tip("the pose of the file, by its number from 1");
     ui_text("%.2f of %.2f s, %s", replay_time(replay, replay->at), replay_time(replay, count - 1),
             conus_pose_list_row(replay->poses, replay->at)->id);
 }

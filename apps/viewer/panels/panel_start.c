@@ -41,8 +41,10 @@ static void draw_field(struct window *window)
     if (moved) {
         start_move(start, moved);
     }
+    ui_tip("a path, or the name of an installed atlas; Enter opens it");
     ui_same_line();
     asked = ui_button(open) || asked;
+    ui_tip("opens what is typed on its left");
     ui_same_line();
     if (ui_button(choose)) {
         window_show_dialog(window, DIALOG_OPEN);

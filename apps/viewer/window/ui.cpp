@@ -238,6 +238,7 @@ void ui_heading(const char *text)
 
 void ui_tip(const char *text)
 {
+    audit_tip();
     if (ImGui::IsItemHovered()) {
         ImGui::BeginTooltip();
         ImGui::TextUnformatted(text);
@@ -271,6 +272,7 @@ bool ui_button(const char *label)
 {
     bool pressed = ImGui::Button(label);
     audit_item(label);
+    audit_widget(label);
     return pressed;
 }
 
@@ -278,6 +280,7 @@ bool ui_small_button(const char *label)
 {
     bool pressed = ImGui::SmallButton(label);
     audit_item(label);
+    audit_widget(label);
     return pressed;
 }
 
@@ -285,6 +288,7 @@ bool ui_check(const char *label, bool *value)
 {
     bool changed = ImGui::Checkbox(label, value);
     audit_item(label);
+    audit_widget(label);
     return changed;
 }
 
@@ -294,6 +298,7 @@ bool ui_choose(const char *label, size_t *index, const char *const *choices, siz
     const char *shown = *index < count ? choices[*index] : "";
     audit_within(shown, ImGui::CalcItemWidth() - ImGui::GetFrameHeight() - ImGui::GetStyle().FramePadding.x);
     bool open = ImGui::BeginCombo(label, shown);
+    audit_widget(label);
     if (!open) {
         audit_item(label);
     } else {
@@ -316,6 +321,7 @@ bool ui_slider(const char *label, double *value, double low, double high, const 
     audit_within(shown, ImGui::CalcItemWidth());
     bool changed = ImGui::SliderScalar(label, ImGuiDataType_Double, value, &low, &high, format, flags);
     audit_item(label);
+    audit_widget(label);
     return changed;
 }
 
@@ -324,6 +330,7 @@ bool ui_count(const char *label, uint32_t *value, uint32_t low, uint32_t high)
     bool changed =
         ImGui::SliderScalar(label, ImGuiDataType_U32, value, &low, &high, "%u", ImGuiSliderFlags_AlwaysClamp);
     audit_item(label);
+    audit_widget(label);
     return changed;
 }
 
@@ -344,6 +351,7 @@ bool ui_numbers(const char *label, double value[3], const char *format)
     bool changed = ImGui::InputScalarN(label, ImGuiDataType_Double, value, 3, nullptr, nullptr, format,
                                        ImGuiInputTextFlags_EnterReturnsTrue);
     audit_item(label);
+    audit_widget(label);
     return changed;
 }
 
@@ -355,7 +363,9 @@ void ui_take_keys(void)
 bool ui_type(const char *label, char *text, size_t size, const char *hint)
 {
     audit_within(hint, ImGui::CalcItemWidth() - 2 * ImGui::GetStyle().FramePadding.x);
-    return ImGui::InputTextWithHint(label, hint, text, size);
+    bool changed = ImGui::InputTextWithHint(label, hint, text, size);
+    audit_widget(label);
+    return changed;
 }
 
 struct path_line {

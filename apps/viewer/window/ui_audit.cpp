@@ -14,7 +14,9 @@ namespace
 
 struct audit {
     std::vector<std::string> cut;
+    std::vector<std::string> untold; // and the newest widget, until its tip comes
     size_t count = 0;
+    ImVec2 at; // of the newest widget
     ImVec2 size;
 };
 
@@ -48,6 +50,23 @@ void audit_item(const char *text)
     }
 }
 
+void audit_widget(const char *label)
+{
+    if (audit *audit = current()) {
+        audit->untold.emplace_back(label);
+        audit->at = ImGui::GetItemRectMin();
+    }
+}
+
+void audit_tip(void)
+{
+    audit *audit = current();
+    ImVec2 at = ImGui::GetItemRectMin();
+    if (audit && !audit->untold.empty() && at.x == audit->at.x && at.y == audit->at.y) {
+        audit->untold.pop_back();
+    }
+}
+
 void audit_within(const char *text, float room)
 {
     audit *audit = current();
@@ -66,6 +85,7 @@ void ui_audit_begin(void)
 {
     audit *audit = current();
     audit->cut.clear();
+    audit->untold.clear();
     audit->count = 0;
     ImGui::GetIO().DisplaySize = audit->size;
     ImGui::NewFrame();
@@ -80,6 +100,12 @@ const char *ui_audit_cut(size_t index)
 {
     const audit *audit = current();
     return index < audit->cut.size() ? audit->cut[index].c_str() : nullptr;
+}
+
+const char *ui_audit_untold(size_t index)
+{
+    const audit *audit = current();
+    return index < audit->untold.size() ? audit->untold[index].c_str() : nullptr;
 }
 
 size_t ui_audit_count(void)

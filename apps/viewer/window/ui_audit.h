@@ -18,6 +18,8 @@ void ui_audit_end(void);
 /** A text that lay partly beside its panel, cell, or field, at its left or right; NULL = no more. Names of areas that
  * ui_row_cut() cuts are none. Until the next frame. */
 const char *ui_audit_cut(size_t index);
+/** A button, line, slider or choice without a tip; likewise. */
+const char *ui_audit_untold(size_t index);
 /** How many texts were looked at. */
 size_t ui_audit_count(void);
 /** A colour of the style, and its name in Dear ImGui; false = no more. */
@@ -30,6 +32,9 @@ bool ui_audit_colour(ui_colour *out, const char **name, size_t index);
 bool audit_runs(void);
 /** The widget before, which is as wide as its text. */
 void audit_item(const char *text);
+/** The widget before is one that people use; the tip is its. */
+void audit_widget(const char *label);
+void audit_tip(void);
 /** A text within something so wide. */
 void audit_within(const char *text, float room);
 #endif

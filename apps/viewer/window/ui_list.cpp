@@ -144,6 +144,7 @@ bool ui_popup(const char *label)
 {
     bool pressed = ImGui::Button(label);
     audit_item(label);
+    audit_widget(label);
     if (pressed) {
         ImGui::OpenPopup(label);
     }
