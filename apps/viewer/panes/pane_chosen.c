@@ -80,7 +80,7 @@ void pane_name(const struct ui_box *box, float x, float y, const char *name)
 {
     float width = ui_text_width(name);
     const float at[2] = {fmaxf(fminf(x - width / 2, box->x + box->width - width - 6), box->x + 6),
-                         fmaxf(y - 1.2F * ui_line(), box->y + 2)};
+                         fmaxf(y - 1.2F * ui_line(), box->y + 1.7F * ui_line())}; /* below the title */
     ui_draw_text(at, theme_texts[THEME_AMBER], name);
 }
 
