@@ -188,6 +188,13 @@ static void look_at_all(struct window *window)
     viewer->cone.options.score = "unoccluded";
     viewer_reselect(viewer);
     nothing_is_cut(window, "all hits in a cylinder");
+    for (size_t column = 0; column < RESULT_COLUMNS; column++) {
+        result_show(viewer, column, true);
+    }
+    viewer->cone.options.score = "distance";
+    viewer_reselect(viewer);
+    nothing_is_cut(window, "all columns");
+    result_choose(viewer, NULL, 0);
     viewer->cone.options.sampling = CONUS_SAMPLING_SLICES;
     viewer->cone.options.layers = CONUS_LAYERS_VISIBLE;
     viewer->cone.pointer = POINT_BY_WAND;

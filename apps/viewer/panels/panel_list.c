@@ -107,7 +107,7 @@ static void draw_cell(const struct viewer *viewer, const struct view_atlas *on, 
     }
     const char *text = result_cell(cell, viewer, on, column, result);
     if (result_is_text(column)) {
-        ui_text("%s", text);
+        ui_text_cut(text, ui_room());
     } else {
         ui_text_right(text);
     }
@@ -190,8 +190,12 @@ void panel_columns(struct window *window)
             choose_column(viewer, i, is_shown[i]);
         }
     }
-    if (viewer->list.columns && ui_button("the usual ones")) {
-        result_choose(viewer, NULL, 0);
+    if (viewer->list.columns) {
+        bool pressed = ui_button("the usual ones");
+        ui_tip("those that there were before any was chosen");
+        if (pressed) {
+            result_choose(viewer, NULL, 0);
+        }
     }
     ui_popup_end();
 }

@@ -98,7 +98,7 @@ void ui_text_right(const char *text)
     audit_within(text, ui_room());
     float blank = ImGui::GetContentRegionAvail().x - ImGui::CalcTextSize(text).x;
     ImGui::SetCursorPosX(ImGui::GetCursorPosX() + (blank > 0 ? blank : 0));
-    ImGui::TextUnformatted(text);
+    ImGui::TextUnformatted(cut_to(text, ui_room()).c_str()); // no digit is missing without a sign of it
 }
 
 void ui_underline(double part, ui_colour colour)
