@@ -61,7 +61,14 @@ export view/a.tsv
 key l
 export view/b.csv
 export view/c.json
+key ctrl+e
+key ctrl+e
 END
+    [ "$(find . -name 'conus-*-hits*.tsv' | wc -l)" -eq 2 ]
+    for file in conus-*-hits*.tsv; do
+        conus diff "$file" view/b.csv
+        jq -e '.Outputs[0].path == "'"$file"'"' "${file%.tsv}.json"
+    done
     for file in a.tsv b.csv c.json; do
         layers=$([ $file = a.tsv ] && echo visible || echo all)
         conus query nested.nii.gz --atlas u-shape.nii.gz --hide ShO --origin=60,10,6 --toward=0,0,6 --angle 30 \
