@@ -80,6 +80,44 @@ is_there() {
     jq -e .objects "$1" >/dev/null 2>&1
 }
 
+# seen FILE: the window's picture once it is fine, with the mouse at its upper edge.
+seen() {
+    xdotool mousemove --window "$window" 900 5
+    tell 'wait 8' settle "screenshot $1"
+    wait_until "$child" test -e "$1"
+}
+
+@test "a border is dragged and put back, and the pane under the mouse enlarged" {
+    conus phantom slabs -o .
+    live slabs.nii.gz
+    tell quiet-status 'pointer wand'
+    seen before.png
+    xdotool mousemove --window "$window" 250 200
+    pass
+    xdotool mousedown 1
+    pass
+    xdotool mousemove --window "$window" 320 200
+    pass
+    xdotool mouseup 1
+    pass
+    seen dragged.png
+    run -1 conus diff before.png dragged.png
+    tell 'panes 320 0 0 0' # what it should be: the mouse was at 320
+    seen wanted.png
+    conus diff dragged.png wanted.png
+    xdotool key --window "$window" backslash
+    seen back.png
+    conus diff before.png back.png
+    # the axial cut is the second pane
+    xdotool mousemove --window "$window" 550 200
+    pass
+    xdotool key --window "$window" m
+    look '.enlarged == 0'
+    xdotool key --window "$window" m
+    look '.enlarged == -1'
+    leave
+}
+
 @test "start, open by name, search, isolate, point, hold, read the name, save, close, start again: all is back" {
     need_window
     command -v xdotool >/dev/null || skip "no xdotool"
