@@ -904,11 +904,13 @@ END
     xdotool key --window "$window" ctrl+plus ctrl+plus ctrl+plus ctrl+minus
     close_it
     [ "$(jq -c '[.width, .height, .zoom]' state/conus/window.json)" = '[1280,800,1.21]' ]
-    echo '{"width": 600, "height": 3000, "x": 900, "y": -40, "zoom": 1.5}' >state/conus/window.json
+    echo '{"width": 600, "height": 3000, "x": 900, "y": -40, "zoom": 1.5, "panels": [300, 0], "division": [0, 0.25]}' \
+        >state/conus/window.json
     open_it
     wait_until "$child" is_at '600x800+680+0'
     close_it
-    [ "$(jq -c . state/conus/window.json)" = '{"width":600,"height":800,"x":680,"y":0,"zoom":1.5}' ]
+    jq -e '. == {width: 600, height: 800, x: 680, y: 0, zoom: 1.5, panels: [300, 0], division: [0, 0.25]}' \
+        state/conus/window.json
     open_it
     xdotool key --window "$window" ctrl+0
     close_it
