@@ -171,17 +171,10 @@ static size_t count_junk(const uint8_t *data, size_t size)
     return size;
 }
 
-static conus_status unpack_in_pieces(uint8_t *kept, struct gzip_range *range, const uint8_t *data, size_t size)
+/* Unpacks what is behind the range, and checks where it ends. */
+static conus_status finish_range(struct stream *stream, struct gzip_range *range)
 {
-    struct stream *stream = NULL;
-    conus_status status = stream_open(&stream, data, size, range->zlib);
-    if (status) {
-        return status;
-    }
-    stream->kept = kept;
-    stream->from = range->from;
-    stream->count = range->count;
-    status = inflate_until(stream, range->total + GZIP_EXTRA_LIMIT + 1);
+    conus_status status = inflate_until(stream, range->total + GZIP_EXTRA_LIMIT + 1);
     if (!status && stream->position > range->total + GZIP_EXTRA_LIMIT) {
         status = fail(CONUS_ERROR_DATA, "gzip: unpacks to more than the %llu bytes that the header asks for",
                       (unsigned long long)range->total);
@@ -192,7 +185,53 @@ static conus_status unpack_in_pieces(uint8_t *kept, struct gzip_range *range, co
     }
     range->extra = status ? 0 : stream->position - range->total;
     range->junk = status ? 0 : count_junk(stream->rest, stream->rest_size);
+    return status;
+}
+
+static conus_status unpack_in_pieces(uint8_t *kept, struct gzip_range *range, const uint8_t *data, size_t size)
+{
+    struct stream *stream = NULL;
+    conus_status status = stream_open(&stream, data, size, range->zlib);
+    if (status) {
+        return status;
+    }
+    stream->kept = kept;
+    stream->from = range->from;
+    stream->count = range->count;
+    status = finish_range(stream, range);
     stream_close(stream);
+    return status;
+}
+
+/* Gives the range to the sink. Of a stream that ends too early it gets the whole slabs. */
+static conus_status give_slabs(struct stream *stream, const struct gzip_range *range)
+{
+    conus_status status = CONUS_OK;
+    size_t got = 0;
+    for (bool ends = false; !status && !ends && got < range->count;) {
+        stream->from = range->from + got;
+        stream->count = smaller_of(GZIP_SLAB, range->count - got);
+        status = inflate_until(stream, stream->from + stream->count);
+        ends = stream->position < stream->from + stream->count;
+        status = status || ends ? status : range->sink(range->user, stream->kept, stream->count);
+        got += stream->count;
+    }
+    stream->count = 0; /* nothing more is kept */
+    return status;
+}
+
+static conus_status unpack_in_slabs(struct gzip_range *range, const uint8_t *data, size_t size)
+{
+    struct stream *stream = NULL;
+    uint8_t *slab = memory_raw(GZIP_SLAB, 1);
+    conus_status status = slab ? stream_open(&stream, data, size, range->zlib) : CONUS_ERROR_MEMORY;
+    if (!status) {
+        stream->kept = slab;
+        status = give_slabs(stream, range);
+        status = status ? status : finish_range(stream, range);
+        stream_close(stream);
+    }
+    memory_free(slab);
     return status;
 }
 
@@ -202,6 +241,11 @@ conus_status gzip_unpack(struct bytes *out, struct gzip_range *range, const uint
     if (range->total / INFLATE_RATIO > size) {
         return fail(CONUS_ERROR_DATA, "gzip: %zu bytes cannot unpack to the %llu that the header asks for", size,
                     (unsigned long long)range->total);
+    }
+    if (range->sink) {
+        conus_status status = unpack_in_slabs(range, data, size);
+        *out = status ? *out : (struct bytes){0};
+        return status;
     }
     bool whole = range->from + range->count == range->total && range->from <= SCRATCH_SIZE;
     size_t needed = whole ? (size_t)range->total : range->count;

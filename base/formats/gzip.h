@@ -24,19 +24,27 @@ conus_status gzip_unpack_zlib(struct bytes *out, const uint8_t *data, size_t siz
  * by --max-memory. @p read, if not NULL, gets the file as it is stored. Errors carry the path. */
 conus_status gzip_read(struct bytes *out, const char *path, uint64_t limit, struct file_sums *read);
 
+/** Gets unpacked bytes, GZIP_SLAB of them or, in the end, fewer. What fails ends the unpacking. */
+typedef conus_status gzip_sink(void *user, const uint8_t *data, size_t size);
+
+enum { GZIP_SLAB = 1 << 18 };
+
 /** Which unpacked bytes to keep, and what was found behind them. */
 struct gzip_range {
-    uint64_t from;  /**< First byte to keep.                                                        */
-    size_t count;   /**< Bytes to keep.                                                             */
-    uint64_t total; /**< Bytes that the stream must hold at least; from + count or more.            */
-    bool zlib;      /**< It is one stream of zlib (RFC 1950), not gzip.                             */
-    uint64_t extra; /**< Out: bytes after `total`.                                                  */
-    size_t junk;    /**< Out: bytes after the last gzip member, other than zeros at the very end.   */
+    uint64_t from;   /**< First byte to keep.                                                        */
+    size_t count;    /**< Bytes to keep.                                                             */
+    uint64_t total;  /**< Bytes that the stream must hold at least; from + count or more.            */
+    bool zlib;       /**< It is one stream of zlib (RFC 1950), not gzip.                             */
+    gzip_sink *sink; /**< Where they go, slab by slab; NULL = they are kept.                         */
+    void *user;      /**< Of the sink.                                                               */
+    uint64_t extra;  /**< Out: bytes after `total`.                                                  */
+    size_t junk;     /**< Out: bytes after the last gzip member, other than zeros at the very end.   */
 };
 
 enum { GZIP_EXTRA_LIMIT = 1 << 20 }; /**< More bytes than this after `total` are refused. */
 
-/** Unpacks the whole of @p data (one member or several) and keeps the bytes of @p range. */
+/** Unpacks the whole of @p data (one member or several) and keeps the bytes of @p range. With a sink @p out becomes
+ * empty; what the sink has got is not verified before this has succeeded. */
 conus_status gzip_unpack(struct bytes *out, struct gzip_range *range, const uint8_t *data, size_t size);
 
 /** The same of voxels that are not packed, in place: @p bytes is left empty. */

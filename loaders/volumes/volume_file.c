@@ -9,18 +9,20 @@
 #include "loaders/volumes/mgh.h"
 #include "loaders/volumes/nifti.h"
 #include "loaders/volumes/tiff_volume.h"
+#include "loaders/volumes/volume_pair.h"
 #include "loaders/volumes/volume_selector.h"
 #include "loaders/volumes/volume_text.h"
+#include "loaders/volumes/volume_values.h"
 
 #include <stdio.h>
 #include <string.h>
-#include <strings.h>
 
 static const uint64_t DEFAULT_MEMORY = UINT64_C(8) << 30;
 static const char default_needed[] = "a volume (NIfTI, MGH, NRRD, MetaImage, AFNI or TIFF)";
 enum {
-    HEAD_LIMIT = 1 << 26,  /* of the header file of a pair */
-    HEADER_READ = 1 << 16, /* of a file of which the header alone is wanted; packed, it takes less */
+    HEAD_LIMIT = 1 << 26,      /* of the header file of a pair */
+    HEADER_READ = 1 << 16,     /* of a file of which the header alone is wanted; packed, it takes less */
+    UNPACKED_AT_ONCE = 1 << 24 /* of labels */
 };
 
 /* A file of which some bytes are wanted, packed or not. */
@@ -78,44 +80,11 @@ static conus_status note_rest(const struct gzip_range *range, bool footer, struc
     return status;
 }
 
-/* ---- Names ------------------------------------------------------------------------------------------------------- */
-
-/* True where `path` ends in ".ext" or ".ext.gz", whatever the case; *at is where "ext" stands. */
-static bool has_ending(const char *path, const char *ext, size_t *at)
-{
-    size_t length = strlen(path);
-    if (length > 3 && strcasecmp(path + length - 3, ".gz") == 0) {
-        length -= 3;
-    }
-    size_t ending = strlen(ext);
-    *at = length - ending;
-    return length > ending && path[*at - 1] == '.' && strncasecmp(path + *at, ext, ending) == 0;
-}
-
-/* Path of the other half of a pair: `path` with "hdr" at `at` replaced by "img" or the reverse, in capitals if this
- * half is; packed like this half if there is such a file, else not. NULL without memory. */
-static char *other_half(const char *path, size_t at, const char *ext)
-{
-    bool packed = path[at + 3] != '\0';
-    char *other = memory_raw(at + 7, 1);
-    if (!other) {
-        return NULL;
-    }
-    for (int attempt = 0; attempt < 2; attempt++) {
-        snprintf(other, at + 7, "%.*s%s%s", (int)at, path, ext, packed == (attempt == 0) ? ".gz" : "");
-        for (size_t i = at; i < at + 3; i++) {
-            other[i] = path[at] < 'a' ? (char)(other[i] - 'a' + 'A') : other[i];
-        }
-        if (file_exists(other)) {
-            break;
-        }
-    }
-    return other;
-}
+/* ---- Pairs ------------------------------------------------------------------------------------------------------- */
 
 static conus_status read_other_half(struct stored *out, const char *path, size_t at, const char *ext, uint64_t limit)
 {
-    char *other = other_half(path, at, ext);
+    char *other = volume_pair_other(path, at, ext);
     if (!other) {
         return CONUS_ERROR_MEMORY;
     }
@@ -144,6 +113,8 @@ struct opening {
     bool all;         /* volumes are kept, not only the chosen one */
     struct tiff tiff; /* of a TIFF stack, else no pages */
     struct file_sums read;
+    struct label_reader *labels; /* gets packed voxels slab by slab if that takes less memory; NULL: they are kept */
+    struct volume_file like;     /* what the labels are read as, without voxels */
 };
 
 static void opening_finish(struct opening *opening)
@@ -199,7 +170,7 @@ static conus_status read_header(struct opening *o, const struct stored *stored)
 static conus_status is_image_half(bool *out, size_t *at, const struct stored *stored)
 {
     *out = false;
-    if (!has_ending(stored->path, "img", at)) {
+    if (!volume_pair_has(stored->path, "img", at)) {
         return CONUS_OK;
     }
     struct bytes head;
@@ -250,7 +221,7 @@ static conus_status open_by_header(struct opening *o)
     if (status || !o->header.pair) {
         return status;
     }
-    if (!has_ending(o->voxels.path, "hdr", &at)) {
+    if (!volume_pair_has(o->voxels.path, "hdr", &at)) {
         return fail(CONUS_ERROR_DATA, "%s: magic: found that of a .hdr/.img pair, but the name does not end in .hdr",
                     o->voxels.path);
     }
@@ -397,6 +368,24 @@ static void describe_format(conus_volume_info *info, const struct volume_header 
              packed ? ", gzip" : volume_text_encoding(header), big ? ", big-endian" : ", little-endian");
 }
 
+/* Makes the reader of labels the sink where a label takes more bytes than its place, and the volume is large: else they
+ * are unpacked at once, which is faster, and labels take their place. */
+static conus_status aim_at_labels(struct gzip_range *range, struct opening *o, const struct volume_file *file)
+{
+    const struct volume_header *header = &o->header;
+    bool is_packed = header->text ? volume_text_is_packed(header, o->voxels.packed) : o->voxels.packed;
+    bool is_wide = volume_datatype_size(header->datatype) > sizeof(uint16_t);
+    if (!o->labels || o->all || o->tiff.pages || !is_packed || !is_wide || header->volume_size <= UNPACKED_AT_ONCE) {
+        return CONUS_OK;
+    }
+    o->like = *file;
+    o->like.text = header->text;
+    volume_text_choose(&o->like);
+    range->sink = label_reader_add;
+    range->user = o->labels;
+    return label_reader_init(o->labels, &o->like, &(struct bytes){0});
+}
+
 /* Moves the voxels out of what is stored, whose packed bytes are gone afterwards. */
 static conus_status take_voxels(struct volume_file *file, struct opening *o)
 {
@@ -407,11 +396,12 @@ static conus_status take_voxels(struct volume_file *file, struct opening *o)
     struct gzip_range range = {.from = header->offset + (o->all ? 0 : header->info.volume * header->volume_size),
                                .count = header->volume_size * (o->all ? header->info.volume_count : 1),
                                .total = header->offset + header->info.volume_count * header->volume_size};
-    conus_status status = scattered ? tiff_unpack(out, &o->tiff)
-                          : header->text
-                              ? volume_text_voxels(out, &range, header, &stored->bytes, stored->packed, o->all)
-                          : stored->packed ? gzip_unpack(out, &range, stored->bytes.data, stored->bytes.size)
-                                           : gzip_keep(out, &range, &stored->bytes);
+    conus_status status = aim_at_labels(&range, o, file);
+    status = status           ? status
+             : scattered      ? tiff_unpack(out, &o->tiff)
+             : header->text   ? volume_text_voxels(out, &range, header, &stored->bytes, stored->packed, o->all)
+             : stored->packed ? gzip_unpack(out, &range, stored->bytes.data, stored->bytes.size)
+                              : gzip_keep(out, &range, &stored->bytes);
     if (!status && o->all) {
         file->voxels =
             (struct bytes){file->series.data + header->info.volume * header->volume_size, header->volume_size};
@@ -516,15 +506,29 @@ conus_status volume_file_header(conus_volume_info *out, const char *path)
 
 conus_status volume_file_open(struct volume_file *out, const char *path, uint64_t max_memory, struct notes *notes)
 {
-    return volume_file_open_as(out, path, max_memory, default_needed, notes);
-}
-
-conus_status volume_file_open_as(struct volume_file *out, const char *path, uint64_t max_memory, const char *needed,
-                                 struct notes *notes)
-{
-    struct opening opening = {.limit = max_memory ? max_memory : DEFAULT_MEMORY, .needed = needed};
+    struct opening opening = {.limit = max_memory ? max_memory : DEFAULT_MEMORY};
     conus_status status = volume_selector_parse(&opening.selector, path);
     return status ? status : open_wanted(out, opening.selector.path, &opening, notes);
+}
+
+conus_status volume_file_open_labels(struct volume_file *out, struct label_voxels *labels, const char *path,
+                                     uint64_t max_memory, const char *needed, struct notes *notes)
+{
+    struct label_reader reader = {0};
+    struct volume_file file = {0};
+    struct opening opening = {.limit = max_memory ? max_memory : DEFAULT_MEMORY, .needed = needed, .labels = &reader};
+    conus_status status = volume_selector_parse(&opening.selector, path);
+    status = status ? status : open_wanted(&file, opening.selector.path, &opening, notes);
+    if (!status) {
+        status = file.voxels.data ? volume_file_take_labels(labels, &file) : label_reader_end(labels, &reader, &file);
+    }
+    label_reader_finish(&reader);
+    if (status) {
+        volume_file_finish(&file);
+    } else {
+        *out = file;
+    }
+    return status;
 }
 
 conus_status volume_file_open_series(struct volume_file *out, const char *path, uint64_t max_memory,

@@ -137,6 +137,12 @@ uint64_t volume_text_scratch(const struct volume_header *header)
     return whole ? (uint64_t)header->volume_size * header->info.volume_count : 0; /* below 2^62, as was checked */
 }
 
+bool volume_text_is_packed(const struct volume_header *header, bool packed)
+{
+    const struct text_volume *text = header->text;
+    return !text->interleaved && (packed || text->encoding == TEXT_GZIP || text->encoding == TEXT_ZLIB);
+}
+
 const char *volume_text_encoding(const struct volume_header *header)
 {
     static const char *const words[] = {"", ", gzip", ", zlib", ", text", ", hex"};
@@ -147,6 +153,7 @@ conus_status volume_text_voxels(struct bytes *out, struct gzip_range *range, con
                                 struct bytes *stored, bool packed, bool all)
 {
     struct text_range wanted = {.volume_size = header->volume_size, .volume = header->info.volume, .all = all};
+    wanted.stored = *range;
     conus_status status = text_voxels_read(out, &wanted, header->text, stored, packed);
     *range = wanted.stored;
     return status;

@@ -34,10 +34,14 @@ conus_status volume_text_data_path(char **out, const struct text_volume *text, c
 /** Bytes that decoding takes beyond the voxels that are wanted. */
 uint64_t volume_text_scratch(const struct volume_header *header);
 
+/** Whether the voxels are packed, one volume behind the other; @p packed: their file is, as a whole. */
+bool volume_text_is_packed(const struct volume_header *header, bool packed);
+
 /** ", gzip", ", text" or "": how the voxels are stored. */
 const char *volume_text_encoding(const struct volume_header *header);
 
-/** Reads the chosen volume, or @p all, out of the bytes of their file; @p range gets what is behind them. */
+/** Reads the chosen volume, or @p all, out of the bytes of their file; @p range has the sink, if any, and gets what is
+ * behind them. */
 conus_status volume_text_voxels(struct bytes *out, struct gzip_range *range, const struct volume_header *header,
                                 struct bytes *stored, bool packed, bool all);
 

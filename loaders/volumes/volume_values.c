@@ -10,6 +10,7 @@
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 enum { BLOCK = 4096 }; /* voxels converted at a time: small enough for the cache, big enough for vectors */
 
@@ -135,62 +136,93 @@ static void describe_value(char *out, size_t size, const struct volume_file *fil
     }
 }
 
-/* Names the first voxel of `voxels` from `start` on that is no label. */
-static conus_status fail_label(const struct volume_file *file, const struct decoder *decoder, const uint8_t *voxels,
-                               size_t start)
+/* Keeps the first of these voxels that is no label. */
+static void note_bad(struct label_reader *reader, const struct decoder *decoder, const uint8_t *voxels, size_t from)
 {
-    size_t size = volume_datatype_size(file->datatype);
+    size_t size = volume_datatype_size(reader->file->datatype);
+    size_t at = 0;
     uint32_t label;
-    while (block_labels(&label, decoder, file, voxels + start * size, 1)) {
-        start++;
+    while (block_labels(&label, decoder, reader->file, voxels + at * size, 1)) {
+        at++;
     }
+    reader->is_bad = true;
+    reader->bad_voxel = from + at;
+    memcpy(reader->bad_bytes, voxels + at * size, size);
+}
+
+static conus_status fail_label(const struct volume_file *file, const struct label_reader *reader)
+{
     char value[128];
-    describe_value(value, sizeof value, file, voxels + start * size);
-    size_t row = start / file->info.dim[0];
+    describe_value(value, sizeof value, file, reader->bad_bytes);
+    const size_t *dim = file->info.dim;
+    size_t row = reader->bad_voxel / dim[0];
     return fail(CONUS_ERROR_DATA,
                 "%s: voxel (%zu, %zu, %zu): found %s, allowed labels are whole numbers from 0 to "
                 "4294967295; --context draws an image, --pathway selects what is bright in it",
-                file->path, start % file->info.dim[0], row % file->info.dim[1], row / file->info.dim[1], value);
+                file->path, reader->bad_voxel % dim[0], row % dim[1], row / dim[1], value);
 }
 
-/* Decodes `voxels` into `coder`, whose memory they may lie in. */
-static conus_status code_labels(struct label_coder *coder, struct volume_file *file, const uint8_t *voxels)
+/* Decodes the next voxels, of which `from` is the first. */
+static conus_status code_labels(struct label_reader *reader, const uint8_t *voxels, size_t from, size_t count)
 {
+    const struct volume_file *file = reader->file;
     const struct decoder *decoder = find_decoder(file->datatype);
-    size_t count = count_voxels(file);
     size_t size = volume_datatype_size(file->datatype);
-    uint32_t minimum = UINT32_MAX;
-    uint32_t maximum = 0;
     conus_status status = CONUS_OK;
     for (size_t at = 0; !status && at < count; at += BLOCK) {
         uint32_t labels[BLOCK];
         size_t block = count - at < BLOCK ? count - at : BLOCK;
         if (!block_labels(labels, decoder, file, voxels + at * size, block)) {
-            return fail_label(file, decoder, voxels, at);
+            note_bad(reader, decoder, voxels + at * size, from + at);
+            return CONUS_OK;
         }
         for (size_t i = 0; i < block; i++) {
-            minimum = labels[i] < minimum ? labels[i] : minimum;
-            maximum = labels[i] > maximum ? labels[i] : maximum;
+            reader->minimum = labels[i] < reader->minimum ? labels[i] : reader->minimum;
+            reader->maximum = labels[i] > reader->maximum ? labels[i] : reader->maximum;
         }
-        status = label_coder_add(coder, labels, block);
-        status = status ? fail_in(status, file->path) : CONUS_OK;
+        status = label_coder_add(&reader->coder, labels, block);
     }
-    file->info.minimum = minimum;
-    file->info.maximum = maximum;
     return status;
 }
 
-/* `memory` becomes the coder's. */
+conus_status label_reader_init(struct label_reader *reader, const struct volume_file *file, const struct bytes *memory)
+{
+    *reader = (struct label_reader){.file = file, .minimum = UINT32_MAX};
+    return label_coder_init(&reader->coder, count_voxels(file), file->max_memory, memory->data, memory->size);
+}
+
+conus_status label_reader_add(void *user, const uint8_t *voxels, size_t size)
+{
+    struct label_reader *reader = user;
+    size_t each = volume_datatype_size(reader->file->datatype);
+    return reader->is_bad ? CONUS_OK : code_labels(reader, voxels, reader->coder.done, size / each);
+}
+
+conus_status label_reader_end(struct label_voxels *out, struct label_reader *reader, struct volume_file *file)
+{
+    if (reader->is_bad) {
+        return fail_label(file, reader);
+    }
+    file->info.minimum = reader->minimum;
+    file->info.maximum = reader->maximum;
+    label_coder_end(out, &reader->coder);
+    return CONUS_OK;
+}
+
+void label_reader_finish(struct label_reader *reader)
+{
+    label_coder_finish(&reader->coder);
+}
+
+/* `memory` becomes the labels'. */
 static conus_status read_labels(struct label_voxels *out, struct volume_file *file, const uint8_t *voxels,
                                 const struct bytes *memory)
 {
-    struct label_coder coder;
-    conus_status status = label_coder_init(&coder, count_voxels(file), file->max_memory, memory->data, memory->size);
-    status = status ? fail_in(status, file->path) : code_labels(&coder, file, voxels);
-    if (!status) {
-        label_coder_end(out, &coder);
-    }
-    label_coder_finish(&coder);
+    struct label_reader reader;
+    conus_status status = label_reader_init(&reader, file, memory);
+    status = status ? status : code_labels(&reader, voxels, 0, count_voxels(file));
+    status = status ? fail_in(status, file->path) : label_reader_end(out, &reader, file);
+    label_reader_finish(&reader);
     return status;
 }
 

@@ -14,6 +14,28 @@ conus_status volume_file_labels(struct label_voxels *out, struct volume_file *fi
  * @p file has no voxels afterwards, also on failure. */
 conus_status volume_file_take_labels(struct label_voxels *out, struct volume_file *file);
 
+/** Decodes labels that come slab by slab. */
+struct label_reader {
+    const struct volume_file *file; /**< Its info, datatype, byte order and max_memory, but no voxels; borrowed. */
+    struct label_coder coder;
+    uint32_t minimum, maximum;
+    bool is_bad; /**< A voxel is no label: the first such is kept, and nothing is decoded any more. */
+    size_t bad_voxel;
+    uint8_t bad_bytes[8];
+};
+
+/** The places go to @p memory, taken over also on failure, or where its data is NULL to memory of their own; see
+ * label_coder_init(). */
+conus_status label_reader_init(struct label_reader *reader, const struct volume_file *file, const struct bytes *memory);
+
+/** A gzip_sink: appends whole voxels as they are stored. @p user is the reader. */
+conus_status label_reader_add(void *user, const uint8_t *voxels, size_t size);
+
+/** Gives the labels of all voxels, and @p file their range. A voxel that is none is CONUS_ERROR_DATA, as of
+ * volume_file_labels(). */
+conus_status label_reader_end(struct label_voxels *out, struct label_reader *reader, struct volume_file *file);
+void label_reader_finish(struct label_reader *reader);
+
 /** Decodes to scaled values. Values that are not finite become 0, and a note counts them. *out is the caller's to
  * memory_free(). Otherwise as volume_file_labels(). */
 conus_status volume_file_values(float **out, struct volume_file *file, struct notes *notes);

@@ -129,7 +129,7 @@ conus_status text_voxels_read(struct bytes *out, struct text_range *range, const
                               struct bytes *stored, bool packed)
 {
     struct bytes voxels = {0};
-    range->stored = (struct gzip_range){0};
+    range->stored = (struct gzip_range){.sink = range->stored.sink, .user = range->stored.user};
     aim(&range->stored, range, volume);
     conus_status status = volume->encoding == TEXT_RAW ? read_raw(&voxels, &range->stored, volume, stored, packed)
                                                        : read_coded(&voxels, &range->stored, volume, stored, packed);

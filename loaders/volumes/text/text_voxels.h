@@ -11,7 +11,7 @@ struct text_range {
     size_t volume_size;       /**< Bytes of a volume in memory.              */
     size_t volume;            /**< The one that is wanted, unless            */
     bool all;                 /**< all are, one behind the other.            */
-    struct gzip_range stored; /**< Out: bytes behind the voxels: extra, junk. */
+    struct gzip_range stored; /**< In: the sink, only of packed voxels that are not interleaved. Out: extra, junk. */
 };
 
 /** Unpacks and decodes voxels out of the file @p stored, whose bytes may be gone afterwards; @p packed: that file is

@@ -1,0 +1,184 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Labels of a large, packed volume, read slab by slab, against the voxels unpacked at once. */
+#include "base/byte_order.h"
+#include "base/memory.h"
+#include "builders/nifti_builder.h"
+#include "label_list.h"
+#include "loaders/volumes/volume_file.h"
+#include "test.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <zlib.h>
+
+enum { NI = 1291, NJ = 61, NK = 28, COUNT = NI * NJ * NK /* 17.6 MB of float64, no whole number of slabs */ };
+
+static const char needed[] = "a labelled volume";
+
+static uint32_t label_at(size_t v)
+{
+    return 100 + 2 * (uint32_t)(v % NI / 5 + v / NI % 7);
+}
+
+/* float64, of which label_at() is the scaled value; `bad` is a voxel with another one, COUNT = none. */
+static void build(struct nifti_builder *b, size_t bad, size_t extra)
+{
+    const int64_t dim[3] = {NI, NJ, NK};
+    nifti_begin(b, 1, BIG_ENDIAN_IS_SWAPPED ? false : true, VOLUME_FLOAT64, dim);
+    nifti_set(b, "scl_slope", 0, 2);
+    nifti_set(b, "scl_inter", 0, 100);
+    for (size_t row = 0; row < NJ * NK; row++) {
+        double values[NI];
+        for (size_t i = 0; i < NI; i++) {
+            values[i] = row * NI + i == bad ? 0.25 : ((double)label_at(row * NI + i) - 100) / 2;
+        }
+        buffer_append(&b->bytes, (const char *)values, sizeof values);
+    }
+    buffer_append(&b->bytes, "xxx", extra);
+}
+
+/* write_packed() by zlib's fastest level; `path` has 300 bytes. */
+static void write_fast(char *path, const char *name, const struct buffer *bytes)
+{
+    snprintf(path, 300, "%s", write_bytes(name, &(struct buffer){.data = "", .size = 0}));
+    gzFile file = gzopen(path, "wb1");
+    assert_non_null(file);
+    assert_int_equal(gzfwrite(bytes->data, 1, bytes->size, file), bytes->size);
+    assert_int_equal(gzclose(file), Z_OK);
+}
+
+/* The first bytes of a file. */
+static const char *cut_file(const struct bytes *bytes, size_t size)
+{
+    struct buffer cut = {0};
+    buffer_append(&cut, (const char *)bytes->data, size);
+    const char *name = write_bytes("cut.nii.gz", &cut);
+    buffer_finish(&cut);
+    return name;
+}
+
+static conus_status open_slabs(struct volume_file *file, struct label_voxels *labels, const char *path, uint64_t limit,
+                               struct notes *notes)
+{
+    return volume_file_open_labels(file, labels, path, limit, needed, notes);
+}
+
+static void labels_and_notes_are_those_of_all_voxels_at_once(void **state)
+{
+    const char *path = *state;
+    struct volume_file file, other;
+    struct label_voxels labels = {0};
+    struct notes notes = {0};
+    struct notes wanted = {0};
+    uint32_t *list;
+    assert_ok(open_slabs(&file, &labels, path, 0, &notes));
+    assert_null(file.voxels.data);
+    assert_ok(volume_file_open(&other, path, 0, &wanted));
+    assert_ok(label_list_read(&list, &other));
+    assert_int_equal(labels.count, COUNT);
+    for (size_t v = 0; v < COUNT; v++) {
+        if (label_voxels_at(&labels, v) != list[v] || list[v] != label_at(v)) {
+            fail_msg("voxel %zu: %u and %u", v, label_voxels_at(&labels, v), list[v]);
+        }
+    }
+    assert_near(file.info.minimum, 100, 0);
+    assert_near(file.info.maximum, label_at(6 * NI + NI - 1), 0);
+    assert_int_equal(notes.count, 1); /* bytes after the last voxel */
+    assert_string_equal(notes.lines[0], wanted.lines[0]);
+    assert_string_equal(file.info.sha256, other.info.sha256);
+    memory_free(list);
+    label_voxels_finish(&labels);
+    volume_file_finish(&file);
+    volume_file_finish(&other);
+    notes_finish(&notes);
+    notes_finish(&wanted);
+}
+
+/* With the message of reading at once, whatever was seen before the end. */
+static void assert_refused_alike(const char *path, const char *part)
+{
+    char message[600];
+    struct volume_file file;
+    struct label_voxels labels = {0};
+    struct notes notes = {0};
+    uint32_t *list = NULL;
+    conus_status status = volume_file_open(&file, path, 0, &notes);
+    if (!status) {
+        status = label_list_read(&list, &file);
+        volume_file_finish(&file);
+    }
+    assert_int_equal(status, CONUS_ERROR_DATA);
+    snprintf(message, sizeof message, "%s", conus_message());
+    assert_non_null(strstr(message, part));
+    assert_fails(open_slabs(&file, &labels, path, 0, &notes), CONUS_ERROR_DATA);
+    assert_string_equal(conus_message(), message);
+    assert_null(labels.labels);
+    notes_finish(&notes);
+}
+
+static void what_is_wrong_is_said_as_of_all_voxels_at_once(void **state)
+{
+    (void)state;
+    struct nifti_builder b;
+    size_t bad = NI * (NJ * (NK - 1) + 7) + 5;
+    build(&b, bad, 0);
+    char path[300];
+    write_fast(path, "slabs.nii.gz", &b.bytes);
+    assert_refused_alike(path, "voxel (5, 7, 27): found 100.5 (stored 0.25, scale 2, offset 100), allowed labels");
+    struct bytes packed = {0};
+    assert_ok(file_read(&packed, path, UINT64_MAX));
+    assert_refused_alike(cut_file(&packed, packed.size / 2), "gzip: cut off"); /* before the bad voxel */
+    assert_refused_alike(cut_file(&packed, packed.size - 3), "gzip: cut off"); /* and behind it */
+    struct buffer wrong = {0};
+    buffer_append(&wrong, (const char *)packed.data, packed.size);
+    wrong.data[packed.size - 6] ^= 1; /* of the checksum: whole, but not what was written */
+    assert_refused_alike(write_bytes("wrong.nii.gz", &wrong), "incorrect data check");
+    bytes_finish(&packed);
+    buffer_finish(&wrong);
+    buffer_finish(&b.bytes);
+}
+
+static conus_status open_and_finish(void *path)
+{
+    struct volume_file file;
+    struct label_voxels labels = {0};
+    struct notes notes = {0};
+    conus_status status = open_slabs(&file, &labels, path, 0, &notes);
+    if (!status) {
+        volume_file_finish(&file);
+    }
+    label_voxels_finish(&labels);
+    notes_finish(&notes);
+    return status;
+}
+
+static void every_failing_allocation(void **state)
+{
+    char *path = *state;
+    test_limit_allocations(8 * COUNT - 1); /* the voxels are never there as a whole */
+    assert_ok(open_and_finish(path));
+    test_limit_allocations(0);
+    test_every_allocation(open_and_finish, path);
+}
+
+/* *state becomes the path of a file that is whole. */
+static int write_whole(void **state)
+{
+    static char path[300];
+    struct nifti_builder b;
+    build(&b, COUNT, 3);
+    write_fast(path, "whole.nii.gz", &b.bytes);
+    buffer_finish(&b.bytes);
+    *state = path;
+    return 0;
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(labels_and_notes_are_those_of_all_voxels_at_once),
+        cmocka_unit_test(what_is_wrong_is_said_as_of_all_voxels_at_once),
+        cmocka_unit_test(every_failing_allocation),
+    };
+    return cmocka_run_group_tests_name("label_slabs", tests, write_whole, NULL);
+}
