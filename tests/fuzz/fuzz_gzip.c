@@ -7,6 +7,32 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
+static conus_status keep_slab(void *user, const uint8_t *data, size_t size)
+{
+    buffer_append(user, (const char *)data, size);
+    return CONUS_OK;
+}
+
+/* A sink gets what would be kept, or the unpacking fails alike. */
+static void compare_sink(const uint8_t *data, size_t size, struct gzip_range range)
+{
+    struct bytes kept = {0};
+    struct bytes none = {0};
+    struct buffer got = {0};
+    struct gzip_range given = range;
+    given.sink = keep_slab;
+    given.user = &got;
+    conus_status kept_status = gzip_unpack(&kept, &range, data, size);
+    conus_status status = gzip_unpack(&none, &given, data, size);
+    if (status != kept_status || none.data ||
+        (!status && (given.extra != range.extra || given.junk != range.junk || got.size != kept.size ||
+                     memcmp(got.data, kept.data, kept.size) != 0))) {
+        abort();
+    }
+    bytes_finish(&kept);
+    buffer_finish(&got);
+}
+
 /* The head and the range, which are unpacked by different code, must agree where both succeed. */
 static void compare(const uint8_t *data, size_t size, struct gzip_range range)
 {
@@ -21,6 +47,7 @@ static void compare(const uint8_t *data, size_t size, struct gzip_range range)
     }
     bytes_finish(&head);
     bytes_finish(&kept);
+    compare_sink(data, size, range);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)

@@ -19,7 +19,7 @@ static inline void fuzz_text_voxels(const struct volume_header *header, const ui
     }
     for (int all = 0; all < 2; all++) {
         struct bytes stored = {memory_copy(data, size, 1), size};
-        struct gzip_range range;
+        struct gzip_range range = {0};
         status[all] =
             stored.data ? volume_text_voxels(&found[all], &range, header, &stored, false, all) : CONUS_ERROR_MEMORY;
         bytes_finish(&stored);
