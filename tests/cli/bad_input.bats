@@ -137,6 +137,9 @@ refuses() {
     fails 3 '536870912' info bomb.nii.gz --max-memory 512M
     ball
     fails 3 'ball.nii: file of 4448 bytes, allowed are 1024 (--max-memory)' info ball.nii --max-memory 1K
+    # each voxel takes 2 bytes as a number, whatever it takes in the file
+    fails 3 'ball.nii: labels: found 4096 voxels, which take 2 bytes each, allowed are 5000 bytes (--max-memory)' \
+        info ball.nii --max-memory 5000
 }
 
 @test "a small file that unpacks to 130 MB where the header asks for 4 kB" {
