@@ -69,6 +69,7 @@ static void note_shown(struct window *window)
     if (window->viewer) {
         window->shown_version = window->viewer->version;
         window->shown_said = window->viewer->said;
+        window->shown_second = window->second.version;
         window->shown_head = window->viewer->head.number;
     }
 }

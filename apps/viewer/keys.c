@@ -134,6 +134,24 @@ static void narrow_second(struct window *window)
     scale_second(window, 1 / 1.1);
 }
 
+static void scale_speed(struct window *window, double factor)
+{
+    devices_set_speed(&window->devices, devices_speed(&window->devices) * factor);
+    window->viewer->version++;
+    viewer_say(window->viewer, "a SpaceMouse or gamepad moves by %.0f mm and degrees a second at most",
+               devices_speed(&window->devices));
+}
+
+static void speed_up(struct window *window)
+{
+    scale_speed(window, 1.25);
+}
+
+static void slow_down(struct window *window)
+{
+    scale_speed(window, 0.8);
+}
+
 static void move_by_next(struct window *window)
 {
     hands_choose_next(window, FIRST_HAND);
@@ -363,6 +381,8 @@ static const struct {
     {"4", hold_second, "hold the second tool, or let it go"},
     {"6", widen_second, "a wider second cone"},
     {"5", narrow_second, "a narrower one"},
+    {"8", speed_up, "a SpaceMouse or gamepad moves faster"},
+    {"7", slow_down, "slower"},
     {"h", hide_chosen, "hide or show the chosen area"},
     {"i", isolate_chosen, "show the chosen area only"},
     {"ctrl+z", undo, "take back the last change; U, too"},
@@ -551,7 +571,10 @@ void keys_draw_help(struct window *window)
         "and sets the crosshair, another one lets it go, a double click confirms.\n"
         "Flat panes: left button sets the crosshair, wheel goes through the cuts, Ctrl and wheel magnify; middle "
         "button, or Ctrl and left, drags the context's brightness (up) and contrast (right), a double click resets; "
-        "with "
-        "the wand, right button puts the device there, with Shift it points there.");
+        "with the wand, right button puts the device there, with Shift it points there.\n"
+        "SpaceMouse: the cap moves and turns the tool along its own axes; first button holds, second resets, third "
+        "confirms.\n"
+        "Gamepad: left stick moves forward, back and aside, right stick turns, shoulder buttons move down and up, "
+        "triggers narrow and widen the cone; A holds, B resets, X confirms.");
     ui_panel_end();
 }

@@ -47,7 +47,7 @@ static void aim(struct window *window, const double origin[3], const double dire
 {
     conus_pose pose;
     assert_ok(conus_pose_along(&pose, origin, direction, NULL));
-    second_aim(&window->second, window->viewer, &pose);
+    second_aim(&window->second, &pose);
 }
 
 /* ---- Answers ----------------------------------------------------------------------------------------------------- */
@@ -86,7 +86,7 @@ static void each_tool_has_answers_of_its_own(void **state)
     assert_null(second_selection(&window.second, 0)); /* it is off */
     second_use(&window.second, &viewer, true);
     window.second.angle = 40;
-    second_touch(&window.second, &viewer);
+    second_touch(&window.second);
     check_answer(&window);
     assert_near(viewer.cone.angle, 5, 0);
     unsigned number = window.second.answer_number;
@@ -407,7 +407,7 @@ static void a_tool_is_steered_along_its_own_axes(void **state)
     assert_near(window.second.pose.world_from_device[12], viewer.centre[0] + 1.6 * viewer.radius, 1e-9);
     assert_near(-window.second.pose.world_from_device[8], -1, 1e-12);
     conus_pose pose = {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}};
-    second_aim(&window.second, &viewer, &pose);
+    second_aim(&window.second, &pose);
     tool_steer(&tool, (double[]){1, 2, -3}, (double[]){0, M_PI / 2, 0});
     const double *m = window.second.pose.world_from_device;
     assert_near(m[12], 1, 1e-12);
@@ -449,7 +449,7 @@ static void sessions_keep_it_and_changes_are_taken_back(void **state)
     aim(&window, (double[]){0, 60, 0}, back);
     undo_note(&window);
     window.second.angle = 12;
-    second_touch(&window.second, &viewer);
+    second_touch(&window.second);
     undo_step(&window, -1);
     assert_near(window.second.angle, 33, 0);
     assert_near(window.second.pose.world_from_device[13], 60, 0);

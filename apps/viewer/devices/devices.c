@@ -8,4 +8,11 @@ void devices_init(struct devices *out)
     tracker_init(&out->trackers[0]);
     tracker_init(&out->trackers[1]);
     pushed_init(&out->mouse);
+    spacemouse_init(&out->spacemouse);
+    gamepad_init(&out->gamepad, gamepad_read);
+}
+
+void devices_finish(struct devices *devices)
+{
+    spacemouse_finish(&devices->spacemouse);
 }

@@ -41,6 +41,11 @@ static bool is_frozen(struct source_watch *watch, const double *said, double now
     return now_s - watch->since_s >= SOURCE_FROZEN_S;
 }
 
+double source_speed(const struct source *source)
+{
+    return source->speed > 0 ? source->speed : SOURCE_SPEED;
+}
+
 void source_ask(struct source *source, double now_s, struct source_news *out)
 {
     double said[SOURCE_VALUES] = {0};

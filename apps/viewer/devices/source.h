@@ -31,6 +31,7 @@ struct source_news {
     double turn[3];   /**< Radians, a rotation vector in the tool's frame. */
     double widen;     /**< The cone's angle times that; 0 = it stays. */
     unsigned pressed; /**< Bits of source_press. */
+    const char *text; /**< What is wrong, one line; NULL = nothing that it knows. */
 };
 
 /** What a device said last, raw, to find one that says the same for ever. */
@@ -45,7 +46,11 @@ struct source {
      * a hand or a noise would change, and returns whether it did. */
     bool (*ask)(struct source *source, double now_s, struct source_news *out, double said[SOURCE_VALUES]);
     struct source_watch watch;
+    double speed; /**< Of a source that says moves: mm and degrees a second at most; 0 = SOURCE_SPEED. */
 };
+
+enum { SOURCE_SPEED = 40, SOURCE_LEAST_SPEED = 1, SOURCE_MOST_SPEED = 400 };
+double source_speed(const struct source *source);
 
 /** Asks a source. What are no numbers, and moves of one that is frozen, are left out, and the state says so. NULL, or
  * one without its function, is a source that is not there. */

@@ -7,7 +7,7 @@
 
 #include <math.h>
 
-const char *const hands_pointers[POINTER_COUNT] = {"mouse", "wand", "replay", "tracker"};
+const char *const hands_pointers[POINTER_COUNT] = {"mouse", "wand", "replay", "tracker", "spacemouse", "gamepad"};
 
 struct tool hands_tool(struct window *window, enum hand hand)
 {
@@ -87,6 +87,10 @@ static struct source *source_of(struct window *window, enum hand hand)
         return &devices->trackers[hand].source;
     case POINT_BY_MOUSE:
         return &devices->mouse.source;
+    case POINT_BY_SPACEMOUSE:
+        return &devices->spacemouse.source;
+    case POINT_BY_GAMEPAD:
+        return &devices->gamepad.source;
     default:
         return NULL;
     }
@@ -115,7 +119,16 @@ bool hands_step(struct window *window, double now_s)
 double hands_rest(const struct window *window)
 {
     static const double watch_s = 0.2; /* how often a tracker that says nothing is looked at */
-    return window->second_station ? watch_s : INFINITY;
+    static const double look_s = 0.02; /* and what moves by hand; or */
+    static const double seek_s = 0.5;  /* what may be plugged in */
+    double seconds = window->second_station ? watch_s : INFINITY;
+    for (int hand = FIRST_HAND; hand <= SECOND_HAND; hand++) {
+        enum pointer pointer = hand == SECOND_HAND ? window->second.pointer : window->viewer->cone.pointer;
+        bool is_asked = pointer >= POINT_BY_SPACEMOUSE && (hand == FIRST_HAND || second_moves(window));
+        bool is_there = window->devices.heard[hand].state > SOURCE_ABSENT;
+        seconds = is_asked ? fmin(seconds, is_there ? look_s : seek_s) : seconds;
+    }
+    return seconds;
 }
 
 void hands_point(struct window *window, const double eye[3], const double direction[3])
@@ -137,26 +150,31 @@ static void find_second(struct notice *out, const struct window *window)
     const struct devices *devices = &window->devices;
     *out = (struct notice){0};
     if (is_taken(window)) {
-        *out = (struct notice){.text = "what moves the first tool cannot move this one, too: choose another",
-                               .is_trouble = true};
+        *out = (struct notice){.text = "the first tool has this device", .is_trouble = true};
     } else if (second->pointer == POINT_BY_TRACKER) {
         const struct tracker *tracker = &devices->trackers[SECOND_HAND];
         notice_of_tracker(out, second->has_pose, tracker->is_there, tracker->tool.state);
     } else if (second->pointer == POINT_BY_REPLAY) {
-        *out = (struct notice){.text = "a replay moves the first tool only: choose another", .is_trouble = true};
-    } else if (!second->has_pose) {
-        out->text = second->pointer == POINT_BY_MOUSE ? "move the mouse over the brain"
-                                                      : "press W to put the second tool there";
+        *out = (struct notice){.text = "a replay moves the first tool only", .is_trouble = true};
+    } else if (!second->has_pose && second->pointer < POINT_BY_SPACEMOUSE) {
+        out->text = second->pointer == POINT_BY_MOUSE ? "move the mouse over the brain" : "press W to put it there";
     }
 }
 
-/* Of a device that says something, but not what it should. */
-static void find_trouble(struct notice *out, enum source_state state)
+/* What is wrong with a device, or what is to be done with it. */
+static void find_trouble(struct notice *out, const struct source_news *heard, bool has_pose, bool is_steered)
 {
-    if (state == SOURCE_FROZEN) {
-        *out = (struct notice){.text = "the same values for 5 s: is the device frozen?", .is_trouble = true};
-    } else if (state == SOURCE_BROKEN) {
-        *out = (struct notice){.text = "OLD ANSWER: the device says no numbers", .is_trouble = true, .is_old = true};
+    if (heard->state == SOURCE_FROZEN) {
+        *out = (struct notice){.text = "the same for 5 s: is it frozen?", .is_trouble = true};
+    } else if (heard->state == SOURCE_BROKEN) {
+        *out =
+            (struct notice){.text = is_steered ? "its values are no numbers" : "OLD ANSWER: the values are no numbers",
+                            .is_trouble = true,
+                            .is_old = !is_steered};
+    } else if (heard->text) {
+        *out = (struct notice){.text = heard->text, .is_trouble = heard->state <= SOURCE_ABSENT};
+    } else if (is_steered && !has_pose) {
+        out->text = "move it to put the tool there";
     }
 }
 
@@ -171,7 +189,8 @@ void hands_notice(struct notice *out, const struct window *window, enum hand han
         notice_find(out, viewer, window->station, &window->news, window->replay.poses);
     }
     if (!out->is_trouble) {
-        find_trouble(out, window->devices.heard[hand].state);
+        bool has_pose = hand == SECOND_HAND ? window->second.has_pose : viewer->cone.has_pose;
+        find_trouble(out, &window->devices.heard[hand], has_pose, pointer >= POINT_BY_SPACEMOUSE);
     }
     if (!out->text && is_held && (hand == SECOND_HAND || pointer >= POINT_BY_TRACKER)) {
         out->text = hand == SECOND_HAND ? "held: B lets it move again" : "held: Space lets it move again";

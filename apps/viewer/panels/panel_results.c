@@ -116,7 +116,7 @@ void panel_results(struct window *window)
     struct notice notice;
     hands_notice(&notice, window, FIRST_HAND);
     ui_panel("Hits of the cone", window->right, 0);
-    if (notice.is_old) { /* what follows is pale */
+    if (notice.is_trouble || notice.is_old) { /* then what follows is pale */
         ui_text_coloured(theme_texts[THEME_ORANGE], "%s", notice.text);
     }
     ui_dim(notice.is_old ? theme_pale : 1);

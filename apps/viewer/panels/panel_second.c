@@ -10,7 +10,8 @@ static const ui_colour light = {225, 225, 230, 255};
 /* All but the replay. */
 static void choose_pointer(struct window *window)
 {
-    static const enum pointer places[] = {POINT_BY_MOUSE, POINT_BY_WAND, POINT_BY_TRACKER};
+    static const enum pointer places[] = {POINT_BY_MOUSE, POINT_BY_WAND, POINT_BY_TRACKER, POINT_BY_SPACEMOUSE,
+                                          POINT_BY_GAMEPAD};
     enum { PLACES = sizeof places / sizeof places[0] };
     const char *names[PLACES];
     size_t chosen = 0;
@@ -30,10 +31,11 @@ static void choose_settings(struct window *window)
     struct second *second = &window->second;
     struct tool tool = hands_tool(window, SECOND_HAND);
     choose_pointer(window);
+    panel_speed(window, second->pointer);
     double angle = second_angle(second);
     if (ui_slider("angle", &angle, 0.1, 179, "%.1f\u00b0", true)) {
         second->angle = angle;
-        second_touch(second, window->viewer);
+        second_touch(second);
     }
     ui_tip("full opening of the second cone, degrees; [ and ] change it");
     bool held = second->held;

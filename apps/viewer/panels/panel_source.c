@@ -49,4 +49,19 @@ void panel_source(struct window *window)
     } else if (window->viewer->cone.pointer == POINT_BY_TRACKER) {
         show_tracker(window);
     }
+    panel_speed(window, window->viewer->cone.pointer);
+}
+
+void panel_speed(struct window *window, enum pointer pointer)
+{
+    double speed = devices_speed(&window->devices);
+    if (pointer < POINT_BY_SPACEMOUSE) {
+        return;
+    }
+    if (ui_slider("speed", &speed, SOURCE_LEAST_SPEED, SOURCE_MOST_SPEED, "%.0f mm/s", true)) {
+        devices_set_speed(&window->devices, speed);
+        window->viewer->version++;
+    }
+    ui_tip("of a SpaceMouse or gamepad at full deflection: mm a second, and as many degrees a second; comma and full "
+           "stop change it");
 }

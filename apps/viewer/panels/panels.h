@@ -25,6 +25,8 @@ void panel_look_pathway(struct viewer *viewer, uint32_t pathway); /**< a pathway
 void panel_look_area(struct viewer *viewer, uint32_t object);     /**< an area. */
 void panel_figure(struct window *window);                         /**< Before all others. */
 void panel_source(struct window *window);
+/** How fast a SpaceMouse or a gamepad moves; nothing of another pointer. */
+void panel_speed(struct window *window, enum pointer pointer);
 void panel_status(struct window *window);
 
 #endif

@@ -323,7 +323,7 @@ static void note_moves(struct window *window, bool by_mouse)
 {
     const struct viewer *viewer = window->viewer;
     double now = clock_ms();
-    bool carried = viewer->cone.pointer == POINT_BY_TRACKER || viewer->cone.pointer == POINT_BY_REPLAY;
+    bool carried = viewer->cone.pointer >= POINT_BY_REPLAY; /* or a tracker, a SpaceMouse, a gamepad */
     if (by_mouse) {
         window->moving_until = now + view_rest_ms;
     }

@@ -41,7 +41,7 @@ void notice_find(struct notice *out, const struct viewer *viewer, bool has_stati
     } else if (cone->pointer == POINT_BY_REPLAY && !has_poses) {
         out->text = "no poses: see --poses";
         out->is_trouble = true;
-    } else if (!cone->has_pose) {
+    } else if (!cone->has_pose && cone->pointer < POINT_BY_SPACEMOUSE) {
         out->text = cone->pointer == POINT_BY_WAND ? "press W to put the device there" : "choose a row to be shown";
     }
 }

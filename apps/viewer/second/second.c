@@ -21,10 +21,10 @@ void second_forget(struct second *second)
     second->answer_number++;
 }
 
-void second_touch(struct second *second, struct viewer *viewer)
+void second_touch(struct second *second)
 {
     second->is_asked = false;
-    viewer->version++;
+    second->version++;
 }
 
 void second_use(struct second *second, struct viewer *viewer, bool on)
@@ -36,14 +36,14 @@ void second_use(struct second *second, struct viewer *viewer, bool on)
     } else if (is_taken) {
         second->pointer = second->pointer == POINT_BY_WAND ? POINT_BY_MOUSE : POINT_BY_WAND;
     }
-    second_touch(second, viewer);
+    second_touch(second);
 }
 
-void second_aim(struct second *second, struct viewer *viewer, const conus_pose *pose)
+void second_aim(struct second *second, const conus_pose *pose)
 {
     second->pose = *pose;
     second->has_pose = true;
-    second_touch(second, viewer);
+    second_touch(second);
 }
 
 double second_angle(const struct second *second)
@@ -90,7 +90,7 @@ void second_update(struct second *second, struct viewer *viewer)
     second->is_asked = true;
     second->asked_after = viewer->cone.answer_number;
     second->select_ms = clock_ms() - begun;
-    viewer->version++;
+    second->version++;
 }
 
 const conus_selection *second_selection(const struct second *second, size_t atlas)

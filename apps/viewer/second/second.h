@@ -24,19 +24,20 @@ struct second {
                                  asked gives that another one. */
     bool is_asked;          /**< They are to the pose and angle that are now. */
     double select_ms;       /**< Of all atlases. */
+    unsigned version;       /**< Grows with every change that shows; the viewer's does not: its cuts stay as they are. */
 };
 
 /** There are no answers any more: the atlas that they are of goes, or the tool is off. */
 void second_forget(struct second *second);
 
 /** To be called when @p second was changed. */
-void second_touch(struct second *second, struct viewer *viewer);
+void second_touch(struct second *second);
 /** Full opening, degrees: 5 unless it was set. */
 double second_angle(const struct second *second);
 /** Switches it on or off; a pose stays. What moves the first tool does not move one that is switched on. */
 void second_use(struct second *second, struct viewer *viewer, bool on);
 /** Moves it, held or not. */
-void second_aim(struct second *second, struct viewer *viewer, const conus_pose *pose);
+void second_aim(struct second *second, const conus_pose *pose);
 /** Has the atlases asked if the answers are not those to what is set now; costs nothing otherwise, or while it is off.
  */
 void second_update(struct second *second, struct viewer *viewer);

@@ -31,7 +31,7 @@ const conus_pose *tool_pose(const struct tool *tool)
 void tool_aim(const struct tool *tool, const conus_pose *pose)
 {
     if (tool->second) {
-        second_aim(tool->second, tool->viewer, pose);
+        second_aim(tool->second, pose);
     } else {
         viewer_aim(tool->viewer, pose);
     }
@@ -57,7 +57,7 @@ void tool_widen(const struct tool *tool, double factor)
     *(tool->second ? &tool->second->angle : &tool->viewer->cone.angle) =
         fmin(fmax(now * factor, least_angle), most_angle);
     if (tool->second) {
-        second_touch(tool->second, tool->viewer);
+        second_touch(tool->second);
     } else {
         viewer_reselect(tool->viewer);
     }

@@ -284,6 +284,17 @@ static bool do_pointer(struct call *call)
     return false;
 }
 
+static bool do_speed(struct call *call)
+{
+    double speed;
+    bool fine = numbers(&speed, call, 0, 1) && speed >= SOURCE_LEAST_SPEED && speed <= SOURCE_MOST_SPEED;
+    if (fine) {
+        devices_set_speed(&call->window->devices, speed);
+        call->window->viewer->version++;
+    }
+    return fine;
+}
+
 static bool do_second(struct call *call)
 {
     return script_second(call->window, (const char *const *)call->words + 1, call->count);
@@ -448,7 +459,8 @@ static const struct {
     {"screen", 8, 8, do_screen, "X Y Z TX TY TZ WIDTH HEIGHT", false},
     {"head", 1, 3, do_head, "X Y Z, after screen, or lost", false},
     {"angle", 1, 1, do_angle, "DEGREES", false},
-    {"pointer", 1, 1, do_pointer, "mouse|wand|replay|tracker", false},
+    {"pointer", 1, 1, do_pointer, "mouse|wand|replay|tracker|spacemouse|gamepad", false},
+    {"speed", 1, 1, do_speed, "MM a second, 1 to 400", false},
     {"second", 1, 7, do_second, script_second_arguments, false},
     {"crosshair", 3, 3, do_crosshair, "X Y Z", false},
     {"orbit", 2, 2, do_orbit, "AZIMUTH ELEVATION, degrees", false},

@@ -10,8 +10,8 @@
 
 enum { WORDS = 7 };
 
-const char script_second_arguments[] =
-    "on|off|hold|confirm, aim X Y Z TX TY TZ, angle DEGREES, pointer mouse|wand|tracker, results FILE.tsv";
+const char script_second_arguments[] = "on|off|hold|confirm, aim X Y Z TX TY TZ, angle DEGREES, pointer "
+                                       "mouse|wand|tracker|spacemouse|gamepad, results FILE.tsv";
 
 static bool aim(struct window *window, const double given[6])
 {
@@ -27,7 +27,7 @@ static bool aim(struct window *window, const double given[6])
     if (status) {
         print_status(status);
     } else {
-        second_aim(&window->second, viewer, &pose);
+        second_aim(&window->second, &pose);
     }
     return !status;
 }
@@ -37,7 +37,7 @@ static bool set_angle(struct window *window, double angle)
     bool fine = angle > 0 && angle < 180;
     if (fine) {
         window->second.angle = angle;
-        second_touch(&window->second, window->viewer);
+        second_touch(&window->second);
     }
     return fine;
 }

@@ -253,7 +253,7 @@ char *session_text(const struct window *window)
     json_object_set_new(root, "confirmed", pins_of(viewer));
     json_object_set_new(root, "thresholds", session_thresholds(viewer->atlases));
     json_object_set_new(root, "transfer", transfer_of(&viewer->transfer_editor));
-    json_object_set_new(root, "second", session_second(&window->second));
+    session_second_add(root, window);
     json_object_set_new(root, "preset", viewer->preset ? json_string(viewer->preset) : json_null());
     json_object_set_new(root, "look", session_look(viewer->atlases));
     json_object_set_new(root, "background", json_string(backdrop_names[viewer->display.backdrop]));
@@ -445,14 +445,14 @@ static bool read_session(struct window *window, const json_t *root, char why[SES
                           .follow = (double)viewer->cone.follow};
     struct atlas_edits settings;
     struct session_atlases atlases = {0};
-    struct second second;
+    struct session_tools tools;
     struct result_list list = viewer->list;
     enum backdrop backdrop = viewer->display.backdrop;
     struct sheet sheet = window->sheet;
     const char *score = known_score(json_string_value(json_object_get(root, "score")));
     bool fine = read_state(&state, root, why) && session_list_read(&list, root, why) &&
                 (score || session_refuse(why, "session: score: unknown")) &&
-                session_second_read(&second, &window->second, root, why) &&
+                session_second_read(&tools, window, root, why) &&
                 read_atlas_edits(&settings, &atlases, viewer, root, why) &&
                 session_backdrop_read(&backdrop, json_object_get(root, "background"), why) &&
                 session_sheet_read(&sheet, json_object_get(root, "figure"), why) &&
@@ -466,7 +466,7 @@ static bool read_session(struct window *window, const json_t *root, char why[SES
         session_atlases_show(&atlases, viewer);
         read_pins(viewer, root);
         viewer_reselect(viewer);
-        session_second_put(window, &second);
+        session_second_put(window, &tools);
     }
     session_atlases_finish(&atlases);
     return fine;

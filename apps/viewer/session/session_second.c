@@ -4,15 +4,18 @@
 
 #include <string.h>
 
-json_t *session_second(const struct second *second)
+void session_second_add(json_t *root, const struct window *window)
 {
+    const struct second *second = &window->second;
     json_t *pose = json_array();
     for (int i = 0; i < 16; i++) {
         json_array_append_new(pose, json_real(second->pose.world_from_device[i]));
     }
-    return json_pack("{s: b, s: i, s: b, s: b, s: f, s: o}", "on", second->on, "pointer", (int)second->pointer,
-                     "has_pose", second->has_pose, "held", second->held, "angle_deg", second_angle(second),
-                     "world_from_device", pose);
+    json_object_set_new(root, "second",
+                        json_pack("{s: b, s: i, s: b, s: b, s: f, s: o}", "on", second->on, "pointer",
+                                  (int)second->pointer, "has_pose", second->has_pose, "held", second->held, "angle_deg",
+                                  second_angle(second), "world_from_device", pose));
+    json_object_set_new(root, "device_speed", json_real(devices_speed(&window->devices)));
 }
 
 static bool read_flag(bool *out, const json_t *object, const char *key)
@@ -33,12 +36,11 @@ static bool read_pose(conus_pose *out, const json_t *list)
     return fine;
 }
 
-bool session_second_read(struct second *out, const struct second *now, const json_t *root, char why[SESSION_REASON])
+static bool read_second(struct second *out, const json_t *root, char why[SESSION_REASON])
 {
     const json_t *object = json_object_get(root, "second");
     const json_t *pointer = json_object_get(object, "pointer");
     const json_t *angle = json_object_get(object, "angle_deg");
-    *out = *now;
     if (!object) {
         return true;
     }
@@ -55,9 +57,24 @@ bool session_second_read(struct second *out, const struct second *now, const jso
                           "not 2), angle_deg (0.01 to 179.99) and world_from_device (16 numbers) are needed");
 }
 
-void session_second_put(struct window *window, const struct second *read)
+bool session_second_read(struct session_tools *out, const struct window *window, const json_t *root,
+                         char why[SESSION_REASON])
+{
+    const json_t *speed = json_object_get(root, "device_speed");
+    *out = (struct session_tools){.second = window->second, .speed = devices_speed(&window->devices)};
+    out->speed = speed ? json_number_value(speed) : out->speed;
+    if (speed && (!json_is_number(speed) || !(out->speed >= SOURCE_LEAST_SPEED) || out->speed > SOURCE_MOST_SPEED)) {
+        return session_refuse(why, "session: device_speed: a number from %d to %d is needed", SOURCE_LEAST_SPEED,
+                              SOURCE_MOST_SPEED);
+    }
+    return read_second(&out->second, root, why);
+}
+
+void session_second_put(struct window *window, const struct session_tools *tools)
 {
     struct second *second = &window->second;
+    const struct second *read = &tools->second;
+    devices_set_speed(&window->devices, tools->speed);
     second->pose = read->pose;
     second->has_pose = read->has_pose;
     second->held = read->held;

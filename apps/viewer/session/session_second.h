@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file The second tool in a session: an object `second`. */
+/** @file The second tool in a session, an object `second`, and `device_speed`. */
 #ifndef CONUS_VIEWER_SESSION_SESSION_SECOND_H
 #define CONUS_VIEWER_SESSION_SESSION_SECOND_H
 
@@ -7,12 +7,19 @@
 
 #include <jansson.h>
 
-/** Of the tool as it is; NULL without memory. */
-json_t *session_second(const struct second *second);
-/** Reads what a session says of it into @p out, which has no answers: what it does not say is as in @p now. False: @p
- * why says why not, in one line. */
-bool session_second_read(struct second *out, const struct second *now, const json_t *root, char why[SESSION_REASON]);
+/** What a session keeps of tools and devices. */
+struct session_tools {
+    struct second second; /**< Without answers. */
+    double speed;         /**< Of devices.h. */
+};
+
+/** Adds the second tool, and the speed of devices, as they are to @p root. */
+void session_second_add(json_t *root, const struct window *window);
+/** Reads what a session says of them: what it does not say is as the window has it. False: @p why says why not, in one
+ * line. */
+bool session_second_read(struct session_tools *out, const struct window *window, const json_t *root,
+                         char why[SESSION_REASON]);
 /** Takes over what was read. */
-void session_second_put(struct window *window, const struct second *read);
+void session_second_put(struct window *window, const struct session_tools *tools);
 
 #endif

@@ -10,8 +10,8 @@
 
 static bool moves_by_itself(const struct cone_state *cone)
 {
-    return cone->pointer == POINT_BY_REPLAY || cone->pointer == POINT_BY_TRACKER ||
-           (cone->pointer == POINT_BY_MOUSE && !cone->frozen);
+    bool is_driven = cone->pointer >= POINT_BY_SPACEMOUSE || cone->pointer == POINT_BY_MOUSE;
+    return cone->pointer == POINT_BY_REPLAY || cone->pointer == POINT_BY_TRACKER || (is_driven && !cone->frozen);
 }
 
 static bool second_moves_by_itself(const struct second *second)
@@ -52,12 +52,13 @@ static char *text_of(const struct window *window)
 void undo_note(struct window *window)
 {
     const struct viewer *viewer = window->viewer;
-    bool is_new =
-        window->noted_version != viewer->version || window->noted_said != viewer->said || !window->changes.count;
+    bool is_new = window->noted_version != viewer->version || window->noted_said != viewer->said ||
+                  window->noted_second != window->second.version || !window->changes.count;
     if (is_new) {
         char *text = text_of(window);
         window->noted_version = viewer->version;
         window->noted_said = viewer->said;
+        window->noted_second = window->second.version;
         if (text) {
             changes_add(&window->changes, text);
         }

@@ -337,6 +337,7 @@ static void drop_pictures(struct window *window)
 void window_close(struct window *window)
 {
     drop_pictures(window);
+    devices_finish(&window->devices);
     free(window->wanted);
     free(window->session_path);
     free(window->session_waits);
@@ -521,7 +522,7 @@ static bool is_behind(const struct window *window)
         return window->frames_wanted;
     }
     return window->frames_wanted || window->shown_version != viewer->version || window->shown_said != viewer->said ||
-           window->shown_head != viewer->head.number;
+           window->shown_head != viewer->head.number || window->shown_second != window->second.version;
 }
 
 bool window_wants_frame(struct window *window)

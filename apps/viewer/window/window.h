@@ -113,11 +113,12 @@ struct window {
     bool moving;                        /**< The newest was asked for as one of these. */
     unsigned frames_wanted;             /**< To be drawn still, whatever changes. */
     unsigned shown_version, shown_said; /**< Of the viewer, in the newest frame. */
-    unsigned shown_head;                /**< Likewise. */
+    unsigned shown_head, shown_second;  /**< Likewise. */
     struct sheet sheet;                 /**< Of figures. */
     struct figure_form figure;
     struct changes changes;             /**< Of states that session/undo.h notes. */
     unsigned noted_version, noted_said; /**< Of the viewer, when it was looked at last for that. */
+    unsigned noted_second;              /**< Of the second tool. */
     char *session_path;                 /**< Of the session that was opened or saved last; NULL = none. */
     bool show_help;
     int navigated;       /**< The panel that keys go to, from 1: areas, hits; 0 = none. */
