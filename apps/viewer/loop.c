@@ -116,11 +116,13 @@ static void wait_for_events(struct window *window, double seconds)
     atomic_store(&awake, false);
 }
 
-/* Once no mouse button is down and no text is being typed: until then more of the same change may come. */
+/* Once no mouse button is down, no text is being typed and no trigger changes an angle: until then more of the same
+ * change may come. */
 static void note_changes(struct window *window)
 {
     struct ui_mouse mouse = ui_mouse_now();
-    if (window->viewer && !mouse.down[0] && !mouse.down[1] && !mouse.down[2] && !ui_wants_keys()) {
+    bool widens = window->devices.heard[FIRST_HAND].widen > 0 || window->devices.heard[SECOND_HAND].widen > 0;
+    if (window->viewer && !widens && !mouse.down[0] && !mouse.down[1] && !mouse.down[2] && !ui_wants_keys()) {
         undo_note(window);
     }
 }

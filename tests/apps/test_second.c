@@ -273,9 +273,22 @@ static void one_tracker_moves_two_tools(void **state)
     assert_non_null(strstr(notice.text, "OLD ANSWER: the tool is lost"));
     assert_near(window.second.pose.world_from_device[13], 60, 1e-5);
     struct tool tool = hands_tool(&window, SECOND_HAND);
+    struct tool first = hands_tool(&window, FIRST_HAND);
     tool_hold(&tool);
-    send_until_seen(&window, peer, "LeftToTracker", 40);
+    tool_hold(&first);
+    do {
+        send_pose(peer, "RightToTracker", 30);
+        send_until_seen(&window, peer, "LeftToTracker", 40);
+    } while (fabs(window.devices.trackers[FIRST_HAND].tool.pose.world_from_device[13] - 30) > 1e-5);
     assert_near(window.second.pose.world_from_device[13], 60, 1e-5);
+    assert_near(viewer.cone.pose.world_from_device[13], 50, 1e-5); /* the first one is held, too */
+    hands_notice(&notice, &window, FIRST_HAND);
+    assert_non_null(strstr(notice.text, "held"));
+    tool_hold(&first);
+    while (fabs(viewer.cone.pose.world_from_device[13] - 30) > 1e-5) {
+        send_pose(peer, "RightToTracker", 30);
+        step(&window);
+    }
     close(peer);
     station_stop(window.station);
     close_window(&window);
