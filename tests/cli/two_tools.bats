@@ -38,7 +38,7 @@ is_query() {
         runs "$child"
     done
     look '.second.on and .second.world_from_device[12:15] == [-4, 5, 80] and .world_from_device[12:15] == [9, 2, 90]'
-    tell 'key ]' 'key ]' 'results right.tsv' 'second results left.tsv' 'save wide.json' 'key b' 'save held.json' \
+    tell 'key )' 'key )' 'results right.tsv' 'second results left.tsv' 'save wide.json' 'key b' 'save held.json' \
         'key 3' 'save other.json' 'key ,' 'key 2'
     look '.device_speed == 32 and (.second.on | not)'
     leave

@@ -12,7 +12,15 @@
 #include "viewer/model/painter.h"
 #include "viewer/model/view_atlas.h"
 
-enum pointer { POINT_BY_MOUSE = 0, POINT_BY_WAND, POINT_BY_REPLAY, POINT_BY_TRACKER, POINT_BY_SPACEMOUSE, POINT_BY_GAMEPAD, POINTER_COUNT };
+enum pointer {
+    POINT_BY_MOUSE = 0,
+    POINT_BY_WAND,
+    POINT_BY_REPLAY,
+    POINT_BY_TRACKER,
+    POINT_BY_SPACEMOUSE,
+    POINT_BY_GAMEPAD,
+    POINTER_COUNT
+};
 /** What the crosshair, and so the cuts, go along with. */
 enum follow { FOLLOW_NOTHING = 0, FOLLOW_TIP, FOLLOW_CONTACT, FOLLOW_COUNT };
 enum plane { AXIAL = 0, CORONAL, SAGITTAL, PLANE_COUNT };

@@ -37,7 +37,7 @@ static void choose_settings(struct window *window)
         second->angle = angle;
         second_touch(second);
     }
-    ui_tip("full opening of the second cone, degrees; [ and ] change it");
+    ui_tip("full opening of the second cone, degrees; ( and ) change it");
     bool held = second->held;
     if (ui_check("hold", &held)) {
         tool_hold(&tool);

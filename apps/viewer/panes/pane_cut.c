@@ -3,6 +3,7 @@
 #include "viewer/panes/panes.h"
 
 #include "viewer/figures/cut_view.h"
+#include "viewer/hands/hands.h"
 #include "viewer/model/picker.h"
 #include "viewer/window/hover.h"
 
@@ -214,41 +215,51 @@ static void draw_chosen(const struct window *window, const struct cut_pane *pane
 
 /* ---- The mouse --------------------------------------------------------------------------------------------------- */
 
-/* The first time it looks at the brain's middle, unless it is put there. */
-static void place_wand(struct viewer *viewer, const double at[3])
+static void aim_along(const struct tool *tool, const double origin[3], const double direction[3])
 {
-    double direction[3];
-    for (int a = 0; a < 3; a++) {
-        direction[a] = viewer->centre[a] - at[a];
-    }
-    if (dot(direction, direction) > 1) {
-        viewer_aim_along(viewer, at, direction);
+    conus_pose pose;
+    if (conus_pose_along(&pose, origin, direction, NULL)) {
+        viewer_say(tool->viewer, "%s", conus_message());
     } else {
-        viewer_place(viewer);
+        tool_aim(tool, &pose);
     }
 }
 
-static void move_wand(struct viewer *viewer, const struct ui_mouse *mouse, const double at[3])
+/* The first time it looks at the brain's middle, unless it is put there. */
+static void place_wand(const struct tool *tool, const double at[3])
 {
-    const double *m = viewer->cone.pose.world_from_device;
+    double direction[3];
+    for (int a = 0; a < 3; a++) {
+        direction[a] = tool->viewer->centre[a] - at[a];
+    }
+    if (dot(direction, direction) > 1) {
+        aim_along(tool, at, direction);
+    } else {
+        tool_place(tool);
+    }
+}
+
+static void move_wand(const struct tool *tool, const struct ui_mouse *mouse, const double at[3])
+{
+    const double *m = tool_pose(tool)->world_from_device;
     double direction[3] = {-m[8], -m[9], -m[10]};
     double origin[3] = {m[12], m[13], m[14]};
     for (int a = 0; a < 3; a++) {
         direction[a] = mouse->shift ? at[a] - origin[a] : direction[a];
         origin[a] = mouse->shift ? origin[a] : at[a];
     }
-    viewer_aim_along(viewer, origin, direction);
+    aim_along(tool, origin, direction);
 }
 
-static void use_wand(struct viewer *viewer, const struct ui_mouse *mouse, const double at[3])
+static void use_wand(const struct tool *tool, const struct ui_mouse *mouse, const double at[3])
 {
-    if (!viewer->cone.has_pose && mouse->shift) {
-        viewer_place(viewer);
+    if (!tool_pose(tool) && mouse->shift) {
+        tool_place(tool);
     }
-    if (viewer->cone.has_pose) {
-        move_wand(viewer, mouse, at);
+    if (tool_pose(tool)) {
+        move_wand(tool, mouse, at);
     } else {
-        place_wand(viewer, at);
+        place_wand(tool, at);
     }
 }
 
@@ -256,6 +267,7 @@ static void use_mouse(struct window *window, const struct frame *frame, enum pla
 {
     struct viewer *viewer = window->viewer;
     struct ui_mouse mouse = ui_mouse_now();
+    struct tool wand = hands_moved_by(window, POINT_BY_WAND);
     double at[3];
     world_at(at, frame, mouse.x, mouse.y);
     window->hover.object = object_at(frame->pane, mouse.x, mouse.y);
@@ -278,8 +290,8 @@ static void use_mouse(struct window *window, const struct frame *frame, enum pla
     } else if (ui_surface_held() && mouse.down[0]) {
         viewer_cross(viewer, at);
         viewer->drawn->shown.chosen = window->hover.object ? window->hover.object : viewer->drawn->shown.chosen;
-    } else if (ui_surface_held() && mouse.down[1] && viewer->cone.pointer == POINT_BY_WAND) {
-        use_wand(viewer, &mouse, at);
+    } else if (ui_surface_held() && mouse.down[1] && wand.viewer) {
+        use_wand(&wand, &mouse, at);
     }
 }
 

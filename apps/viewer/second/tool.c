@@ -7,7 +7,7 @@
 
 #include <math.h>
 
-static const double beside = 1.6; /* radii from the brain's middle, where a tool starts */
+static const double beside = 1.6; /* radii from the brain's middle, where the second tool starts */
 static const double farthest = 3; /* radii: it cannot be steered farther away */
 static const double least_angle = 0.1, most_angle = 179;
 
@@ -65,14 +65,14 @@ void tool_widen(const struct tool *tool, double factor)
 
 void tool_place(const struct tool *tool)
 {
-    const double *c = tool->viewer->centre;
-    double far = beside * tool->viewer->radius;
-    const double before[3] = {c[0], c[1] + far, c[2]};
-    const double right[3] = {c[0] + far, c[1], c[2]};
+    struct viewer *viewer = tool->viewer;
+    const double *c = viewer->centre;
     conus_pose pose;
-    bool fine = !conus_pose_along(&pose, tool->second ? right : before,
-                                  tool->second ? (const double[]){-1, 0, 0} : (const double[]){0, -1, 0}, NULL);
-    if (fine) {
+    if (!tool->second) {
+        viewer->cone.has_pose = false;
+        viewer_place(viewer);
+    } else if (!conus_pose_along(&pose, (const double[]){c[0] + beside * viewer->radius, c[1], c[2]},
+                                 (const double[]){-1, 0, 0}, NULL)) {
         tool_aim(tool, &pose);
     }
 }
