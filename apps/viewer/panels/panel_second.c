@@ -4,6 +4,8 @@
 
 #include "viewer/hands/hands.h"
 
+#include <math.h>
+
 static const ui_colour orange = {255, 150, 30, 255};
 static const ui_colour light = {225, 225, 230, 255};
 
@@ -50,9 +52,10 @@ static void choose_settings(struct window *window)
     ui_tip("pins the best hit of the second cone");
 }
 
-static void draw_lists(struct window *window, float lines)
+static void draw_lists(struct window *window)
 {
     const struct viewer *viewer = window->viewer;
+    float lines = fmaxf(8.0F / (float)viewer->atlas_count, 5); /* as the first tool's */
     for (size_t i = 0; i < viewer->atlas_count; i++) {
         ui_id((uint32_t)i);
         if (viewer->atlas_count > 1) {
@@ -82,7 +85,7 @@ void panel_second(struct window *window)
             ui_text_coloured(notice.is_trouble ? orange : light, "%s", notice.text);
         }
         ui_dim(notice.is_old ? 0.4F : 1);
-        draw_lists(window, 7);
+        draw_lists(window);
         ui_dim_end();
         choose_settings(window);
         ui_separator();
