@@ -151,8 +151,9 @@ static int run_view(const void *given, const struct arguments *arguments)
     struct script *script = NULL;
     struct window window;
     struct window_options options;
-    if (!option_needs(arguments, "hidden", "script") || !settings_check_stations(&settings->station, arguments) ||
-        !settings_check_space(arguments, &settings->space) || !settings_check_screen(&settings->station, arguments)) {
+    if (!option_needs(arguments, "hidden", "script") || !option_needs(arguments, "context-opacity", "context") ||
+        !settings_check_stations(&settings->station, arguments) || !settings_check_space(arguments, &settings->space) ||
+        !settings_check_screen(&settings->station, arguments)) {
         return EXIT_USAGE;
     }
     int code = settings->script ? script_load(&script, settings->script) : EXIT_DONE;

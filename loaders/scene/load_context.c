@@ -3,10 +3,12 @@
 #include "loaders/scene/load_context.h"
 
 #include "atlas/fit/fit.h"
-#include "base/memory.h"
+#include "base/folder.h"
 #include "base/options.h"
 #include "loaders/scene/load_scalar.h"
 #include "loaders/surfaces/mesh_file.h"
+
+#include <string.h>
 
 static const double default_opacity = 0.25;
 
@@ -21,7 +23,14 @@ static conus_status check_surface(const char *path, const conus_context_options 
                       options->opacity, default_opacity);
 }
 
-/* Reads, and measures where it lies later. */
+/* As FreeSurfer calls its surfaces, which do not say it. */
+static char side_of_name(const char *path)
+{
+    const char *name = path_base(path);
+    return strncmp(name, "lh.", 3) == 0 ? 'L' : strncmp(name, "rh.", 3) == 0 ? 'R' : '\0';
+}
+
+/* It is measured when it is added. */
 static conus_status read_surface(struct context_surface *out, const char *path, const conus_context_options *options,
                                  struct notes *notes)
 {
@@ -30,7 +39,7 @@ static conus_status read_surface(struct context_surface *out, const char *path, 
     conus_status status = check_surface(path, options);
     status = status ? status : mesh_file_read(&out->mesh, &about, path, &file, notes);
     out->opacity = options->opacity > 0 ? options->opacity : default_opacity;
-    out->hemisphere = about.hemisphere;
+    out->hemisphere = about.hemisphere ? about.hemisphere : side_of_name(path);
     label_finish(&about);
     return status;
 }

@@ -38,8 +38,8 @@ is_query() {
         runs "$child"
     done
     look '.second.on and .second.world_from_device[12:15] == [-4, 5, 80] and .world_from_device[12:15] == [9, 2, 90]'
-    tell 'key )' 'key )' 'results right.tsv' 'second results left.tsv' 'save wide.json' 'key b' 'save held.json' \
-        'key 3' 'save other.json' 'key ,' 'key 2'
+    tell 'key 6' 'key 6' 'results right.tsv' 'second results left.tsv' 'save wide.json' 'key 4' 'save held.json' \
+        'key 3' 'save other.json' 'key 7' 'key 2'
     look '.device_speed == 32 and (.second.on | not)'
     leave
     jq -e '.second.angle_deg > 6.04 and .second.angle_deg < 6.06 and .angle_deg == 5' wide.json # 5 times 1.1 squared

@@ -103,6 +103,7 @@ static void all_formats_of_surfaces_are_taken(void **state)
         check_box(atlas, i, path);
         assert_ok(conus_atlas_context_surface(&surface, atlas, i));
         assert_near(surface.opacity, i ? 0.5 : 0.25, 0);
+        assert_int_equal(surface.hemisphere, i < 5 ? 0 : 'L');
         assert_string_equal(conus_atlas_file(atlas, i), path);
     }
     assert_fails(conus_atlas_context_surface(&surface, atlas, 6), CONUS_ERROR_ARGUMENT);
