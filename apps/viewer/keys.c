@@ -7,6 +7,7 @@
 #include "viewer/keys_look.h"
 #include "viewer/keys_view.h"
 #include "viewer/pointing/point.h"
+#include "viewer/question/question.h"
 #include "viewer/session/keep.h"
 #include "viewer/session/undo.h"
 #include "viewer/window/screen.h"
@@ -184,6 +185,36 @@ static void toggle_layers(struct window *window)
     conus_selector_options *options = &window->viewer->cone.options;
     options->layers = options->layers ? CONUS_LAYERS_VISIBLE : CONUS_LAYERS_ALL;
     viewer_reselect(window->viewer);
+}
+
+static void go_deeper(struct window *window)
+{
+    question_next_level(window->viewer);
+}
+
+static void change_order(struct window *window)
+{
+    question_set_order(window->viewer, window->viewer->cone.order ? CONUS_ORDER_RANK : CONUS_ORDER_DEPTH);
+}
+
+static void shorten_range(struct window *window)
+{
+    question_move_range(window->viewer, 0, -1);
+}
+
+static void lengthen_range(struct window *window)
+{
+    question_move_range(window->viewer, 0, 1);
+}
+
+static void start_nearer(struct window *window)
+{
+    question_move_range(window->viewer, -1, 0);
+}
+
+static void start_deeper(struct window *window)
+{
+    question_move_range(window->viewer, 1, 0);
 }
 
 static void look_at_all(struct window *window)
@@ -383,6 +414,12 @@ static const struct {
     {"5", narrow_second, "a narrower one"},
     {"8", speed_up, "a SpaceMouse or gamepad moves faster"},
     {"7", slow_down, "slower"},
+    {"d", go_deeper, "areas as parts of larger ones: the next level of the tree, after the last one each by itself"},
+    {"y", change_order, "the list by rank, or the nearest first"},
+    {"a", shorten_range, "depth limits: the farther one 1 mm nearer; at first 0 to 50 mm"},
+    {"s", lengthen_range, "the farther one 1 mm deeper"},
+    {"q", start_nearer, "the nearer one 1 mm nearer"},
+    {"e", start_deeper, "the nearer one 1 mm deeper"},
     {"h", hide_chosen, "hide or show the chosen area"},
     {"i", isolate_chosen, "show the chosen area only"},
     {"ctrl+z", undo, "take back the last change; U, too"},

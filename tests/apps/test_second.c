@@ -141,11 +141,11 @@ static void shapes_are_shared(void **state)
     (void)state;
     open_window(&window, &viewer);
     window.second.angle = 30;
-    assert_near(second_question(&options, &window.second, &viewer), M_PI / 6, 1e-12);
+    assert_near(second_question(&options, &window.second, &viewer, 0), M_PI / 6, 1e-12);
     viewer.cone.options.radius = 3;
-    assert_near(second_question(&options, &window.second, &viewer), 0, 0);
+    assert_near(second_question(&options, &window.second, &viewer, 0), 0, 0);
     viewer.cone.one_ray = true;
-    assert_true(second_question(&options, &window.second, &viewer) < 0.01);
+    assert_true(second_question(&options, &window.second, &viewer, 0) < 0.01);
     assert_int_equal(options.resolution, 1);
     close_window(&window);
 }

@@ -65,7 +65,7 @@ static void assert_answers(const struct viewer *viewer, size_t index)
     conus_selection *answer = NULL;
     assert_ok(conus_selector_create(&selector, on->atlas, &viewer->cone.options));
     assert_ok(conus_select(&answer, selector, &viewer->cone.pose,
-                           viewer->cone.options.radius > 0 ? 0 : viewer->cone.angle * M_PI / 180));
+                           viewer->cone.options.radius > 0 ? 0 : viewer->cone.angle * (M_PI / 180)));
     char *wanted = table_of(selector, answer);
     char *shown = table_of(on->selector, view_atlas_selection(on));
     assert_string_equal(shown, wanted);

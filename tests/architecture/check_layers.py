@@ -42,18 +42,19 @@ APPS = {
     " apps/viewer/theme apps/viewer/opening",
     "apps/viewer/pointing": "apps/viewer/model",
     "apps/viewer/chosen": "apps/viewer/model",
+    "apps/viewer/question": "apps/common apps/options apps/settings apps/viewer/model",
     "apps/viewer/figures": "apps/figures apps/viewer/model apps/viewer/window",
     "apps/viewer/panes": "apps/viewer/figures apps/viewer/model apps/viewer/pointing apps/viewer/chosen apps/viewer/second"
     " apps/viewer/hands apps/viewer/window",
     "apps/viewer/results": "apps/common apps/viewer/model",
-    "apps/viewer/panels": "apps/settings apps/viewer/search apps/viewer/figures apps/viewer/pointing"
+    "apps/viewer/panels": "apps/settings apps/viewer/search apps/viewer/figures apps/viewer/pointing apps/viewer/question"
     " apps/viewer/results apps/viewer/hands apps/viewer/window",
-    "apps/viewer/session": "apps/common apps/viewer/search apps/viewer/figures apps/viewer/pointing"
+    "apps/viewer/session": "apps/common apps/viewer/search apps/viewer/figures apps/viewer/pointing apps/viewer/question"
     " apps/viewer/results apps/viewer/hands apps/viewer/window",
     # draw.c joins the panes and panels; the window itself knows neither.
     "apps/viewer": "apps/link apps/common apps/settings apps/pages apps/viewer/pointing apps/viewer/hands"
     " apps/viewer/window apps/viewer/panes apps/viewer/panels apps/viewer/session apps/viewer/opening"
-    " apps/viewer/figures",
+    " apps/viewer/figures apps/viewer/question",
 }
 LIBRARY = {
     "base": "",

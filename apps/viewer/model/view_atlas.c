@@ -39,6 +39,7 @@ void view_atlas_finish(struct view_atlas *on)
     shown_finish(&on->shown);
     look_finish(&on->look);
     watch_destroy(on->watch);
+    free(on->made_level);
     free(on->name);
     free(on->path);
 }
@@ -49,8 +50,10 @@ void view_atlas_finish(struct view_atlas *on)
 static bool are_same(const conus_selector_options *a, const conus_selector_options *b)
 {
     return a->engine == b->engine && a->aperture == b->aperture && a->sampling == b->sampling &&
-           a->resolution == b->resolution && a->slice_fraction == b->slice_fraction && a->layers == b->layers &&
-           a->range[0] == b->range[0] && a->range[1] == b->range[1] && a->radius == b->radius && a->score == b->score;
+           a->resolution == b->resolution && a->slices == b->slices && a->slice_fraction == b->slice_fraction &&
+           a->layers == b->layers && a->range[0] == b->range[0] && a->range[1] == b->range[1] &&
+           a->radius == b->radius && a->score == b->score &&
+           strcmp(a->level ? a->level : "", b->level ? b->level : "") == 0;
 }
 
 conus_status view_atlas_prepare(struct view_atlas *on, const conus_selector_options *options)
@@ -58,9 +61,16 @@ conus_status view_atlas_prepare(struct view_atlas *on, const conus_selector_opti
     if (on->selector && are_same(options, &on->made_with)) {
         return CONUS_OK;
     }
+    char *level = options->level ? strdup(options->level) : NULL;
+    if (options->level && !level) {
+        return CONUS_ERROR_MEMORY;
+    }
     conus_selector_destroy(on->selector);
     on->selector = NULL;
+    free(on->made_level);
+    on->made_level = level;
     on->made_with = *options;
+    on->made_with.level = level;
     return conus_selector_create(&on->selector, on->atlas, options);
 }
 

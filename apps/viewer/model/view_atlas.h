@@ -21,6 +21,7 @@ struct view_atlas {
     struct watch *watch;              /**< NULL without memory. */
     conus_selector *selector;         /**< Made when needed; NULL after the atlas changed. */
     conus_selector_options made_with; /**< The selector. */
+    char *made_level;                 /**< Its level; NULL = none. */
     struct answer *answer;            /**< To the newest question; NULL = none. */
     conus_selector *picker;           /**< Of picker.c; made when needed. */
     conus_cutter *probe;              /**< Likewise. */

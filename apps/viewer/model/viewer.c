@@ -110,17 +110,18 @@ static void say_failure(struct viewer *viewer, const struct view_atlas *on, conu
                status == CONUS_ERROR_MEMORY ? "not enough memory" : conus_message());
 }
 
-double viewer_question(conus_selector_options *options, const struct viewer *viewer)
+double viewer_question(conus_selector_options *options, const struct viewer *viewer, size_t index)
 {
     const struct cone_state *cone = &viewer->cone;
     *options = cone->options;
+    options->level = cone->level[0] && !index ? cone->level : NULL;
     if (cone->one_ray) {
         options->resolution = 1;
         options->radius = 0;
         options->layers = CONUS_LAYERS_VISIBLE;
     }
     double angle = cone->one_ray ? ray_angle : cone->angle;
-    return options->radius > 0 ? 0 : angle * M_PI / 180;
+    return options->radius > 0 ? 0 : angle * (M_PI / 180); /* as conus query has it, to the last bit */
 }
 
 /* Where nothing is hit, there is no contact to go to. */
@@ -138,10 +139,10 @@ static void follow_cone(struct viewer *viewer)
 static void select_now(struct viewer *viewer)
 {
     conus_selector_options options;
-    double angle = viewer_question(&options, viewer);
     double begun = clock_ms();
     for (size_t i = 0; i < viewer->atlas_count; i++) {
         struct view_atlas *on = &viewer->atlases[i];
+        double angle = viewer_question(&options, viewer, i);
         conus_status status = view_atlas_select(on, &options, &viewer->cone.pose, angle);
         if (status) {
             say_failure(viewer, on, status);
@@ -307,13 +308,14 @@ static conus_status add_report(conus_report **reports, struct viewer *viewer, st
                                           .atlas = on->name[0] ? on->name : NULL,
                                           .frame = &viewer->frame,
                                           .command = command,
+                                          .order = viewer->cone.order,
                                           .no_voxels = true};
     conus_selector_options asked;
     bool was_asked = false;
     for (size_t i = 0; i < viewer->atlas_count; i++) {
         was_asked = was_asked || (answers && answers[i]);
     }
-    viewer_question(&asked, viewer);
+    viewer_question(&asked, viewer, index);
     conus_status status = view_atlas_prepare(on, &asked);
     status = status ? status : conus_report_create(&reports[index], on->selector, &options);
     if (!status && answers && answers[index]) {

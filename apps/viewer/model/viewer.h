@@ -24,7 +24,7 @@ enum pointer {
 /** What the crosshair, and so the cuts, go along with. */
 enum follow { FOLLOW_NOTHING = 0, FOLLOW_TIP, FOLLOW_CONTACT, FOLLOW_COUNT };
 enum plane { AXIAL = 0, CORONAL, SAGITTAL, PLANE_COUNT };
-enum { PIN_LIMIT = 64, MESSAGE_SIZE_LIMIT = 256 };
+enum { PIN_LIMIT = 64, MESSAGE_SIZE_LIMIT = 256, LEVEL_LIMIT = 1024 };
 
 /** A confirmed result. */
 struct pin {
@@ -40,14 +40,16 @@ struct pin {
 struct cone_state {
     enum pointer pointer;
     conus_pose pose;
-    bool has_pose, frozen; /**< Frozen: the mouse does not move the cone. */
-    bool apex_at_eye;      /**< Of the mouse's cones: not at the surface that the mouse is over. */
-    bool one_ray;          /**< In place of the cone there is one ray along its axis, first hits only. */
-    enum follow follow;    /**< The cone's tip, or the contact of its best hit in the drawn atlas. */
-    double angle;          /**< Full opening, degrees. */
-    conus_selector_options options;
-    unsigned answer_number; /**< Tells answers apart, whose addresses may come again. */
-    double select_ms;       /**< Of all atlases. */
+    bool has_pose, frozen;          /**< Frozen: the mouse does not move the cone. */
+    bool apex_at_eye;               /**< Of the mouse's cones: not at the surface that the mouse is over. */
+    bool one_ray;                   /**< In place of the cone there is one ray along its axis, first hits only. */
+    enum follow follow;             /**< The cone's tip, or the contact of its best hit in the drawn atlas. */
+    double angle;                   /**< Full opening, degrees. */
+    conus_selector_options options; /**< Without a level. */
+    char level[LEVEL_LIMIT];        /**< Of the first atlas, as conus_selector_options has it; "" = none. */
+    conus_order order;              /**< Of the lists. */
+    unsigned answer_number;         /**< Tells answers apart, whose addresses may come again. */
+    double select_ms;               /**< Of all atlases. */
 };
 
 /** How the panes draw. */
@@ -123,8 +125,9 @@ size_t viewer_put_coordinate(char *out, size_t size, const struct viewer *viewer
 void viewer_aim_along(struct viewer *viewer, const double origin[3], const double direction[3]);
 /** There is no cone any more, and no answer; the mouse is free to make another one. */
 void viewer_clear(struct viewer *viewer);
-/** How all atlases are asked: the cone's options and its full opening, radians; with one_ray those of that ray. */
-double viewer_question(conus_selector_options *options, const struct viewer *viewer);
+/** How atlas @p index is asked: the cone's options and its full opening, radians; with one_ray those of that ray. The
+ * level is borrowed from the viewer. */
+double viewer_question(conus_selector_options *options, const struct viewer *viewer, size_t index);
 /** Puts the device in front of the brain, looking at its middle, unless it has a pose already. */
 void viewer_place(struct viewer *viewer);
 /** To be called after options, angle or score changed, or whether there is a pose: without one there is no answer. */

@@ -90,11 +90,15 @@ static bool choose_slices(conus_selector_options *options)
     double part = options->slice_fraction > 0 ? options->slice_fraction : 0.2; /* the default, Eq. 7 */
     if (options->sampling == CONUS_SAMPLING_EXACT) {
         options->slice_fraction = 0;
+        options->slices = 0;
         return false;
     }
     bool changed = ui_slider("slices", &part, 0.01, 1, "%.2f of the picture's", true);
-    ui_tip("how many planes across the view are visited, as a part of those of the picture");
+    ui_tip("which part of the picture's slices the cone asks at (--slice-fraction)");
     options->slice_fraction = changed ? part : options->slice_fraction;
+    options->range[0] = options->range[1] = 0; /* needs exact sampling */
+    changed = ui_count("picture's slices", &options->slices, 0, 2048) || changed;
+    ui_tip("how many slices the picture has (--slices); 0 = 1.41 times the longest edge of the volume, in voxels");
     return changed;
 }
 
@@ -177,6 +181,7 @@ void panel_cone(struct window *window)
             viewer_reselect(viewer);
         }
     }
+    panel_question(viewer);
     if (ui_section("View", false)) {
         bool shown = ui_slider("context", &viewer->display.fade, 0, 1, "%.2f faded", false);
         ui_tip("how much the context is thinned in 3-D: 0 as its transfer function says, 1 not at all there");

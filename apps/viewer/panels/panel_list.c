@@ -2,6 +2,7 @@
 /* The list of what the cone hits in one atlas, and the choice of its columns. */
 #include "viewer/panels/panels.h"
 
+#include "viewer/question/question.h"
 #include "viewer/results/columns.h"
 #include "viewer/window/ui_list.h"
 
@@ -123,7 +124,7 @@ static void draw_rows(struct viewer *viewer, const struct view_atlas *on, const 
 {
     size_t count = conus_selection_count(selection);
     bool by_rank = viewer->list.order == RESULT_RANK && !viewer->list.reversed;
-    size_t *order = by_rank ? NULL : result_order(viewer, on, selection);
+    size_t *order = by_rank ? question_order(viewer, selection) : result_order(viewer, on, selection);
     for (size_t i = 0; i < count; i++) {
         const conus_result *result = conus_selection_result(selection, order ? order[i] : i);
         if (ui_list_row()) {

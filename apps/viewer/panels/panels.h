@@ -14,6 +14,8 @@ void panel_areas(struct window *window);
 void panel_list(struct window *window, const struct view_atlas *on, const conus_selection *selection, float lines);
 void panel_second(struct window *window); /**< The second tool. */
 void panel_cone(struct window *window);
+/** What counts, and in which order: depths, level, list. */
+void panel_question(struct viewer *viewer);
 void panel_results(struct window *window);
 /** Of the results: the button that chooses the columns of the lists. */
 void panel_columns(struct window *window);

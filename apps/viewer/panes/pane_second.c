@@ -38,7 +38,7 @@ static double seen_length(const struct window *window)
 static void find_shell(struct shell *out, const struct window *window, double length)
 {
     conus_selector_options options;
-    double angle = second_question(&options, &window->second, window->viewer);
+    double angle = second_question(&options, &window->second, window->viewer, 0);
     if (options.radius > 0) { /* a cylinder ends there, too */
         options.range[1] = options.range[1] > 0 ? options.range[1] : length;
     }

@@ -51,18 +51,20 @@ double second_angle(const struct second *second)
     return second->angle > 0 ? second->angle : default_angle;
 }
 
-double second_question(conus_selector_options *options, const struct second *second, const struct viewer *viewer)
+double second_question(conus_selector_options *options, const struct second *second, const struct viewer *viewer,
+                       size_t index)
 {
-    double first = viewer_question(options, viewer);
-    return options->radius > 0 || viewer->cone.one_ray ? first : second_angle(second) * M_PI / 180;
+    double first = viewer_question(options, viewer, index);
+    return options->radius > 0 || viewer->cone.one_ray ? first : second_angle(second) * (M_PI / 180); /* as conus query */
 }
 
 /* Both tools share the selector, which is the same for the same options. */
-static struct answer *ask(const struct second *second, struct viewer *viewer, struct view_atlas *on)
+static struct answer *ask(const struct second *second, struct viewer *viewer, size_t index)
 {
+    struct view_atlas *on = &viewer->atlases[index];
     conus_selector_options options;
     conus_selection *selection = NULL;
-    double angle = second_question(&options, second, viewer);
+    double angle = second_question(&options, second, viewer, index);
     conus_status status = view_atlas_prepare(on, &options);
     status = status ? status : conus_select(&selection, on->selector, &second->pose, angle);
     struct answer *answer = status ? NULL : answer_create(selection);
@@ -85,7 +87,7 @@ void second_update(struct second *second, struct viewer *viewer)
     second->answers = second->has_pose ? calloc(viewer->atlas_count, sizeof(struct answer *)) : NULL;
     second->atlas_count = second->answers ? viewer->atlas_count : 0;
     for (size_t i = 0; i < second->atlas_count; i++) {
-        second->answers[i] = ask(second, viewer, &viewer->atlases[i]);
+        second->answers[i] = ask(second, viewer, i);
     }
     second->is_asked = true;
     second->asked_after = viewer->cone.answer_number;

@@ -45,6 +45,7 @@ void second_update(struct second *second, struct viewer *viewer);
 /** The answer in an atlas of the viewer, after second_update(); NULL = none. */
 const conus_selection *second_selection(const struct second *second, size_t atlas);
 /** Its full opening as it is asked, radians; 0 of a cylinder. */
-double second_question(conus_selector_options *options, const struct second *second, const struct viewer *viewer);
+double second_question(conus_selector_options *options, const struct second *second, const struct viewer *viewer,
+                       size_t index);
 
 #endif

@@ -5,6 +5,7 @@
 #include "common/messages.h"
 #include "viewer/hands/hands.h"
 #include "viewer/pointing/point.h"
+#include "viewer/question/ask.h"
 #include "viewer/results/columns.h"
 #include "viewer/results/export.h"
 #include "viewer/session/script_second.h"
@@ -208,6 +209,11 @@ static bool do_angle(struct call *call)
         viewer_reselect(call->window->viewer);
     }
     return fine;
+}
+
+static bool do_ask(struct call *call)
+{
+    return ask_words(call->window->viewer, call->words, 1 + (int)call->count);
 }
 
 static bool do_search(struct call *call)
@@ -459,6 +465,7 @@ static const struct {
     {"screen", 8, 8, do_screen, "X Y Z TX TY TZ WIDTH HEIGHT", false},
     {"head", 1, 3, do_head, "X Y Z, after screen, or lost", false},
     {"angle", 1, 1, do_angle, "DEGREES", false},
+    {"ask", 0, SCRIPT_WORDS - 1, do_ask, "OPTION..., those of conus query that say how the cone asks", false},
     {"pointer", 1, 1, do_pointer, "mouse|wand|replay|tracker|spacemouse|gamepad", false},
     {"speed", 1, 1, do_speed, "MM a second, 1 to 400", false},
     {"second", 1, 7, do_second, script_second_arguments, false},

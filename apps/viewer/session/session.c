@@ -30,7 +30,7 @@ struct field {
 struct state {
     double pose[16], angle, radius, range[2], resolution, layers, aperture, sampling, engine, pointer, has_pose, frozen;
     double slice_fraction; /* only with slices; 0 = default */
-    double apex_at_eye, one_ray, follow;
+    double apex_at_eye, one_ray, follow, order, slices;
     double fade, fill, outlines, radiological;
     double orbit[6]; /* centre, distance, azimuth, elevation */
     double crosshair[3], magnification, enlarged;
@@ -71,7 +71,7 @@ static size_t list_fields(struct field fields[FIELD_LIMIT], struct state *state)
     return sizeof all / sizeof all[0];
 }
 
-enum { OPTIONAL_FIELDS = 4 };
+enum { OPTIONAL_FIELDS = 6 };
 
 /* Those that a session may lack; then they stay as they are. */
 static void list_optional(struct field fields[OPTIONAL_FIELDS], struct state *state)
@@ -80,6 +80,8 @@ static void list_optional(struct field fields[OPTIONAL_FIELDS], struct state *st
     fields[1] = (struct field){"apex_at_eye", &state->apex_at_eye, 1, 0, 1};
     fields[2] = (struct field){"one_ray", &state->one_ray, 1, 0, 1};
     fields[3] = (struct field){"follow", &state->follow, 1, 0, FOLLOW_COUNT - 1};
+    fields[4] = (struct field){"order", &state->order, 1, 0, CONUS_ORDER_DEPTH};
+    fields[5] = (struct field){"slices", &state->slices, 1, 0, 65536};
 }
 
 bool session_refuse(char why[SESSION_REASON], const char *format, ...)
@@ -113,6 +115,8 @@ static void take_state(struct state *out, const struct window *window)
                           .apex_at_eye = viewer->cone.apex_at_eye,
                           .one_ray = viewer->cone.one_ray,
                           .follow = (double)viewer->cone.follow,
+                          .order = (double)viewer->cone.order,
+                          .slices = options->slices,
                           .fade = viewer->display.fade,
                           .fill = viewer->display.fill,
                           .outlines = !viewer->display.no_outlines,
@@ -154,6 +158,7 @@ static void put_state(struct window *window, const struct state *state)
     viewer->cone.apex_at_eye = state->apex_at_eye > 0;
     viewer->cone.one_ray = state->one_ray > 0;
     viewer->cone.follow = (enum follow)state->follow;
+    viewer->cone.order = (conus_order)state->order;
     viewer->cone.pointer = (enum pointer)state->pointer;
     viewer->cone.angle = state->angle;
     options->radius = state->radius;
@@ -163,6 +168,7 @@ static void put_state(struct window *window, const struct state *state)
     options->aperture = (conus_aperture)state->aperture;
     options->sampling = (conus_sampling)state->sampling;
     options->slice_fraction = options->sampling == CONUS_SAMPLING_SLICES ? state->slice_fraction : 0;
+    options->slices = options->sampling == CONUS_SAMPLING_SLICES ? (uint32_t)state->slices : 0;
     options->engine = (conus_engine)state->engine;
     viewer->display.fade = state->fade;
     viewer->display.fill = state->fill;
@@ -248,6 +254,7 @@ char *session_text(const struct window *window)
     if (window->opened) {
         json_object_set(root, "opened", window->opened);
     }
+    json_object_set_new(root, "level", json_string(viewer->cone.level));
     json_object_set_new(root, "place", session_place(viewer->atlases));
     json_object_set_new(root, "hidden", session_hidden(viewer->atlases));
     json_object_set_new(root, "confirmed", pins_of(viewer));
@@ -425,6 +432,23 @@ static bool read_state(struct state *out, const json_t *root, char why[SESSION_R
     return fine;
 }
 
+/* What --level would say, of the first atlas. Sessions of before there were levels do not say. */
+static bool read_level(const char **out, const struct viewer *viewer, const json_t *root, char why[SESSION_REASON])
+{
+    const json_t *level = json_object_get(root, "level");
+    *out = level ? json_string_value(level) : viewer->cone.level;
+    if (!*out || strlen(*out) >= LEVEL_LIMIT) {
+        return session_refuse(why, "session: level: a text of up to %d bytes is needed", LEVEL_LIMIT - 1);
+    }
+    conus_selector *selector = NULL;
+    const conus_selector_options options = {.level = *out};
+    conus_status status = !(*out)[0] || strcmp(*out, viewer->cone.level) == 0
+                              ? CONUS_OK
+                              : conus_selector_create(&selector, viewer->atlases->atlas, &options);
+    conus_selector_destroy(selector);
+    return !status || session_refuse(why, "session: %s", conus_message());
+}
+
 /* The atlases first, since that may fail. */
 static bool set_up(struct viewer *viewer, size_t drawn, const struct atlas_edits *settings, char why[SESSION_REASON])
 {
@@ -442,7 +466,9 @@ static bool read_session(struct window *window, const json_t *root, char why[SES
     struct viewer *viewer = window->viewer;
     struct state state = {.apex_at_eye = viewer->cone.apex_at_eye,
                           .one_ray = viewer->cone.one_ray,
-                          .follow = (double)viewer->cone.follow};
+                          .follow = (double)viewer->cone.follow,
+                          .order = (double)viewer->cone.order,
+                          .slices = viewer->cone.options.slices};
     struct atlas_edits settings;
     struct session_atlases atlases = {0};
     struct session_tools tools;
@@ -450,9 +476,10 @@ static bool read_session(struct window *window, const json_t *root, char why[SES
     enum backdrop backdrop = viewer->display.backdrop;
     struct sheet sheet = window->sheet;
     const char *score = known_score(json_string_value(json_object_get(root, "score")));
+    const char *level = NULL;
     bool fine = read_state(&state, root, why) && session_list_read(&list, root, why) &&
                 (score || session_refuse(why, "session: score: unknown")) &&
-                session_second_read(&tools, window, root, why) &&
+                session_second_read(&tools, window, root, why) && read_level(&level, viewer, root, why) &&
                 read_atlas_edits(&settings, &atlases, viewer, root, why) &&
                 session_backdrop_read(&backdrop, json_object_get(root, "background"), why) &&
                 session_sheet_read(&sheet, json_object_get(root, "figure"), why) &&
@@ -463,6 +490,7 @@ static bool read_session(struct window *window, const json_t *root, char why[SES
         viewer->list = list;
         viewer->display.backdrop = backdrop;
         window->sheet = sheet;
+        memmove(viewer->cone.level, level, strlen(level) + 1); /* of itself, where the session says nothing */
         session_atlases_show(&atlases, viewer);
         read_pins(viewer, root);
         viewer_reselect(viewer);
