@@ -12,14 +12,14 @@
 static const double eye[3] = {2, 90, 3};
 static const double back[3] = {0, -1, 0};
 
-/* Two slabs across y, each 6 mm thick and 12 mm apart. */
+/* Balls of 24, 16 and 8 mm, one in the other. */
 static void load(struct viewer *out)
 {
     conus_atlas *atlas = NULL;
     test_folder("phantom");
-    assert_ok(conus_phantom_write("slabs", test_in(""), NULL));
-    assert_ok(conus_atlas_load(&atlas, test_in("slabs.nii.gz"), NULL));
-    assert_ok(viewer_create(out, &(struct view_source){.atlas = atlas, .path = "slabs"}, 1, NULL, NULL, NULL));
+    assert_ok(conus_phantom_write("nested", test_in(""), NULL));
+    assert_ok(conus_atlas_load(&atlas, test_in("nested.nii.gz"), NULL));
+    assert_ok(viewer_create(out, &(struct view_source){.atlas = atlas, .path = "nested"}, 1, NULL, NULL, NULL));
 }
 
 /* The names in the rows of the table that the window copies, which the library sorts. */
@@ -43,25 +43,54 @@ static void assert_listed_as_in_table(struct viewer *viewer)
     free(table);
 }
 
-/* From the front the anterior slab is hit first. By "smallest" the order of ranks is another one, and what is occluded
- * has no distance, but an entry. */
+/* With all layers what is occluded has no distance, but an entry. By this score it ranks before the outer ball, which
+ * is hit first, in the order of depth behind it. */
 static void lists_are_sorted_as_tables_are(void **state)
 {
     struct viewer viewer;
     (void)state;
     load(&viewer);
     viewer.cone.angle = 30;
+    viewer.cone.options.score = "-proximity";
     viewer_aim_along(&viewer, eye, back);
-    for (int way = 0; way < 8; way++) {
+    for (int way = 0; way < 4; way++) {
         viewer.cone.options.layers = way & 1 ? CONUS_LAYERS_ALL : CONUS_LAYERS_VISIBLE;
-        viewer.cone.options.score = way & 2 ? "smallest" : NULL;
-        viewer.cone.order = way & 4 ? CONUS_ORDER_DEPTH : CONUS_ORDER_RANK;
-        viewer_aim_along(&viewer, way & 2 ? (double[]){2, -90, 3} : eye, way & 2 ? (double[]){0, 1, 0} : back);
+        viewer.cone.order = way & 2 ? CONUS_ORDER_DEPTH : CONUS_ORDER_RANK;
+        viewer_reselect(&viewer);
         assert_listed_as_in_table(&viewer);
     }
     viewer.cone.one_ray = true; /* has first hits only, whatever the layers */
     viewer_reselect(&viewer);
     assert_listed_as_in_table(&viewer);
+    viewer_finish(&viewer);
+}
+
+/* Of the tree Ball > Shell > Outer, Inner; Ball > Core, the first hit is in Outer. */
+static void levels_go_round(void **state)
+{
+    static const char tree[] = "index\tname\tparent_id\n1\tOuter\t20\n300\tInner\t20\n20\tShell\t40\n"
+                               "4000000001\tCore\t40\n40\tBall\tn/a\n";
+    static const char *const names[] = {"Ball", "Shell", "Outer", "Outer"};
+    struct viewer viewer;
+    conus_atlas *atlas = NULL;
+    char labels[600];
+    (void)state;
+    test_folder("phantom");
+    snprintf(labels, sizeof labels, "%s", test_in("tree.tsv"));
+    assert_ok(conus_write_file(labels, tree, strlen(tree)));
+    assert_ok(conus_phantom_write("nested", test_in(""), NULL));
+    assert_ok(conus_atlas_load(&atlas, test_in("nested.nii.gz"), &(conus_load_options){.labels = labels}));
+    assert_ok(viewer_create(&viewer, &(struct view_source){.atlas = atlas}, 1, NULL, NULL, NULL));
+    viewer_aim_along(&viewer, eye, back);
+    assert_int_equal(question_deepest(&viewer), 3);
+    for (unsigned depth = 1; depth <= 4; depth++) {
+        question_next_level(&viewer);
+        assert_int_equal(question_depth(&viewer), depth % 4);
+        uint32_t best = conus_selection_result(viewer_selection(&viewer), 0)->object;
+        assert_string_equal(conus_atlas_object(atlas, best)->name, names[depth - 1]);
+    }
+    assert_true(question_set_level(&viewer, "Shell,Core"));
+    assert_int_equal(question_depth(&viewer), 0);
     viewer_finish(&viewer);
 }
 
@@ -96,6 +125,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(lists_are_sorted_as_tables_are),
+        cmocka_unit_test(levels_go_round),
         cmocka_unit_test(what_cannot_be_asked_changes_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
