@@ -2,6 +2,7 @@
 /* conus sweep: the angles that admit areas, shares at several angles, probabilities under errors of the pose. */
 #include "cli/commands.h"
 #include "cli/inquiry.h"
+#include "common/angles.h"
 #include "common/messages.h"
 #include "options/option_values.h"
 
@@ -53,8 +54,6 @@ static const struct option_group groups[] = {
     {0},
 };
 
-enum { ANGLE_LIMIT = 1000 };
-
 /** A sweep under way. */
 struct sweep {
     const struct sweep_settings *settings;
@@ -105,15 +104,15 @@ static bool refuse_angles(const struct sweep *sweep, const char *why)
 /* LOW, LOW + STEP and so on up to HIGH, which is taken even if rounding puts it a little beyond. */
 static bool expand_angles(struct sweep *sweep, const double range[3])
 {
-    double steps = floor((range[1] - range[0]) / range[2] * (1 + 1e-12));
-    if (!(range[1] >= range[0]) || !(range[2] > 0)) {
+    size_t count = angles_count(range);
+    if (!count) {
         return refuse_angles(sweep, "is not LOW:HIGH:STEP with HIGH from LOW on and STEP above 0");
     }
-    if (!(steps < ANGLE_LIMIT)) {
+    if (count > ANGLE_LIMIT) {
         return refuse_angles(sweep, "has more than 1000 angles");
     }
-    for (int i = 0; i <= (int)steps; i++) {
-        sweep->angles[sweep->angle_count++] = range[0] + i * range[2];
+    for (size_t i = 0; i < count; i++) {
+        sweep->angles[sweep->angle_count++] = angles_at(range, i);
     }
     return true;
 }

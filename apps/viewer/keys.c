@@ -8,6 +8,7 @@
 #include "viewer/keys_view.h"
 #include "viewer/pointing/point.h"
 #include "viewer/question/question.h"
+#include "viewer/question/studies.h"
 #include "viewer/session/keep.h"
 #include "viewer/session/undo.h"
 #include "viewer/window/screen.h"
@@ -217,6 +218,16 @@ static void start_deeper(struct window *window)
     question_move_range(window->viewer, 1, 0);
 }
 
+static void study_next(struct window *window)
+{
+    studies_next(window->viewer);
+}
+
+static void keep_study(struct window *window)
+{
+    keep(window, KEEP_STUDY);
+}
+
 static void look_at_all(struct window *window)
 {
     struct viewer *viewer = window->viewer;
@@ -420,6 +431,8 @@ static const struct {
     {"s", lengthen_range, "the farther one 1 mm deeper"},
     {"q", start_nearer, "the nearer one 1 mm nearer"},
     {"e", start_deeper, "the nearer one 1 mm deeper"},
+    {"j", study_next, "a study of the cone: sweep over its angle, jitter of its pose, or none"},
+    {"ctrl+j", keep_study, "save the study's table: conus-DATE-TIME.tsv, in the folder where conus was started"},
     {"h", hide_chosen, "hide or show the chosen area"},
     {"i", isolate_chosen, "show the chosen area only"},
     {"ctrl+z", undo, "take back the last change; U, too"},

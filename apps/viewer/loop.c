@@ -7,6 +7,7 @@
 #include "viewer/draw.h"
 #include "viewer/figures/figure_form.h"
 #include "viewer/hands/hands.h"
+#include "viewer/question/studies.h"
 #include "viewer/session/keep.h"
 #include "viewer/session/undo.h"
 #include "viewer/window/title.h"
@@ -152,6 +153,7 @@ static void serve_viewer(struct window *window)
     }
     watch_files(window);
     replay_step(&window->replay, window->viewer, glfwGetTime());
+    studies_step(window->viewer);
 }
 
 /* One round. False: the script has ended. */

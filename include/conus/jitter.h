@@ -22,8 +22,10 @@ typedef struct conus_jitter_options {
     size_t struct_size; /**< Its size, as #CONUS_JITTER_OPTIONS_INIT sets it; 0 = that of this version. */
     double
         tilt; /**< Standard deviation of the axis's tilt about the device's x, and about its y; radians, 0 to pi/2. */
-    double shift;     /**< Standard deviation of the position along each of its axes, mm, 0 to 1e6. */
-    uint32_t samples; /**< Poses to trace from, a power of two from 16 to 2^20; 0 = 1024. */
+    double shift;            /**< Standard deviation of the position along each of its axes, mm, 0 to 1e6. */
+    uint32_t samples;        /**< Poses to trace from, a power of two from 16 to 2^20; 0 = 1024. */
+    conus_progress progress; /**< Hears of each pose that was traced from; false ends it. NULL = no callback. */
+    void *progress_user;     /**< Passed to @p progress. */
 } conus_jitter_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -51,7 +53,8 @@ typedef struct conus_chance {
  * @param pose Apex and axis without errors.
  * @param angle As for conus_select().
  * @param options The errors; must be given.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for an option out of its range; the errors of conus_select().
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for an option out of its range; #CONUS_ERROR_CANCELLED; the errors of
+ * conus_select().
  * @threads One at a time for each @p selector. With the gl engine, the one that made it.
  * @since 0.1
  */

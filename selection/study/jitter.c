@@ -178,9 +178,13 @@ static conus_status answer_sample(struct count *counts, conus_selector *selector
 
 static conus_status answer_samples(struct count *counts, conus_selector *selector, const conus_jitter *jitter)
 {
+    const conus_jitter_options *options = &jitter->options;
     conus_status status = CONUS_OK;
-    for (uint32_t i = 0; !status && i < jitter->options.samples; i++) {
+    for (uint32_t i = 0; !status && i < options->samples; i++) {
         status = answer_sample(counts, selector, jitter, i);
+        if (!status && options->progress && !options->progress(options->progress_user, i + 1, options->samples)) {
+            status = fail(CONUS_ERROR_CANCELLED, "jitter: cancelled after %u of %u poses", i + 1, options->samples);
+        }
     }
     return status;
 }

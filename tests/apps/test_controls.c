@@ -1,10 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* How the window asks, without a window. */
+/* How the window asks, and studies, without a window. */
 #include "viewer/question/question.h"
+#include "viewer/question/studies.h"
+#include "viewer/session/session.h"
 
 #include "test.h"
 
 #include <math.h>
+#include <sched.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -121,12 +124,197 @@ static void what_cannot_be_asked_changes_nothing(void **state)
     viewer_finish(&viewer);
 }
 
+/* ---- Studies ------------------------------------------------------------------------------------------------------
+ */
+
+static const struct study_settings two_angles = {STUDY_SWEEP, {10, 40, 30}, 2, 1.5, 64};
+static const struct study_settings shaken = {STUDY_JITTER, {10, 40, 30}, 2, 1.5, 64};
+
+/* Until there is an answer to what the viewer asks now; the thread gives one without being asked again. */
+static void await_study(struct viewer *viewer)
+{
+    do {
+        studies_step(viewer);
+        sched_yield();
+    } while (studies_is_old(viewer));
+}
+
+/* The shares of each angle, and the chances, are those of the library asked for each alone. */
+static void studies_answer_as_the_library_does(void **state)
+{
+    struct viewer viewer;
+    conus_jitter *jitter = NULL;
+    (void)state;
+    load(&viewer);
+    viewer_aim_along(&viewer, eye, back);
+    assert_true(studies_use(&viewer, &two_angles));
+    assert_null(studies_text(&viewer));
+    assert_string_equal(viewer.message, "the study is not done yet");
+    await_study(&viewer);
+    const struct study_answer *answer = viewer.study.answer;
+    assert_int_equal(answer->angle_count, 2);
+    for (size_t angle = 0; angle < 2; angle++) {
+        viewer.cone.angle = answer->angles[angle];
+        viewer_reselect(&viewer);
+        for (size_t i = 0; i < answer->tables[0].curve_count; i++) {
+            const struct study_curve *curve = &answer->tables[0].curves[i];
+            double share = 0;
+            const conus_result *result;
+            for (size_t r = 0; (result = conus_selection_result(viewer_selection(&viewer), r)); r++) {
+                share += result->object == curve->object ? result->share : 0;
+            }
+            assert_true(curve->shares[angle] == share && curve->most >= share);
+        }
+    }
+    assert_false(studies_is_old(&viewer)); /* a sweep has angles of its own */
+    assert_true(studies_use(&viewer, &shaken));
+    await_study(&viewer);
+    const struct study_table *table = viewer.study.answer->tables;
+    const conus_jitter_options options = {.tilt = 2 * (M_PI / 180), .shift = 1.5, .samples = 64};
+    assert_ok(conus_jitter_create(&jitter, viewer.drawn->selector, &viewer.cone.pose, 40 * (M_PI / 180), &options));
+    assert_int_equal(table->chance_count, conus_jitter_count(jitter));
+    for (size_t i = 0; i < table->chance_count; i++) {
+        assert_true(table->chances[i].hit == conus_jitter_chance(jitter, i)->hit);
+        assert_int_equal(table->chances[i].object, conus_jitter_chance(jitter, i)->object);
+    }
+    conus_jitter_destroy(jitter);
+    viewer_finish(&viewer);
+}
+
+/* Whatever the answer depends on makes it old. */
+static void what_changes_makes_a_study_old(void **state)
+{
+    struct viewer viewer;
+    (void)state;
+    load(&viewer);
+    assert_null(studies_text(&viewer));
+    assert_string_equal(viewer.message, "there is no cone to study");
+    viewer_aim_along(&viewer, eye, back);
+    for (int change = 0; change < 6; change++) {
+        assert_true(studies_use(&viewer, change % 2 ? &two_angles : &shaken));
+        await_study(&viewer);
+        assert_non_null(studies_text(&viewer));
+        if (change < 2) {
+            viewer_aim_along(&viewer, (double[]){change, 80, 3}, back);
+        } else if (change < 4) {
+            question_set_range(&viewer, change, 100);
+        } else {
+            viewer_hide(&viewer, 1, change == 4);
+        }
+        assert_true(studies_is_old(&viewer));
+        assert_null(studies_text(&viewer));
+    }
+    await_study(&viewer);
+    viewer.cone.options.radius = 3;
+    viewer_reselect(&viewer);
+    await_study(&viewer);
+    assert_null(studies_text(&viewer));
+    assert_string_equal(viewer.message, "a cylinder has no angle to sweep");
+    viewer_clear(&viewer);
+    assert_false(studies_is_on(&viewer));
+    viewer_finish(&viewer);
+}
+
+/* 2^20 poses take minutes; hiding an area, and closing, wait for one of them at most. The area that is hidden then is
+ * not in the answer. */
+static void the_atlas_does_not_wait_for_a_long_study(void **state)
+{
+    struct viewer viewer;
+    struct study_settings longest = shaken;
+    (void)state;
+    longest.samples = 1048576;
+    load(&viewer);
+    viewer.cone.options.layers = CONUS_LAYERS_ALL;
+    viewer_aim_along(&viewer, eye, back);
+    assert_true(studies_use(&viewer, &longest));
+    studies_step(&viewer);
+    viewer_hide(&viewer, 1, true);
+    studies_step(&viewer);
+    assert_null(viewer.study.answer);
+    viewer_hide(&viewer, 1, false);
+    viewer_hide(&viewer, 2, true);
+    viewer_set_threshold(&viewer, 1, 0.5); /* which it refuses, since it is no pathway */
+    assert_true(studies_use(&viewer, &two_angles));
+    studies_step(&viewer);
+    viewer_use_safe_colours(&viewer, true);
+    await_study(&viewer);
+    assert_int_equal(viewer.study.answer->tables[0].curve_count, 3);
+    for (size_t i = 0; i < 3; i++) {
+        assert_true(viewer.study.answer->tables[0].curves[i].object != 2);
+    }
+    assert_true(studies_use(&viewer, &longest));
+    studies_step(&viewer);
+    viewer_finish(&viewer);
+}
+
+static void studies_have_limits(void **state)
+{
+    static const struct {
+        struct study_settings settings;
+        const char *why;
+    } cases[] = {
+        {{STUDY_SWEEP, {10, 5, 1}, 2, 1, 64}, "from, to and by"},
+        {{STUDY_SWEEP, {10, 20, 0}, 2, 1, 64}, "from, to and by"},
+        {{STUDY_SWEEP, {10, NAN, 1}, 2, 1, 64}, "from, to and by"},
+        {{STUDY_SWEEP, {1, 101, 0.1}, 2, 1, 64}, "more than 1000"},
+        {{STUDY_SWEEP, {0, 20, 1}, 2, 1, 64}, "more than 0 and less than 180"},
+        {{STUDY_SWEEP, {10, 180, 10}, 2, 1, 64}, "more than 0 and less than 180"},
+        {{STUDY_JITTER, {10, 20, 1}, 91, 1, 64}, "0 to 90"},
+        {{STUDY_JITTER, {10, 20, 1}, 2, -1, 64}, "0 to 1000000"},
+        {{STUDY_JITTER, {10, 20, 1}, 2, 1, 65}, "power of two"},
+        {{STUDY_JITTER, {10, 20, 1}, 2, 1, 8}, "power of two"},
+        {{STUDY_JITTER, {10, 20, 1}, 2, 1, 2097152}, "power of two"},
+    };
+    struct viewer viewer;
+    (void)state;
+    load(&viewer);
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        assert_false(studies_use(&viewer, &cases[i].settings));
+        assert_non_null(strstr(viewer.message, cases[i].why));
+        assert_int_equal(viewer.study.settings.kind, STUDY_NONE);
+    }
+    viewer_finish(&viewer);
+}
+
+static void a_session_has_the_study(void **state)
+{
+    struct viewer viewer;
+    struct window window = {.enlarged = -1, .viewer = &viewer};
+    char why[SESSION_REASON];
+    (void)state;
+    load(&viewer);
+    char *before = session_text(&window);
+    assert_true(studies_use(&viewer, &shaken));
+    question_set_order(&viewer, CONUS_ORDER_DEPTH);
+    char *text = session_text(&window);
+    assert_true(session_parse(&window, before, strlen(before), why));
+    assert_int_equal(viewer.study.settings.kind, STUDY_NONE);
+    assert_int_equal(viewer.cone.order, CONUS_ORDER_RANK);
+    assert_true(session_parse(&window, text, strlen(text), why));
+    assert_int_equal(viewer.study.settings.kind, STUDY_JITTER);
+    assert_true(viewer.study.settings.angles[2] == 30 && viewer.study.settings.samples == 64);
+    assert_int_equal(viewer.cone.order, CONUS_ORDER_DEPTH);
+    char *at = strstr(text, "64.0");
+    assert_non_null(at);
+    at[1] = '5';
+    assert_false(session_parse(&window, text, strlen(text), why));
+    assert_string_equal(why, "session: jitter: samples: a power of two from 16 to 1048576 is needed");
+    free(before);
+    free(text);
+    viewer_finish(&viewer);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(lists_are_sorted_as_tables_are),
         cmocka_unit_test(levels_go_round),
         cmocka_unit_test(what_cannot_be_asked_changes_nothing),
+        cmocka_unit_test(studies_answer_as_the_library_does),
+        cmocka_unit_test(what_changes_makes_a_study_old),
+        cmocka_unit_test(the_atlas_does_not_wait_for_a_long_study),
+        cmocka_unit_test(studies_have_limits),
+        cmocka_unit_test(a_session_has_the_study),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

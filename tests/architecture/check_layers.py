@@ -32,17 +32,18 @@ APPS = {
     "apps/mesh": "loaders/child",  # mesh_protocol.h: what conus and conus-mesh send each other
     "apps/viewer/search": "",
     "apps/viewer/look": "",
-    "apps/viewer/model": "apps/link apps/viewer/look",
+    "apps/viewer/study": "apps/common",
+    "apps/viewer/model": "apps/link apps/viewer/look apps/viewer/study",
     "apps/viewer/devices": "apps/link",
     "apps/viewer/second": "apps/link apps/viewer/model apps/viewer/devices apps/viewer/pointing",
     "apps/viewer/hands": "apps/link apps/viewer/pointing apps/viewer/second apps/viewer/window",
     "apps/viewer/theme": "",
     "apps/viewer/opening": "apps/common",
     "apps/viewer/window": "apps/common apps/viewer/look apps/viewer/model apps/viewer/chosen apps/viewer/devices apps/viewer/second"
-    " apps/viewer/theme apps/viewer/opening",
+    " apps/viewer/theme apps/viewer/opening apps/viewer/question",
     "apps/viewer/pointing": "apps/viewer/model",
     "apps/viewer/chosen": "apps/viewer/model",
-    "apps/viewer/question": "apps/common apps/options apps/settings apps/viewer/model",
+    "apps/viewer/question": "apps/common apps/options apps/settings apps/viewer/model apps/viewer/study",
     "apps/viewer/figures": "apps/figures apps/viewer/model apps/viewer/window",
     "apps/viewer/panes": "apps/viewer/figures apps/viewer/model apps/viewer/pointing apps/viewer/chosen apps/viewer/second"
     " apps/viewer/hands apps/viewer/window",

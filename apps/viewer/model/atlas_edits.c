@@ -7,11 +7,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The painter reads the atlas, and so do selectors: they rest while it changes. */
+/* The painter reads the atlas, and so do selectors and studies: they rest while it changes. */
 static void rest(struct viewer *viewer)
 {
     painter_destroy(viewer->painter);
     viewer->painter = NULL;
+    studier_hold(viewer->study.studier);
     for (size_t i = 0; i < viewer->atlas_count; i++) {
         view_atlas_rest(&viewer->atlases[i]);
         view_atlas_forget(&viewer->atlases[i]);
@@ -43,6 +44,7 @@ static void start_painter(struct viewer *viewer)
 
 static void resume(struct viewer *viewer)
 {
+    studier_resume(viewer->study.studier);
     start_painter(viewer);
     viewer_reselect(viewer);
 }

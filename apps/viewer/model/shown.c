@@ -26,6 +26,7 @@ static void hide_in_atlas(struct viewer *viewer, struct view_atlas *on)
     if (viewer->painter) {
         painter_hold(viewer->painter);
     }
+    studier_hold(viewer->study.studier);
     view_atlas_rest(on);
     viewer->atlas_number++;
     if (conus_atlas_set_hidden(on->atlas, on->shown.hidden)) {
@@ -37,6 +38,7 @@ static void hide_in_atlas(struct viewer *viewer, struct view_atlas *on)
     if (viewer->painter) {
         painter_resume(viewer->painter);
     }
+    studier_resume(viewer->study.studier);
     viewer->scene_number++;
     viewer_reselect(viewer);
 }

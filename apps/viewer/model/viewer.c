@@ -74,6 +74,7 @@ conus_status viewer_create(struct viewer *out, const struct view_source *sources
     struct viewer viewer = {
         .transfer = transfer ? strdup(transfer) : NULL, .cone = {.angle = default_angle}, .wake = wake};
     viewer.display.fill = 0.45;
+    viewer.study.settings = study_defaults;
     viewer.cone.options.log = log;
     viewer.magnification = 1;
     if ((transfer && !viewer.transfer) || !init_atlases(&viewer, sources, count) ||
@@ -92,6 +93,8 @@ conus_status viewer_create(struct viewer *out, const struct view_source *sources
 void viewer_finish(struct viewer *viewer)
 {
     painter_destroy(viewer->painter);
+    studier_destroy(viewer->study.studier);
+    study_answer_destroy(viewer->study.answer);
     finish_atlases(viewer, true);
     free(viewer->transfer);
     *viewer = (struct viewer){0};

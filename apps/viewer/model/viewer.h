@@ -11,6 +11,7 @@
 #include "viewer/model/orbit.h"
 #include "viewer/model/painter.h"
 #include "viewer/model/view_atlas.h"
+#include "viewer/study/studier.h"
 
 enum pointer {
     POINT_BY_MOUSE = 0,
@@ -24,7 +25,7 @@ enum pointer {
 /** What the crosshair, and so the cuts, go along with. */
 enum follow { FOLLOW_NOTHING = 0, FOLLOW_TIP, FOLLOW_CONTACT, FOLLOW_COUNT };
 enum plane { AXIAL = 0, CORONAL, SAGITTAL, PLANE_COUNT };
-enum { PIN_LIMIT = 64, MESSAGE_SIZE_LIMIT = 256, LEVEL_LIMIT = 1024 };
+enum { PIN_LIMIT = 64, MESSAGE_SIZE_LIMIT = 256 };
 
 /** A confirmed result. */
 struct pin {
@@ -67,6 +68,14 @@ struct result_list {
     size_t format;    /**< Of exported files (results/export.h). */
 };
 
+/** Of question/studies.h. */
+struct study_state {
+    struct study_settings settings;
+    struct studier *studier;     /**< Made when needed. */
+    struct study_question asked; /**< The newest one, if there is a studier. */
+    struct study_answer *answer; /**< The newest one; NULL = none. */
+};
+
 struct viewer {
     struct view_atlas *atlases; /**< [atlas_count] As they were given. */
     size_t atlas_count;
@@ -81,6 +90,7 @@ struct viewer {
     struct cone_state cone;
     struct display display;
     struct result_list list;
+    struct study_state study;
 
     /* where the panes look */
     struct orbit orbit;

@@ -123,13 +123,15 @@ void panel_results(struct window *window)
     if (viewer->atlas_count > 1) {
         draw_all_results(window);
     } else {
-        panel_list(window, viewer->drawn, view_atlas_selection(viewer->drawn), window->second.on ? 8 : 14);
+        bool shares_room = window->second.on || viewer->study.settings.kind;
+        panel_list(window, viewer->drawn, view_atlas_selection(viewer->drawn), shares_room ? 8 : 14);
     }
     ui_dim_end();
     draw_buttons(window);
     if (viewer->pin_count) {
         draw_pins(window);
     }
+    panel_study(window, notice.is_old);
     bool two = window->second.on; /* then its list stands below the first one's */
     if (two) {
         panel_second(window);

@@ -16,6 +16,8 @@ void panel_second(struct window *window); /**< The second tool. */
 void panel_cone(struct window *window);
 /** What counts, and in which order: depths, level, list. */
 void panel_question(struct viewer *viewer);
+/** Sweep or jitter of the cone; pale where @p is_old says that the cone is one from before. */
+void panel_study(struct window *window, bool is_old);
 void panel_results(struct window *window);
 /** Of the results: the button that chooses the columns of the lists. */
 void panel_columns(struct window *window);

@@ -3,6 +3,7 @@
 #include "viewer/session/keep.h"
 
 #include "common/provenance.h"
+#include "viewer/question/studies.h"
 #include "viewer/results/columns.h"
 #include "viewer/results/export.h"
 #include "viewer/session/session.h"
@@ -10,6 +11,7 @@
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -65,8 +67,24 @@ void keep_as(struct window *window)
     free(path);
 }
 
+static void keep_study(struct viewer *viewer)
+{
+    char name[NAME_SIZE];
+    const char *text = studies_text(viewer);
+    make_name(name, ".tsv");
+    if (text && !conus_write_file(name, text, strlen(text))) {
+        viewer_say(viewer, "saved: %s", name);
+    } else if (text) {
+        viewer_say(viewer, "%s", conus_message());
+    }
+}
+
 void keep(struct window *window, enum keep what)
 {
+    if (what == KEEP_STUDY) {
+        keep_study(window->viewer);
+        return;
+    }
     char name[NAME_SIZE];
     char ending[16];
     char why[SESSION_REASON] = "";

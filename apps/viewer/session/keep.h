@@ -7,7 +7,7 @@
 
 #include "viewer/window/window.h"
 
-enum keep { KEEP_SESSION = 0, KEEP_SAME_SESSION, KEEP_PICTURE, KEEP_RESULTS };
+enum keep { KEEP_SESSION = 0, KEEP_SAME_SESSION, KEEP_PICTURE, KEEP_RESULTS, KEEP_STUDY };
 
 /** Writes it, and says where in the status line. A picture is what has just been drawn; the hits of the cone get a
  * sidecar. */

@@ -6,6 +6,7 @@
 #include "viewer/hands/hands.h"
 #include "viewer/pointing/point.h"
 #include "viewer/question/ask.h"
+#include "viewer/question/studies.h"
 #include "viewer/results/columns.h"
 #include "viewer/results/export.h"
 #include "viewer/session/script_second.h"
@@ -214,6 +215,48 @@ static bool do_angle(struct call *call)
 static bool do_ask(struct call *call)
 {
     return ask_words(call->window->viewer, call->words, 1 + (int)call->count);
+}
+
+static bool use_study(struct viewer *viewer, const struct study_settings *settings)
+{
+    bool fine = studies_use(viewer, settings);
+    if (!fine) {
+        print_error_line("%s", viewer->message);
+    }
+    return fine;
+}
+
+static bool ends_study(const struct call *call)
+{
+    return call->count == 1 && strcmp(call->words[1], "off") == 0;
+}
+
+static bool do_sweep(struct call *call)
+{
+    struct study_settings study = call->window->viewer->study.settings;
+    study.kind = ends_study(call) ? STUDY_NONE : STUDY_SWEEP;
+    return (!study.kind || numbers(study.angles, call, 0, 3)) && use_study(call->window->viewer, &study);
+}
+
+static bool do_jitter(struct call *call)
+{
+    struct study_settings study = call->window->viewer->study.settings;
+    study.kind = ends_study(call) ? STUDY_NONE : STUDY_JITTER;
+    bool fine = !study.kind || (numbers(&study.tilt_deg, call, 0, 1) && numbers(&study.shift_mm, call, 1, 1) &&
+                                (call->count == 2 || numbers(&study.samples, call, 2, 1)));
+    return fine && use_study(call->window->viewer, &study);
+}
+
+/* As conus sweep would write it. */
+static bool do_study(struct call *call)
+{
+    struct viewer *viewer = call->window->viewer;
+    const char *text = studies_text(viewer);
+    if (!text) {
+        print_error_line("%s", viewer->message);
+        return false;
+    }
+    return is_done(conus_write_file(call->words[1], text, strlen(text)));
 }
 
 static bool do_search(struct call *call)
@@ -466,6 +509,9 @@ static const struct {
     {"head", 1, 3, do_head, "X Y Z, after screen, or lost", false},
     {"angle", 1, 1, do_angle, "DEGREES", false},
     {"ask", 0, SCRIPT_WORDS - 1, do_ask, "OPTION..., those of conus query that say how the cone asks", false},
+    {"sweep", 1, 3, do_sweep, "LOW HIGH STEP, degrees, or off", false},
+    {"jitter", 1, 3, do_jitter, "DEGREES MM [SAMPLES], or off", false},
+    {"study", 1, 1, do_study, "FILE.tsv", false},
     {"pointer", 1, 1, do_pointer, "mouse|wand|replay|tracker|spacemouse|gamepad", false},
     {"speed", 1, 1, do_speed, "MM a second, 1 to 400", false},
     {"second", 1, 7, do_second, script_second_arguments, false},

@@ -31,6 +31,7 @@ struct state {
     double pose[16], angle, radius, range[2], resolution, layers, aperture, sampling, engine, pointer, has_pose, frozen;
     double slice_fraction; /* only with slices; 0 = default */
     double apex_at_eye, one_ray, follow, order, slices;
+    double study, sweep[3], jitter[3]; /* kind; degrees; degrees, mm and samples */
     double fade, fill, outlines, radiological;
     double orbit[6]; /* centre, distance, azimuth, elevation */
     double crosshair[3], magnification, enlarged;
@@ -71,7 +72,7 @@ static size_t list_fields(struct field fields[FIELD_LIMIT], struct state *state)
     return sizeof all / sizeof all[0];
 }
 
-enum { OPTIONAL_FIELDS = 6 };
+enum { OPTIONAL_FIELDS = 9 };
 
 /* Those that a session may lack; then they stay as they are. */
 static void list_optional(struct field fields[OPTIONAL_FIELDS], struct state *state)
@@ -82,6 +83,9 @@ static void list_optional(struct field fields[OPTIONAL_FIELDS], struct state *st
     fields[3] = (struct field){"follow", &state->follow, 1, 0, FOLLOW_COUNT - 1};
     fields[4] = (struct field){"order", &state->order, 1, 0, CONUS_ORDER_DEPTH};
     fields[5] = (struct field){"slices", &state->slices, 1, 0, 65536};
+    fields[6] = (struct field){"study", &state->study, 1, 0, STUDY_COUNT - 1};
+    fields[7] = (struct field){"sweep_deg", state->sweep, 3, 0, 180};
+    fields[8] = (struct field){"jitter", state->jitter, 3, 0, 1048576};
 }
 
 bool session_refuse(char why[SESSION_REASON], const char *format, ...)
@@ -95,6 +99,24 @@ bool session_refuse(char why[SESSION_REASON], const char *format, ...)
 
 /* ---- Between viewer and state ---------------------------------------------------------------------------------------
  */
+
+static void take_study(struct state *out, const struct study_settings *study)
+{
+    out->study = (double)study->kind;
+    memcpy(out->sweep, study->angles, sizeof out->sweep);
+    out->jitter[0] = study->tilt_deg;
+    out->jitter[1] = study->shift_mm;
+    out->jitter[2] = study->samples;
+}
+
+static struct study_settings study_of(const struct state *state)
+{
+    return (struct study_settings){.kind = (enum study_kind)state->study,
+                                   .angles = {state->sweep[0], state->sweep[1], state->sweep[2]},
+                                   .tilt_deg = state->jitter[0],
+                                   .shift_mm = state->jitter[1],
+                                   .samples = state->jitter[2]};
+}
 
 static void take_state(struct state *out, const struct window *window)
 {
@@ -123,6 +145,7 @@ static void take_state(struct state *out, const struct window *window)
                           .radiological = viewer->display.radiological,
                           .magnification = viewer->magnification,
                           .enlarged = window->enlarged};
+    take_study(out, &viewer->study.settings);
     memcpy(out->pose, viewer->cone.pose.world_from_device, sizeof out->pose);
     memcpy(out->orbit, viewer->orbit.centre, sizeof viewer->orbit.centre);
     out->orbit[3] = viewer->orbit.distance;
@@ -159,6 +182,7 @@ static void put_state(struct window *window, const struct state *state)
     viewer->cone.one_ray = state->one_ray > 0;
     viewer->cone.follow = (enum follow)state->follow;
     viewer->cone.order = (conus_order)state->order;
+    viewer->study.settings = study_of(state);
     viewer->cone.pointer = (enum pointer)state->pointer;
     viewer->cone.angle = state->angle;
     options->radius = state->radius;
@@ -429,7 +453,9 @@ static bool read_state(struct state *out, const json_t *root, char why[SESSION_R
     for (size_t i = 0; i < OPTIONAL_FIELDS && fine; i++) {
         fine = !json_object_get(root, fields[i].key) || read_field(root, &fields[i], why);
     }
-    return fine;
+    const struct study_settings study = study_of(out);
+    const char *fault = fine ? study_fault(&study) : NULL;
+    return fine && (!fault || session_refuse(why, "session: %s", fault));
 }
 
 /* What --level would say, of the first atlas. Sessions of before there were levels do not say. */
@@ -469,6 +495,7 @@ static bool read_session(struct window *window, const json_t *root, char why[SES
                           .follow = (double)viewer->cone.follow,
                           .order = (double)viewer->cone.order,
                           .slices = viewer->cone.options.slices};
+    take_study(&state, &viewer->study.settings);
     struct atlas_edits settings;
     struct session_atlases atlases = {0};
     struct session_tools tools;

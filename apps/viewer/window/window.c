@@ -3,6 +3,7 @@
 #include "viewer/window/window.h"
 
 #include "common/messages.h"
+#include "viewer/question/studies.h"
 #include "viewer/window/screen.h"
 #include "viewer/window/ui_navigate.h"
 
@@ -551,9 +552,14 @@ void window_clear(const struct window *window)
 
 bool window_is_settled(const struct window *window)
 {
-    bool settled = window->start.on || window->dialog.on || window->painted_fine || !window_shows_pane(window, PANE_3D);
-    for (int p = 0; p < PLANE_COUNT && !window->start.on && !window->dialog.on; p++) {
-        settled = settled && (window->cuts[p].version == window->viewer->version || !window_shows_pane(window, p));
+    const struct viewer *viewer = window->viewer;
+    bool has_page = window->start.on || window->dialog.on;
+    bool settled = has_page || window->painted_fine || !window_shows_pane(window, PANE_3D);
+    if (!has_page && studies_is_on(viewer)) {
+        settled = settled && !studies_is_old(viewer);
+    }
+    for (int p = 0; p < PLANE_COUNT && !has_page; p++) {
+        settled = settled && (window->cuts[p].version == viewer->version || !window_shows_pane(window, p));
     }
     return settled;
 }
@@ -582,9 +588,22 @@ conus_status window_write(const struct window *window, const char *path)
     return status;
 }
 
+static void copy_study(struct window *window)
+{
+    const char *text = studies_text(window->viewer);
+    if (text) {
+        glfwSetClipboardString(window->handle, text);
+        viewer_say(window->viewer, "copied the study");
+    }
+}
+
 void window_copy(struct window *window, enum copied what)
 {
     struct viewer *viewer = window->viewer;
+    if (what == COPY_STUDY) {
+        copy_study(window);
+        return;
+    }
     char *text = what == COPY_PINS ? viewer_pins_text(viewer) : viewer_results_text(viewer);
     size_t rows = what == COPY_PINS ? viewer->pin_count : 0;
     for (size_t i = 0; i < viewer->atlas_count && what == COPY_RESULTS; i++) {

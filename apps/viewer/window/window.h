@@ -200,7 +200,7 @@ bool window_is_settled(const struct window *window);
 /** What the window shows now, as a PNG. */
 conus_status window_write(const struct window *window, const char *path);
 
-enum copied { COPY_RESULTS = 0, COPY_PINS };
+enum copied { COPY_RESULTS = 0, COPY_PINS, COPY_STUDY };
 /** Puts a table on the clipboard. */
 void window_copy(struct window *window, enum copied what);
 

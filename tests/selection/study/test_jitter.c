@@ -521,6 +521,32 @@ static void every_failing_allocation_is_survived(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* Ends at the fifth of the poses that it hears of, in their order. */
+static bool stop_at_five(void *user, size_t done, size_t total)
+{
+    size_t *heard = user;
+    assert_int_equal(done, ++*heard);
+    assert_int_equal(total, 16);
+    return done < 5;
+}
+
+static void a_callback_ends_it(void **state)
+{
+    (void)state;
+    size_t heard = 0;
+    conus_atlas *atlas = half_spaces(0);
+    conus_selector *selector = NULL;
+    conus_jitter *jitter = NULL;
+    const conus_pose pose = down_from(0, 0, 100);
+    const conus_jitter_options options = {.samples = 16, .progress = stop_at_five, .progress_user = &heard};
+    assert_ok(conus_selector_create(&selector, atlas, NULL));
+    assert_fails(conus_jitter_create(&jitter, selector, &pose, 0.2, &options), CONUS_ERROR_CANCELLED);
+    assert_string_equal(conus_message(), "jitter: cancelled after 5 of 16 poses");
+    assert_null(jitter);
+    conus_selector_destroy(selector);
+    conus_atlas_destroy(atlas);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -536,6 +562,7 @@ int main(void)
         cmocka_unit_test(deviation_and_error_are_those_of_samples),
         cmocka_unit_test(both_engines_say_the_same),
         cmocka_unit_test(all_layers_know_what_is_hidden),
+        cmocka_unit_test(a_callback_ends_it),
         cmocka_unit_test(limits_are_named),
         cmocka_unit_test(every_failing_allocation_is_survived),
     };
