@@ -244,6 +244,10 @@ static void the_atlas_does_not_wait_for_a_long_study(void **state)
     }
     assert_true(studies_use(&viewer, &longest));
     studies_step(&viewer);
+    assert_true(studies_use(&viewer, &shaken)); /* a newer question, too, does not wait for minutes */
+    await_study(&viewer);
+    assert_true(studies_use(&viewer, &longest));
+    studies_step(&viewer);
     viewer_finish(&viewer);
 }
 

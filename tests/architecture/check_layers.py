@@ -32,7 +32,7 @@ APPS = {
     "apps/mesh": "loaders/child",  # mesh_protocol.h: what conus and conus-mesh send each other
     "apps/viewer/search": "",
     "apps/viewer/look": "",
-    "apps/viewer/study": "apps/common",
+    "apps/viewer/study": "apps/link apps/common",
     "apps/viewer/model": "apps/link apps/viewer/look apps/viewer/study",
     "apps/viewer/devices": "apps/link",
     "apps/viewer/second": "apps/link apps/viewer/model apps/viewer/devices apps/viewer/pointing",

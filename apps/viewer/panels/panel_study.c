@@ -299,9 +299,11 @@ static void draw_study(struct window *window, bool cone_is_old)
     bool is_behind = studies_is_old(viewer);
     bool is_old = is_behind || cone_is_old;
     bool fits = answer && answer->question.settings.kind == viewer->study.settings.kind;
-    if (is_old) {
-        ui_text_coloured(warning, "%s", !fits ? "computing" : is_behind ? "OLD: computing the new one" : "OLD ANSWER");
-    }
+    ui_text_coloured(is_old ? warning : nothing, "%s", /* always a line, so that nothing jumps */
+                     !is_old     ? "of the cone as it is now"
+                     : !fits     ? "computing"
+                     : is_behind ? "OLD: computing the new one"
+                                 : "OLD ANSWER");
     ui_dim(is_old ? 0.4F : 1);
     if (fits) {
         draw_answer(window, answer, is_old);

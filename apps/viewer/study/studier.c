@@ -2,12 +2,16 @@
 /* The thread of studies: the newest question, one answer at a time. */
 #include "viewer/study/studier.h"
 
+#include "link/clock.h"
+
 #include <pthread.h>
 #include <stdlib.h>
 #include <sys/resource.h>
 
 /* Studies shall not hold up the window or its pictures, where they share processors. */
 static const int niceness = 4;
+/* What has taken longer is ended for a newer question; what is quicker keeps up with a cone that moves. */
+static const double patience_ms = 300;
 
 struct studier {
     pthread_t thread;
@@ -18,6 +22,7 @@ struct studier {
     bool is_busy;   /* reads the atlases */
     unsigned holds; /* the atlases are about to change, or do */
     struct study_question asked;
+    double begun;               /* when the one under way was, by clock_ms() */
     struct study_answer *done;  /* NULL = none, or taken */
     conus_selector **selectors; /* [atlas_count] The thread's own; */
     struct study_question of;   /* made for this one, */
@@ -61,7 +66,7 @@ static bool is_to_stop(void *user)
 {
     struct studier *studier = user;
     pthread_mutex_lock(&studier->lock);
-    bool stops = studier->stop || studier->holds;
+    bool stops = studier->stop || studier->holds || (studier->is_new && clock_ms() - studier->begun > patience_ms);
     pthread_mutex_unlock(&studier->lock);
     return stops;
 }
@@ -100,6 +105,7 @@ static void answer_newest(struct studier *studier)
     const struct study_question question = studier->asked;
     studier->is_new = false;
     studier->is_busy = true;
+    studier->begun = clock_ms();
     pthread_mutex_unlock(&studier->lock);
     struct study_answer *found = answer(studier, &question);
     pthread_mutex_lock(&studier->lock);

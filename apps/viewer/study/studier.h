@@ -13,7 +13,7 @@ bool studier_create(struct studier **out, const struct study_atlas *atlases, siz
 /** Waits for the portion that is being computed. NULL is allowed, here and below. */
 void studier_destroy(struct studier *studier);
 
-/** Asks for a study in place of those asked before; the one under way is ended first. */
+/** Asks for a study in place of those asked before; the one under way is ended, unless it takes less than 0.3 s. */
 void studier_ask(struct studier *studier, const struct study_question *question);
 /** The newest answer, now the caller's to destroy; NULL = there is no other than before. */
 struct study_answer *studier_take(struct studier *studier);
