@@ -16,7 +16,7 @@ SIZE(conus_transform_options, 56);
 SIZE(conus_pose_options, 56);
 SIZE(conus_selector_options, 96);
 SIZE(conus_tracker_options, 72);
-SIZE(conus_jitter_options, 32);
+SIZE(conus_jitter_options, 48);
 SIZE(conus_report_options, 104);
 SIZE(conus_grid_options, 16);
 SIZE(conus_batch_options, 128);

@@ -7,7 +7,7 @@
 #include <math.h>
 #include <stdio.h>
 
-enum { PLOT_HEIGHT = 120, LINES = 6, TIP_ROWS = 10, SAMPLE_CHOICES = 5 };
+enum { PLOT_HEIGHT = 120, LINES = 6, TIP_ROWS = 10, SAMPLE_CHOICES = 17 };
 
 static const ui_colour ground = {24, 25, 30, 255};
 static const ui_colour grid = {255, 255, 255, 40};
@@ -42,15 +42,17 @@ static void choose_angles(struct viewer *viewer)
 
 static void choose_errors(struct viewer *viewer)
 {
-    static const char *const samples[SAMPLE_CHOICES] = {"256", "1024", "4096", "16384", "65536"};
+    static const char *const samples[SAMPLE_CHOICES] = {
+        "16",   "32",    "64",    "128",   "256",    "512",    "1024",   "2048",   "4096",
+        "8192", "16384", "32768", "65536", "131072", "262144", "524288", "1048576"}; /* from 2^4 on */
     struct study_settings study = viewer->study.settings;
-    size_t choice = (size_t)lround(log2(study.samples) / 2 - 4); /* of 4^4, 4^5 ... */
+    size_t choice = (size_t)lround(log2(study.samples)) - 4;
     bool changed = ui_slider("tilt", &study.tilt_deg, 0, 20, "%.2f\u00b0", false);
     ui_tip("standard deviation of the axis about two axes, degrees (--jitter)");
     changed = ui_slider("shift", &study.shift_mm, 0, 20, "%.2f mm", false) || changed;
     ui_tip("standard deviation of the position along three axes, mm (--jitter)");
     if (ui_choose("poses", &choice, samples, SAMPLE_CHOICES)) {
-        study.samples = ldexp(1, 2 * (int)choice + 8);
+        study.samples = ldexp(1, (int)choice + 4);
         changed = true;
     }
     ui_tip("how many poses are traced (--samples)");
@@ -149,7 +151,7 @@ static void draw_numbers(const struct study_answer *answer, struct ui_box box)
     ui_draw_text((float[]){box.x + box.width - ui_text_width(high), below}, text_colour, high);
 }
 
-/* All areas of that angle, the largest first. */
+/* The areas of that angle, in the order of the list below. */
 static void tip_of_angle(const struct viewer *viewer, const struct study_answer *answer,
                          const struct study_table *table, size_t angle)
 {
