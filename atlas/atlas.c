@@ -11,6 +11,7 @@
 
 #include <math.h>
 #include <string.h>
+#include <sys/mman.h>
 
 static void object_finish(conus_object *object)
 {
@@ -47,6 +48,9 @@ void conus_atlas_destroy(conus_atlas *atlas)
     memory_free(atlas->transfer);
     file_sums_finish(&atlas->files);
     notes_finish(&atlas->notes);
+    if (atlas->mapped) {
+        munmap((void *)atlas->mapped, atlas->mapped_size);
+    }
     memory_free(atlas);
 }
 

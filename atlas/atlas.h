@@ -56,6 +56,8 @@ struct conus_atlas {
     struct notes notes;
     struct context_surface *context_surfaces; /**< [context_surface_count] */
     size_t context_surface_count;
+    const void *mapped; /**< Its borrowed arrays, mapped from a file, to be unmapped with it; NULL = none are. */
+    size_t mapped_size;
 };
 
 /** Makes an atlas from a labelled volume. @p labels has one label per voxel of @p info (0 = background); areas are

@@ -2,6 +2,7 @@
 /* Reads files whole and writes them whole or not at all, through a temporary file beside the target. */
 #include "base/file.h"
 
+#include "base/file_trace.h"
 #include "base/memory.h"
 
 #include <errno.h>
@@ -43,7 +44,7 @@ static bool read_fully(int descriptor, uint8_t *data, size_t size, size_t *got)
     return true;
 }
 
-static void keep_state(struct file_state *out, const struct stat *info)
+void file_state_take(struct file_state *out, const struct stat *info)
 {
     *out =
         (struct file_state){(uint64_t)info->st_dev,
@@ -52,13 +53,23 @@ static void keep_state(struct file_state *out, const struct stat *info)
                             {info->st_mtim.tv_sec, info->st_mtim.tv_nsec, info->st_ctim.tv_sec, info->st_ctim.tv_nsec}};
 }
 
+/* stat(), which a trace hears of. */
+static bool look_at(struct stat *info, const char *path)
+{
+    bool found = stat(path, info) == 0;
+    int error = errno;
+    file_trace_path(path, found ? info : NULL);
+    errno = error;
+    return found;
+}
+
 conus_status file_state_find(struct file_state *out, const char *path)
 {
     struct stat info;
-    if (stat(path, &info)) {
+    if (!look_at(&info, path)) {
         return fail_errno(path, "open");
     }
-    keep_state(out, &info);
+    file_state_take(out, &info);
     return CONUS_OK;
 }
 
@@ -67,7 +78,7 @@ bool file_state_of(struct file_state *out, int descriptor)
     struct stat info;
     bool found = fstat(descriptor, &info) == 0;
     if (found) {
-        keep_state(out, &info);
+        file_state_take(out, &info);
     }
     return found;
 }
@@ -101,6 +112,7 @@ static conus_status read_descriptor(struct bytes *out, const char *path, int des
     if (fstat(descriptor, &info)) {
         return fail_errno(path, "read");
     }
+    file_trace_path(path, &info);
     if (!S_ISREG(info.st_mode)) {
         return fail(CONUS_ERROR_IO, "%s: cannot read: %s, a regular file is needed", path,
                     S_ISDIR(info.st_mode) ? "is a folder" : "is a device or pipe");
@@ -114,7 +126,7 @@ static conus_status read_descriptor(struct bytes *out, const char *path, int des
     if (!bytes.data) {
         return fail_in(CONUS_ERROR_MEMORY, path);
     }
-    keep_state(&before, &info);
+    file_state_take(&before, &info);
     conus_status status = read_fully(descriptor, bytes.data, size, &bytes.size) ? check_state(path, descriptor, &before)
                                                                                 : fail_errno(path, "read");
     if (status) {
@@ -129,7 +141,9 @@ static conus_status read_path(struct bytes *out, const char *path, uint64_t limi
 {
     int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     if (descriptor < 0) {
-        return fail_errno(path, "open");
+        conus_status status = fail_errno(path, "open");
+        file_trace_path(path, NULL);
+        return status;
     }
     conus_status status = read_descriptor(out, path, descriptor, limit, most, option);
     close(descriptor);
@@ -310,13 +324,13 @@ conus_status file_make_folder(const char *path)
 bool file_exists(const char *path)
 {
     struct stat info;
-    return stat(path, &info) == 0 && S_ISREG(info.st_mode);
+    return look_at(&info, path) && S_ISREG(info.st_mode);
 }
 
 bool file_is_folder(const char *path)
 {
     struct stat info;
-    return stat(path, &info) == 0 && S_ISDIR(info.st_mode);
+    return look_at(&info, path) && S_ISDIR(info.st_mode);
 }
 
 char *file_beside(const char *path, const char *name)

@@ -26,6 +26,11 @@ struct file_state {
 
 #define FILE_CHANGED "changed while it was read"
 
+struct stat;
+
+/** What stat() says of it. */
+void file_state_take(struct file_state *out, const struct stat *info);
+
 conus_status file_state_find(struct file_state *out, const char *path);
 /** The same of an open file; false (errno) when that fails. */
 bool file_state_of(struct file_state *out, int descriptor);

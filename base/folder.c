@@ -2,6 +2,7 @@
 /* Lists the names in a folder, and takes paths apart. */
 #include "base/folder.h"
 
+#include "base/file_trace.h"
 #include "base/memory.h"
 
 #include <dirent.h>
@@ -56,6 +57,9 @@ conus_status names_list(struct names *out, const char *folder, const char *endin
     }
     if (!status && out->count) {
         qsort(out->names, out->count, sizeof *out->names, compare_names);
+    }
+    if (!status) {
+        file_trace_names(folder, ending, out);
     }
     return status;
 }

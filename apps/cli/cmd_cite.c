@@ -203,7 +203,7 @@ static const char *sum_of(const conus_atlas *atlas, const char *path)
 
 static int cite_atlas(struct citing *citing)
 {
-    const struct atlas_settings settings = {.max_memory = citing->settings->max_memory};
+    const struct atlas_settings settings = {.max_memory = citing->settings->max_memory, .no_cache = true};
     struct atlas_name found;
     int code = make_atlases(citing, 1);
     code = code ? code : atlases_load(&citing->atlases, citing->given, &settings);

@@ -15,6 +15,7 @@ struct mesh_settings {
     bool labels_anyway;
     struct option_list transforms;
     uint64_t max_memory;
+    bool no_cache;
     uint32_t smooth;
     double pass_band;
     double decimate;
@@ -77,6 +78,10 @@ static const struct option own_options[] = {
      .offset = offsetof(struct mesh_settings, max_memory),
      .value = "SIZE",
      .help = "largest file or volume to accept, and memory of conus-mesh (default 8G)"},
+    {.name = "no-cache",
+     .type = OPTION_FLAG,
+     .offset = offsetof(struct mesh_settings, no_cache),
+     .help = "read the atlas's files anew, and keep no atlas for the next time (conus cache)"},
     {.name = "quiet",
      .letter = 'q',
      .type = OPTION_FLAG,
@@ -105,7 +110,8 @@ static int run_mesh(const void *given, const struct arguments *arguments)
     const struct atlas_settings atlas_settings = {.labels = settings->labels,
                                                   .labels_anyway = settings->labels_anyway,
                                                   .transforms = settings->transforms,
-                                                  .max_memory = settings->max_memory};
+                                                  .max_memory = settings->max_memory,
+                                                  .no_cache = settings->no_cache};
     const conus_mesh_options options = {
         .format = (conus_mesh_format)settings->format,
         .smooth = settings->smooth,

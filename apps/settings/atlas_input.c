@@ -128,7 +128,8 @@ static int load_named(conus_atlas **out, const struct atlas_name *name, const st
                                         .max_memory = settings->max_memory,
                                         .progress = hear_progress,
                                         .progress_user = &progress,
-                                        .probability = settings->probability};
+                                        .probability = settings->probability,
+                                        .cache = !settings->no_cache};
     conus_atlas *atlas = NULL;
     conus_status status = conus_atlas_load(&atlas, name->path, &options);
     if (status) {

@@ -87,6 +87,10 @@ const struct option atlas_options[] = {
      .value = "SIZE",
      .help =
          "largest file or volume to accept, like 512M or 2G (default 8G; 1G for files of poses that are read whole)"},
+    {.name = "no-cache",
+     .type = OPTION_FLAG,
+     .offset = FIELD(atlas_settings, no_cache),
+     .help = "read the atlas's files anew, and keep nothing for the next time (conus cache)"},
     {0},
 };
 

@@ -20,6 +20,7 @@ struct atlas_settings {
     struct option_list only, hide;
     struct option_list transforms;
     uint64_t max_memory;
+    bool no_cache;
     struct option_list more;      /* of --atlas: atlases besides ATLAS (atlases.h) */
     conus_load_progress progress; /* no option: of programs that show it */
     void *progress_user;

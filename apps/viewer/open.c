@@ -186,7 +186,8 @@ static json_t *describe(const struct viewer *viewer, const struct atlas_name *na
 /* Those were for another atlas, which may be of another brain, with other names. */
 static void leave_options(struct view_settings *settings)
 {
-    settings->atlas = (struct atlas_settings){.max_memory = settings->atlas.max_memory};
+    settings->atlas =
+        (struct atlas_settings){.max_memory = settings->atlas.max_memory, .no_cache = settings->atlas.no_cache};
     settings->context = (struct context_choice){0};
     settings->transfer = settings->session = NULL;
     settings->poses = NULL;

@@ -42,6 +42,8 @@ typedef struct conus_load_options {
     void *log_user;     /**< Passed to @p log. */
     double probability; /**< From which probability on a voxel belongs to an area of probabilities, above 0 to 1, in
                            place of 0.25 and of a manifest's; 0 = those. */
+    bool cache; /**< Keeps the atlas in the user's cache folder, and takes it from there the next time: see conus_cache.
+                 */
 } conus_load_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */

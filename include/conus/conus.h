@@ -38,6 +38,7 @@
 #include <conus/atlas.h>
 #include <conus/atlas_info.h>
 #include <conus/batch.h>
+#include <conus/cache.h>
 #include <conus/catalogue.h>
 #include <conus/export.h>
 #include <conus/file.h>

@@ -31,7 +31,4 @@ conus_status mesh_cache_keep_within(const char *key, const struct buffer *conten
 /** How many of the @p size bytes of an entry are its content; SIZE_MAX if it is not whole. */
 size_t mesh_cache_content(const void *entry, size_t size);
 
-/** The cache's folder; "" in a buffer without data where the environment names none. */
-conus_status mesh_cache_folder(struct buffer *out);
-
 #endif

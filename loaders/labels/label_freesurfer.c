@@ -4,6 +4,7 @@
 #include "loaders/labels/label_freesurfer.h"
 
 #include "base/file.h"
+#include "base/file_trace.h"
 #include "base/folder.h"
 #include "base/math3.h"
 #include "base/memory.h"
@@ -123,7 +124,7 @@ static bool numbers_agree(const struct label_use *use, enum kind kind)
 /* The first table that is there: $FREESURFER_HOME's, or that above SUBJECTS/SUBJECT/mri/. */
 static conus_status find_table(struct buffer *out, const char *folder)
 {
-    const char *home = getenv("FREESURFER_HOME");
+    const char *home = file_trace_environment("FREESURFER_HOME");
     const char *roots[] = {home && home[0] ? home : NULL, home && home[0] ? home : NULL, folder};
     static const char *const below[] = {"/FreeSurferColorLUT.txt", "/luts/FreeSurferColorLUT.txt",
                                         "../../../FreeSurferColorLUT.txt"};

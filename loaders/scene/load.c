@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* conus_atlas_load(): a volume, an FSL atlas XML, a manifest, a surface, CIFTI labels or a folder becomes an atlas. */
+/* A volume, an FSL atlas XML, a manifest, a surface, CIFTI labels or a folder becomes an atlas. */
+#include "loaders/scene/load.h"
+
 #include "atlas/areas/swapped_sides.h"
 #include "atlas/atlas.h"
 #include "base/buffer.h"
 #include "base/formats/xml.h"
 #include "base/memory.h"
-#include "base/options.h"
 #include "loaders/cifti/cifti_file.h"
 #include "loaders/file_kind.h"
 #include "loaders/manifest/manifest.h"
@@ -159,14 +160,11 @@ static conus_status check_probability(double probability)
                : fail(CONUS_ERROR_ARGUMENT, "--probability: is %g, allowed is above 0 to 1 (0 = default)", probability);
 }
 
-conus_status conus_atlas_load(conus_atlas **out, const char *path, const conus_load_options *options)
+conus_status atlas_load_files(conus_atlas **out, const char *path, const conus_load_options *options)
 {
     conus_atlas *atlas = NULL;
-    if (!out || !path) {
-        return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_load: a result and a path are needed");
-    }
-    struct load_progress progress = load_progress_of(path, options_of(conus_load_options, options));
-    const double probability = progress.options->probability;
+    struct load_progress progress = load_progress_of(path, options);
+    const double probability = options->probability;
     conus_status status = check_probability(probability);
     status = status ? status : load_any(&atlas, path, &progress);
     load_progress_finish(&progress);

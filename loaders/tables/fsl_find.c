@@ -4,6 +4,7 @@
 
 #include "base/buffer.h"
 #include "base/file.h"
+#include "base/file_trace.h"
 #include "base/folder.h"
 #include "base/formats/xml.h"
 #include "base/memory.h"
@@ -102,7 +103,7 @@ static conus_status search_above(const struct search *search, const char *folder
     char real[PATH_MAX];
     struct buffer above = {0};
     struct buffer below = {0};
-    if (!realpath(folder, real)) {
+    if (!file_trace_real_path(real, folder)) {
         return CONUS_OK;
     }
     buffer_format(&above, "%s../", folder);

@@ -176,11 +176,11 @@ def _find(source: Path, labels: Any) -> tuple[Path, Any]:
 
 
 def _from_file(
-    path: Path, labels: Any, labels_anyway: bool, max_memory: int, progress: Any, probability: float
+    path: Path, labels: Any, labels_anyway: bool, max_memory: int, progress: Any, probability: float, cache: bool
 ) -> Any:
     options, out = ffi.new("conus_load_options *"), ffi.new("conus_atlas **")
     table, file = optional(path_of, "labels", labels), path_of("source", path)
-    options.probability = real("probability", probability)
+    options.probability, options.cache = real("probability", probability), flag("cache", cache)
     options.labels, options.labels_anyway, options.max_memory = table, flag("labels_anyway", labels_anyway), max_memory
     with telling(progress, "file", 1) as tell:
         state = _Callback(tell)
@@ -230,6 +230,7 @@ def load(
     progress: LoadProgress = None,
     probability: float = 0,
     safe_colours: bool = False,
+    cache: bool = True,
 ) -> Atlas:
     """Loads an atlas.
 
@@ -273,6 +274,9 @@ def load(
         (default: 0.25, or as the manifest says).
     safe_colours
         Colours of areas and pathways that people with any colour vision can tell apart.
+    cache
+        Of a path: keeps the atlas in the user's cache folder and maps it from there the next time, as the
+        programs do (``conus cache``; ``$CONUS_CACHE`` may be "off"). Answers are the same.
 
     Returns
     -------
@@ -291,7 +295,7 @@ def load(
     max_memory = whole("max_memory", max_memory, high=2**64 - 1)
     if isinstance(source, (str, bytes, os.PathLike)):
         source, labels = _find(source, labels)
-        raw = _from_file(source, labels, labels_anyway, max_memory, progress, probability)
+        raw = _from_file(source, labels, labels_anyway, max_memory, progress, probability, cache)
     elif probability:
         raise ArgumentError("probability: an array of labels has no areas of probabilities")
     elif hasattr(source, "dataobj"):

@@ -2,17 +2,20 @@
 /* An atlas as one block of memory: a head, what is small, and from a cache line on what is large. One walk over the
  * atlas says where everything lies, whether the block is measured, written or read. It lies here and not in atlas/
  * because distance maps are packed, too. */
-#include "atlas/atlas.h"
+#include "selection/batch/atlas_pack.h"
+
 #include "base/memory.h"
 #include "selection/engine/voxels/distance_map.h"
 
 #include <assert.h>
+#include <errno.h>
 #include <string.h>
+#include <unistd.h>
 #include <zlib.h>
 
 enum { LINE = 64, BEHIND = 64 }; /* where arrays begin, and bytes behind each that may be read */
 
-enum mode { MEASURE, PACK, ATTACH };
+enum mode { MEASURE, PACK, WRITE, ATTACH };
 
 /* What must be the same for a block to be read. */
 struct head {
@@ -24,7 +27,9 @@ struct head {
 
 struct walk {
     enum mode mode;
-    uint8_t *memory; /* read only when attaching, NULL when measuring */
+    uint8_t *memory; /* read only when attaching, NULL when measuring; when writing, only what is small */
+    int file;        /* when writing */
+    size_t file_at;  /* where the block begins in it */
     size_t small, small_end;
     size_t large, size;
     conus_status status;
@@ -61,7 +66,7 @@ static void pass(struct walk *walk, void *data, size_t size)
         walk->status = fail_damaged();
         return;
     }
-    if (walk->mode == PACK) {
+    if (walk->mode == PACK || walk->mode == WRITE) {
         memcpy(walk->memory + walk->small, data, size);
     } else if (walk->mode == ATTACH) {
         memcpy(data, walk->memory + walk->small, size);
@@ -91,10 +96,11 @@ static void pass_text(struct walk *walk, char **text)
     }
 }
 
-/* Where the next `size` bytes lie; NULL when measuring, and where there are none. */
+/* Where the next `size` bytes lie; NULL when measuring or writing, and where there are none. */
 static uint8_t *pass_place(struct walk *walk, size_t size)
 {
     size_t at = walk->large;
+    bool in_memory = walk->mode == PACK || walk->mode == ATTACH;
     bool fits = walk->mode == MEASURE || (at <= walk->size && size <= walk->size - at);
     if (walk->status) {
         return NULL;
@@ -104,7 +110,7 @@ static uint8_t *pass_place(struct walk *walk, size_t size)
         return NULL;
     }
     walk->large += (size + BEHIND + LINE - 1) / LINE * LINE;
-    return walk->mode == MEASURE ? NULL : walk->memory + at;
+    return in_memory ? walk->memory + at : NULL;
 }
 
 /* Whether there is something. Not as a bool, which damage could make neither. */
@@ -115,19 +121,37 @@ static bool pass_whether(struct walk *walk, const void *thing)
     return is_there;
 }
 
+/* To where the block has `at`. */
+static void write_at(struct walk *walk, size_t at, const uint8_t *data, size_t size)
+{
+    while (!walk->status && size) {
+        ssize_t n = pwrite(walk->file, data, size, (off_t)(walk->file_at + at));
+        if (n < 0 && errno != EINTR) {
+            walk->status = fail(CONUS_ERROR_IO, "cannot write a packed atlas: %s", strerror(errno));
+        }
+        size_t done = n > 0 ? (size_t)n : 0;
+        data += done;
+        at += done;
+        size -= done;
+    }
+}
+
 /* An array that stays in the block; `array` is the address of a pointer. Whether there is one is passed, too. */
 static void pass_array(struct walk *walk, void *array, size_t count, size_t size)
 {
     void *given;
-    size_t bytes;
+    size_t bytes = 0;
     memcpy(&given, array, sizeof given);
     bool is_there = pass_whether(walk, given);
     if (!walk->status && !memory_multiply(count, size, &bytes)) {
         walk->status = fail_damaged();
     }
+    size_t at = walk->large;
     uint8_t *place = is_there && !walk->status ? pass_place(walk, bytes) : NULL;
     if (place && walk->mode == PACK) {
         memcpy(place, given, bytes);
+    } else if (is_there && walk->mode == WRITE) {
+        write_at(walk, at, given, walk->status ? 0 : bytes);
     } else if (walk->mode == ATTACH) {
         memcpy(array, &place, sizeof place);
     }
@@ -154,12 +178,25 @@ static void *reserve(struct walk *walk, void *things, size_t count, size_t size)
 
 /* ---- The parts of an atlas --------------------------------------------------------------------------------------- */
 
+/* Makes the distance map, and writes it to where the block has `at`. */
+static void write_distances(struct walk *walk, size_t at, const struct volume *source)
+{
+    size_t size = distance_map_size(source);
+    uint8_t *map = memory_raw((size + LINE - 1) / LINE, LINE);
+    walk->status = map ? distance_map_write(map, source) : CONUS_ERROR_MEMORY;
+    write_at(walk, at, map, size);
+    memory_free(map);
+}
+
 static void pass_distances(struct walk *walk, struct volume *volume, const struct volume *source)
 {
     bool is_there = pass_whether(walk, walk->mode != ATTACH && volume_can_be_hit(source) ? source : NULL);
+    size_t at = walk->large;
     uint8_t *place = is_there && !walk->status ? pass_place(walk, distance_map_size(volume)) : NULL;
     if (place && walk->mode == PACK) {
         walk->status = distance_map_write(place, source);
+    } else if (is_there && walk->mode == WRITE && !walk->status) {
+        write_distances(walk, at, source);
     } else if (walk->mode == ATTACH) {
         volume->distances = place;
     }
@@ -366,12 +403,15 @@ static conus_atlas bare_atlas(const conus_atlas *atlas)
     bare.warps = NULL;
     bare.objects = NULL;
     bare.places = NULL;
+    bare.path = NULL;
     bare.label_source = NULL;
     bare.files.items = NULL;
     bare.transfer = NULL;
     bare.notes.lines = NULL;
     bare.notes.marks = NULL;
     bare.notes.sink = NULL;
+    bare.mapped = NULL;
+    bare.mapped_size = 0;
     return bare;
 }
 
@@ -405,18 +445,24 @@ static size_t round_up(size_t size)
 }
 
 /* The walk over an atlas that is only read: the walk writes to copies of its parts, and to them only what is there. */
-static struct walk walk_over(const conus_atlas *atlas, enum mode mode, uint8_t *memory, size_t large, size_t size)
+static struct walk walk_over(const conus_atlas *atlas, struct walk walk)
 {
     conus_atlas copy = *atlas;
-    struct walk walk = {
-        .mode = mode, .memory = memory, .small = sizeof(struct head), .small_end = large, .large = large, .size = size};
+    walk.small = sizeof(struct head);
+    walk.small_end = walk.large;
     pass_atlas(&walk, &copy);
     return walk;
 }
 
+/* How large everything is. */
+static struct walk measure(const conus_atlas *atlas)
+{
+    return walk_over(atlas, (struct walk){.mode = MEASURE});
+}
+
 size_t conus_atlas_packed_size(const conus_atlas *atlas)
 {
-    struct walk walk = walk_over(atlas, MEASURE, NULL, 0, 0);
+    struct walk walk = measure(atlas);
     return round_up(walk.small) + walk.large;
 }
 
@@ -426,20 +472,46 @@ static uint64_t crc_of(const uint8_t *memory, size_t small_end)
     return crc32_z(0, memory + from, small_end - from);
 }
 
+static void write_head(uint8_t *memory, size_t small_end, size_t size)
+{
+    struct head head = {.layout = layout_of_structures(), .small_end = small_end, .size = size};
+    memcpy(head.magic, magic, sizeof magic);
+    memcpy(memory, &head, sizeof head);
+    head.crc = crc_of(memory, small_end);
+    memcpy(memory, &head, sizeof head);
+}
+
 conus_status conus_atlas_pack(void *memory, size_t size, const conus_atlas *atlas)
 {
-    struct walk measured = walk_over(atlas, MEASURE, NULL, 0, 0);
+    struct walk measured = measure(atlas);
     size_t needed = round_up(measured.small) + measured.large;
     if (!memory || (uintptr_t)memory % LINE || size < needed) {
         return fail(CONUS_ERROR_ARGUMENT, "%zu bytes at %p for an atlas: %zu at a multiple of %d are needed", size,
                     memory, needed, LINE);
     }
-    struct walk walk = walk_over(atlas, PACK, memory, round_up(measured.small), needed);
-    struct head head = {.layout = layout_of_structures(), .small_end = walk.small, .size = needed};
-    memcpy(head.magic, magic, sizeof magic);
-    memcpy(memory, &head, sizeof head);
-    head.crc = crc_of(memory, head.small_end);
-    memcpy(memory, &head, sizeof head);
+    struct walk walk = walk_over(
+        atlas, (struct walk){.mode = PACK, .memory = memory, .large = round_up(measured.small), .size = needed});
+    write_head(memory, walk.small, needed);
+    return walk.status;
+}
+
+conus_status atlas_pack_write(int descriptor, size_t at, const conus_atlas *atlas)
+{
+    struct walk measured = measure(atlas);
+    size_t small = round_up(measured.small);
+    uint8_t *memory = memory_zeroed(small, 1);
+    if (!memory) {
+        return CONUS_ERROR_MEMORY;
+    }
+    struct walk walk = walk_over(atlas, (struct walk){.mode = WRITE,
+                                                      .memory = memory,
+                                                      .file = descriptor,
+                                                      .file_at = at,
+                                                      .large = small,
+                                                      .size = small + measured.large});
+    write_head(memory, walk.small, walk.size);
+    write_at(&walk, 0, memory, small);
+    memory_free(memory);
     return walk.status;
 }
 

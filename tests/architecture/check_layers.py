@@ -111,6 +111,7 @@ LIBRARY = {
     "selection/study": "base atlas/surface atlas selection/cone selection/measure selection",
     "selection/picture": "base render/image render/colour render/flat selection",
     "selection/report": "base atlas poses/programs selection selection/study",
+    "cache": "base atlas loaders/scene selection/batch",
     "selection/batch": "base atlas poses selection/engine/voxels selection selection/study selection/report",
 }
 RULES = {**LIBRARY, **APPS}

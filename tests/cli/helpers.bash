@@ -3,6 +3,9 @@ bats_require_minimum_version 1.5.0
 : "${CONUS:?is the path of the conus program}"
 TEMPLATES=${CONUS_TEMPLATES:-/usr/share/mricron/templates}
 
+# No test touches the cache of whoever runs it; tests/cli/cache.bats has one of its own.
+export CONUS_CACHE=${CONUS_CACHE:-off}
+
 # Seconds after which what hangs is ended: nothing else takes so long, however busy the machine is.
 HANG=900
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The cache of meshes: what is kept is found; what is damaged or open to others is not read. */
+#include "base/cache_folder.h"
 #include "base/memory.h"
 #include "loaders/child/mesh_cache.h"
 #include "test.h"
@@ -53,7 +54,7 @@ static char *entry_path(const char *recipe)
     char key[MESH_CACHE_KEY_SIZE];
     struct buffer folder = {0};
     key_of(key, recipe);
-    assert_ok(mesh_cache_folder(&folder));
+    assert_ok(cache_folder_path(&folder));
     snprintf(path, sizeof path, "%s/%s.mesh", folder.data, key);
     buffer_finish(&folder);
     return path;

@@ -1,0 +1,178 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* conus cache: what is kept for the next time, where, and an end to it. */
+#include "cli/answers/aligned.h"
+#include "cli/commands.h"
+#include "common/messages.h"
+#include "common/output.h"
+#include "settings/settings.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+struct cache_settings {
+    size_t format; /* 1 = TSV */
+    struct common_settings common;
+};
+
+static const char *const formats[] = {"table", "tsv", NULL};
+
+static const struct option own_options[] = {
+    {.name = "format",
+     .type = OPTION_CHOICE,
+     .offset = offsetof(struct cache_settings, format),
+     .value = "FORMAT",
+     .help = "of list: a table for people, or tab-separated values:",
+     .choices = formats},
+    {0},
+};
+
+static const struct option_group groups[] = {
+    {"Options", own_options, 0},
+    {"", plain_options, offsetof(struct cache_settings, common)},
+    {0},
+};
+
+enum { COLUMNS = 4 };
+
+static void put_entry(FILE *out, const conus_cache_entry *entry)
+{
+    char when[32] = "n/a";
+    struct tm parts;
+    const time_t used = (time_t)entry->last_used;
+    char *path = strdup(entry->path);
+    if (path) {
+        make_plain_line(path);
+    }
+    if (localtime_r(&used, &parts)) {
+        strftime(when, sizeof when, "%Y-%m-%d %H:%M:%S", &parts);
+    }
+    fprintf(out, "%s\t%" PRIu64 "\t%s\t%s\n", entry->kind, entry->size, when, path && *path ? path : "n/a");
+    free(path);
+}
+
+static void put_tsv(FILE *out, const conus_cache *cache)
+{
+    fputs("kind\tbytes\tlast_used\tpath\n", out);
+    for (size_t i = 0; i < conus_cache_count(cache); i++) {
+        put_entry(out, conus_cache_entry_at(cache, i));
+    }
+}
+
+static void put_table(FILE *out, const conus_cache *cache)
+{
+    static const bool right[COLUMNS] = {[1] = true};
+    char *tsv = NULL;
+    size_t size = 0;
+    uint64_t bytes = 0;
+    size_t count = conus_cache_count(cache);
+    FILE *cells = open_memstream(&tsv, &size);
+    if (!cells) {
+        return;
+    }
+    put_tsv(cells, cache);
+    for (size_t i = 0; i < count; i++) {
+        bytes += conus_cache_entry_at(cache, i)->size;
+    }
+    if (fclose(cells) == 0 && count) {
+        aligned_put(out, tsv, COLUMNS, right);
+        fputc('\n', out);
+    }
+    free(tsv);
+    fprintf(out, "%zu entr%s, %" PRIu64 " bytes, in %s\n", count, count == 1 ? "y" : "ies", bytes,
+            conus_cache_folder(cache));
+    if (!conus_cache_limit()) {
+        fputs("$CONUS_CACHE: no atlas is kept, or taken from there\n", out);
+    }
+}
+
+static int write_list(const conus_cache *cache, bool as_tsv)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    int code = EXIT_DATA;
+    if (out) {
+        (as_tsv ? put_tsv : put_table)(out, cache);
+        code = fclose(out) ? EXIT_DATA : EXIT_DONE;
+    }
+    if (code) {
+        print_error_line("not enough memory");
+    } else {
+        conus_plain_text(text);
+        code = output_write(NULL, text, strlen(text));
+    }
+    free(text);
+    return code;
+}
+
+static int list_cache(const struct cache_settings *settings)
+{
+    conus_cache *cache = NULL;
+    conus_status status = conus_cache_create(&cache);
+    if (status) {
+        return print_status(status);
+    }
+    const char *problem = conus_cache_problem(cache);
+    if (problem) {
+        print_error_line("note: nothing is kept, since %s", problem);
+    }
+    int code = write_list(cache, settings->format == 1);
+    conus_cache_destroy(cache);
+    return code;
+}
+
+static int print_folder(const struct cache_settings *settings)
+{
+    (void)settings;
+    conus_cache *cache = NULL;
+    conus_status status = conus_cache_create(&cache);
+    if (status) {
+        return print_status(status);
+    }
+    printf("%s\n", conus_cache_folder(cache));
+    conus_cache_destroy(cache);
+    return EXIT_DONE;
+}
+
+static int clear_cache(const struct cache_settings *settings)
+{
+    (void)settings;
+    conus_status status = conus_cache_clear();
+    return status ? print_status(status) : EXIT_DONE;
+}
+
+static int run_cache(const void *given, const struct arguments *arguments)
+{
+    static const struct {
+        const char *word;
+        int (*run)(const struct cache_settings *settings);
+    } words[] = {{"list", list_cache}, {"where", print_folder}, {"clear", clear_cache}};
+    const char *word = arguments->operands[0];
+    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
+        if (strcmp(word, words[i].word) == 0) {
+            return words[i].run(given);
+        }
+    }
+    return print_usage_error("\"%s\": list, where or clear is needed", word);
+}
+
+const struct command cmd_cache = {
+    .name = "cache",
+    .summary = "list or remove what is kept for the next time",
+    .operands = {"list|where|clear"},
+    .description =
+        "list says which atlases and surfaces are kept, how large they are and when they were last used; where prints\n"
+        "the folder, $XDG_CACHE_HOME/conus, else ~/.cache/conus; clear removes all of it.\n\n"
+        "An atlas that was loaded is kept as it is in memory, and mapped from there the next time, unless --no-cache "
+        "is\n"
+        "given or $CONUS_CACHE is off. $CONUS_CACHE may also be the most that atlases may have together, like 500M or\n"
+        "40G (default 16G): those unused for longest leave first.",
+    .examples = "  conus cache list\n"
+                "  conus cache clear\n"
+                "  CONUS_CACHE=off conus query aal --origin=-90,20,20 --toward=0,-10,10\n",
+    .groups = groups,
+    .settings_size = sizeof(struct cache_settings),
+    .run = run_cache,
+};

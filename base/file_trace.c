@@ -1,0 +1,371 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Keeps what a thread asks of the file system, and asks it again. */
+#include "base/file_trace.h"
+
+#include "base/memory.h"
+
+#include <fcntl.h>
+#include <limits.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/vfs.h>
+#include <unistd.h>
+
+static _Thread_local struct file_trace *open_trace; /* of this thread; NULL = none */
+
+void file_trace_finish(struct file_trace *trace)
+{
+    for (size_t i = 0; i < trace->count; i++) {
+        memory_free(trace->items[i].path);
+        memory_free(trace->items[i].more);
+    }
+    memory_free(trace->items);
+    *trace = (struct file_trace){0};
+}
+
+/* ---- Keeping ----------------------------------------------------------------------------------------------------- */
+
+/* Takes the strings of `item`, of which NULL stands for want of memory where `given` has one. */
+static void append_item(struct file_trace *trace, struct traced item, const char *given)
+{
+    bool whole = item.path && (item.more || !given) &&
+                 memory_reserve(&trace->items, &trace->capacity, trace->count + 1, sizeof item);
+    if (whole) {
+        trace->items[trace->count++] = item;
+        return;
+    }
+    memory_free(item.path);
+    memory_free(item.more);
+    trace->broken = true;
+}
+
+static void keep(enum trace_kind kind, const char *path, const char *more, const struct file_state *state,
+                 const char *sum)
+{
+    struct traced item = {.kind = kind, .path = memory_text(path, strlen(path))};
+    item.more = more ? memory_text(more, strlen(more)) : NULL;
+    if (state) {
+        item.state = *state;
+    }
+    if (sum) {
+        memcpy(item.sum, sum, sizeof item.sum);
+    }
+    append_item(open_trace, item, more);
+}
+
+static enum trace_kind kind_of(struct file_state *out, const struct stat *info)
+{
+    *out = (struct file_state){0};
+    if (!info) {
+        return TRACE_NOTHING;
+    }
+    if (S_ISREG(info->st_mode)) {
+        file_state_take(out, info);
+        return TRACE_FILE;
+    }
+    out->device = (uint64_t)info->st_dev;
+    out->inode = (uint64_t)info->st_ino;
+    return S_ISDIR(info->st_mode) ? TRACE_FOLDER : TRACE_OTHER;
+}
+
+void file_trace_path(const char *path, const struct stat *info)
+{
+    struct file_state state;
+    if (open_trace) {
+        enum trace_kind kind = kind_of(&state, info);
+        keep(kind, path, NULL, &state, NULL);
+    }
+}
+
+static void sum_names(char out[65], const struct names *names)
+{
+    struct buffer all = {0};
+    for (size_t i = 0; i < names->count; i++) {
+        buffer_append(&all, names->names[i], strlen(names->names[i]) + 1);
+    }
+    const struct bytes bytes = {(uint8_t *)all.data, all.size};
+    file_sha256(out, &bytes);
+    out[0] = all.failed ? '\0' : out[0];
+    buffer_finish(&all);
+}
+
+void file_trace_names(const char *folder, const char *ending, const struct names *names)
+{
+    char sum[65];
+    if (open_trace) {
+        sum_names(sum, names);
+        open_trace->broken = open_trace->broken || !sum[0];
+        keep(TRACE_NAMES, folder, ending, NULL, sum);
+    }
+}
+
+const char *file_trace_environment(const char *name)
+{
+    const char *value = getenv(name);
+    if (open_trace) {
+        keep(TRACE_ENVIRONMENT, name, value, NULL, NULL);
+    }
+    return value;
+}
+
+bool file_trace_real_path(char *out, const char *path)
+{
+    bool found = realpath(path, out);
+    if (open_trace) {
+        keep(TRACE_REAL_PATH, path, found ? out : NULL, NULL, NULL);
+    }
+    return found;
+}
+
+/* ---- Beginning and ending ---------------------------------------------------------------------------------------- */
+
+void file_trace_begin(struct file_trace *out)
+{
+    *out = (struct file_trace){0};
+    clock_gettime(CLOCK_REALTIME, &out->begun);
+    open_trace = out;
+}
+
+static int compare_texts(const char *a, const char *b)
+{
+    return a && b ? strcmp(a, b) : (a != NULL) - (b != NULL);
+}
+
+/* Whether they are the same question: the kinds up to TRACE_OTHER are answers to one. */
+static int compare_questions(const struct traced *a, const struct traced *b)
+{
+    int topic[2] = {a->kind < TRACE_OTHER ? TRACE_OTHER : (int)a->kind,
+                    b->kind < TRACE_OTHER ? TRACE_OTHER : (int)b->kind};
+    int order = topic[0] - topic[1];
+    order = order ? order : strcmp(a->path, b->path);
+    return order || topic[0] != TRACE_NAMES ? order : strcmp(a->more, b->more);
+}
+
+static int compare_items(const void *a, const void *b)
+{
+    return compare_questions(a, b);
+}
+
+static bool is_same_answer(const struct traced *a, const struct traced *b)
+{
+    return a->kind == b->kind && compare_texts(a->more, b->more) == 0 && file_state_equal(&a->state, &b->state) &&
+           memcmp(a->sum, b->sum, sizeof a->sum) == 0;
+}
+
+void file_trace_end(struct file_trace *trace)
+{
+    size_t kept = 0;
+    open_trace = NULL;
+    if (trace->count) {
+        qsort(trace->items, trace->count, sizeof *trace->items, compare_items);
+    }
+    for (size_t i = 0; i < trace->count; i++) {
+        struct traced *last = kept ? &trace->items[kept - 1] : NULL;
+        bool repeated = last && compare_questions(last, &trace->items[i]) == 0;
+        trace->broken = trace->broken || (repeated && !is_same_answer(last, &trace->items[i]));
+        if (repeated) {
+            memory_free(trace->items[i].path);
+            memory_free(trace->items[i].more);
+        } else {
+            trace->items[kept++] = trace->items[i];
+        }
+    }
+    trace->count = kept;
+}
+
+const struct traced *file_trace_find(const struct file_trace *trace, const char *path)
+{
+    const struct traced key = {.kind = TRACE_FILE, .path = (char *)path};
+    const struct traced *found =
+        trace->count ? bsearch(&key, trace->items, trace->count, sizeof key, compare_items) : NULL;
+    return found && found->kind == TRACE_FILE ? found : NULL;
+}
+
+/* ---- At rest ----------------------------------------------------------------------------------------------------- */
+
+/* File systems whose times are of this machine's clock (linux/magic.h, and ZFS and bcachefs). */
+static bool has_own_clock(const char *path)
+{
+    static const uint64_t magics[] = {0xef53 /* ext2 to ext4 */,
+                                      0x58465342 /* XFS */,
+                                      0x9123683e /* Btrfs */,
+                                      0xf2f52010 /* F2FS */,
+                                      0x01021994 /* tmpfs */,
+                                      0x794c7630 /* overlay */,
+                                      0x4d44 /* FAT */,
+                                      0x2011bab0 /* exFAT */,
+                                      0x73717368 /* SquashFS */,
+                                      0x9660 /* ISO 9660 */,
+                                      0xe0f5e1e2 /* EROFS */,
+                                      0x2fc12fc1 /* ZFS */,
+                                      0xca451a4e /* bcachefs */};
+    struct statfs info;
+    bool found = false;
+    for (size_t i = 0; statfs(path, &info) == 0 && i < sizeof magics / sizeof magics[0] && !found; i++) {
+        found = (uint64_t)(uint32_t)info.f_type == magics[i];
+    }
+    return found;
+}
+
+static bool was_at_rest(const struct traced *item, const struct timespec *begun)
+{
+    const int64_t *times = item->state.times;
+    int64_t last = times[0] > times[2] ? times[0] : times[2];
+    int64_t rest = (int64_t)begun->tv_sec - last; /* at least, but for a second */
+    return rest > TRACE_REST_ELSEWHERE_SECONDS || (rest > TRACE_REST_SECONDS && has_own_clock(item->path));
+}
+
+bool file_trace_is_settled(const struct file_trace *trace)
+{
+    bool settled = !trace->broken;
+    for (size_t i = 0; i < trace->count && settled; i++) {
+        const struct traced *item = &trace->items[i];
+        settled = item->kind != TRACE_OTHER && (item->kind != TRACE_FILE || was_at_rest(item, &trace->begun));
+    }
+    return settled;
+}
+
+/* ---- Asking again ------------------------------------------------------------------------------------------------ */
+
+static bool find_kind(enum trace_kind *out, struct file_state *state, const char *path)
+{
+    struct stat info;
+    bool found = stat(path, &info) == 0;
+    *out = kind_of(state, found ? &info : NULL);
+    int descriptor = *out == TRACE_FILE ? open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY) : -1;
+    if (*out != TRACE_FILE) {
+        return true;
+    }
+    found = descriptor >= 0 && fstat(descriptor, &info) == 0;
+    *out = kind_of(state, found ? &info : NULL);
+    if (descriptor >= 0) {
+        close(descriptor);
+    }
+    return found;
+}
+
+static bool same_names(const struct traced *item)
+{
+    struct names names = {0};
+    char sum[65] = "";
+    if (!names_list(&names, item->path, item->more)) {
+        sum_names(sum, &names);
+    }
+    names_finish(&names);
+    return memcmp(sum, item->sum, sizeof sum) == 0;
+}
+
+static bool same_real_path(const struct traced *item)
+{
+    char real[PATH_MAX];
+    return compare_texts(realpath(item->path, real) ? real : NULL, item->more) == 0;
+}
+
+static bool holds(const struct traced *item)
+{
+    struct file_state state;
+    enum trace_kind kind;
+    switch (item->kind) {
+    case TRACE_NAMES:
+        return same_names(item);
+    case TRACE_REAL_PATH:
+        return same_real_path(item);
+    case TRACE_ENVIRONMENT:
+        return compare_texts(getenv(item->path), item->more) == 0;
+    case TRACE_NOTHING:
+    case TRACE_FILE:
+    case TRACE_FOLDER:
+        return find_kind(&kind, &state, item->path) && kind == item->kind && file_state_equal(&state, &item->state);
+    case TRACE_OTHER:
+    case TRACE_KINDS:
+        break;
+    }
+    return false;
+}
+
+bool file_trace_holds(const struct file_trace *trace)
+{
+    struct file_trace *own = open_trace;
+    bool same = !trace->broken;
+    open_trace = NULL; /* what is asked here is nobody's question */
+    for (size_t i = 0; i < trace->count && same; i++) {
+        same = holds(&trace->items[i]);
+    }
+    open_trace = own;
+    return same;
+}
+
+/* ---- As bytes ---------------------------------------------------------------------------------------------------- */
+
+/* Ahead of the strings of an item. Sizes count a final NUL; 0 = no string. */
+struct item_head {
+    uint64_t kind, path_size, more_size;
+    struct file_state state;
+    char sum[72];
+};
+
+void file_trace_write(struct buffer *out, const struct file_trace *trace)
+{
+    for (size_t i = 0; i < trace->count; i++) {
+        const struct traced *item = &trace->items[i];
+        struct item_head head = {.kind = item->kind,
+                                 .path_size = strlen(item->path) + 1,
+                                 .more_size = item->more ? strlen(item->more) + 1 : 0,
+                                 .state = item->state};
+        memcpy(head.sum, item->sum, sizeof item->sum);
+        buffer_append(out, &head, sizeof head);
+        buffer_append(out, item->path, head.path_size);
+        if (item->more) {
+            buffer_append(out, item->more, head.more_size);
+        }
+    }
+}
+
+/* Whether `size` bytes are a string and its end. */
+static bool is_text(const uint8_t *data, uint64_t size)
+{
+    return size && memchr(data, 0, size) == data + size - 1;
+}
+
+/* The item at the beginning of the bytes; its size, 0 where there is none. */
+static size_t parse_item(struct file_trace *out, const uint8_t *data, size_t size)
+{
+    struct item_head head;
+    if (size < sizeof head) {
+        return 0;
+    }
+    memcpy(&head, data, sizeof head);
+    size -= sizeof head;
+    const uint8_t *path = data + sizeof head;
+    bool fits = head.kind < TRACE_KINDS && head.path_size <= size && head.more_size <= size - head.path_size &&
+                is_text(path, head.path_size) && head.sum[sizeof head.sum - 1] == '\0' &&
+                (!head.more_size || is_text(path + head.path_size, head.more_size)) &&
+                (head.kind != TRACE_NAMES || head.more_size);
+    if (!fits) {
+        return 0;
+    }
+    const char *more = head.more_size ? (const char *)path + head.path_size : NULL;
+    struct traced item = {.kind = (enum trace_kind)head.kind,
+                          .path = memory_text((const char *)path, head.path_size - 1),
+                          .more = more ? memory_text(more, head.more_size - 1) : NULL,
+                          .state = head.state};
+    memcpy(item.sum, head.sum, sizeof item.sum);
+    append_item(out, item, more);
+    return out->broken ? 0 : sizeof head + head.path_size + head.more_size;
+}
+
+bool file_trace_parse(struct file_trace *out, const uint8_t *data, size_t size)
+{
+    struct file_trace trace = {0};
+    size_t used = 1;
+    for (size_t at = 0; at < size && used; at += used) {
+        used = parse_item(&trace, data + at, size - at);
+    }
+    if (!used) {
+        file_trace_finish(&trace);
+        return false;
+    }
+    *out = trace;
+    return true;
+}

@@ -1,0 +1,79 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file What a thread asked of the file system and was told, so that somebody can find out later whether the same
+ * questions have the same answers: which files were read, which were looked for and are not there, what folders list.
+ *
+ * A file's answer is its identity: device, inode, size, and the times of its last change. These differ after every
+ * change but one: the clock of a file system goes in steps, and what is changed twice within one step looks unchanged.
+ * So a trace is settled only if all its files were at rest for a while before it began. */
+#ifndef CONUS_BASE_FILE_TRACE_H
+#define CONUS_BASE_FILE_TRACE_H
+
+#include "base/buffer.h"
+#include "base/file.h"
+#include "base/folder.h"
+
+#include <time.h>
+
+enum trace_kind {
+    TRACE_NOTHING,     /**< There is no such path.                        */
+    TRACE_FILE,        /**< A regular file: `state`.                      */
+    TRACE_FOLDER,      /**< A folder: device and inode of `state`.        */
+    TRACE_OTHER,       /**< A device, a pipe: never the same.             */
+    TRACE_NAMES,       /**< The names in a folder that end in `more`: `sum`. */
+    TRACE_REAL_PATH,   /**< The path without links: `more`.               */
+    TRACE_ENVIRONMENT, /**< A variable: `more`; NULL = it is not set.     */
+    TRACE_KINDS
+};
+
+struct traced {
+    enum trace_kind kind;
+    char *path, *more; /**< Owned. */
+    struct file_state state;
+    char sum[65];
+};
+
+struct file_trace {
+    struct traced *items;
+    size_t count, capacity;
+    struct timespec begun;
+    bool broken; /**< Something is missing, or changed meanwhile. */
+};
+
+enum {
+    TRACE_REST_SECONDS = 2,             /**< FAT counts in steps of 2 s, the coarsest of all. */
+    TRACE_REST_ELSEWHERE_SECONDS = 3600 /**< Where a server's clock counts, which may be wrong. */
+};
+
+/** Begins to keep what this thread asks; no other trace of it may be open. */
+void file_trace_begin(struct file_trace *out);
+/** Ends that. The items are sorted, each is there once; a path with two answers breaks the trace. */
+void file_trace_end(struct file_trace *trace);
+void file_trace_finish(struct file_trace *trace);
+
+/** Whether nothing is missing, nothing changed meanwhile, and all files were at rest before the trace began. */
+bool file_trace_is_settled(const struct file_trace *trace);
+
+/** Whether every question has the same answer now. Files are opened for it: on NFS, only that asks the server. */
+bool file_trace_holds(const struct file_trace *trace);
+
+/** The regular file @p path of an ended trace, or NULL. */
+const struct traced *file_trace_find(const struct file_trace *trace, const char *path);
+
+/** Appends the trace as bytes. */
+void file_trace_write(struct buffer *out, const struct file_trace *trace);
+/** The trace of all @p size bytes; false, and nothing to finish, where they are none or there is no memory. */
+bool file_trace_parse(struct file_trace *out, const uint8_t *data, size_t size);
+
+/** @name What those tell who ask; nothing happens on a thread without a trace.
+ * @{ */
+struct stat;
+/** @p info is what stat() says of @p path; NULL = it found nothing. */
+void file_trace_path(const char *path, const struct stat *info);
+void file_trace_names(const char *folder, const char *ending, const struct names *names);
+/** getenv(). */
+const char *file_trace_environment(const char *name);
+/** realpath() into @p out, [PATH_MAX]; false where there is none. */
+bool file_trace_real_path(char *out, const char *path);
+/** @} */
+
+#endif

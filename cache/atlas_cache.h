@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * Atlases that were loaded before, in the folder of base/cache_folder.h: one file NAME.atlas each, which is mapped and
+ * never read as a whole. A cache that cannot be read or written is an empty one: nothing here is an error of the load
+ * that it serves. docs/architecture.md, "The cache", says when an entry is believed, and why. */
+#ifndef CONUS_CACHE_ATLAS_CACHE_H
+#define CONUS_CACHE_ATLAS_CACHE_H
+
+#include "atlas/atlas.h"
+#include "base/file_trace.h"
+
+#define ATLAS_CACHE_ENDING ".atlas"
+
+/** The most that the entries may have together, in bytes, unless $CONUS_CACHE says otherwise. */
+#define ATLAS_CACHE_LIMIT (UINT64_C(16) << 30)
+
+/** Bytes that may be kept: $CONUS_CACHE, a number with K, M, G or T behind it or none; 0 of "off" and of what is no
+ * size. */
+uint64_t atlas_cache_limit(void);
+
+/** A load that is kept, if nothing speaks against it. */
+struct atlas_cache {
+    struct buffer key;   /**< What the atlas follows from, but for the files.          */
+    struct buffer path;  /**< Of the entry; empty where there is no cache.             */
+    struct buffer heard; /**< The notes, as options.log hears them.                    */
+    struct file_trace trace;
+    conus_load_options options; /**< Those to load with: they keep what is heard.        */
+    const conus_load_options *given;
+    uint64_t limit; /**< Of all entries, in bytes; 0 = there is no cache. */
+    uint64_t small; /**< CACHE_SMALL */
+};
+
+/** Begins a load of @p path; where @p options do not ask for the cache, and where there is none, it does nothing. End
+ * it with atlas_cache_finish(). @p options must outlive it. */
+void atlas_cache_init(struct atlas_cache *out, const char *path, const conus_load_options *options);
+void atlas_cache_finish(struct atlas_cache *cache);
+
+/** The atlas, mapped from its entry, whose notes the options' log has heard again; NULL where there is no entry that
+ * may be believed. */
+conus_atlas *atlas_cache_find(struct atlas_cache *cache);
+
+/** Begins and ends the part of the load that reads files. */
+void atlas_cache_watch(struct atlas_cache *cache);
+void atlas_cache_watched(struct atlas_cache *cache);
+
+/** Keeps the atlas that was loaded between the two, and maps it in the place of the loaded one. */
+void atlas_cache_keep(struct atlas_cache *cache, conus_atlas **atlas);
+
+/** What an entry's key calls the path that was loaded; NULL where it is no key. */
+const char *atlas_cache_path_of(const uint8_t *key, size_t size);
+
+#endif

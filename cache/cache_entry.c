@@ -1,0 +1,130 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Writes and checks the bytes of an entry. */
+#include "cache/cache_entry.h"
+
+#include <fcntl.h>
+#include <libdeflate.h>
+#include <stddef.h>
+#include <string.h>
+#include <unistd.h>
+
+static const char magic[16] = "conus-cache 1\n";
+
+struct entry_head {
+    char magic[16];
+    uint8_t boot[CACHE_BOOT_SIZE]; /* the only bytes that no checksum covers: another value only costs time */
+    uint64_t size, packed_at, packed_size;
+    uint64_t key_size, notes_size, trace_size;
+    uint32_t packed_crc;
+    uint32_t crc; /* of the head from `size` on, and of all from the head to packed_at */
+};
+
+uint32_t cache_crc(uint32_t sum, const void *data, size_t size)
+{
+    return size ? libdeflate_crc32(sum, data, size) : sum; /* without data it would begin anew */
+}
+
+size_t cache_entry_boot_at(void)
+{
+    return offsetof(struct entry_head, boot);
+}
+
+size_t cache_entry_packed_at(const struct cache_entry *entry)
+{
+    size_t ahead = sizeof(struct entry_head) + entry->key.size + entry->notes.size + entry->trace.size;
+    return (ahead + CACHE_PAGE - 1) / CACHE_PAGE * CACHE_PAGE;
+}
+
+static uint32_t crc_ahead(const uint8_t *memory, size_t packed_at)
+{
+    size_t from = offsetof(struct entry_head, size);
+    uint32_t sum = cache_crc(0, memory + from, offsetof(struct entry_head, crc) - from);
+    return cache_crc(sum, memory + sizeof(struct entry_head), packed_at - sizeof(struct entry_head));
+}
+
+/* Whether the parts lie one behind the other, and end where the file does. */
+static bool fits(const struct entry_head *head, size_t size)
+{
+    uint64_t left = size; /* each size is compared with what is left, so that no sum can overflow */
+    const uint64_t sizes[] = {sizeof *head, head->key_size, head->notes_size, head->trace_size};
+    for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
+        if (sizes[i] > left) {
+            return false;
+        }
+        left -= sizes[i];
+    }
+    uint64_t ahead = size - left;
+    return head->size == size && head->packed_at == (ahead + CACHE_PAGE - 1) / CACHE_PAGE * CACHE_PAGE &&
+           head->packed_at <= size && head->packed_size == size - head->packed_at;
+}
+
+bool cache_entry_parse(struct cache_entry *out, const uint8_t *memory, size_t size)
+{
+    struct entry_head head;
+    if (size < sizeof head) {
+        return false;
+    }
+    memcpy(&head, memory, sizeof head);
+    if (memcmp(head.magic, magic, sizeof magic) != 0 || !fits(&head, size) ||
+        crc_ahead(memory, head.packed_at) != head.crc) {
+        return false;
+    }
+    const uint8_t *at = memory + sizeof head;
+    out->key = (struct cache_part){at, head.key_size};
+    out->notes = (struct cache_part){at + head.key_size, head.notes_size};
+    out->trace = (struct cache_part){at + head.key_size + head.notes_size, head.trace_size};
+    out->packed = (struct cache_part){memory + head.packed_at, head.packed_size};
+    out->packed_crc = head.packed_crc;
+    memcpy(out->boot, head.boot, sizeof out->boot);
+    return true;
+}
+
+bool cache_entry_is_whole(const struct cache_entry *entry)
+{
+    return cache_crc(0, entry->packed.data, entry->packed.size) == entry->packed_crc;
+}
+
+void cache_entry_write(struct buffer *out, const struct cache_entry *entry)
+{
+    static const uint8_t zeros[CACHE_PAGE];
+    struct entry_head head = {.packed_at = cache_entry_packed_at(entry),
+                              .packed_size = entry->packed.size,
+                              .key_size = entry->key.size,
+                              .notes_size = entry->notes.size,
+                              .trace_size = entry->trace.size,
+                              .packed_crc = entry->packed_crc};
+    size_t start = out->size;
+    memcpy(head.magic, magic, sizeof magic);
+    memcpy(head.boot, entry->boot, sizeof head.boot);
+    head.size = head.packed_at + head.packed_size;
+    buffer_append(out, &head, sizeof head);
+    buffer_append(out, entry->key.data, entry->key.size);
+    buffer_append(out, entry->notes.data, entry->notes.size);
+    buffer_append(out, entry->trace.data, entry->trace.size);
+    buffer_append(out, zeros, head.packed_at + start - out->size);
+    if (!out->failed) {
+        head.crc = crc_ahead((const uint8_t *)out->data + start, head.packed_at);
+        memcpy(out->data + start, &head, sizeof head);
+    }
+}
+
+bool cache_boot_find(uint8_t out[CACHE_BOOT_SIZE])
+{
+    char text[36]; /* 8-4-4-4-12 digits */
+    size_t digits = 0;
+    int file = open("/proc/sys/kernel/random/boot_id", O_RDONLY | O_CLOEXEC);
+    bool whole = file >= 0 && read(file, text, sizeof text) == (ssize_t)sizeof text;
+    if (file >= 0) {
+        close(file);
+    }
+    memset(out, 0, CACHE_BOOT_SIZE);
+    for (size_t i = 0; whole && i < sizeof text && digits < 2 * CACHE_BOOT_SIZE; i++) {
+        static const char hex[] = "0123456789abcdef";
+        const char *digit = memchr(hex, text[i], sizeof hex - 1);
+        if (digit) {
+            out[digits / 2] = (uint8_t)(out[digits / 2] << 4 | (digit - hex));
+            digits++;
+        }
+    }
+    return digits == 2 * CACHE_BOOT_SIZE;
+}

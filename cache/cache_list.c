@@ -1,0 +1,179 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What is in the cache's folder, and an end to it. */
+#include "base/cache_folder.h"
+#include "base/memory.h"
+#include "cache/atlas_cache.h"
+#include "cache/cache_entry.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+struct conus_cache {
+    struct buffer folder;
+    struct conus_cache_entry *entries; /* whose strings are owned, but for the kind */
+    size_t count, capacity;
+    const char *problem;
+};
+
+static const struct {
+    const char *ending, *kind;
+} kinds[] = {{ATLAS_CACHE_ENDING, "atlas"}, {".mesh", "surfaces"}};
+
+enum { KINDS = sizeof kinds / sizeof kinds[0] };
+
+void conus_cache_destroy(conus_cache *cache)
+{
+    if (!cache) {
+        return;
+    }
+    for (size_t i = 0; i < cache->count; i++) {
+        memory_free((char *)cache->entries[i].file);
+        memory_free((char *)cache->entries[i].path);
+    }
+    memory_free(cache->entries);
+    buffer_finish(&cache->folder);
+    memory_free(cache);
+}
+
+/* The path in the key of a mapped entry; "" where it has none. NULL without memory. */
+static char *copy_path(const void *memory, size_t size)
+{
+    struct cache_entry entry;
+    bool parsed = cache_entry_parse(&entry, memory, size);
+    const char *path = parsed ? atlas_cache_path_of(entry.key.data, entry.key.size) : NULL;
+    return memory_text(path ? path : "", strlen(path ? path : ""));
+}
+
+static char *path_of(int folder, const char *name)
+{
+    int file = openat(folder, name, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+    struct stat info;
+    bool readable = file >= 0 && cache_is_ours(file, S_IFREG) && fstat(file, &info) == 0 && info.st_size > 0;
+    size_t size = readable ? (size_t)info.st_size : 0;
+    void *memory = readable ? mmap(NULL, size, PROT_READ, MAP_SHARED, file, 0) : MAP_FAILED;
+    char *path = memory == MAP_FAILED ? memory_text("", 0) : copy_path(memory, size);
+    if (memory != MAP_FAILED) {
+        munmap(memory, size);
+    }
+    if (file >= 0) {
+        close(file);
+    }
+    return path;
+}
+
+static conus_status add_entry(conus_cache *cache, int folder, const struct cache_item *item, const char *kind)
+{
+    bool is_atlas = kind == kinds[0].kind;
+    char *file = memory_text(item->name, strlen(item->name));
+    char *path = is_atlas ? path_of(folder, item->name) : memory_text("", 0);
+    if (!file || !path ||
+        !memory_reserve(&cache->entries, &cache->capacity, cache->count + 1, sizeof *cache->entries)) {
+        memory_free(file);
+        memory_free(path);
+        return CONUS_ERROR_MEMORY;
+    }
+    cache->entries[cache->count++] = (struct conus_cache_entry){file, kind, path, item->size, item->used_s};
+    return CONUS_OK;
+}
+
+static conus_status list_kind(conus_cache *cache, int folder, size_t kind)
+{
+    struct cache_listing list = {0};
+    conus_status status = cache_folder_list(&list, cache->folder.data, kinds[kind].ending);
+    for (size_t i = 0; !status && i < list.count; i++) {
+        status = add_entry(cache, folder, &list.items[i], kinds[kind].kind);
+    }
+    cache_listing_finish(&list);
+    return status;
+}
+
+static conus_status list_folder(conus_cache *cache)
+{
+    bool theirs = false;
+    conus_status status = cache_folder_path(&cache->folder);
+    int folder = !status && cache->folder.size ? cache_folder_open(cache->folder.data, &theirs) : -1;
+    cache->problem = !cache->folder.size ? "neither XDG_CACHE_HOME nor HOME is an absolute path"
+                     : theirs            ? "others can write to the folder or own it, or it is a link"
+                                         : NULL;
+    for (size_t i = 0; folder >= 0 && !status && i < KINDS; i++) {
+        status = list_kind(cache, folder, i);
+    }
+    if (folder >= 0) {
+        close(folder);
+    }
+    return status;
+}
+
+conus_status conus_cache_create(conus_cache **out)
+{
+    conus_cache *cache = memory_zeroed(1, sizeof *cache);
+    conus_status status = cache ? list_folder(cache) : CONUS_ERROR_MEMORY;
+    if (status) {
+        conus_cache_destroy(cache);
+        return status;
+    }
+    *out = cache;
+    return CONUS_OK;
+}
+
+const char *conus_cache_folder(const conus_cache *cache)
+{
+    return cache->folder.size ? cache->folder.data : "";
+}
+
+const char *conus_cache_problem(const conus_cache *cache)
+{
+    return cache->problem;
+}
+
+uint64_t conus_cache_limit(void)
+{
+    return atlas_cache_limit();
+}
+
+size_t conus_cache_count(const conus_cache *cache)
+{
+    return cache ? cache->count : 0;
+}
+
+const conus_cache_entry *conus_cache_entry_at(const conus_cache *cache, size_t index)
+{
+    return cache && index < cache->count ? &cache->entries[index] : NULL;
+}
+
+static conus_status remove_entries(const conus_cache *cache, int folder)
+{
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; i < cache->count; i++) {
+        const char *name = cache->entries[i].file;
+        if (unlinkat(folder, name, 0) && errno != ENOENT) {
+            status = fail(CONUS_ERROR_IO, "%s/%s: cannot remove: %s", cache->folder.data, name, strerror(errno));
+        }
+    }
+    return status;
+}
+
+conus_status conus_cache_clear(void)
+{
+    conus_cache *cache = NULL;
+    bool theirs;
+    conus_status status = conus_cache_create(&cache);
+    if (status || !cache->folder.size || cache->problem) {
+        status = !status && cache->folder.size
+                     ? fail(CONUS_ERROR_IO, "%s: not cleared, since %s", cache->folder.data, cache->problem)
+                     : status;
+        conus_cache_destroy(cache);
+        return status;
+    }
+    int folder = cache_folder_open(cache->folder.data, &theirs);
+    if (folder >= 0) {
+        status = remove_entries(cache, folder);
+        close(folder);
+    }
+    conus_cache_destroy(cache);
+    return status;
+}

@@ -1,0 +1,13 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file A packed atlas in a file. */
+#ifndef CONUS_SELECTION_BATCH_ATLAS_PACK_H
+#define CONUS_SELECTION_BATCH_ATLAS_PACK_H
+
+#include "atlas/atlas.h"
+
+/** Writes what conus_atlas_pack() packs to an open file, from @p at on, array by array: of all that is large, only a
+ * distance map that the atlas does not have yet is in memory twice. Gaps are left as they are. CONUS_ERROR_IO,
+ * CONUS_ERROR_MEMORY. */
+conus_status atlas_pack_write(int descriptor, size_t at, const conus_atlas *atlas);
+
+#endif
