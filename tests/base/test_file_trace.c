@@ -1,0 +1,293 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What is asked of the file system is kept, and found out to be the same or not. */
+#include "base/file_trace.h"
+#include "base/memory.h"
+#include "test.h"
+
+#include <fcntl.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* A question of each kind, about test_in(). */
+static void ask_everything(struct file_trace *trace)
+{
+    struct bytes bytes = {0};
+    struct names names = {0};
+    char real[PATH_MAX];
+    file_trace_begin(trace);
+    assert_ok(file_read(&bytes, test_in("file"), 100));
+    bytes_finish(&bytes);
+    assert_true(file_exists(test_in("file")));
+    assert_false(file_exists(test_in("missing")));
+    assert_true(file_is_folder(test_in("")));
+    assert_ok(names_list(&names, test_in(""), ".txt"));
+    names_finish(&names);
+    assert_true(file_trace_real_path(real, test_in("link")));
+    assert_string_equal(file_trace_environment("CONUS_TEST_SET"), "value");
+    assert_null(file_trace_environment("CONUS_TEST_UNSET"));
+    file_trace_end(trace);
+}
+
+static void write_text(const char *path, const char *text)
+{
+    assert_ok(file_write_soon(path, text, strlen(text)));
+}
+
+static void make_folder(const char *name)
+{
+    test_folder(name);
+    write_text(test_in("file"), "content");
+    write_text(test_in("a.txt"), "a");
+    unlink(test_in("link"));
+    assert_int_equal(symlink("file", test_in("link")), 0);
+    setenv("CONUS_TEST_SET", "value", 1);
+    unsetenv("CONUS_TEST_UNSET");
+}
+
+static void every_question_is_kept_once(void **state)
+{
+    (void)state;
+    struct file_trace trace;
+    make_folder("once");
+    ask_everything(&trace);
+    assert_false(trace.broken);
+    assert_int_equal(trace.count, 7); /* the file was asked for twice */
+    assert_true(file_trace_holds(&trace));
+    assert_non_null(file_trace_find(&trace, test_in("file")));
+    assert_null(file_trace_find(&trace, test_in("missing")));
+    assert_null(file_trace_find(&trace, test_in("a.txt"))); /* nobody asked for it */
+    file_trace_finish(&trace);
+}
+
+static void change_content(void)
+{
+    struct stat info;
+    assert_int_equal(stat(test_in("file"), &info), 0);
+    write_text(test_in("file"), "CONTENT");
+    const struct timespec times[2] = {info.st_atim, info.st_mtim};
+    assert_int_equal(utimensat(AT_FDCWD, test_in("file"), times, 0), 0);
+}
+
+static void change_mode(void)
+{
+    assert_int_equal(chmod(test_in("file"), 0600), 0);
+}
+
+static void remove_file(void)
+{
+    assert_int_equal(unlink(test_in("file")), 0);
+}
+
+static void make_missing(void)
+{
+    write_text(test_in("missing"), "x");
+}
+
+static void make_missing_a_folder(void)
+{
+    assert_int_equal(mkdir(test_in("missing"), 0700), 0);
+}
+
+static void add_name(void)
+{
+    write_text(test_in("b.txt"), "b");
+}
+
+static void remove_name(void)
+{
+    assert_int_equal(unlink(test_in("a.txt")), 0);
+}
+
+static void turn_link(void)
+{
+    assert_int_equal(unlink(test_in("link")), 0);
+    assert_int_equal(symlink("a.txt", test_in("link")), 0);
+}
+
+static void change_variable(void)
+{
+    setenv("CONUS_TEST_SET", "other", 1);
+}
+
+static void set_variable(void)
+{
+    setenv("CONUS_TEST_UNSET", "", 1);
+}
+
+static void exchange_folder(void)
+{
+    char other[600];
+    snprintf(other, sizeof other, "%s-other", test_in(""));
+    assert_int_equal(rename(test_in(""), other), 0);
+    assert_int_equal(mkdir(test_in(""), 0700), 0);
+    static const char *const names[] = {"file", "a.txt", "link"};
+    for (size_t i = 0; i < 3; i++) { /* the very same files */
+        char from[700];
+        snprintf(from, sizeof from, "%s/%s", other, names[i]);
+        assert_int_equal(rename(from, test_in(names[i])), 0);
+    }
+}
+
+static void every_change_is_found(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *name;
+        void (*change)(void);
+    } changes[] = {{"content", change_content},       {"mode", change_mode},
+                   {"removed", remove_file},          {"appears", make_missing},
+                   {"folder", make_missing_a_folder}, {"name", add_name},
+                   {"no-name", remove_name},          {"link", turn_link},
+                   {"variable", change_variable},     {"set", set_variable},
+                   {"exchanged", exchange_folder}};
+    for (size_t i = 0; i < sizeof changes / sizeof changes[0]; i++) {
+        struct file_trace trace;
+        make_folder(changes[i].name);
+        ask_everything(&trace);
+        assert_true(file_trace_holds(&trace));
+        changes[i].change();
+        if (file_trace_holds(&trace)) {
+            fail_msg("%s: is not found", changes[i].name);
+        }
+        file_trace_finish(&trace);
+    }
+}
+
+/* Names that nobody asked for, and other changes of the folder. */
+static void what_nobody_asked_for_does_not_count(void **state)
+{
+    (void)state;
+    struct file_trace trace;
+    make_folder("others");
+    ask_everything(&trace);
+    write_text(test_in("c.tsv"), "c");
+    write_text(test_in("a.txt"), "another content");
+    assert_true(file_trace_holds(&trace));
+    file_trace_finish(&trace);
+}
+
+static void two_answers_break_a_trace(void **state)
+{
+    (void)state;
+    struct file_trace trace;
+    make_folder("broken");
+    file_trace_begin(&trace);
+    assert_false(file_exists(test_in("missing")));
+    make_missing();
+    assert_true(file_exists(test_in("missing")));
+    file_trace_end(&trace);
+    assert_true(trace.broken);
+    assert_false(file_trace_is_settled(&trace));
+    assert_false(file_trace_holds(&trace));
+    file_trace_finish(&trace);
+}
+
+/* The clock of the test's files is this machine's on the file systems of the list, where 2 s of rest are enough. */
+static void only_files_at_rest_are_settled(void **state)
+{
+    (void)state;
+    struct file_trace trace;
+    make_folder("rest");
+    ask_everything(&trace);
+    assert_false(file_trace_is_settled(&trace));
+    trace.begun.tv_sec += TRACE_REST_ELSEWHERE_SECONDS + 2;
+    assert_true(file_trace_is_settled(&trace));
+    trace.begun.tv_sec -= 2 * TRACE_REST_ELSEWHERE_SECONDS; /* files from the future */
+    assert_false(file_trace_is_settled(&trace));
+    file_trace_finish(&trace);
+    file_trace_begin(&trace); /* a time set back does not help */
+    const struct timespec times[2] = {{.tv_sec = 1000}, {.tv_sec = 1000}};
+    assert_int_equal(utimensat(AT_FDCWD, test_in("file"), times, 0), 0);
+    assert_true(file_exists(test_in("file")));
+    file_trace_end(&trace);
+    assert_false(file_trace_is_settled(&trace));
+    file_trace_finish(&trace);
+}
+
+static void devices_are_never_the_same(void **state)
+{
+    (void)state;
+    struct file_trace trace;
+    file_trace_begin(&trace);
+    assert_false(file_exists("/dev/null"));
+    file_trace_end(&trace);
+    assert_false(file_trace_is_settled(&trace));
+    assert_false(file_trace_holds(&trace));
+    file_trace_finish(&trace);
+}
+
+static void bytes_give_the_same_trace(void **state)
+{
+    (void)state;
+    struct file_trace trace;
+    struct file_trace parsed;
+    struct buffer bytes = {0};
+    struct buffer again = {0};
+    size_t whole = 0;
+    make_folder("bytes");
+    ask_everything(&trace);
+    file_trace_write(&bytes, &trace);
+    for (size_t size = 0; size < bytes.size; size++) { /* between two items there is a shorter trace */
+        uint8_t *prefix = memory_copy(bytes.data, size, 1);
+        if (file_trace_parse(&parsed, prefix, size)) {
+            whole++;
+            assert_true(parsed.count < trace.count);
+            file_trace_finish(&parsed);
+        }
+        memory_free(prefix);
+    }
+    assert_int_equal(whole, trace.count);
+    assert_true(file_trace_parse(&parsed, (const uint8_t *)bytes.data, bytes.size));
+    file_trace_write(&again, &parsed);
+    assert_int_equal(again.size, bytes.size);
+    assert_memory_equal(again.data, bytes.data, bytes.size);
+    assert_true(file_trace_holds(&parsed));
+    file_trace_finish(&parsed);
+    file_trace_finish(&trace);
+    buffer_finish(&bytes);
+    buffer_finish(&again);
+}
+
+static conus_status attempt(void *data)
+{
+    struct file_trace trace;
+    struct file_trace parsed = {0};
+    struct buffer bytes = {0};
+    (void)data;
+    file_trace_begin(&trace);
+    (void)file_exists("missing");
+    (void)file_trace_environment("CONUS_TEST_SET");
+    file_trace_end(&trace);
+    bool broken = trace.broken;
+    file_trace_write(&bytes, &trace);
+    broken = broken || bytes.failed || !file_trace_parse(&parsed, (const uint8_t *)bytes.data, bytes.size);
+    file_trace_finish(&trace);
+    file_trace_finish(&parsed);
+    buffer_finish(&bytes);
+    return broken ? CONUS_ERROR_MEMORY : CONUS_OK;
+}
+
+static void every_failing_allocation(void **state)
+{
+    (void)state;
+    test_every_allocation(attempt, NULL);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_question_is_kept_once),
+        cmocka_unit_test(every_change_is_found),
+        cmocka_unit_test(what_nobody_asked_for_does_not_count),
+        cmocka_unit_test(two_answers_break_a_trace),
+        cmocka_unit_test(only_files_at_rest_are_settled),
+        cmocka_unit_test(devices_are_never_the_same),
+        cmocka_unit_test(bytes_give_the_same_trace),
+        cmocka_unit_test(every_failing_allocation),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
