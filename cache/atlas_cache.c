@@ -148,13 +148,12 @@ static size_t parse_note(conus_note *out, const uint8_t *data, size_t size)
     return sizeof head + head.path_size + head.text_size;
 }
 
-/* Whether all bytes are notes; `log`, unless NULL, hears them. */
-static bool pass_notes(const struct cache_part *notes, conus_log log, void *user)
+bool atlas_cache_tell(const uint8_t *notes, size_t size, conus_log log, void *user)
 {
     conus_note note;
     size_t used = 1;
-    for (size_t at = 0; at < notes->size && used; at += used) {
-        used = parse_note(&note, notes->data + at, notes->size - at);
+    for (size_t at = 0; at < size && used; at += used) {
+        used = parse_note(&note, notes + at, size - at);
         if (used && log) {
             log(user, &note);
         }
@@ -284,7 +283,8 @@ static bool verify(const struct cache_entry *entry, uint64_t small, int descript
 static bool may_be_believed(const struct cache_entry *entry, const struct atlas_cache *cache, int descriptor)
 {
     return entry->key.size == cache->key.size && memcmp(entry->key.data, cache->key.data, entry->key.size) == 0 &&
-           pass_notes(&entry->notes, NULL, NULL) && sources_hold(entry) && verify(entry, cache->small, descriptor);
+           atlas_cache_tell(entry->notes.data, entry->notes.size, NULL, NULL) && sources_hold(entry) &&
+           verify(entry, cache->small, descriptor);
 }
 
 /* The atlas of the open entry; the mapping is the atlas's, or gone. */
@@ -298,7 +298,7 @@ static conus_atlas *attach(const struct atlas_cache *cache, int descriptor)
     if (believed && !conus_atlas_attach(&atlas, entry.packed.data, entry.packed.size)) {
         atlas->mapped = mapping.memory;
         atlas->mapped_size = mapping.size;
-        pass_notes(&entry.notes, cache->given->log, cache->given->log_user);
+        atlas_cache_tell(entry.notes.data, entry.notes.size, cache->given->log, cache->given->log_user);
         return atlas;
     }
     if (mapping.memory) {

@@ -46,6 +46,9 @@ void atlas_cache_watched(struct atlas_cache *cache);
 /** Keeps the atlas that was loaded between the two, and maps it in the place of the loaded one. */
 void atlas_cache_keep(struct atlas_cache *cache, conus_atlas **atlas);
 
+/** Whether all @p size bytes are the notes of an entry; @p log, unless NULL, hears those ahead of what is none. */
+bool atlas_cache_tell(const uint8_t *notes, size_t size, conus_log log, void *user);
+
 /** What an entry's key calls the path that was loaded; NULL where it is no key. */
 const char *atlas_cache_path_of(const uint8_t *key, size_t size);
 
