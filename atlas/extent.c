@@ -5,6 +5,8 @@
 #include "atlas/space.h"
 #include "base/math3.h"
 
+#include <string.h>
+
 /* ---- Where everything is ------------------------------------------------------------------------------------- */
 
 struct box {
@@ -61,7 +63,7 @@ static bool find_ends(size_t *first, size_t *last, const struct volume *volume, 
 
 /* Around the centres of all voxels with an object, which `m` takes from their indices: along a row a coordinate is
  * extreme at one of the ends. */
-static struct box centres_of(const struct volume *volume, const double m[16])
+static struct box find_centres(const struct volume *volume, const double m[16])
 {
     const size_t *dim = volume->info.dim;
     struct box box = empty_box;
@@ -80,6 +82,26 @@ static struct box centres_of(const struct volume *volume, const double m[16])
         }
     }
     return box;
+}
+
+/* The same, from where it is known. */
+static struct box centres_of(const struct volume *volume, const double m[16])
+{
+    struct box box;
+    if (!volume->distances || memcmp(m, volume->centres.m, sizeof volume->centres.m) != 0) {
+        return find_centres(volume, m);
+    }
+    memcpy(box.low, volume->centres.low, sizeof box.low);
+    memcpy(box.high, volume->centres.high, sizeof box.high);
+    return box;
+}
+
+void volume_measure_centres(struct volume *volume)
+{
+    struct box box = centres_of(volume, volume->info.world_from_voxel);
+    memcpy(volume->centres.m, volume->info.world_from_voxel, sizeof volume->centres.m);
+    memcpy(volume->centres.low, box.low, sizeof box.low);
+    memcpy(volume->centres.high, box.high, sizeof box.high);
 }
 
 /* Its cells: each reaches half a voxel along every index from its centre. */

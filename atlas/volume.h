@@ -26,6 +26,12 @@ struct volume_source {
     bool is_borrowed;
 };
 
+/** A box around the centres of all voxels with an object, which `m` takes from their indices. */
+struct volume_box {
+    double m[16];
+    double low[3], high[3]; /**< low above high where no voxel has one. */
+};
+
 struct volume {
     conus_volume_info info;
     char *path; /**< Owned; info.path points to it.                                           */
@@ -40,6 +46,8 @@ struct volume {
     bool is_joined;               /**< Its labels come from several files, of which info.path is the first.     */
     bool is_borrowed;             /**< The arrays are not the volume's own, and not to be written.               */
     struct volume_source *source; /**< Owned; NULL = it was never resampled. An attached atlas has none. */
+    struct volume_box centres;    /**< Of borrowed objects, where they have distances; info.world_from_voxel may have
+                                       changed since. */
     const void *distances; /**< The distance map of borrowed objects (selection/engine/voxels/distance_map.h), in their
                                 memory; NULL = none. */
 };
@@ -63,6 +71,9 @@ static inline bool volume_can_be_hit(const struct volume *volume)
 {
     return (volume->objects16 || volume->objects32) && !volume->is_hidden;
 }
+
+/** Fills in volume->centres, for its world_from_voxel; it has objects. */
+void volume_measure_centres(struct volume *volume);
 
 /** Linear index of the voxel whose cell holds the world position @p point (Eq. 5); false outside the grid. */
 bool volume_find_voxel(size_t *voxel, const struct volume *volume, const double point[3]);

@@ -8,6 +8,7 @@
 #include <dirent.h>
 #include <fcntl.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -17,6 +18,7 @@ enum { PATH_SIZE = 512, QUERIES = 5 };
 struct job {
     const char *path, *folder; /* folder: all of whose files belong to it; NULL = it is one file */
     const char *program;       /* of conus, for a whole process */
+    const char *cache;         /* $CONUS_CACHE of that process  */
     conus_atlas *atlas;        /* loaded, for a selector        */
     conus_engine engine;
     conus_status status;
@@ -86,7 +88,13 @@ static void run_query(void *data)
                          "--angle",
                          "10",
                          NULL};
+    setenv("CONUS_CACHE", job->cache, 1);
     keep_first_error(job, program_run(arguments));
+}
+
+static void clear_cache(void *data)
+{
+    keep_first_error(data, conus_cache_clear());
 }
 
 /* ---- The scenario ------------------------------------------------------------------------------------------------ */
@@ -151,14 +159,23 @@ static conus_status measure_query(struct bench *bench, struct job *labels)
         return bench_leave_out(bench, "conus query");
     }
     labels->program = program;
+    labels->cache = "off";
+    struct job kept = *labels;
+    kept.cache = "1T";
+    setenv("XDG_CACHE_HOME", bench->folder, 1);
     struct bench_variant variants[] = {
         {.name = "conus query, whole process", .run = run_query, .data = labels},
-        {.name = "conus query, atlas from the disk", .run = run_query, .data = labels, .prepare = forget}};
-    try_all(variants, 2);
+        {.name = "conus query, atlas from the disk", .run = run_query, .data = labels, .prepare = forget},
+        {.name = "conus query that keeps the atlas", .run = run_query, .data = &kept, .prepare = clear_cache},
+        {.name = "conus query of a kept atlas", .run = run_query, .data = &kept}};
+    try_all(variants, 4);
     double cpu_s = cpu_of_queries(labels);
-    conus_status status = bench_measure(bench, "startup", variants, 2, 1, 10);
+    conus_status status = bench_measure(bench, "startup", variants, 4, 1, 10);
+    double kept_cpu_s = cpu_of_queries(&kept);
     status = status ? status : bench_value(bench, "query_process_cpu_s", cpu_s, variants[0].equal);
-    return status ? status : bench_value(bench, "query_process_s", variants[0].median_ms / 1e3, variants[0].equal);
+    status = status ? status : bench_value(bench, "query_process_s", variants[0].median_ms / 1e3, variants[0].equal);
+    status = status ? status : bench_value(bench, "open_cached_cpu_ms", kept_cpu_s * 1e3, variants[3].equal);
+    return status ? status : bench_value(bench, "open_cached_ms", variants[3].median_ms, variants[3].equal);
 }
 
 conus_status bench_startup(struct bench *bench)

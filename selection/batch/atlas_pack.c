@@ -235,6 +235,9 @@ static struct volume bare_volume(const struct volume *volume)
 static void pass_volume(struct walk *walk, struct volume *volume)
 {
     struct volume source = *volume;
+    if ((walk->mode == PACK || walk->mode == WRITE) && volume_can_be_hit(&source)) {
+        volume_measure_centres(&source);
+    }
     struct volume plain = bare_volume(&source);
     pass(walk, &plain, sizeof plain);
     if (!walk->status && walk->mode == ATTACH && !fits_block(&plain, walk)) {

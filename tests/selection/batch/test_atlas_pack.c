@@ -38,6 +38,17 @@ static bool lies_in(const void *array, const struct block *block)
     return p >= block->memory && p < block->memory + block->size;
 }
 
+static void assert_same_bounds(const conus_atlas *a, const conus_atlas *b)
+{
+    double low[2][3];
+    double high[2][3];
+    assert_ok(conus_atlas_bounds(low[0], high[0], a));
+    assert_ok(conus_atlas_bounds(low[1], high[1], b));
+    for (int i = 0; i < 3; i++) {
+        assert_true(low[0][i] == low[1][i] && high[0][i] == high[1][i]);
+    }
+}
+
 /* A parcellation, pathways and surfaces, notes and files. */
 static conus_atlas *mixed_atlas(uint64_t *random, int pathways)
 {
@@ -239,6 +250,33 @@ static void changes_are_made_to_copies(void **state)
     }
 }
 
+/* The packed atlas knows its box; what has it moved, or hides a part, makes another. */
+static void the_box_is_that_of_the_voxels(void **state)
+{
+    (void)state;
+    uint64_t random = 11;
+    static const double turned[16] = {0.6, 0.8, 0, 0, -0.8, 0.6, 0, 0, 0, 0, 1, 0, 7, -3, 2, 1};
+    conus_atlas *atlas = scene_atlas(&random, 24, 1);
+    struct block block = pack(atlas);
+    conus_atlas *attached = NULL;
+    assert_ok(conus_atlas_attach(&attached, block.memory, block.size));
+    assert_same_bounds(atlas, attached);
+    assert_ok(conus_atlas_move(atlas, turned));
+    assert_ok(conus_atlas_move(attached, turned));
+    assert_same_bounds(atlas, attached);
+    bool *hidden = memory_zeroed(conus_atlas_object_count(atlas) + 1, sizeof *hidden);
+    for (size_t number = 2; number <= conus_atlas_object_count(atlas); number++) {
+        hidden[number] = true;
+    }
+    assert_ok(conus_atlas_set_hidden(atlas, hidden));
+    assert_ok(conus_atlas_set_hidden(attached, hidden));
+    assert_same_bounds(atlas, attached);
+    memory_free(hidden);
+    conus_atlas_destroy(attached);
+    drop(block);
+    conus_atlas_destroy(atlas);
+}
+
 static void an_attached_atlas_can_grow(void **state)
 {
     (void)state;
@@ -369,6 +407,7 @@ int main(void)
         cmocka_unit_test(an_attached_atlas_answers_as_the_packed_one),
         cmocka_unit_test(packing_it_again_gives_the_same),
         cmocka_unit_test(changes_are_made_to_copies),
+        cmocka_unit_test(the_box_is_that_of_the_voxels),
         cmocka_unit_test(an_attached_atlas_can_grow),
         cmocka_unit_test(what_is_no_packed_atlas_is_refused),
         cmocka_unit_test(a_damaged_head_is_refused),
