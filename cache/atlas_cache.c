@@ -342,10 +342,10 @@ static bool was_watched(const struct file_trace *trace, const char *path)
 }
 
 /* Whether the trace has all files that the atlas says it was read from: a reader that asks behind the trace's back is
- * found out. Volumes that were resampled have something that packing leaves out. */
+ * found out. Volumes that were resampled, and surfaces around the areas, have something that packing leaves out. */
 static bool may_be_kept(const conus_atlas *atlas, const struct file_trace *trace)
 {
-    bool may = file_trace_is_settled(trace) && trace->count;
+    bool may = file_trace_is_settled(trace) && trace->count && !atlas->context_surface_count;
     for (size_t i = 0; i < atlas->files.count && may; i++) {
         may = was_watched(trace, atlas->files.items[i].path);
     }

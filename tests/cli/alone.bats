@@ -111,9 +111,9 @@ seen() {
     # the axial cut is the second pane
     xdotool mousemove --window "$window" 550 200
     pass
-    xdotool key --window "$window" m
+    xdotool key --window "$window" w
     look '.enlarged == 0'
-    xdotool key --window "$window" m
+    xdotool key --window "$window" w
     look '.enlarged == -1'
     leave
 }
