@@ -6,6 +6,7 @@
 #include "viewer/hands/hands.h"
 #include "viewer/keys_look.h"
 #include "viewer/keys_view.h"
+#include "viewer/keys_wand.h"
 #include "viewer/pointing/point.h"
 #include "viewer/question/question.h"
 #include "viewer/question/studies.h"
@@ -369,36 +370,6 @@ static void enlarge(struct window *window)
     window_lay_out(window);
 }
 
-/* ---- The wand: by 1 mm, or 2 degrees ------------------------------------------------------------------------------
- */
-
-struct wand_key {
-    const char *key;
-    int axis; /* from 3 on: a turn about axis - 3 */
-    double by;
-};
-
-static const struct wand_key wand_keys[] = {
-    {"w", 2, -1}, {"s", 2, 1},      {"a", 0, -1},        {"d", 0, 1},        {"e", 1, 1},
-    {"q", 1, -1}, {"up", 3, 0.035}, {"down", 3, -0.035}, {"left", 4, 0.035}, {"right", 4, -0.035},
-};
-enum { WAND_KEYS = sizeof wand_keys / sizeof wand_keys[0] };
-
-static bool use_wand(struct window *window, const char *key)
-{
-    struct tool tool = hands_moved_by(window, POINT_BY_WAND);
-    for (size_t i = 0; tool.viewer && i < WAND_KEYS; i++) {
-        const struct wand_key *wand = &wand_keys[i];
-        if (strcasecmp(wand->key, key) == 0) {
-            double by[6] = {0}; /* moves along its axes, turns about them */
-            by[wand->axis] = wand->by;
-            tool_steer(&tool, by, by + 3);
-            return true;
-        }
-    }
-    return false;
-}
-
 /* ---- The table --------------------------------------------------------------------------------------------------- */
 
 static const struct {
@@ -425,12 +396,12 @@ static const struct {
     {"5", narrow_second, "a narrower one"},
     {"8", speed_up, "a SpaceMouse or gamepad moves faster"},
     {"7", slow_down, "slower"},
-    {"d", go_deeper, "areas as parts of larger ones: the next level of the tree, after the last one each by itself"},
+    {"f7", go_deeper, "areas as parts of larger ones: the next level of the tree, after the last one each by itself"},
     {"y", change_order, "the list by rank, or the nearest first"},
-    {"a", shorten_range, "depth limits: the farther one 1 mm nearer; at first 0 to 50 mm"},
-    {"s", lengthen_range, "the farther one 1 mm deeper"},
-    {"q", start_nearer, "the nearer one 1 mm nearer"},
-    {"e", start_deeper, "the nearer one 1 mm deeper"},
+    {"f4", shorten_range, "depth limits: the farther one 1 mm nearer; at first 0 to 50 mm"},
+    {"f5", lengthen_range, "the farther one 1 mm deeper"},
+    {"f2", start_nearer, "the nearer one 1 mm nearer"},
+    {"f3", start_deeper, "the nearer one 1 mm deeper"},
     {"j", study_next, "a study of the cone: sweep over its angle, jitter of its pose, or none"},
     {"ctrl+j", keep_study, "save the study's table: conus-DATE-TIME.tsv, in the folder where conus was started"},
     {"h", hide_chosen, "hide or show the chosen area"},
@@ -468,7 +439,7 @@ static const struct {
     {"f6", go_to_panel,
      "keys go to the areas, the hits, back: arrows and Tab move, Space presses or enters, Escape leaves"},
     {"tab", enlarge, "one pane after the other fills the window"},
-    {"w", window_maximise, "the pane under the mouse alone, or all again; also a double click in a cut"},
+    {"z", window_maximise, "the pane under the mouse alone, or all again; also a double click in a cut"},
     {")", widen_first, "a larger 3-D pane; borders can be dragged, too"},
     {"(", narrow_first, "a smaller 3-D pane"},
     {">", widen_panels, "wider panels"},
@@ -542,6 +513,12 @@ static bool press_at_start(struct window *window, const char *key)
     return true;
 }
 
+const char *keys_name(const char **meaning, size_t index)
+{
+    *meaning = index < KEYS ? keys[index].meaning : NULL;
+    return index < KEYS ? keys[index].key : NULL;
+}
+
 bool keys_press(struct window *window, const char *key)
 {
     if (window->dialog.on) {
@@ -559,72 +536,5 @@ bool keys_press(struct window *window, const char *key)
             return true;
         }
     }
-    return use_wand(window, key) || keys_view_press(window, key);
-}
-
-/* As on the keyboard: Ctrl+O. */
-static void write_key(char out[KEY_LIMIT], const char *key)
-{
-    bool first = true;
-    size_t used = 0;
-    for (; key[used] && used + 1 < KEY_LIMIT; used++) {
-        bool is_small = key[used] >= 'a' && key[used] <= 'z';
-        out[used] = (char)(key[used] + (first && is_small ? 'A' - 'a' : 0));
-        first = key[used] == '+';
-    }
-    out[used] = '\0';
-}
-
-static void show_key(const char *key, const char *meaning, float at)
-{
-    char text[KEY_LIMIT];
-    write_key(text, key);
-    ui_text_coloured(theme_texts[THEME_AMBER], "%s", text);
-    ui_same_line_at(at);
-    ui_text_wrapped(meaning);
-}
-
-/* In two columns where there is room. */
-static void show_keys(float at)
-{
-    for (size_t i = 0; i < KEYS; i++) {
-        if (keys[i].meaning) {
-            show_key(keys[i].key, keys[i].meaning, at);
-        }
-        if (i + 1 == (KEYS + 1) / 2) {
-            ui_next_column();
-        }
-    }
-    const char *meaning;
-    const char *name;
-    for (size_t i = 0; (name = keys_view_name(&meaning, i)); i++) {
-        show_key(name, meaning, at);
-    }
-    show_key("W S A D", "the wand: forward, back, left, right", at);
-    show_key("E Q", "the wand: up, down", at);
-}
-
-void keys_draw_help(struct window *window)
-{
-    bool is_wide = (float)window->width >= 1240 * window->scale;
-    float width = fminf((is_wide ? 1240 : 640) * window->scale, (float)window->width);
-    float height = fminf((is_wide ? 680 : 780) * window->scale, (float)window->height);
-    ui_panel("Keys and mouse (?, F1 or Escape closes this)",
-             (struct ui_box){((float)window->width - width) / 2, ((float)window->height - height) / 2, width, height},
-             UI_IN_FRONT);
-    ui_columns(is_wide ? 2 : 1);
-    show_keys(120 * window->scale);
-    ui_columns(1);
-    ui_separator();
-    ui_text_wrapped(
-        "3-D: left button turns, right button moves, wheel comes nearer; the cone follows the mouse, a click holds it "
-        "and sets the crosshair, another one lets it go, a double click confirms.\n"
-        "Flat panes: left button sets the crosshair, wheel goes through the cuts, Ctrl and wheel magnify; middle "
-        "button, or Ctrl and left, drags the context's brightness (up) and contrast (right), a double click resets; "
-        "with the wand, right button puts the device there, with Shift it points there.\n"
-        "SpaceMouse: the cap moves and turns the tool along its own axes; first button holds, second resets, third "
-        "confirms.\n"
-        "Gamepad: left stick moves forward, back and aside, right stick turns, shoulder buttons move down and up, "
-        "triggers narrow and widen the cone; A holds, B resets, X confirms.");
-    ui_panel_end();
+    return keys_wand_press(window, key) || keys_view_press(window, key);
 }

@@ -8,6 +8,9 @@
 /** What a key does, for window->press. */
 bool keys_press(struct window *window, const char *key);
 
+/** A key and what it does, NULL where it is not listed; NULL = no more keys. */
+const char *keys_name(const char **meaning, size_t index);
+
 /** Draws the list of keys over the window. */
 void keys_draw_help(struct window *window);
 

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* How the window asks, and studies, without a window. */
+#include "viewer/keys.h"
+#include "viewer/keys_wand.h"
 #include "viewer/question/question.h"
 #include "viewer/question/studies.h"
 #include "viewer/session/session.h"
@@ -308,6 +310,28 @@ static void a_session_has_the_study(void **state)
     viewer_finish(&viewer);
 }
 
+/* One key, one thing: the table, then those of the wand and of the views, of which arrows do either. */
+static void no_key_does_two_things(void **state)
+{
+    const char *names[128];
+    const char *meaning;
+    const char *name;
+    size_t count = 0;
+    (void)state;
+    for (size_t i = 0; (name = keys_name(&meaning, i)); i++) {
+        names[count++] = name;
+    }
+    for (size_t i = 0; (name = keys_wand_name(i)); i++) {
+        names[count++] = name;
+    }
+    assert_in_range(count, 60, sizeof names / sizeof names[0]);
+    for (size_t i = 0; i < count; i++) {
+        for (size_t j = 0; j < i; j++) {
+            assert_string_not_equal(names[i], names[j]);
+        }
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -319,6 +343,7 @@ int main(void)
         cmocka_unit_test(the_atlas_does_not_wait_for_a_long_study),
         cmocka_unit_test(studies_have_limits),
         cmocka_unit_test(a_session_has_the_study),
+        cmocka_unit_test(no_key_does_two_things),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -111,9 +111,9 @@ seen() {
     # the axial cut is the second pane
     xdotool mousemove --window "$window" 550 200
     pass
-    xdotool key --window "$window" w
+    xdotool key --window "$window" z
     look '.enlarged == 0'
-    xdotool key --window "$window" w
+    xdotool key --window "$window" z
     look '.enlarged == -1'
     leave
 }
@@ -136,7 +136,7 @@ seen() {
     # a figure of what is seen would be saved here
     tries_until 'is_there slabs-session.json' save_as
     wait_until "$child" titled 'conus - slabs.nii.gz [slabs-session.json] - Slab posterior (held)'
-    xdotool key --window "$window" ctrl+q
+    xdotool key --window "$window" ctrl+q || : # the window may be gone before the key is let go
     wait "$child"
     mv slabs-session.json before.json
     jq -e '.hidden == [1] and .frozen == 1 and .has_pose == 1' before.json
@@ -155,7 +155,7 @@ seen() {
     rm slabs-session.json
     xdotool key --window "$window" ctrl+s
     wait_until "$child" is_there slabs-session.json
-    xdotool key --window "$window" ctrl+q
+    xdotool key --window "$window" ctrl+q || : # the window may be gone before the key is let go
     wait "$child"
     diff before.json slabs-session.json
 }

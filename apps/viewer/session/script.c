@@ -6,13 +6,14 @@
 #include "viewer/hands/hands.h"
 #include "viewer/pointing/point.h"
 #include "viewer/question/ask.h"
-#include "viewer/question/studies.h"
 #include "viewer/results/columns.h"
 #include "viewer/results/export.h"
-#include "viewer/session/script_second.h"
 #include "viewer/search/search.h"
 #include "viewer/session/script_figure.h"
+#include "viewer/session/script_head.h"
 #include "viewer/session/script_look.h"
+#include "viewer/session/script_second.h"
+#include "viewer/session/script_study.h"
 #include "viewer/session/script_words.h"
 #include "viewer/session/session.h"
 #include "viewer/window/screen.h"
@@ -162,43 +163,14 @@ static bool do_type(struct call *call)
     return fine;
 }
 
-/* Where the screen stands: its middle, a point behind it in the line of sight, its size. */
 static bool do_screen(struct call *call)
 {
-    double given[8];
-    double away[3];
-    struct head *head = &call->window->viewer->head;
-    conus_pose screen;
-    if (!numbers(given, call, 0, 8) || !(given[6] > 0) || !(given[7] > 0)) {
-        return false;
-    }
-    for (int a = 0; a < 3; a++) {
-        away[a] = given[3 + a] - given[a];
-    }
-    bool fine = is_done(conus_pose_along(&screen, given, away, NULL));
-    if (fine) {
-        *head = (struct head){
-            .named = head->named, .screen = screen, .size = {given[6], given[7]}, .number = head->number + 1};
-    }
-    return fine;
+    return script_screen(call->window->viewer, call->words + 1);
 }
 
-/* The eye is there now, or the tracker has lost it. */
 static bool do_head(struct call *call)
 {
-    double eye[3];
-    struct head *head = &call->window->viewer->head;
-    if (call->count == 1 && strcmp(call->words[1], "lost") == 0) {
-        head_set_state(head, STATION_LOST);
-        return true;
-    }
-    bool fine = head->size[0] > 0 && numbers(eye, call, 0, 3);
-    if (fine) {
-        head->on = true;
-        head_set_state(head, STATION_SEEN);
-        head_move(head, eye, &head->screen);
-    }
-    return fine;
+    return script_head(call->window->viewer, call->words + 1, call->count);
 }
 
 static bool do_angle(struct call *call)
@@ -217,46 +189,19 @@ static bool do_ask(struct call *call)
     return ask_words(call->window->viewer, call->words, 1 + (int)call->count);
 }
 
-static bool use_study(struct viewer *viewer, const struct study_settings *settings)
-{
-    bool fine = studies_use(viewer, settings);
-    if (!fine) {
-        print_error_line("%s", viewer->message);
-    }
-    return fine;
-}
-
-static bool ends_study(const struct call *call)
-{
-    return call->count == 1 && strcmp(call->words[1], "off") == 0;
-}
-
 static bool do_sweep(struct call *call)
 {
-    struct study_settings study = call->window->viewer->study.settings;
-    study.kind = ends_study(call) ? STUDY_NONE : STUDY_SWEEP;
-    return (!study.kind || numbers(study.angles, call, 0, 3)) && use_study(call->window->viewer, &study);
+    return script_sweep(call->window->viewer, call->words + 1, call->count);
 }
 
 static bool do_jitter(struct call *call)
 {
-    struct study_settings study = call->window->viewer->study.settings;
-    study.kind = ends_study(call) ? STUDY_NONE : STUDY_JITTER;
-    bool fine = !study.kind || (numbers(&study.tilt_deg, call, 0, 1) && numbers(&study.shift_mm, call, 1, 1) &&
-                                (call->count == 2 || numbers(&study.samples, call, 2, 1)));
-    return fine && use_study(call->window->viewer, &study);
+    return script_jitter(call->window->viewer, call->words + 1, call->count);
 }
 
-/* As conus sweep would write it. */
 static bool do_study(struct call *call)
 {
-    struct viewer *viewer = call->window->viewer;
-    const char *text = studies_text(viewer);
-    if (!text) {
-        print_error_line("%s", viewer->message);
-        return false;
-    }
-    return is_done(conus_write_file(call->words[1], text, strlen(text)));
+    return script_study(call->window->viewer, call->words[1]);
 }
 
 static bool do_search(struct call *call)
@@ -275,26 +220,12 @@ static bool do_choose(struct call *call)
 
 static bool do_threshold(struct call *call)
 {
-    struct viewer *viewer = call->window->viewer;
-    uint32_t object = search_best(viewer->drawn->atlas, call->words[1]);
-    const conus_volume_info *info = view_atlas_pathway(viewer->drawn, object);
-    double threshold;
-    bool fine = info && numbers(&threshold, call, 1, 1) && threshold >= info->minimum && threshold <= info->maximum;
-    if (fine) {
-        viewer_set_threshold(viewer, object, threshold);
-    }
-    return fine;
+    return script_threshold(call->window, call->words + 1, call->count);
 }
 
 static bool do_fade(struct call *call)
 {
-    double fade;
-    bool fine = numbers(&fade, call, 0, 1) && fade >= 0 && fade <= 1;
-    if (fine) {
-        call->window->viewer->display.fade = fade;
-        call->window->viewer->version++;
-    }
-    return fine;
+    return script_fade(call->window, call->words + 1, call->count);
 }
 
 static bool do_grey(struct call *call)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Grey values, opacities, haze, colours of the context and the background, by words. */
+/* Thresholds, grey values, opacities, haze, colours of the context and the background, by words. */
 #include "viewer/session/script_look.h"
 
 #include "viewer/search/search.h"
@@ -7,6 +7,31 @@
 
 #include <math.h>
 #include <string.h>
+
+bool script_threshold(struct window *window, char *const *arguments, size_t count)
+{
+    struct viewer *viewer = window->viewer;
+    uint32_t object = search_best(viewer->drawn->atlas, arguments[0]);
+    const conus_volume_info *info = view_atlas_pathway(viewer->drawn, object);
+    double threshold;
+    bool fine = info && count == 2 && script_number(&threshold, arguments[1]) && threshold >= info->minimum &&
+                threshold <= info->maximum;
+    if (fine) {
+        viewer_set_threshold(viewer, object, threshold);
+    }
+    return fine;
+}
+
+bool script_fade(struct window *window, char *const *arguments, size_t count)
+{
+    double fade;
+    bool fine = count == 1 && script_number(&fade, arguments[0]) && fade >= 0 && fade <= 1;
+    if (fine) {
+        window->viewer->display.fade = fade;
+        window->viewer->version++;
+    }
+    return fine;
+}
 
 bool script_grey(struct window *window, char *const *arguments, size_t count)
 {

@@ -6,6 +6,8 @@
 #include "viewer/window/window.h"
 
 /** Each gets its @p count arguments, as many as the table of commands allows; false where they are wrong. */
+bool script_threshold(struct window *window, char *const *arguments, size_t count);
+bool script_fade(struct window *window, char *const *arguments, size_t count);
 bool script_grey(struct window *window, char *const *arguments, size_t count);
 bool script_opacity(struct window *window, char *const *arguments, size_t count);
 bool script_haze(struct window *window, char *const *arguments, size_t count);

@@ -18,30 +18,6 @@
 
 enum { STATUS_HEIGHT = 24 };
 
-/* ---- Textures ---------------------------------------------------------------------------------------------------- */
-
-void texture_set(struct texture *texture, const uint8_t *rgba, uint32_t width, uint32_t height, bool smooth)
-{
-    if (texture->width != width || texture->height != height) {
-        glDeleteTextures(1, &texture->name);
-        glCreateTextures(GL_TEXTURE_2D, 1, &texture->name);
-        glTextureStorage2D(texture->name, 1, GL_RGBA8, (GLsizei)width, (GLsizei)height);
-        glTextureParameteri(texture->name, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-        glTextureParameteri(texture->name, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-        texture->width = width;
-        texture->height = height;
-    }
-    glTextureParameteri(texture->name, GL_TEXTURE_MIN_FILTER, smooth ? GL_LINEAR : GL_NEAREST);
-    glTextureParameteri(texture->name, GL_TEXTURE_MAG_FILTER, smooth ? GL_LINEAR : GL_NEAREST);
-    glTextureSubImage2D(texture->name, 0, 0, 0, (GLsizei)width, (GLsizei)height, GL_RGBA, GL_UNSIGNED_BYTE, rgba);
-}
-
-void texture_drop(struct texture *texture)
-{
-    glDeleteTextures(1, &texture->name);
-    *texture = (struct texture){0};
-}
-
 /* ---- Events ------------------------------------------------------------------------------------------------------ */
 
 /* Widgets need a few frames to answer: hovered, pressed, let go. */
@@ -107,13 +83,25 @@ static const char *name_of(int key)
     static const struct {
         int key;
         const char *name;
-    } names[] = {{GLFW_KEY_ENTER, "enter"},    {GLFW_KEY_KP_ENTER, "enter"},
-                 {GLFW_KEY_SPACE, "space"},    {GLFW_KEY_TAB, "tab"},
-                 {GLFW_KEY_F1, "f1"},          {GLFW_KEY_F11, "f11"},
-                 {GLFW_KEY_UP, "up"},          {GLFW_KEY_DOWN, "down"},
-                 {GLFW_KEY_LEFT, "left"},      {GLFW_KEY_RIGHT, "right"},
-                 {GLFW_KEY_ESCAPE, "escape"},  {GLFW_KEY_F6, "f6"},
-                 {GLFW_KEY_PAGE_UP, "pageup"}, {GLFW_KEY_PAGE_DOWN, "pagedown"}};
+    } names[] = {{GLFW_KEY_ENTER, "enter"},
+                 {GLFW_KEY_KP_ENTER, "enter"},
+                 {GLFW_KEY_SPACE, "space"},
+                 {GLFW_KEY_TAB, "tab"},
+                 {GLFW_KEY_F1, "f1"},
+                 {GLFW_KEY_F11, "f11"},
+                 {GLFW_KEY_F2, "f2"},
+                 {GLFW_KEY_F3, "f3"},
+                 {GLFW_KEY_F4, "f4"},
+                 {GLFW_KEY_F5, "f5"},
+                 {GLFW_KEY_F7, "f7"},
+                 {GLFW_KEY_UP, "up"},
+                 {GLFW_KEY_DOWN, "down"},
+                 {GLFW_KEY_LEFT, "left"},
+                 {GLFW_KEY_RIGHT, "right"},
+                 {GLFW_KEY_ESCAPE, "escape"},
+                 {GLFW_KEY_F6, "f6"},
+                 {GLFW_KEY_PAGE_UP, "pageup"},
+                 {GLFW_KEY_PAGE_DOWN, "pagedown"}};
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
         if (names[i].key == key) {
             return names[i].name;
@@ -508,8 +496,8 @@ void window_maximise(struct window *window)
     int under = PANE_3D;
     for (int p = 0; p < PANE_COUNT; p++) {
         const struct ui_box *box = &window->panes[p];
-        bool is_on = mouse.x >= box->x && mouse.x < box->x + box->width && mouse.y >= box->y &&
-                     mouse.y < box->y + box->height;
+        bool is_on =
+            mouse.x >= box->x && mouse.x < box->x + box->width && mouse.y >= box->y && mouse.y < box->y + box->height;
         under = is_on ? p : under;
     }
     window->enlarged = window->enlarged < 0 ? under : -1;
@@ -586,34 +574,4 @@ conus_status window_write(const struct window *window, const char *path)
     free(bottom_up);
     free(rgba);
     return status;
-}
-
-static void copy_study(struct window *window)
-{
-    const char *text = studies_text(window->viewer);
-    if (text) {
-        glfwSetClipboardString(window->handle, text);
-        viewer_say(window->viewer, "copied the study");
-    }
-}
-
-void window_copy(struct window *window, enum copied what)
-{
-    struct viewer *viewer = window->viewer;
-    if (what == COPY_STUDY) {
-        copy_study(window);
-        return;
-    }
-    char *text = what == COPY_PINS ? viewer_pins_text(viewer) : viewer_results_text(viewer);
-    size_t rows = what == COPY_PINS ? viewer->pin_count : 0;
-    for (size_t i = 0; i < viewer->atlas_count && what == COPY_RESULTS; i++) {
-        rows += conus_selection_count(view_atlas_selection(&viewer->atlases[i]));
-    }
-    if (text) {
-        glfwSetClipboardString(window->handle, text);
-        viewer_say(viewer, "copied %zu rows", rows);
-    } else {
-        viewer_say(viewer, "not copied: not enough memory");
-    }
-    free(text);
 }
