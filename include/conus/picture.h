@@ -174,11 +174,11 @@ typedef struct conus_view {
     uint8_t background_rgb[3];   /**< sRGB, of #CONUS_BACKGROUND_COLOUR. */
     double dpi; /**< Pixels per inch, up to 100000: letters have 7.5 points, and files say it; 0 = not known, letters
                    are as high as a 54th of the shorter side. */
-    const double *opacity; /**< [object count + 1] Opacity of the surface of each object, by number, 0 to 1; NaN =
-                              as @p pale says. An area that is given one is drawn beside pathways, too. NULL = all
-                              NaN. Not of pathways that are haze. */
-    double pale;           /**< Opacity of what the selection does not hit, of all without a selection; 0 = 1, as of
-                              what it hits. */
+    const double *opacity;    /**< [object count + 1] Opacity of the surface of each object, by number, 0 to 1; NaN =
+                                 as @p pale says. An area that is given one is drawn beside pathways, too. NULL = all
+                                 NaN. Not of pathways that are haze. */
+    double pale;              /**< Opacity of what the selection does not hit, of all without a selection; 0 = 1, as of
+                                 what it hits. */
     const conus_frame *frame; /**< In which the legend says where the cone begins; NULL = RAS mm. */
 } conus_view;
 

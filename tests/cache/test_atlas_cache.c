@@ -100,6 +100,39 @@ static void options_have_entries_of_their_own(void **state)
     }
 }
 
+/* A manifest of the atlas, with the rest of its keys; path in a static buffer. */
+static const char *write_manifest(const char *volume, const char *rest)
+{
+    static char path[8192];
+    char text[8192];
+    snprintf(path, sizeof path, "%.*s.json", (int)(strlen(volume) - strlen(".nii")), volume);
+    int size = snprintf(text, sizeof text, "{\"conus_atlas\": 1, \"parcellation\": {\"file\": \"%s\"}%s}",
+                        strrchr(volume, '/') + 1, rest);
+    assert_ok(file_write_soon(path, text, (size_t)size));
+    return path;
+}
+
+/* Packing knows no surfaces around the areas: kept, the atlas would lose them. */
+static void surfaces_around_the_areas_are_not_kept(void **state)
+{
+    (void)state;
+    static const char skin[] = "OFF\n4 4 0\n0 0 0\n9 0 0\n0 9 0\n0 0 9\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
+    const char *volume = cached_atlas("around.nii", 5);
+    char path[8192];
+    snprintf(path, sizeof path, "%.*s.off", (int)(strlen(volume) - strlen(".nii")), volume);
+    assert_ok(file_write_soon(path, skin, strlen(skin)));
+    const char *manifest = write_manifest(volume, "");
+    keep(manifest);
+    assert_true(is_in_cache(manifest));
+    manifest = write_manifest(volume, ", \"context\": \"around.off\"");
+    conus_atlas *atlas = load_and_keep_rested(manifest, NULL);
+    assert_non_null(atlas);
+    assert_int_equal(conus_atlas_context_surface_count(atlas), 1);
+    assert_null(atlas->mapped);
+    assert_false(is_in_cache(manifest));
+    conus_atlas_destroy(atlas);
+}
+
 static void count_note(void *user, const conus_note *note)
 {
     size_t *counts = user;
@@ -287,6 +320,7 @@ int main(void)
         cmocka_unit_test(a_file_that_appears_beside_it_counts),
         cmocka_unit_test(options_have_entries_of_their_own),
         cmocka_unit_test(notes_are_heard_again),
+        cmocka_unit_test(surfaces_around_the_areas_are_not_kept),
         cmocka_unit_test(a_file_that_changed_just_now_is_not_kept),
         cmocka_unit_test(progress_can_cancel_what_is_mapped),
         cmocka_unit_test(the_environment_sets_the_limit),
