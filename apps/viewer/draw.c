@@ -5,7 +5,7 @@
 #include "viewer/keys.h"
 #include "viewer/panels/panels.h"
 #include "viewer/panes/panes.h"
-#include "viewer/window/ui_navigate.h"
+#include "viewer/ui/ui_navigate.h"
 
 #include <GLFW/glfw3.h>
 #include <math.h>

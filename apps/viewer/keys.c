@@ -12,9 +12,9 @@
 #include "viewer/question/studies.h"
 #include "viewer/session/keep.h"
 #include "viewer/session/undo.h"
+#include "viewer/ui/ui_list.h"
+#include "viewer/ui/ui_navigate.h"
 #include "viewer/window/screen.h"
-#include "viewer/window/ui_list.h"
-#include "viewer/window/ui_navigate.h"
 
 #include <GLFW/glfw3.h>
 #include <math.h>

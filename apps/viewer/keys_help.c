@@ -3,7 +3,7 @@
 #include "viewer/keys.h"
 
 #include "viewer/keys_view.h"
-#include "viewer/window/ui_list.h"
+#include "viewer/ui/ui_list.h"
 
 #include <math.h>
 

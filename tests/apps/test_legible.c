@@ -3,7 +3,7 @@
 #include "viewer/keys.h"
 #include "viewer/panels/panels.h"
 #include "viewer/results/columns.h"
-#include "viewer/window/ui_audit.h"
+#include "viewer/ui/ui_audit.h"
 
 #include "test.h"
 

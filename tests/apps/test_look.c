@@ -3,7 +3,7 @@
 #include "viewer/figures/figure_form.h"
 #include "viewer/look/look.h"
 #include "viewer/pointing/point.h"
-#include "viewer/session/script_look.h"
+#include "viewer/script/script_look.h"
 #include "viewer/session/session.h"
 #include "viewer/session/undo.h"
 

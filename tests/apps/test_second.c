@@ -2,8 +2,8 @@
 /* The window's second tool without a window: its answers, what moves and holds it, its cone's lines, sessions. */
 #include "link/clock.h"
 #include "viewer/hands/hands.h"
+#include "viewer/script/script_second.h"
 #include "viewer/second/shell.h"
-#include "viewer/session/script_second.h"
 #include "viewer/session/session.h"
 #include "viewer/session/undo.h"
 

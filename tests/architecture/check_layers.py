@@ -38,9 +38,10 @@ APPS = {
     "apps/viewer/second": "apps/link apps/viewer/model apps/viewer/devices apps/viewer/pointing",
     "apps/viewer/hands": "apps/link apps/viewer/pointing apps/viewer/second apps/viewer/window",
     "apps/viewer/theme": "",
+    "apps/viewer/ui": "apps/viewer/theme",
     "apps/viewer/opening": "apps/common",
     "apps/viewer/window": "apps/common apps/viewer/look apps/viewer/model apps/viewer/chosen apps/viewer/devices apps/viewer/second"
-    " apps/viewer/theme apps/viewer/opening apps/viewer/question",
+    " apps/viewer/ui apps/viewer/opening apps/viewer/question",
     "apps/viewer/pointing": "apps/viewer/model",
     "apps/viewer/chosen": "apps/viewer/model",
     "apps/viewer/question": "apps/common apps/options apps/settings apps/viewer/model apps/viewer/study",
@@ -49,13 +50,14 @@ APPS = {
     " apps/viewer/hands apps/viewer/window",
     "apps/viewer/results": "apps/common apps/viewer/model",
     "apps/viewer/panels": "apps/settings apps/viewer/search apps/viewer/figures apps/viewer/pointing apps/viewer/question"
-    " apps/viewer/results apps/viewer/hands apps/viewer/window",
-    "apps/viewer/session": "apps/common apps/viewer/search apps/viewer/figures apps/viewer/pointing apps/viewer/question"
-    " apps/viewer/results apps/viewer/hands apps/viewer/window",
+    " apps/viewer/results apps/viewer/hands apps/viewer/ui apps/viewer/window",
+    "apps/viewer/session": "apps/common apps/viewer/question apps/viewer/results apps/viewer/window",
+    "apps/viewer/script": "apps/common apps/viewer/search apps/viewer/figures apps/viewer/pointing apps/viewer/question"
+    " apps/viewer/results apps/viewer/hands apps/viewer/window apps/viewer/session",
     # draw.c joins the panes and panels; the window itself knows neither.
     "apps/viewer": "apps/link apps/common apps/settings apps/pages apps/viewer/pointing apps/viewer/hands"
-    " apps/viewer/window apps/viewer/panes apps/viewer/panels apps/viewer/session apps/viewer/opening"
-    " apps/viewer/figures apps/viewer/question",
+    " apps/viewer/ui apps/viewer/window apps/viewer/panes apps/viewer/panels apps/viewer/session"
+    " apps/viewer/script apps/viewer/opening apps/viewer/figures apps/viewer/question",
 }
 LIBRARY = {
     "base": "",

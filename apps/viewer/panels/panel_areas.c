@@ -3,7 +3,7 @@
 #include "viewer/panels/panels.h"
 
 #include "viewer/search/search.h"
-#include "viewer/window/ui_list.h"
+#include "viewer/ui/ui_list.h"
 
 #include <stdio.h>
 #include <stdlib.h>

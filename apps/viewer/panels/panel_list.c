@@ -4,7 +4,7 @@
 
 #include "viewer/question/question.h"
 #include "viewer/results/columns.h"
-#include "viewer/window/ui_list.h"
+#include "viewer/ui/ui_list.h"
 
 #include <stdio.h>
 #include <stdlib.h>

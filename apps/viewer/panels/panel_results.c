@@ -5,7 +5,7 @@
 #include "viewer/hands/hands.h"
 #include "viewer/pointing/notice.h"
 #include "viewer/results/columns.h"
-#include "viewer/window/ui_list.h"
+#include "viewer/ui/ui_list.h"
 
 #include <math.h>
 

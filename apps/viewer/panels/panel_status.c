@@ -2,8 +2,8 @@
 /* The status line. */
 #include "viewer/panels/panels.h"
 
+#include "viewer/ui/ui_list.h"
 #include "viewer/window/hover.h"
-#include "viewer/window/ui_list.h"
 
 #include <math.h>
 #include <stdio.h>

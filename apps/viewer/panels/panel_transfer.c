@@ -2,7 +2,7 @@
 /* Grey values of the context and values of pathways: what of them is seen. */
 #include "viewer/panels/panels.h"
 
-#include "viewer/window/ui_list.h"
+#include "viewer/ui/ui_list.h"
 
 #include <math.h>
 #include <stdint.h>

@@ -5,7 +5,7 @@
 
 #include "viewer/window/window.h"
 
-void panel_start(struct window *window); /**< In place of all others. */
+void panel_start(struct window *window);  /**< In place of all others. */
 void panel_dialog(struct window *window); /**< Likewise. */
 /** Buttons of the keys that everybody needs, in one line. */
 void panel_tools(struct window *window);

@@ -55,7 +55,8 @@ double second_question(conus_selector_options *options, const struct second *sec
                        size_t index)
 {
     double first = viewer_question(options, viewer, index);
-    return options->radius > 0 || viewer->cone.one_ray ? first : second_angle(second) * (M_PI / 180); /* as conus query */
+    return options->radius > 0 || viewer->cone.one_ray ? first
+                                                       : second_angle(second) * (M_PI / 180); /* as conus query */
 }
 
 /* Both tools share the selector, which is the same for the same options. */

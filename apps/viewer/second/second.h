@@ -24,7 +24,7 @@ struct second {
                                  asked gives that another one. */
     bool is_asked;          /**< They are to the pose and angle that are now. */
     double select_ms;       /**< Of all atlases. */
-    unsigned version;       /**< Grows with every change that shows; the viewer's does not: its cuts stay as they are. */
+    unsigned version; /**< Grows with every change that shows; the viewer's does not: its cuts stay as they are. */
 };
 
 /** There are no answers any more: the atlas that they are of goes, or the tool is off. */

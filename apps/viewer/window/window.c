@@ -4,8 +4,8 @@
 
 #include "common/messages.h"
 #include "viewer/question/studies.h"
+#include "viewer/ui/ui_navigate.h"
 #include "viewer/window/screen.h"
-#include "viewer/window/ui_navigate.h"
 
 #include <epoxy/gl.h>
 

@@ -12,11 +12,11 @@
 #include "viewer/model/times.h"
 #include "viewer/model/viewer.h"
 #include "viewer/second/second.h"
+#include "viewer/ui/ui.h"
 #include "viewer/window/changes.h"
 #include "viewer/window/dialog.h"
 #include "viewer/window/place.h"
 #include "viewer/window/start.h"
-#include "viewer/window/ui.h"
 
 enum { PANE_COUNT = 4, PANE_3D = 3 /**< After the planes. */, KEY_LIMIT = 32, TITLE_SIZE = 320 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Surfaces that a program draws on by itself, by Dear ImGui.
-#include "viewer/window/ui.h"
+#include "viewer/ui/ui.h"
 
 #include <imgui.h>
 

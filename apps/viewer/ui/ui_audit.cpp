@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Keeps the texts that are cut, while a test asks for them.
-#include "viewer/window/ui_audit.h"
+#include "viewer/ui/ui_audit.h"
 
-#include "viewer/window/ui_style.h"
+#include "viewer/ui/ui_style.h"
 
 #include <imgui.h>
 

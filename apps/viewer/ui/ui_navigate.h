@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file The keyboard in place of the mouse: keys that go to the widgets of a panel. */
-#ifndef CONUS_VIEWER_WINDOW_UI_NAVIGATE_H
-#define CONUS_VIEWER_WINDOW_UI_NAVIGATE_H
+#ifndef CONUS_VIEWER_UI_UI_NAVIGATE_H
+#define CONUS_VIEWER_UI_UI_NAVIGATE_H
 
 #include <stdbool.h>
 

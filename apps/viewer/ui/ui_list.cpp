@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The widgets of ui_list.h, by Dear ImGui.
-#include "viewer/window/ui_list.h"
+#include "viewer/ui/ui_list.h"
 
-#include "viewer/window/ui_audit.h"
+#include "viewer/ui/ui_audit.h"
 
 #include <imgui.h>
 

@@ -3,8 +3,8 @@
  * The widgets of the window: the one border to Dear ImGui, which is C++. Everything here is for the thread that owns
  * the window, between ui_begin() and ui_end() where nothing else is said. Positions and sizes are pixels of the window
  * from its top left corner; colours are sRGB bytes with opacity. */
-#ifndef CONUS_VIEWER_WINDOW_UI_H
-#define CONUS_VIEWER_WINDOW_UI_H
+#ifndef CONUS_VIEWER_UI_UI_H
+#define CONUS_VIEWER_UI_UI_H
 
 #include "viewer/theme/theme.h"
 

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Thresholds, grey values, opacities, haze, colours of the context and the background, by words. */
-#include "viewer/session/script_look.h"
+#include "viewer/script/script_look.h"
 
+#include "viewer/script/script_words.h"
 #include "viewer/search/search.h"
-#include "viewer/session/script_words.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file The script's words of the second tool. */
-#ifndef CONUS_VIEWER_SESSION_SCRIPT_SECOND_H
-#define CONUS_VIEWER_SESSION_SCRIPT_SECOND_H
+#ifndef CONUS_VIEWER_SCRIPT_SCRIPT_SECOND_H
+#define CONUS_VIEWER_SCRIPT_SCRIPT_SECOND_H
 
 #include "viewer/window/window.h"
 

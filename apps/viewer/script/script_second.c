@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What a script does with the second tool. */
-#include "viewer/session/script_second.h"
+#include "viewer/script/script_second.h"
 
 #include "common/messages.h"
 #include "viewer/hands/hands.h"
-#include "viewer/session/script_words.h"
+#include "viewer/script/script_words.h"
 
 #include <string.h>
 

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Sweeps and jitter by words. */
-#include "viewer/session/script_study.h"
+#include "viewer/script/script_study.h"
 
 #include "common/messages.h"
 #include "viewer/question/studies.h"
-#include "viewer/session/script_words.h"
+#include "viewer/script/script_words.h"
 
 #include <string.h>
 

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A tracked head by words. */
-#include "viewer/session/script_head.h"
+#include "viewer/script/script_head.h"
 
 #include "common/messages.h"
-#include "viewer/session/script_words.h"
+#include "viewer/script/script_words.h"
 
 #include <string.h>
 

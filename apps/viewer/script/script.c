@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The commands of scripts, and their run over frames. */
-#include "viewer/session/script.h"
+#include "viewer/script/script.h"
 
 #include "common/messages.h"
 #include "viewer/hands/hands.h"
@@ -8,13 +8,13 @@
 #include "viewer/question/ask.h"
 #include "viewer/results/columns.h"
 #include "viewer/results/export.h"
+#include "viewer/script/script_figure.h"
+#include "viewer/script/script_head.h"
+#include "viewer/script/script_look.h"
+#include "viewer/script/script_second.h"
+#include "viewer/script/script_study.h"
+#include "viewer/script/script_words.h"
 #include "viewer/search/search.h"
-#include "viewer/session/script_figure.h"
-#include "viewer/session/script_head.h"
-#include "viewer/session/script_look.h"
-#include "viewer/session/script_second.h"
-#include "viewer/session/script_study.h"
-#include "viewer/session/script_words.h"
 #include "viewer/session/session.h"
 #include "viewer/window/screen.h"
 

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file Widgets of long lists with columns, beside those of ui.h, whose rules hold. */
-#ifndef CONUS_VIEWER_WINDOW_UI_LIST_H
-#define CONUS_VIEWER_WINDOW_UI_LIST_H
+#ifndef CONUS_VIEWER_UI_UI_LIST_H
+#define CONUS_VIEWER_UI_UI_LIST_H
 
-#include "viewer/window/ui.h"
+#include "viewer/ui/ui.h"
 
 #ifdef __cplusplus
 extern "C" {

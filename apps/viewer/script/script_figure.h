@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file Commands of scripts about figures. */
-#ifndef CONUS_VIEWER_SESSION_SCRIPT_FIGURE_H
-#define CONUS_VIEWER_SESSION_SCRIPT_FIGURE_H
+#ifndef CONUS_VIEWER_SCRIPT_SCRIPT_FIGURE_H
+#define CONUS_VIEWER_SCRIPT_SCRIPT_FIGURE_H
 
 #include "viewer/window/window.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file The words of a line of a script (script.h). */
-#ifndef CONUS_VIEWER_SESSION_SCRIPT_WORDS_H
-#define CONUS_VIEWER_SESSION_SCRIPT_WORDS_H
+#ifndef CONUS_VIEWER_SCRIPT_SCRIPT_WORDS_H
+#define CONUS_VIEWER_SCRIPT_SCRIPT_WORDS_H
 
 #include <stdbool.h>
 #include <stddef.h>

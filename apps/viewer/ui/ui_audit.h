@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file For tests: which texts of the newest frame could not be read whole. */
-#ifndef CONUS_VIEWER_WINDOW_UI_AUDIT_H
-#define CONUS_VIEWER_WINDOW_UI_AUDIT_H
+#ifndef CONUS_VIEWER_UI_UI_AUDIT_H
+#define CONUS_VIEWER_UI_UI_AUDIT_H
 
-#include "viewer/window/ui.h"
+#include "viewer/ui/ui.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file How widgets look. */
-#ifndef CONUS_VIEWER_WINDOW_UI_STYLE_H
-#define CONUS_VIEWER_WINDOW_UI_STYLE_H
+#ifndef CONUS_VIEWER_UI_UI_STYLE_H
+#define CONUS_VIEWER_UI_UI_STYLE_H
 
 /** Loads the font for @p scale and sets sizes and colours, of which those under texts are the theme's. False where
  * there is no font. */

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The sheet by words, and figures. */
-#include "viewer/session/script_figure.h"
+#include "viewer/script/script_figure.h"
 
 #include "common/messages.h"
 #include "viewer/figures/figure_form.h"
-#include "viewer/session/script_words.h"
+#include "viewer/script/script_words.h"
 
 #include <string.h>
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Splits a line of a script into words; numbers. */
-#include "viewer/session/script_words.h"
+#include "viewer/script/script_words.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
  * Scripts that drive the window, one command a line, for tests and figures (docs/viewer.md lists them). */
-#ifndef CONUS_VIEWER_SESSION_SCRIPT_H
-#define CONUS_VIEWER_SESSION_SCRIPT_H
+#ifndef CONUS_VIEWER_SCRIPT_SCRIPT_H
+#define CONUS_VIEWER_SCRIPT_SCRIPT_H
 
 #include "viewer/window/window.h"
 

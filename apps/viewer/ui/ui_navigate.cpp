@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Turns the keyboard navigation of Dear ImGui on, in one window, and off.
-#include "viewer/window/ui_navigate.h"
+#include "viewer/ui/ui_navigate.h"
 
 #include <imgui.h>
 #include <imgui_internal.h>

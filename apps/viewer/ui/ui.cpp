@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The widgets of ui.h, by Dear ImGui.
-#include "viewer/window/ui.h"
+#include "viewer/ui/ui.h"
 
-#include "viewer/window/ui_audit.h"
-#include "viewer/window/ui_style.h"
+#include "viewer/ui/ui_audit.h"
+#include "viewer/ui/ui_style.h"
 
 #include <GLFW/glfw3.h>
 #include <backends/imgui_impl_glfw.h>
