@@ -84,11 +84,20 @@ static struct box find_centres(const struct volume *volume, const double m[16])
     return box;
 }
 
+static bool is_same(const double a[16], const double b[16])
+{
+    bool same = true;
+    for (int i = 0; i < 16; i++) {
+        same = same && a[i] == b[i];
+    }
+    return same;
+}
+
 /* The same, from where it is known. */
 static struct box centres_of(const struct volume *volume, const double m[16])
 {
     struct box box;
-    if (!volume->distances || memcmp(m, volume->centres.m, sizeof volume->centres.m) != 0) {
+    if (!volume->distances || !is_same(m, volume->centres.m)) {
         return find_centres(volume, m);
     }
     memcpy(box.low, volume->centres.low, sizeof box.low);

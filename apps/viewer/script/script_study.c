@@ -39,7 +39,7 @@ bool script_jitter(struct viewer *viewer, char *const *arguments, size_t count)
     struct study_settings study = viewer->study.settings;
     double *const numbers[3] = {&study.tilt_deg, &study.shift_mm, &study.samples};
     bool ends = ends_study(arguments, count);
-    bool fine = ends || count >= 2;
+    bool fine = ends || (count >= 2 && count <= 3);
     for (size_t i = 0; i < count && fine && !ends; i++) {
         fine = script_number(numbers[i], arguments[i]);
     }
