@@ -103,6 +103,24 @@ conus_status file_state_check(const struct file_state *before, const char *path)
     return status || file_state_equal(&now, before) ? status : fail(CONUS_ERROR_IO, "%s: " FILE_CHANGED, path);
 }
 
+/* The first `size` bytes of the open file, whose state was `before`, and is. */
+static conus_status read_unchanged(struct bytes *out, const char *path, int descriptor, size_t size,
+                                   const struct file_state *before)
+{
+    struct bytes bytes = {.data = memory_raw(size, 1)};
+    if (!bytes.data) {
+        return fail_in(CONUS_ERROR_MEMORY, path);
+    }
+    conus_status status = read_fully(descriptor, bytes.data, size, &bytes.size) ? check_state(path, descriptor, before)
+                                                                                : fail_errno(path, "read");
+    if (status) {
+        bytes_finish(&bytes);
+        return status;
+    }
+    *out = bytes;
+    return CONUS_OK;
+}
+
 /* The first `most` bytes of a regular file of at most `limit`. */
 static conus_status read_descriptor(struct bytes *out, const char *path, int descriptor, uint64_t limit, size_t most,
                                     const char *option)
@@ -122,19 +140,12 @@ static conus_status read_descriptor(struct bytes *out, const char *path, int des
                     (unsigned long long)limit, option);
     }
     size_t size = (uint64_t)info.st_size < most ? (size_t)info.st_size : most;
-    struct bytes bytes = {.data = memory_raw(size, 1)};
-    if (!bytes.data) {
-        return fail_in(CONUS_ERROR_MEMORY, path);
-    }
     file_state_take(&before, &info);
-    conus_status status = read_fully(descriptor, bytes.data, size, &bytes.size) ? check_state(path, descriptor, &before)
-                                                                                : fail_errno(path, "read");
+    conus_status status = read_unchanged(out, path, descriptor, size, &before);
     if (status) {
-        bytes_finish(&bytes);
-        return status;
+        file_trace_failed();
     }
-    *out = bytes;
-    return CONUS_OK;
+    return status;
 }
 
 static conus_status read_path(struct bytes *out, const char *path, uint64_t limit, size_t most, const char *option)

@@ -78,6 +78,13 @@ void file_trace_path(const char *path, const struct stat *info)
     }
 }
 
+void file_trace_failed(void)
+{
+    if (open_trace) {
+        open_trace->broken = true;
+    }
+}
+
 static void sum_names(char out[65], const struct names *names)
 {
     struct buffer all = {0};

@@ -69,6 +69,8 @@ bool file_trace_parse(struct file_trace *out, const uint8_t *data, size_t size);
 struct stat;
 /** @p info is what stat() says of @p path; NULL = it found nothing. */
 void file_trace_path(const char *path, const struct stat *info);
+/** A file is there, but could not be read: the next time it may be, and look the same. That breaks the trace. */
+void file_trace_failed(void);
 void file_trace_names(const char *folder, const char *ending, const struct names *names);
 /** getenv(). */
 const char *file_trace_environment(const char *name);

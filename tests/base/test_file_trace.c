@@ -186,6 +186,28 @@ static void two_answers_break_a_trace(void **state)
     file_trace_finish(&trace);
 }
 
+/* A file that cannot be read now, but can the next time, has the same state both times. */
+static void a_file_that_could_not_be_read_breaks_a_trace(void **state)
+{
+    (void)state;
+    enum { SIZE = 100000 };
+    static char text[SIZE];
+    struct file_trace trace;
+    struct bytes bytes = {0};
+    make_folder("failed");
+    memset(text, 'x', SIZE);
+    assert_ok(file_write_soon(test_in("file"), text, SIZE));
+    file_trace_begin(&trace);
+    test_limit_allocations(SIZE / 2);
+    conus_status status = file_read(&bytes, test_in("file"), SIZE);
+    test_limit_allocations(0);
+    file_trace_end(&trace);
+    assert_fails(status, CONUS_ERROR_MEMORY);
+    assert_true(trace.broken);
+    assert_false(file_trace_is_settled(&trace));
+    file_trace_finish(&trace);
+}
+
 /* The clock of the test's files is this machine's on the file systems of the list, where 2 s of rest are enough. */
 static void only_files_at_rest_are_settled(void **state)
 {
@@ -284,6 +306,7 @@ int main(void)
         cmocka_unit_test(every_change_is_found),
         cmocka_unit_test(what_nobody_asked_for_does_not_count),
         cmocka_unit_test(two_answers_break_a_trace),
+        cmocka_unit_test(a_file_that_could_not_be_read_breaks_a_trace),
         cmocka_unit_test(only_files_at_rest_are_settled),
         cmocka_unit_test(devices_are_never_the_same),
         cmocka_unit_test(bytes_give_the_same_trace),
