@@ -160,28 +160,33 @@ static conus_status check_probability(double probability)
                : fail(CONUS_ERROR_ARGUMENT, "--probability: is %g, allowed is above 0 to 1 (0 = default)", probability);
 }
 
+/* What is said of the atlas as a whole, while somebody listens. */
+static conus_status check_whole(conus_atlas *atlas, const char *path, struct load_progress *progress)
+{
+    const double probability = progress->options->probability;
+    progress->sink.path = path;
+    if (probability > 0 && !atlas_has_probabilities(atlas)) {
+        return fail(CONUS_ERROR_ARGUMENT, "--probability %g: %s has no areas of probabilities", probability, path);
+    }
+    conus_status status = swapped_sides_note(atlas);
+    atlas->notes.sink = NULL;
+    atlas->path = memory_text(path, strlen(path));
+    return status || atlas->path ? status : CONUS_ERROR_MEMORY;
+}
+
 conus_status atlas_load_files(conus_atlas **out, const char *path, const conus_load_options *options)
 {
     conus_atlas *atlas = NULL;
     struct load_progress progress = load_progress_of(path, options);
-    const double probability = options->probability;
-    conus_status status = check_probability(probability);
+    conus_status status = check_probability(options->probability);
     status = status ? status : load_any(&atlas, path, &progress);
+    if (!status) {
+        status = check_whole(atlas, path, &progress);
+        conus_atlas_destroy(status ? atlas : NULL);
+    }
     load_progress_finish(&progress);
-    if (!status && probability > 0 && !atlas_has_probabilities(atlas)) {
-        status = fail(CONUS_ERROR_ARGUMENT, "--probability %g: %s has no areas of probabilities", probability, path);
-        conus_atlas_destroy(atlas);
+    if (!status) {
+        *out = atlas;
     }
-    if (status) {
-        return status;
-    }
-    status = swapped_sides_note(atlas);
-    atlas->notes.sink = NULL;
-    atlas->path = memory_text(path, strlen(path));
-    if (status || !atlas->path) {
-        conus_atlas_destroy(atlas);
-        return CONUS_ERROR_MEMORY;
-    }
-    *out = atlas;
-    return CONUS_OK;
+    return status;
 }

@@ -375,6 +375,28 @@ static conus_status load_scene(void *user)
     return status;
 }
 
+/* What is found out when all files have been read is about the atlas that was asked for. */
+static void what_is_said_of_all_areas(void **state)
+{
+    (void)state;
+    struct nifti_builder builder;
+    conus_atlas *atlas = NULL;
+    struct heard heard = {0};
+    const conus_load_options options = {.log = hear, .log_user = &heard};
+    const struct wanted wanted[] = {{CONUS_SEVERITY_WARNING, "sides.nii", "3 of 3 pairs of a left and a right area"}};
+    nifti_begin(&builder, 1, false, UINT8, (int64_t[]){6, 1, 1});
+    for (int i = 1; i <= 6; i++) {
+        nifti_voxel(&builder, i);
+    }
+    assert_ok(conus_write_file(test_in("sides.nii"), builder.bytes.data, builder.bytes.size));
+    buffer_finish(&builder.bytes);
+    write_text("sides.txt", "1 A_R\n2 B_R\n3 C_R\n4 A_L\n5 B_L\n6 C_L\n");
+    assert_ok(conus_atlas_load(&atlas, test_in("sides.nii"), &options));
+    assert_heard(&heard, wanted, 1);
+    assert_kept(&heard, atlas);
+    conus_atlas_destroy(atlas);
+}
+
 static void every_failing_allocation(void **state)
 {
     (void)state;
@@ -399,6 +421,7 @@ int main(void)
         cmocka_unit_test(objects_of_one_file_say_it_once),
         cmocka_unit_test(an_attached_atlas),
         cmocka_unit_test(without_a_callback),
+        cmocka_unit_test(what_is_said_of_all_areas),
         cmocka_unit_test(every_failing_allocation),
     };
     return cmocka_run_group_tests(tests, write_files, NULL);
