@@ -153,7 +153,7 @@ const struct option context_choice_options[] = {
      .help = "opacity of the context's surfaces, above 0 to 1 (default 0.25)",
      .low = 0,
      .high = 1,
-     .open = true},
+     .open_below = true},
     {0},
 };
 

@@ -94,6 +94,10 @@ load helpers
     run -0 --separate-stderr "$CONUS" info sphere.nii.gz --context skin.obj --context-opacity 0.5
     has $'Context, a surface\n  file         skin.obj\n  triangles    4, closed\n'
     has $'  reaches      x 0 to 100, y 0 to 100, z 0 to 100 mm\n  opacity      0.5\n'
+    run -0 --separate-stderr "$CONUS" info sphere.nii.gz --context skin.obj --context-opacity 1
+    has $'\n  opacity      1\n'
+    fails 2 '--context-opacity: 0 is out of range, allowed is more than 0 to 1' \
+        info sphere.nii.gz --context skin.obj --context-opacity 0
     run -0 --separate-stderr "$CONUS" info sphere.nii.gz --context sheet.obj --context skin.obj --format json
     python3 -c 'import json, sys
 a, b = json.load(sys.stdin)["context_surfaces"]
