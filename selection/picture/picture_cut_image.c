@@ -113,11 +113,12 @@ static conus_status make_image(conus_image **out, struct picture *picture, const
     return CONUS_OK;
 }
 
-/* To what a legend leaves of the width: the drawing's shorter side shows as much as that of the whole. */
+/* To what a legend leaves of the width: the drawing's shorter side shows as much as that of the whole. What is no scale
+ * stays none, for conus_cutter_draw() to refuse. */
 static void fit(conus_cut_view *view, const uint32_t drawing[2])
 {
     double whole = fmin(view->width, view->height);
-    double mm_per_pixel = view->mm_per_pixel > 0 ? view->mm_per_pixel : 1;
+    double mm_per_pixel = view->mm_per_pixel != 0 ? view->mm_per_pixel : 1;
     view->mm_per_pixel = mm_per_pixel * whole / fmin(drawing[0], drawing[1]);
     view->width = drawing[0];
 }

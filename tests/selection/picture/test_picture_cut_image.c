@@ -181,6 +181,11 @@ static void what_cannot_be_is_refused(void **state)
     assert_fails(conus_cut_image(&image, atlas, &plain, &(conus_view){.dpi = -1}), CONUS_ERROR_ARGUMENT);
     assert_fails(conus_cut_image(&image, atlas, &plain, &(conus_view){.legend = CONUS_LEGEND_NONE + 1}),
                  CONUS_ERROR_ARGUMENT);
+    view.mm_per_pixel = -1;
+    assert_fails(conus_cut_image(&image, atlas, &view, NULL), CONUS_ERROR_ARGUMENT);
+    view.mm_per_pixel = NAN;
+    assert_fails(conus_cut_image(&image, atlas, &view, NULL), CONUS_ERROR_ARGUMENT);
+    view = plain;
     view.width = 0;
     assert_fails(conus_cut_image(&image, atlas, &view, NULL), CONUS_ERROR_ARGUMENT);
     view.width = 16385;
