@@ -117,6 +117,26 @@ END
     jq -e '.level == "2" and .range_mm == [1, 50] and .order == 1' asked.json
 }
 
+@test "the keys of the wand move it, and change nothing of what is asked" {
+    need_window
+    conus phantom slabs -o .
+    {
+        echo 'aim 60 3 2 0 0 0'
+        echo 'pointer wand'
+        echo 'save start.json'
+        for key in w s a d e q up down left right; do
+            printf 'key %s\nsave %s.json\n' "$key" "$key"
+        done
+    } >presses
+    view slabs.nii.gz <presses
+    before=start
+    for key in w s a d e q up down left right; do
+        diff <(jq -S 'del(.world_from_device)' start.json) <(jq -S 'del(.world_from_device)' "$key.json")
+        [ "$(jq -c .world_from_device "$before.json")" != "$(jq -c .world_from_device "$key.json")" ]
+        before=$key
+    done
+}
+
 @test "sweep and jitter are what conus sweep prints, of each atlas and with all options" {
     need_window
     nested

@@ -67,6 +67,7 @@ END
 @test "Ctrl+P asks for a name, Enter saves, and a file that is there is not replaced at once" {
     conus phantom nested -o . --size 32
     live nested.nii.gz
+    look '.figure.pixels == [1400, 1050] and .figure.mm == [85, 64]'
     tell 'sheet pixels 120 90' 'sheet text off'
     xdotool key --window "$window" ctrl+p
     until look '.figure.text == false'; do :; done

@@ -27,7 +27,7 @@ static void choose_range(struct viewer *viewer)
         return;
     }
     ui_tip("only what lies between two depths along the axis, mm from the apex, counts (--range);\n"
-           ", and . move the farther limit, < and > the nearer one");
+           "F4 and F5 move the farther limit, F2 and F3 the nearer one");
     if (!limited) {
         return;
     }
@@ -55,7 +55,7 @@ static void choose_depth(struct viewer *viewer, unsigned deepest)
         }
         question_set_level(viewer, level);
     }
-    ui_tip("areas are reported as the areas that they are part of, at this depth of the tree (--level); K: the next\n"
+    ui_tip("areas are reported as the areas that they are part of, at this depth of the tree (--level); F7: the next\n"
            "one. The roots are 1. It holds for the first atlas.");
 }
 

@@ -361,6 +361,7 @@ void window_show(struct window *window, struct viewer *viewer)
                               .news = window->news,
                               .second_station = window->second_station,
                               .has_second_tool = window->has_second_tool,
+                              .sheet = window->sheet,
                               .devices = window->devices,
                               .scale = window->scale,
                               .layout = window->layout,
