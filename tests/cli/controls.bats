@@ -137,6 +137,41 @@ END
     done
 }
 
+@test "above the list it says which depths count, and at which level" {
+    need_window
+    /usr/bin/python3 -c 'import OpenImageIO' 2>/dev/null || skip "no python3-openimageio"
+    nested
+    view nested.nii.gz --labels tree.tsv <<'END'
+quiet-status
+aim 60 3 2 0 0 0
+settle
+screenshot plain.png
+ask --range=0,1000
+settle
+screenshot depths.png
+ask --level=1
+settle
+screenshot level.png
+END
+    /usr/bin/python3 - <<'END'
+import OpenImageIO as oiio
+import numpy
+# amber texts right above the list, below the panel's title
+def amber(name):
+    top = oiio.ImageBuf(name).get_pixels(oiio.UINT8)[22:42, 668:, :3].astype(int)
+    return (numpy.abs(top - [255, 200, 90]).max(axis=2) < 30).sum()
+counts = [amber(name + ".png") for name in ("plain", "depths", "level")]
+assert counts[0] == 0 and counts[1] > 20 and counts[2] > 5, counts
+END
+}
+
+@test "texts of the panels have the theme's colours, and pale ones its opacity" {
+    panels=$BATS_TEST_DIRNAME/../../apps/viewer/panels
+    run -1 grep -nE 'ui_(text_coloured|tint)\(\(ui_colour\)|\? \(ui_colour\)\{2|ui_dim\([^)]*[0-9]\.' "$panels"/*.c
+    # no tip names a key that is another's
+    run -1 grep -nE 'comma and full stop|\( and \) change|B changes it|< and > the nearer' "$panels"/*.c
+}
+
 @test "sweep and jitter are what conus sweep prints, of each atlas and with all options" {
     need_window
     nested

@@ -6,10 +6,6 @@
 #include <stdio.h>
 #include <string.h>
 
-static const ui_colour dim = {160, 166, 178, 255};
-static const ui_colour amber = {255, 200, 90, 255};
-static const ui_colour orange = {255, 150, 30, 255};
-
 static const float page_width = 980, places_width = 280, gap = 20, key_width = 80;
 
 static void draw_line(struct window *window)
@@ -28,7 +24,7 @@ static void draw_line(struct window *window)
     if (moved) {
         dialog_move(dialog, moved);
     }
-    ui_tint(dialog->why[0] ? orange : dim);
+    ui_tint(theme_texts[dialog->why[0] ? THEME_ORANGE : THEME_HINT]);
     ui_text_wrapped(dialog->why[0] ? dialog->why
                     : saves        ? "A name for the file; .json is put behind it"
                                    : "Type a path, or a part of a name to search this folder");
@@ -41,7 +37,7 @@ static void draw_line(struct window *window)
 static void draw_places(struct window *window)
 {
     struct dialog *dialog = &window->dialog;
-    ui_text_coloured(dim, "Places");
+    ui_text_coloured(theme_texts[THEME_HINT], "Places");
     ui_separator();
     for (size_t i = 0; i < dialog->place_count; i++) {
         char plain[PATH_MAX];
@@ -57,7 +53,7 @@ static void draw_places(struct window *window)
         ui_text("%s", has_name ? slash + 1 : plain);
         if (has_name) {
             ui_same_line();
-            ui_text_coloured(dim, "%.*s", (int)(slash - plain + 1), plain);
+            ui_text_coloured(theme_texts[THEME_HINT], "%.*s", (int)(slash - plain + 1), plain);
         }
         if (chosen) {
             char text[PATH_MAX + 1];
@@ -85,7 +81,7 @@ static bool draw_entry(struct window *window, size_t index)
     }
     bool doubled = ui_hovered() && ui_mouse_now().doubled;
     ui_same_line_at(4 * window->scale);
-    ui_text_coloured(is_folder ? amber : (ui_colour){235, 235, 240, 255}, "%s%s", plain, is_folder ? "/" : "");
+    ui_text_coloured(theme_texts[is_folder ? THEME_AMBER : THEME_PLAIN], "%s%s", plain, is_folder ? "/" : "");
     if (clicked) {
         dialog_take(dialog, index);
     }
@@ -104,7 +100,7 @@ static void draw_folder(struct window *window)
     dialog_look(dialog);
     dialog_here(here, dialog);
     conus_plain_text(here);
-    ui_text_coloured(dim, "%s", here);
+    ui_text_coloured(theme_texts[THEME_HINT], "%s", here);
     ui_separator();
     ui_scroll("entries", 0);
     if (ui_row("..  (the folder around it)", false)) {
@@ -117,7 +113,7 @@ static void draw_folder(struct window *window)
         }
     }
     if (!fitting && goes_on) {
-        ui_text_coloured(dim, "%s",
+        ui_text_coloured(theme_texts[THEME_HINT], "%s",
                          dialog->folder.failed ? "This folder cannot be read."
                          : dialog->all         ? "Nothing here has such a name."
                                                : "Nothing here that conus can open by its name.");
@@ -156,17 +152,18 @@ static void draw_buttons(struct window *window)
 
 static void draw_keys(const struct window *window)
 {
-    ui_text_coloured(amber, "Up, down");
+    ui_text_coloured(theme_texts[THEME_AMBER], "Up, down");
     ui_same_line_at(key_width * window->scale);
-    ui_text_coloured(dim, "mark an entry; Enter goes into a folder or takes a file; Escape goes back");
+    ui_text_coloured(theme_texts[THEME_HINT],
+                     "mark an entry; Enter goes into a folder or takes a file; Escape goes back");
 }
 
 static void draw_warning(const struct window *window)
 {
     size_t pins = window->viewer && window->dialog.purpose == DIALOG_OPEN ? window->viewer->pin_count : 0;
     if (pins) {
-        ui_text_coloured(orange, "Another atlas ends the list of what was confirmed (%zu); O in the window saves it.",
-                         pins);
+        ui_text_coloured(theme_texts[THEME_ORANGE],
+                         "Another atlas ends the list of what was confirmed (%zu); O in the window saves it.", pins);
     }
 }
 

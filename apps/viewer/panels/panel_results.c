@@ -110,6 +110,18 @@ static void draw_buttons(struct window *window)
     ui_tip("saves 3-D or a cut at any size (Ctrl+P)");
 }
 
+/* What narrows the lists and may be scrolled out of sight below them. */
+static void say_limits(const struct viewer *viewer)
+{
+    const double *range = viewer->cone.options.range;
+    if (range[1] > 0) {
+        ui_text_coloured(theme_texts[THEME_AMBER], "only depths from %.6g to %.6g mm count", range[0], range[1]);
+    }
+    if (viewer->cone.level[0]) {
+        ui_text_coloured(theme_texts[THEME_AMBER], "level: %s", viewer->cone.level);
+    }
+}
+
 void panel_results(struct window *window)
 {
     struct viewer *viewer = window->viewer;
@@ -119,6 +131,7 @@ void panel_results(struct window *window)
     if (notice.is_trouble || notice.is_old) { /* then what follows is pale */
         ui_text_coloured(theme_texts[THEME_ORANGE], "%s", notice.text);
     }
+    say_limits(viewer);
     ui_dim(notice.is_old ? theme_pale : 1);
     if (viewer->atlas_count > 1) {
         draw_all_results(window);

@@ -6,9 +6,6 @@
 
 #include <math.h>
 
-static const ui_colour orange = {255, 150, 30, 255};
-static const ui_colour light = {225, 225, 230, 255};
-
 /* All but the replay. */
 static void choose_pointer(struct window *window)
 {
@@ -39,12 +36,12 @@ static void choose_settings(struct window *window)
         second->angle = angle;
         second_touch(second);
     }
-    ui_tip("full opening of the second cone, degrees; ( and ) change it");
+    ui_tip("full opening of the second cone, degrees; 5 and 6 change it");
     bool held = second->held;
     if (ui_check("hold", &held)) {
         tool_hold(&tool);
     }
-    ui_tip("nothing moves the second tool; B changes it");
+    ui_tip("nothing moves the second tool; 4 changes it");
     ui_same_line();
     if (ui_button("confirm 2")) {
         tool_confirm(&tool);
@@ -59,7 +56,7 @@ static void draw_lists(struct window *window)
     for (size_t i = 0; i < viewer->atlas_count; i++) {
         ui_id((uint32_t)i);
         if (viewer->atlas_count > 1) {
-            ui_text_coloured((ui_colour){255, 200, 90, 255}, "%s", viewer->atlases[i].name);
+            ui_text_coloured(theme_texts[THEME_AMBER], "%s", viewer->atlases[i].name);
         }
         panel_list(window, &viewer->atlases[i], second_selection(&window->second, i), lines);
         ui_id_end();
@@ -82,9 +79,9 @@ void panel_second(struct window *window)
         ui_same_line();
         ui_chip("colour of its cone", ((ui_colour){SECOND_RGB, 255}));
         if (notice.text) {
-            ui_text_coloured(notice.is_trouble ? orange : light, "%s", notice.text);
+            ui_text_coloured(theme_texts[notice.is_trouble ? THEME_ORANGE : THEME_PLAIN], "%s", notice.text);
         }
-        ui_dim(notice.is_old ? 0.4F : 1);
+        ui_dim(notice.is_old ? theme_pale : 1);
         draw_lists(window);
         ui_dim_end();
         choose_settings(window);

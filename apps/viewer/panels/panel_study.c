@@ -11,8 +11,6 @@ enum { PLOT_HEIGHT = 120, LINES = 6, TIP_ROWS = 10, SAMPLE_CHOICES = 17 };
 
 static const ui_colour ground = {24, 25, 30, 255};
 static const ui_colour grid = {255, 255, 255, 40};
-static const ui_colour text_colour = {200, 200, 205, 255};
-static const ui_colour warning = {255, 150, 30, 255};
 static const ui_colour nothing = {150, 150, 155, 255};
 
 /* ---- Settings ---------------------------------------------------------------------------------------------------- */
@@ -143,12 +141,14 @@ static void draw_numbers(const struct study_answer *answer, struct ui_box box)
     snprintf(low, sizeof low, "%.4g\u00b0", answer->angles[0]);
     snprintf(high, sizeof high, "%.4g\u00b0", answer->angles[answer->angle_count - 1]);
     float below = box.y + box.height + 3;
-    ui_draw_text((float[]){box.x - ui_text_width("100 %") - 7, box.y - ui_line() / 2}, text_colour, "100 %");
-    ui_draw_text((float[]){box.x - ui_text_width("0 %") - 7, box.y + box.height - ui_line() / 2}, text_colour, "0 %");
-    ui_draw_text((float[]){box.x, below}, text_colour, low);
-    ui_draw_text((float[]){box.x + box.width / 2 - ui_text_width("full opening") / 2, below}, text_colour,
+    ui_draw_text((float[]){box.x - ui_text_width("100 %") - 7, box.y - ui_line() / 2}, theme_texts[THEME_HINT],
+                 "100 %");
+    ui_draw_text((float[]){box.x - ui_text_width("0 %") - 7, box.y + box.height - ui_line() / 2},
+                 theme_texts[THEME_HINT], "0 %");
+    ui_draw_text((float[]){box.x, below}, theme_texts[THEME_HINT], low);
+    ui_draw_text((float[]){box.x + box.width / 2 - ui_text_width("full opening") / 2, below}, theme_texts[THEME_HINT],
                  "full opening");
-    ui_draw_text((float[]){box.x + box.width - ui_text_width(high), below}, text_colour, high);
+    ui_draw_text((float[]){box.x + box.width - ui_text_width(high), below}, theme_texts[THEME_HINT], high);
 }
 
 /* The areas of that angle, in the order of the list below. */
@@ -185,7 +185,7 @@ static size_t draw_plot(const struct window *window, const struct study_answer *
     }
     draw_grid(box);
     float x = box.x + box.width * across(answer, angle);
-    ui_draw_line((float[]){x, box.y}, (float[]){x, box.y + box.height}, text_colour, 1);
+    ui_draw_line((float[]){x, box.y}, (float[]){x, box.y + box.height}, theme_texts[THEME_HINT], 1);
     for (size_t i = table->curve_count; i > 0; i--) { /* the largest in front */
         const struct study_curve *curve = &table->curves[i - 1];
         bool chosen = curve->object && curve->object == viewer->drawn->shown.chosen;
@@ -301,12 +301,12 @@ static void draw_study(struct window *window, bool cone_is_old)
     bool is_behind = studies_is_old(viewer);
     bool is_old = is_behind || cone_is_old;
     bool fits = answer && answer->question.settings.kind == viewer->study.settings.kind;
-    ui_text_coloured(is_old ? warning : nothing, "%s", /* always a line, so that nothing jumps */
+    ui_text_coloured(theme_texts[is_old ? THEME_ORANGE : THEME_HINT], "%s", /* always a line, so that nothing jumps */
                      !is_old     ? "of the cone as it is now"
                      : !fits     ? "computing"
                      : is_behind ? "OLD: computing the new one"
                                  : "OLD ANSWER");
-    ui_dim(is_old ? 0.4F : 1);
+    ui_dim(is_old ? theme_pale : 1);
     if (fits) {
         draw_answer(window, answer, is_old);
     }
