@@ -50,9 +50,10 @@ static void set_chip(struct legend_row *row, const struct picture *picture, uint
 static void fill_row(struct legend_row *row, struct cells *cells, const struct picture *picture,
                      const conus_result *result)
 {
+    bool is_behind = result->object && !result->pixels;
     snprintf(cells->share, sizeof cells->share, "%.1f %%", 100 * result->share);
-    snprintf(cells->distance, sizeof cells->distance, "%.1f mm", result->distance);
-    row->detail[0] = cells->share;
+    snprintf(cells->distance, sizeof cells->distance, "%.1f mm", is_behind ? result->entry : result->distance);
+    row->detail[0] = is_behind ? "behind" : cells->share;
     row->hollow = !result->object;
     row->name = "unassigned";
     if (result->object) {
@@ -126,14 +127,14 @@ static void fill_rows(struct picture_legend *out, const struct picture *picture)
     size_t count = 0;
     for (size_t i = 0; i < conus_selection_count(selection); i++) {
         const conus_result *result = conus_selection_result(selection, i);
-        if (picture_lists(result)) {
+        if (picture_lists(result) || result->pierced) {
             fill_row(&out->rows[count], &out->cells[count], picture, result);
             count++;
         }
     }
     count += add_pathways(out->rows + count, out->words, picture);
     picture_describe_cone(out->subtitle, &selection->cone, picture->options.frame);
-    out->legend = (struct legend){.title = "First hits of the cone",
+    out->legend = (struct legend){.title = selection->has_layers ? "Hits of the cone" : "First hits of the cone",
                                   .subtitle = out->subtitle,
                                   .header = {"share", "distance"},
                                   .rows = out->rows,

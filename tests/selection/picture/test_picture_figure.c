@@ -344,6 +344,37 @@ static void a_legend_outside_leaves_the_drawing_alone(void **state)
     conus_image_destroy(right);
 }
 
+/* The height of the sheet with the legend below, of what the device hits of the atlas. */
+static uint32_t height_with_legend(const struct scene *scene, conus_layers layers)
+{
+    const conus_selector_options options = {.layers = layers};
+    conus_selector *selector = NULL;
+    conus_selection *selection = NULL;
+    conus_pose pose;
+    assert_ok(conus_selector_create(&selector, scene->atlas, &options));
+    assert_ok(conus_pose_toward(&pose, (double[]){-60, 0, 0}, (double[]){0, 0, 0}, NULL));
+    assert_ok(conus_select(&selection, selector, &pose, radians_from_degrees(60)));
+    conus_image *image = render(
+        scene,
+        (conus_view){.width = 2 * WIDTH, .height = 2 * HEIGHT, .selection = selection, .legend = CONUS_LEGEND_BELOW});
+    uint32_t height = conus_image_height(image);
+    conus_image_destroy(image);
+    conus_selection_destroy(selection);
+    conus_selector_destroy(selector);
+    return height;
+}
+
+/* From 60 mm to the left the left ball (centre at 40 mm, radius 8: 11.5 degrees to its rim) hides the right one (80 mm,
+ * 5.7 degrees) and nothing else: with all layers there is one row more. */
+static void what_is_behind_others_has_a_row_with_all_layers(void **state)
+{
+    need_font();
+    struct scene scene = need_scene(state);
+    uint32_t six = height_with_legend(&scene, CONUS_LAYERS_VISIBLE);
+    uint32_t seven = height_with_legend(&scene, CONUS_LAYERS_ALL);
+    assert_in_range(seven, six + 3, six + 30);
+}
+
 /* ---- Paper ------------------------------------------------------------------------------------------------------ */
 
 static const uint8_t *find_bytes(const uint8_t *data, size_t size, const char *word)
@@ -451,6 +482,7 @@ int main(void)
         cmocka_unit_test(letters_tell_left_from_right),
         cmocka_unit_test(backgrounds_lie_behind),
         cmocka_unit_test(a_legend_outside_leaves_the_drawing_alone),
+        cmocka_unit_test(what_is_behind_others_has_a_row_with_all_layers),
         cmocka_unit_test(files_say_how_large_they_are),
         cmocka_unit_test(letters_grow_with_the_resolution),
         cmocka_unit_test(views_out_of_range_are_refused),
