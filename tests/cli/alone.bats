@@ -76,6 +76,17 @@ save_as() {
     enter
 }
 
+# Likewise.
+save_figure() {
+    xdotool key --window "$window" ctrl+p
+    enter
+}
+
+# is_whole FILE.png: whether it is there to its last chunk.
+is_whole() {
+    tail -c 12 "$1" 2>/dev/null | grep -q IEND
+}
+
 is_there() {
     jq -e .objects "$1" >/dev/null 2>&1
 }
@@ -118,7 +129,7 @@ seen() {
     leave
 }
 
-@test "start, open by name, search, isolate, point, hold, read the name, save, close, start again: all is back" {
+@test "start, open by name, search, isolate, point, hold, read the name, save figure and session, close, start again: all is back" {
     need_window
     command -v xdotool >/dev/null || skip "no xdotool"
     export XDG_STATE_HOME=$PWD/state XDG_DATA_DIRS=$PWD/data HOME=$PWD CONUS_ATLAS_PATH=$PWD/mine
@@ -133,7 +144,7 @@ seen() {
     shows 'conus - slabs.nii.gz - Slab posterior (hit)' isolate_and_point
     shows 'conus - slabs.nii.gz - Slab posterior (held)' hold
     xdotool key --window "$window" greater # wider panels
-    # a figure of what is seen would be saved here
+    tries_until 'is_whole figure-1.png' save_figure
     tries_until 'is_there slabs-session.json' save_as
     wait_until "$child" titled 'conus - slabs.nii.gz [slabs-session.json] - Slab posterior (held)'
     xdotool key --window "$window" ctrl+q || : # the window may be gone before the key is let go
