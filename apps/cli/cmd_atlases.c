@@ -203,24 +203,16 @@ static void put_list(FILE *out, const conus_catalogue *catalogue, const struct l
     }
 }
 
-static int write_list(const conus_catalogue *catalogue, const struct list_settings *settings)
+struct list_text {
+    const conus_catalogue *catalogue;
+    const struct list_settings *settings;
+};
+
+static bool put_all(FILE *out, const void *what)
 {
-    char *text = NULL;
-    size_t size = 0;
-    int code = EXIT_DATA;
-    FILE *out = open_memstream(&text, &size);
-    if (out) {
-        put_list(out, catalogue, settings);
-        code = fclose(out) ? EXIT_DATA : EXIT_DONE;
-    }
-    if (code) {
-        print_error_line("not enough memory");
-    } else {
-        conus_plain_text(text);
-        code = output_write(NULL, text, strlen(text));
-    }
-    free(text);
-    return code;
+    const struct list_text *text = what;
+    put_list(out, text->catalogue, text->settings);
+    return true;
 }
 
 static int run_atlases(const void *given, const struct arguments *arguments)
@@ -233,7 +225,7 @@ static int run_atlases(const void *given, const struct arguments *arguments)
         return print_usage_error("--places is for --format table and tsv; json has the places anyway");
     }
     conus_status status = conus_catalogue_create(&catalogue, &options);
-    int code = status ? print_status(status) : write_list(catalogue, settings);
+    int code = status ? print_status(status) : output_put(put_all, &(struct list_text){catalogue, settings});
     conus_catalogue_destroy(catalogue);
     return code;
 }

@@ -60,22 +60,30 @@ static void put_tsv(FILE *out, const conus_cache *cache)
     }
 }
 
-static void put_table(FILE *out, const conus_cache *cache)
+static bool put_rows(FILE *out, const void *cache)
+{
+    put_tsv(out, cache);
+    return true;
+}
+
+static bool put_table(FILE *out, const void *what)
 {
     static const bool right[COLUMNS] = {[1] = true};
+    const conus_cache *cache = what;
     char *tsv = NULL;
     size_t size = 0;
     uint64_t bytes = 0;
     size_t count = conus_cache_count(cache);
     FILE *cells = open_memstream(&tsv, &size);
     if (!cells) {
-        return;
+        return false;
     }
     put_tsv(cells, cache);
     for (size_t i = 0; i < count; i++) {
         bytes += conus_cache_entry_at(cache, i)->size;
     }
-    if (fclose(cells) == 0 && count) {
+    bool whole = fclose(cells) == 0;
+    if (whole && count) {
         aligned_put(out, tsv, COLUMNS, right);
         fputc('\n', out);
     }
@@ -85,26 +93,7 @@ static void put_table(FILE *out, const conus_cache *cache)
     if (!conus_cache_limit()) {
         fputs("$CONUS_CACHE: no atlas is kept, or taken from there\n", out);
     }
-}
-
-static int write_list(const conus_cache *cache, bool as_tsv)
-{
-    char *text = NULL;
-    size_t size = 0;
-    FILE *out = open_memstream(&text, &size);
-    int code = EXIT_DATA;
-    if (out) {
-        (as_tsv ? put_tsv : put_table)(out, cache);
-        code = fclose(out) ? EXIT_DATA : EXIT_DONE;
-    }
-    if (code) {
-        print_error_line("not enough memory");
-    } else {
-        conus_plain_text(text);
-        code = output_write(NULL, text, strlen(text));
-    }
-    free(text);
-    return code;
+    return whole;
 }
 
 static int list_cache(const struct cache_settings *settings)
@@ -118,7 +107,7 @@ static int list_cache(const struct cache_settings *settings)
     if (problem) {
         print_error_line("note: nothing is kept, since %s", problem);
     }
-    int code = write_list(cache, settings->format == 1);
+    int code = output_put(settings->format == 1 ? put_rows : put_table, cache);
     conus_cache_destroy(cache);
     return code;
 }

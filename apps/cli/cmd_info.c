@@ -440,39 +440,27 @@ static int put_json(FILE *out, const conus_atlas *atlas, const conus_installed *
     return EXIT_DONE;
 }
 
-static int put_atlas(FILE *out, const conus_atlas *atlas, const conus_installed *installed, enum info_format format)
-{
-    if (format == INFO_JSON) {
-        return put_json(out, atlas, installed);
-    }
-    if (format == INFO_TABLE) {
-        return put_table(out, atlas, installed);
-    }
-    if (format == INFO_TREE) {
-        return info_tree(out, atlas) ? EXIT_DONE : EXIT_DATA;
-    }
-    put_tsv(out, atlas);
-    return EXIT_DONE;
-}
+/* What is written of an atlas, and how. */
+struct atlas_text {
+    const conus_atlas *atlas;
+    const conus_installed *installed;
+    enum info_format format;
+};
 
-/* All text first, then one write: nothing comes out of a failure. */
-static int write_atlas(const conus_atlas *atlas, const conus_installed *installed, enum info_format format)
+static bool put_atlas(FILE *out, const void *what)
 {
-    char *text = NULL;
-    size_t size = 0;
-    FILE *out = open_memstream(&text, &size);
-    int code = out ? put_atlas(out, atlas, installed, format) : EXIT_DATA;
-    if (out && fclose(out)) {
-        code = EXIT_DATA;
+    const struct atlas_text *text = what;
+    switch (text->format) {
+    case INFO_JSON:
+        return put_json(out, text->atlas, text->installed) == EXIT_DONE;
+    case INFO_TABLE:
+        return put_table(out, text->atlas, text->installed) == EXIT_DONE;
+    case INFO_TREE:
+        return info_tree(out, text->atlas);
+    default:
+        put_tsv(out, text->atlas);
+        return true;
     }
-    if (code) {
-        print_error_line("not enough memory");
-    } else {
-        conus_plain_text(text);
-        code = output_write(NULL, text, strlen(text));
-    }
-    free(text);
-    return code;
 }
 
 static int load_and_write(const struct atlas_name *name, const struct info_settings *settings)
@@ -486,7 +474,7 @@ static int load_and_write(const struct atlas_name *name, const struct info_setti
     }
     code = context_choice_load(atlas, &settings->context, &settings->atlas);
     if (!code) {
-        code = write_atlas(atlas, name->atlas, (enum info_format)settings->format);
+        code = output_put(put_atlas, &(struct atlas_text){atlas, name->atlas, (enum info_format)settings->format});
     }
     conus_atlas_destroy(atlas);
     return code;

@@ -36,6 +36,24 @@ int output_write(const char *path, const char *text, size_t size)
     return EXIT_DONE;
 }
 
+int output_put(bool put(FILE *out, const void *what), const void *what)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    bool whole = out && put(out, what);
+    whole = out && fclose(out) == 0 && whole;
+    int code = EXIT_DATA;
+    if (whole) {
+        conus_plain_text(text);
+        code = output_write(NULL, text, strlen(text));
+    } else {
+        print_error_line("not enough memory");
+    }
+    free(text);
+    return code;
+}
+
 int output_finish(int code)
 {
     if (code != EXIT_DONE && code != EXIT_DIFFERENT) {

@@ -7,12 +7,17 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdio.h>
 
 /** Whether @p path means stdout: NULL or "-". */
 bool output_is_stdout(const char *path);
 
 /** Writes to the file @p path, or to stdout. Returns the exit code and prints an error unless it is 0. */
 int output_write(const char *path, const char *text, size_t size);
+
+/** Has @p put write a text about @p what, makes it plain, then writes it to stdout in one piece: nothing comes out of a
+ * failure. Returns the exit code likewise. */
+int output_put(bool put(FILE *out, const void *what), const void *what);
 
 /** Flushes stdout: a full disk or a closed pipe is an error, not silence. Gives @p code if all is well
  * or something was wrong before. */

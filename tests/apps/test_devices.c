@@ -4,6 +4,7 @@
 #include "viewer/hands/hands.h"
 
 #include "test.h"
+#include "window_scene.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -116,15 +117,7 @@ static void what_is_wrong_with_a_gamepad_is_said(void **state)
 
 static void open_window(struct window *out, struct viewer *viewer)
 {
-    conus_atlas *atlas = NULL;
-    char path[600];
-    char folder[512];
-    snprintf(folder, sizeof folder, "%s", test_scratch("phantom"));
-    assert_ok(conus_phantom_write("nested", folder, NULL));
-    snprintf(path, sizeof path, "%s/nested.nii.gz", folder);
-    assert_ok(conus_atlas_load(&atlas, path, NULL));
-    assert_ok(viewer_create(viewer, &(struct view_source){.atlas = atlas, .path = path}, 1, NULL, NULL, NULL));
-    *out = (struct window){.viewer = viewer, .enlarged = -1};
+    window_scene_open(out, viewer);
     devices_init(&out->devices);
     gamepad_init(&out->devices.gamepad, read_fake);
 }

@@ -3,6 +3,7 @@
 #include "viewer/session/undo.h"
 
 #include "test.h"
+#include "window_scene.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -65,15 +66,7 @@ static const double back[3] = {0, -1, 0};
 
 static void open_window(struct window *out, struct viewer *viewer)
 {
-    conus_atlas *atlas = NULL;
-    char path[600];
-    char folder[512];
-    snprintf(folder, sizeof folder, "%s", test_scratch("phantom"));
-    assert_ok(conus_phantom_write("nested", folder, NULL));
-    snprintf(path, sizeof path, "%s/nested.nii.gz", folder);
-    assert_ok(conus_atlas_load(&atlas, path, NULL));
-    assert_ok(viewer_create(viewer, &(struct view_source){.atlas = atlas, .path = path}, 1, NULL, NULL, NULL));
-    *out = (struct window){.viewer = viewer, .enlarged = -1};
+    window_scene_open(out, viewer);
     undo_note(out);
 }
 

@@ -83,7 +83,7 @@ static void take_picture(struct window *window)
 
 /* ---- Over it ----------------------------------------------------------------------------------------------------- */
 
-static bool place_of(float out[2], const struct window *window, const double world[3])
+bool pane_3d_place(float out[2], const struct window *window, const double world[3])
 {
     const struct ui_box *box = &window->panes[PANE_3D];
     double at[2];
@@ -116,7 +116,7 @@ static void draw_names(const struct window *window)
     for (size_t i = 0; i < count && shown < NAMES_SHOWN; i++) {
         const conus_result *result = conus_selection_result(selection, i);
         float at[2];
-        if (result->object && result->pixels && place_of(at, window, result->contact)) {
+        if (result->object && result->pixels && pane_3d_place(at, window, result->contact)) {
             float y = at[1] - line / 2;
             for (size_t k = 0; k < shown; k++) {
                 y = fabsf(y - taken[k]) < line ? taken[k] + line : y;
@@ -172,7 +172,7 @@ static void draw_crosshair(const struct window *window)
         memcpy(to, viewer->crosshair, sizeof to);
         from[a] -= arm * viewer->radius;
         to[a] += arm * viewer->radius;
-        if (place_of(ends[0], window, from) && place_of(ends[1], window, to)) {
+        if (pane_3d_place(ends[0], window, from) && pane_3d_place(ends[1], window, to)) {
             ui_draw_line(ends[0], ends[1], cross, 1);
         }
     }

@@ -97,20 +97,10 @@ void pane_second_cut(struct window *window, const struct pane_plane *plane)
 
 /* ---- In 3-D ------------------------------------------------------------------------------------------------------ */
 
-static bool place_of(float out[2], const struct window *window, const double world[3])
-{
-    const struct ui_box *box = &window->panes[PANE_3D];
-    double at[2];
-    bool visible = sight_project(at, &window->sight, (double[]){(double)box->width, (double)box->height}, world);
-    out[0] = box->x + (float)at[0];
-    out[1] = box->y + (float)at[1];
-    return visible;
-}
-
 static void draw_between(const struct window *window, const double from[3], const double to[3])
 {
     float ends[2][2];
-    if (place_of(ends[0], window, from) && place_of(ends[1], window, to)) {
+    if (pane_3d_place(ends[0], window, from) && pane_3d_place(ends[1], window, to)) {
         draw_line(ends[0], ends[1]);
     }
 }
@@ -121,7 +111,7 @@ static void draw_best(const struct window *window)
     const conus_selection *selection = second_selection(&window->second, (size_t)(viewer->drawn - viewer->atlases));
     const conus_result *best = conus_selection_result(selection, 0);
     float at[2];
-    if (best && best->object && best->pixels && place_of(at, window, best->contact)) {
+    if (best && best->object && best->pixels && pane_3d_place(at, window, best->contact)) {
         ui_draw_circle(at, 4, second_colour, 1.5F);
         at[0] += 10;
         at[1] -= ui_line();
@@ -147,7 +137,7 @@ void pane_second_3d(struct window *window)
             draw_between(window, shell.near[i], shell.far[i]);
         }
     }
-    if (place_of(apex, window, window->second.pose.world_from_device + 12)) {
+    if (pane_3d_place(apex, window, window->second.pose.world_from_device + 12)) {
         ui_draw_circle(apex, 4, second_colour, 0);
     }
     draw_best(window);

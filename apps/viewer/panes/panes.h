@@ -9,6 +9,8 @@ void pane_cut(struct window *window, enum plane plane);
 /** What separates panes and panels, to be dragged; to be drawn before these. */
 void pane_borders(struct window *window);
 void pane_3d(struct window *window);
+/** Where a point (world mm) is in the 3-D pane, pixels of the window; false behind the eye. */
+bool pane_3d_place(float out[2], const struct window *window, const double world[3]);
 /** Lets the mouse on a cut change the context's grey values; true while it does. */
 bool pane_grey_drag(struct window *window, const struct ui_mouse *mouse);
 /** Writes them into a cut, where they are not those that were found. */
