@@ -1,0 +1,83 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * A tractogram: the streamlines of one file in world mm, as every reader leaves them and every room sees them. Objects
+ * of the atlas (bundles) are all of its streamlines or groups of them; a streamline may be in several groups. */
+#ifndef CONUS_ATLAS_TRACTS_TRACTOGRAM_H
+#define CONUS_ATLAS_TRACTS_TRACTOGRAM_H
+
+#include "atlas/tracts/tract_tree.h"
+#include "base/notes.h"
+
+/** mm: coordinates lie within it of 0. */
+#define TRACT_COORDINATE_LIMIT 1e9
+
+/** The default radius of streamlines, and the largest, mm. */
+#define TRACT_RADIUS 0.5
+#define TRACT_RADIUS_LIMIT 100.0
+
+/** Numbers that a file has of its points or streamlines, by name: FA, say. */
+struct tract_scalar {
+    char *name;          /**< Owned; UTF-8, one line.                                                              */
+    bool per_point;      /**< Else per streamline.                                                                 */
+    uint32_t components; /**< 1 or more numbers per point or streamline.                                           */
+    float *values;       /**< [point_count or streamline_count][components]; owned. NaN = the file says so.        */
+};
+
+/** Streamlines that a file calls by one name. */
+struct tract_group {
+    char *name;        /**< Owned; UTF-8, one line. */
+    uint32_t *members; /**< [count] Numbers of streamlines from 0, ascending, none twice; owned. */
+    size_t count;
+};
+
+struct tractogram {
+    char *path;               /**< As opened; owned. */
+    char format[64];          /**< "TrackVis 2, gzip, big-endian". */
+    char sha256[65];          /**< Of the file, in hexadecimal; of a TRX folder empty. */
+    float *points;            /**< [3 point_count] x, y, z in world mm (RAS); owned. NULL where halves has them. */
+    uint16_t *halves;         /**< The same in half precision (IEEE binary16), as the file has them; owned. */
+    uint64_t point_count;     /**< Of all streamlines together. */
+    uint64_t *first;          /**< [streamline_count + 1] Streamline k has the points first[k] to first[k + 1] - 1, which
+                                 may be none or one; first[0] is 0, the last is point_count. Owned. */
+    size_t streamline_count;  /**< Below UINT32_MAX. */
+    struct tract_scalar *scalars;
+    size_t scalar_count;
+    struct tract_group *groups; /**< Without a group all streamlines are one bundle. */
+    size_t group_count;
+    double radius;         /**< mm: what a ray hits is what is nearer than this to a streamline (Eq. 18). */
+    struct tract_tree tree; /**< Of all streamlines' segments; tractogram_grow_tree() makes it. */
+    double low[3], high[3]; /**< Bounds of all points, world mm; tractogram_grow_tree() fills them in. */
+    bool is_borrowed;       /**< Arrays of numbers, the tree's too, are not its own, and not to be written. */
+};
+
+/** Ends what it owns; a zeroed one is fine. */
+void tractogram_finish(struct tractogram *tractogram);
+
+/** The double that a half (IEEE binary16) is. */
+double tract_from_half(uint16_t half);
+
+/** Point @p index, world mm. */
+static inline void tractogram_point(double out[3], const struct tractogram *tractogram, uint64_t index)
+{
+    for (int a = 0; a < 3; a++) {
+        out[a] = tractogram->points ? (double)tractogram->points[3 * index + (uint64_t)a]
+                                    : tract_from_half(tractogram->halves[3 * index + (uint64_t)a]);
+    }
+}
+
+/** The streamline that has point @p index, below point_count. */
+uint32_t tractogram_streamline_of(const struct tractogram *tractogram, uint64_t index);
+
+/** Refuses what no engine may see, after a reader: a coordinate that is not within TRACT_COORDINATE_LIMIT of 0 (that of
+ * infinity and NaN too), a `first` that does not ascend from 0 to point_count, a member of a group out of range or
+ * order, too many streamlines, a radius that is not above 0 and at most TRACT_RADIUS_LIMIT. Notes count streamlines of
+ * no point and of one. CONUS_ERROR_DATA, and CONUS_ERROR_ARGUMENT for the radius. */
+conus_status tractogram_check(const struct tractogram *tractogram, struct notes *notes);
+
+/** Makes tree, low and high of a checked tractogram. CONUS_ERROR_MEMORY. */
+conus_status tractogram_grow_tree(struct tractogram *tractogram);
+
+/** Length of streamline @p number, mm. */
+double tractogram_length(const struct tractogram *tractogram, uint32_t number);
+
+#endif
