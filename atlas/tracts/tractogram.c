@@ -1,0 +1,191 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What a tractogram owns, what it may hold, and what is asked of its streamlines. */
+#include "atlas/tracts/tractogram.h"
+
+#include "base/math3.h"
+#include "base/memory.h"
+#include "base/text_number.h"
+
+#include <assert.h>
+
+static void finish_numbers(struct tractogram *tractogram)
+{
+    memory_free(tractogram->points);
+    memory_free(tractogram->halves);
+    memory_free(tractogram->first);
+    memory_free(tractogram->tree.nodes);
+    memory_free(tractogram->tree.runs);
+    for (size_t i = 0; i < tractogram->scalar_count; i++) {
+        memory_free(tractogram->scalars[i].values);
+    }
+    for (size_t i = 0; i < tractogram->group_count; i++) {
+        memory_free(tractogram->groups[i].members);
+    }
+}
+
+void tractogram_finish(struct tractogram *tractogram)
+{
+    if (!tractogram->is_borrowed) {
+        finish_numbers(tractogram);
+    }
+    for (size_t i = 0; i < tractogram->scalar_count; i++) {
+        memory_free(tractogram->scalars[i].name);
+    }
+    for (size_t i = 0; i < tractogram->group_count; i++) {
+        memory_free(tractogram->groups[i].name);
+    }
+    memory_free(tractogram->scalars);
+    memory_free(tractogram->groups);
+    memory_free(tractogram->path);
+    *tractogram = (struct tractogram){0};
+}
+
+double tract_from_half(uint16_t half)
+{
+    enum { INFINITE = 31, HALF_BIAS = 15, DOUBLE_BIAS = 1023 };
+    uint64_t exponent = half >> 10 & INFINITE;
+    uint64_t fraction = half & 0x3ffU;
+    double value = (double)fraction * 0x1p-24; /* subnormal */
+    if (exponent == INFINITE) {
+        value = fraction ? (double)NAN : (double)INFINITY;
+    } else if (exponent) {
+        uint64_t bits = (exponent - HALF_BIAS + DOUBLE_BIAS) << 52 | fraction << 42;
+        memcpy(&value, &bits, sizeof value);
+    }
+    return half & 0x8000U ? -value : value;
+}
+
+uint32_t tractogram_streamline_of(const struct tractogram *tractogram, uint64_t index)
+{
+    size_t low = 0;
+    size_t high = tractogram->streamline_count;
+    assert(index < tractogram->point_count);
+    while (high - low > 1) { /* first[low] <= index < first[high] */
+        size_t middle = low + (high - low) / 2;
+        *(tractogram->first[middle] <= index ? &low : &high) = middle;
+    }
+    return (uint32_t)low;
+}
+
+static conus_status check_first(const struct tractogram *tractogram)
+{
+    const uint64_t *first = tractogram->first;
+    size_t count = tractogram->streamline_count;
+    if (count >= UINT32_MAX) {
+        return fail(CONUS_ERROR_DATA, "streamlines: found %zu, allowed are %u", count, UINT32_MAX - 1);
+    }
+    if (first[0] != 0 || first[count] != tractogram->point_count) {
+        return fail(CONUS_ERROR_DATA, "streamlines: they have the points %llu to %llu, needed are all from 0 to %llu",
+                    (unsigned long long)first[0], (unsigned long long)first[count],
+                    (unsigned long long)tractogram->point_count);
+    }
+    for (size_t k = 0; k < count; k++) {
+        if (first[k] > first[k + 1]) {
+            return fail(CONUS_ERROR_DATA, "streamline %zu (from 0): begins at point %llu and ends before point %llu", k,
+                        (unsigned long long)first[k], (unsigned long long)first[k + 1]);
+        }
+    }
+    return CONUS_OK;
+}
+
+/* Whether all of @p count points from @p from on are where points may be; written so that compilers make vectors. */
+static bool are_within(const struct tractogram *tractogram, uint64_t from, uint64_t count)
+{
+    enum { EXPONENT = 0x7c00 };
+    int beyond = 0;
+    for (uint64_t i = 3 * from; tractogram->points && i < 3 * (from + count); i++) {
+        beyond |= !(fabsf(tractogram->points[i]) <= (float)TRACT_COORDINATE_LIMIT);
+    }
+    for (uint64_t i = 3 * from; !tractogram->points && i < 3 * (from + count); i++) {
+        beyond |= (tractogram->halves[i] & EXPONENT) == EXPONENT; /* the largest half is 65504 */
+    }
+    return !beyond;
+}
+
+static conus_status refuse_point(const struct tractogram *tractogram, uint64_t index)
+{
+    char text[3][TEXT_NUMBER_SIZE];
+    double point[3];
+    tractogram_point(point, tractogram, index);
+    uint32_t streamline = tractogram_streamline_of(tractogram, index);
+    return fail(CONUS_ERROR_DATA,
+                "point %llu of streamline %u (both from 0): found (%s, %s, %s) mm, allowed is within 1e9 of 0",
+                (unsigned long long)(index - tractogram->first[streamline]), streamline, text_number(text[0], point[0]),
+                text_number(text[1], point[1]), text_number(text[2], point[2]));
+}
+
+static conus_status check_points(const struct tractogram *tractogram)
+{
+    enum { BLOCK = 4096 };
+    assert(tractogram->points || tractogram->halves || !tractogram->point_count);
+    for (uint64_t from = 0; from < tractogram->point_count; from += BLOCK) {
+        uint64_t left = tractogram->point_count - from;
+        if (!are_within(tractogram, from, left < BLOCK ? left : BLOCK)) {
+            while (are_within(tractogram, from, 1)) {
+                from++;
+            }
+            return refuse_point(tractogram, from);
+        }
+    }
+    return CONUS_OK;
+}
+
+static conus_status check_group(const struct tract_group *group, size_t streamline_count)
+{
+    for (size_t i = 0; i < group->count; i++) {
+        if (group->members[i] >= streamline_count) {
+            return fail(CONUS_ERROR_DATA, "group '%s': found streamline %u, the file has %zu, from 0", group->name,
+                        group->members[i], streamline_count);
+        }
+        if (i && group->members[i - 1] >= group->members[i]) {
+            return fail(CONUS_ERROR_DATA, "group '%s': found streamline %u after %u, needed are ascending numbers",
+                        group->name, group->members[i], group->members[i - 1]);
+        }
+    }
+    return CONUS_OK;
+}
+
+static conus_status note_short(const struct tractogram *tractogram, struct notes *notes)
+{
+    size_t counts[2] = {0};
+    for (size_t k = 0; k < tractogram->streamline_count; k++) {
+        uint64_t count = tractogram->first[k + 1] - tractogram->first[k];
+        if (count < 2) {
+            counts[count]++;
+        }
+    }
+    if (!counts[0] && !counts[1]) {
+        return CONUS_OK;
+    }
+    return notes_add(notes, "streamlines: of %zu, %zu have no point and %zu have one", tractogram->streamline_count,
+                     counts[0], counts[1]);
+}
+
+conus_status tractogram_check(const struct tractogram *tractogram, struct notes *notes)
+{
+    if (!(tractogram->radius > 0 && tractogram->radius <= TRACT_RADIUS_LIMIT)) {
+        char text[TEXT_NUMBER_SIZE];
+        return fail(CONUS_ERROR_ARGUMENT, "radius: found %s mm, allowed is above 0 and at most %g",
+                    text_number(text, tractogram->radius), TRACT_RADIUS_LIMIT);
+    }
+    conus_status status = check_first(tractogram);
+    status = status ? status : check_points(tractogram);
+    for (size_t i = 0; !status && i < tractogram->group_count; i++) {
+        status = check_group(&tractogram->groups[i], tractogram->streamline_count);
+    }
+    return status ? status : note_short(tractogram, notes);
+}
+
+double tractogram_length(const struct tractogram *tractogram, uint32_t number)
+{
+    double length = 0;
+    for (uint64_t i = tractogram->first[number]; i + 1 < tractogram->first[number + 1]; i++) {
+        double points[2][3];
+        double step[3];
+        tractogram_point(points[0], tractogram, i);
+        tractogram_point(points[1], tractogram, i + 1);
+        vec3_sub(step, points[1], points[0]);
+        length += vec3_length(step);
+    }
+    return length;
+}
