@@ -24,13 +24,13 @@ struct bvh_box bvh_box_empty(uint32_t number)
 
 void bvh_box_extend(struct bvh_box *box, const float point[3])
 {
-    for (int a = 0; a < 3; a++) {
-        box->low[a] = fminf(box->low[a], point[a]);
-        box->high[a] = fmaxf(box->high[a], point[a]);
+    for (int a = 0; a < 3; a++) { /* fminf() and fmaxf() would be calls */
+        box->low[a] = point[a] < box->low[a] ? point[a] : box->low[a];
+        box->high[a] = point[a] > box->high[a] ? point[a] : box->high[a];
     }
 }
 
-static struct bvh_box box_around(const struct bvh_box *boxes, size_t count)
+struct bvh_box bvh_box_around(const struct bvh_box *boxes, size_t count)
 {
     struct bvh_box out = bvh_box_empty(0);
     for (size_t i = 0; i < count; i++) {
@@ -40,7 +40,7 @@ static struct bvh_box box_around(const struct bvh_box *boxes, size_t count)
     return out;
 }
 
-static int longest_axis(const struct bvh_box *box)
+int bvh_box_longest_axis(const struct bvh_box *box)
 {
     int axis = 0;
     for (int a = 1; a < 3; a++) {
@@ -80,8 +80,7 @@ static void part_at(struct bvh_box *boxes, size_t *first, size_t *second, int ax
     *second = i;
 }
 
-/* Moves the boxes with the lower middles before boxes[half]. */
-static void halve(struct bvh_box *boxes, size_t count, size_t half, int axis)
+void bvh_halve(struct bvh_box *boxes, size_t count, size_t half, int axis)
 {
     size_t low = 0;
     size_t high = count - 1;
@@ -113,7 +112,7 @@ static void build(struct bvh_node *nodes, struct bvh_box *boxes, size_t count)
     struct bvh_node *node = nodes;
     for (size_t left = 1; left > 0; node++) {
         struct range range = waiting[--left];
-        struct bvh_box box = box_around(boxes + range.first, range.count);
+        struct bvh_box box = bvh_box_around(boxes + range.first, range.count);
         bool leaf = range.count <= LEAF;
         memcpy(node->low, box.low, sizeof node->low);
         memcpy(node->high, box.high, sizeof node->high);
@@ -124,7 +123,7 @@ static void build(struct bvh_node *nodes, struct bvh_box *boxes, size_t count)
         }
         if (!leaf) {
             size_t half = range.count / 2;
-            halve(boxes + range.first, range.count, half, longest_axis(&box));
+            bvh_halve(boxes + range.first, range.count, half, bvh_box_longest_axis(&box));
             waiting[left++] = (struct range){range.first + half, range.count - half, node};
             waiting[left++] = (struct range){range.first, half, NULL};
         }

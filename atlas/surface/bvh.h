@@ -37,6 +37,15 @@ void bvh_box_extend(struct bvh_box *box, const float point[3]);
 /** A box that holds nothing yet. */
 struct bvh_box bvh_box_empty(uint32_t number);
 
+/** The box round @p count boxes, with number 0. */
+struct bvh_box bvh_box_around(const struct bvh_box *boxes, size_t count);
+
+/** 0 to 2; of equally long ones the first. */
+int bvh_box_longest_axis(const struct bvh_box *box);
+
+/** Reorders boxes: those with the lower middles along @p axis come before boxes[half]; half is below count. */
+void bvh_halve(struct bvh_box *boxes, size_t count, size_t half, int axis);
+
 /** Makes a tree of @p count boxes, at most UINT32_MAX, and reorders them. The same boxes in the same order give the
  * same tree. CONUS_ERROR_MEMORY. */
 conus_status bvh_init(struct bvh *out, struct bvh_box *boxes, size_t count);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
  * A tree of boxes round runs of streamlines' segments. It is small beside the points (a leaf is a run of up to
- * TRACT_RUN segments of one streamline), flat, and the same for the same points, so it can be packed and mapped. */
+ * TRACT_RUN segments of one streamline; streamlines of 100 points have 3 bytes of it a point), flat, and the same for
+ * the same points, so it can be packed and mapped. tract_node.h says how it lies in memory. */
 #ifndef CONUS_ATLAS_TRACTS_TRACT_TREE_H
 #define CONUS_ATLAS_TRACTS_TRACT_TREE_H
 
@@ -13,8 +14,8 @@
 
 enum { TRACT_RUN = 16 };
 
-/** Neighbouring segments of a streamline: of the points `point` to `point + segments`. Both ends of a run are points, of
- * which runs that follow each other share one. A streamline of one point is a run of no segment. */
+/** Neighbouring segments of a streamline: of the points `point` to `point + segments`. Both ends of a run are points,
+ * of which runs that follow each other share one. A streamline of one point is a run of no segment. */
 struct tract_run {
     uint64_t point;
     uint32_t streamline;

@@ -64,7 +64,7 @@ LIBRARY = {
     "base/formats": "base",
     "atlas/surface": "base",
     "atlas/deformation": "base",
-    "atlas/tracts": "base",
+    "atlas/tracts": "base atlas/surface",
     "atlas": "base atlas/surface atlas/deformation",
     "atlas/areas": "base atlas",
     "atlas/warp": "base atlas/deformation atlas",

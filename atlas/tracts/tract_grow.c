@@ -1,0 +1,177 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Makes the tree of a tractogram: cuts its streamlines into runs, halves their boxes at the median until a node has
+ * few, and puts boxes round them. At most 72 bytes a run are in use on the way. */
+#include "atlas/surface/bvh.h"
+#include "atlas/tracts/tract_node.h"
+#include "atlas/tracts/tractogram.h"
+#include "base/memory.h"
+
+#include <math.h>
+
+/* ---- Runs ------------------------------------------------------------------------------------------------------- */
+
+static uint64_t points_of(const struct tractogram *tractogram, size_t streamline)
+{
+    return tractogram->first[streamline + 1] - tractogram->first[streamline];
+}
+
+static size_t runs_of(uint64_t points)
+{
+    return (size_t)(points < 2 ? points : (points - 1 + TRACT_RUN - 1) / TRACT_RUN);
+}
+
+static size_t count_runs(const struct tractogram *tractogram)
+{
+    size_t count = 0;
+    for (size_t s = 0; s < tractogram->streamline_count; s++) {
+        count += runs_of(points_of(tractogram, s));
+    }
+    return count;
+}
+
+/* Cuts all streamlines from their first points on. */
+static void cut(struct tract_run *out, const struct tractogram *tractogram)
+{
+    for (size_t s = 0; s < tractogram->streamline_count; s++) {
+        uint64_t segments = points_of(tractogram, s) - 1; /* wraps where there is no point, and so no run */
+        size_t runs = runs_of(segments + 1);
+        for (size_t r = 0; r < runs; r++) {
+            uint64_t done = r * TRACT_RUN;
+            uint64_t left = segments - done;
+            *out++ = (struct tract_run){tractogram->first[s] + done, (uint32_t)s,
+                                        (uint32_t)(left < TRACT_RUN ? left : TRACT_RUN)};
+        }
+    }
+}
+
+static struct bvh_box box_of_run(const struct tractogram *tractogram, const struct tract_run *run, size_t number)
+{
+    struct bvh_box box = bvh_box_empty((uint32_t)number);
+    for (uint32_t k = 0; k <= run->segments; k++) {
+        double point[3];
+        tractogram_point(point, tractogram, run->point + k);
+        bvh_box_extend(&box, (float[3]){(float)point[0], (float)point[1], (float)point[2]});
+    }
+    return box;
+}
+
+/* ---- Order ------------------------------------------------------------------------------------------------------ */
+
+/* Halves runs that are items of one node, down to single nodes above level 0. All items but the last one are full. */
+static void arrange(struct bvh_box *boxes, size_t count)
+{
+    size_t item = 1;
+    while (item * TRACT_WIDTH < count) {
+        item *= TRACT_WIDTH;
+    }
+    if (item > 1) {
+        size_t half = (count + item - 1) / item / 2 * item;
+        struct bvh_box around = bvh_box_around(boxes, count);
+        bvh_halve(boxes, count, half, bvh_box_longest_axis(&around));
+        arrange(boxes, half);
+        arrange(boxes + half, count - half);
+    }
+}
+
+/* ---- Nodes ------------------------------------------------------------------------------------------------------ */
+
+static void node_init(struct tract_node *node)
+{
+    for (int lane = 0; lane < TRACT_WIDTH; lane++) {
+        for (int a = 0; a < 3; a++) {
+            node->low[a][lane] = INFINITY;
+            node->high[a][lane] = -INFINITY;
+        }
+    }
+}
+
+static void set_lane(struct tract_node *node, size_t lane, const struct bvh_box *box)
+{
+    for (int a = 0; a < 3; a++) {
+        node->low[a][lane] = box->low[a];
+        node->high[a][lane] = box->high[a];
+    }
+}
+
+static struct bvh_box box_of_node(const struct tract_node *node)
+{
+    struct bvh_box box = bvh_box_empty(0);
+    for (int lane = 0; lane < TRACT_WIDTH; lane++) {
+        bvh_box_extend(&box, (float[3]){node->low[0][lane], node->low[1][lane], node->low[2][lane]});
+        bvh_box_extend(&box, (float[3]){node->high[0][lane], node->high[1][lane], node->high[2][lane]});
+    }
+    return box;
+}
+
+/* The items of each level fill the nodes above it; those nodes are the items of the next. */
+static void fill_nodes(struct tract_node *nodes, const struct tract_levels *levels, const struct bvh_box *boxes,
+                       size_t count)
+{
+    for (size_t i = 0; i < levels->node_count; i++) {
+        node_init(&nodes[i]);
+    }
+    for (size_t i = 0; i < count; i++) {
+        set_lane(&nodes[i / TRACT_WIDTH], i % TRACT_WIDTH, &boxes[i]);
+    }
+    for (unsigned level = 1; level < levels->count; level++) {
+        for (size_t i = levels->first[level - 1]; i < levels->first[level]; i++) {
+            size_t item = i - levels->first[level - 1];
+            struct bvh_box box = box_of_node(&nodes[i]);
+            set_lane(&nodes[levels->first[level] + item / TRACT_WIDTH], item % TRACT_WIDTH, &box);
+        }
+    }
+}
+
+/* Makes the boxes of all runs, in the order of the leaves, and puts the runs in that order. */
+static conus_status order_runs(struct bvh_box *boxes, struct tract_run **runs, size_t count,
+                               const struct tractogram *tractogram)
+{
+    struct tract_run *ordered = memory_raw(count, sizeof *ordered);
+    if (!ordered) {
+        return CONUS_ERROR_MEMORY;
+    }
+    cut(*runs, tractogram);
+    for (size_t i = 0; i < count; i++) {
+        boxes[i] = box_of_run(tractogram, &(*runs)[i], i);
+    }
+    arrange(boxes, count);
+    for (size_t i = 0; i < count; i++) {
+        ordered[i] = (*runs)[boxes[i].number];
+    }
+    memory_free(*runs);
+    *runs = ordered;
+    return CONUS_OK;
+}
+
+static void keep_bounds(struct tractogram *tractogram, const struct bvh_box *boxes, size_t count)
+{
+    struct bvh_box around = bvh_box_around(boxes, count);
+    for (int a = 0; a < 3; a++) {
+        tractogram->low[a] = (double)around.low[a];
+        tractogram->high[a] = (double)around.high[a];
+    }
+}
+
+conus_status tractogram_grow_tree(struct tractogram *tractogram)
+{
+    size_t count = count_runs(tractogram);
+    if (count > UINT32_MAX) {
+        return fail(CONUS_ERROR_MEMORY, "%zu runs of %d segments, at most %u are allowed", count, TRACT_RUN,
+                    UINT32_MAX);
+    }
+    struct tract_levels levels = tract_levels_of(count);
+    struct bvh_box *boxes = memory_raw(count, sizeof *boxes);
+    struct tract_run *runs = memory_raw(count, sizeof *runs);
+    conus_status status = boxes && runs ? order_runs(boxes, &runs, count, tractogram) : CONUS_ERROR_MEMORY;
+    struct tract_node *nodes = status ? NULL : memory_raw(levels.node_count, sizeof *nodes);
+    if (!nodes) {
+        memory_free(boxes);
+        memory_free(runs);
+        return CONUS_ERROR_MEMORY;
+    }
+    fill_nodes(nodes, &levels, boxes, count);
+    keep_bounds(tractogram, boxes, count);
+    memory_free(boxes);
+    tractogram->tree = (struct tract_tree){nodes, levels.node_count, runs, count};
+    return CONUS_OK;
+}
