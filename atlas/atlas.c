@@ -36,6 +36,10 @@ void conus_atlas_destroy(conus_atlas *atlas)
         mesh_finish(&atlas->meshes[i]);
     }
     memory_free(atlas->meshes);
+    for (size_t i = 0; i < atlas->tractogram_count; i++) {
+        tractogram_finish(&atlas->tractograms[i]);
+    }
+    memory_free(atlas->tractograms);
     for (size_t i = 0; i < atlas->warp_count; i++) {
         deformation_finish(&atlas->warps[i].field);
     }
@@ -139,7 +143,7 @@ static conus_status append_mesh(conus_atlas *atlas, struct mesh *mesh)
 conus_status atlas_check_order(const conus_atlas *atlas, const conus_object *area)
 {
     return atlas->object_count > atlas->area_count
-               ? fail(CONUS_ERROR_ARGUMENT, "area %u: areas are added before pathways", area->label)
+               ? fail(CONUS_ERROR_ARGUMENT, "area %u: areas are added before pathways and streamlines", area->label)
                : CONUS_OK;
 }
 
@@ -279,7 +283,7 @@ const struct volume *atlas_parcellation(const conus_atlas *atlas)
 const struct volume *atlas_object_volume(const conus_atlas *atlas, uint32_t number)
 {
     struct object_place place = atlas->places[number - 1];
-    return place.is_mesh || place.index >= atlas->volume_count ? NULL : &atlas->volumes[place.index];
+    return place.is_mesh || place.is_bundle || place.index >= atlas->volume_count ? NULL : &atlas->volumes[place.index];
 }
 
 const struct volume *atlas_only_volume(const conus_atlas *atlas, uint32_t number)
@@ -353,6 +357,14 @@ uint32_t conus_atlas_depth(const conus_atlas *atlas, size_t number)
         object = conus_atlas_object(atlas, object->parent);
     }
     return depth;
+}
+
+const char *atlas_kind_word(conus_kind kind)
+{
+    static const char *const words[] = {
+        [CONUS_KIND_AREA] = "area", [CONUS_KIND_PATHWAY] = "pathway", [CONUS_KIND_BUNDLE] = "bundle"};
+    bool known = (size_t)kind < sizeof words / sizeof words[0] && words[kind];
+    return known ? words[kind] : "unassigned";
 }
 
 size_t conus_atlas_volume_count(const conus_atlas *atlas)

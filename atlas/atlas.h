@@ -7,16 +7,20 @@
 #include "atlas/label_voxels.h"
 #include "atlas/labels.h"
 #include "atlas/surface/mesh.h"
+#include "atlas/tracts/tractogram.h"
 #include "atlas/volume.h"
 #include "base/buffer.h"
 #include "base/file_sums.h"
 #include "base/notes.h"
 
-/** Where an object lies: in which of the atlas's meshes or volumes. An index beyond these: it has no shape. */
+/** Where an object lies: in which of the atlas's meshes, tractograms or volumes. An index beyond these: it has no
+ * shape. */
 struct object_place {
     bool is_mesh;
+    bool is_bundle; /**< Then the index is that of the tractogram. */
     bool is_hidden; /**< conus_atlas_set_hidden() says so. */
     size_t index;
+    size_t group;       /**< Of a bundle: which of the tractogram's groups, or BUNDLE_OF_ALL. */
     uint8_t own_rgb[3]; /**< The object's colour while the atlas has safe ones. */
 };
 
@@ -33,6 +37,8 @@ struct conus_atlas {
     size_t volume_count;
     struct mesh *meshes; /**< One per object that is a mesh.                                            */
     size_t mesh_count;
+    struct tractogram *tractograms; /**< As added. */
+    size_t tractogram_count;
     conus_object *objects;       /**< [object_count]; object number k is objects[k - 1]. Strings are owned.     */
     struct object_place *places; /**< [object_count]                                                            */
     size_t object_count;
@@ -202,6 +208,9 @@ void atlas_list_hidden(struct buffer *out, const conus_atlas *atlas);
 
 /** Appends it for people: "only Hippocampus_L", "all but A, B and 3 more"; nothing where nothing is hidden. */
 void atlas_describe_shown(struct buffer *out, const conus_atlas *atlas);
+
+/** "area", "pathway" or "bundle"; "unassigned" for everything else. */
+const char *atlas_kind_word(conus_kind kind);
 
 /** Whether @p number is @p ancestor or below it in the area tree. */
 bool atlas_is_below(const conus_atlas *atlas, uint32_t number, uint32_t ancestor);

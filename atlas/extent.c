@@ -2,6 +2,7 @@
 /* The box around an atlas, and the centre of an object. */
 #include "atlas/atlas.h"
 
+#include "atlas/bundles.h"
 #include "atlas/space.h"
 #include "base/math3.h"
 
@@ -124,6 +125,25 @@ static void add_volume(struct box *box, const struct volume *volume, const doubl
     }
 }
 
+/* Its points and a radius around them; nothing where the object is no bundle. */
+static void add_bundle(struct box *box, const conus_atlas *atlas, uint32_t number)
+{
+    const struct tractogram *tractogram = atlas_bundle_tractogram(atlas, number);
+    const struct tract_group *group = atlas_bundle_group(atlas, number);
+    size_t count = !tractogram ? 0 : group ? group->count : tractogram->streamline_count;
+    for (size_t i = 0; i < count; i++) {
+        uint32_t k = group ? group->members[i] : (uint32_t)i;
+        for (uint64_t at = tractogram->first[k]; at < tractogram->first[k + 1]; at++) {
+            double p[3];
+            tractogram_point(p, tractogram, at);
+            for (int a = 0; a < 3; a++) {
+                box->low[a] = fmin(box->low[a], p[a] - tractogram->radius);
+                box->high[a] = fmax(box->high[a], p[a] + tractogram->radius);
+            }
+        }
+    }
+}
+
 conus_status conus_atlas_bounds(double low[3], double high[3], const conus_atlas *atlas)
 {
     struct box box = empty_box;
@@ -137,6 +157,9 @@ conus_status conus_atlas_bounds(double low[3], double high[3], const conus_atlas
         if (mesh) {
             add_point(&box, mesh->shape.low);
             add_point(&box, mesh->shape.high);
+        }
+        if (!atlas->places[number - 1].is_hidden) {
+            add_bundle(&box, atlas, number);
         }
     }
     if (!(box.low[0] <= box.high[0])) {
@@ -246,6 +269,23 @@ static void add_triangles(struct moment *moment, const struct mesh *mesh)
     }
 }
 
+/* By their number. */
+static void add_points(struct moment *moment, const conus_atlas *atlas, uint32_t number)
+{
+    const struct tractogram *tractogram = atlas_bundle_tractogram(atlas, number);
+    const struct tract_group *group = atlas_bundle_group(atlas, number);
+    size_t count = !tractogram ? 0 : group ? group->count : tractogram->streamline_count;
+    for (size_t i = 0; i < count; i++) {
+        uint32_t k = group ? group->members[i] : (uint32_t)i;
+        for (uint64_t at = tractogram->first[k]; at < tractogram->first[k + 1]; at++) {
+            double p[3];
+            tractogram_point(p, tractogram, at);
+            vec3_add_scaled(moment->sum, moment->sum, 1, p);
+            moment->weight++;
+        }
+    }
+}
+
 conus_status conus_atlas_centre(double out[3], const conus_atlas *atlas, size_t number)
 {
     struct moment all = {0};
@@ -274,8 +314,9 @@ conus_status conus_atlas_centre(double out[3], const conus_atlas *atlas, size_t 
             add_triangles(&all, mesh);
         }
     }
+    add_points(&all, atlas, (uint32_t)number);
     if (!(all.weight > 0)) {
-        return fail(CONUS_ERROR_DATA, "%s has no voxels and no triangles", atlas->objects[number - 1].name);
+        return fail(CONUS_ERROR_DATA, "%s has no voxels, triangles or streamlines", atlas->objects[number - 1].name);
     }
     vec3_scale(out, all.sum, 1 / all.weight);
     return CONUS_OK;

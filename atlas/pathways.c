@@ -74,7 +74,10 @@ static void count_voxels(conus_object *object, const struct step *step, const co
 
 static void number_pathway(conus_object *pathway, const conus_atlas *atlas)
 {
-    uint32_t ordinal = (uint32_t)(atlas->object_count - atlas->area_count) + 1;
+    uint32_t ordinal = 1;
+    for (size_t i = atlas->area_count; i < atlas->object_count; i++) {
+        ordinal += atlas->objects[i].kind == CONUS_KIND_PATHWAY;
+    }
     pathway->label = ordinal;
     pathway->abbreviation = "";
     pathway->named = true;
@@ -242,8 +245,8 @@ static conus_status widen_masks(uint32_t **wide, const conus_atlas *atlas, const
     conus_status status = CONUS_OK;
     for (size_t i = atlas->area_count; !status && i < atlas->object_count; i++) {
         size_t index = atlas->places[i].index;
-        const struct volume *volume = &atlas->volumes[index];
-        if (volume->objects16 && !wide[index] && i + 1 + shift > UINT16_MAX) {
+        const struct volume *volume = atlas_object_volume(atlas, (uint32_t)i + 1);
+        if (volume && volume->objects16 && !wide[index] && i + 1 + shift > UINT16_MAX) {
             wide[index] = memory_zeroed(volume->voxel_count, sizeof **wide);
             status = wide[index] ? CONUS_OK : CONUS_ERROR_MEMORY;
         }

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Moves an atlas: matrices of voxels exactly, vertices in single precision. */
+/* Moves an atlas: matrices of voxels exactly, vertices and streamlines in single precision. */
 #include "atlas/placement.h"
 
+#include "atlas/bundles.h"
 #include "atlas/space.h"
 #include "base/math3.h"
 #include "base/memory.h"
@@ -13,10 +14,15 @@
 struct moved {
     struct volume *volumes; /* of which only info and voxel_from_world count */
     struct mesh *meshes;
+    struct tractogram *tractograms; /* of which only points and trees count */
 };
 
 static void moved_finish(struct moved *moved, const conus_atlas *atlas)
 {
+    for (size_t i = 0; moved->tractograms && i < atlas->tractogram_count; i++) {
+        tractogram_finish(&moved->tractograms[i]);
+    }
+    memory_free(moved->tractograms);
     for (size_t i = 0; moved->meshes && i < atlas->mesh_count; i++) {
         mesh_finish(&moved->meshes[i]);
     }
@@ -59,17 +65,18 @@ static conus_status move_all(struct moved *moved, const conus_atlas *atlas, cons
 {
     moved->volumes = memory_zeroed(atlas->volume_count, sizeof *moved->volumes);
     moved->meshes = memory_zeroed(atlas->mesh_count, sizeof *moved->meshes);
-    conus_status status = moved->volumes && moved->meshes ? CONUS_OK : CONUS_ERROR_MEMORY;
+    moved->tractograms = memory_zeroed(atlas->tractogram_count, sizeof *moved->tractograms);
+    conus_status status = moved->volumes && moved->meshes && moved->tractograms ? CONUS_OK : CONUS_ERROR_MEMORY;
     for (size_t i = 0; !status && i < atlas->volume_count; i++) {
         status = move_volume(&moved->volumes[i], &atlas->volumes[i], world_from_atlas);
     }
     for (size_t i = 0; !status && i < atlas->mesh_count; i++) {
         status = move_mesh(&moved->meshes[i], &atlas->meshes[i], world_from_atlas);
     }
-    return status;
+    return status ? status : bundles_move(moved->tractograms, atlas, world_from_atlas);
 }
 
-/* The old meshes are left in `moved`. */
+/* The old meshes and points are left in `moved`. */
 static void take(conus_atlas *atlas, struct moved *moved)
 {
     for (size_t i = 0; i < atlas->volume_count; i++) {
@@ -87,6 +94,7 @@ static void take(conus_atlas *atlas, struct moved *moved)
         old.path = NULL;
         moved->meshes[i] = old;
     }
+    bundles_take(atlas, moved->tractograms);
 }
 
 /* Volumes grow with the matrix; those of meshes are measured anew. */

@@ -87,7 +87,9 @@ static void consider_name(struct likeness *best, const char *name, struct text t
 static conus_status fail_unknown(const conus_atlas *atlas, size_t count, struct text text)
 {
     struct likeness best = {0};
-    const char *kind = count > atlas->area_count ? "area or pathway" : "area";
+    const char *kind = count <= atlas->area_count ? "area"
+                       : atlas->tractogram_count  ? "area, pathway or bundle"
+                                                  : "area or pathway";
     for (size_t i = 0; i < count; i++) {
         if (atlas_is_paired(atlas, (uint32_t)i + 1)) {
             continue;

@@ -93,7 +93,7 @@ static struct in_volume look_at_volume(const conus_atlas *atlas, size_t index, c
     struct in_volume found = {0};
     for (size_t i = 0; i < atlas->object_count; i++) {
         const struct object_place *place = &atlas->places[i];
-        if (!place->is_mesh && place->index == index) {
+        if (!place->is_mesh && !place->is_bundle && place->index == index) {
             found.count++;
             found.hidden += hidden[i + 1];
             found.changes = found.changes || place->is_hidden != hidden[i + 1];
@@ -228,7 +228,7 @@ static conus_status hide_list(bool *hidden, conus_atlas *atlas, const char *list
 
 static bool has_shape(const conus_object *object)
 {
-    return object->voxels || object->triangles;
+    return object->voxels || object->triangles || object->streamlines;
 }
 
 static conus_status need_something(const bool *hidden, const conus_atlas *atlas)
@@ -238,7 +238,8 @@ static conus_status need_something(const bool *hidden, const conus_atlas *atlas)
             return CONUS_OK;
         }
     }
-    return fail(CONUS_ERROR_ARGUMENT, "everything is hidden: nothing is left that has voxels or triangles");
+    return fail(CONUS_ERROR_ARGUMENT,
+                "everything is hidden: nothing is left that has voxels, triangles or streamlines");
 }
 
 conus_status conus_atlas_show(conus_atlas *atlas, const char *only, const char *hide)
@@ -260,31 +261,32 @@ conus_status conus_atlas_show(conus_atlas *atlas, const char *only, const char *
 /* ---- In words --------------------------------------------------------------------------------------------------- */
 
 /* Groups have nothing to hide. */
-static bool is_listed(const conus_atlas *atlas, size_t number)
+static bool is_listed(const conus_atlas *atlas, size_t number, conus_kind kind)
 {
-    return atlas->places[number - 1].is_hidden && has_shape(&atlas->objects[number - 1]);
+    const conus_object *object = &atlas->objects[number - 1];
+    return atlas->places[number - 1].is_hidden && object->kind == kind && has_shape(object);
 }
 
-/* Those of the objects from number @p first to @p last. */
-static void list_labels(struct buffer *out, const conus_atlas *atlas, size_t first, size_t last, const char *kind)
+/* Those of one kind, which `words` names. */
+static void list_labels(struct buffer *out, const conus_atlas *atlas, conus_kind kind, const char *words)
 {
     const char *before = out->size ? "; " : "";
-    for (size_t number = first; number <= last; number++) {
+    for (size_t number = 1; number <= atlas->object_count; number++) {
         size_t end = number;
         uint32_t label = atlas->objects[number - 1].label;
-        if (!is_listed(atlas, number)) {
+        if (!is_listed(atlas, number, kind)) {
             continue;
         }
-        while (end < last && is_listed(atlas, end + 1) &&
+        while (end < atlas->object_count && is_listed(atlas, end + 1, kind) &&
                atlas->objects[end].label == label + (uint32_t)(end + 1 - number)) {
             end++;
         }
-        buffer_format(out, "%s%s%u", before, kind, label);
+        buffer_format(out, "%s%s%u", before, words, label);
         if (end > number) {
             buffer_format(out, "-%u", atlas->objects[end - 1].label);
         }
         before = ",";
-        kind = "";
+        words = "";
         number = end;
     }
 }
@@ -292,8 +294,9 @@ static void list_labels(struct buffer *out, const conus_atlas *atlas, size_t fir
 void atlas_list_hidden(struct buffer *out, const conus_atlas *atlas)
 {
     struct buffer list = {0};
-    list_labels(&list, atlas, 1, atlas->area_count, "areas ");
-    list_labels(&list, atlas, atlas->area_count + 1, atlas->object_count, "pathways ");
+    list_labels(&list, atlas, CONUS_KIND_AREA, "areas ");
+    list_labels(&list, atlas, CONUS_KIND_PATHWAY, "pathways ");
+    list_labels(&list, atlas, CONUS_KIND_BUNDLE, "bundles ");
     out->failed = out->failed || list.failed;
     buffer_text(out, list.data ? list.data : "");
     buffer_finish(&list);

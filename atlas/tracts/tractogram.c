@@ -8,13 +8,17 @@
 
 #include <assert.h>
 
-static void finish_numbers(struct tractogram *tractogram)
+static void finish_points(struct tractogram *tractogram)
 {
     memory_free(tractogram->points);
     memory_free(tractogram->halves);
-    memory_free(tractogram->first);
     memory_free(tractogram->tree.nodes);
     memory_free(tractogram->tree.runs);
+}
+
+static void finish_others(struct tractogram *tractogram)
+{
+    memory_free(tractogram->first);
     for (size_t i = 0; i < tractogram->scalar_count; i++) {
         memory_free(tractogram->scalars[i].values);
     }
@@ -25,8 +29,11 @@ static void finish_numbers(struct tractogram *tractogram)
 
 void tractogram_finish(struct tractogram *tractogram)
 {
+    if (!tractogram->has_borrowed_points) {
+        finish_points(tractogram);
+    }
     if (!tractogram->is_borrowed) {
-        finish_numbers(tractogram);
+        finish_others(tractogram);
     }
     for (size_t i = 0; i < tractogram->scalar_count; i++) {
         memory_free(tractogram->scalars[i].name);

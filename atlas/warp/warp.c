@@ -90,6 +90,9 @@ static conus_status check_state(const conus_atlas *atlas)
     for (size_t i = 0; i < atlas->volume_count; i++) {
         attached = attached || (atlas->volumes[i].is_borrowed && !atlas->volumes[i].source);
     }
+    if (atlas->tractogram_count) {
+        return fail(CONUS_ERROR_UNSUPPORTED, "streamlines cannot be moved by a field: they are added behind it");
+    }
     if (atlas_has_hidden(atlas)) {
         return fail(CONUS_ERROR_ARGUMENT, "an atlas is warped before something of it is hidden");
     }

@@ -18,15 +18,16 @@ extern "C" {
 
 /** What an object or a result is. */
 typedef enum conus_kind {
-    CONUS_KIND_AREA = 1,  /**< An area of a parcellation or of a probabilistic atlas, a mesh, or a group of areas. */
-    CONUS_KIND_PATHWAY,   /**< A scalar volume from a threshold on, or in a band of values. */
-    CONUS_KIND_UNASSIGNED /**< Only of a result: the pixels that hit no object, or first a context that blocks. */
+    CONUS_KIND_AREA = 1,   /**< An area of a parcellation or of a probabilistic atlas, a mesh, or a group of areas. */
+    CONUS_KIND_PATHWAY,    /**< A scalar volume from a threshold on, or in a band of values. */
+    CONUS_KIND_UNASSIGNED, /**< Only of a result: the pixels that hit no object, or first a context that blocks. */
+    CONUS_KIND_BUNDLE      /**< Streamlines of a tractogram: all of them, or a group. */
 } conus_kind;
 
-/** An area or a pathway. */
+/** An area, a pathway or a bundle. */
 typedef struct conus_object {
-    conus_kind kind;          /**< #CONUS_KIND_AREA or #CONUS_KIND_PATHWAY. */
-    uint32_t label;           /**< The atlas's own number of the area; a pathway's ordinal, from 1. */
+    conus_kind kind;          /**< #CONUS_KIND_AREA, #CONUS_KIND_PATHWAY or #CONUS_KIND_BUNDLE. */
+    uint32_t label;           /**< The atlas's own number of the area; a pathway's or bundle's ordinal, from 1. */
     const char *name;         /**< UTF-8, one line. An area that no table names has its number here. */
     const char *abbreviation; /**< UTF-8; "" if the table gives none. */
     char hemisphere;          /**< 'L', 'R' or 'B' (both) where the table says so, else 0. */
@@ -42,12 +43,16 @@ typedef struct conus_object {
     size_t volume; /**< Of what has voxels: index of its volume, for conus_atlas_volume(); else 0. */
     double low;    /**< Of these: the least value of its voxels, its threshold; -INFINITY = any. Else 0. */
     double high;   /**< Of these: its voxels' values are below it; INFINITY = any. Else 0. */
+    uint64_t streamlines; /**< Of a bundle: how many it has; else 0. */
+    uint64_t points;      /**< Of these. */
+    double length_mm;     /**< Of these, added up, mm. */
+    double radius;        /**< Of a bundle: a ray hits what is nearer than this to a streamline, mm (Eq. 18). Else 0. */
 } conus_object;
 
 /**
  * Counts the objects. Areas come first: those of each volume of labels, then those that are meshes, each ordered by
- * label, then those that only group others, then those of a probabilistic atlas. Pathways follow in the order in which
- * they were added.
+ * label, then those that only group others, then those of a probabilistic atlas. Pathways and bundles follow in the
+ * order in which they were added.
  * @param atlas NULL counts 0.
  * @return How many objects there are; their numbers are 1 to this.
  * @threads Any, while none changes the atlas.
@@ -69,14 +74,14 @@ CONUS_API const conus_object *conus_atlas_object(const conus_atlas *atlas, size_
  * Gives the depth of an area in the tree, as levels count it.
  * @param atlas The atlas.
  * @param number Number of the object.
- * @return 1 for roots; a merged area has the depth of its pair; 0 for a pathway.
+ * @return 1 for roots; a merged area has the depth of its pair; 0 for a pathway or bundle.
  * @threads Any, while none changes the atlas.
  * @since 0.1
  */
 CONUS_API uint32_t conus_atlas_depth(const conus_atlas *atlas, size_t number);
 
 /**
- * Finds the pathway called @p name, or else the one area with that name, abbreviation or label.
+ * Finds the pathway or bundle called @p name, or else the one area with that name, abbreviation or label.
  * @param[out] out Its number.
  * @param atlas The atlas.
  * @param name What to find.
@@ -263,7 +268,7 @@ CONUS_API size_t conus_atlas_file_count(const conus_atlas *atlas);
 CONUS_API const char *conus_atlas_file(const conus_atlas *atlas, size_t index);
 
 /**
- * Finds the box around all voxels and triangles of areas and pathways that are not hidden.
+ * Finds the box around all voxels, triangles and streamlines that are not hidden.
  * @param[out] low Its lowest x, y, z, world mm.
  * @param[out] high Its highest x, y, z, world mm.
  * @param atlas The atlas.
@@ -274,8 +279,8 @@ CONUS_API const char *conus_atlas_file(const conus_atlas *atlas, size_t index);
 CONUS_CHECKED conus_status conus_atlas_bounds(double low[3], double high[3], const conus_atlas *atlas);
 
 /**
- * Finds the mean position of the voxels or triangles of an object and of those below it in the area tree, hidden or
- * not.
+ * Finds the mean position of the voxels or triangles of an object and of those below it in the area tree, or of the
+ * points of a bundle, hidden or not.
  * @param[out] out World mm.
  * @param atlas The atlas.
  * @param number Number of the object.

@@ -63,6 +63,12 @@ static conus_status choose_one(struct haze_choice *choice, const conus_atlas *at
     return CONUS_OK;
 }
 
+static bool is_pathway(const conus_atlas *atlas, uint32_t number)
+{
+    const conus_object *object = conus_atlas_object(atlas, number);
+    return object && object->kind == CONUS_KIND_PATHWAY;
+}
+
 /* Entries for all pathways come first, whatever their order, so that others replace them. */
 static conus_status choose_pass(struct haze_choice *out, const conus_atlas *atlas,
                                 const conus_renderer_options *options, bool all)
@@ -70,14 +76,14 @@ static conus_status choose_pass(struct haze_choice *out, const conus_atlas *atla
     conus_status status = CONUS_OK;
     for (size_t i = 0; i < options->pathway_count && !status; i++) {
         const conus_pathway_transfer *entry = &options->pathways[i];
-        if (entry->pathway && (entry->pathway <= atlas->area_count || entry->pathway > atlas->object_count)) {
+        if (entry->pathway && !is_pathway(atlas, entry->pathway)) {
             return fail(CONUS_ERROR_ARGUMENT, "transfer function of object %u, which is no pathway", entry->pathway);
         }
         if ((entry->pathway == 0) == all) {
             uint32_t first = all ? (uint32_t)atlas->area_count + 1 : entry->pathway;
             uint32_t last = all ? (uint32_t)atlas->object_count : entry->pathway;
             for (uint32_t number = first; number <= last && !status; number++) {
-                status = choose_one(out, atlas, number, entry->transfer);
+                status = is_pathway(atlas, number) ? choose_one(out, atlas, number, entry->transfer) : CONUS_OK;
             }
         }
     }
@@ -89,7 +95,11 @@ conus_status haze_choose(struct haze_choice *out, const conus_atlas *atlas, cons
     if (!options->pathway_count) {
         return CONUS_OK;
     }
-    if (atlas->area_count == atlas->object_count) {
+    bool has_pathways = false;
+    for (uint32_t number = 1; number <= atlas->object_count && !has_pathways; number++) {
+        has_pathways = is_pathway(atlas, number);
+    }
+    if (!has_pathways) {
         return fail(CONUS_ERROR_ARGUMENT, "transfer function of pathways: the atlas has none");
     }
     out->object_count = atlas->object_count;

@@ -42,7 +42,8 @@ static uint64_t layout_of_structures(void)
 {
     const size_t sizes[] = {sizeof(struct head),         sizeof(conus_atlas),         sizeof(struct volume),
                             sizeof(conus_object),        sizeof(struct object_place), sizeof(struct mesh),
-                            sizeof(struct distance_map), sizeof(struct hidden_run),   sizeof(struct warp)};
+                            sizeof(struct distance_map), sizeof(struct hidden_run),   sizeof(struct warp),
+                            sizeof(struct tractogram)};
     uint64_t layout = 0;
     for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
         layout = 1000003 * layout + sizes[i];

@@ -235,7 +235,7 @@ static conus_status add_names(struct deep_image *image, const conus_selection *s
             names.of_numbers[3 * i] = named[i].object->name;
             names.of_numbers[3 * i + 1] = names.digits[i];
             snprintf(names.digits[i], sizeof names.digits[i], "%u", named[i].object->label);
-            names.of_numbers[3 * i + 2] = named[i].object->kind == CONUS_KIND_PATHWAY ? "pathway" : "area";
+            names.of_numbers[3 * i + 2] = atlas_kind_word(named[i].object->kind);
         }
         status = format_names(&image->manifest, &names, named, count);
         names_finish(&names, count);

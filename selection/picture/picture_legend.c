@@ -82,8 +82,9 @@ static size_t add_pathways(struct legend_row rows[PATHWAY_ROWS], char words[TEXT
     size_t count = 0;
     size_t others = 0;
     for (size_t number = atlas->area_count + 1; number <= atlas->object_count; number++) {
-        if (!conus_atlas_is_hidden(atlas, number) && picture->emphasis[number] == EMPHASIS_PALE) {
-            const conus_object *pathway = &atlas->objects[number - 1];
+        const conus_object *pathway = &atlas->objects[number - 1];
+        if (pathway->kind == CONUS_KIND_PATHWAY && !conus_atlas_is_hidden(atlas, number) &&
+            picture->emphasis[number] == EMPHASIS_PALE) {
             if (others++ < PATHWAY_ROWS - 1) {
                 rows[count++] = (struct legend_row){.name = pathway->name, .detail = {"not hit"}};
                 set_chip(&rows[count - 1], picture, (uint32_t)number);

@@ -184,7 +184,7 @@ static conus_status add_names(conus_image *image, const conus_selection *selecti
         const conus_object *object = conus_atlas_object(selection->atlas, number);
         if (object) {
             buffer_format(&text, "%u\t%u\t%s\t%s\n", number, object->label,
-                          object->kind == CONUS_KIND_PATHWAY ? "pathway" : "area", object->name);
+                          atlas_kind_word(object->kind), object->name);
         }
     }
     conus_status status = buffer_status(&text);

@@ -47,7 +47,7 @@ static struct cell get_query(const conus_report *report, const struct report_row
 
 const char *report_kind(conus_kind kind)
 {
-    return kind == CONUS_KIND_AREA ? "area" : kind == CONUS_KIND_PATHWAY ? "pathway" : "unassigned";
+    return atlas_kind_word(kind);
 }
 
 static struct cell get_kind(const conus_report *report, const struct report_row *row)

@@ -65,7 +65,7 @@ LIBRARY = {
     "atlas/surface": "base",
     "atlas/deformation": "base",
     "atlas/tracts": "base atlas/surface",
-    "atlas": "base atlas/surface atlas/deformation",
+    "atlas": "base atlas/surface atlas/deformation atlas/tracts",
     "atlas/areas": "base atlas",
     "atlas/warp": "base atlas/deformation atlas",
     "atlas/fit": "base atlas/surface atlas",

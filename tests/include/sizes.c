@@ -39,7 +39,7 @@ SIZE(conus_installed, 64);
 SIZE(conus_catalogue_place, 32);
 SIZE(conus_label, 40);
 SIZE(conus_band, 24);
-SIZE(conus_object, 96);
+SIZE(conus_object, 128);
 SIZE(conus_volume_info, 488);
 SIZE(conus_pose, 128);
 SIZE(conus_pose_row, 192);

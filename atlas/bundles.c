@@ -1,0 +1,248 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* From a tractogram to the bundles of an atlas. */
+#include "atlas/bundles.h"
+
+#include "atlas/palette.h"
+#include "base/math3.h"
+#include "base/memory.h"
+
+#include <string.h>
+
+enum { FIRST_COLOUR = 2000 }; /* of the palette, away from those of areas and pathways */
+
+/* ---- The streamlines that no group has -------------------------------------------------------------------------- */
+
+/* Numbers of the streamlines that no group has; all of them where there are no groups. */
+static conus_status find_rest(struct tract_group *out, const struct tractogram *tractogram)
+{
+    bool *grouped = memory_zeroed(tractogram->streamline_count, sizeof *grouped);
+    uint32_t *rest = memory_raw(tractogram->streamline_count, sizeof *rest);
+    if (!grouped || !rest) {
+        memory_free(grouped);
+        memory_free(rest);
+        return CONUS_ERROR_MEMORY;
+    }
+    for (size_t g = 0; g < tractogram->group_count; g++) {
+        for (size_t i = 0; i < tractogram->groups[g].count; i++) {
+            grouped[tractogram->groups[g].members[i]] = true;
+        }
+    }
+    for (uint32_t k = 0; k < tractogram->streamline_count; k++) {
+        if (!grouped[k]) {
+            rest[out->count++] = k;
+        }
+    }
+    memory_free(grouped);
+    out->members = rest;
+    return CONUS_OK;
+}
+
+/* Makes them a group, the last one, unless there are none. */
+static conus_status group_rest(struct tractogram *tractogram, const char *name)
+{
+    struct tract_group rest = {0};
+    conus_status status = find_rest(&rest, tractogram);
+    size_t count = tractogram->group_count + (rest.count > 0);
+    rest.name = status ? NULL : memory_text(name, strlen(name));
+    struct tract_group *groups = rest.name ? memory_resize(tractogram->groups, count, sizeof *groups) : NULL;
+    if (!groups) {
+        memory_free(rest.name);
+        memory_free(rest.members);
+        return status ? status : CONUS_ERROR_MEMORY;
+    }
+    tractogram->groups = groups;
+    if (rest.count) {
+        groups[tractogram->group_count++] = rest;
+    } else {
+        memory_free(rest.name);
+        memory_free(rest.members);
+    }
+    return CONUS_OK;
+}
+
+/* ---- Objects ---------------------------------------------------------------------------------------------------- */
+
+const struct tractogram *atlas_bundle_tractogram(const conus_atlas *atlas, uint32_t number)
+{
+    struct object_place place = atlas->places[number - 1];
+    return place.is_bundle ? &atlas->tractograms[place.index] : NULL;
+}
+
+const struct tract_group *atlas_bundle_group(const conus_atlas *atlas, uint32_t number)
+{
+    const struct tractogram *tractogram = atlas_bundle_tractogram(atlas, number);
+    size_t group = atlas->places[number - 1].group;
+    return tractogram && group != BUNDLE_OF_ALL ? &tractogram->groups[group] : NULL;
+}
+
+bool atlas_has_bundles(const conus_atlas *atlas)
+{
+    bool found = false;
+    for (size_t i = atlas->area_count; i < atlas->object_count && !found; i++) {
+        found = atlas->places[i].is_bundle && !atlas->places[i].is_hidden;
+    }
+    return found;
+}
+
+/* What the streamlines of a group, or all, amount to. */
+static void measure_bundle(conus_object *bundle, const struct tractogram *tractogram, const struct tract_group *group)
+{
+    size_t count = group ? group->count : tractogram->streamline_count;
+    bundle->streamlines = count;
+    bundle->points = 0;
+    bundle->length_mm = 0;
+    for (size_t i = 0; i < count; i++) {
+        uint32_t k = group ? group->members[i] : (uint32_t)i;
+        bundle->points += tractogram->first[k + 1] - tractogram->first[k];
+        bundle->length_mm += tractogram_length(tractogram, k);
+    }
+}
+
+static uint32_t next_ordinal(const conus_atlas *atlas)
+{
+    uint32_t ordinal = 1;
+    for (size_t i = atlas->area_count; i < atlas->object_count; i++) {
+        ordinal += atlas->places[i].is_bundle;
+    }
+    return ordinal;
+}
+
+static conus_status check_name(const conus_atlas *atlas, const char *name, const char *path)
+{
+    for (size_t i = atlas->area_count; i < atlas->object_count; i++) {
+        if (strcmp(atlas->objects[i].name, name) == 0) {
+            return fail(CONUS_ERROR_ARGUMENT, "%s: bundle %s: another %s has that name", path, name,
+                        atlas->places[i].is_bundle ? "bundle" : "pathway");
+        }
+    }
+    return CONUS_OK;
+}
+
+/* Of the tractogram that comes next. */
+static conus_status append_bundle(conus_atlas *atlas, const struct tractogram *tractogram, const char *name,
+                                  size_t group)
+{
+    conus_object bundle = {.kind = CONUS_KIND_BUNDLE,
+                           .label = next_ordinal(atlas),
+                           .name = name,
+                           .abbreviation = "",
+                           .named = true,
+                           .radius = tractogram->radius};
+    const struct object_place place = {.is_bundle = true, .index = atlas->tractogram_count, .group = group};
+    palette_colour(bundle.rgb, FIRST_COLOUR + bundle.label);
+    measure_bundle(&bundle, tractogram, group == BUNDLE_OF_ALL ? NULL : &tractogram->groups[group]);
+    conus_status status = check_name(atlas, name, tractogram->path);
+    return status ? status : atlas_append_object(atlas, &bundle, place);
+}
+
+static conus_status append_tractogram(conus_atlas *atlas, struct tractogram *tractogram)
+{
+    struct tractogram *all = memory_resize(atlas->tractograms, atlas->tractogram_count + 1, sizeof *all);
+    if (!all) {
+        return CONUS_ERROR_MEMORY;
+    }
+    atlas->tractograms = all;
+    all[atlas->tractogram_count++] = *tractogram;
+    *tractogram = (struct tractogram){0};
+    return CONUS_OK;
+}
+
+conus_status atlas_add_tractogram(conus_atlas *atlas, struct tractogram *tractogram, const char *name)
+{
+    size_t before = atlas->object_count;
+    conus_status status = tractogram_grow_tree(tractogram);
+    if (!status && tractogram->group_count) {
+        status = group_rest(tractogram, name);
+    } else if (!status) {
+        status = append_bundle(atlas, tractogram, name, BUNDLE_OF_ALL);
+    }
+    for (size_t g = 0; g < tractogram->group_count && !status; g++) {
+        status = append_bundle(atlas, tractogram, tractogram->groups[g].name, g);
+    }
+    status = status ? status : append_tractogram(atlas, tractogram);
+    if (status) {
+        atlas_cut_objects(atlas, before);
+    }
+    return status;
+}
+
+/* ---- Moves ------------------------------------------------------------------------------------------------------ */
+
+static conus_status move_points(struct tractogram *out, const struct tractogram *tractogram, const double matrix[16])
+{
+    float *points = memory_raw(tractogram->point_count, 3 * sizeof *points);
+    if (!points) {
+        return CONUS_ERROR_MEMORY;
+    }
+    out->points = points;
+    for (uint64_t i = 0; i < tractogram->point_count; i++) {
+        double p[3];
+        tractogram_point(p, tractogram, i);
+        mat4_point(p, matrix, p);
+        for (int a = 0; a < 3; a++) {
+            if (!(fabs(p[a]) <= TRACT_COORDINATE_LIMIT)) {
+                return fail(CONUS_ERROR_DATA, "%s: a point is moved to more than %g mm from 0", tractogram->path,
+                            TRACT_COORDINATE_LIMIT);
+            }
+            *points++ = (float)p[a];
+        }
+    }
+    return CONUS_OK;
+}
+
+/* `first` is lent to it for the tree. */
+static conus_status move_one(struct tractogram *out, const struct tractogram *tractogram, const double matrix[16])
+{
+    *out =
+        (struct tractogram){.point_count = tractogram->point_count, .streamline_count = tractogram->streamline_count};
+    conus_status status = move_points(out, tractogram, matrix);
+    if (!status) {
+        out->first = tractogram->first;
+        status = tractogram_grow_tree(out);
+        out->first = NULL;
+    }
+    return status;
+}
+
+conus_status bundles_move(struct tractogram *out, const conus_atlas *atlas, const double world_from_atlas[16])
+{
+    size_t made = 0;
+    conus_status status = CONUS_OK;
+    while (made < atlas->tractogram_count && !status) {
+        status = move_one(&out[made], &atlas->tractograms[made], world_from_atlas);
+        made++;
+    }
+    for (size_t i = 0; i < made && status; i++) {
+        tractogram_finish(&out[i]);
+        out[i] = (struct tractogram){0};
+    }
+    return status;
+}
+
+static void exchange_points(struct tractogram *a, struct tractogram *b)
+{
+    struct tractogram held = *a;
+    a->points = b->points;
+    a->halves = b->halves;
+    a->tree = b->tree;
+    a->has_borrowed_points = b->has_borrowed_points;
+    memcpy(a->low, b->low, sizeof a->low);
+    memcpy(a->high, b->high, sizeof a->high);
+    b->points = held.points;
+    b->halves = held.halves;
+    b->tree = held.tree;
+    b->has_borrowed_points = held.has_borrowed_points;
+}
+
+void bundles_take(conus_atlas *atlas, struct tractogram *moved)
+{
+    for (size_t i = 0; i < atlas->tractogram_count; i++) {
+        exchange_points(&atlas->tractograms[i], &moved[i]);
+    }
+    for (uint32_t number = (uint32_t)atlas->area_count + 1; number <= atlas->object_count; number++) {
+        const struct tractogram *tractogram = atlas_bundle_tractogram(atlas, number);
+        if (tractogram) {
+            measure_bundle(&atlas->objects[number - 1], tractogram, atlas_bundle_group(atlas, number));
+        }
+    }
+}
