@@ -321,7 +321,7 @@ static size_t next_of(const conus_atlas *atlas, size_t number, bool is_band)
 {
     number = number > atlas->area_count ? number : atlas->area_count + 1;
     while (number <= atlas->object_count &&
-           (atlas->places[number - 1].is_hidden || atlas->objects[number - 1].kind != CONUS_KIND_PATHWAY ||
+           (atlas->objects[number - 1].kind != CONUS_KIND_PATHWAY || atlas->places[number - 1].is_hidden ||
             atlas->objects[number - 1].is_band != is_band)) {
         number++;
     }
