@@ -136,7 +136,8 @@ typedef enum conus_side {
 
 /** Where a picture's legend is. */
 typedef enum conus_legend {
-    CONUS_LEGEND_INSIDE = 0, /**< In a corner of the drawing, which leaves a margin for it. */
+    CONUS_LEGEND_INSIDE = 0, /**< In a corner of the drawing, which leaves a margin for it: of its width or height at
+                                most 0.6. Where rows do not fit, the last ones behind others are counted in one. */
     CONUS_LEGEND_RIGHT,      /**< Beside the drawing, of which it takes at most half the width; the picture becomes
                                 higher than asked for where the legend is. */
     CONUS_LEGEND_BELOW,      /**< Below the drawing: the picture becomes higher by it. */

@@ -115,10 +115,17 @@ double legend_fit(double size[2], struct font *font, const struct legend *legend
     return em;
 }
 
+size_t legend_capacity(const struct legend *legend, double size, double height)
+{
+    struct layout layout = {.legend = legend, .em = size};
+    find_header(&layout);
+    double space = height - 2 * (MARGIN + PADDING) * size - head_height(&layout);
+    return space > 0 ? (size_t)(space / (LINE * size)) : 0;
+}
+
 static void choose_rows(struct layout *layout)
 {
-    double space = layout->image->height - 2 * (MARGIN + PADDING) * layout->em - head_height(layout);
-    size_t fitting = space > 0 ? (size_t)(space / (LINE * layout->em)) : 0;
+    size_t fitting = legend_capacity(layout->legend, layout->em, layout->image->height);
     size_t count = layout->legend->count;
     layout->shown = count <= fitting ? count : fitting > 0 ? fitting - 1 : 0;
 }

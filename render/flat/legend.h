@@ -38,6 +38,9 @@ double legend_size(const conus_image *image);
 double legend_fit(double size[2], struct font *font, const struct legend *legend, const double limit[2], double largest,
                   double smallest);
 
+/** How many rows a legend has room for in @p height pixels with letters of @p size pixels per em. */
+size_t legend_capacity(const struct legend *legend, double size, double height);
+
 /** Draws the panel onto R, G, B, A. It keeps within `widest` and the image's height: names that are too long
  * end in an ellipsis, columns that do not fit are left out from the last on, and of too many rows the first are shown
  * with a last line "... and N more". An image too small for one row stays as it is. */

@@ -56,8 +56,8 @@ enum { PICTURE_TEXT = 160 };
 /** The legend's words about where a cone begins, in the space of @p frame; NULL = RAS mm. */
 void picture_describe_cone(char out[PICTURE_TEXT], const struct cone *cone, const conus_frame *frame);
 
-/** The width that a legend takes inside of the drawing, pixels; 0 where there is none. */
-double picture_legend_width(const struct picture *picture);
+/** What a drawing leaves free for a legend inside of it, on the left or above, pixels; else 0. */
+void picture_legend_room(double out[2], const struct picture *picture);
 
 conus_status picture_legend_draw(conus_image *image, const struct picture *picture);
 

@@ -58,7 +58,7 @@ static conus_status draw_edges(conus_image *image, const struct picture *picture
         at[n / 2] = n == 0   ? fmax(frame->left - near, near)
                     : n == 1 ? fmin(frame->width - frame->right + near, frame->width - near)
                     : n == 2 ? frame->height - near
-                             : near;
+                             : near + frame->top - frame->bottom;
         vec3_scale(axis, m + (n < 2 ? 0 : 4), n % 2 ? 1 : -1);
         status = draw_letter(image, picture, at, size, letter_of(axis));
     }

@@ -12,10 +12,15 @@
 
 enum { TEXT_SIZE = PICTURE_TEXT, CELL_SIZE = 24, PATHWAY_ROWS = 5 };
 
-/* Inside, of the picture's width, while letters of SMALLEST of their size are enough; else all of it. */
+/* Of the picture's width: inside while letters of SMALLEST of their size are enough, and beside the drawing. */
 static const double INSIDE = 0.42;
 static const double BESIDE = 0.5;
 static const double SMALLEST = 0.6;
+
+/* The part of the drawing's width or height that it leaves free for a legend inside. */
+static const double ROOM = 0.6;
+
+static const char BEHIND[] = "behind";
 
 /* The words of one row, which legend_row points to. */
 struct cells {
@@ -26,7 +31,7 @@ struct picture_legend {
     struct legend legend;
     struct legend_row *rows;
     struct cells *cells;
-    char subtitle[TEXT_SIZE], words[TEXT_SIZE];
+    char subtitle[TEXT_SIZE], words[TEXT_SIZE], more[TEXT_SIZE];
     double at[2], size[2]; /* pixels of the image */
 };
 
@@ -53,7 +58,7 @@ static void fill_row(struct legend_row *row, struct cells *cells, const struct p
     bool is_behind = result->object && !result->pixels;
     snprintf(cells->share, sizeof cells->share, "%.1f %%", 100 * result->share);
     snprintf(cells->distance, sizeof cells->distance, "%.1f mm", is_behind ? result->entry : result->distance);
-    row->detail[0] = is_behind ? "behind" : cells->share;
+    row->detail[0] = is_behind ? BEHIND : cells->share;
     row->hollow = !result->object;
     row->name = "unassigned";
     if (result->object) {
@@ -142,17 +147,43 @@ static void fill_rows(struct picture_legend *out, const struct picture *picture)
                                   .count = count};
 }
 
+/* Makes at most `capacity` rows, if enough are of what is only behind others: the last of these leave, and one row says
+ * how many they are. */
+static void leave_out_behind(struct picture_legend *out, size_t capacity)
+{
+    struct legend_row *rows = out->rows;
+    size_t behind = 0;
+    for (size_t i = 0; i < out->legend.count; i++) {
+        behind += rows[i].detail[0] == BEHIND;
+    }
+    size_t surplus = out->legend.count + 1 - capacity; /* the row that says so takes a line, too */
+    size_t kept = behind > surplus ? behind - surplus : 0;
+    size_t seen = 0;
+    size_t count = 0;
+    for (size_t i = 0; i < out->legend.count; i++) {
+        seen += rows[i].detail[0] == BEHIND;
+        if (rows[i].detail[0] != BEHIND || seen <= kept) {
+            rows[count++] = rows[i];
+        } else if (seen == kept + 1) {
+            rows[count++] = (struct legend_row){.name = out->more, .hollow = true, .detail = {BEHIND}};
+        }
+    }
+    snprintf(out->more, sizeof out->more, "\u2026 and %zu more", behind - kept);
+    out->legend.count = count;
+}
+
 /* ---- Place ------------------------------------------------------------------------------------------------------ */
 
 static void place_inside(struct picture_legend *legend, const struct picture *picture, double em)
 {
-    const double width = picture->options.width;
-    const double limit[2] = {INSIDE * width, picture->options.height};
-    legend->legend.size = legend_fit(legend->size, picture->font, &legend->legend, limit, em, SMALLEST * em);
-    if (legend->size[0] > limit[0]) {
-        legend->legend.widest = 1;
-        legend->legend.size =
-            legend_fit(legend->size, picture->font, &legend->legend, (double[]){width, limit[1]}, em, SMALLEST * em);
+    struct legend *drawn = &legend->legend;
+    const double limit[2] = {INSIDE * picture->options.width, picture->options.height};
+    drawn->widest = 1;
+    drawn->size = legend_fit(legend->size, picture->font, drawn, limit, em, SMALLEST * em);
+    size_t capacity = legend_capacity(drawn, drawn->size, limit[1]);
+    if (drawn->count > capacity) {
+        leave_out_behind(legend, capacity);
+        drawn->size = legend_fit(legend->size, picture->font, drawn, limit, drawn->size, drawn->size);
     }
 }
 
@@ -217,10 +248,17 @@ conus_status picture_legend_init(struct picture *picture)
     return CONUS_OK;
 }
 
-double picture_legend_width(const struct picture *picture)
+void picture_legend_room(double out[2], const struct picture *picture)
 {
-    bool inside = picture->legend && picture->options.legend == CONUS_LEGEND_INSIDE;
-    return inside ? picture->legend->size[0] : 0;
+    out[0] = out[1] = 0;
+    if (!picture->legend || picture->options.legend != CONUS_LEGEND_INSIDE) {
+        return;
+    }
+    const double *size = picture->legend->size;
+    double width = picture->drawing[0];
+    double height = picture->drawing[1];
+    bool above = size[0] > INSIDE * width && height - size[1] > width - size[0];
+    out[above] = above ? fmin(size[1], ROOM * height) : fmin(size[0], ROOM * width);
 }
 
 /* ---- Drawing ---------------------------------------------------------------------------------------------------- */

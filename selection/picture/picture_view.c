@@ -233,11 +233,12 @@ static void set_frame(struct picture *picture)
     uint32_t least = letters ? (uint32_t)lrint(2 * picture->em) : 0; /* at the edges */
     uint32_t across = width / 28 > least ? width / 28 : least;
     uint32_t upward = height / 24 > least ? height / 24 : least;
-    uint32_t legend = (uint32_t)fmin(picture_legend_width(picture), 0.45 * width);
-    picture->frame = (struct camera_frame){.width = width, .height = height, .left = across, .right = across};
-    picture->frame.top = picture->frame.bottom = upward;
-    picture->frame.left += legend;
-    if (picture->frame.left + across >= width || 2 * upward >= height) { /* too small for margins */
+    double legend[2];
+    picture_legend_room(legend, picture);
+    picture->frame = (struct camera_frame){.width = width, .height = height, .right = across, .bottom = upward};
+    picture->frame.left = across + (uint32_t)legend[0];
+    picture->frame.top = upward + (uint32_t)legend[1];
+    if (picture->frame.left + across >= width || picture->frame.top + upward >= height) { /* too small for margins */
         picture->frame = (struct camera_frame){.width = width, .height = height};
     }
 }

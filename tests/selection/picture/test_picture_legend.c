@@ -1,0 +1,190 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The legend inside a picture: which rows it has where there are too many, and that it lies beside the drawing. */
+#include "base/math3.h"
+#include "base/memory.h"
+#include "picture_scene.h"
+#include "render/flat/legend.h"
+#include "render/image/image.h"
+#include "selection/picture/picture.h"
+#include "test.h"
+#include "test_gl.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { WIDTH = 400, HEIGHT = 300, DPI = 100, SLABS = 60, TEXT = 24 };
+
+/* Letters of 7.5 points, a 72nd inch each, and six tenths of them, the smallest. */
+static const double SMALLEST = 0.6 * 7.5 / 72 * DPI;
+
+struct scene {
+    conus_atlas *atlas;
+    conus_selector *selector;
+    conus_selection *selection;
+    conus_renderer *renderer;
+};
+
+/* 1 to 60 from left to right. */
+static double slabs(const double p[3])
+{
+    return floor(p[0]) + SLABS / 2.0 + 1;
+}
+
+static double halves(const double p[3])
+{
+    return p[0] < 0 ? 1 : 2;
+}
+
+/* Seen from the left with all layers: the first label is hit, each other one is behind. Each is called @p name. */
+static struct scene make_scene(picture_function labels, const char *name)
+{
+    const conus_selector_options all = {.layers = CONUS_LAYERS_ALL};
+    const conus_volume_info grid = picture_grid((size_t[]){SLABS, 40, 40}, (double[]){1, 1, 1}, picture_identity);
+    struct scene scene = {.atlas = picture_atlas(&grid, labels, NULL, NULL)};
+    conus_pose pose;
+    for (size_t i = 0; i < scene.atlas->object_count; i++) {
+        memory_free((char *)scene.atlas->objects[i].name);
+        scene.atlas->objects[i].name = memory_text(name, strlen(name));
+    }
+    scene.renderer = picture_renderer(scene.atlas, NULL);
+    assert_ok(conus_selector_create(&scene.selector, scene.atlas, &all));
+    assert_ok(conus_pose_toward(&pose, (double[]){-60, 0, 0}, (double[]){0, 0, 0}, NULL));
+    assert_ok(conus_select(&scene.selection, scene.selector, &pose, radians_from_degrees(20)));
+    return scene;
+}
+
+static void finish_scene(struct scene *scene)
+{
+    conus_renderer_destroy(scene->renderer);
+    conus_selection_destroy(scene->selection);
+    conus_selector_destroy(scene->selector);
+    conus_atlas_destroy(scene->atlas);
+}
+
+/* The row of one result. */
+static struct legend_row describe(char text[2][TEXT], const struct scene *scene, size_t index)
+{
+    const conus_result *result = conus_selection_result(scene->selection, index);
+    const conus_object *object = conus_atlas_object(scene->atlas, result->object);
+    struct legend_row row = {.name = object ? object->name : "unassigned", .hollow = !object};
+    bool behind = object && result->pixels == 0;
+    snprintf(text[0], TEXT, "%.1f %%", 100 * result->share);
+    snprintf(text[1], TEXT, "%.1f mm", behind ? result->entry : result->distance);
+    row.detail[0] = behind ? "behind" : text[0];
+    row.detail[1] = object ? text[1] : NULL;
+    memcpy(row.rgb, object ? object->rgb : row.rgb, sizeof row.rgb);
+    return row;
+}
+
+/* The first `shown` results, a row about the others if there are any, and what hits nothing: the last result. */
+static void draw_expected(conus_image *image, struct font *font, const struct scene *scene, size_t shown)
+{
+    char texts[SLABS + 1][2][TEXT];
+    char more[TEXT];
+    struct legend_row rows[SLABS + 2];
+    size_t results = conus_selection_count(scene->selection);
+    size_t count = 0;
+    for (size_t i = 0; i < shown; i++, count++) {
+        rows[count] = describe(texts[i], scene, i);
+    }
+    if (shown + 1 < results) {
+        snprintf(more, sizeof more, "\u2026 and %zu more", results - 1 - shown);
+        rows[count++] = (struct legend_row){.name = more, .hollow = true, .detail = {"behind"}};
+    }
+    rows[count] = describe(texts[SLABS], scene, results - 1);
+    const struct legend legend = {.title = "Hits of the cone",
+                                  .subtitle = "20\u00b0 from -60, 0, 0, RAS mm",
+                                  .header = {"share", "distance"},
+                                  .rows = rows,
+                                  .count = count + 1,
+                                  .widest = 1,
+                                  .size = SMALLEST};
+    assert_ok(legend_draw(image, font, &legend));
+}
+
+/* Where the expected legend is, the picture has that and nothing under it, and elsewhere there is a drawing. @p width
+ * and @p height, in tenths of the picture's, are what the legend takes at least and at most. */
+static void check(struct scene *scene, size_t shown, const double width[2], const double height[2])
+{
+    struct font *font = NULL;
+    conus_image *image = NULL;
+    conus_image *expected = NULL;
+    assert_ok(font_create(&font));
+    assert_ok(image_create_rgba(&expected, WIDTH, HEIGHT));
+    draw_expected(expected, font, scene, shown);
+    assert_ok(conus_render(&image, scene->renderer,
+                           &(conus_view){.width = WIDTH,
+                                         .height = HEIGHT,
+                                         .dpi = DPI,
+                                         .selection = scene->selection,
+                                         .background = CONUS_BACKGROUND_TRANSPARENT}));
+    const struct image_rgba a = image_rgba(image);
+    const struct image_rgba b = image_rgba(expected);
+    double reach[2] = {0, 0};
+    size_t drawn = 0;
+    for (size_t i = 0; i < (size_t)WIDTH * HEIGHT; i++) {
+        bool inside = b.plane[3][i] > 0;
+        drawn += !inside && a.plane[3][i] > 0;
+        reach[0] = inside ? fmax(reach[0], (double)(i % WIDTH)) : reach[0];
+        size_t row = i / WIDTH;
+        reach[1] = inside ? fmax(reach[1], (double)row) : reach[1];
+        for (int c = 0; inside && c < 4; c++) {
+            assert_near((double)a.plane[c][i], (double)b.plane[c][i], 1e-6);
+        }
+    }
+    assert_true(drawn > 10000);
+    assert_true(reach[0] > width[0] * WIDTH / 10 && reach[0] < width[1] * WIDTH / 10);
+    assert_true(reach[1] > height[0] * HEIGHT / 10 && reach[1] < height[1] * HEIGHT / 10);
+    conus_image_destroy(image);
+    conus_image_destroy(expected);
+    font_destroy(font);
+    finish_scene(scene);
+}
+
+static void need_font(void)
+{
+    struct font *font = NULL;
+    conus_status status = font_create(&font);
+    font_destroy(font);
+    if (status) {
+        skip();
+    }
+}
+
+/* The head has 1.15 + 1 + 1 lines of 1.45 em, the margins and the padding 3.4 em; an em has 6.25 pixels. In 300 pixels
+ * fit 27.6 rows: the one that is hit, 24 behind, one about the other 35, and what hits nothing. */
+static void the_last_rows_behind_are_counted_in_one(void **state)
+{
+    (void)state;
+    need_font();
+    struct scene scene = make_scene(slabs, "Slab");
+    check(&scene, 25, (double[]){2, 5}, (double[]){9, 10});
+}
+
+/* A name of 42 letters makes the panel wider than half of the picture. */
+static void the_drawing_is_right_of_a_high_legend(void **state)
+{
+    (void)state;
+    need_font();
+    struct scene scene = make_scene(slabs, "One of sixty slabs, which are a millimetre");
+    check(&scene, 25, (double[]){5, 6}, (double[]){9, 10});
+}
+
+/* One of 70 letters leaves no width, but of three rows most of the height. */
+static void the_drawing_is_below_a_wide_legend(void **state)
+{
+    (void)state;
+    need_font();
+    struct scene scene = make_scene(halves, "One of the two halves of the atlas, which is called by a name so long");
+    check(&scene, 2, (double[]){7, 10}, (double[]){2, 3});
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_last_rows_behind_are_counted_in_one),
+        cmocka_unit_test(the_drawing_is_right_of_a_high_legend),
+        cmocka_unit_test(the_drawing_is_below_a_wide_legend),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
