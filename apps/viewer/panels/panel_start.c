@@ -26,6 +26,9 @@ static void draw_field(struct window *window)
 {
     static const char open[] = "Open";
     static const char choose[] = "Choose a file";
+    static const char formats[] =
+        "Volumes (NIfTI, MGH, NRRD, MetaImage, AFNI, TIFF), surfaces, CIFTI labels, FSL's XML, "
+        "folders of surfaces or of BrainGlobe, manifests";
     struct start *start = &window->start;
     float around = 14 * window->scale; /* a button's text, and before it */
     float buttons = ui_text_width(open) + ui_text_width(choose) + 2 * around;
@@ -51,7 +54,7 @@ static void draw_field(struct window *window)
     }
     ui_tip("by folders (Ctrl+O)");
     ui_tint(theme_texts[start->why[0] ? THEME_ORANGE : THEME_HINT]);
-    ui_text_wrapped(start->why[0] ? start->why : "NIfTI and MGH volumes, surfaces, folders of surfaces, manifests");
+    ui_text_wrapped(start->why[0] ? start->why : formats);
     ui_tint_end();
     if (asked) {
         window_want_typed(window);
