@@ -2,6 +2,7 @@
 /* What a tractogram owns, what it may hold, and what is asked of its streamlines. */
 #include "atlas/tracts/tractogram.h"
 
+#include "atlas/tracts/tract_node.h"
 #include "base/math3.h"
 #include "base/memory.h"
 #include "base/text_number.h"
@@ -181,6 +182,27 @@ conus_status tractogram_check(const struct tractogram *tractogram, struct notes 
         status = check_group(&tractogram->groups[i], tractogram->streamline_count);
     }
     return status ? status : note_short(tractogram, notes);
+}
+
+static bool is_run_of(const struct tract_run *run, const struct tractogram *tractogram)
+{
+    return run->streamline < tractogram->streamline_count && run->segments <= TRACT_RUN &&
+           run->point >= tractogram->first[run->streamline] && run->point < tractogram->first[run->streamline + 1] &&
+           run->segments < tractogram->first[run->streamline + 1] - run->point;
+}
+
+bool tractogram_leads_nowhere_else(const struct tractogram *tractogram)
+{
+    const struct tract_tree *tree = &tractogram->tree;
+    bool sound = !check_first(tractogram) && tree->run_count <= UINT32_MAX &&
+                 tree->node_count == tract_levels_of(tree->run_count).node_count;
+    for (size_t i = 0; i < tree->run_count && sound; i++) {
+        sound = is_run_of(&tree->runs[i], tractogram);
+    }
+    for (size_t i = 0; i < tractogram->group_count && sound; i++) {
+        sound = !check_group(&tractogram->groups[i], tractogram->streamline_count);
+    }
+    return sound;
 }
 
 double tractogram_length(const struct tractogram *tractogram, uint32_t number)

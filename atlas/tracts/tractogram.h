@@ -75,6 +75,10 @@ uint32_t tractogram_streamline_of(const struct tractogram *tractogram, uint64_t 
  * no point and of one. CONUS_ERROR_DATA, and CONUS_ERROR_ARGUMENT for the radius. */
 conus_status tractogram_check(const struct tractogram *tractogram, struct notes *notes);
 
+/** Whether no number of a tractogram with its tree, which comes from elsewhere, leads out of its arrays: `first`, runs,
+ * nodes, members of groups. Coordinates are not looked at. */
+bool tractogram_leads_nowhere_else(const struct tractogram *tractogram);
+
 /** Makes tree, low and high of a checked tractogram. CONUS_ERROR_MEMORY. */
 conus_status tractogram_grow_tree(struct tractogram *tractogram);
 

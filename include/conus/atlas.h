@@ -309,8 +309,8 @@ CONUS_API void conus_atlas_use_own_colours(conus_atlas *atlas);
 /** @name Sharing between processes
  * One process loads an atlas and packs it into memory that all processes map: a file of memfd_create(), POSIX shared
  * memory, an MPI window, Python's multiprocessing.shared_memory. All processes attach it there. Voxels, values,
- * vertices, triangles and the tables that the rays engine makes of voxels are in that memory once. Each process has its
- * own names, and its own trees over triangles, which Embree cannot move.
+ * vertices, triangles, streamlines with their trees and the tables that the rays engine makes of voxels are in that memory
+ * once. Each process has its own names, and its own trees over triangles, which Embree cannot move.
  * @{ */
 
 /**
@@ -323,8 +323,9 @@ CONUS_API void conus_atlas_use_own_colours(conus_atlas *atlas);
 CONUS_API size_t conus_atlas_packed_size(const conus_atlas *atlas);
 
 /**
- * Packs the atlas as it is. The packed bytes hold no pointers and may be mapped at another address in each process, but
- * they are for this version of conus on this kind of machine: they are no file format.
+ * Packs the atlas as it is, but for surfaces around the areas, which no ray hits. The packed bytes hold no pointers and
+ * may be mapped at another address in each process, but they are for this version of conus on this kind of machine: they
+ * are no file format.
  * @param[out] memory [size], at a multiple of 64 bytes. On failure its content has no meaning.
  * @param size Bytes, at least conus_atlas_packed_size().
  * @param atlas The atlas.

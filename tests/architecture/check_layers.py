@@ -115,7 +115,7 @@ LIBRARY = {
     "selection/picture": "base render/image render/colour render/flat selection",
     "selection/report": "base atlas poses/programs selection selection/study",
     "cache": "base atlas loaders/scene selection/batch",
-    "selection/batch": "base atlas poses selection/engine/voxels selection selection/study selection/report",
+    "selection/batch": "base atlas/tracts atlas poses selection/engine/voxels selection selection/study selection/report",
 }
 RULES = {**LIBRARY, **APPS}
 CIRCLES = {frozenset(("loaders", wing)) for wing in ("loaders/volumes", "loaders/surfaces")}

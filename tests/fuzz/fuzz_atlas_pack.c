@@ -2,7 +2,7 @@
 /* A packed atlas that was damaged: attaching it fails or gives an atlas that can be measured and ended. The input is
  * the damage, so that it fits every version's layout: an end that is cut off (two bytes), whether the checksum is made
  * to fit (one), then places (two bytes) and what they become (one). */
-#include "atlas/atlas.h"
+#include "atlas/bundles.h"
 #include "atlas/space.h"
 #include "base/math3.h"
 #include "base/memory.h"
@@ -34,7 +34,30 @@ static void add_tetrahedron(conus_atlas *atlas)
     must(atlas_add_mesh(atlas, &area, &mesh));
 }
 
-/* Areas in voxels and one with a surface, a pathway, a note and a file. */
+/* Two streamlines with a scalar, one of them a group. */
+static void add_streamlines(conus_atlas *atlas)
+{
+    static const float points[] = {0, 0, 0, 1, 0, 0, 1, 2, 0, 5, 5, 5, 6, 6, 6};
+    static const uint64_t first[] = {0, 3, 5};
+    struct tractogram made = {.path = memory_text("t.trk", 5),
+                              .points = memory_copy(points, 15, sizeof *points),
+                              .first = memory_copy(first, 3, sizeof *first),
+                              .point_count = 5,
+                              .streamline_count = 2,
+                              .scalars = memory_zeroed(1, sizeof *made.scalars),
+                              .scalar_count = 1,
+                              .groups = memory_zeroed(1, sizeof *made.groups),
+                              .group_count = 1,
+                              .radius = 0.5};
+    must(made.scalars && made.groups ? CONUS_OK : CONUS_ERROR_MEMORY);
+    made.scalars[0] = (struct tract_scalar){
+        .name = memory_text("FA", 2), .per_point = true, .components = 1, .values = memory_zeroed(5, sizeof(float))};
+    made.groups[0] =
+        (struct tract_group){.name = memory_text("one", 3), .members = memory_zeroed(1, sizeof(uint32_t)), .count = 1};
+    must(atlas_add_tractogram(atlas, &made, "rest"));
+}
+
+/* Areas in voxels and one with a surface, a pathway, streamlines, a note and a file. */
 static conus_atlas *make_atlas(void)
 {
     static const uint32_t labels[12] = {0, 1, 1, 2, 2, 0, 0, 3, 3, 1, 0, 0};
@@ -52,6 +75,7 @@ static conus_atlas *make_atlas(void)
     info.role = CONUS_ROLE_SCALAR;
     info.threshold = 0.5;
     must(values ? atlas_add_pathway(atlas, &info, values, "tract") : CONUS_ERROR_MEMORY);
+    add_streamlines(atlas);
     must(notes_add(&atlas->notes, "a note"));
     must(atlas_add_file(atlas, "v.nii", &(const struct bytes){(uint8_t *)"abc", 3}));
     return atlas;

@@ -302,6 +302,27 @@ static void an_attached_atlas_can_grow(void **state)
     drop(block);
 }
 
+static void surfaces_around_the_areas_are_left_out(void **state)
+{
+    (void)state;
+    uint64_t random = 12;
+    conus_atlas *attached = NULL;
+    conus_atlas *atlas = mixed_atlas(&random, 0);
+    const struct mesh *shape = &atlas->meshes[0];
+    struct context_surface surface = {.opacity = 0.5};
+    assert_ok(mesh_init(&surface.mesh, shape->vertex_count, shape->triangle_count));
+    memcpy(surface.mesh.positions, shape->positions, 3 * shape->vertex_count * sizeof *shape->positions);
+    memcpy(surface.mesh.triangles, shape->triangles, 3 * shape->triangle_count * sizeof *shape->triangles);
+    assert_ok(atlas_add_context_surface(atlas, &surface));
+    struct block block = pack(atlas);
+    assert_ok(conus_atlas_attach(&attached, block.memory, block.size));
+    assert_int_equal(conus_atlas_context_surface_count(attached), 0);
+    assert_same(atlas, attached);
+    conus_atlas_destroy(attached);
+    conus_atlas_destroy(atlas);
+    drop(block);
+}
+
 static void what_is_no_packed_atlas_is_refused(void **state)
 {
     (void)state;
@@ -409,6 +430,7 @@ int main(void)
         cmocka_unit_test(changes_are_made_to_copies),
         cmocka_unit_test(the_box_is_that_of_the_voxels),
         cmocka_unit_test(an_attached_atlas_can_grow),
+        cmocka_unit_test(surfaces_around_the_areas_are_left_out),
         cmocka_unit_test(what_is_no_packed_atlas_is_refused),
         cmocka_unit_test(a_damaged_head_is_refused),
         cmocka_unit_test(both_survive_every_failing_allocation),

@@ -1,0 +1,338 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Tractograms in a packed atlas: they come out as they went in, are not copied, and no damage leads out of them. */
+#include "atlas/bundles.h"
+#include "atlas/placement.h"
+#include "base/memory.h"
+#include "selection/batch/atlas_pack.h"
+#include "test.h"
+
+#include <string.h>
+#include <sys/mman.h>
+#include <unistd.h>
+#include <zlib.h>
+
+enum { STREAMLINES = 7, POINTS = 40, LINE = 64 };
+
+/* Streamlines of 0, 1, 2, 4, 7, 10 and 16 points. */
+static const uint64_t first[STREAMLINES + 1] = {0, 0, 1, 3, 7, 14, 24, 40};
+
+static char *copy_text(const char *text)
+{
+    return memory_text(text, strlen(text));
+}
+
+static void add_scalar(struct tractogram *to, const char *name, bool per_point, uint32_t components)
+{
+    size_t count = (per_point ? POINTS : STREAMLINES) * (size_t)components;
+    struct tract_scalar scalar = {.name = copy_text(name), .per_point = per_point, .components = components};
+    scalar.values = memory_zeroed(count, sizeof *scalar.values);
+    for (size_t i = 0; i < count; i++) {
+        scalar.values[i] = (float)i / 4;
+    }
+    to->scalars = memory_resize(to->scalars, to->scalar_count + 1, sizeof *to->scalars);
+    to->scalars[to->scalar_count++] = scalar;
+}
+
+static void add_group(struct tractogram *to, const char *name, const uint32_t *members, size_t count)
+{
+    to->groups = memory_resize(to->groups, to->group_count + 1, sizeof *to->groups);
+    to->groups[to->group_count++] = (struct tract_group){
+        .name = copy_text(name), .members = memory_copy(members, count, sizeof *members), .count = count};
+}
+
+static struct tractogram make_tractogram(bool halves)
+{
+    struct tractogram made = {.path = copy_text(halves ? "halves.trx" : "floats.trk"),
+                              .format = "test",
+                              .sha256 = "abc",
+                              .first = memory_copy(first, STREAMLINES + 1, sizeof *first),
+                              .point_count = POINTS,
+                              .streamline_count = STREAMLINES,
+                              .radius = 0.75};
+    if (halves) {
+        made.halves = memory_zeroed(POINTS, 3 * sizeof *made.halves);
+    } else {
+        made.points = memory_zeroed(POINTS, 3 * sizeof *made.points);
+    }
+    for (int i = 0; i < 3 * POINTS; i++) {
+        if (halves) {
+            made.halves[i] = (uint16_t)(0x3c00 + 8 * i); /* from 1 on */
+        } else {
+            made.points[i] = (float)(i % 17) - 3;
+        }
+    }
+    return made;
+}
+
+/* One of all streamlines, and one with two groups, a rest, and scalars. */
+static conus_atlas *make_atlas(void)
+{
+    static const uint32_t few[] = {1, 4, 6};
+    static const uint32_t one[] = {3};
+    conus_atlas *atlas = NULL;
+    struct tractogram floats = make_tractogram(false);
+    struct tractogram halves = make_tractogram(true);
+    add_scalar(&halves, "FA", true, 1);
+    add_scalar(&halves, "colour", true, 3);
+    add_scalar(&halves, "weight", false, 1);
+    add_group(&halves, "few", few, 3);
+    add_group(&halves, "one", one, 1);
+    assert_ok(atlas_create_empty(&atlas, "none"));
+    assert_ok(atlas_add_tractogram(atlas, &floats, "all"));
+    assert_ok(atlas_add_tractogram(atlas, &halves, "rest"));
+    assert_int_equal(atlas->object_count, 4);
+    return atlas;
+}
+
+struct block {
+    uint8_t *memory;
+    size_t size;
+};
+
+static struct block pack(const conus_atlas *atlas)
+{
+    struct block block = {.size = conus_atlas_packed_size(atlas)};
+    block.memory = mmap(NULL, block.size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    assert_ptr_not_equal(block.memory, MAP_FAILED);
+    assert_ok(conus_atlas_pack(block.memory, block.size, atlas));
+    return block;
+}
+
+static conus_atlas *attach(const struct block *block)
+{
+    conus_atlas *attached = NULL;
+    assert_ok(conus_atlas_attach(&attached, block->memory, block->size));
+    return attached;
+}
+
+/* Equal, and in the block; NULL where there is none. */
+static void assert_lent(const void *packed, const void *attached, size_t size, const struct block *block)
+{
+    const uint8_t *at = attached;
+    assert_int_equal(!packed, !attached);
+    if (packed) {
+        assert_true(at >= block->memory && at + size <= block->memory + block->size);
+        assert_memory_equal(packed, attached, size);
+    }
+}
+
+static void assert_same_names(const struct tractogram *a, const struct tractogram *b, const struct block *block)
+{
+    assert_int_equal(a->scalar_count, b->scalar_count);
+    for (size_t i = 0; i < a->scalar_count; i++) {
+        const struct tract_scalar *x = &a->scalars[i];
+        const struct tract_scalar *y = &b->scalars[i];
+        assert_string_equal(x->name, y->name);
+        assert_int_equal(x->per_point, y->per_point);
+        assert_int_equal(x->components, y->components);
+        size_t count = (x->per_point ? POINTS : STREAMLINES) * (size_t)x->components;
+        assert_lent(x->values, y->values, count * sizeof *x->values, block);
+    }
+    assert_int_equal(a->group_count, b->group_count);
+    for (size_t i = 0; i < a->group_count; i++) {
+        assert_string_equal(a->groups[i].name, b->groups[i].name);
+        assert_int_equal(a->groups[i].count, b->groups[i].count);
+        assert_lent(a->groups[i].members, b->groups[i].members, a->groups[i].count * sizeof(uint32_t), block);
+    }
+}
+
+static void assert_same(const conus_atlas *packed, const conus_atlas *attached, const struct block *block)
+{
+    assert_int_equal(packed->tractogram_count, attached->tractogram_count);
+    for (size_t i = 0; i < packed->tractogram_count; i++) {
+        const struct tractogram *a = &packed->tractograms[i];
+        const struct tractogram *b = &attached->tractograms[i];
+        assert_string_equal(a->path, b->path);
+        assert_string_equal(a->format, b->format);
+        assert_string_equal(a->sha256, b->sha256);
+        assert_lent(a->points, b->points, POINTS * 3 * sizeof *a->points, block);
+        assert_lent(a->halves, b->halves, POINTS * 3 * sizeof *a->halves, block);
+        assert_lent(a->first, b->first, sizeof first, block);
+        assert_int_equal(a->tree.run_count, b->tree.run_count);
+        assert_lent(a->tree.runs, b->tree.runs, a->tree.run_count * sizeof *a->tree.runs, block);
+        assert_int_equal(a->tree.node_count, b->tree.node_count);
+        assert_true(b->tree.nodes && b->radius == 0.75);
+        assert_memory_equal(a->low, b->low, sizeof a->low);
+        assert_memory_equal(a->high, b->high, sizeof a->high);
+        assert_same_names(a, b, block);
+    }
+    for (size_t i = 0; i < packed->object_count; i++) {
+        assert_string_equal(packed->objects[i].name, attached->objects[i].name);
+        assert_int_equal(packed->objects[i].streamlines, attached->objects[i].streamlines);
+        assert_true(packed->objects[i].length_mm == attached->objects[i].length_mm);
+        assert_int_equal(packed->places[i].group, attached->places[i].group);
+    }
+}
+
+static void what_is_attached_is_what_was_packed(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = make_atlas();
+    struct block block = pack(atlas);
+    conus_atlas *attached = attach(&block);
+    assert_same(atlas, attached, &block);
+    struct block again = pack(attached);
+    assert_int_equal(block.size, again.size);
+    conus_atlas *second = attach(&again);
+    assert_same(atlas, second, &again);
+    conus_atlas_destroy(second);
+    conus_atlas_destroy(attached);
+    conus_atlas_destroy(atlas);
+    munmap(again.memory, again.size);
+    munmap(block.memory, block.size);
+}
+
+static void a_file_has_the_same_bytes(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = make_atlas();
+    struct block block = pack(atlas);
+    int file = memfd_create("packed", 0);
+    assert_ok(atlas_pack_write(file, 128, atlas));
+    assert_int_equal(ftruncate(file, (off_t)(128 + block.size)), 0);
+    uint8_t *bytes = memory_raw(block.size, 1);
+    assert_int_equal(pread(file, bytes, block.size, 128), block.size);
+    assert_memory_equal(bytes, block.memory, block.size);
+    memory_free(bytes);
+    close(file);
+    conus_atlas_destroy(atlas);
+    munmap(block.memory, block.size);
+}
+
+/* The block stays as it is: writing to it would be a segmentation fault. */
+static void moving_it_changes_copies(void **state)
+{
+    (void)state;
+    static const double aside[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, -8, 0, 1};
+    conus_atlas *atlas = make_atlas();
+    struct block block = pack(atlas);
+    mprotect(block.memory, block.size, PROT_READ);
+    conus_atlas *attached = attach(&block);
+    assert_ok(conus_atlas_move(attached, aside));
+    for (size_t i = 0; i < 2; i++) {
+        double points[2][3];
+        tractogram_point(points[0], &atlas->tractograms[i], 5);
+        tractogram_point(points[1], &attached->tractograms[i], 5);
+        assert_true(points[1][0] == points[0][0] && points[1][1] == points[0][1] + 8 && points[1][2] == points[0][2]);
+    }
+    conus_atlas_destroy(attached);
+    conus_atlas_destroy(atlas);
+    munmap(block.memory, block.size);
+}
+
+/* ---- Damage ------------------------------------------------------------------------------------------------------ */
+
+static void assert_refused(struct block *block)
+{
+    conus_atlas *attached = NULL;
+    assert_fails(conus_atlas_attach(&attached, block->memory, block->size), CONUS_ERROR_DATA);
+    assert_null(attached);
+}
+
+/* Arrays have no checksum, so what leads elsewhere is looked at. Each number in them that may not be so large. */
+static void damaged_arrays_are_refused(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = make_atlas();
+    struct block block = pack(atlas);
+    conus_atlas *attached = attach(&block);
+    struct tractogram *one = &attached->tractograms[1];
+    size_t runs = one->tree.run_count;
+    for (size_t i = 0; i <= STREAMLINES; i++) {
+        uint64_t right = one->first[i];
+        one->first[i] = i ? POINTS + 1 : 1;
+        assert_refused(&block);
+        one->first[i] = right;
+    }
+    for (size_t i = 0; i < runs; i++) {
+        struct tract_run *run = &one->tree.runs[i];
+        struct tract_run right = *run;
+        const struct tract_run wrong[] = {{POINTS, right.streamline, right.segments},
+                                          {right.point, STREAMLINES, right.segments},
+                                          {right.point, right.streamline, TRACT_RUN + 1},
+                                          {right.point, right.streamline, right.segments + 1}};
+        for (size_t k = 0; k < sizeof wrong / sizeof wrong[0]; k++) {
+            *run = wrong[k];
+            assert_refused(&block);
+        }
+        *run = right;
+    }
+    one->groups[0].members[2] = STREAMLINES;
+    assert_refused(&block);
+    one->groups[0].members[2] = 4; /* again */
+    assert_refused(&block);
+    one->groups[0].members[2] = 6;
+    conus_atlas_destroy(attached);
+    conus_atlas_destroy(attach(&block));
+    conus_atlas_destroy(atlas);
+    munmap(block.memory, block.size);
+}
+
+static void fit_checksum(struct block *block)
+{
+    enum { CRC_AT = 24, LAYOUT_AT = 32, SMALL_END_AT = 40 };
+    uint64_t small_end;
+    memcpy(&small_end, block->memory + SMALL_END_AT, sizeof small_end);
+    uint64_t crc = crc32_z(0, block->memory + LAYOUT_AT, small_end - LAYOUT_AT);
+    memcpy(block->memory + CRC_AT, &crc, sizeof crc);
+}
+
+/* Each byte of what is small becomes 0xff, with a checksum that fits: a refusal, or an atlas that can be used. */
+static void damage_with_a_fitting_checksum_does_no_harm(void **state)
+{
+    (void)state;
+    enum { HEAD = 56, SMALL_END_AT = 40 };
+    conus_atlas *atlas = make_atlas();
+    struct block block = pack(atlas);
+    uint64_t small_end;
+    size_t refused = 0;
+    memcpy(&small_end, block.memory + SMALL_END_AT, sizeof small_end);
+    for (size_t i = HEAD; i < small_end; i++) {
+        conus_atlas *attached = NULL;
+        uint8_t right = block.memory[i];
+        block.memory[i] = 0xff;
+        fit_checksum(&block);
+        if (conus_atlas_attach(&attached, block.memory, block.size)) {
+            refused++;
+        } else {
+            assert_true(conus_atlas_packed_size(attached) > HEAD);
+        }
+        conus_atlas_destroy(attached);
+        block.memory[i] = right;
+    }
+    assert_in_range(refused, 50, small_end - HEAD);
+    conus_atlas_destroy(atlas);
+    munmap(block.memory, block.size);
+}
+
+static conus_status try_attaching(void *data)
+{
+    const struct block *block = data;
+    conus_atlas *attached = NULL;
+    conus_status status = conus_atlas_attach(&attached, block->memory, block->size);
+    conus_atlas_destroy(attached);
+    return status;
+}
+
+static void attaching_survives_every_failing_allocation(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = make_atlas();
+    struct block block = pack(atlas);
+    test_every_allocation(try_attaching, &block);
+    conus_atlas_destroy(atlas);
+    munmap(block.memory, block.size);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(what_is_attached_is_what_was_packed),
+        cmocka_unit_test(a_file_has_the_same_bytes),
+        cmocka_unit_test(moving_it_changes_copies),
+        cmocka_unit_test(damaged_arrays_are_refused),
+        cmocka_unit_test(damage_with_a_fitting_checksum_does_no_harm),
+        cmocka_unit_test(attaching_survives_every_failing_allocation),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
