@@ -1,0 +1,423 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Lists and unpacks zip archives: the record at the end leads to the central directory, that to the files. */
+#include "base/formats/zip.h"
+
+#include "base/byte_order.h"
+#include "base/memory.h"
+#include "base/order.h"
+
+#include <libdeflate.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    END_SIZE = 22,     /* of the record at the end, without the archive's remark */
+    END64_SIZE = 56,   /* of ZIP64's, without what may follow in it */
+    LOCATOR_SIZE = 20, /* between these two */
+    CENTRAL_SIZE = 46, /* of an entry of the central directory, without name, extra fields and remark */
+    LOCAL_SIZE = 30,   /* of the header before a file, without name and extra fields */
+    REMARK_LIMIT = 0xffff,
+    IN_ZIP64_16 = 0xffff, /* instead of a number that is in ZIP64's record or field */
+    ZIP64_FIELD = 1,
+    INFLATE_RATIO = 1032, /* the most that deflate makes of a byte */
+    SHOWN = 100
+};
+
+static const uint32_t in_zip64_32 = 0xffffffff;
+
+enum signature { LOCAL = 0x04034b50, CENTRAL = 0x02014b50, END = 0x06054b50, END64 = 0x06064b50, LOCATOR = 0x07064b50 };
+
+enum { FLAG_ENCRYPTED = 1, FLAG_SIZES_BEHIND = 8, FLAG_PATCH = 0x20, FLAG_STRONG = 0x40, FLAG_MASKED = 0x2000 };
+
+enum { METHOD_STORED = 0, METHOD_DEFLATE = 8 };
+
+static uint16_t u16_at(const uint8_t *data)
+{
+    return order_u16(data, !BIG_ENDIAN_IS_SWAPPED);
+}
+
+static uint32_t u32_at(const uint8_t *data)
+{
+    return order_u32(data, !BIG_ENDIAN_IS_SWAPPED);
+}
+
+static uint64_t u64_at(const uint8_t *data)
+{
+    return order_u64(data, !BIG_ENDIAN_IS_SWAPPED);
+}
+
+bool zip_is(const uint8_t *data, size_t size)
+{
+    return size >= 4 && (u32_at(data) == LOCAL || u32_at(data) == END);
+}
+
+static int shown(struct text name)
+{
+    return (int)(name.size < SHOWN ? name.size : SHOWN);
+}
+
+static conus_status fail_entry(conus_status status, struct text name, const char *what)
+{
+    return fail(status, "zip: %.*s: %s", shown(name), name.data, what);
+}
+
+/* ---- The record at the end --------------------------------------------------------------------------------------- */
+
+/* Where the central directory is. */
+struct directory {
+    uint64_t at, size, count;
+};
+
+/* The record ends, with its remark, where the archive does. */
+static const uint8_t *find_end(const uint8_t *data, size_t size)
+{
+    for (size_t remark = 0; remark <= REMARK_LIMIT && remark + END_SIZE <= size; remark++) {
+        const uint8_t *end = data + size - remark - END_SIZE;
+        if (u32_at(end) == END && u16_at(end + 20) == remark) {
+            return end;
+        }
+    }
+    return NULL;
+}
+
+/* ZIP64's record, of an archive with one; its place is where it ends in the archive. */
+static conus_status read_end64(struct directory *out, const uint8_t *data, size_t *end_at)
+{
+    size_t locator_at = *end_at - LOCATOR_SIZE;
+    uint64_t at = u64_at(data + locator_at + 8);
+    if (u32_at(data + locator_at + 4) || u32_at(data + locator_at + 16) > 1) {
+        return fail(CONUS_ERROR_UNSUPPORTED, "zip: one part of several, a whole archive is needed");
+    }
+    if (locator_at < END64_SIZE || at > locator_at - END64_SIZE || u32_at(data + at) != END64 ||
+        u64_at(data + at + 4) != locator_at - at - 12) {
+        return fail(CONUS_ERROR_DATA, "zip: the ZIP64 record is not at byte %llu, as its locator says",
+                    (unsigned long long)at);
+    }
+    if (u64_at(data + at + 24) != u64_at(data + at + 32)) {
+        return fail(CONUS_ERROR_UNSUPPORTED, "zip: one part of several, a whole archive is needed");
+    }
+    *out = (struct directory){u64_at(data + at + 48), u64_at(data + at + 40), u64_at(data + at + 32)};
+    *end_at = (size_t)at;
+    return CONUS_OK;
+}
+
+static conus_status read_end(struct directory *out, const uint8_t *data, size_t size)
+{
+    const uint8_t *end = find_end(data, size);
+    if (!end) {
+        return fail(CONUS_ERROR_DATA, "zip: no record of the central directory at its end: cut off, or no archive");
+    }
+    struct directory directory = {u32_at(end + 16), u32_at(end + 12), u16_at(end + 10)};
+    bool wide = directory.at == in_zip64_32 || directory.size == in_zip64_32 || directory.count == IN_ZIP64_16;
+    size_t end_at = (size_t)(end - data);
+    if (u16_at(end + 4) != u16_at(end + 6) || u16_at(end + 8) != u16_at(end + 10) ||
+        (u16_at(end + 4) && u16_at(end + 4) != IN_ZIP64_16)) {
+        return fail(CONUS_ERROR_UNSUPPORTED, "zip: one part of several, a whole archive is needed");
+    }
+    wide = wide && end_at >= LOCATOR_SIZE && u32_at(end - LOCATOR_SIZE) == LOCATOR;
+    conus_status status = wide ? read_end64(&directory, data, &end_at) : CONUS_OK;
+    if (!status && (directory.size > end_at || directory.at != end_at - directory.size)) {
+        status = fail(CONUS_ERROR_DATA, "zip: a central directory of %llu bytes from byte %llu, it ends at byte %zu",
+                      (unsigned long long)directory.size, (unsigned long long)directory.at, end_at);
+    }
+    if (!status && directory.count > directory.size / CENTRAL_SIZE) {
+        status = fail(CONUS_ERROR_DATA, "zip: %llu files in a central directory of %llu bytes",
+                      (unsigned long long)directory.count, (unsigned long long)directory.size);
+    }
+    *out = directory;
+    return status;
+}
+
+/* ---- Entries ----------------------------------------------------------------------------------------------------- */
+
+/* What both a header before a file and its entry of the directory say. */
+struct record {
+    uint16_t flags, method;
+    uint32_t checksum;
+    uint64_t stored, size, header_at;
+    struct text name, extra;
+};
+
+/* Numbers that did not fit are in ZIP64's extra field, one behind the other. False where they are not. */
+static bool widen(struct record *record)
+{
+    uint64_t *numbers[] = {&record->size, &record->stored, &record->header_at};
+    const uint8_t *extra = (const uint8_t *)record->extra.data;
+    size_t left = record->extra.size;
+    size_t field = 0;
+    for (; left >= 4 && u16_at(extra) != ZIP64_FIELD; extra += field, left -= field) {
+        field = 4 + (size_t)u16_at(extra + 2);
+        if (field > left) {
+            return false;
+        }
+    }
+    size_t there = left >= 4 ? u16_at(extra + 2) : 0;
+    const uint8_t *from = extra + 4;
+    for (size_t i = 0; i < 3; i++) {
+        if (*numbers[i] == in_zip64_32) {
+            if (there < 8 || there > left - 4) {
+                return false;
+            }
+            *numbers[i] = u64_at(from);
+            from += 8;
+            there -= 8;
+        }
+    }
+    return true;
+}
+
+/* One that leads somewhere else when a program unpacks it, or that a terminal would not show as it is, is none. */
+static bool is_good_name(struct text name)
+{
+    struct text part;
+    bool more = true;
+    bool is_folder = name.size && name.data[name.size - 1] == '/';
+    struct text rest = {name.data, name.size - is_folder};
+    for (size_t i = 0; i < name.size; i++) {
+        if ((unsigned char)name.data[i] < 0x20 || name.data[i] == 0x7f || name.data[i] == '\\' || name.data[i] == ':') {
+            return false;
+        }
+    }
+    while (text_field(&rest, '/', &more, &part)) {
+        if (!part.size || text_equal(part, ".") || text_equal(part, "..")) {
+            return false;
+        }
+    }
+    return name.size && text_is_utf8(name);
+}
+
+static conus_status check_kind(const struct record *record)
+{
+    if (!is_good_name(record->name)) {
+        return fail(CONUS_ERROR_DATA, "zip: a file's name is absolute, climbs with \"..\", or is no plain UTF-8");
+    }
+    if (record->flags & (FLAG_ENCRYPTED | FLAG_STRONG | FLAG_MASKED)) {
+        return fail_entry(CONUS_ERROR_UNSUPPORTED, record->name, "encrypted, needed is one that is not");
+    }
+    if ((record->method != METHOD_STORED && record->method != METHOD_DEFLATE) || record->flags & FLAG_PATCH) {
+        return fail(CONUS_ERROR_UNSUPPORTED, "zip: %.*s: packed by method %u, only deflate (8) is unpacked",
+                    shown(record->name), record->name.data, record->method);
+    }
+    if (record->method == METHOD_STORED ? record->stored != record->size
+                                        : record->size / INFLATE_RATIO > record->stored) {
+        return fail(CONUS_ERROR_DATA, "zip: %.*s: %llu bytes cannot be %llu, unpacked", shown(record->name),
+                    record->name.data, (unsigned long long)record->stored, (unsigned long long)record->size);
+    }
+    return CONUS_OK;
+}
+
+/* The header before a file, which lies before `end`; sizes and checksum may stand behind the file instead. */
+static conus_status check_header(size_t *at, const uint8_t *data, const struct record *entry, uint64_t end)
+{
+    bool fits = entry->header_at <= end && end - entry->header_at >= LOCAL_SIZE;
+    const uint8_t *header = data + (fits ? entry->header_at : 0);
+    if (!fits || u32_at(header) != LOCAL) {
+        return fail_entry(CONUS_ERROR_DATA, entry->name, "no header where the central directory says");
+    }
+    size_t names = (size_t)u16_at(header + 26) + u16_at(header + 28);
+    uint64_t left = end - entry->header_at - LOCAL_SIZE;
+    if (names > left || entry->stored > left - names) {
+        return fail_entry(CONUS_ERROR_DATA, entry->name, "reaches into the central directory");
+    }
+    const char *name = (const char *)header + LOCAL_SIZE;
+    struct record local = {.flags = u16_at(header + 6),
+                           .method = u16_at(header + 8),
+                           .checksum = u32_at(header + 14),
+                           .stored = u32_at(header + 18),
+                           .size = u32_at(header + 22),
+                           .name = {name, u16_at(header + 26)},
+                           .extra = {name + u16_at(header + 26), u16_at(header + 28)}};
+    bool behind = entry->flags & FLAG_SIZES_BEHIND;
+    if ((local.flags ^ entry->flags) & (FLAG_ENCRYPTED | FLAG_SIZES_BEHIND) || local.method != entry->method ||
+        text_compare(local.name, entry->name) != 0 ||
+        (!behind && (!widen(&local) || local.checksum != entry->checksum || local.stored != entry->stored ||
+                     local.size != entry->size))) {
+        return fail_entry(CONUS_ERROR_DATA, entry->name, "its header and the central directory differ");
+    }
+    *at = (size_t)entry->header_at + LOCAL_SIZE + names;
+    return CONUS_OK;
+}
+
+/* One entry of the directory, of which `rest` is left; *place is where its header begins. */
+static conus_status read_entry(struct zip_entry *out, uint64_t *place, const uint8_t *data, struct text *rest,
+                               uint64_t end)
+{
+    const uint8_t *from = (const uint8_t *)rest->data;
+    bool there = rest->size >= CENTRAL_SIZE && u32_at(from) == CENTRAL;
+    size_t name = there ? u16_at(from + 28) : 0;
+    size_t extra = there ? u16_at(from + 30) : 0;
+    size_t whole = there ? CENTRAL_SIZE + name + extra + u16_at(from + 32) : 0;
+    if (!there || whole > rest->size) {
+        return fail(CONUS_ERROR_DATA, "zip: the central directory has fewer files than it says");
+    }
+    struct record record = {.flags = u16_at(from + 8),
+                            .method = u16_at(from + 10),
+                            .checksum = u32_at(from + 16),
+                            .stored = u32_at(from + 20),
+                            .size = u32_at(from + 24),
+                            .header_at = u32_at(from + 42),
+                            .name = {rest->data + CENTRAL_SIZE, name},
+                            .extra = {rest->data + CENTRAL_SIZE + name, extra}};
+    size_t at = 0;
+    bool wide = widen(&record);
+    conus_status status = check_kind(&record);
+    if (!status && !wide) {
+        status = fail_entry(CONUS_ERROR_DATA, record.name, "sizes of ZIP64 are needed, and not there");
+    }
+    status = status ? status : check_header(&at, data, &record, end);
+    *rest = (struct text){rest->data + whole, rest->size - whole};
+    *place = record.header_at;
+    *out = (struct zip_entry){
+        record.name, at, (size_t)record.stored, record.size, record.checksum, record.method == METHOD_DEFLATE};
+    return status;
+}
+
+/* ---- The archive ------------------------------------------------------------------------------------------------- */
+
+/* From a file's header to its last byte. */
+struct extent {
+    uint64_t from, to;
+};
+
+static int compare_extents(const void *a, const void *b)
+{
+    return compare_unsigned(((const struct extent *)a)->from, ((const struct extent *)b)->from);
+}
+
+static int compare_entries(const void *a, const void *b)
+{
+    return text_compare(((const struct zip_entry *)a)->name, ((const struct zip_entry *)b)->name);
+}
+
+static conus_status check_extents(struct extent *extents, size_t count)
+{
+    qsort(extents, count, sizeof *extents, compare_extents);
+    for (size_t i = 1; i < count; i++) {
+        if (extents[i].from < extents[i - 1].to) {
+            return fail(CONUS_ERROR_DATA, "zip: two files share the byte %llu", (unsigned long long)extents[i].from);
+        }
+    }
+    return CONUS_OK;
+}
+
+/* Sorts them, and leaves out folders. */
+static conus_status sort_entries(struct zip *zip)
+{
+    size_t kept = 0;
+    qsort(zip->entries, zip->count, sizeof *zip->entries, compare_entries);
+    for (size_t i = 1; i < zip->count; i++) {
+        if (compare_entries(&zip->entries[i - 1], &zip->entries[i]) == 0) {
+            return fail_entry(CONUS_ERROR_DATA, zip->entries[i].name, "there are two of this name");
+        }
+    }
+    for (size_t i = 0; i < zip->count; i++) {
+        struct text name = zip->entries[i].name;
+        if (name.data[name.size - 1] != '/') {
+            zip->entries[kept++] = zip->entries[i];
+        } else if (zip->entries[i].size) {
+            return fail_entry(CONUS_ERROR_DATA, name, "a folder with bytes of its own");
+        }
+    }
+    zip->count = kept;
+    return CONUS_OK;
+}
+
+static conus_status read_entries(struct zip *zip, struct extent *extents, const struct directory *directory)
+{
+    struct text rest = {(const char *)zip->data + directory->at, (size_t)directory->size};
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < zip->count; i++) {
+        status = read_entry(&zip->entries[i], &extents[i].from, zip->data, &rest, directory->at);
+        extents[i].to = status ? 0 : zip->entries[i].at + zip->entries[i].stored;
+    }
+    if (!status && rest.size) {
+        status = fail(CONUS_ERROR_DATA, "zip: %zu bytes behind the last file of the central directory", rest.size);
+    }
+    status = status ? status : check_extents(extents, zip->count);
+    return status ? status : sort_entries(zip);
+}
+
+conus_status zip_parse(struct zip *out, const uint8_t *data, size_t size)
+{
+    struct directory directory = {0};
+    conus_status status = read_end(&directory, data, size);
+    if (status) {
+        return status;
+    }
+    struct zip zip = {.data = data, .count = (size_t)directory.count};
+    struct extent *extents = memory_zeroed(zip.count, sizeof *extents);
+    zip.entries = memory_zeroed(zip.count, sizeof *zip.entries);
+    status = extents && zip.entries ? read_entries(&zip, extents, &directory) : CONUS_ERROR_MEMORY;
+    memory_free(extents);
+    if (status) {
+        zip_finish(&zip);
+        return status;
+    }
+    *out = zip;
+    return CONUS_OK;
+}
+
+void zip_finish(struct zip *zip)
+{
+    memory_free(zip->entries);
+    *zip = (struct zip){0};
+}
+
+const struct zip_entry *zip_find(const struct zip *zip, const char *name)
+{
+    struct zip_entry wanted = {.name = text_from(name)};
+    return zip->count ? bsearch(&wanted, zip->entries, zip->count, sizeof wanted, compare_entries) : NULL;
+}
+
+/* ---- Bytes ------------------------------------------------------------------------------------------------------- */
+
+static conus_status check_sum(const uint8_t *data, const struct zip_entry *entry)
+{
+    return libdeflate_crc32(0, data, (size_t)entry->size) == entry->checksum
+               ? CONUS_OK
+               : fail_entry(CONUS_ERROR_DATA, entry->name, "damaged: its checksum is another one");
+}
+
+conus_status zip_verify(const struct zip *zip, const struct zip_entry *entry)
+{
+    return check_sum(zip->data + entry->at, entry);
+}
+
+static conus_status inflate_entry(uint8_t *out, const struct zip *zip, const struct zip_entry *entry)
+{
+    struct libdeflate_decompressor *unpacker = libdeflate_alloc_decompressor();
+    size_t used = 0;
+    size_t got = 0;
+    if (!unpacker) {
+        return fail(CONUS_ERROR_MEMORY, "zip: no memory to unpack");
+    }
+    bool good = libdeflate_deflate_decompress_ex(unpacker, zip->data + entry->at, entry->stored, out,
+                                                 (size_t)entry->size, &used, &got) == LIBDEFLATE_SUCCESS &&
+                used == entry->stored && got == entry->size;
+    libdeflate_free_decompressor(unpacker);
+    return good ? CONUS_OK
+                : fail(CONUS_ERROR_DATA, "zip: %.*s: damaged, or does not unpack to %llu bytes", shown(entry->name),
+                       entry->name.data, (unsigned long long)entry->size);
+}
+
+conus_status zip_unpack(struct bytes *out, const struct zip *zip, const struct zip_entry *entry, uint64_t limit)
+{
+    if (entry->size > limit) {
+        return fail(CONUS_ERROR_MEMORY, "zip: %.*s: %llu bytes, allowed are %llu (--max-memory)", shown(entry->name),
+                    entry->name.data, (unsigned long long)entry->size, (unsigned long long)limit);
+    }
+    struct bytes bytes = {memory_raw((size_t)entry->size, 1), (size_t)entry->size};
+    conus_status status = bytes.data ? CONUS_OK : CONUS_ERROR_MEMORY;
+    if (!status && entry->is_packed) {
+        status = inflate_entry(bytes.data, zip, entry);
+    } else if (!status && bytes.size) {
+        memcpy(bytes.data, zip->data + entry->at, bytes.size);
+    }
+    status = status ? status : check_sum(bytes.data, entry);
+    if (status) {
+        bytes_finish(&bytes);
+        return status;
+    }
+    *out = bytes;
+    return CONUS_OK;
+}

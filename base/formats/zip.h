@@ -1,0 +1,46 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * What lies in a zip archive (PKWARE's APPNOTE.TXT; ZIP64 too): files that are stored or packed by deflate. Nothing is
+ * trusted. The central directory and the header before each file say the same, files do not overlap, no name is there
+ * twice or leads out of a folder, and nothing is unpacked whose size the packed bytes cannot have or whose checksum is
+ * another one. Encrypted archives, parts of one, and bytes behind one are refused. */
+#ifndef CONUS_BASE_FORMATS_ZIP_H
+#define CONUS_BASE_FORMATS_ZIP_H
+
+#include "base/file.h"
+#include "base/text.h"
+
+/** A file of the archive. */
+struct zip_entry {
+    struct text name; /**< "dps/weight.float32", inside the archive's bytes: UTF-8, one line, parted by '/'. */
+    size_t at;        /**< Of its first byte, packed or not, in the archive.                                 */
+    size_t stored;    /**< Bytes there.                                                                      */
+    uint64_t size;    /**< Bytes, unpacked.                                                                  */
+    uint32_t checksum;
+    bool is_packed;
+};
+
+struct zip {
+    const uint8_t *data;       /**< The archive, which outlives this. */
+    struct zip_entry *entries; /**< By name; without those of folders. Owned. */
+    size_t count;
+};
+
+/** True where @p data begins like an archive with a file, or like an empty one. */
+bool zip_is(const uint8_t *data, size_t size);
+
+/** Lists the archive @p data. CONUS_ERROR_DATA, and CONUS_ERROR_UNSUPPORTED for what other programs may unpack. @p out
+ * is the caller's to finish. */
+conus_status zip_parse(struct zip *out, const uint8_t *data, size_t size);
+void zip_finish(struct zip *zip);
+
+/** The file @p name; NULL if there is none. */
+const struct zip_entry *zip_find(const struct zip *zip, const char *name);
+
+/** Verifies the checksum of a file that is not packed: its bytes are zip->data + entry->at, up to entry->size. */
+conus_status zip_verify(const struct zip *zip, const struct zip_entry *entry);
+
+/** A copy of the bytes of a file, unpacked and verified: at most @p limit, more are CONUS_ERROR_MEMORY. */
+conus_status zip_unpack(struct bytes *out, const struct zip *zip, const struct zip_entry *entry, uint64_t limit);
+
+#endif
