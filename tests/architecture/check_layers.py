@@ -109,7 +109,7 @@ LIBRARY = {
     "selection/engine/triangles": "base atlas/surface selection/evidence",
     "selection/engine": "base render/gl render/id selection/cone selection/evidence selection/engine/voxels"
     " selection/engine/triangles",
-    "selection/measure": "base atlas/surface atlas selection/cone selection/evidence",
+    "selection/measure": "base atlas/surface atlas/tracts atlas selection/cone selection/evidence",
     "selection": "base atlas atlas/areas selection/evidence selection/engine selection/measure",
     "selection/study": "base atlas/surface atlas selection/cone selection/measure selection",
     "selection/picture": "base render/image render/colour render/flat selection",
