@@ -51,6 +51,9 @@ typedef struct conus_renderer_options {
     const conus_pathway_transfer *pathways; /**< [pathway_count] Pathways that are haze in place of surfaces; only the
                                                voxels that belong to them are drawn. */
     size_t pathway_count;                   /**< 0 = none. */
+    const char *streamline_colour; /**< Streamlines are coloured by "bundle", by "direction" (red: left to right, green:
+                                      back to front, blue: upwards), or by a number that their files have for points or
+                                      streamlines, by its name. NULL = "bundle". Copied. */
 } conus_renderer_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */

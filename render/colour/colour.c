@@ -130,12 +130,23 @@ conus_status colour_pass_update(struct colour_pass *pass, const conus_atlas *atl
         fresh.areas = old.areas;
         fresh.haze = old.haze;
         fresh.objects = old.objects;
-        if (pass->meshes) {
-            mesh_layer_update(pass->meshes, atlas);
-        }
+        status = colour_pass_paint_streamlines(pass, atlas, NULL, NULL);
     }
     delete_textures(&fresh);
     memory_free(fresh.content);
+    return status;
+}
+
+conus_status colour_pass_paint_streamlines(struct colour_pass *pass, const conus_atlas *atlas,
+                                           struct tube_colouring *colouring, const bool *const *is_pale)
+{
+    const struct tube_colouring *used = colouring ? colouring : &pass->streamlines;
+    conus_status status = pass->meshes ? mesh_layer_update(pass->meshes, atlas, used, is_pale) : CONUS_OK;
+    if (!status && colouring) {
+        tube_colouring_finish(&pass->streamlines);
+        pass->streamlines = *colouring;
+        *colouring = (struct tube_colouring){0};
+    }
     return status;
 }
 
@@ -193,6 +204,7 @@ void colour_pass_finish(struct colour_pass *pass)
     const GLuint buffers[] = {pass->view, pass->palette, pass->opacities};
     if (pass->program) { /* otherwise there may be no GL at all */
         mesh_layer_destroy(pass->meshes);
+        tube_colouring_finish(&pass->streamlines);
         delete_textures(pass);
         glDeleteBuffers(sizeof buffers / sizeof *buffers, buffers);
         glDeleteVertexArrays(1, &pass->vertices);

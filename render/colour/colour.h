@@ -36,8 +36,9 @@ struct colour_pass {
     GLuint layer_program, layer_tile_program; /**< The same where something is translucent; 0 until it first is. */
     GLuint view, palette, opacities, vertices, transfer, objects;
     struct colour_volume areas, context, haze;
-    struct haze_choice hazy;   /**< Pathways that are haze.                */
-    struct mesh_layer *meshes; /**< NULL if there are none.              */
+    struct haze_choice hazy;           /**< Pathways that are haze.                */
+    struct mesh_layer *meshes;         /**< NULL if there are none.              */
+    struct tube_colouring streamlines; /**< How they are coloured. */
     bool has_areas, has_context, has_haze;
     size_t object_count, around_count; /**< Objects, and surfaces around them, whose numbers follow.            */
     float *colours;       /**< [1 + object_count + around_count][4] linear R, G, B, 1.                         */
@@ -92,6 +93,11 @@ conus_status colour_pass_update(struct colour_pass *pass, const conus_atlas *atl
  * pathways_area names; NULL = none. */
 conus_status colour_pass_include(struct colour_pass *pass, const conus_atlas *atlas, const uint8_t *areas,
                                  uint64_t max_memory);
+
+/** Colours streamlines by @p colouring, which is taken over on success (NULL = as before), those of @p is_pale palely
+ * (tube_layer_update()). */
+conus_status colour_pass_paint_streamlines(struct colour_pass *pass, const conus_atlas *atlas,
+                                           struct tube_colouring *colouring, const bool *const *is_pale);
 
 /** Changes the transfer function of the context, if there is one. */
 conus_status colour_pass_set_transfer(struct colour_pass *pass, const conus_atlas *atlas,

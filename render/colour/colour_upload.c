@@ -199,13 +199,36 @@ static conus_status add_mesh_content(struct colour_pass *pass, const conus_atlas
     return CONUS_OK;
 }
 
+/* The same of the points of streamlines. */
+static conus_status add_bundle_content(struct colour_pass *pass, const conus_atlas *atlas)
+{
+    uint64_t total = 0;
+    for (size_t i = 0; i < atlas->tractogram_count; i++) {
+        total += atlas->tractograms[i].point_count;
+    }
+    uint64_t step = total / MESH_POINTS + 1;
+    double(*points)[3] =
+        memory_resize(pass->content, pass->content_count + total / step + atlas->tractogram_count + 1, sizeof *points);
+    if (!points) {
+        return CONUS_ERROR_MEMORY;
+    }
+    pass->content = points;
+    for (size_t i = 0; i < atlas->tractogram_count; i++) {
+        for (uint64_t at = 0; at < atlas->tractograms[i].point_count; at += step) {
+            tractogram_point(points[pass->content_count++], &atlas->tractograms[i], at);
+        }
+    }
+    return CONUS_OK;
+}
+
 conus_status colour_upload_meshes(struct colour_pass *pass, const conus_atlas *atlas, uint64_t *memory_left)
 {
-    if (!atlas->mesh_count && !atlas->context_surface_count) {
+    if (!atlas->mesh_count && !atlas->context_surface_count && !atlas->tractogram_count) {
         return CONUS_OK;
     }
     conus_status status = mesh_layer_create(&pass->meshes, atlas, memory_left);
-    return status ? status : add_mesh_content(pass, atlas);
+    status = status ? status : add_mesh_content(pass, atlas);
+    return status ? status : add_bundle_content(pass, atlas);
 }
 
 static GLuint table_texture(const float *table)

@@ -37,6 +37,10 @@ static conus_status create_passes(conus_renderer *renderer, const conus_renderer
         status ? status
                : colour_pass_init(&renderer->colour, renderer->atlas, &renderer->transfer, &hazy, renderer->max_memory);
     haze_choice_finish(&hazy);
+    struct tube_colouring streamlines = {0};
+    status = status ? status : tube_colouring_choose(&streamlines, renderer->atlas, options->streamline_colour);
+    status = status ? status : colour_pass_paint_streamlines(&renderer->colour, renderer->atlas, &streamlines, NULL);
+    tube_colouring_finish(&streamlines);
     return status;
 }
 
@@ -101,6 +105,17 @@ conus_status renderer_include(conus_renderer *renderer, const uint8_t *areas)
     conus_status status = gl_context_use(renderer->context, &previous);
     if (!status) {
         status = colour_pass_include(&renderer->colour, renderer->atlas, areas, renderer->max_memory);
+        gl_current_restore(&previous);
+    }
+    return status;
+}
+
+conus_status renderer_paint_streamlines(conus_renderer *renderer, const bool *const *is_pale)
+{
+    struct gl_current previous;
+    conus_status status = gl_context_use(renderer->context, &previous);
+    if (!status) {
+        status = colour_pass_paint_streamlines(&renderer->colour, renderer->atlas, NULL, is_pale);
         gl_current_restore(&previous);
     }
     return status;

@@ -19,6 +19,9 @@ struct conus_renderer {
 /** Draws from now on beside pathways the areas that @p areas names (colour_pass_include()). */
 conus_status renderer_include(conus_renderer *renderer, const uint8_t *areas);
 
+/** Draws streamlines from now on palely for which @p is_pale is set (tube_layer_update()). */
+conus_status renderer_paint_streamlines(conus_renderer *renderer, const bool *const *is_pale);
+
 /** Runs the colour pass off-screen, and again at edges if @p smooth. @p rgba gets width * height pixels of linear R, G,
  * B times A, and A, bottom row first. */
 conus_status renderer_draw(float *rgba, conus_renderer *renderer, const struct colour_view *view, bool smooth);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Uploads the meshes of an atlas and draws them for a camera. */
+/* Uploads the meshes of an atlas and draws them for a camera, and streamlines with them. */
 #include "render/id/mesh_layer.h"
 
 #include "base/math3.h"
@@ -40,6 +40,7 @@ struct mesh_layer {
     struct target peeled;             /* one layer, */
     GLuint peel_surface, peel_object; /* and all of them */
     size_t peel_capacity, peel_count;
+    struct tube_layer *tubes; /* NULL if there are none. */
 };
 
 /* ---- Creation ------------------------------------------------------------------------------------------------- */
@@ -140,6 +141,9 @@ static conus_status upload_meshes(struct mesh_layer *layer, const conus_atlas *a
 {
     struct sizes sizes = {0};
     conus_status status = check_sizes(&sizes, atlas, memory_left);
+    if (!status && !sizes.indices) {
+        return CONUS_OK; /* streamlines alone */
+    }
     struct vertex *vertices = status ? NULL : memory_raw(sizes.vertices, sizeof *vertices);
     uint32_t *indices = status ? NULL : memory_raw(sizes.indices, sizeof *indices);
     if (!status && vertices && indices) {
@@ -198,6 +202,15 @@ static conus_status make_parts(struct mesh_layer *layer, size_t count)
     return layer->counts && layer->parts && layer->offsets && layer->shown ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
+/* Those that are not hidden. */
+static void show_parts(struct mesh_layer *layer, const conus_atlas *atlas)
+{
+    for (size_t i = 0; i < layer->part_count; i++) {
+        bool is_around = i >= atlas->object_count;
+        layer->shown[i] = layer->parts[i].count && (is_around || atlas_object_mesh(atlas, (uint32_t)i + 1));
+    }
+}
+
 conus_status mesh_layer_create(struct mesh_layer **out, const conus_atlas *atlas, uint64_t *memory_left)
 {
     struct mesh_layer *layer = memory_zeroed(1, sizeof *layer);
@@ -207,21 +220,21 @@ conus_status mesh_layer_create(struct mesh_layer **out, const conus_atlas *atlas
     conus_status status = make_programs(layer);
     status = status ? status : make_parts(layer, count_parts(atlas));
     status = status ? status : upload_meshes(layer, atlas, memory_left);
+    status = status || !atlas->tractogram_count ? status : tube_layer_create(&layer->tubes, atlas, memory_left);
     if (status) {
         mesh_layer_destroy(layer);
         return status;
     }
-    mesh_layer_update(layer, atlas);
+    show_parts(layer, atlas);
     *out = layer;
     return CONUS_OK;
 }
 
-void mesh_layer_update(struct mesh_layer *layer, const conus_atlas *atlas)
+conus_status mesh_layer_update(struct mesh_layer *layer, const conus_atlas *atlas,
+                               const struct tube_colouring *colouring, const bool *const *is_pale)
 {
-    for (size_t i = 0; i < layer->part_count; i++) {
-        bool is_around = i >= atlas->object_count;
-        layer->shown[i] = layer->parts[i].count && (is_around || atlas_object_mesh(atlas, (uint32_t)i + 1));
-    }
+    show_parts(layer, atlas);
+    return layer->tubes ? tube_layer_update(layer->tubes, atlas, colouring, is_pale) : CONUS_OK;
 }
 
 void mesh_layer_destroy(struct mesh_layer *layer)
@@ -234,6 +247,7 @@ void mesh_layer_destroy(struct mesh_layer *layer)
         glDeleteTextures(2, textures);
         glDeleteBuffers(2, buffers);
         glDeleteVertexArrays(1, &layer->vertices);
+        tube_layer_destroy(layer->tubes);
         glDeleteProgram(layer->solid.program);
         glDeleteProgram(layer->peel.program);
         memory_free(layer->shown);
@@ -257,19 +271,34 @@ static conus_status resize(struct target *target, uint32_t width, uint32_t heigh
     return target_init(target, width, height, attachments, 3);
 }
 
-static void use_program(const struct mesh_program *program, const struct mesh_layer_view *view)
+/* Right and up in halves of the picture from its middle, and forward: camera_from_world of the shaders. */
+static void find_rows(double rows[9], const struct mesh_layer_view *view)
 {
     const double *m = view->camera->world_from_camera;
-    double rows[9];
     for (int a = 0; a < 3; a++) {
         rows[a] = (m[a] + view->camera->middle[0] * m[8 + a]) / view->camera->slope[0];
         rows[3 + a] = (m[4 + a] + view->camera->middle[1] * m[8 + a]) / view->camera->slope[1];
         rows[6 + a] = -m[8 + a];
     }
+}
+
+/* In halves of the picture. */
+static void find_shift(float out[2], const struct mesh_layer_view *view)
+{
+    out[0] = (float)(2 * view->shift[0] / view->width);
+    out[1] = (float)(2 * view->shift[1] / view->height);
+}
+
+static void use_program(const struct mesh_program *program, const struct mesh_layer_view *view)
+{
+    double rows[9];
+    float shift[2];
+    find_rows(rows, view);
+    find_shift(shift, view);
     glUseProgram(program->program);
-    glUniform3dv(program->eye, 1, m + 12);
+    glUniform3dv(program->eye, 1, view->camera->world_from_camera + 12);
     glUniformMatrix3dv(program->camera_from_world, 1, GL_TRUE, rows);
-    glUniform2f(program->shift, (float)(2 * view->shift[0] / view->width), (float)(2 * view->shift[1] / view->height));
+    glUniform2fv(program->shift, 1, shift);
 }
 
 /* Lists the parts that are opaque, or those that are translucent. */
@@ -285,15 +314,30 @@ static void list_parts(struct mesh_layer *layer, const float *opacity, bool tran
     }
 }
 
-static void draw_parts(const struct mesh_layer *layer, const struct target *target)
+static void draw_tubes(const struct tube_layer *tubes, const struct mesh_layer_view *view)
+{
+    double rows[9];
+    float shift[2];
+    find_rows(rows, view);
+    find_shift(shift, view);
+    tube_layer_draw(tubes, view->camera->world_from_camera + 12, rows, shift, view->width, view->height);
+}
+
+/* The listed parts with a program of theirs, and of a picture (NULL = no) the streamlines. */
+static void draw_parts(const struct mesh_layer *layer, const struct target *target, const struct mesh_layer_view *tubes)
 {
     static const GLfloat infinity = 0; /* depths are reversed, so that floats are as fine far away as nearby */
     target_clear(target);
     glClearBufferfv(GL_DEPTH, 0, &infinity);
     glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
     glDepthFunc(GL_GREATER);
-    glBindVertexArray(layer->vertices);
-    glMultiDrawElements(GL_TRIANGLES, layer->counts, GL_UNSIGNED_INT, layer->offsets, layer->drawn_count);
+    if (layer->drawn_count) {
+        glBindVertexArray(layer->vertices);
+        glMultiDrawElements(GL_TRIANGLES, layer->counts, GL_UNSIGNED_INT, layer->offsets, layer->drawn_count);
+    }
+    if (tubes && layer->tubes) {
+        draw_tubes(layer->tubes, tubes);
+    }
     glDepthFunc(GL_LESS);
     glClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
 }
@@ -351,7 +395,7 @@ static conus_status draw_peels(struct mesh_layer *layer, const struct mesh_layer
         use_program(&layer->peel, view);
         glUniform1i(layer->taken, (GLint)n);
         glBeginQuery(GL_ANY_SAMPLES_PASSED, query);
-        draw_parts(layer, &layer->peeled);
+        draw_parts(layer, &layer->peeled, NULL);
         glEndQuery(GL_ANY_SAMPLES_PASSED);
         glGetQueryObjectuiv(query, GL_QUERY_RESULT, &any);
         if (any) {
@@ -372,7 +416,7 @@ conus_status mesh_layer_draw(struct mesh_layer *layer, const struct mesh_layer_v
     }
     list_parts(layer, view->opacity, false);
     use_program(&layer->solid, view);
-    draw_parts(layer, &layer->target);
+    draw_parts(layer, &layer->target, view);
     status = gl_check("meshes");
     layer->peel_count = 0;
     list_parts(layer, view->opacity, true);

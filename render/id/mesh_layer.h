@@ -1,32 +1,35 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * The meshes of an atlas as a camera sees them: which object covers a pixel, its depth and its normal. The colour pass
- * shades them and ends its rays there. Needs a current context throughout. */
+ * The meshes and streamlines of an atlas as a camera sees them: which object covers a pixel, its depth and its normal.
+ * The colour pass shades them and ends its rays there. Needs a current context throughout. */
 #ifndef CONUS_RENDER_ID_MESH_LAYER_H
 #define CONUS_RENDER_ID_MESH_LAYER_H
 
 #include "atlas/atlas.h"
 #include "render/gl/camera.h"
 #include "render/gl/target.h"
+#include "render/tubes/tube_layer.h"
 
 enum { MESH_LAYER_PEELS = 8 };
 
 struct mesh_layer;
 
-/** Uploads the meshes of @p atlas and the surfaces around its areas, whose numbers follow those of the objects; there
- * must be some. Takes their size off @p memory_left. */
+/** Uploads the meshes and streamlines of @p atlas and the surfaces around its areas, whose numbers follow those of the
+ * objects; there must be some. Takes their size off @p memory_left. */
 conus_status mesh_layer_create(struct mesh_layer **out, const conus_atlas *atlas, uint64_t *memory_left);
 /** NULL is fine. */
 void mesh_layer_destroy(struct mesh_layer *layer);
 
-/** Takes over which meshes are hidden in the atlas now. */
-void mesh_layer_update(struct mesh_layer *layer, const conus_atlas *atlas);
+/** Takes over which meshes and bundles are hidden in the atlas now, and colours the streamlines: see
+ * tube_layer_update(). */
+conus_status mesh_layer_update(struct mesh_layer *layer, const conus_atlas *atlas,
+                               const struct tube_colouring *colouring, const bool *const *is_pale);
 
 struct mesh_layer_view {
     const struct camera *camera;
     uint32_t width, height;
     double shift[2];      /**< Of the rays from the pixels' centres, in pixels, right and up. */
-    const float *opacity; /**< By number, from 0 on; NULL = all 1. What is 0 is not drawn. */
+    const float *opacity; /**< Of meshes, by number, from 0 on; NULL = all 1. What is 0 is not drawn. */
 };
 
 /** Draws into textures of its own; its framebuffer stays bound. */
@@ -43,7 +46,7 @@ GLuint mesh_layer_peel_object(const struct mesh_layer *layer);
  * mm; 0 = nothing.
  */
 GLuint mesh_layer_surface(const struct mesh_layer *layer);
-/** R32UI: the object's number. */
+/** R32UI: the object's number; of a streamline what tube_colour() says. */
 GLuint mesh_layer_object(const struct mesh_layer *layer);
 
 #endif

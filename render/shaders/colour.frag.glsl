@@ -44,6 +44,8 @@ layout(location = 0) flat in float slice; // number of the plane that is drawn
 #endif
 layout(location = 0) out vec4 colour; // linear radiance times opacity, opacity
 
+const uint TUBE_OWN_COLOUR = 0x80000000u; // as in tube_colour.h
+const uint TUBE_PALE = 0x40000000u;
 const float OPAQUE = 0.995;
 const float GHOST = 0.3; // how much the cone, its axis and the markers show through areas before them
 const float HATCH = 8.0; // pixels from stripe to stripe
@@ -191,11 +193,21 @@ vec3 lit(vec3 albedo, vec3 normal, vec3 view)
     return albedo * (0.30 + 0.75 * diffuse(normal)) + 0.06 * highlight;
 }
 
+// Colour and emphasis of an object or, of a streamline, what tube_colour.h says: a colour of its own, or pale.
+vec4 entry_of(uint number)
+{
+    bool own = (number & TUBE_OWN_COLOUR) != 0u;
+    vec3 srgb = unpackUnorm4x8(number).rgb;
+    vec3 linear = mix(srgb / 12.92, pow((srgb + 0.055) / 1.055, vec3(2.4)), greaterThan(srgb, vec3(0.04045)));
+    vec4 entry = own ? vec4(linear, 1) : palette[number & ~TUBE_PALE];
+    return (number & TUBE_PALE) != 0u ? vec4(entry.rgb, 0) : entry;
+}
+
 // Of a surface at depth t: pale where it is not emphasised, with the outline of the cone's footprint on the side that
 // faces the apex.
 vec3 object_colour(uint object, vec3 normal, vec3 direction, vec3 view, float t)
 {
-    vec4 entry = palette[object];
+    vec4 entry = entry_of(object);
     bool stripe = mod(gl_FragCoord.x + gl_FragCoord.y, HATCH) < 0.5 * HATCH;
     vec3 albedo = mix(0.16 * entry.rgb + 0.30, entry.rgb, entry.a > 1.5 ? float(stripe) : entry.a);
     float wall = distance_to_cone(t * direction);

@@ -1,0 +1,267 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Uploads the streamlines of an atlas and draws them for a camera. */
+#include "render/tubes/tube_layer.h"
+
+#include "atlas/bundles.h"
+#include "base/math3.h"
+#include "base/memory.h"
+#include "render/gl/context.h"
+#include "render/gl/program.h"
+#include "render/gl/shaders.h"
+
+#define TUBE_BALL 0x20000000U /* as in tube.vert.glsl */
+
+/* The instances of a tractogram: one for each point that is drawn. */
+struct range {
+    GLint first;
+    GLsizei count;
+    float radius;
+};
+
+struct tube_layer {
+    const conus_atlas *atlas;
+    GLuint program, vertices, points, paints;
+    GLint eye, camera_from_world, world_from_camera, shift, size, radius;
+    struct range *ranges; /* [range_count] of the atlas's tractograms */
+    size_t range_count;
+    size_t step;
+    size_t point_count;
+};
+
+/* ---- Creation --------------------------------------------------------------------------------------------------- */
+
+static size_t count_points(const conus_atlas *atlas, size_t step)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < atlas->tractogram_count; i++) {
+        const struct tractogram *tractogram = &atlas->tractograms[i];
+        for (size_t k = 0; k < tractogram->streamline_count; k += step) {
+            count += tractogram->first[k + 1] - tractogram->first[k];
+        }
+    }
+    return count;
+}
+
+/* The last point stands twice: each instance reads the one behind its own, too. */
+static void fill_points(float (*points)[3], struct tube_layer *layer)
+{
+    size_t next = 0;
+    for (size_t i = 0; i < layer->range_count; i++) {
+        const struct tractogram *tractogram = &layer->atlas->tractograms[i];
+        size_t before = next;
+        for (size_t k = 0; k < tractogram->streamline_count; k += layer->step) {
+            for (uint64_t at = tractogram->first[k]; at < tractogram->first[k + 1]; at++, next++) {
+                double p[3];
+                tractogram_point(p, tractogram, at);
+                for (int a = 0; a < 3; a++) {
+                    points[next][a] = points[next + 1][a] = (float)p[a];
+                }
+            }
+        }
+        layer->ranges[i] = (struct range){(GLint)before, (GLsizei)(next - before), (float)tractogram->radius};
+    }
+}
+
+static void describe_instances(struct tube_layer *layer)
+{
+    glCreateVertexArrays(1, &layer->vertices);
+    glVertexArrayVertexBuffer(layer->vertices, 0, layer->points, 0, 3 * sizeof(float));
+    glVertexArrayVertexBuffer(layer->vertices, 1, layer->points, 3 * sizeof(float), 3 * sizeof(float));
+    glVertexArrayVertexBuffer(layer->vertices, 2, layer->paints, 0, sizeof(uint32_t));
+    for (GLuint k = 0; k < 3; k++) {
+        glEnableVertexArrayAttrib(layer->vertices, k);
+        glVertexArrayAttribBinding(layer->vertices, k, k);
+        glVertexArrayBindingDivisor(layer->vertices, k, 1);
+    }
+    glVertexArrayAttribFormat(layer->vertices, 0, 3, GL_FLOAT, GL_FALSE, 0);
+    glVertexArrayAttribFormat(layer->vertices, 1, 3, GL_FLOAT, GL_FALSE, 0);
+    glVertexArrayAttribIFormat(layer->vertices, 2, 1, GL_UNSIGNED_INT, 0);
+}
+
+static conus_status upload(struct tube_layer *layer, uint64_t *memory_left)
+{
+    size_t count = layer->point_count;
+    uint64_t size = (uint64_t)count * (3 * sizeof(float) + sizeof(uint32_t));
+    if (size > *memory_left || count > INT32_MAX - 1) {
+        return fail(CONUS_ERROR_MEMORY, "streamlines of %zu points: %llu bytes, allowed are %llu more", count,
+                    (unsigned long long)size, (unsigned long long)*memory_left);
+    }
+    float(*points)[3] = memory_zeroed(count + 1, sizeof *points);
+    if (!points) {
+        return CONUS_ERROR_MEMORY;
+    }
+    *memory_left -= size;
+    fill_points(points, layer);
+    glCreateBuffers(1, &layer->points);
+    glNamedBufferStorage(layer->points, (GLsizeiptr)((count + 1) * sizeof *points), points, 0);
+    glCreateBuffers(1, &layer->paints);
+    glNamedBufferData(layer->paints, (GLsizeiptr)((count + 1) * sizeof(uint32_t)), NULL, GL_DYNAMIC_DRAW);
+    memory_free(points);
+    describe_instances(layer);
+    return gl_check("streamlines");
+}
+
+static conus_status make_program(struct tube_layer *layer)
+{
+    const struct program_source source = {.vertex = {.file = "tube.vert.glsl", .text = shader_tube_vert},
+                                          .fragment = {.file = "tube.frag.glsl", .text = shader_tube_frag}};
+    conus_status status = program_create(&layer->program, &source);
+    if (!status) {
+        layer->eye = program_uniform(layer->program, "eye");
+        layer->camera_from_world = program_uniform(layer->program, "camera_from_world");
+        layer->world_from_camera = program_uniform(layer->program, "world_from_camera");
+        layer->shift = program_uniform(layer->program, "shift");
+        layer->size = program_uniform(layer->program, "size");
+        layer->radius = program_uniform(layer->program, "radius");
+    }
+    return status;
+}
+
+conus_status tube_layer_create(struct tube_layer **out, const conus_atlas *atlas, uint64_t *memory_left)
+{
+    struct tube_layer *layer = memory_zeroed(1, sizeof *layer);
+    if (!layer) {
+        return CONUS_ERROR_MEMORY;
+    }
+    layer->atlas = atlas;
+    layer->range_count = atlas->tractogram_count;
+    layer->ranges = memory_zeroed(layer->range_count, sizeof *layer->ranges);
+    layer->step = count_points(atlas, 1) / TUBE_POINT_LIMIT + 1;
+    layer->point_count = count_points(atlas, layer->step);
+    conus_status status = layer->ranges ? make_program(layer) : CONUS_ERROR_MEMORY;
+    status = status ? status : upload(layer, memory_left);
+    status = status ? status : tube_layer_update(layer, atlas, &(const struct tube_colouring){0}, NULL);
+    if (status) {
+        tube_layer_destroy(layer);
+        return status;
+    }
+    *out = layer;
+    return CONUS_OK;
+}
+
+void tube_layer_destroy(struct tube_layer *layer)
+{
+    if (layer) {
+        const GLuint buffers[] = {layer->points, layer->paints};
+        glDeleteBuffers(2, buffers);
+        glDeleteVertexArrays(1, &layer->vertices);
+        glDeleteProgram(layer->program);
+        memory_free(layer->ranges);
+        memory_free(layer);
+    }
+}
+
+size_t tube_layer_step(const struct tube_layer *layer)
+{
+    return layer->step;
+}
+
+/* ---- Colours ---------------------------------------------------------------------------------------------------- */
+
+/* As which object each streamline is drawn: the first that has it and is not hidden; 0 = none. */
+static void find_objects(uint32_t *objects, const conus_atlas *atlas, const struct tractogram *tractogram)
+{
+    for (uint32_t number = (uint32_t)atlas->object_count; number > atlas->area_count; number--) {
+        bool is_shown = !atlas->places[number - 1].is_hidden && atlas_bundle_tractogram(atlas, number) == tractogram;
+        const struct tract_group *group = is_shown ? atlas_bundle_group(atlas, number) : NULL;
+        size_t count = !is_shown ? 0 : group ? group->count : tractogram->streamline_count;
+        for (size_t i = 0; i < count; i++) {
+            objects[group ? group->members[i] : i] = number;
+        }
+    }
+}
+
+/* Where streamline @p k is drawn, of which the first paint is *paints; nothing leads from its last point on. */
+static uint32_t *paint_streamline(uint32_t *paints, const struct tube_colouring *colouring,
+                                  const struct tractogram *tractogram, uint32_t k, uint32_t object)
+{
+    uint64_t first = tractogram->first[k];
+    uint64_t end = tractogram->first[k + 1];
+    for (uint64_t at = first; at < end; at++) {
+        bool is_last = at + 1 == end;
+        uint32_t ball = is_last && end - first == 1 ? TUBE_BALL : 0;
+        *paints++ = !object || (is_last && !ball) ? 0 : ball | tube_colour(colouring, tractogram, k, at, object);
+    }
+    return paints;
+}
+
+static void make_pale(uint32_t *from, const uint32_t *end)
+{
+    for (; from < end; from++) {
+        *from |= *from ? TUBE_PALE : 0;
+    }
+}
+
+static conus_status paint_tractogram(uint32_t **paints, const struct tube_layer *layer, size_t index,
+                                     const struct tube_colouring *colouring, const bool *is_pale)
+{
+    const struct tractogram *tractogram = &layer->atlas->tractograms[index];
+    uint32_t *objects = memory_zeroed(tractogram->streamline_count, sizeof *objects);
+    if (!objects) {
+        return CONUS_ERROR_MEMORY;
+    }
+    find_objects(objects, layer->atlas, tractogram);
+    for (uint32_t k = 0; k < tractogram->streamline_count; k += (uint32_t)layer->step) {
+        uint32_t *from = *paints;
+        *paints = paint_streamline(from, colouring, tractogram, k, objects[k]);
+        if (is_pale && is_pale[k]) {
+            make_pale(from, *paints);
+        }
+    }
+    memory_free(objects);
+    return CONUS_OK;
+}
+
+conus_status tube_layer_update(struct tube_layer *layer, const conus_atlas *atlas,
+                               const struct tube_colouring *colouring, const bool *const *is_pale)
+{
+    uint32_t *paints = memory_zeroed(layer->point_count + 1, sizeof *paints);
+    uint32_t *next = paints;
+    conus_status status = paints ? CONUS_OK : CONUS_ERROR_MEMORY;
+    for (size_t i = 0; i < atlas->tractogram_count && !status; i++) {
+        status = paint_tractogram(&next, layer, i, colouring, is_pale ? is_pale[i] : NULL);
+    }
+    if (!status) {
+        glNamedBufferSubData(layer->paints, 0, (GLsizeiptr)(layer->point_count * sizeof *paints), paints);
+        status = gl_check("streamlines");
+    }
+    memory_free(paints);
+    return status;
+}
+
+/* ---- Drawing ---------------------------------------------------------------------------------------------------- */
+
+/* Where a ray of the camera is at depth 1, from (x, y, 1) of the picture: the inverse, by columns. */
+static void invert_rows(float out[9], const double rows[9])
+{
+    double columns[3][3];
+    vec3_cross(columns[0], rows + 3, rows + 6);
+    vec3_cross(columns[1], rows + 6, rows);
+    vec3_cross(columns[2], rows, rows + 3);
+    double determinant = vec3_dot(rows, columns[0]);
+    for (int k = 0; k < 3; k++) {
+        for (int a = 0; a < 3; a++) {
+            out[3 * k + a] = (float)(columns[k][a] / determinant);
+        }
+    }
+}
+
+void tube_layer_draw(const struct tube_layer *layer, const double eye[3], const double camera_from_world[9],
+                     const float shift[2], uint32_t width, uint32_t height)
+{
+    static const GLuint strip = 4;
+    float inverse[9];
+    invert_rows(inverse, camera_from_world);
+    glUseProgram(layer->program);
+    glUniform3dv(layer->eye, 1, eye);
+    glUniformMatrix3dv(layer->camera_from_world, 1, GL_TRUE, camera_from_world);
+    glUniformMatrix3fv(layer->world_from_camera, 1, GL_FALSE, inverse);
+    glUniform2fv(layer->shift, 1, shift);
+    glUniform2f(layer->size, (float)width, (float)height);
+    glBindVertexArray(layer->vertices);
+    for (size_t i = 0; i < layer->range_count; i++) {
+        const struct range *range = &layer->ranges[i];
+        glUniform1f(layer->radius, range->radius);
+        glDrawArraysInstancedBaseInstance(GL_TRIANGLE_STRIP, 0, strip, range->count, (GLuint)range->first);
+    }
+}

@@ -1,0 +1,315 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Streamlines in pictures: each pixel against a march along its ray that knows distances to segments only, and their
+ * colours. */
+#include "atlas/bundles.h"
+#include "base/math3.h"
+#include "base/memory.h"
+#include "picture_scene.h"
+#include "render/id/mesh_layer.h"
+#include "test.h"
+#include "test_gl.h"
+
+#include <string.h>
+
+enum { WIDTH = PICTURE_WIDTH, HEIGHT = PICTURE_HEIGHT, WALKS = 12, STEPS = 20, TURNS = 200000 };
+
+#define RADIUS 1.5
+
+/* ---- The scene -------------------------------------------------------------------------------------------------- */
+
+/* Random walks of STEPS points within about 25 mm, each with a point twice; then one of a single point. */
+static struct tractogram random_walks(void)
+{
+    uint64_t random = 1910;
+    size_t points = (size_t)WALKS * STEPS + 1;
+    struct tractogram made = {.path = memory_text("walks", 5),
+                              .points = memory_zeroed(points, 3 * sizeof(float)),
+                              .first = memory_zeroed(WALKS + 2, sizeof(uint64_t)),
+                              .point_count = points,
+                              .streamline_count = WALKS + 1,
+                              .radius = RADIUS};
+    assert_true(made.path && made.points && made.first);
+    for (size_t i = 0; i < points; i++) {
+        bool begins = i % STEPS == 0;
+        for (size_t a = 0; a < 3; a++) {
+            made.points[3 * i + a] = (float)(begins ? test_random(&random, -20, 20)
+                                                    : (double)made.points[3 * i - 3 + a] + test_random(&random, -3, 3));
+        }
+        if (i % STEPS == 7) {
+            memcpy(&made.points[3 * i], &made.points[3 * i - 3], 3 * sizeof(float));
+        }
+    }
+    for (size_t k = 0; k <= WALKS; k++) {
+        made.first[k] = k * STEPS;
+    }
+    made.first[WALKS + 1] = points;
+    return made;
+}
+
+static conus_atlas *atlas_of(struct tractogram tractogram)
+{
+    conus_atlas *atlas = NULL;
+    assert_ok(atlas_create_empty(&atlas, "none"));
+    assert_ok(atlas_add_tractogram(atlas, &tractogram, "walks"));
+    return atlas;
+}
+
+/* ---- The march -------------------------------------------------------------------------------------------------- */
+
+static double distance_to_segment(const double p[3], const double a[3], const double b[3])
+{
+    double along[3];
+    double away[3];
+    vec3_sub(along, b, a);
+    vec3_sub(away, p, a);
+    double square = vec3_dot(along, along);
+    double s = square > 0 ? fmin(fmax(vec3_dot(away, along) / square, 0), 1) : 0;
+    vec3_add_scaled(away, away, -s, along);
+    return vec3_length(away);
+}
+
+static double distance_to_tubes(const struct tractogram *tractogram, const double p[3])
+{
+    double least = INFINITY;
+    for (uint32_t k = 0; k < tractogram->streamline_count; k++) {
+        uint64_t last = tractogram->first[k + 1] - 1;
+        for (uint64_t i = tractogram->first[k]; i <= last; i++) {
+            double a[3];
+            double b[3];
+            tractogram_point(a, tractogram, i);
+            tractogram_point(b, tractogram, i < last ? i + 1 : i);
+            least = fmin(least, distance_to_segment(p, a, b));
+        }
+    }
+    return least - tractogram->radius;
+}
+
+/* How far along the ray its first point of a tube is; distances change by at most 1 per mm, so nothing is stepped over.
+ * INFINITY where there is none; *least is how near the ray comes before. */
+static double march(double *least, const struct tractogram *tractogram, const double origin[3], const double ray[3])
+{
+    double t = 0;
+    *least = INFINITY;
+    for (int turn = 0; turn < TURNS && t < 300; turn++) {
+        double p[3];
+        vec3_add_scaled(p, origin, t, ray);
+        double away = distance_to_tubes(tractogram, p);
+        if (away < 1e-5) {
+            return t;
+        }
+        *least = fmin(*least, away);
+        t += away;
+    }
+    return INFINITY;
+}
+
+/* ---- Pictures --------------------------------------------------------------------------------------------------- */
+
+struct layer_picture {
+    float surface[WIDTH * HEIGHT][4]; /* bottom row first */
+    uint32_t object[WIDTH * HEIGHT];
+};
+
+static void draw(struct layer_picture *out, const conus_atlas *atlas, const struct camera *camera,
+                 const double shift[2], const struct tube_colouring *colouring, const bool *const *is_pale)
+{
+    struct test_gl gl;
+    test_gl_enter(&gl);
+    uint64_t memory = 1 << 20;
+    struct mesh_layer *layer = NULL;
+    const struct mesh_layer_view view = {camera, WIDTH, HEIGHT, {shift[0], shift[1]}, NULL};
+    assert_ok(mesh_layer_create(&layer, atlas, &memory));
+    assert_ok(mesh_layer_update(layer, atlas, colouring, is_pale));
+    assert_ok(mesh_layer_draw(layer, &view));
+    glGetTextureImage(mesh_layer_surface(layer), 0, GL_RGBA, GL_FLOAT, sizeof out->surface, out->surface);
+    glGetTextureImage(mesh_layer_object(layer), 0, GL_RED_INTEGER, GL_UNSIGNED_INT, sizeof out->object, out->object);
+    mesh_layer_destroy(layer);
+    test_gl_leave(&gl);
+}
+
+static void find_ray(double ray[3], const struct camera *camera, int x, int y, const double shift[2])
+{
+    double u = (2 * (x + 0.5 + shift[0]) / WIDTH - 1) * camera->slope[0] + camera->middle[0];
+    double v = (2 * (y + 0.5 + shift[1]) / HEIGHT - 1) * camera->slope[1] + camera->middle[1];
+    const double local[3] = {u, v, -1};
+    mat4_direction(ray, camera->world_from_camera, local);
+}
+
+/* Depths are compared at pixels that are not within 0.01 mm of a silhouette; normals where the march has one. */
+static void check_pixels(const struct layer_picture *picture, const struct tractogram *tractogram,
+                         const struct camera *camera, const double shift[2])
+{
+    size_t hits = 0;
+    size_t grazing = 0;
+    for (int i = 0; i < WIDTH * HEIGHT; i += 3) {
+        double direction[3];
+        double ray[3];
+        double least;
+        find_ray(direction, camera, i % WIDTH, i / WIDTH, shift);
+        assert_true(vec3_normalise(ray, direction));
+        double t = march(&least, tractogram, camera->world_from_camera + 12, ray);
+        double depth = (double)picture->surface[i][3] * vec3_length(direction);
+        bool same = isinf(t) ? depth == 0 : fabs(depth - t) < 2e-3;
+        hits += !isinf(t);
+        if (!same) { /* a ray that only touches may be on either side */
+            grazing++;
+            assert_true(least < 0.01 || fabs(depth - t) < 0.5);
+        }
+        assert_true(depth == 0 || picture->object[i] == 1);
+    }
+    assert_true(hits > 500);
+    assert_true(grazing < hits / 50);
+}
+
+static void every_pixel_has_the_nearest_capsule(void **state)
+{
+    (void)state;
+    static const double forwards[2][3] = {{0, 1, 0}, {0.4, -0.8, -0.7}};
+    static const double shifts[2][2] = {{0, 0}, {0.25, -0.375}};
+    static struct layer_picture picture;
+    conus_atlas *atlas = atlas_of(random_walks());
+    for (int n = 0; n < 2; n++) {
+        struct camera camera = picture_camera(forwards[n], n ? 25 : 120, radians_from_degrees(n ? 70 : 25));
+        camera.middle[0] = n ? 0.1 : 0;
+        draw(&picture, atlas, &camera, shifts[n], &(const struct tube_colouring){0}, NULL);
+        check_pixels(&picture, &atlas->tractograms[0], &camera, shifts[n]);
+    }
+    conus_atlas_destroy(atlas);
+}
+
+/* Three straight ones, along x, y and z, apart from each other. */
+static struct tractogram three_axes(void)
+{
+    static const float points[] = {-9, 0, -8, 9, 0, -8, 15, -9, 0, 15, 9, 0, -15, 0, -5, -15, 0, 9};
+    static const uint64_t first[] = {0, 2, 4, 6};
+    struct tractogram made = {.path = memory_text("axes", 4),
+                              .points = memory_copy(points, 18, sizeof *points),
+                              .first = memory_copy(first, 4, sizeof *first),
+                              .point_count = 6,
+                              .streamline_count = 3,
+                              .radius = RADIUS};
+    assert_true(made.path && made.points && made.first);
+    return made;
+}
+
+/* What covers the world point, as seen along y. */
+static uint32_t painted_at(const struct layer_picture *picture, const struct camera *camera, const double p[3])
+{
+    const struct camera_frame frame = {WIDTH, HEIGHT, 0, 0, 0, 0};
+    double x;
+    double y;
+    double depth;
+    assert_true(camera_project(&x, &y, &depth, camera, &frame, p));
+    return picture->object[(HEIGHT - 1 - (int)y) * WIDTH + (int)x];
+}
+
+static const double on_axes[3][3] = {{0, 0, -8}, {15, 0, 0}, {-15, 0, 2}};
+
+static void directions_are_red_green_and_blue(void **state)
+{
+    (void)state;
+    static struct layer_picture picture;
+    static const uint32_t expected[3] = {0x0000ff, 0x00ff00, 0xff0000}; /* red first, from the lowest byte */
+    conus_atlas *atlas = atlas_of(three_axes());
+    const struct camera camera = picture_camera((const double[]){0, 1, 0}, 120, radians_from_degrees(25));
+    const struct tube_colouring colouring = {.by = TUBE_BY_DIRECTION};
+    draw(&picture, atlas, &camera, (const double[]){0, 0}, &colouring, NULL);
+    for (int k = 0; k < 3; k++) {
+        assert_int_equal(painted_at(&picture, &camera, on_axes[k]), TUBE_OWN_COLOUR | expected[k]);
+    }
+    conus_atlas_destroy(atlas);
+}
+
+/* 0, 5 and 10 of a number per streamline: the ends and the middle of the colours; the second is pale. */
+static void numbers_span_the_colours_and_pale_ones_are_pale(void **state)
+{
+    (void)state;
+    static struct layer_picture picture;
+    static const float values[3] = {0, 5, 10};
+    static const bool pale[3] = {false, true, false};
+    const bool *const is_pale[1] = {pale};
+    struct tractogram axes = three_axes();
+    axes.scalars = memory_zeroed(1, sizeof *axes.scalars);
+    axes.scalar_count = 1;
+    axes.scalars[0] = (struct tract_scalar){memory_text("fa", 2), false, 1, memory_copy(values, 3, sizeof *values)};
+    conus_atlas *atlas = atlas_of(axes);
+    const struct camera camera = picture_camera((const double[]){0, 1, 0}, 120, radians_from_degrees(25));
+    struct tube_colouring colouring = {0};
+    assert_ok(tube_colouring_choose(&colouring, atlas, "fa"));
+    assert_true(colouring.low == 0 && colouring.high == 10);
+    draw(&picture, atlas, &camera, (const double[]){0, 0}, &colouring, is_pale);
+    for (int k = 0; k < 3; k++) {
+        uint8_t rgb[3];
+        tube_scalar_colour(rgb, k / 2.0);
+        uint32_t expected = TUBE_OWN_COLOUR | rgb[0] | (uint32_t)rgb[1] << 8 | (uint32_t)rgb[2] << 16;
+        assert_int_equal(painted_at(&picture, &camera, on_axes[k]), expected | (k == 1 ? TUBE_PALE : 0));
+    }
+    tube_colouring_finish(&colouring);
+    assert_fails(tube_colouring_choose(&colouring, atlas, "md"), CONUS_ERROR_ARGUMENT);
+    assert_string_equal(conus_message(), "colour of streamlines: md is none of bundle, direction, fa");
+    conus_atlas_destroy(atlas);
+}
+
+/* The colours of numbers grow lighter from step to step (relative luminance, Rec. 709). */
+static void colours_of_numbers_grow_lighter(void **state)
+{
+    (void)state;
+    double before = -1;
+    for (int i = 0; i <= 100; i++) {
+        uint8_t rgb[3];
+        tube_scalar_colour(rgb, i / 100.0);
+        double light = 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
+        assert_true(light > before);
+        before = light;
+    }
+}
+
+/* A group that is hidden takes its streamlines along, unless another bundle has them. */
+static void hidden_bundles_are_not_drawn(void **state)
+{
+    (void)state;
+    static struct layer_picture picture;
+    static const uint32_t members[2] = {0, 1};
+    struct tractogram axes = three_axes();
+    axes.groups = memory_zeroed(1, sizeof *axes.groups);
+    axes.group_count = 1;
+    axes.groups[0] = (struct tract_group){memory_text("two", 3), memory_copy(members, 2, sizeof *members), 2};
+    conus_atlas *atlas = atlas_of(axes);
+    const struct camera camera = picture_camera((const double[]){0, 1, 0}, 120, radians_from_degrees(25));
+    assert_ok(conus_atlas_show(atlas, NULL, "two"));
+    draw(&picture, atlas, &camera, (const double[]){0, 0}, &(const struct tube_colouring){0}, NULL);
+    assert_int_equal(painted_at(&picture, &camera, on_axes[0]), 0);
+    assert_int_equal(painted_at(&picture, &camera, on_axes[1]), 0);
+    assert_int_equal(painted_at(&picture, &camera, on_axes[2]), 2);
+    conus_atlas_destroy(atlas);
+}
+
+/* The whole way, through the colour pass: a red bundle along x is red in the picture's middle. */
+static void a_picture_shows_a_bundle_in_its_colour(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = atlas_of(three_axes());
+    memcpy(atlas->objects[0].rgb, (const uint8_t[]){255, 0, 0}, 3);
+    conus_renderer *renderer = picture_renderer(atlas, NULL);
+    struct camera camera = picture_camera((const double[]){0, 1, 0}, 120, radians_from_degrees(25));
+    camera.world_from_camera[14] -= 8; /* at the height of the first */
+    float *rgba = picture_draw(renderer, &camera, NULL, false);
+    const float *middle = rgba + (ptrdiff_t)4 * (HEIGHT / 2 * WIDTH + WIDTH / 2);
+    assert_true(middle[3] > 0.99F && middle[0] > 4 * middle[2] && middle[0] > 4 * middle[1]);
+    memory_free(rgba);
+    conus_renderer_destroy(renderer);
+    conus_atlas_destroy(atlas);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_pixel_has_the_nearest_capsule),
+        cmocka_unit_test(directions_are_red_green_and_blue),
+        cmocka_unit_test(numbers_span_the_colours_and_pale_ones_are_pale),
+        cmocka_unit_test(colours_of_numbers_grow_lighter),
+        cmocka_unit_test(hidden_bundles_are_not_drawn),
+        cmocka_unit_test(a_picture_shows_a_bundle_in_its_colour),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
