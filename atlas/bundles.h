@@ -23,6 +23,10 @@ const struct tract_group *atlas_bundle_group(const conus_atlas *atlas, uint32_t 
 /** Whether there is a bundle that is not hidden. */
 bool atlas_has_bundles(const conus_atlas *atlas);
 
+/** As which object each streamline of @p tractogram, one of the atlas's, is shown: the first bundle that has it and is
+ * not hidden. @p objects [streamline_count] is all 0 before, and stays so where there is none. */
+void bundles_find_objects(uint32_t *objects, const conus_atlas *atlas, const struct tractogram *tractogram);
+
 /** Moves all points of @p atlas's tractograms by @p world_from_atlas: new tractograms in @p out, [tractogram_count],
  * of which only points, point_count, tree and bounds are filled in. CONUS_ERROR_DATA where a point leaves
  * TRACT_COORDINATE_LIMIT; CONUS_ERROR_MEMORY. On failure @p out has nothing to end. */

@@ -40,9 +40,10 @@ static void list_surfaces(struct cut *cut)
 conus_status cut_init(struct cut *out, const conus_atlas *atlas)
 {
     struct cut cut = {.atlas = atlas, .surfaces = memory_zeroed(atlas->object_count + 1, sizeof *cut.surfaces)};
-    if (!cut.surfaces) {
+    conus_status status = cut.surfaces ? cut_list_streamlines(&cut) : CONUS_ERROR_MEMORY;
+    if (status) {
         cut_finish(&cut);
-        return CONUS_ERROR_MEMORY;
+        return status;
     }
     list_surfaces(&cut);
     *out = cut;
@@ -65,6 +66,10 @@ static void free_pixels(struct cut *cut)
 void cut_finish(struct cut *cut)
 {
     free_pixels(cut);
+    for (size_t i = 0; cut->streamlines && i < cut->atlas->tractogram_count; i++) {
+        memory_free(cut->streamlines[i]);
+    }
+    memory_free(cut->streamlines);
     memory_free(cut->surfaces);
     *cut = (struct cut){0};
 }

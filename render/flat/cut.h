@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
  * A flat cut through an atlas, drawn on the CPU: the context in grey, areas filled and outlined, meshes as their
- * contours and filled where they are closed, surfaces around them as contours, pathways over them, and the cut through
- * a cone. Labels are looked up, never interpolated.
+ * contours and filled where they are closed, surfaces around them as contours, pathways over them, streamlines over
+ * these, at least 1.5 pixels thick, and the cut through a cone. Labels are looked up, never interpolated.
  *
  * A cut keeps what it found: the next one looks at voxels and triangles again only where they lie elsewhere. */
 #ifndef CONUS_RENDER_FLAT_CUT_H
@@ -42,7 +42,7 @@ struct cut_view {
 struct cut {
     const conus_atlas *atlas;
     uint8_t *rgba;     /**< [height width 4] sRGB and opacity 255, top row first.                               */
-    uint32_t *objects; /**< [height width] The area or pathway that a pixel's centre is in; 0 = none.            */
+    uint32_t *objects; /**< [height width] The area, pathway or bundle that a pixel's centre is in; 0 = none.    */
 
     uint8_t *grey;      /**< [height width] Of the context.                                                      */
     uint32_t *contours; /**< [height width] The object whose surface the plane cuts there, or CUT_AROUND; NULL without
@@ -52,8 +52,9 @@ struct cut {
     size_t pixel_capacity; /**< Of each of these arrays.                                                            */
     uint32_t *surfaces;    /**< Objects with a mesh, the large ones first: they may hold others.                    */
     size_t surface_count;
-    double window[2];    /**< Of grey.                                                                            */
-    struct cut_place of; /**< Where grey and objects were found.                                                  */
+    uint32_t **streamlines; /**< [tractogram_count] As which object each is shown (bundles_find_objects()). */
+    double window[2];       /**< Of grey.                                                                            */
+    struct cut_place of;    /**< Where grey and objects were found.                                                  */
     bool has_grey, has_objects; /**< They hold.                                                                   */
 };
 
@@ -71,6 +72,11 @@ void cut_draw_cone(uint8_t *rgba, const struct cut_place *place, const struct cu
 void cut_find_grey(struct cut *cut, const struct cut_view *view);
 /** Finds objects and contours. */
 void cut_find_objects(struct cut *cut, const struct cut_view *view);
+
+/** Fills in cut->streamlines. CONUS_ERROR_MEMORY, with some of them to be ended. */
+conus_status cut_list_streamlines(struct cut *cut);
+/** Finds where streamlines pass the plane, after the other objects. */
+void cut_find_streamlines(struct cut *cut, const struct cut_view *view);
 
 /** How a pixel steps through an index space: `start` of the top left pixel's centre, and per pixel. */
 struct cut_walk {

@@ -361,4 +361,5 @@ void cut_find_objects(struct cut *cut, const struct cut_view *view)
     }
     find_volumes(cut, view, CONUS_ROLE_PROBABILITY);
     find_volumes(cut, view, CONUS_ROLE_SCALAR);
+    cut_find_streamlines(cut, view);
 }

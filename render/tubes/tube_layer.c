@@ -158,19 +158,6 @@ size_t tube_layer_step(const struct tube_layer *layer)
 
 /* ---- Colours ---------------------------------------------------------------------------------------------------- */
 
-/* As which object each streamline is drawn: the first that has it and is not hidden; 0 = none. */
-static void find_objects(uint32_t *objects, const conus_atlas *atlas, const struct tractogram *tractogram)
-{
-    for (uint32_t number = (uint32_t)atlas->object_count; number > atlas->area_count; number--) {
-        bool is_shown = !atlas->places[number - 1].is_hidden && atlas_bundle_tractogram(atlas, number) == tractogram;
-        const struct tract_group *group = is_shown ? atlas_bundle_group(atlas, number) : NULL;
-        size_t count = !is_shown ? 0 : group ? group->count : tractogram->streamline_count;
-        for (size_t i = 0; i < count; i++) {
-            objects[group ? group->members[i] : i] = number;
-        }
-    }
-}
-
 /* Where streamline @p k is drawn, of which the first paint is *paints; nothing leads from its last point on. */
 static uint32_t *paint_streamline(uint32_t *paints, const struct tube_colouring *colouring,
                                   const struct tractogram *tractogram, uint32_t k, uint32_t object)
@@ -200,7 +187,7 @@ static conus_status paint_tractogram(uint32_t **paints, const struct tube_layer 
     if (!objects) {
         return CONUS_ERROR_MEMORY;
     }
-    find_objects(objects, layer->atlas, tractogram);
+    bundles_find_objects(objects, layer->atlas, tractogram);
     for (uint32_t k = 0; k < tractogram->streamline_count; k += (uint32_t)layer->step) {
         uint32_t *from = *paints;
         *paints = paint_streamline(from, colouring, tractogram, k, objects[k]);
