@@ -413,6 +413,7 @@ static conus_status make_renderer(struct picture *picture)
                                             .max_memory = settings->atlas.max_memory,
                                             .pathways = picture->translucent.pathways,
                                             .pathway_count = picture->translucent.pathway_count,
+                                            .streamline_colour = settings->figure.streamline_colour,
                                             .log = settings->common.verbose ? log_line : NULL};
     conus_status status = conus_renderer_create(&picture->renderer, picture->atlas, &options);
     if (!status && settings->common.verbose) {

@@ -68,6 +68,12 @@ const struct option figure_options[] = {
      .type = OPTION_FLAG,
      .offset = FIELD(no_legend),
      .help = "leave out the text, that of directions and scale, too"},
+    {.name = "streamline-colour",
+     .type = OPTION_TEXT,
+     .offset = FIELD(streamline_colour),
+     .value = "bundle|direction|NAME",
+     .help = "what colours streamlines: their bundle, their direction (red: left-right, green: back-front, blue: "
+             "up-down) or a number that their file has for points or streamlines, by its name (default: bundle)"},
     {.name = "safe-colours",
      .type = OPTION_FLAG,
      .offset = FIELD(safe_colours),

@@ -14,6 +14,7 @@ struct figure_settings {
     size_t side, legend;             /* conus_side, conus_legend */
     const char *background;
     bool safe_colours, no_legend;
+    const char *streamline_colour; /**< As in conus_renderer_options. */
 };
 
 /** Names of conus_legend, in its order, then NULL. */

@@ -90,6 +90,9 @@ static conus_status fail_unknown(const conus_atlas *atlas, const char *name)
 conus_status tube_colouring_choose(struct tube_colouring *out, const conus_atlas *atlas, const char *name)
 {
     struct tube_colouring made = {0};
+    if (name && !atlas->tractogram_count) {
+        return fail(CONUS_ERROR_ARGUMENT, "colour of streamlines: the atlas has none");
+    }
     if (name && strcmp(name, "direction") == 0) {
         made.by = TUBE_BY_DIRECTION;
     } else if (name && strcmp(name, "bundle") != 0) {

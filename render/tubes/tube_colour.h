@@ -23,7 +23,8 @@ struct tube_colouring {
 #define TUBE_PALE 0x40000000U /**< Drawn pale, whatever its object. */
 
 /** Reads @p name: NULL or "bundle", "direction", or the name of a number that a tractogram of @p atlas has for its
- * points or streamlines, one each. CONUS_ERROR_ARGUMENT, with the names that there are. */
+ * points or streamlines, one each. CONUS_ERROR_ARGUMENT, with the names that there are, and for any name where there
+ * are no streamlines. */
 conus_status tube_colouring_choose(struct tube_colouring *out, const conus_atlas *atlas, const char *name);
 void tube_colouring_finish(struct tube_colouring *colouring);
 

@@ -15,13 +15,14 @@ struct picture_legend;
 struct picture {
     conus_view options; /**< Defaults filled in. */
     const conus_atlas *atlas;
-    const struct haze_choice *hazy; /**< Pathways that are haze. */
-    uint32_t drawing[2];            /**< Width and height of the drawing, in the image's top left corner.       */
-    uint32_t sheet_height;          /**< Of the image, which is options.width wide.                             */
-    struct font *font;              /**< NULL = no text.                                                        */
-    struct picture_legend *legend;  /**< NULL = none.                                                   */
-    double em, line;                /**< Size of letters, and of the thinnest line, pixels.             */
-    float ink[4];                   /**< Colour of letters, as draw.h has it.                           */
+    const struct haze_choice *hazy;           /**< Pathways that are haze. */
+    const struct tube_colouring *streamlines; /**< How they are coloured. */
+    uint32_t drawing[2];           /**< Width and height of the drawing, in the image's top left corner.       */
+    uint32_t sheet_height;         /**< Of the image, which is options.width wide.                             */
+    struct font *font;             /**< NULL = no text.                                                        */
+    struct picture_legend *legend; /**< NULL = none.                                                   */
+    double em, line;               /**< Size of letters, and of the thinnest line, pixels.             */
+    float ink[4];                  /**< Colour of letters, as draw.h has it.                           */
     struct camera camera;
     struct camera_frame frame;
     double centre[3], radius; /**< A ball around what shows, world mm. */

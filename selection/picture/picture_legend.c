@@ -10,7 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { TEXT_SIZE = PICTURE_TEXT, CELL_SIZE = 24, PATHWAY_ROWS = 5 };
+enum { TEXT_SIZE = PICTURE_TEXT, CELL_SIZE = 24, PATHWAY_ROWS = 5, COLOUR_ROWS = 3 };
 
 /* Of the picture's width: inside while letters of SMALLEST of their size are enough, and beside the drawing. */
 static const double INSIDE = 0.42;
@@ -31,7 +31,7 @@ struct picture_legend {
     struct legend legend;
     struct legend_row *rows;
     struct cells *cells;
-    char subtitle[TEXT_SIZE], words[TEXT_SIZE], more[TEXT_SIZE];
+    char subtitle[TEXT_SIZE], words[TEXT_SIZE], more[TEXT_SIZE], colours[COLOUR_ROWS][TEXT_SIZE];
     double at[2], size[2]; /* pixels of the image */
 };
 
@@ -107,6 +107,30 @@ static size_t add_pathways(struct legend_row rows[PATHWAY_ROWS], char words[TEXT
     return count;
 }
 
+/* What the colours of streamlines stand for, where these are not their bundles'. */
+static size_t add_colours(struct legend_row rows[COLOUR_ROWS], char words[COLOUR_ROWS][TEXT_SIZE],
+                          const struct picture *picture)
+{
+    static const char *const directions[COLOUR_ROWS] = {"left to right", "back to front", "down to up"};
+    const struct tube_colouring *colouring = picture->streamlines;
+    if (colouring->by == TUBE_BY_BUNDLE) {
+        return 0;
+    }
+    for (int i = 0; i < COLOUR_ROWS; i++) {
+        if (colouring->by == TUBE_BY_DIRECTION) {
+            rows[i] = (struct legend_row){.name = directions[i]};
+            rows[i].rgb[i] = 255;
+        } else {
+            double part = i / (COLOUR_ROWS - 1.0);
+            snprintf(words[i], TEXT_SIZE, "%.*s %.4g", TEXT_SIZE / 2, colouring->scalar,
+                     colouring->low + part * (colouring->high - colouring->low));
+            rows[i] = (struct legend_row){.name = words[i]};
+            tube_scalar_colour(rows[i].rgb, part);
+        }
+    }
+    return COLOUR_ROWS;
+}
+
 void picture_describe_cone(char out[PICTURE_TEXT], const struct cone *cone, const conus_frame *frame)
 {
     static const char *const places[] = {", RAS mm", ", LPS mm", " \u00b5m in CCF", " mm from bregma"};
@@ -139,6 +163,7 @@ static void fill_rows(struct picture_legend *out, const struct picture *picture)
         }
     }
     count += add_pathways(out->rows + count, out->words, picture);
+    count += add_colours(out->rows + count, out->colours, picture);
     picture_describe_cone(out->subtitle, &selection->cone, picture->options.frame);
     out->legend = (struct legend){.title = selection->has_layers ? "Hits of the cone" : "First hits of the cone",
                                   .subtitle = out->subtitle,
@@ -231,7 +256,7 @@ conus_status picture_legend_init(struct picture *picture)
     size_t results = conus_selection_count(picture->options.selection);
     struct picture_legend *legend = memory_zeroed(1, sizeof *legend);
     if (legend) {
-        legend->rows = memory_zeroed(results + PATHWAY_ROWS, sizeof *legend->rows);
+        legend->rows = memory_zeroed(results + PATHWAY_ROWS + COLOUR_ROWS, sizeof *legend->rows);
         legend->cells = memory_zeroed(results + 1, sizeof *legend->cells);
     }
     if (!legend || !legend->rows || !legend->cells) {

@@ -183,8 +183,8 @@ static conus_status add_names(conus_image *image, const conus_selection *selecti
         uint32_t number = conus_selection_result(selection, i)->object;
         const conus_object *object = conus_atlas_object(selection->atlas, number);
         if (object) {
-            buffer_format(&text, "%u\t%u\t%s\t%s\n", number, object->label,
-                          atlas_kind_word(object->kind), object->name);
+            buffer_format(&text, "%u\t%u\t%s\t%s\n", number, object->label, atlas_kind_word(object->kind),
+                          object->name);
         }
     }
     conus_status status = buffer_status(&text);

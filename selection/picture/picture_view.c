@@ -501,7 +501,8 @@ static conus_status find_opacities(struct picture *picture)
 
 conus_status conus_render(conus_image **out, conus_renderer *renderer, const conus_view *view)
 {
-    struct picture picture = {.atlas = renderer->atlas, .hazy = &renderer->colour.hazy};
+    struct picture picture = {
+        .atlas = renderer->atlas, .hazy = &renderer->colour.hazy, .streamlines = &renderer->colour.streamlines};
     conus_status status = fill_options(&picture.options, view, renderer->atlas);
     if (status) {
         return status;
