@@ -37,13 +37,14 @@ static_assert(sizeof(conus_load_options) <= offsetof(conus_load_options, cache) 
 
 /* ---- Where an entry is ------------------------------------------------------------------------------------------- */
 
-uint64_t atlas_cache_limit(void)
+bool atlas_cache_limit(uint64_t *out)
 {
     static const char units[] = "KMGT";
     const char *text = getenv("CONUS_CACHE");
     char *end = NULL;
+    *out = ATLAS_CACHE_LIMIT;
     if (!text || !*text) {
-        return ATLAS_CACHE_LIMIT;
+        return true;
     }
     errno = 0;
     uint64_t size = strtoull(text, &end, 10);
@@ -51,7 +52,8 @@ uint64_t atlas_cache_limit(void)
     unsigned shift = unit ? 10 * (unsigned)(unit - units + 1) : 0;
     bool is_size =
         text[0] >= '0' && text[0] <= '9' && !errno && (!*end || (unit && !end[1])) && size <= UINT64_MAX >> shift;
-    return is_size ? size << shift : 0;
+    *out = is_size ? size << shift : 0;
+    return is_size || strcmp(text, "off") == 0;
 }
 
 /* A string and its end, with a mark that tells none from an empty one. */
@@ -170,8 +172,8 @@ void atlas_cache_init(struct atlas_cache *out, const char *path, const conus_loa
 {
     char build[BUILD_ID_SIZE];
     *out = (struct atlas_cache){.options = *options, .given = options, .small = CACHE_SMALL};
-    out->limit = options->cache ? atlas_cache_limit() : 0;
-    if (out->limit && build_id_find(build)) {
+    bool wanted = options->cache && atlas_cache_limit(&out->limit);
+    if (wanted && out->limit && build_id_find(build)) {
         append_key(&out->key, path, build, options);
         name_entry(out);
     }

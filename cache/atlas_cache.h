@@ -14,9 +14,12 @@
 /** The most that the entries may have together, in bytes, unless $CONUS_CACHE says otherwise. */
 #define ATLAS_CACHE_LIMIT (UINT64_C(16) << 30)
 
-/** Bytes that may be kept: $CONUS_CACHE, a number with K, M, G or T behind it or none; 0 of "off" and of what is no
- * size. */
-uint64_t atlas_cache_limit(void);
+/** Bytes that may be kept: $CONUS_CACHE, a number with K, M, G or T behind it or none; 0 of "off". False, and 0, where
+ * it is neither. */
+bool atlas_cache_limit(uint64_t *out);
+
+/** What $CONUS_CACHE may be, for messages. */
+#define ATLAS_CACHE_LIMITS "off, or a number of bytes with K, M, G, T or nothing behind it"
 
 /** A load that is kept, if nothing speaks against it. */
 struct atlas_cache {

@@ -17,6 +17,7 @@ struct conus_cache {
     struct conus_cache_entry *entries; /* whose strings are owned, but for the kind */
     size_t count, capacity;
     const char *problem;
+    bool theirs; /* what the problem is, if it is of the folder */
 };
 
 static const struct {
@@ -93,12 +94,13 @@ static conus_status list_kind(conus_cache *cache, int folder, size_t kind)
 
 static conus_status list_folder(conus_cache *cache)
 {
-    bool theirs = false;
+    uint64_t limit;
     conus_status status = cache_folder_path(&cache->folder);
-    int folder = !status && cache->folder.size ? cache_folder_open(cache->folder.data, &theirs) : -1;
-    cache->problem = !cache->folder.size ? "neither XDG_CACHE_HOME nor HOME is an absolute path"
-                     : theirs            ? "others can write to the folder or own it, or it is a link"
-                                         : NULL;
+    int folder = !status && cache->folder.size ? cache_folder_open(cache->folder.data, &cache->theirs) : -1;
+    cache->problem = !cache->folder.size          ? "neither XDG_CACHE_HOME nor HOME is an absolute path"
+                     : cache->theirs              ? "others can write to the folder or own it, or it is a link"
+                     : !atlas_cache_limit(&limit) ? "$CONUS_CACHE is not " ATLAS_CACHE_LIMITS
+                                                  : NULL;
     for (size_t i = 0; folder >= 0 && !status && i < KINDS; i++) {
         status = list_kind(cache, folder, i);
     }
@@ -132,7 +134,8 @@ const char *conus_cache_problem(const conus_cache *cache)
 
 uint64_t conus_cache_limit(void)
 {
-    return atlas_cache_limit();
+    uint64_t limit;
+    return atlas_cache_limit(&limit) ? limit : 0;
 }
 
 size_t conus_cache_count(const conus_cache *cache)
@@ -162,7 +165,7 @@ conus_status conus_cache_clear(void)
     conus_cache *cache = NULL;
     bool theirs;
     conus_status status = conus_cache_create(&cache);
-    if (status || !cache->folder.size || cache->problem) {
+    if (status || !cache->folder.size || cache->theirs) {
         status = !status && cache->folder.size
                      ? fail(CONUS_ERROR_IO, "%s: not cleared, since %s", cache->folder.data, cache->problem)
                      : status;

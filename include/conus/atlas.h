@@ -70,7 +70,8 @@ typedef struct conus_load_options {
  * @return #CONUS_OK; #CONUS_ERROR_IO or #CONUS_ERROR_DATA where a file cannot be read or is damaged, and
  * #CONUS_ERROR_DATA for a volume that looks like an image unless labels_anyway is set; #CONUS_ERROR_UNSUPPORTED for a
  * valid file beyond this library; #CONUS_ERROR_MEMORY above max_memory; #CONUS_ERROR_ARGUMENT for a probability out of
- * its range, or of an atlas without areas of probabilities.
+ * its range, or of an atlas without areas of probabilities, and with the option cache for a $CONUS_CACHE that is neither
+ * "off" nor a size.
  * @threads Any.
  * @since 0.1
  */

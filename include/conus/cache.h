@@ -71,7 +71,7 @@ CONUS_API const char *conus_cache_problem(const conus_cache *cache);
 
 /**
  * Gives how much atlases may have together.
- * @return Bytes; 0 = none are kept.
+ * @return Bytes; 0 = none are kept, or $CONUS_CACHE says nothing that is allowed.
  * @threads Any, while none changes the environment.
  * @since 0.1
  */

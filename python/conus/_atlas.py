@@ -276,7 +276,8 @@ def load(
         Colours of areas and pathways that people with any colour vision can tell apart.
     cache
         Of a path: keeps the atlas in the user's cache folder and maps it from there the next time, as the
-        programs do (``conus cache``; ``$CONUS_CACHE`` may be "off"). Answers are the same.
+        programs do (``conus cache``; ``$CONUS_CACHE`` may be "off" or a size; else ArgumentError).
+        Answers are the same.
 
     Returns
     -------

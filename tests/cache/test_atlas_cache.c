@@ -196,32 +196,49 @@ static void the_environment_sets_the_limit(void **state)
     static const struct {
         const char *text;
         uint64_t limit;
-    } cases[] = {{"off", 0},
-                 {"0", 0},
-                 {"", UINT64_C(16) << 30},
-                 {"123", 123},
-                 {"2K", 2048},
-                 {"3M", 3 << 20},
-                 {"-1", 0},
-                 {"1G", 1 << 30},
-                 {"2T", UINT64_C(2) << 40},
-                 {"1GB", 0},
-                 {"K", 0},
-                 {" 1", 0},
-                 {"18446744073709551615", UINT64_MAX},
-                 {"18446744073709551616", 0},
-                 {"16777216T", 0}};
+        bool wrong;
+    } cases[] = {{"off", 0, false},
+                 {"0", 0, false},
+                 {"", UINT64_C(16) << 30, false},
+                 {"123", 123, false},
+                 {"2K", 2048, false},
+                 {"3M", 3 << 20, false},
+                 {"-1", 0, true},
+                 {"1G", 1 << 30, false},
+                 {"2T", UINT64_C(2) << 40, false},
+                 {"1GB", 0, true},
+                 {"K", 0, true},
+                 {"12x", 0, true},
+                 {"OFF", 0, true},
+                 {" 1", 0, true},
+                 {"18446744073709551615", UINT64_MAX, false},
+                 {"18446744073709551616", 0, true},
+                 {"16777216T", 0, true}};
+    const char *path = cached_atlas("off.nii", 5);
+    const conus_load_options cached = {.cache = true};
+    conus_atlas *atlas = NULL;
+    uint64_t limit;
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         setenv("CONUS_CACHE", cases[i].text, 1);
-        assert_int_equal(atlas_cache_limit(), cases[i].limit);
+        assert_int_equal(atlas_cache_limit(&limit), !cases[i].wrong);
+        assert_int_equal(limit, cases[i].limit);
+        assert_int_equal(conus_cache_limit(), cases[i].limit);
+        conus_status status = conus_atlas_load(&atlas, path, &cached);
+        assert_int_equal(status, cases[i].wrong ? CONUS_ERROR_ARGUMENT : CONUS_OK);
+        assert_true(!cases[i].wrong || strstr(conus_message(), cases[i].text));
+        conus_atlas_destroy(atlas);
+        atlas = NULL;
+        assert_ok(conus_atlas_load(&atlas, path, NULL)); /* the cache is not asked for */
+        conus_atlas_destroy(atlas);
+        atlas = NULL;
     }
     setenv("CONUS_CACHE", "off", 1);
-    const char *path = cached_atlas("off.nii", 5);
-    conus_atlas *atlas = load_and_keep_rested(path, NULL);
+    atlas = load_and_keep_rested(path, NULL);
     assert_null(atlas->mapped);
     conus_atlas_destroy(atlas);
     unsetenv("CONUS_CACHE");
-    assert_int_equal(atlas_cache_limit(), UINT64_C(16) << 30);
+    assert_true(atlas_cache_limit(&limit));
+    assert_int_equal(limit, UINT64_C(16) << 30);
 }
 
 static void age(const char *path, time_t seconds)

@@ -66,6 +66,9 @@ is_kept() {
     [ "$(entries)" = 0 ]
     CONUS_CACHE=off run -0 "$CONUS" cache list
     [[ $output == *"no atlas is kept"* ]]
+    CONUS_CACHE=12x run -0 --separate-stderr "$CONUS" cache list
+    [[ $stderr == *'CONUS_CACHE is not off, or a number of bytes with K, M, G, T or nothing behind it' ]]
+    CONUS_CACHE=12x run -0 "$CONUS" cache clear
     run -2 "$CONUS" cache
     run -2 "$CONUS" cache empty
     [[ $output == *"list, where or clear"* ]]
@@ -94,4 +97,13 @@ is_kept() {
     run -0 --separate-stderr env -u HOME XDG_CACHE_HOME=relative "$CONUS" query phantom/sphere.nii.gz "${AIM[@]}" --quiet
     [ -z "$stderr" ]
     [ ! -e relative ]
+}
+
+@test "what is neither off nor a size is refused, but not where no cache is asked for" {
+    own_cache
+    "$CONUS" phantom sphere -o phantom
+    export CONUS_CACHE=12x
+    fails 2 'CONUS_CACHE: "12x"; allowed is off, or a number of bytes with K, M, G, T or nothing behind it' \
+        query phantom/sphere.nii.gz "${AIM[@]}"
+    run -0 "$CONUS" query phantom/sphere.nii.gz "${AIM[@]}" --no-cache
 }
