@@ -4,12 +4,12 @@
 
 #include "base/math3.h"
 #include "base/memory.h"
+#include "selection/measure/region_rows.h"
 
 #include <stdlib.h>
-#include <string.h>
-
-/* Distance from a border, as a part of the numbers' size, from which on region_clip() and region_has() agree. */
-static const double DOUBT = 4e-7;
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#endif
 
 /* One volume's rows against one region. */
 struct walk {
@@ -18,8 +18,8 @@ struct walk {
     census_row row;
     void *user;
     const struct census_box *box;
-    double margin;           /* mm */
-    struct region_line line; /* the row under way */
+    struct region_rows rows;
+    int turn;
 };
 
 /* Asks for each of the voxels at[0] to `last` of a row. */
@@ -34,64 +34,19 @@ static void ask(const struct walk *walk, size_t at[3], size_t last)
     }
 }
 
-/* First and last whole number in an interval of numbers from 0 on; false where there are none. */
-static bool whole(size_t out[2], const double interval[2])
+/* Row `r` of those that were cut. */
+static void walk_row(const struct walk *walk, const struct region_cut *cut, size_t r, size_t j, size_t k)
 {
-    int64_t low = (int64_t)interval[0];
-    int64_t high = (int64_t)interval[1];
-    low += (double)low < interval[0];
-    out[0] = (size_t)low;
-    out[1] = (size_t)high;
-    return low <= high;
-}
-
-/* Those of the voxels maybe[0] to maybe[1] of a row that are in the region beyond doubt; false where there are none. */
-static bool find_sure(size_t sure[2], const struct walk *walk, const size_t maybe[2])
-{
-    double inner[2] = {(double)maybe[0], (double)maybe[1]};
-    if (region_line_has(walk->region, &walk->line, inner[0], -walk->margin) &&
-        region_line_has(walk->region, &walk->line, inner[1], -walk->margin)) {
-        memcpy(sure, maybe, 2 * sizeof *sure); /* and all between them, since regions are convex */
-        return true;
-    }
-    return region_clip(inner, walk->region, &walk->line, -walk->margin) && whole(sure, inner);
-}
-
-static void walk_row(struct walk *walk, size_t j, size_t k)
-{
-    double outer[2] = {(double)walk->box->first[0], (double)walk->box->last[0]};
-    double p[3] = {0, (double)j, (double)k};
-    size_t maybe[2];
-    size_t sure[2];
-    mat4_point(p, walk->volume->info.world_from_voxel, p);
-    region_line_place(&walk->line, walk->region, p);
-    if (!region_clip(outer, walk->region, &walk->line, walk->margin) || !whole(maybe, outer)) {
-        return;
-    }
-    size_t at[3] = {maybe[0], j, k};
-    if (find_sure(sure, walk, maybe)) {
-        if (sure[0] > 0) {
+    size_t at[3] = {(size_t)cut->maybe[0][r], j, k};
+    size_t sure[2] = {(size_t)cut->sure[0][r], (size_t)cut->sure[1][r]};
+    if (sure[0] <= sure[1]) {
+        if (at[0] < sure[0]) {
             ask(walk, at, sure[0] - 1);
         }
         walk->row(walk->user, walk->volume, at, sure[1] - sure[0] + 1);
         at[0] = sure[1] + 1;
     }
-    ask(walk, at, maybe[1]);
-}
-
-/* Of every coordinate on the way. */
-static double size_of_numbers(const struct region *region, const struct volume *volume)
-{
-    double size = vec3_length(region->origin);
-    for (int corner = 0; corner < 8; corner++) {
-        double p[3];
-        for (int a = 0; a < 3; a++) {
-            p[a] = corner >> a & 1 ? (double)(volume->info.dim[a] - 1) : 0;
-        }
-        mat4_point(p, volume->info.world_from_voxel, p);
-        size = fmax(size, vec3_length(p));
-    }
-    return 2 * size;
+    ask(walk, at, (size_t)cut->maybe[1][r]);
 }
 
 static size_t larger(size_t a, size_t b)
@@ -104,14 +59,56 @@ static size_t smaller(size_t a, size_t b)
     return a < b ? a : b;
 }
 
+/* Of a slice k, the rows from j on that are cut at a time. */
+struct piece {
+    size_t j, k, count;
+    struct region_cut cut;
+};
+
+/* Labels lie in a few lines of memory each: they come while the rows before are walked. */
+static void fetch_rows(const struct walk *walk, const struct piece *piece)
+{
+    const size_t *dim = walk->volume->info.dim;
+    for (size_t r = 0; r < piece->count && volume_can_be_hit(walk->volume); r++) {
+        size_t row = dim[0] * (piece->j + r + dim[1] * piece->k);
+        volume_fetch(walk->volume, row + (size_t)piece->cut.maybe[0][r]);
+        volume_fetch(walk->volume, row + (size_t)piece->cut.maybe[1][r]);
+    }
+}
+
+static void walk_piece(const struct walk *walk, const struct piece *piece)
+{
+    for (size_t r = 0; r < piece->count; r++) {
+        walk_row(walk, &piece->cut, r, piece->j + r, piece->k);
+    }
+}
+
+/* Cuts the rows of a slice, and walks those that were cut before: two pieces take turns. */
+static void cut_slice(struct walk *walk, struct piece pieces[2], size_t first, size_t last, size_t k)
+{
+    const size_t limit[2] = {walk->box->first[0], walk->box->last[0]};
+    region_rows_place(&walk->rows, k);
+    for (size_t j = first; j <= last; j += REGION_ROWS) {
+        struct piece *piece = &pieces[walk->turn];
+        walk->turn = !walk->turn;
+        piece->j = j;
+        piece->k = k;
+        piece->count = smaller(last - j + 1, REGION_ROWS);
+        walk->rows.cut(&piece->cut, &walk->rows, j, piece->count, limit);
+        fetch_rows(walk, piece);
+        walk_piece(walk, &pieces[walk->turn]);
+    }
+}
+
 void census_walk_box(const struct region *region, const struct volume *volume, const struct census_box *box,
                      census_row row, void *user)
 {
     struct walk walk = {.region = region, .volume = volume, .row = row, .user = user, .box = box};
+    struct piece pieces[2];
     struct region_bounds bounds;
     size_t slices[2];
-    walk.margin = DOUBT * size_of_numbers(region, volume);
-    region_line_direct(&walk.line, region, volume->info.world_from_voxel);
+    pieces[0].count = pieces[1].count = 0;
+    region_rows_init(&walk.rows, region, volume);
     region_bounds_init(&bounds, region, volume);
     if (bounds.depth[0] > bounds.depth[1] || box->last[0] < box->first[0] ||
         !region_bounds_range(slices, &bounds, 2, bounds.depth, volume->info.dim[2])) {
@@ -120,14 +117,12 @@ void census_walk_box(const struct region *region, const struct volume *volume, c
     for (size_t k = larger(slices[0], box->first[2]); k <= smaller(slices[1], box->last[2]); k++) {
         double depth[2] = {bounds.depth[0], bounds.depth[1]};
         size_t rows[2];
-        if (!region_bounds_plane(depth, &bounds, 2, (double)k) ||
-            !region_bounds_range(rows, &bounds, 1, depth, volume->info.dim[1])) {
-            continue;
-        }
-        for (size_t j = larger(rows[0], box->first[1]); j <= smaller(rows[1], box->last[1]); j++) {
-            walk_row(&walk, j, k);
+        if (region_bounds_plane(depth, &bounds, 2, (double)k) &&
+            region_bounds_range(rows, &bounds, 1, depth, volume->info.dim[1])) {
+            cut_slice(&walk, pieces, larger(rows[0], box->first[1]), smaller(rows[1], box->last[1]), k);
         }
     }
+    walk_piece(&walk, &pieces[!walk.turn]);
 }
 
 void census_walk(const struct region *region, const struct volume *volume, census_row row, void *user)
@@ -210,19 +205,47 @@ static void add_run(struct census *census, uint32_t object, const size_t at[3], 
     sum->index[2] += count * at[2];
 }
 
+#if defined(__SSE2__)
+enum { LABELS = 16 }; /* compared at once */
+
+/* Which of them differ from `object`: a bit for each. */
+static unsigned other_labels(const uint16_t *labels, uint16_t object)
+{
+    const __m128i all = _mm_set1_epi16((short)object);
+    __m128i low = _mm_cmpeq_epi16(_mm_loadu_si128((const __m128i *)labels), all);
+    __m128i high = _mm_cmpeq_epi16(_mm_loadu_si128((const __m128i *)(labels + LABELS / 2)), all);
+    return (unsigned)_mm_movemask_epi8(_mm_packs_epi16(low, high)) ^ 0xffff;
+}
+#endif
+
+/* How many of `count` voxels in a row, from `first` on, are of the object of the first. */
+static size_t run_of(const struct volume *volume, size_t first, size_t count)
+{
+    uint32_t object = volume_object(volume, first);
+    size_t run = 0;
+#if defined(__SSE2__)
+    for (; volume->objects16 && run < count && first + run + LABELS <= volume->voxel_count; run += LABELS) {
+        unsigned others = other_labels(volume->objects16 + first + run, (uint16_t)object);
+        if (others) {
+            return smaller(run + (size_t)__builtin_ctz(others), count);
+        }
+    }
+#endif
+    while (run < count && volume_object(volume, first + run) == object) {
+        run++;
+    }
+    return smaller(run, count);
+}
+
 static void add_areas(void *user, const struct volume *volume, const size_t at[3], size_t count)
 {
     struct census *census = user;
     size_t first = at[0] + volume->info.dim[0] * (at[1] + volume->info.dim[1] * at[2]);
     for (size_t done = 0; done < count;) {
         uint32_t object = volume_object(volume, first + done);
-        size_t end = done + 1;
-        while (end < count && volume_object(volume, first + end) == object) {
-            end++;
-        }
-        const size_t start[3] = {at[0] + done, at[1], at[2]};
-        add_run(census, object, start, end - done);
-        done = end;
+        size_t run = run_of(volume, first + done, count - done);
+        add_run(census, object, (const size_t[]){at[0] + done, at[1], at[2]}, run);
+        done += run;
     }
 }
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The cone or the ball as a region of space, cut row by row. */
+/* The cone or the ball as a region of space, and its bounds in a grid. */
 #include "selection/measure/region.h"
 
 #include "base/math3.h"
@@ -73,106 +73,6 @@ static bool clip_half(double interval[2], double a, double b, double per)
         return false;
     }
     return interval[0] <= interval[1];
-}
-
-/* Cuts the interval, on which the width w + width[1] t is 0 or more, to (w + width[1] t)^2 >= |across|^2: what is left
- * is one piece. */
-static bool clip_round(double interval[2], const struct region_line *line, double w)
-{
-    double a = line->curve;
-    double b = w * line->width[1] - vec3_dot(line->across[0], line->across[1]);
-    double c = w * w - vec3_dot(line->across[0], line->across[0]);
-    double d = b * b - a * c;
-    if (a == 0) {
-        return clip_half(interval, c, 2 * b, 0.5 / b);
-    }
-    if (d < 0) {
-        if (a < 0) {
-            return false;
-        }
-        d = 0;
-    }
-    double q = b < 0 ? sqrt(d) - b : -sqrt(d) - b;
-    double one = q * line->per_curve;
-    double other = q != 0 ? c / q : 0;
-    double low = one < other ? one : other;
-    double high = one < other ? other : one;
-    if (a < 0 || line->width[1] > 0) {
-        raise_low(interval, a < 0 ? low : high);
-    }
-    if (a < 0 || line->width[1] < 0) {
-        lower_high(interval, a < 0 ? high : low);
-    }
-    return interval[0] <= interval[1];
-}
-
-static bool clip_square(double interval[2], const struct region_line *line, double w)
-{
-    for (int side = 0; side < 4; side++) {
-        double sign = side & 1 ? 1 : -1;
-        double per_t = line->width[1] + sign * line->across[1][side >> 1];
-        if (!clip_half(interval, w + sign * line->across[0][side >> 1], per_t, 1 / per_t)) {
-            return false;
-        }
-    }
-    return true;
-}
-
-/* depth, width and across of the vector v; what does not change along a line is left out. */
-static void see(double *depth, double *width, double across[3], const struct region *region, const double v[3])
-{
-    if (region->shape == REGION_BALL) {
-        *depth = *width = 0;
-        memcpy(across, v, 3 * sizeof *v);
-        return;
-    }
-    *depth = vec3_dot(v, region->axis);
-    *width = region->sine * *depth;
-    across[0] = region->cosine * vec3_dot(v, region->right);
-    across[1] = region->cosine * vec3_dot(v, region->up);
-    across[2] = 0;
-}
-
-void region_line_direct(struct region_line *out, const struct region *region, const double step[3])
-{
-    see(&out->depth[1], &out->width[1], out->across[1], region, step);
-    out->curve = out->width[1] * out->width[1] - vec3_dot(out->across[1], out->across[1]);
-    out->per_depth = 1 / out->depth[1];
-    out->per_width = 1 / out->width[1];
-    out->per_curve = 1 / out->curve;
-}
-
-void region_line_place(struct region_line *out, const struct region *region, const double at[3])
-{
-    double v[3];
-    vec3_sub(v, at, region->origin);
-    see(&out->depth[0], &out->width[0], out->across[0], region, v);
-    out->width[0] += region->radius;
-}
-
-bool region_clip(double interval[2], const struct region *region, const struct region_line *line, double margin)
-{
-    const double *z = line->depth;
-    double w = line->width[0] + margin;
-    double beyond = region->far - z[0] + margin;
-    if (!clip_half(interval, z[0] - region->near + margin, z[1], line->per_depth) ||
-        (beyond < INFINITY && !clip_half(interval, beyond, -z[1], -line->per_depth)) ||
-        !clip_half(interval, w, line->width[1], line->per_width)) {
-        return false;
-    }
-    return region->square ? clip_square(interval, line, w) : clip_round(interval, line, w);
-}
-
-bool region_line_has(const struct region *region, const struct region_line *line, double t, double margin)
-{
-    double z = line->depth[0] + t * line->depth[1];
-    double w = line->width[0] + margin + t * line->width[1];
-    double v[3];
-    vec3_add_scaled(v, line->across[0], t, line->across[1]);
-    if (!(z >= region->near - margin && z <= region->far + margin && w >= 0)) {
-        return false;
-    }
-    return region->square ? fabs(v[0]) <= w && fabs(v[1]) <= w : vec3_dot(v, v) <= w * w;
 }
 
 /* Least and greatest depth of the grid's voxels, within the region's; a little more, for what is rounded. */

@@ -30,27 +30,6 @@ void region_ball(struct region *out, const double centre[3], double radius);
 /** Whether the world point @p point is in the region, its border included (Eq. 10). */
 bool region_has(const struct region *region, const double point[3]);
 
-/** A line at + t step as a region sees it: numbers that are linear in t, [0] at t = 0 and [1] per t. */
-struct region_line {
-    double depth[2];
-    double width[2]; /**< The line is in the region where the length of `across` is not above it.           */
-    double across[2][3];
-    double curve;                           /**< width[1]^2 - |across[1]|^2 */
-    double per_depth, per_width, per_curve; /**< 1 / depth[1], 1 / width[1], 1 / curve.                          */
-};
-
-/** Sets what is per t; @p step is in world mm. */
-void region_line_direct(struct region_line *out, const struct region *region, const double step[3]);
-/** Sets what is at t = 0, at the world point @p at. */
-void region_line_place(struct region_line *out, const struct region *region, const double at[3]);
-
-/** Cuts @p interval to the t for which the line is in the region grown by @p margin mm (shrunk where negative). False
- * where nothing is left. Rounded: a border is met within 1e-7 of the coordinates' size, in mm. */
-bool region_clip(double interval[2], const struct region *region, const struct region_line *line, double margin);
-
-/** Whether the point at @p t lies in the region grown by @p margin mm, likewise. */
-bool region_line_has(const struct region *region, const struct region_line *line, double t, double margin);
-
 /** Between which indices along each axis a region's part in a grid lies. */
 struct region_bounds {
     double depth[2]; /**< Of the grid's voxels in the region, along the axis; of a ball (0, 0).             */

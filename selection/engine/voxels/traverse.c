@@ -3,6 +3,7 @@
 #include "selection/engine/voxels/traverse.h"
 
 #include "base/math3.h"
+#include "base/processor.h"
 
 #include <math.h>
 
@@ -179,25 +180,18 @@ static bool everywhere(void)
     return true;
 }
 
-#if defined(__x86_64__)
-static bool has_avx512(void)
-{
-    return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-           __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw");
-}
-
-static bool has_avx2(void)
-{
-    return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
-}
-#endif
-
 const struct traverse_kernel *traverse_kernel(size_t index)
 {
     static const struct traverse_kernel kernels[] = {
 #if defined(__x86_64__)
-        {.name = "avx512", .is_supported = has_avx512, .walk = traverse_walk_avx512, .pierce = traverse_pierce_avx512},
-        {.name = "avx2", .is_supported = has_avx2, .walk = traverse_walk_avx2, .pierce = traverse_pierce_avx2},
+        {.name = "avx512",
+         .is_supported = processor_has_avx512,
+         .walk = traverse_walk_avx512,
+         .pierce = traverse_pierce_avx512},
+        {.name = "avx2",
+         .is_supported = processor_has_avx2,
+         .walk = traverse_walk_avx2,
+         .pierce = traverse_pierce_avx2},
         {.name = "sse2", .is_supported = everywhere, .walk = traverse_walk_plain, .pierce = traverse_pierce_plain},
 #else
         {.name = "vector", .is_supported = everywhere, .walk = traverse_walk_plain, .pierce = traverse_pierce_plain},

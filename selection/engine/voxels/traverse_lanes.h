@@ -8,13 +8,11 @@
  * a face than its error (model.md, Eq. 5), it is said to be unclear and goes to traverse_one() as a whole. The
  * contact's t follows from its cell alone, in double, with the same expressions as there. All packets of LANES rays
  * take a turn after each other, so that one's waiting for memory is another's time. */
-#include "selection/engine/voxels/lanes.h"
+#include "base/lanes.h"
 #include "selection/engine/voxels/traverse.h"
 
 #include <math.h>
 #include <stdalign.h>
-
-#define EACH_AXIS _Pragma("GCC unroll 3")
 
 /* Of the position where a ray comes into the box, which is double, in cells. */
 #define DOUBLE_ERROR 1e-6

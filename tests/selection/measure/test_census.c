@@ -5,6 +5,7 @@
 #include "base/memory.h"
 #include "report_scene.h"
 #include "scene.h"
+#include "selection/measure/region_rows.h"
 #include "selection/selection.h"
 #include "test.h"
 
@@ -99,6 +100,45 @@ static void test_walk_is_predicate(void **unused)
         conus_atlas_destroy(atlas);
     }
     assert_true(found > 1000000);
+}
+
+/* Doubles are added, multiplied and divided alike by every instruction set, so the cuts have the same bits. */
+static void check_kernels(const struct region *region, const struct volume *volume, size_t k)
+{
+    struct region_rows rows;
+    struct region_cut cut, other;
+    const size_t *dim = volume->info.dim;
+    const size_t limit[2] = {dim[0] / 4, dim[0] - 1};
+    region_rows_init(&rows, region, volume);
+    region_rows_place(&rows, k);
+    assert_ptr_equal(rows.cut, region_rows_kernel(0));
+    rows.cut(&cut, &rows, dim[1] / 3, dim[1] - dim[1] / 3, limit);
+    for (size_t kernel = 1; region_rows_kernel(kernel); kernel++) {
+        region_rows_kernel(kernel)(&other, &rows, dim[1] / 3, dim[1] - dim[1] / 3, limit);
+        for (size_t r = 0; r < dim[1] - dim[1] / 3; r++) {
+            for (int end = 0; end < 2; end++) {
+                assert_int_equal(other.maybe[end][r], cut.maybe[end][r]);
+                assert_int_equal(other.sure[end][r], cut.sure[end][r]);
+            }
+        }
+    }
+}
+
+static void test_kernels_agree(void **unused)
+{
+    (void)unused;
+    uint64_t state = 7;
+    for (int scene = 0; scene < 60; scene++) {
+        conus_atlas *atlas = scene_atlas(&state, 24, 0);
+        const struct volume *volume = &atlas->volumes[0];
+        for (int i = 0; i < 60; i++) {
+            struct cone cone = {.pose = scene_pose(&state, atlas), .angle = random_angle(&state), .resolution = 16};
+            cone.aperture = (conus_aperture)(i % 3 == 0);
+            struct region region = random_region(&state, &cone);
+            check_kernels(&region, volume, (size_t)i % volume->info.dim[2]);
+        }
+        conus_atlas_destroy(atlas);
+    }
 }
 
 /* ---- What the voxels add up to ------------------------------------------------------------------------------ */
@@ -288,8 +328,11 @@ static void test_bad_regions(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_walk_is_predicate), cmocka_unit_test(test_results_are_sums_over_voxels),
-        cmocka_unit_test(test_many_areas),        cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_walk_is_predicate),
+        cmocka_unit_test(test_kernels_agree),
+        cmocka_unit_test(test_results_are_sums_over_voxels),
+        cmocka_unit_test(test_many_areas),
+        cmocka_unit_test(test_memory),
         cmocka_unit_test(test_bad_regions),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -3,9 +3,10 @@
  * Numbers and truths side by side: LANES singles, which the including file defines, or half as many doubles. Arithmetic
  * is the compiler's vector extension; here is what that lacks or does badly: truths (mask registers on AVX-512),
  * choice, minimum, rounding, bytes from anywhere, single from double. */
-#ifndef CONUS_SELECTION_ENGINE_VOXELS_LANES_H
-#define CONUS_SELECTION_ENGINE_VOXELS_LANES_H
+#ifndef CONUS_BASE_LANES_H
+#define CONUS_BASE_LANES_H
 
+#include <math.h>
 #include <stdbool.h>
 #include <stdint.h>
 #include <string.h>
@@ -15,6 +16,7 @@
 
 #define INLINE inline __attribute__((always_inline))
 #define HALF (LANES / 2)
+#define EACH_AXIS _Pragma("GCC unroll 3")
 
 typedef double doubles __attribute__((vector_size(LANES * 4), aligned(8), may_alias)); /* HALF of them */
 typedef int64_t longs __attribute__((vector_size(LANES * 4), aligned(8), may_alias));
@@ -336,6 +338,35 @@ static INLINE doubles nearest_doubles(doubles x)
 {
     doubles big = all_doubles(0x1.8p52);
     return (x + big) - big;
+}
+
+/* For |x| < 2^51: the least whole number that is not below it, and the largest that is not above it. */
+static INLINE doubles ceiling_of_doubles(doubles x)
+{
+    doubles whole = nearest_doubles(x);
+    return choose_doubles(less_doubles(whole, x), whole + 1, whole);
+}
+
+static INLINE doubles floor_of_doubles(doubles x)
+{
+    doubles whole = nearest_doubles(x);
+    return choose_doubles(less_doubles(x, whole), whole - 1, whole);
+}
+
+static INLINE doubles root_of_doubles(doubles x)
+{
+#if defined(__AVX512F__) && LANES == 16
+    return (doubles)_mm512_sqrt_pd((__m512d)x);
+#elif defined(__AVX__) && LANES == 8
+    return (doubles)_mm256_sqrt_pd((__m256d)x);
+#elif defined(__SSE2__) && LANES == 4
+    return (doubles)_mm_sqrt_pd((__m128d)x);
+#else
+    for (int l = 0; l < HALF; l++) {
+        x[l] = sqrt(x[l]);
+    }
+    return x;
+#endif
 }
 
 /* Of whole numbers. */

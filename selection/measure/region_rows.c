@@ -1,0 +1,73 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Rows of voxels as a region sees them, and the choice of a kernel that cuts them. */
+#include "selection/measure/region_rows.h"
+
+#include "base/math3.h"
+#include "base/processor.h"
+
+/* Distance from a border, as a part of the numbers' size, from which on a cut and region_has() agree. */
+static const double DOUBT = 4e-7;
+
+/* Of every coordinate on the way. */
+static double size_of_numbers(const struct region *region, const struct volume *volume)
+{
+    double size = vec3_length(region->origin);
+    for (int corner = 0; corner < 8; corner++) {
+        double p[3];
+        for (int a = 0; a < 3; a++) {
+            p[a] = corner >> a & 1 ? (double)(volume->info.dim[a] - 1) : 0;
+        }
+        mat4_point(p, volume->info.world_from_voxel, p);
+        size = fmax(size, vec3_length(p));
+    }
+    return 2 * size;
+}
+
+/* What the region sees of the vector v: number `at` of the line. What does not change along a line is left out. */
+static void see(struct region_line *out, int at, const struct region *region, const double v[3])
+{
+    if (region->shape == REGION_BALL) {
+        out->depth[at] = out->width[at] = 0;
+        memcpy(out->across[at], v, 3 * sizeof *v);
+        return;
+    }
+    out->depth[at] = vec3_dot(v, region->axis);
+    out->width[at] = region->sine * out->depth[at];
+    out->across[at][0] = region->cosine * vec3_dot(v, region->right);
+    out->across[at][1] = region->cosine * vec3_dot(v, region->up);
+    out->across[at][2] = 0;
+}
+
+region_rows_cutter *region_rows_kernel(size_t index)
+{
+    size_t fastest = 0;
+#if defined(__x86_64__)
+    region_rows_cutter *const kernels[] = {region_rows_cut_avx512, region_rows_cut_avx2, region_rows_cut_plain};
+    fastest = processor_has_avx512() ? 0 : processor_has_avx2() ? 1 : 2;
+#else
+    region_rows_cutter *const kernels[] = {region_rows_cut_plain};
+#endif
+    return index < sizeof kernels / sizeof kernels[0] - fastest ? kernels[fastest + index] : NULL;
+}
+
+void region_rows_init(struct region_rows *out, const struct region *region, const struct volume *volume)
+{
+    const double *m = volume->info.world_from_voxel;
+    *out = (struct region_rows){.region = region, .world_from_voxel = m, .cut = region_rows_kernel(0)};
+    out->margin = DOUBT * size_of_numbers(region, volume);
+    see(&out->row, 1, region, m);
+    see(&out->column, 1, region, m + 4);
+    out->curve = out->row.width[1] * out->row.width[1] - vec3_dot(out->row.across[1], out->row.across[1]);
+    out->per_depth = 1 / out->row.depth[1];
+    out->per_width = 1 / out->row.width[1];
+    out->per_curve = 1 / out->curve;
+}
+
+void region_rows_place(struct region_rows *rows, size_t k)
+{
+    double v[3] = {0, 0, (double)k};
+    mat4_point(v, rows->world_from_voxel, v);
+    vec3_sub(v, v, rows->region->origin);
+    see(&rows->row, 0, rows->region, v);
+    rows->row.width[0] += rows->region->radius;
+}

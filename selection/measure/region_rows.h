@@ -1,0 +1,56 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * Rows of a volume's voxels against a region, several side by side: which voxels are in it beyond doubt, and which may
+ * be. What is between is for region_has(). */
+#ifndef CONUS_SELECTION_MEASURE_REGION_ROWS_H
+#define CONUS_SELECTION_MEASURE_REGION_ROWS_H
+
+#include "selection/measure/region.h"
+
+/** A line at + t step as a region sees it: numbers that are linear in t, [0] at t = 0 and [1] per t. It is in the
+ * region where the length of `across` is not above the width, within the range of depths. */
+struct region_line {
+    double depth[2];
+    double width[2];
+    double across[2][3];
+};
+
+enum { REGION_ROWS = 64 };
+
+/** First and last index along i, of each row; [0] above [1] where there is none. */
+struct region_cut {
+    uint64_t maybe[2][REGION_ROWS]; /**< Voxels that may be in the region: none beyond them is. */
+    uint64_t sure[2][REGION_ROWS];  /**< Those among them that are.                             */
+};
+
+struct region_rows;
+
+/** Cuts @p count rows from @p j on, at most REGION_ROWS, to the indices @p limit[0] to @p limit[1]. */
+typedef void region_rows_cutter(struct region_cut *out, const struct region_rows *rows, size_t j, size_t count,
+                                const size_t limit[2]);
+
+/** All rows of a slice. */
+struct region_rows {
+    region_rows_cutter *cut; /**< The fastest. */
+    const struct region *region;
+    const double *world_from_voxel;
+    double margin;                          /**< mm: nearer to the region's border than that is doubt. */
+    struct region_line row;                 /**< From the slice's first voxel along i, and             */
+    struct region_line column;              /**< along j.                                              */
+    double curve;                           /**< Of the rows: width[1]^2 - |across[1]|^2.                  */
+    double per_depth, per_width, per_curve; /**< 1 / row.depth[1], 1 / row.width[1], 1 / curve.            */
+};
+
+/** For the rows of @p volume; region_rows_place() must follow. */
+void region_rows_init(struct region_rows *out, const struct region *region, const struct volume *volume);
+
+/** Goes to slice @p k. */
+void region_rows_place(struct region_rows *rows, size_t k);
+
+/* By instruction set, all of them from region_rows_lanes.h, with the same bits. */
+region_rows_cutter region_rows_cut_avx512, region_rows_cut_avx2, region_rows_cut_plain;
+
+/** Of those that this machine can run, number @p index, the fastest first; NULL past the last. */
+region_rows_cutter *region_rows_kernel(size_t index);
+
+#endif
