@@ -58,6 +58,7 @@
 #include <conus/selection.h>
 #include <conus/space.h>
 #include <conus/status.h>
+#include <conus/streamlines.h>
 #include <conus/sweep.h>
 #include <conus/track.h>
 #include <conus/version.h>

@@ -64,6 +64,9 @@ SIZE(conus_pathway_transfer, 16);
 SIZE(conus_transfer_point, 40);
 SIZE(conus_image_difference, 72);
 SIZE(conus_phantom_info, 16);
+SIZE(conus_polylines, 72);
+SIZE(conus_tract_scalar, 32);
+SIZE(conus_tractogram_info, 144);
 #endif
 
 extern int sizes_are_known;

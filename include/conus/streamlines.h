@@ -1,0 +1,131 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/**
+ * @file streamlines.h
+ * Tractograms: the streamlines of fibre bundles, from files and from memory, and what an atlas has of them.
+ */
+#ifndef CONUS_PUBLIC_STREAMLINES_H
+#define CONUS_PUBLIC_STREAMLINES_H
+
+#include <conus/arrays.h>
+#include <conus/atlas_info.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** How conus_atlas_add_polylines() takes streamlines. */
+typedef struct conus_streamlines_options {
+    size_t struct_size; /**< Its size, as #CONUS_STREAMLINES_OPTIONS_INIT sets it; 0 = that of this version. */
+    double radius;      /**< A ray hits what is nearer than this to a streamline (Eq. 18), mm, up to 100; 0 = 0.5. */
+    const char *name;   /**< Of the bundle; NULL = that of the streamlines. */
+    conus_log log;      /**< As conus_load_options.log. */
+    void *log_user;     /**< Passed to @p log. */
+} conus_streamlines_options;
+
+/** The defaults, and the size of the struct that the caller was compiled with. */
+#define CONUS_STREAMLINES_OPTIONS_INIT CONUS_INIT_(conus_streamlines_options)
+
+/** Numbers that streamlines have, by name: FA, say. */
+typedef struct conus_tract_scalar {
+    size_t struct_size;  /**< Its size, as #CONUS_TRACT_SCALAR_INIT sets it; 0 = that of this version. */
+    const char *name;    /**< UTF-8, one line. */
+    bool per_point;      /**< Else per streamline. */
+    uint32_t components; /**< 1 or more numbers per point or streamline. */
+    const float *values; /**< [points or streamlines, components]; NaN = not known. */
+} conus_tract_scalar;
+
+/** The size of the struct that the caller was compiled with. */
+#define CONUS_TRACT_SCALAR_INIT CONUS_INIT_(conus_tract_scalar)
+
+/** Streamlines in memory. */
+typedef struct conus_polylines {
+    size_t struct_size;      /**< Its size, as #CONUS_POLYLINES_INIT sets it; 0 = that of this version. */
+    const void *points;      /**< [point_count 3] x, y, z, world mm, aligned as its type is; copied. */
+    conus_scalar type;       /**< #CONUS_SCALAR_FLOAT32 or #CONUS_SCALAR_FLOAT64; kept as float. */
+    uint64_t point_count;    /**< Of all streamlines together. */
+    const uint64_t *first;   /**< [streamline_count + 1] Streamline k has the points first[k] to first[k + 1] - 1: from
+                                0, ascending, the last is point_count. Copied. */
+    size_t streamline_count; /**< How many. */
+    const conus_tract_scalar *scalars; /**< [scalar_count], struct_size set; copied. */
+    size_t scalar_count;               /**< 0 = none. */
+    const char *name;                  /**< Stands for a path in messages and reports; NULL = "array". */
+} conus_polylines;
+
+/** None, and the size of the struct that the caller was compiled with. */
+#define CONUS_POLYLINES_INIT CONUS_INIT_(conus_polylines)
+
+/**
+ * Adds streamlines from memory as a selectable bundle. They lie where they are given: a transform moves what was added
+ * before. A note tells where they hardly lie in the atlas's space.
+ * @param atlas The atlas; unchanged on failure.
+ * @param polylines The streamlines.
+ * @param options Its name counts before that of @p polylines; NULL = defaults.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a type or radius out of its range, for a scalar without name, components
+ * or values, and for the name of another bundle or pathway; #CONUS_ERROR_DATA for a coordinate beyond 1e9 mm and a
+ * @p first that does not ascend.
+ * @threads One at a time, while no other thread uses the atlas.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_atlas_add_polylines(conus_atlas *atlas, const conus_polylines *polylines,
+                                                     const conus_streamlines_options *options);
+
+/** A tractogram of an atlas. */
+typedef struct conus_tractogram_info {
+    size_t struct_size;   /**< Its size, as #CONUS_TRACTOGRAM_INFO_INIT sets it; 0 = that of this version. */
+    const char *path;     /**< As opened: bytes, not always UTF-8. Borrowed, as the next two, until the atlas ends. */
+    const char *format;   /**< "TrackVis 2, gzip"; "array" of streamlines from memory. */
+    const char *sha256;   /**< Of the file, in hexadecimal; "" of a folder and of memory. */
+    uint64_t streamlines; /**< How many. */
+    uint64_t points;      /**< Of all of them. */
+    double length_mm;     /**< Of all of them, added up. */
+    double radius;        /**< mm */
+    double low[3];        /**< Lowest x, y, z of its points, world mm; NAN without a point. */
+    double high[3];       /**< The highest. */
+    bool half;            /**< Its points have half precision, as in its file. */
+    size_t scalars;       /**< How many conus_atlas_tractogram_scalar() gives. */
+    size_t bundle;        /**< Number of the first of the objects that are its streamlines. */
+    size_t bundles;       /**< How many follow each other there: its groups and the rest, or one for all. */
+} conus_tractogram_info;
+
+/** The size of the struct that the caller was compiled with. */
+#define CONUS_TRACTOGRAM_INFO_INIT CONUS_INIT_(conus_tractogram_info)
+
+/**
+ * Counts the tractograms.
+ * @param atlas NULL counts 0.
+ * @return How many there are.
+ * @threads Any, while none changes the atlas.
+ * @since 0.1
+ */
+CONUS_API size_t conus_atlas_tractogram_count(const conus_atlas *atlas);
+
+/**
+ * Tells about a tractogram.
+ * @param[in,out] out Its struct_size is read; unchanged on failure.
+ * @param atlas The atlas.
+ * @param index From 0, in the order in which they were added.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT past the last.
+ * @threads Any, while none changes the atlas.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_atlas_tractogram(conus_tractogram_info *out, const conus_atlas *atlas, size_t index);
+
+/**
+ * Gives numbers that a tractogram has of its points or streamlines.
+ * @param[in,out] out Its struct_size is read; unchanged on failure. Name and values are borrowed until the atlas is
+ * changed or ends.
+ * @param atlas The atlas.
+ * @param index Of the tractogram.
+ * @param scalar From 0, in the order of the file.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT past the last.
+ * @threads Any, while none changes the atlas.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_atlas_tractogram_scalar(conus_tract_scalar *out, const conus_atlas *atlas,
+                                                         size_t index, size_t scalar);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

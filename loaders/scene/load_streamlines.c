@@ -1,0 +1,68 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* From a tractogram to the bundles of an atlas: their radius, names and notes. */
+#include "loaders/scene/load_streamlines.h"
+
+#include "atlas/fit/tract_fit.h"
+#include "base/buffer.h"
+#include "base/text_number.h"
+
+#include <string.h>
+#include <strings.h>
+
+/* Length of a name without ".gz", and without the ending of a tractogram before it. */
+static size_t stem_length(const char *name, size_t length)
+{
+    static const char *const endings[] = {".gz", ".tck", ".trk", ".trx", ".vtk", ".vtp", ".tt"};
+    for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
+        size_t size = strlen(endings[i]);
+        if (length > size && strncasecmp(name + length - size, endings[i], size) == 0) {
+            length -= size;
+        }
+    }
+    return length;
+}
+
+/* The name that is wanted, else that of the file or folder without its endings. */
+static conus_status choose_name(struct buffer *out, const char *wanted, const char *path)
+{
+    if (wanted && wanted[0]) {
+        buffer_text(out, wanted);
+        return buffer_status(out);
+    }
+    size_t end = strlen(path);
+    while (end > 1 && path[end - 1] == '/') {
+        end--;
+    }
+    size_t start = end;
+    while (start > 0 && path[start - 1] != '/') {
+        start--;
+    }
+    buffer_append(out, path + start, stem_length(path + start, end - start));
+    return buffer_status(out);
+}
+
+conus_status streamlines_radius(double *out, double wanted, const char *path)
+{
+    char text[TEXT_NUMBER_SIZE];
+    if (!(wanted >= 0 && wanted <= TRACT_RADIUS_LIMIT)) {
+        return fail(CONUS_ERROR_ARGUMENT, "%s: radius %s mm, allowed is above 0 to %g (0 = default)", path,
+                    text_number(text, wanted), TRACT_RADIUS_LIMIT);
+    }
+    *out = wanted > 0 ? wanted : TRACT_RADIUS;
+    return CONUS_OK;
+}
+
+conus_status streamlines_add(conus_atlas *atlas, struct tractogram *tractogram, const char *name, struct notes *notes)
+{
+    struct buffer chosen = {0};
+    size_t note_count = atlas->notes.count;
+    conus_status status = choose_name(&chosen, name, tractogram->path);
+    status = status ? status : tract_fit_note(notes, atlas, tractogram, chosen.data);
+    status = status ? status : notes_move(&atlas->notes, notes);
+    status = status ? status : atlas_add_tractogram(atlas, tractogram, chosen.data);
+    if (status) {
+        notes_cut(&atlas->notes, note_count);
+    }
+    buffer_finish(&chosen);
+    return status;
+}

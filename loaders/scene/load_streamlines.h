@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file How tractograms become bundles of an atlas. */
+#ifndef CONUS_LOADERS_SCENE_LOAD_STREAMLINES_H
+#define CONUS_LOADERS_SCENE_LOAD_STREAMLINES_H
+
+#include "atlas/bundles.h"
+
+/** The radius that is wanted, mm, for the tractogram @p path. CONUS_ERROR_ARGUMENT. */
+conus_status streamlines_radius(double *out, double wanted, const char *path);
+
+/** Adds @p tractogram, checked and with a radius, which is taken over on success, as bundles; the one of all
+ * streamlines, or of those in no group, is called @p name, or like the path where that is NULL or "". On success the
+ * atlas has @p notes, too; on failure it is as before. */
+conus_status streamlines_add(conus_atlas *atlas, struct tractogram *tractogram, const char *name, struct notes *notes);
+
+#endif
