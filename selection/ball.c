@@ -67,6 +67,7 @@ static conus_status answer_ball(conus_selection *selection, conus_selector *sele
     conus_status status = tally_prepare(&selector->tally, selector->atlas->object_count);
     status = status ? status : census_prepare(&selector->census, selector->atlas);
     status = status ? status : near_prepare(&selector->near, selector->atlas);
+    status = status ? status : selector_prepare_tracts(selector);
     if (status) {
         return status;
     }
@@ -77,6 +78,8 @@ static conus_status answer_ball(conus_selection *selection, conus_selector *sele
                                         .evidence = &selection->evidence,
                                         .census = &selector->census,
                                         .near = &selector->near,
+                                        .tracts = selector_take_tracts(selector, &selection->region),
+                                        .tract_index = selector->tract_index,
                                         .whole = selector->whole,
                                         .group = level_group(selector->level)};
     status = statistics_gather(&selection->statistics, &gathering, &selector->tally);

@@ -177,7 +177,7 @@ static conus_status count_voxels(const conus_selection *selection, conus_selecto
     if (!status && selection->has_layers) {
         census_take(&selector->census, selector->atlas, &selection->region);
     }
-    return status;
+    return status ? status : selection->has_layers ? selector_prepare_tracts(selector) : CONUS_OK;
 }
 
 conus_status selection_regroup(conus_selection *selection, const struct level *level)
@@ -246,14 +246,17 @@ conus_status selection_complete(conus_selection *selection, conus_selector *sele
     status = status ? status : tally_prepare(&selector->tally, selector->atlas->object_count);
     status = status ? status : count_voxels(selection, selector);
     if (!status) {
-        const struct gathering gathering = {.atlas = selector->atlas,
-                                            .cone = &selection->cone,
-                                            .aperture = &selector->aperture,
-                                            .evidence = &selection->evidence,
-                                            .layers = selection->has_layers ? &selection->layers : NULL,
-                                            .census = selection->has_layers ? &selector->census : NULL,
-                                            .whole = selector->whole,
-                                            .group = level_group(selector->level)};
+        const struct gathering gathering = {
+            .atlas = selector->atlas,
+            .cone = &selection->cone,
+            .aperture = &selector->aperture,
+            .evidence = &selection->evidence,
+            .layers = selection->has_layers ? &selection->layers : NULL,
+            .census = selection->has_layers ? &selector->census : NULL,
+            .tracts = selection->has_layers ? selector_take_tracts(selector, &selection->region) : NULL,
+            .tract_index = selector->tract_index,
+            .whole = selector->whole,
+            .group = level_group(selector->level)};
         status = statistics_gather(&selection->statistics, &gathering, &selector->tally);
     }
     status = status ? status : selection_regroup(selection, selector->level);

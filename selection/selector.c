@@ -2,6 +2,7 @@
 /* Makes, shares and ends selectors. */
 #include "selection/selector.h"
 
+#include "atlas/bundles.h"
 #include "base/math3.h"
 #include "base/memory.h"
 #include "base/options.h"
@@ -122,6 +123,9 @@ conus_status conus_selector_create(conus_selector **out, const conus_atlas *atla
         status = selector->options.engine == CONUS_ENGINE_GL ? engine_gl_create(&selector->engine, atlas, &engine)
                                                              : engine_rays_create(&selector->engine, atlas, &engine);
     }
+    if (!status && selector->options.layers == CONUS_LAYERS_ALL) {
+        status = selector_prepare_tracts(selector);
+    }
     if (status) {
         conus_selector_destroy(selector);
         return status;
@@ -143,6 +147,7 @@ conus_status selector_share(conus_selector **out, const conus_selector *selector
                                .level_spec = selector->level_spec,
                                .engine = selector->engine,
                                .axis = selector->axis,
+                               .tract_index = selector->tract_index,
                                .whole = selector->whole,
                                .inside_only = selector->inside_only,
                                .is_shared = true};
@@ -172,6 +177,27 @@ conus_status selector_prepare_axis(conus_selector *selector)
     return status;
 }
 
+conus_status selector_prepare_tracts(conus_selector *selector)
+{
+    conus_status status = CONUS_OK;
+    if (!selector->tract_index && atlas_has_bundles(selector->atlas)) {
+        status = tract_index_create(&selector->tract_index, selector->atlas);
+        selector->owns_tract_index = !status;
+    }
+    return status || !selector->tract_index
+               ? status
+               : tract_census_prepare(&selector->tracts, selector->tract_index, selector->atlas);
+}
+
+const struct tract_census *selector_take_tracts(conus_selector *selector, const struct region *region)
+{
+    if (!selector->tract_index) {
+        return NULL;
+    }
+    tract_census_take(&selector->tracts, selector->tract_index, selector->atlas, region);
+    return &selector->tracts;
+}
+
 conus_status conus_selector_share(conus_selector **out, const conus_selector *selector)
 {
     if (selector->options.engine == CONUS_ENGINE_GL) {
@@ -197,6 +223,10 @@ void conus_selector_destroy(conus_selector *selector)
         tally_finish(&selector->tally);
         census_finish(&selector->census);
         near_finish(&selector->near);
+        tract_census_finish(&selector->tracts);
+        if (selector->owns_tract_index) {
+            tract_index_destroy(selector->tract_index);
+        }
         memory_free(selector);
     }
 }

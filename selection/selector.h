@@ -25,6 +25,9 @@ struct conus_selector {
     struct tally tally; /**< Prepared for the atlas's objects. */
     struct census census;
     struct near near;
+    struct tract_index *tract_index; /**< NULL until selector_prepare_tracts(), and without bundles. */
+    bool owns_tract_index;           /**< It is not another selector's. */
+    struct tract_census tracts;
     double *whole;    /**< [object_count + 1] Volumes of what is reported, mm^3; with all layers. */
     bool inside_only; /**< Of its selections only the pixels in the cone will be traced. */
     bool is_shared;   /**< Engine, level and volumes are another selector's. */
@@ -36,5 +39,12 @@ conus_status selector_share(conus_selector **out, const conus_selector *selector
 
 /** Makes selector->axis ready, unless it is. Before selectors are shared, theirs is made once. */
 conus_status selector_prepare_axis(conus_selector *selector);
+
+/** Makes selector->tract_index ready, unless it is, and reserves capacity to count streamlines; nothing where no bundle
+ * is shown. */
+conus_status selector_prepare_tracts(conus_selector *selector);
+
+/** Counts the streamlines in @p region, after selector_prepare_tracts(). NULL where there is no bundle. */
+const struct tract_census *selector_take_tracts(conus_selector *selector, const struct region *region);
 
 #endif

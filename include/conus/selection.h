@@ -177,6 +177,14 @@ typedef struct conus_result {
 
     double contact_value; /**< With or without layers: the value of the voxel at its contact, of a pathway in the scaled
                              values of its volume, of an area of probabilities from 0 to 1; else NaN. */
+
+    /* Of a bundle (Eq. 19), with CONUS_LAYERS_ALL or in a ball; else 0 and NaN. */
+    uint64_t streamlines;       /**< Its streamlines that come into the cone. */
+    uint64_t streamlines_total; /**< All of its streamlines, with or without layers. */
+    double length;              /**< Length of their parts in the cone, mm. */
+    double near[3];             /**< World position, mm: the point of these parts that is nearest to the apex. */
+    double along; /**< How far along its streamline that is, 0 to 1 of its length; streamlines are turned so as to run
+                     like the bundle's longest one. */
 } conus_result;
 
 /**

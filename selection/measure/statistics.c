@@ -35,6 +35,7 @@ struct tallied {
     double weight_in_grid; /* and the sum of the weights                 */
     double point[3];       /* the nearest one, of what is near,          */
     double point_value;    /* and the value there                        */
+    const struct tract_part *streamlines; /* of a bundle, in the cone; NULL = none, or not counted */
 };
 
 /* Of the whole cone. */
@@ -205,7 +206,7 @@ static void add_intervals(struct tally *tally, const struct gathering *gathering
         if (aperture->in_cone[interval->pixel]) {
             bool mesh = atlas_object_mesh(gathering->atlas, interval->object);
             struct tallied *object = touch(tally, group_of(gathering, interval->object));
-            object->in_grid = object->in_grid || !mesh;
+            object->in_grid = object->in_grid || atlas_object_volume(gathering->atlas, interval->object);
             add_interval(object, interval, gathering->cone, mesh ? aperture->weight[interval->pixel] : 0);
         }
     }
@@ -253,6 +254,22 @@ static void add_near(struct tally *tally, const struct gathering *gathering)
             to->nearest = found->distance;
             to->point_value = found->value;
             memcpy(to->point, found->point, sizeof to->point);
+        }
+    }
+}
+
+/* Bundles are reported as themselves. In a ball their nearest point is that of the streamlines in it. */
+static void add_streamlines(struct tally *tally, const struct gathering *gathering)
+{
+    const struct tract_census *tracts = gathering->tracts;
+    for (size_t i = 0; i < tracts->touched_count; i++) {
+        const struct tract_part *part = &tracts->parts[tracts->touched[i]];
+        struct tallied *to = touch(tally, group_of(gathering, tracts->touched[i]));
+        to->streamlines = part;
+        if (gathering->near) {
+            to->nearest = sqrt(part->square);
+            to->point_value = NAN;
+            memcpy(to->point, part->near, sizeof to->point);
         }
     }
 }
@@ -323,7 +340,18 @@ conus_result statistics_empty_result(uint32_t number)
     result.sum_value = result.mean_value = result.max_value = NAN;
     result.centroid[0] = result.centroid[1] = result.centroid[2] = NAN;
     result.contact_value = NAN;
+    result.length = result.near[0] = result.near[1] = result.near[2] = result.along = NAN;
     return result;
+}
+
+static void describe_streamlines(conus_result *result, const struct tract_part *part, const struct gathering *gathering)
+{
+    result->length = part ? tract_part_length(part) : 0;
+    if (part) {
+        result->streamlines = part->streamlines;
+        memcpy(result->near, part->near, sizeof result->near);
+        result->along = tract_index_along(gathering->tract_index, gathering->atlas, result->object, part);
+    }
 }
 
 /* Where the object, or what is reported as it, is hit first: of the voxel that the engine found there, not of the one
@@ -340,6 +368,7 @@ static conus_result describe(uint32_t number, const struct tallied *object, cons
 {
     const struct cone *cone = gathering->cone;
     const bool has_values = number && atlas_object_is_scalar(gathering->atlas, number);
+    const bool is_bundle = number && gathering->atlas->places[number - 1].is_bundle;
     conus_result result = statistics_empty_result(number);
     result.pixels = object->pixels;
     result.share = object->weight / totals->weight;
@@ -359,6 +388,12 @@ static conus_result describe(uint32_t number, const struct tallied *object, cons
     if (gathering->census) {
         describe_layers(&result, object, gathering, totals);
         describe_voxels(&result, object, has_values);
+    }
+    if (is_bundle) {
+        result.streamlines_total = gathering->atlas->objects[number - 1].streamlines;
+    }
+    if (is_bundle && gathering->tracts) {
+        describe_streamlines(&result, object->streamlines, gathering);
     }
     return result;
 }
@@ -381,6 +416,9 @@ conus_status statistics_gather(struct statistics *out, const struct gathering *g
     }
     if (gathering->near) {
         add_near(tally, gathering);
+    }
+    if (gathering->tracts) {
+        add_streamlines(tally, gathering);
     }
     if (gathering->census) {
         add_census(tally, gathering);

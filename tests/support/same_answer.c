@@ -38,6 +38,11 @@ void assert_same_result(const conus_result *a, const conus_result *b, double tol
     assert_same_doubles(contact, other_contact, 4);
     assert_close_doubles(sums, other_sums, sizeof sums / sizeof sums[0], tolerance);
     assert_close_doubles(a->centroid, b->centroid, 3, tolerance);
+    const double streamlines[] = {a->length, a->near[0], a->near[1], a->near[2], a->along};
+    const double other_streamlines[] = {b->length, b->near[0], b->near[1], b->near[2], b->along};
+    assert_int_equal(a->streamlines, b->streamlines);
+    assert_int_equal(a->streamlines_total, b->streamlines_total);
+    assert_same_doubles(streamlines, other_streamlines, 5);
 }
 
 static void assert_same_pixels(const conus_evidence *a, const conus_evidence *b)
