@@ -1,0 +1,260 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Reads a file block by block, through zlib where it is packed. */
+#include "base/formats/byte_stream.h"
+
+#include "base/file_trace.h"
+#include "base/formats/gzip.h"
+#include "base/memory.h"
+
+#include <assert.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <nettle/sha2.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <zlib.h>
+
+enum { STORED_BLOCK = 1 << 18, MAGIC_SIZE = 3, INFLATE_RATIO = 1032 /* a match of 258 bytes takes at least 2 bits */ };
+
+struct byte_source {
+    int descriptor; /* -1: `memory` has the bytes */
+    struct file_state before;
+    const uint8_t *memory;
+    uint64_t stored_left; /* bytes that were not read yet */
+    struct sha256_ctx sum;
+    uint8_t *window; /* unpacked bytes; stream->data is in it */
+    size_t capacity;
+    z_stream z;
+    bool inflates;   /* z is to be ended */
+    bool ended;      /* after the last member of gzip */
+    uint8_t *stored; /* [STORED_BLOCK] of gzip: what zlib is fed with */
+};
+
+static size_t smaller_of(uint64_t a, uint64_t b)
+{
+    return (size_t)(a < b ? a : b);
+}
+
+/* Reads as many stored bytes as there are, at most `most`. */
+static conus_status read_stored(struct byte_source *source, uint8_t *out, size_t most)
+{
+    size_t size = smaller_of(most, source->stored_left);
+    for (size_t got = 0; got < size;) {
+        ssize_t n = (ssize_t)(size - got);
+        if (source->descriptor < 0) {
+            memcpy(out, source->memory, size);
+            source->memory += size;
+        } else {
+            n = read(source->descriptor, out + got, size - got);
+        }
+        if (n == 0 || (n < 0 && errno != EINTR)) {
+            return fail(CONUS_ERROR_IO, "%s", n ? strerror(errno) : FILE_CHANGED);
+        }
+        got += n > 0 ? (size_t)n : 0;
+    }
+    source->stored_left -= size;
+    sha256_update(&source->sum, size, out);
+    return CONUS_OK;
+}
+
+/* Fills the packed bytes up, those that zlib has not seen first. */
+static conus_status feed_input(struct byte_source *source)
+{
+    size_t kept = source->z.avail_in;
+    if (kept) {
+        memmove(source->stored, source->z.next_in, kept);
+    }
+    size_t more = smaller_of(STORED_BLOCK - kept, source->stored_left);
+    conus_status status = read_stored(source, source->stored + kept, more);
+    source->z.next_in = source->stored;
+    source->z.avail_in = (uInt)(kept + (status ? 0 : more));
+    return status;
+}
+
+/* Behind the last member there may be zeros only. */
+static conus_status check_padding(struct byte_source *source)
+{
+    conus_status status = CONUS_OK;
+    while (!status && (source->z.avail_in || source->stored_left)) {
+        for (uInt i = 0; i < source->z.avail_in; i++) {
+            if (source->z.next_in[i]) {
+                return fail(CONUS_ERROR_DATA, "gzip: %llu bytes after the end of the packed data, allowed are zeros",
+                            (unsigned long long)(source->z.avail_in + source->stored_left));
+            }
+        }
+        source->z.avail_in = 0;
+        status = feed_input(source);
+    }
+    return status;
+}
+
+static conus_status next_member(struct byte_source *source)
+{
+    conus_status status = source->z.avail_in < MAGIC_SIZE ? feed_input(source) : CONUS_OK;
+    if (!status && gzip_is(source->z.next_in, source->z.avail_in)) {
+        return inflateReset(&source->z) == Z_OK ? CONUS_OK : fail(CONUS_ERROR_MEMORY, "gzip: no memory to unpack");
+    }
+    source->ended = true;
+    return status ? status : check_padding(source);
+}
+
+/* Unpacks up to `size` bytes; fewer only at the end. */
+static conus_status inflate_some(struct byte_source *source, uint8_t *out, size_t size, uint64_t position, size_t *got)
+{
+    conus_status status = CONUS_OK;
+    source->z.next_out = out;
+    source->z.avail_out = (uInt)size;
+    while (!status && !source->ended && source->z.avail_out) {
+        status = source->z.avail_in ? CONUS_OK : feed_input(source);
+        bool cut = !status && !source->z.avail_in;
+        int code = status || cut ? Z_OK : inflate(&source->z, Z_NO_FLUSH);
+        unsigned long long at = position + (size - source->z.avail_out);
+        if (cut) {
+            status = fail(CONUS_ERROR_DATA, "gzip: cut off after %llu unpacked bytes", at);
+        } else if (code == Z_STREAM_END) {
+            status = next_member(source);
+        } else if (code == Z_MEM_ERROR) {
+            status = fail(CONUS_ERROR_MEMORY, "gzip: no memory to unpack");
+        } else if (code != Z_OK && code != Z_BUF_ERROR) {
+            status = fail(CONUS_ERROR_DATA, "gzip: damaged near unpacked byte %llu (%s), an intact file is needed", at,
+                          source->z.msg ? source->z.msg : "preset dictionary");
+        }
+    }
+    *got = size - source->z.avail_out;
+    return status;
+}
+
+conus_status byte_stream_need(struct byte_stream *stream, size_t count)
+{
+    assert(count <= BYTE_STREAM_BLOCK);
+    struct byte_source *source = stream->source;
+    if (stream->size >= count) {
+        return CONUS_OK;
+    }
+    memmove(source->window, stream->data, stream->size);
+    stream->data = source->window;
+    size_t room = source->capacity - stream->size;
+    size_t got = smaller_of(room, source->stored_left);
+    uint8_t *end = source->window + stream->size;
+    conus_status status = stream->is_packed ? inflate_some(source, end, room, stream->position + stream->size, &got)
+                                            : read_stored(source, end, got);
+    stream->size += status ? 0 : got;
+    return status;
+}
+
+uint64_t byte_stream_most(const struct byte_stream *stream)
+{
+    const struct byte_source *source = stream->source;
+    uint64_t stored = source->stored_left + source->z.avail_in;
+    uint64_t most;
+    if (!stream->is_packed) {
+        return stream->size + source->stored_left;
+    }
+    bool fits = !__builtin_mul_overflow(stored + 1, (uint64_t)INFLATE_RATIO, &most) &&
+                !__builtin_add_overflow(most, (uint64_t)stream->size, &most);
+    return fits ? most : UINT64_MAX;
+}
+
+conus_status byte_stream_sum(char out[65], struct byte_stream *stream)
+{
+    struct byte_source *source = stream->source;
+    struct file_state now;
+    if (source->descriptor >= 0 &&
+        (!file_state_of(&now, source->descriptor) || !file_state_equal(&now, &source->before))) {
+        return fail(CONUS_ERROR_IO, FILE_CHANGED);
+    }
+    file_sha256_end(out, &source->sum);
+    return CONUS_OK;
+}
+
+void byte_stream_finish(struct byte_stream *stream)
+{
+    struct byte_source *source = stream->source;
+    if (source) {
+        if (source->inflates) {
+            inflateEnd(&source->z);
+        }
+        if (source->descriptor >= 0) {
+            close(source->descriptor);
+        }
+        memory_free(source->window);
+        memory_free(source->stored);
+        memory_free(source);
+    }
+    *stream = (struct byte_stream){0};
+}
+
+static conus_status start_inflating(struct byte_stream *stream)
+{
+    struct byte_source *source = stream->source;
+    source->stored = memory_raw(STORED_BLOCK, 1);
+    if (!source->stored) {
+        return CONUS_ERROR_MEMORY;
+    }
+    memcpy(source->stored, stream->data, stream->size); /* the first bytes, of which there are three */
+    source->z.next_in = source->stored;
+    source->z.avail_in = (uInt)stream->size;
+    stream->size = 0;
+    source->inflates = inflateInit2(&source->z, 16 + MAX_WBITS) == Z_OK;
+    return source->inflates ? CONUS_OK : fail(CONUS_ERROR_MEMORY, "gzip: no memory to unpack");
+}
+
+/* Reads the first bytes of a new source, which say whether it is packed. */
+static conus_status start(struct byte_stream *stream)
+{
+    struct byte_source *source = stream->source;
+    uint8_t magic[MAGIC_SIZE];
+    size_t size = smaller_of(MAGIC_SIZE, source->stored_left);
+    uint64_t stored = source->stored_left;
+    sha256_init(&source->sum);
+    conus_status status = read_stored(source, magic, size);
+    stream->is_packed = !status && gzip_is(magic, size);
+    source->capacity = stream->is_packed ? BYTE_STREAM_BLOCK : smaller_of(BYTE_STREAM_BLOCK, stored);
+    source->window = status ? NULL : memory_raw(source->capacity, 1);
+    if (!source->window) {
+        return status ? status : CONUS_ERROR_MEMORY;
+    }
+    memcpy(source->window, magic, size);
+    stream->data = source->window;
+    stream->size = size;
+    return stream->is_packed ? start_inflating(stream) : CONUS_OK;
+}
+
+static conus_status make(struct byte_stream *out, const struct byte_source *model)
+{
+    struct byte_stream stream = {.source = memory_copy(model, 1, sizeof *model)};
+    conus_status status = stream.source ? start(&stream) : CONUS_ERROR_MEMORY;
+    if (status && stream.source) {
+        stream.source->descriptor = -1; /* the caller's to close */
+        byte_stream_finish(&stream);
+    }
+    *out = status ? *out : stream;
+    return status;
+}
+
+conus_status byte_stream_of(struct byte_stream *out, const uint8_t *data, size_t size)
+{
+    return make(out, &(const struct byte_source){.descriptor = -1, .memory = data, .stored_left = size});
+}
+
+conus_status byte_stream_open(struct byte_stream *out, const char *path)
+{
+    struct stat info;
+    struct byte_source source = {.descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK)};
+    bool found = source.descriptor >= 0 && fstat(source.descriptor, &info) == 0;
+    conus_status status = found ? CONUS_OK : fail(CONUS_ERROR_IO, "cannot open: %s", strerror(errno));
+    if (!status && !S_ISREG(info.st_mode)) {
+        status = fail(CONUS_ERROR_IO, "cannot read: a regular file is needed");
+    }
+    if (!status) {
+        file_trace_path(path, &info);
+        file_state_take(&source.before, &info);
+        source.stored_left = source.before.size;
+        status = make(out, &source);
+    }
+    if (status && source.descriptor >= 0) {
+        close(source.descriptor);
+    }
+    return status;
+}

@@ -1,0 +1,166 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The table of formats of tractograms. */
+#include "loaders/tracts/tract_file.h"
+
+#include "base/formats/gzip.h"
+#include "base/memory.h"
+#include "loaders/file_kind.h"
+#include "loaders/tracts/tck.h"
+#include "loaders/tracts/trk.h"
+
+static const uint64_t default_memory = UINT64_C(8) << 30;
+
+/* A format is a stream of bytes (`read`), or opens its file, or folder, itself (`open`). `head` has the first bytes,
+ * unpacked; of a folder none. Messages of both are without the path. */
+static const struct tract_format {
+    bool (*is)(const struct bytes *head, const char *path);
+    tract_reader *read;
+    conus_status (*open)(struct tractogram *out, const char *path, uint64_t max_memory, struct notes *notes);
+} formats[] = {
+    {trk_is, trk_read, NULL},
+    {tck_is, tck_read, NULL},
+};
+
+static const struct tract_format *format_of(const struct bytes *head, const char *path)
+{
+    for (size_t i = 0; i < sizeof formats / sizeof formats[0]; i++) {
+        if (formats[i].is(head, path)) {
+            return &formats[i];
+        }
+    }
+    return NULL;
+}
+
+/* The first bytes, unpacked; none of a folder, and of gzip that is damaged. */
+static conus_status read_head(struct bytes *out, const char *path)
+{
+    struct bytes stored = {0};
+    conus_status status = file_is_folder(path) ? CONUS_OK : file_read_head(&stored, path, FILE_KIND_HEAD);
+    *out = stored;
+    if (!status && gzip_is(stored.data, stored.size)) {
+        *out = (struct bytes){0};
+        status = gzip_head(out, stored.data, stored.size, FILE_KIND_HEAD);
+        status = status == CONUS_ERROR_DATA ? CONUS_OK : status;
+        bytes_finish(&stored);
+    }
+    return status;
+}
+
+bool tract_file_is(const char *path)
+{
+    struct bytes head = {0};
+    bool is = !read_head(&head, path) && format_of(&head, path);
+    bytes_finish(&head);
+    return is;
+}
+
+/* Two scalars of one name would be one to whoever asks for it. */
+static conus_status check_names(const struct tractogram *tractogram)
+{
+    for (size_t i = 0; i < tractogram->scalar_count; i++) {
+        for (size_t k = 0; k < i; k++) {
+            const struct tract_scalar *a = &tractogram->scalars[i];
+            const struct tract_scalar *b = &tractogram->scalars[k];
+            if (a->per_point == b->per_point && strcmp(a->name, b->name) == 0) {
+                return fail(CONUS_ERROR_DATA, "scalars: found '%s' twice, each needs a name of its own", a->name);
+            }
+        }
+    }
+    return CONUS_OK;
+}
+
+static conus_status check(struct tractogram *tractogram, struct notes *notes)
+{
+    tractogram->radius = TRACT_RADIUS;
+    conus_status status = check_names(tractogram);
+    status = status ? status : tractogram_check(tractogram, notes);
+    if (status || tractogram->streamline_count) {
+        return status;
+    }
+    return notes_warn(notes, "streamlines: the file has none");
+}
+
+/* The whole of a stream, in one of the formats that are one. */
+static conus_status read_stream(struct tractogram *out, const struct tract_format *format, struct byte_stream *stream,
+                                uint64_t max_memory, struct notes *notes)
+{
+    conus_status status = format->read(out, stream, max_memory ? max_memory : default_memory, notes);
+    return status ? status : byte_stream_sum(out->sha256, stream);
+}
+
+static conus_status open_stream(struct tractogram *out, const struct tract_format *format, const char *path,
+                                uint64_t max_memory, struct notes *notes)
+{
+    struct byte_stream stream = {0};
+    conus_status status = byte_stream_open(&stream, path);
+    status = status ? status : read_stream(out, format, &stream, max_memory, notes);
+    byte_stream_finish(&stream);
+    return status;
+}
+
+static conus_status read_format(struct tractogram *out, const struct tract_format *format, const char *path,
+                                uint64_t max_memory, struct notes *notes)
+{
+    struct tractogram tractogram = {0};
+    conus_status status = format->read
+                              ? open_stream(&tractogram, format, path, max_memory, notes)
+                              : format->open(&tractogram, path, max_memory ? max_memory : default_memory, notes);
+    status = status ? status : check(&tractogram, notes);
+    if (!status) {
+        tractogram.path = memory_text(path, strlen(path));
+        status = tractogram.path ? CONUS_OK : CONUS_ERROR_MEMORY;
+    }
+    if (status) {
+        tractogram_finish(&tractogram);
+        return fail_in(status, path);
+    }
+    *out = tractogram;
+    return CONUS_OK;
+}
+
+/* Says what the file is instead; its name does not count, which may well be that of a tractogram. */
+static conus_status refuse(const char *path)
+{
+    struct bytes stored = {0};
+    conus_status status = file_read_head(&stored, path, FILE_KIND_HEAD);
+    if (!status) {
+        status = fail_in(file_kind_fail(NULL, &stored, "a tractogram: TrackVis (.trk) or MRtrix (.tck)"), path);
+    }
+    bytes_finish(&stored);
+    return status;
+}
+
+conus_status tract_file_read(struct tractogram *out, const char *path, uint64_t max_memory, struct notes *notes)
+{
+    struct bytes head = {0};
+    conus_status status = read_head(&head, path);
+    const struct tract_format *format = status ? NULL : format_of(&head, path);
+    bytes_finish(&head);
+    if (status) {
+        return status;
+    }
+    return format ? read_format(out, format, path, max_memory, notes) : refuse(path);
+}
+
+conus_status tract_file_parse(struct tractogram *out, const uint8_t *data, size_t size, uint64_t max_memory,
+                              struct notes *notes)
+{
+    struct tractogram tractogram = {0};
+    struct byte_stream stream = {0};
+    conus_status status = byte_stream_of(&stream, data, size);
+    status = status ? status : byte_stream_need(&stream, size < FILE_KIND_HEAD ? size : FILE_KIND_HEAD);
+    const struct bytes head = {(uint8_t *)stream.data, stream.size};
+    const struct tract_format *format = status ? NULL : format_of(&head, NULL);
+    if (!status && !(format && format->read)) {
+        status = fail(CONUS_ERROR_DATA, "content: no tractogram");
+    }
+    status = status ? status : read_stream(&tractogram, format, &stream, max_memory, notes);
+    status = status ? status : check(&tractogram, notes);
+    byte_stream_finish(&stream);
+    if (status) {
+        tractogram_finish(&tractogram);
+        return status;
+    }
+    *out = tractogram;
+    return CONUS_OK;
+}

@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Tractograms in files. The format is detected from the first bytes, packed by gzip or not. */
+#ifndef CONUS_LOADERS_TRACTS_TRACT_FILE_H
+#define CONUS_LOADERS_TRACTS_TRACT_FILE_H
+
+#include "atlas/tracts/tractogram.h"
+#include "base/file.h"
+#include "base/formats/byte_stream.h"
+
+/** Reads the tractogram @p path: of the format that its content has, checked by tractogram_check(), with the radius
+ * TRACT_RADIUS, path and sum set, without a tree. @p max_memory: bytes that its arrays may take; 0 = 8 GiB. Errors
+ * carry the path: CONUS_ERROR_IO, CONUS_ERROR_DATA for what is damaged, contradicts itself, or is no tractogram,
+ * CONUS_ERROR_UNSUPPORTED, CONUS_ERROR_MEMORY. @p out is the caller's to tractogram_finish(), untouched on failure. */
+conus_status tract_file_read(struct tractogram *out, const char *path, uint64_t max_memory, struct notes *notes);
+
+/** True where @p path begins like a tractogram that tract_file_read() reads; false also where it cannot be read. */
+bool tract_file_is(const char *path);
+
+/** The same of a tractogram in memory, of one of the formats that are a stream of bytes: for tests. */
+conus_status tract_file_parse(struct tractogram *out, const uint8_t *data, size_t size, uint64_t max_memory,
+                              struct notes *notes);
+
+/** Reads a tractogram to the end of @p stream. Fills in what a file says: format, points, streamlines, scalars and
+ * groups. Messages are without the path. */
+typedef conus_status tract_reader(struct tractogram *out, struct byte_stream *stream, uint64_t max_memory,
+                                  struct notes *notes);
+
+#endif

@@ -1,0 +1,372 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* MRtrix's tractograms, and how the format of a file is found. */
+#include "base/memory.h"
+#include "builders/nifti_builder.h"
+#include "loaders/tracts/tract_file.h"
+#include "test.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#define PLAIN "mrtrix tracks\ndatatype: Float32LE\nfile: . 100\ncount: 3\nEND\n"
+
+static void append_number(struct buffer *bytes, double value, bool wide, bool big)
+{
+    uint64_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    if (wide) {
+        append_ordered(bytes, bits, 8, big);
+    } else {
+        append_float(bytes, value, big);
+    }
+}
+
+static void append_triples(struct buffer *bytes, const double *values, size_t count, bool wide, bool big)
+{
+    for (size_t i = 0; i < 3 * count; i++) {
+        append_number(bytes, values[i], wide, big);
+    }
+}
+
+/* A header, filled up with zeros to byte 100. */
+static void begin(struct buffer *bytes, const char *header)
+{
+    static const uint8_t zeros[100];
+    buffer_clear(bytes);
+    buffer_text(bytes, header);
+    if (bytes->size < sizeof zeros) {
+        buffer_append(bytes, zeros, sizeof zeros - bytes->size);
+    }
+}
+
+/* Streamlines of 2, 0 and 1 points, and the end: 7 triples. */
+static const double three[7][3] = {{1, 2, 3},
+                                   {4, 5, 6.5},
+                                   {NAN, NAN, NAN},
+                                   {NAN, NAN, NAN},
+                                   {-7, 8, 0.25},
+                                   {NAN, NAN, NAN},
+                                   {INFINITY, INFINITY, INFINITY}};
+
+static void begin_three(struct buffer *bytes, const char *header)
+{
+    begin(bytes, header);
+    append_triples(bytes, three[0], 7, false, false);
+}
+
+static conus_status parse_with(struct tractogram *out, const struct buffer *bytes, struct notes *notes)
+{
+    return tract_file_parse(out, (const uint8_t *)bytes->data, bytes->size, 0, notes);
+}
+
+static void assert_three(const struct tractogram *out)
+{
+    static const uint64_t first[4] = {0, 2, 2, 3};
+    static const size_t places[3] = {0, 1, 4};
+    assert_int_equal(out->streamline_count, 3);
+    assert_int_equal(out->point_count, 3);
+    assert_memory_equal(out->first, first, sizeof first);
+    for (size_t i = 0; i < 9; i++) {
+        assert_true((double)out->points[i] == three[places[i / 3]][i % 3]);
+    }
+    assert_int_equal(out->scalar_count, 0);
+    assert_int_equal(out->group_count, 0);
+}
+
+static void assert_refused(const struct buffer *bytes, const char *words)
+{
+    struct tractogram out = {0};
+    struct notes notes = {0};
+    assert_fails(parse_with(&out, bytes, &notes), CONUS_ERROR_DATA);
+    if (!strstr(conus_message(), words)) {
+        fail_msg("'%s' lacks '%s'", conus_message(), words);
+    }
+    assert_null(out.points);
+    notes_finish(&notes);
+}
+
+static void numbers_of_both_sizes_and_orders(void **state)
+{
+    (void)state;
+    static const char *const types[] = {"Float32LE", "Float32BE", "Float64LE", "Float64BE"};
+    for (size_t i = 0; i < 8; i++) {
+        struct buffer bytes = {0};
+        struct tractogram out = {0};
+        struct notes notes = {0};
+        char words[64];
+        snprintf(words, sizeof words, "mrtrix tracks    \nfile: . 100\ndatatype: %s\nEND\n", types[i / 2]);
+        begin(&bytes, words);
+        append_triples(&bytes, three[0], 7, i / 2 > 1, i / 2 & 1);
+        const char *path = (i & 1 ? write_packed : write_bytes)("x.tck", &bytes);
+        assert_true(tract_file_is(path));
+        assert_ok(tract_file_read(&out, path, 0, &notes));
+        assert_int_equal(notes.count, 1); /* short streamlines; no count is no lie */
+        assert_three(&out);
+        snprintf(words, sizeof words, "MRtrix %s%s", types[i / 2], i & 1 ? ", gzip" : "");
+        assert_string_equal(out.format, words);
+        tractogram_finish(&out);
+        notes_finish(&notes);
+        buffer_finish(&bytes);
+    }
+}
+
+/* 1 + 2^-24 lies between the floats 1 and 1 + 2^-23, and goes to the even one, which is 1; 1 + 2^-24 + 2^-52 does not.
+ */
+static void doubles_are_rounded_once(void **state)
+{
+    (void)state;
+    const double values[3][3] = {
+        {1 + 0x1p-24, 1 + 0x1p-24 + 0x1p-52, 0.1}, {NAN, NAN, NAN}, {INFINITY, INFINITY, INFINITY}};
+    struct buffer bytes = {0};
+    struct tractogram out = {0};
+    struct notes notes = {0};
+    begin(&bytes, "mrtrix tracks\nfile: . 100\ndatatype: Float64LE\nEND\n");
+    append_triples(&bytes, values[0], 3, true, false);
+    assert_ok(parse_with(&out, &bytes, &notes));
+    assert_true(out.points[0] == 1.0F && out.points[1] == 1 + 0x1p-23F && out.points[2] == 0.1F);
+    tractogram_finish(&out);
+    notes_finish(&notes);
+    buffer_finish(&bytes);
+}
+
+/* Keys in any case and order, lines that go on, the same key twice where it is not used, points that begin later. */
+static void headers_as_programs_write_them(void **state)
+{
+    (void)state;
+    static const char *const headers[] = {
+        PLAIN,
+        "mrtrix tracks\r\nDatatype: float32le\r\n\r\nFILE:   .  100\r\nEND\r\n",
+        "mrtrix tracks\nroi: a\nfile: . 100\nroi: b\ndatatype:Float32LE\nEND",
+        "mrtrix tracks\ncommand_history: tckgen a\ntckedit a b\ndatatype: Float32LE\nfile: . 100\ncount: 3\nEND",
+    };
+    for (size_t i = 0; i < sizeof headers / sizeof headers[0]; i++) {
+        struct buffer bytes = {0};
+        struct tractogram out = {0};
+        struct notes notes = {0};
+        begin(&bytes, headers[i]);
+        bytes.data[strlen(headers[i])] = '\n';
+        append_triples(&bytes, three[0], 7, false, false);
+        assert_ok(parse_with(&out, &bytes, &notes));
+        assert_three(&out);
+        tractogram_finish(&out);
+        notes_finish(&notes);
+        buffer_finish(&bytes);
+    }
+}
+
+static void a_count_that_is_wrong_is_warned_of(void **state)
+{
+    (void)state;
+    struct buffer bytes = {0};
+    struct tractogram out = {0};
+    struct notes notes = {0};
+    begin_three(&bytes, "mrtrix tracks\ndatatype: Float32LE\nfile: . 100\ncount: 9\nEND\n");
+    assert_ok(parse_with(&out, &bytes, &notes));
+    assert_three(&out);
+    assert_int_equal(notes.count, 2);
+    assert_string_equal(notes.lines[0],
+                        "count: the header says 9, the file has 3 streamlines and its end; all of them are used");
+    assert_int_equal(notes.marks[0].severity, CONUS_SEVERITY_WARNING);
+    tractogram_finish(&out);
+    notes_finish(&notes);
+    buffer_finish(&bytes);
+}
+
+static void headers_that_say_nothing_are_refused(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *header, *words;
+    } cases[] = {
+        {"mrtrix tracks\nfile: . 100\nEND\n", "datatype: found \"\", allowed are Float32LE"},
+        {"mrtrix tracks\ndatatype: Int16LE\nfile: . 100\nEND\n", "datatype: found \"Int16LE\""},
+        {"mrtrix tracks\ndatatype: Float32\nfile: . 100\nEND\n", "datatype: found \"Float32\""},
+        {"mrtrix tracks\ndatatype: Float32LE\nEND\n", "file: found \"\", needed is \". OFFSET\""},
+        {"mrtrix tracks\ndatatype: Float32LE\nfile: a.dat 0\nEND\n", "file: found \"a.dat 0\""},
+        {"mrtrix tracks\ndatatype: Float32LE\nfile: .\nEND\n", "file: found \".\""},
+        {"mrtrix tracks\ndatatype: Float32LE\nfile: . -1\nEND\n", "file: found \". -1\""},
+        {"mrtrix tracks\ndatatype: Float32LE\nfile: . 100 1\nEND\n", "file: found \". 100 1\""},
+        {"mrtrix tracks\ndatatype: Float32LE\nfile: . 46\nEND\n", "file: found offset 46, the header ends at 49"},
+        {"mrtrix tracks\ndatatype: Float32LE\nfile: . 999\nEND\n", "file: found offset 999, the file has 184 bytes"},
+        {"mrtrix tracks\ndatatype: Float32LE\nfile: . 100\nend\n", "header: found no line END in the first 184 bytes"},
+        {"mrtrix tracks\ncount: x\ndatatype: Float32LE\nfile: . 100\nEND\n",
+         "count: found \"x\", needed is a whole number"},
+        {"mrtrix tracks\nfile: . 100\nfile: . 100\ndatatype: Float32LE\nEND\n", "file: found twice"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        struct buffer bytes = {0};
+        begin_three(&bytes, cases[i].header);
+        assert_refused(&bytes, cases[i].words);
+        buffer_finish(&bytes);
+    }
+}
+
+/* Puts @p value in place of number @p index of the seven triples. */
+static void assert_number_refused(size_t index, double value, const char *words)
+{
+    struct buffer bytes = {0};
+    struct buffer one = {0};
+    begin_three(&bytes, PLAIN);
+    append_float(&one, value, false);
+    memcpy(bytes.data + 100 + 4 * index, one.data, 4);
+    assert_refused(&bytes, words);
+    buffer_finish(&one);
+    buffer_finish(&bytes);
+}
+
+static void markers_that_are_half_ones_are_refused(void **state)
+{
+    (void)state;
+    assert_number_refused(3, NAN, "point 1 of streamline 0 (both from 0): found (nan, 5, 6.5); three NaN end");
+    assert_number_refused(5, NAN, "found (4, 5, nan)");
+    assert_number_refused(8, 0, "point 2 of streamline 0 (both from 0): found (nan, nan, 0)");
+    assert_number_refused(4, INFINITY, "found (4, inf, 6.5)");
+    assert_number_refused(7, INFINITY, "found (nan, inf, nan)");
+    assert_number_refused(18, 1, "point 0 of streamline 3 (both from 0): found (1, inf, inf)");
+    assert_number_refused(0, 1.1e9, "point 0 of streamline 0 (both from 0): found (1100000000, 2, 3)");
+}
+
+static void files_without_an_end_are_refused(void **state)
+{
+    (void)state;
+    struct buffer bytes = {0};
+    begin_three(&bytes, PLAIN);
+    bytes.size -= 12;
+    assert_refused(&bytes, "streamline 3 (from 0): the file ends without the marker of its end (inf inf inf)");
+    bytes.size -= 12;
+    append_triples(&bytes, three[6], 1, false, false);
+    assert_refused(&bytes, "streamline 2 (from 0): the end of the file comes before its own (NaN NaN NaN)");
+    begin_three(&bytes, PLAIN);
+    buffer_append(&bytes, "x", 1);
+    assert_refused(&bytes, "content: the file goes on after the marker of its end (inf inf inf)");
+    buffer_finish(&bytes);
+}
+
+static void what_is_no_tractogram_is_said(void **state)
+{
+    (void)state;
+    struct tractogram out = {0};
+    struct notes notes = {0};
+    struct buffer bytes = {0};
+    buffer_text(&bytes, "solid thing\n");
+    const char *path = write_bytes("surface.tck", &bytes);
+    assert_false(tract_file_is(path));
+    assert_fails(tract_file_read(&out, path, 0, &notes), CONUS_ERROR_DATA);
+    assert_non_null(strstr(conus_message(), "surface.tck: this is an STL surface"));
+    assert_non_null(strstr(conus_message(), "needed is a tractogram: TrackVis (.trk) or MRtrix (.tck)"));
+    assert_false(tract_file_is(test_scratch("none.tck")));
+    assert_fails(tract_file_read(&out, test_scratch("none.tck"), 0, &notes), CONUS_ERROR_IO);
+    test_folder("folder.tck");
+    assert_false(tract_file_is(test_in("")));
+    assert_fails(tract_file_read(&out, test_in(""), 0, &notes), CONUS_ERROR_IO);
+    assert_non_null(strstr(conus_message(), "is a folder"));
+    buffer_clear(&bytes);
+    buffer_append(&bytes, "mrtrix tracks\0", 14);
+    assert_refused(&bytes, "no tractogram");
+    buffer_finish(&bytes);
+    notes_finish(&notes);
+}
+
+/* 200,000 points in streamlines of 1 to 7: three blocks of 1 MiB. */
+static void more_than_a_block(void **state)
+{
+    (void)state;
+    enum { COUNT = 200000 };
+    struct buffer bytes = {0};
+    size_t ends = 0;
+    begin(&bytes, "mrtrix tracks\ndatatype: Float32BE\nfile: . 100\nEND\n");
+    for (size_t i = 0, left = 1; i < COUNT; i++) {
+        append_triples(&bytes, (const double[]){(double)i, -(double)i, 0.5}, 1, false, true);
+        if (--left == 0 || i == COUNT - 1) {
+            append_triples(&bytes, three[2], 1, false, true);
+            left = ++ends % 7 + 1;
+        }
+    }
+    append_triples(&bytes, three[6], 1, false, true);
+    for (int packed = 0; packed < 2; packed++) {
+        struct tractogram out = {0};
+        struct notes notes = {0};
+        const char *path = (packed ? write_packed : write_bytes)("long.tck", &bytes);
+        assert_ok(tract_file_read(&out, path, 0, &notes));
+        assert_int_equal(out.point_count, COUNT);
+        assert_int_equal(out.streamline_count, ends);
+        for (size_t i = 0; i < COUNT; i++) {
+            assert_true(out.points[3 * i] == (float)i && out.points[3 * i + 1] == -(float)i);
+        }
+        for (size_t k = 0; k + 1 < ends; k++) {
+            assert_int_equal(out.first[k + 1] - out.first[k], k % 7 + 1);
+        }
+        tractogram_finish(&out);
+        assert_fails(tract_file_read(&out, path, 12 * COUNT, &notes), CONUS_ERROR_MEMORY);
+        assert_non_null(strstr(conus_message(), "that are allowed (--max-memory)"));
+        notes_finish(&notes);
+    }
+    buffer_finish(&bytes);
+}
+
+static void every_prefix_is_refused(void **state)
+{
+    (void)state;
+    for (int packed = 0; packed < 2; packed++) {
+        struct buffer plain = {0};
+        struct buffer bytes = {0};
+        begin_three(&plain, PLAIN);
+        if (packed) {
+            append_gzip(&bytes, plain.data, plain.size);
+        }
+        const struct buffer *whole = packed ? &bytes : &plain;
+        for (size_t size = 0; size < whole->size; size++) {
+            struct tractogram out = {0};
+            struct notes notes = {0};
+            uint8_t *exact = memory_copy(whole->data, size, 1);
+            assert_non_null(exact);
+            assert_fails(tract_file_parse(&out, exact, size, 0, &notes), CONUS_ERROR_DATA);
+            notes_finish(&notes);
+            memory_free(exact);
+        }
+        buffer_finish(&bytes);
+        buffer_finish(&plain);
+    }
+}
+
+static conus_status parse_and_finish(void *bytes)
+{
+    struct tractogram out = {0};
+    struct notes notes = {0};
+    conus_status status = parse_with(&out, bytes, &notes);
+    tractogram_finish(&out);
+    notes_finish(&notes);
+    return status;
+}
+
+static void every_failing_allocation(void **state)
+{
+    (void)state;
+    struct buffer plain = {0};
+    struct buffer packed = {0};
+    begin_three(&plain, PLAIN);
+    append_gzip(&packed, plain.data, plain.size);
+    test_every_allocation(parse_and_finish, &plain);
+    test_every_allocation(parse_and_finish, &packed);
+    buffer_finish(&packed);
+    buffer_finish(&plain);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(numbers_of_both_sizes_and_orders),
+        cmocka_unit_test(doubles_are_rounded_once),
+        cmocka_unit_test(headers_as_programs_write_them),
+        cmocka_unit_test(a_count_that_is_wrong_is_warned_of),
+        cmocka_unit_test(headers_that_say_nothing_are_refused),
+        cmocka_unit_test(markers_that_are_half_ones_are_refused),
+        cmocka_unit_test(files_without_an_end_are_refused),
+        cmocka_unit_test(what_is_no_tractogram_is_said),
+        cmocka_unit_test(more_than_a_block),
+        cmocka_unit_test(every_prefix_is_refused),
+        cmocka_unit_test(every_failing_allocation),
+    };
+    return cmocka_run_group_tests_name("tck", tests, NULL, NULL);
+}
