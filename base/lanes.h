@@ -125,6 +125,16 @@ static INLINE bool any(truths which)
     return which != 0;
 }
 
+static INLINE unsigned bits_of(truths which)
+{
+    return which;
+}
+
+static INLINE truths both_truths(truths a, truths b)
+{
+    return a & b;
+}
+
 static INLINE bool all_halves(halves which)
 {
     return which == 0xff;
@@ -204,19 +214,30 @@ static INLINE truths none(void)
     return (truths){0};
 }
 
-static INLINE bool any(truths which)
+/* Bit l is lane l's. */
+static INLINE unsigned bits_of(truths which)
 {
 #if defined(__AVX__) && LANES == 8
-    return _mm256_movemask_ps((__m256)which) != 0;
+    return (unsigned)_mm256_movemask_ps((__m256)which);
 #elif defined(__SSE2__) && LANES == 4
-    return _mm_movemask_ps((__m128)which) != 0;
+    return (unsigned)_mm_movemask_ps((__m128)which);
 #else
-    int32_t bits = 0;
+    unsigned bits = 0;
     for (int l = 0; l < LANES; l++) {
-        bits |= which[l];
+        bits |= (which[l] ? 1U : 0U) << l;
     }
-    return bits != 0;
+    return bits;
 #endif
+}
+
+static INLINE bool any(truths which)
+{
+    return bits_of(which) != 0;
+}
+
+static INLINE truths both_truths(truths a, truths b)
+{
+    return a & b;
 }
 
 static INLINE bool all_halves(halves which)
@@ -289,6 +310,37 @@ static INLINE singles smaller(singles a, singles b)
     return (singles)_mm_min_ps((__m128)a, (__m128)b);
 #else
     return choose(less(a, b), a, b);
+#endif
+}
+
+/* a > b ? a : b */
+static INLINE singles larger(singles a, singles b)
+{
+#if defined(__AVX512F__) && LANES == 16
+    return (singles)_mm512_max_ps((__m512)a, (__m512)b);
+#elif defined(__AVX__) && LANES == 8
+    return (singles)_mm256_max_ps((__m256)a, (__m256)b);
+#elif defined(__SSE2__) && LANES == 4
+    return (singles)_mm_max_ps((__m128)a, (__m128)b);
+#else
+    return choose(less(b, a), a, b);
+#endif
+}
+
+/* The square root, of what is not negative. */
+static INLINE singles root(singles x)
+{
+#if defined(__AVX512F__) && LANES == 16
+    return (singles)_mm512_sqrt_ps((__m512)x);
+#elif defined(__AVX__) && LANES == 8
+    return (singles)_mm256_sqrt_ps((__m256)x);
+#elif defined(__SSE2__) && LANES == 4
+    return (singles)_mm_sqrt_ps((__m128)x);
+#else
+    for (int l = 0; l < LANES; l++) {
+        x[l] = __builtin_sqrtf(x[l]);
+    }
+    return x;
 #endif
 }
 

@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Makes the tree of a tractogram: cuts its streamlines into runs, halves their boxes at the median until a node has
- * few, and puts boxes round them. At most 72 bytes a run are in use on the way. */
+ * few, and puts boxes round them. At most 76 bytes a run are in use on the way. */
 #include "atlas/surface/bvh.h"
 #include "atlas/tracts/tract_node.h"
 #include "atlas/tracts/tractogram.h"
+#include "base/math3.h"
 #include "base/memory.h"
 
-#include <math.h>
+/* Far above what rounding makes of a run's thickness, which has to be no less than it is. */
+#define BEND_SLACK 1e-6
 
 /* ---- Runs ------------------------------------------------------------------------------------------------------- */
 
@@ -75,49 +77,75 @@ static void arrange(struct bvh_box *boxes, size_t count)
 
 /* ---- Nodes ------------------------------------------------------------------------------------------------------ */
 
-static void node_init(struct tract_node *node)
+static void set_lane(struct tract_node *node, size_t lane, const float a[3], const float b[3], double thickness)
 {
-    for (int lane = 0; lane < TRACT_WIDTH; lane++) {
-        for (int a = 0; a < 3; a++) {
-            node->low[a][lane] = INFINITY;
-            node->high[a][lane] = -INFINITY;
-        }
+    for (int k = 0; k < 3; k++) {
+        node->a[k][lane] = a[k];
+        node->b[k][lane] = b[k];
     }
+    node->thickness[lane] = (float)(thickness * (1 + BEND_SLACK));
 }
 
-static void set_lane(struct tract_node *node, size_t lane, const struct bvh_box *box)
+static double distance_from_segment(const double point[3], const double a[3], const double b[3])
 {
-    for (int a = 0; a < 3; a++) {
-        node->low[a][lane] = box->low[a];
-        node->high[a][lane] = box->high[a];
-    }
+    double side[3];
+    double to[3];
+    vec3_sub(side, b, a);
+    vec3_sub(to, point, a);
+    double squared = vec3_dot(side, side);
+    double along = squared > 0 ? vec3_dot(to, side) / squared : 0;
+    vec3_add_scaled(to, to, -(along < 0 ? 0 : along > 1 ? 1 : along), side);
+    return vec3_length(to);
 }
 
-static struct bvh_box box_of_node(const struct tract_node *node)
+static void set_run(struct tract_node *node, size_t lane, const struct tractogram *tractogram,
+                    const struct tract_run *run)
+{
+    double ends[2][3];
+    double thickness = 0;
+    tractogram_point(ends[0], tractogram, run->point);
+    tractogram_point(ends[1], tractogram, run->point + run->segments);
+    for (uint32_t k = 1; k < run->segments; k++) {
+        double point[3];
+        tractogram_point(point, tractogram, run->point + k);
+        thickness = fmax(thickness, distance_from_segment(point, ends[0], ends[1]));
+    }
+    set_lane(node, lane, (float[3]){(float)ends[0][0], (float)ends[0][1], (float)ends[0][2]},
+             (float[3]){(float)ends[1][0], (float)ends[1][1], (float)ends[1][2]}, thickness);
+}
+
+static struct bvh_box box_of_items(const struct tract_node *node, size_t count)
 {
     struct bvh_box box = bvh_box_empty(0);
-    for (int lane = 0; lane < TRACT_WIDTH; lane++) {
-        bvh_box_extend(&box, (float[3]){node->low[0][lane], node->low[1][lane], node->low[2][lane]});
-        bvh_box_extend(&box, (float[3]){node->high[0][lane], node->high[1][lane], node->high[2][lane]});
+    for (size_t lane = 0; lane < count; lane++) {
+        bvh_box_extend(&box, (float[3]){node->a[0][lane], node->a[1][lane], node->a[2][lane]});
+        bvh_box_extend(&box, (float[3]){node->b[0][lane], node->b[1][lane], node->b[2][lane]});
     }
     return box;
 }
 
-/* The items of each level fill the nodes above it; those nodes are the items of the next. */
-static void fill_nodes(struct tract_node *nodes, const struct tract_levels *levels, const struct bvh_box *boxes,
-                       size_t count)
+/* The box of an item above level 0. */
+static struct bvh_box box_of_item(const struct tract_tree *tree, const struct tract_levels *levels,
+                                  const struct bvh_box *boxes, unsigned level, size_t item)
 {
-    for (size_t i = 0; i < levels->node_count; i++) {
-        node_init(&nodes[i]);
-    }
-    for (size_t i = 0; i < count; i++) {
-        set_lane(&nodes[i / TRACT_WIDTH], i % TRACT_WIDTH, &boxes[i]);
+    size_t first = item * TRACT_WIDTH;
+    size_t left = levels->items[level - 1] - first;
+    size_t count = left < TRACT_WIDTH ? left : TRACT_WIDTH;
+    return level == 1 ? bvh_box_around(boxes + first, count)
+                      : box_of_items(&tree->nodes[levels->first[level - 1] + item], count);
+}
+
+/* Level by level: the nodes above the items of each are the items of the next. */
+static void fill_nodes(const struct tract_tree *tree, const struct tract_levels *levels, const struct bvh_box *boxes,
+                       const struct tractogram *tractogram)
+{
+    for (size_t i = 0; i < tree->run_count; i++) {
+        set_run(&tree->nodes[i / TRACT_WIDTH], i % TRACT_WIDTH, tractogram, &tree->runs[i]);
     }
     for (unsigned level = 1; level < levels->count; level++) {
-        for (size_t i = levels->first[level - 1]; i < levels->first[level]; i++) {
-            size_t item = i - levels->first[level - 1];
-            struct bvh_box box = box_of_node(&nodes[i]);
-            set_lane(&nodes[levels->first[level] + item / TRACT_WIDTH], item % TRACT_WIDTH, &box);
+        for (size_t i = 0; i < levels->items[level]; i++) {
+            struct bvh_box box = box_of_item(tree, levels, boxes, level, i);
+            set_lane(&tree->nodes[levels->first[level] + i / TRACT_WIDTH], i % TRACT_WIDTH, box.low, box.high, 0);
         }
     }
 }
@@ -163,15 +191,15 @@ conus_status tractogram_grow_tree(struct tractogram *tractogram)
     struct bvh_box *boxes = memory_raw(count, sizeof *boxes);
     struct tract_run *runs = memory_raw(count, sizeof *runs);
     conus_status status = boxes && runs ? order_runs(boxes, &runs, count, tractogram) : CONUS_ERROR_MEMORY;
-    struct tract_node *nodes = status ? NULL : memory_raw(levels.node_count, sizeof *nodes);
+    struct tract_node *nodes = status ? NULL : memory_zeroed(levels.node_count, sizeof *nodes);
     if (!nodes) {
         memory_free(boxes);
         memory_free(runs);
         return CONUS_ERROR_MEMORY;
     }
-    fill_nodes(nodes, &levels, boxes, count);
+    tractogram->tree = (struct tract_tree){nodes, levels.node_count, runs, count};
+    fill_nodes(&tractogram->tree, &levels, boxes, tractogram);
     keep_bounds(tractogram, boxes, count);
     memory_free(boxes);
-    tractogram->tree = (struct tract_tree){nodes, levels.node_count, runs, count};
     return CONUS_OK;
 }

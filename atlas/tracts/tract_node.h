@@ -16,14 +16,16 @@ enum {
     TRACT_LEVELS = 11 /**< 8^11 is more than UINT32_MAX runs */
 };
 
-/** The boxes of its items; those of lanes without one are empty: low is infinite, high minus infinite. */
+/** Where its items are; 0 in lanes without one. Above level 0 they are in the boxes from a to b, and thickness is 0. A
+ * run goes from a to b, and is no farther than the thickness from the segment between them. */
 struct tract_node {
-    float low[3][TRACT_WIDTH], high[3][TRACT_WIDTH];
+    float a[3][TRACT_WIDTH], b[3][TRACT_WIDTH], thickness[TRACT_WIDTH];
 };
 
 /** Where the nodes of a tree are. */
 struct tract_levels {
     unsigned count;             /**< Of levels of items that have a node above them; 0 = an empty tree. */
+    size_t items[TRACT_LEVELS]; /**< Of each level. */
     size_t first[TRACT_LEVELS]; /**< first[l]: the first node above the items of level l. */
     size_t node_count;
 };

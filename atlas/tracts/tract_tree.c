@@ -4,10 +4,13 @@
 
 #include "atlas/tracts/tract_node.h"
 
+#include <math.h>
+
 struct tract_levels tract_levels_of(size_t run_count)
 {
     struct tract_levels levels = {0};
     for (size_t items = run_count; items > 0 && (items > 1 || levels.count == 0);) {
+        levels.items[levels.count] = items;
         items = (items + TRACT_WIDTH - 1) / TRACT_WIDTH;
         levels.first[levels.count++] = levels.node_count;
         levels.node_count += items;
@@ -15,14 +18,15 @@ struct tract_levels tract_levels_of(size_t run_count)
     return levels;
 }
 
-/* What is to be done with the item of a level whose first run is @p run. */
-static enum tract_answer ask(const struct tract_tree *tree, size_t node, size_t lane, tract_box_test test, void *user)
+/* What the test says of the box round a lane's item. */
+static enum tract_answer ask(const struct tract_node *node, size_t lane, tract_box_test test, void *user)
 {
+    double thickness = (double)node->thickness[lane];
     double low[3];
     double high[3];
     for (int a = 0; a < 3; a++) {
-        low[a] = (double)tree->nodes[node].low[a][lane];
-        high[a] = (double)tree->nodes[node].high[a][lane];
+        low[a] = fmin((double)node->a[a][lane], (double)node->b[a][lane]) - thickness;
+        high[a] = fmax((double)node->a[a][lane], (double)node->b[a][lane]) + thickness;
     }
     return test(user, low, high);
 }
@@ -34,7 +38,8 @@ void tract_tree_walk(const struct tract_tree *tree, tract_box_test test, tract_v
     unsigned level = levels.count - 1;
     for (size_t run = 0; run < tree->run_count;) {
         size_t item = run >> TRACT_WIDTH_BITS * level;
-        enum tract_answer answer = ask(tree, levels.first[level] + item / TRACT_WIDTH, item % TRACT_WIDTH, test, user);
+        const struct tract_node *node = &tree->nodes[levels.first[level] + item / TRACT_WIDTH];
+        enum tract_answer answer = ask(node, item % TRACT_WIDTH, test, user);
         if (answer == TRACT_PERHAPS && level > 0) {
             level--;
             continue;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
  * A tree of boxes round runs of streamlines' segments. It is small beside the points (a leaf is a run of up to
- * TRACT_RUN segments of one streamline; streamlines of 100 points have 3 bytes of it a point), flat, and the same for
+ * TRACT_RUN segments of one streamline; streamlines of 100 points have 3.4 bytes of it a point), flat, and the same for
  * the same points, so it can be packed and mapped. tract_node.h says how it lies in memory. */
 #ifndef CONUS_ATLAS_TRACTS_TRACT_TREE_H
 #define CONUS_ATLAS_TRACTS_TRACT_TREE_H
@@ -40,8 +40,8 @@ typedef enum tract_answer (*tract_box_test)(void *user, const double low[3], con
 /** A run whose box is not outside; @p inside: the test has said so of a box around it. */
 typedef void (*tract_visit)(void *user, const struct tract_run *run, bool inside);
 
-/** Calls @p visit for all runs in boxes that @p test does not call outside, in the order of the leaves. Boxes are those
- * round the polylines; who asks for capsules grows them by the radius. */
+/** Calls @p visit for all runs in boxes that @p test does not call outside, in the order of the leaves. Boxes are
+ * those round the polylines, those of single runs a little larger; who asks for capsules grows them by the radius. */
 void tract_tree_walk(const struct tract_tree *tree, tract_box_test test, tract_visit visit, void *user);
 
 #endif

@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * A search along a ray in the tree of a tractogram, for segments that it may hit (Eq. 18). It works in single precision
+ * with everything taken to be a little larger than it is, so that no segment is lost; capsule_interval() decides. */
+#ifndef CONUS_SELECTION_ENGINE_TRACTS_TRACT_SEARCH_H
+#define CONUS_SELECTION_ENGINE_TRACTS_TRACT_SEARCH_H
+
+#include "atlas/tracts/tract_node.h"
+#include "atlas/tracts/tractogram.h"
+
+/** Of the largest coordinate, and of the radius: far above what single precision moves anything by. */
+#define TRACT_SLACK 1e-5
+
+/** Segments of one run. */
+struct tract_found {
+    const struct tract_run *run;
+    uint32_t segments; /**< Bit k: that from point run->point + k on. A run of no segment has bit 0, its point. */
+};
+
+/** What waits in a search: each level leaves fewer than TRACT_WIDTH items behind. */
+enum { TRACT_WAITING = TRACT_WIDTH * TRACT_LEVELS };
+
+/** A search on its way. */
+struct tract_search {
+    const struct tractogram *tractogram;
+    struct tract_levels levels;
+    double start;        /**< mm from the ray's origin to where the search begins, at the border of the tractogram. */
+    float origin[3];     /**< That place. */
+    float direction[3];  /**< Unit length. */
+    float inverse[3];    /**< 1 / direction, finite. */
+    float radius, slack; /**< mm; the slack is no part of the radius. */
+    size_t waiting;
+    struct tract_visit {
+        float enter;    /**< mm from the search's origin: the ray is not in the item before. */
+        uint32_t level; /**< Of the item. */
+        size_t item;
+    } visits[TRACT_WAITING]; /**< Those that wait, the last one first. */
+};
+
+/** Begins a search along the ray from @p origin; @p tractogram must outlive it. */
+void tract_search_init(struct tract_search *out, const struct tractogram *tractogram, const double origin[3],
+                       const double direction[3]);
+
+/** The next run, about from near to far, of which the ray may hit segments at @p limit mm from its origin or before;
+ * false after the last. The limit may shrink from call to call. */
+typedef bool tract_search_next(struct tract_found *out, struct tract_search *search, double limit);
+
+/** The fastest one that this machine supports. */
+tract_search_next *tract_search_best(void);
+
+/** Number @p index of them, the fastest first; NULL where this machine does not support it, or past the last. */
+tract_search_next *tract_search_kernel(size_t index);
+enum { TRACT_SEARCH_KERNELS = 2 };
+
+#endif
