@@ -249,7 +249,13 @@ static void exchange_points(struct tractogram *a, struct tractogram *b)
 void bundles_take(conus_atlas *atlas, struct tractogram *moved)
 {
     for (size_t i = 0; i < atlas->tractogram_count; i++) {
-        exchange_points(&atlas->tractograms[i], &moved[i]);
+        struct tractogram old = atlas->tractograms[i];
+        if (moved[i].first) {
+            atlas->tractograms[i] = moved[i];
+            moved[i] = old;
+        } else {
+            exchange_points(&atlas->tractograms[i], &moved[i]);
+        }
     }
     for (uint32_t number = (uint32_t)atlas->area_count + 1; number <= atlas->object_count; number++) {
         const struct tractogram *tractogram = atlas_bundle_tractogram(atlas, number);

@@ -32,7 +32,8 @@ void bundles_find_objects(uint32_t *objects, const conus_atlas *atlas, const str
  * TRACT_COORDINATE_LIMIT; CONUS_ERROR_MEMORY. On failure @p out has nothing to end. */
 conus_status bundles_move(struct tractogram *out, const conus_atlas *atlas, const double world_from_atlas[16]);
 
-/** Gives @p atlas those points and trees, and measures its bundles anew. The old ones are in @p moved, to be ended. */
+/** Gives @p atlas those points and trees, or a whole tractogram where @p moved has its `first`, with as many groups as
+ * before; and measures its bundles anew. The old ones are in @p moved, to be ended. */
 void bundles_take(conus_atlas *atlas, struct tractogram *moved);
 
 #endif

@@ -2,6 +2,7 @@
 /* Moves an atlas by a deformation field: all is made first, then nothing can fail. */
 #include "atlas/warp/warp.h"
 
+#include "atlas/bundles.h"
 #include "atlas/deformation/deformation_facts.h"
 #include "atlas/placement.h"
 #include "atlas/warp/warp_parts.h"
@@ -72,6 +73,26 @@ static conus_status note_meshes(struct notes *notes, const struct warped_meshes 
     return status;
 }
 
+static conus_status note_tracts(struct notes *notes, const struct warped_tracts *tracts, bool stays, const char *words)
+{
+    conus_status status = CONUS_OK;
+    if (tracts->outside) {
+        status = notes_warn(notes, "%s: %llu of %llu points of streamlines lie outside of the field%s", words,
+                            (unsigned long long)tracts->outside, (unsigned long long)tracts->points,
+                            stays ? "; those outside of its grid stay where they are" : "");
+    }
+    if (!status && tracts->lost) {
+        status = notes_warn(
+            notes, "%s: %llu of %llu points of streamlines have no place: the field folds there, or has no value",
+            words, (unsigned long long)tracts->lost, (unsigned long long)tracts->points);
+    }
+    if (!status && tracts->cut) {
+        status = notes_warn(notes, "%s: %llu of %llu streamlines are left out, with a point that has no place", words,
+                            (unsigned long long)tracts->cut, (unsigned long long)tracts->streamlines);
+    }
+    return status;
+}
+
 static conus_status note_move(struct notes *notes, const struct warp_plan *plan)
 {
     const conus_volume_info *grid = plan->grid;
@@ -90,9 +111,6 @@ static conus_status check_state(const conus_atlas *atlas)
     for (size_t i = 0; i < atlas->volume_count; i++) {
         attached = attached || (atlas->volumes[i].is_borrowed && !atlas->volumes[i].source);
     }
-    if (atlas->tractogram_count) {
-        return fail(CONUS_ERROR_UNSUPPORTED, "streamlines cannot be moved by a field: they are added behind it");
-    }
     if (atlas_has_hidden(atlas)) {
         return fail(CONUS_ERROR_ARGUMENT, "an atlas is warped before something of it is hidden");
     }
@@ -105,6 +123,7 @@ static conus_status check_state(const conus_atlas *atlas)
 struct parts {
     struct warped_volumes volumes;
     struct warped_meshes meshes;
+    struct warped_tracts tracts;
     struct notes notes; /* about the surfaces' shapes */
 };
 
@@ -112,6 +131,7 @@ static void parts_finish(struct parts *parts, const conus_atlas *atlas)
 {
     warped_volumes_finish(&parts->volumes, atlas->volume_count);
     warped_meshes_finish(&parts->meshes, atlas->mesh_count);
+    warped_tracts_finish(&parts->tracts, atlas->tractogram_count);
     notes_finish(&parts->notes);
 }
 
@@ -122,6 +142,7 @@ static conus_status note_parts(conus_atlas *atlas, struct parts *parts, const st
     status = status ? status : note_facts(&atlas->notes, field, plan->words);
     status = status ? status : warped_volumes_note(&parts->volumes, atlas, plan->words);
     status = status ? status : note_meshes(&atlas->notes, &parts->meshes, field->stays_outside, plan->words);
+    status = status ? status : note_tracts(&atlas->notes, &parts->tracts, field->stays_outside, plan->words);
     return status ? status : notes_move(&atlas->notes, &parts->notes);
 }
 
@@ -161,10 +182,12 @@ conus_status atlas_warp(conus_atlas *atlas, struct deformation *field, const str
     status = status ? status : reserve_warp(&way, atlas, field);
     status = status ? status : warped_volumes_init(&parts.volumes, atlas, &way, plan);
     status = status ? status : warped_meshes_init(&parts.meshes, atlas, field, &parts.notes);
+    status = status ? status : warped_tracts_init(&parts.tracts, atlas, field);
     status = status ? status : note_parts(atlas, &parts, field, plan);
     if (!status) {
         warped_volumes_take(&parts.volumes, atlas);
         warped_meshes_take(&parts.meshes, atlas);
+        bundles_take(atlas, parts.tracts.items);
         remember(atlas, field);
     } else {
         notes_cut(&atlas->notes, note_count);

@@ -13,12 +13,12 @@ struct warp_plan {
     uint64_t max_memory;           /**< Bytes that the resampled voxels may take; 0 = 8 GiB.                  */
 };
 
-/** Moves volumes and surfaces to where @p field, which atlas_move()'s words hold for, has them: voxels of plan->grid
- * become what the atlas's own voxel nearest to where their centre goes is, through all that has moved the atlas;
- * vertices are found by deformation_find(). Triangles with a vertex that is found nowhere are left out. @p field
- * (measured) is taken over on success. Unchanged on failure: CONUS_ERROR_DATA where nothing of the voxels, or of a
- * surface, is left; CONUS_ERROR_ARGUMENT where something is hidden, or an attached atlas was warped before;
- * CONUS_ERROR_MEMORY. */
+/** Moves volumes, surfaces and streamlines to where @p field, which atlas_move()'s words hold for, has them: voxels of
+ * plan->grid become what the atlas's own voxel nearest to where their centre goes is, through all that has moved the
+ * atlas; vertices and points are found by deformation_find(). Triangles with a vertex that is found nowhere are left
+ * out, and so are whole streamlines with such a point. @p field (measured) is taken over on success. Unchanged on
+ * failure: CONUS_ERROR_DATA where nothing of the voxels, of a surface or of a tractogram is left; CONUS_ERROR_ARGUMENT
+ * where something is hidden, or an attached atlas was warped before; CONUS_ERROR_MEMORY. */
 conus_status atlas_warp(conus_atlas *atlas, struct deformation *field, const struct warp_plan *plan);
 
 /** atlas_move(), and resamples the voxels that warps have moved on plan->grid. CONUS_ERROR_ARGUMENT where none has. */

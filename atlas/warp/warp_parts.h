@@ -44,4 +44,15 @@ conus_status warped_meshes_init(struct warped_meshes *out, const conus_atlas *at
 void warped_meshes_take(struct warped_meshes *meshes, conus_atlas *atlas);
 void warped_meshes_finish(struct warped_meshes *meshes, size_t count);
 
+/** Tractograms in their new place, for bundles_take(). */
+struct warped_tracts {
+    struct tractogram *items; /**< [tractogram_count] */
+    uint64_t points, outside, lost;
+    uint64_t streamlines, cut; /**< All, and those left out. */
+};
+
+/** Moves streamlines back through @p field. CONUS_ERROR_DATA where nothing of a tractogram is left. */
+conus_status warped_tracts_init(struct warped_tracts *out, const conus_atlas *atlas, const struct deformation *field);
+void warped_tracts_finish(struct warped_tracts *tracts, size_t count);
+
 #endif

@@ -345,7 +345,8 @@ conus_status warped_volumes_init(struct warped_volumes *out, const conus_atlas *
 static bool is_resampled(const struct warped_volumes *volumes, const conus_atlas *atlas, size_t object)
 {
     const struct object_place *place = &atlas->places[object];
-    return !place->is_mesh && !place->is_bundle && place->index < atlas->volume_count && volumes->items[place->index].voxel_count;
+    return !place->is_mesh && !place->is_bundle && place->index < atlas->volume_count &&
+           volumes->items[place->index].voxel_count;
 }
 
 /* "A, B, C, D and 3 more" */
