@@ -6,6 +6,7 @@
 #ifndef CONUS_PUBLIC_REPORT_H
 #define CONUS_PUBLIC_REPORT_H
 
+#include <conus/connectivity.h>
 #include <conus/jitter.h>
 #include <conus/mask.h>
 #include <conus/overlap.h>
@@ -48,7 +49,8 @@ typedef enum conus_rows {
     CONUS_ROWS_SUMMARIES,  /**< Of conus_report_add(), one row each: the best, the runner-up, and by how much. Not as
                           #CONUS_FORMAT_TABLE. */
     CONUS_ROWS_COVERAGES,  /**< Of conus_report_add_overlap(). */
-    CONUS_ROWS_SEGMENTS    /**< Of conus_report_add_segments(). */
+    CONUS_ROWS_SEGMENTS,   /**< Of conus_report_add_segments(). */
+    CONUS_ROWS_CONNECTIONS /**< Of conus_report_add_connections(). */
 } conus_rows;
 
 /** The order of the answers to a query. */
@@ -137,6 +139,18 @@ CONUS_CHECKED conus_status conus_report_add_sweep(conus_report *report, const ch
  */
 CONUS_CHECKED conus_status conus_report_add_jitter(conus_report *report, const char *query_id,
                                                    const conus_jitter *jitter);
+
+/**
+ * Adds which areas bundles connect.
+ * @param report The report.
+ * @param query_id As for conus_report_add().
+ * @param connectivity The connections; may end afterwards.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT in a report of other rows.
+ * @threads One at a time for each @p report.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_report_add_connections(conus_report *report, const char *query_id,
+                                                        const conus_connectivity *connectivity);
 
 /**
  * Adds what a region of interest covers.

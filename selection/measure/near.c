@@ -119,31 +119,55 @@ double near_box(double out[3], double box[2][3], double gram[3][3])
     return best;
 }
 
-/* The cells of one volume against a ball. */
-struct search {
-    struct near *near;
-    const struct region *ball;
-    double at[3]; /* the centre, in voxels */
-    double gram[3][3];
-    double reach; /* from a cell's centre to its farthest corner, mm */
-};
-
-static void search_cell(struct search *search, const struct volume *volume, size_t voxel, const double at[3])
+static double dot_rounded(const double a[3], const double b[3])
 {
-    struct near *near = search->near;
-    uint32_t object = volume_object(volume, voxel);
-    double best = near->objects[object].distance;
+    double dot = vec3_dot(a, b);
+    return fabs(dot) < 1e-6 * vec3_length(a) * vec3_length(b) ? 0 : dot;
+}
+
+void near_cells_init(struct near_cells *out, const struct volume *volume)
+{
+    const double *m = volume->info.world_from_voxel;
+    for (int a = 0; a < 9; a++) { /* columns of float matrices are perpendicular but for rounding */
+        out->gram[a / 3][a % 3] = dot_rounded(m + 4 * (a / 3), m + 4 * (a % 3));
+    }
+    out->reach = 0;
+    for (int corner = 0; corner < 4; corner++) {
+        const double half[3] = {0.5, corner & 1 ? -0.5 : 0.5, corner & 2 ? -0.5 : 0.5};
+        out->reach = fmax(out->reach, length_in(out->gram, half));
+    }
+}
+
+double near_cell(double out[3], struct near_cells *cells, const double cell[3], const double at[3], double limit)
+{
     double offset[3];
     double box[2][3];
-    vec3_sub(offset, at, search->at);
-    if (length_in(search->gram, offset) - search->reach > fmin(best, search->ball->radius)) {
-        return;
+    vec3_sub(offset, cell, at);
+    if (length_in(cells->gram, offset) - cells->reach > limit) {
+        return INFINITY;
     }
     for (int a = 0; a < 3; a++) {
         box[0][a] = offset[a] - 0.5;
         box[1][a] = offset[a] + 0.5;
     }
-    double distance = near_box(offset, box, search->gram);
+    return near_box(out, box, cells->gram);
+}
+
+/* The cells of one volume against a ball. */
+struct search {
+    struct near *near;
+    const struct region *ball;
+    double at[3]; /* the centre, in voxels */
+    struct near_cells cells;
+};
+
+static void search_cell(struct search *search, const struct volume *volume, size_t voxel, const double cell[3])
+{
+    struct near *near = search->near;
+    uint32_t object = volume_object(volume, voxel);
+    double best = near->objects[object].distance;
+    double offset[3];
+    double distance = near_cell(offset, &search->cells, cell, search->at, fmin(best, search->ball->radius));
     if (distance < best && distance <= search->ball->radius) {
         double point[3];
         mat4_direction(point, volume->info.world_from_voxel, offset);
@@ -164,26 +188,13 @@ static void search_row(void *user, const struct volume *volume, const size_t at[
     }
 }
 
-static double dot_rounded(const double a[3], const double b[3])
-{
-    double dot = vec3_dot(a, b);
-    return fabs(dot) < 1e-6 * vec3_length(a) * vec3_length(b) ? 0 : dot;
-}
-
 static void search_volume(struct near *near, const struct volume *volume, const struct region *ball)
 {
-    const double *m = volume->info.world_from_voxel;
     struct search search = {.near = near, .ball = ball};
     struct region wider = *ball;
     mat4_point(search.at, volume->voxel_from_world, ball->origin);
-    for (int a = 0; a < 9; a++) { /* columns of float matrices are perpendicular but for rounding */
-        search.gram[a / 3][a % 3] = dot_rounded(m + 4 * (a / 3), m + 4 * (a % 3));
-    }
-    for (int corner = 0; corner < 4; corner++) {
-        const double half[3] = {0.5, corner & 1 ? -0.5 : 0.5, corner & 2 ? -0.5 : 0.5};
-        search.reach = fmax(search.reach, length_in(search.gram, half));
-    }
-    wider.radius = (ball->radius + search.reach) * (1 + 1e-9);
+    near_cells_init(&search.cells, volume);
+    wider.radius = (ball->radius + search.cells.reach) * (1 + 1e-9);
     census_walk(&wider, volume, search_row, &search);
 }
 

@@ -26,6 +26,18 @@ void near_finish(struct near *near);
  * in an object: in one of its cells (Eq. 5), or where its surface winds around the point by half a turn or more. */
 void near_take(struct near *near, const conus_atlas *atlas, const struct region *ball);
 
+/** The cells of a volume (Eq. 5) as distances see them. */
+struct near_cells {
+    double gram[3][3]; /**< Dot products of the axes, mm^2.                    */
+    double reach;      /**< From a cell's centre to its farthest corner, mm. */
+};
+
+void near_cells_init(struct near_cells *out, const struct volume *volume);
+
+/** Offset, in voxels, from @p at to the nearest point of the cell of voxel @p cell; both are indices. Returns the
+ * distance in mm, or INFINITY (and @p out untouched) where that is surely more than @p limit. */
+double near_cell(double out[3], struct near_cells *cells, const double cell[3], const double at[3], double limit);
+
 /** Offset to the point nearest to the origin of the parallelepiped of @p box, low and high ends along three axes whose
  * dot products are @p gram: in units of the axes. Returns the distance. */
 double near_box(double out[3], double box[2][3], double gram[3][3]);

@@ -341,6 +341,25 @@ conus_status conus_report_add_segments(conus_report *report, const char *query_i
     return status;
 }
 
+conus_status conus_report_add_connections(conus_report *report, const char *query_id,
+                                          const conus_connectivity *connectivity)
+{
+    struct report_row *rows;
+    const struct report_query query = {.cone = connectivity->cone,
+                                       .ball = connectivity->ball,
+                                       .end_radius = connectivity->radius,
+                                       .is_whole = connectivity->is_whole};
+    if (report->options.rows != CONUS_ROWS_CONNECTIONS) {
+        return refuse_rows("connections");
+    }
+    conus_status status = report_append(&rows, report, query_id, &query, connectivity->row_count);
+    for (size_t i = 0; !status && i < connectivity->row_count; i++) {
+        const conus_connection *row = &connectivity->rows[i];
+        rows[i].connection = (struct report_connection){CONUS_KIND_BUNDLE, row->bundle, *row};
+    }
+    return status;
+}
+
 conus_status conus_report_add_overlap(conus_report *report, const char *query_id, const conus_overlap *overlap)
 {
     struct report_row *rows;

@@ -5,6 +5,7 @@
 
 #include "base/buffer.h"
 #include "base/text.h"
+#include "selection/ends/connectivity.h"
 #include "selection/selector.h"
 #include "selection/study/jitter.h"
 #include "selection/study/overlap.h"
@@ -21,6 +22,13 @@ struct report_roi {
     size_t parts[3];
 };
 
+/** A connection, with what begins all rows. */
+struct report_connection {
+    conus_kind kind;
+    uint32_t bundle;
+    conus_connection is;
+};
+
 /** One result of one query: which of them, options.rows says; kind and object begin all of them. */
 struct report_row {
     size_t query; /**< Index into conus_report.queries. */
@@ -30,6 +38,7 @@ struct report_row {
         conus_chance chance;
         conus_coverage coverage;
         conus_segment segment;
+        struct report_connection connection;
     };
 };
 
@@ -43,6 +52,8 @@ struct report_query {
     conus_step step;             /**< In a report on a track. */
     conus_jitter_options jitter; /**< Of chances. */
     struct report_roi roi;       /**< Of coverages. */
+    double end_radius;           /**< Of connections, mm. */
+    bool is_whole;               /**< These are of all streamlines, whatever the cone. */
     size_t first_row;
     size_t first_voxel; /**< Where in conus_report.voxels its rows begin. */
 };

@@ -270,6 +270,59 @@ static const struct report_column segment_columns[] = {
     {"atlas_exit_z", "mm", "the same, z", OF_ROW(OWN_Z, segment.exit_at), .moved_only = true},
 };
 
+/* ---- Connections ---- */
+
+static struct cell end_name(const conus_report *report, uint32_t area)
+{
+    return text_cell(area ? conus_atlas_object(report->atlas, area)->name : "unassigned");
+}
+
+static struct cell end_index(const conus_report *report, uint32_t area)
+{
+    return area ? integer_cell(conus_atlas_object(report->atlas, area)->label) : no_cell();
+}
+
+static struct cell get_end_a(const conus_report *report, const struct report_row *row)
+{
+    return end_name(report, row->connection.is.area_a);
+}
+
+static struct cell get_end_b(const conus_report *report, const struct report_row *row)
+{
+    return end_name(report, row->connection.is.area_b);
+}
+
+static struct cell get_end_a_index(const conus_report *report, const struct report_row *row)
+{
+    return end_index(report, row->connection.is.area_a);
+}
+
+static struct cell get_end_b_index(const conus_report *report, const struct report_row *row)
+{
+    return end_index(report, row->connection.is.area_b);
+}
+
+static struct cell get_streamlines(const conus_report *report, const struct report_row *row)
+{
+    (void)report;
+    return integer_cell(row->connection.is.streamlines);
+}
+
+static const struct report_column connection_columns[] = {
+    {"query", NULL, "query_id of the pose, else its number from 1", .get = get_query},
+    {"kind", NULL, "bundle; error: no answer, and bundle says why", .get = get_kind},
+    {"bundle", NULL, "name of the bundle", .get = get_name},
+    {"end_a", NULL, "name of the area at one end of the streamlines, or unassigned", .get = get_end_a},
+    {"end_b", NULL, "the same of the other end, which is later in the atlas, or the same area", .get = get_end_b},
+    {"streamlines", NULL, "how many streamlines of the bundle have these ends", .get = get_streamlines},
+    {"fraction", NULL, "they as a part of the bundle's streamlines that are in the cone, or of all if there is none",
+     OF_ROW(NUMBER, connection.is.fraction)},
+    {"mean_length_mm", "mm", "their mean length from end to end", OF_ROW(NUMBER, connection.is.length)},
+    {"bundle_index", NULL, "ordinal of the bundle", .get = get_index},
+    {"end_a_index", NULL, "the atlas's own label of end_a", .get = get_end_a_index},
+    {"end_b_index", NULL, "the same of end_b", .get = get_end_b_index},
+};
+
 /* ---- Summaries: one row per answer, with the best, the next, and by how much it is behind ---- */
 
 static const char *const summary_common[] = {"query", "kind", "index", "name", "share", "score", "distance_mm"};
@@ -426,6 +479,9 @@ void report_list_columns(struct report_columns *out, const conus_report *report)
     case CONUS_ROWS_SEGMENTS:
         list_table(out, report, segment_columns, COUNT_OF(segment_columns));
         break;
+    case CONUS_ROWS_CONNECTIONS:
+        list_table(out, report, connection_columns, COUNT_OF(connection_columns));
+        break;
     case CONUS_ROWS_CHANCES:
         list_named(out, study_common, COUNT_OF(study_common));
         list_table(out, report, chance_columns, COUNT_OF(chance_columns));
@@ -513,9 +569,10 @@ struct cell report_cell(const conus_report *report, const struct report_column *
     if (!query->error) {
         return answered_cell(report, column, row);
     }
-    const char *reason = report->options.rows == CONUS_ROWS_SUMMARIES  ? "error"
-                         : report->options.format == CONUS_FORMAT_BIDS ? "area_error"
-                                                                       : "name";
+    const char *reason = report->options.rows == CONUS_ROWS_SUMMARIES     ? "error"
+                         : report->options.rows == CONUS_ROWS_CONNECTIONS ? "bundle"
+                         : report->options.format == CONUS_FORMAT_BIDS    ? "area_error"
+                                                                          : "name";
     const char *text = !strcmp(column->name, "query")  ? query->id
                        : column == &atlas_column       ? report->name
                        : !strcmp(column->name, "kind") ? "error"

@@ -108,7 +108,14 @@ static json_t *json_from_roi(const struct report_query *query)
     return whole_or_null(entry, roi->threshold == 0 || put_value(entry, "threshold", json_real(roi->threshold)));
 }
 
-static json_t *json_from_query(const struct report_query *query)
+/* How far from an end its area may be. */
+static bool add_end_radius(json_t *entry, const conus_report *report, const struct report_query *query)
+{
+    return report->options.rows != CONUS_ROWS_CONNECTIONS ||
+           put_value(entry, "endpoint_radius_mm", json_real(query->end_radius));
+}
+
+static json_t *json_from_shape(const struct report_query *query)
 {
     if (query->roi.path) {
         return json_from_roi(query);
@@ -121,6 +128,9 @@ static json_t *json_from_query(const struct report_query *query)
         return json_pack("{s: o, s: [f, f, f], s: f}", "query", json_from_text(query->id), "point_ras", m[12], m[13],
                          m[14], "radius_mm", query->ball);
     }
+    if (query->is_whole) {
+        return json_pack("{s: o}", "query", json_from_text(query->id));
+    }
     if (query->is_axis) {
         return json_pack("{s: o, s: o}", "query", json_from_text(query->id), "world_from_device_ras",
                          json_from_matrix(query->cone.pose.world_from_device));
@@ -131,12 +141,18 @@ static json_t *json_from_query(const struct report_query *query)
     return whole_or_null(cone, !cone_is_wide(&query->cone) || put_value(cone, "spread", json_string("even")));
 }
 
+static json_t *json_from_query(const conus_report *report, const struct report_query *query)
+{
+    json_t *entry = json_from_shape(query);
+    return whole_or_null(entry, query->error || add_end_radius(entry, report, query));
+}
+
 static json_t *json_from_queries(const conus_report *report)
 {
     json_t *queries = json_array();
     bool whole = true;
     for (size_t i = 0; i < report->query_count; i++) {
-        whole = json_array_append_new(queries, json_from_query(&report->queries[i])) == 0 && whole;
+        whole = json_array_append_new(queries, json_from_query(report, &report->queries[i])) == 0 && whole;
     }
     return whole_or_null(queries, whole);
 }
@@ -304,6 +320,16 @@ static bool add_range(json_t *settings, const conus_selector_options *options)
            put_value(settings, "range_mm", json_pack("[f, f]", options->range[0], options->range[1]));
 }
 
+/* What streamlines are to come into, beside a query's own cone. */
+static bool add_shape(json_t *settings, const conus_report *report)
+{
+    const conus_selector_options *options = &report->selector;
+    return report->options.rows != CONUS_ROWS_CONNECTIONS ||
+           (put_value(settings, "aperture",
+                      json_string(options->aperture == CONUS_APERTURE_SQUARE ? "square" : "circle")) &&
+            (options->radius == 0 || put_value(settings, "radius_mm", json_real(options->radius))));
+}
+
 /* What the rows depend on besides the answers. */
 static bool add_form(json_t *settings, const conus_report_options *options)
 {
@@ -318,11 +344,12 @@ static bool add_form(json_t *settings, const conus_report_options *options)
 static json_t *json_from_settings(const conus_report *report)
 {
     const conus_selector_options *options = &report->selector;
-    bool has_axes = report->options.rows == CONUS_ROWS_SEGMENTS;
+    bool has_axes = report->options.rows == CONUS_ROWS_SEGMENTS || report->options.rows == CONUS_ROWS_CONNECTIONS;
     if (has_axes || report->options.rows == CONUS_ROWS_COVERAGES) { /* which have no rays of pixels */
         json_t *few = json_object();
         bool level_is_there = has_axes && report->name; /* in that of each atlas */
-        return whole_or_null(few, (!has_axes || add_range(few, options)) && (level_is_there || add_level(few, report)));
+        return whole_or_null(few, (!has_axes || add_range(few, options)) && add_shape(few, report) &&
+                                      (level_is_there || add_level(few, report)));
     }
     json_t *settings = json_pack(
         "{s: s, s: s, s: i, s: s, s: s}", "engine", report->engine, "sampling",

@@ -38,16 +38,22 @@ const char *table_label(char out[TABLE_LABEL_SIZE], const conus_report *report, 
     return out;
 }
 
+int table_wider(int width, const char *name)
+{
+    int wanted = width_of(name);
+    wanted = wanted < NAME_LIMIT ? wanted : NAME_LIMIT;
+    return wanted > width ? wanted : width;
+}
+
 int table_name_width(const conus_report *report)
 {
     int width = 12;
     for (; report; report = report->next) {
         for (size_t i = 0; i < report->row_count; i++) {
-            int wanted = width_of(table_name(report, report->rows[i].result.object));
-            width = wanted > width ? wanted : width;
+            width = table_wider(width, table_name(report, report->rows[i].result.object));
         }
     }
-    return width < NAME_LIMIT ? width : NAME_LIMIT;
+    return width;
 }
 
 void table_write_atlas(struct buffer *out, const conus_report *report)

@@ -18,6 +18,9 @@ const char *table_label(char out[TABLE_LABEL_SIZE], const conus_report *report, 
 /** Columns for the longest name in the report and in those joined with it, up to a limit. */
 int table_name_width(const conus_report *report);
 
+/** @p width, or columns for @p name where that needs more, up to the limit. */
+int table_wider(int width, const char *name);
+
 /** Writes @p name, cut or padded with spaces to @p width columns. */
 void table_write_name(struct buffer *out, const char *name, int width);
 

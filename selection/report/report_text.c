@@ -22,10 +22,11 @@ static table_writer *table_of(const conus_report *report)
     if (report->options.tracker) {
         return report_write_track;
     }
-    return report->options.rows == CONUS_ROWS_ANSWERS     ? report_write_table
-           : report->options.rows == CONUS_ROWS_COVERAGES ? report_write_overlap
-           : report->options.rows == CONUS_ROWS_SEGMENTS  ? report_write_segments
-                                                          : report_write_sweep;
+    return report->options.rows == CONUS_ROWS_ANSWERS       ? report_write_table
+           : report->options.rows == CONUS_ROWS_COVERAGES   ? report_write_overlap
+           : report->options.rows == CONUS_ROWS_SEGMENTS    ? report_write_segments
+           : report->options.rows == CONUS_ROWS_CONNECTIONS ? report_write_connections
+                                                            : report_write_sweep;
 }
 
 conus_status report_write_part(struct buffer *out, const conus_report *report)

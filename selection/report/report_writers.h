@@ -16,11 +16,12 @@ typedef void report_take_row(void *user, const conus_report *of, const struct re
 void report_each_row(const conus_report *report, report_take_row *take, void *user);
 
 /* Tables for people. */
-void report_write_table(struct buffer *out, const conus_report *report);    /**< Of answers.          */
-void report_write_track(struct buffer *out, const conus_report *report);    /**< Of a track.          */
-void report_write_overlap(struct buffer *out, const conus_report *report);  /**< Of coverages.        */
-void report_write_segments(struct buffer *out, const conus_report *report); /**< Of segments.        */
-void report_write_sweep(struct buffer *out, const conus_report *report);    /**< Of all other rows.   */
+void report_write_table(struct buffer *out, const conus_report *report);       /**< Of answers.          */
+void report_write_track(struct buffer *out, const conus_report *report);       /**< Of a track.          */
+void report_write_overlap(struct buffer *out, const conus_report *report);     /**< Of coverages.        */
+void report_write_segments(struct buffer *out, const conus_report *report);    /**< Of segments.        */
+void report_write_connections(struct buffer *out, const conus_report *report); /**< Of connections.   */
+void report_write_sweep(struct buffer *out, const conus_report *report);       /**< Of all other rows.   */
 
 /* report_json.c */
 conus_status report_write_json(struct buffer *out, const conus_report *report);

@@ -115,8 +115,9 @@ LIBRARY = {
     "selection/measure": "base atlas/surface atlas/tracts atlas selection/cone selection/evidence",
     "selection": "base atlas atlas/areas selection/evidence selection/engine selection/measure",
     "selection/study": "base atlas/surface atlas selection/cone selection/measure selection",
+    "selection/ends": "base atlas/surface atlas selection/cone selection/measure selection",
     "selection/picture": "base render/image render/colour render/flat selection",
-    "selection/report": "base atlas poses/programs selection selection/study",
+    "selection/report": "base atlas poses/programs selection selection/ends selection/study",
     "cache": "base atlas loaders/scene selection/batch",
     "selection/batch": "base atlas/tracts atlas poses selection/engine/voxels selection selection/study selection/report",
 }

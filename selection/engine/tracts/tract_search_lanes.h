@@ -2,7 +2,7 @@
 /** @file A kernel of the search: the including file says how many LANES there are, 4 or 8, and what the KERNEL is
  * called. */
 #include "selection/engine/tracts/tract_search.h"
-#include "selection/engine/voxels/lanes.h"
+#include "base/lanes.h"
 
 /** Segments and points of a run, filled up to whole lanes. */
 enum { PADDED = TRACT_RUN + LANES };

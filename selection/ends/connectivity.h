@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Which areas streamlines connect, from inside (Eq. 20). */
+#ifndef CONUS_SELECTION_ENDS_CONNECTIVITY_H
+#define CONUS_SELECTION_ENDS_CONNECTIVITY_H
+
+#include "selection/cone/cone.h"
+
+struct conus_connectivity {
+    conus_connection *rows; /**< Of bundles; then as many as there are pairs. */
+    size_t row_count;
+    conus_connection *pairs; /**< Of all of them, each streamline once. */
+    size_t pair_count;
+    double radius; /**< mm; 0 = an end in no area has none. */
+    bool is_whole; /**< Of all streamlines; else of those in */
+    struct cone cone;
+    double ball;     /**< radius of a ball around the cone's origin; 0 of a cone. */
+    uint32_t *areas; /**< Of the matrix; NULL until it is asked for. */
+    size_t area_count;
+    uint64_t *streamlines;
+    double *length;
+};
+
+#endif

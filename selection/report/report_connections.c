@@ -1,0 +1,98 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The table for people of which areas bundles connect. */
+#include "selection/report/report_table.h"
+#include "selection/report/report_writers.h"
+
+static const char NO_AREA[] = "(in no area)";
+
+static const char *end_name(const conus_report *report, uint32_t area)
+{
+    return area ? table_name(report, area) : NO_AREA;
+}
+
+static void write_question(struct buffer *out, const conus_report *report, const struct report_query *query)
+{
+    if (query->is_whole) {
+        buffer_text(out, "all streamlines\n");
+    } else {
+        table_write_query(out, report, query);
+    }
+    if (query->end_radius > 0) {
+        buffer_format(out, "ends in an area, or in the nearest one within %.4g mm\n", query->end_radius);
+    } else {
+        buffer_text(out, "ends in an area\n");
+    }
+}
+
+/* Columns for the longest name of a bundle, and of an area. */
+struct widths {
+    int bundle, end;
+};
+
+static struct widths find_widths(const conus_report *report)
+{
+    struct widths widths = {.bundle = 6, .end = 12};
+    for (; report; report = report->next) {
+        for (size_t i = 0; i < report->row_count; i++) {
+            const conus_connection *connection = &report->rows[i].connection.is;
+            widths.bundle = table_wider(widths.bundle, table_name(report, connection->bundle));
+            widths.end = table_wider(widths.end, end_name(report, connection->area_a));
+            widths.end = table_wider(widths.end, end_name(report, connection->area_b));
+        }
+    }
+    return widths;
+}
+
+static void write_header(struct buffer *out, struct widths widths)
+{
+    static const char form[] = "%-*s  %-*s  %-*s  %11s  %9s  %11s\n";
+    buffer_format(out, form, widths.bundle, "bundle", widths.end, "end", widths.end, "other end", "streamlines",
+                  "of bundle", "mean length");
+    buffer_format(out, form, widths.bundle, "", widths.end, "", widths.end, "", "", "%", "mm");
+}
+
+static void write_connection(struct buffer *out, const conus_report *report, const conus_connection *connection,
+                             struct widths widths)
+{
+    table_write_name(out, table_name(report, connection->bundle), widths.bundle);
+    buffer_text(out, "  ");
+    table_write_name(out, end_name(report, connection->area_a), widths.end);
+    buffer_text(out, "  ");
+    table_write_name(out, end_name(report, connection->area_b), widths.end);
+    buffer_format(out, "  %11llu  %9.2f  %11.1f\n", (unsigned long long)connection->streamlines,
+                  100 * connection->fraction, connection->length);
+}
+
+/* Of one atlas. */
+static void write_answers(struct buffer *out, const conus_report *report, size_t query, struct widths widths)
+{
+    size_t first = report->queries[query].first_row;
+    size_t end = report_row_end(report, query);
+    table_write_atlas(out, report);
+    if (first == end) {
+        buffer_text(out, "(no streamline)\n");
+        return;
+    }
+    write_header(out, widths);
+    for (size_t i = first; i < end; i++) {
+        write_connection(out, report, &report->rows[i].connection.is, widths);
+    }
+}
+
+void report_write_connections(struct buffer *out, const conus_report *report)
+{
+    struct widths widths = find_widths(report);
+    for (size_t i = 0; i < report->query_count; i++) {
+        bool more = i + 1 < report->query_count;
+        if (report->queries[i].error) {
+            table_write_error(out, &report->queries[i], more);
+            continue;
+        }
+        write_question(out, report, &report->queries[i]);
+        for (const conus_report *of = report; of && i < of->query_count; of = of->next) {
+            write_answers(out, of, i, widths);
+        }
+        buffer_text(out, more ? "\n" : "");
+    }
+    table_write_sources(out, report);
+}

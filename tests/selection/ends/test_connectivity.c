@@ -1,0 +1,401 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Eq. 20: which areas bundles connect, of lines from area to area whose counts and lengths are known. */
+#include "atlas/bundles.h"
+#include "base/math3.h"
+#include "base/memory.h"
+#include "scene.h"
+#include "test.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Cells of 1 mm along x from 0: areas 1 to 3 in cells 0, 10 and 20. */
+enum { LENGTH = 21, LINES = 8, POINTS = 14 };
+static const float corners[3 * POINTS] = {
+    0, 0, 0, 10, 0, 0,                    /* 0: from 1 to 2, 10 mm      */
+    10, 0, 0, 0, 0, 0,                    /* 1: back, 10 mm             */
+    10, 0, 0, 10, 6, 0, 0, 6, 0, 0, 0, 0, /* 2: from 2 to 1, 22 mm, a detour */
+    20, 0, 0, 10, 0, 0,                   /* 3: from 3 to 2, 10 mm      */
+    0, 0, 0,                              /* 4: one point, in 1         */
+                                          /* 5: none                    */
+    12, 0, 0, 20, 0, 0,                   /* 6: 1.5 mm from 2, to 3     */
+    5, 0, 0,                              /* 7: one point far from all  */
+};
+static const uint64_t first[LINES + 1] = {0, 2, 4, 8, 10, 11, 11, 13, 14};
+
+static struct tractogram all_lines(void)
+{
+    struct tractogram made = {.path = memory_text("lines.tck", 9),
+                              .points = memory_copy(corners, 3 * POINTS, sizeof *corners),
+                              .first = memory_copy(first, LINES + 1, sizeof *first),
+                              .point_count = POINTS,
+                              .streamline_count = LINES,
+                              .radius = 0.5};
+    assert_true(made.path && made.points && made.first);
+    return made;
+}
+
+static void add_group(struct tractogram *to, const char *name, const uint32_t *members, size_t count)
+{
+    to->groups = memory_resize(to->groups, to->group_count + 1, sizeof *to->groups);
+    assert_non_null(to->groups);
+    to->groups[to->group_count++] = (struct tract_group){.name = memory_text(name, strlen(name)),
+                                                         .members = memory_copy(members, count, sizeof *members),
+                                                         .count = count};
+}
+
+static conus_atlas *three_areas(void)
+{
+    uint32_t labels[LENGTH] = {[0] = 1, [10] = 2, [20] = 3};
+    const conus_volume_info grid = scene_plain_grid((const size_t[]){LENGTH, 1, 1}, NULL);
+    return scene_parcellation(&grid, labels);
+}
+
+static conus_atlas *with_lines(void)
+{
+    conus_atlas *atlas = three_areas();
+    struct tractogram lines = all_lines();
+    assert_ok(atlas_add_tractogram(atlas, &lines, "lines"));
+    return atlas;
+}
+
+static conus_connectivity *connect(const conus_atlas *atlas, double radius, const char *level)
+{
+    conus_selector *selector = NULL;
+    conus_connectivity *connectivity = NULL;
+    const conus_connectivity_options options = {.radius = radius};
+    assert_ok(conus_selector_create(&selector, atlas, &(conus_selector_options){.level = level}));
+    assert_ok(conus_connectivity_create(&connectivity, selector, NULL, &options));
+    conus_selector_destroy(selector);
+    return connectivity;
+}
+
+static void check(const conus_connection *got, conus_connection wanted)
+{
+    assert_non_null(got);
+    assert_int_equal(got->bundle, wanted.bundle);
+    assert_int_equal(got->area_a, wanted.area_a);
+    assert_int_equal(got->area_b, wanted.area_b);
+    assert_int_equal(got->streamlines, wanted.streamlines);
+    assert_near(got->fraction, wanted.fraction, 1e-15);
+    assert_near(got->length, wanted.length, 1e-12);
+}
+
+/* Bundle 4. The radius is below 0: only cells count, and streamline 6 has one end in none. Its other end is in 3. */
+static void test_lines_between_areas_in_closed_form(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = with_lines();
+    conus_connectivity *connectivity = connect(atlas, -1, NULL);
+    assert_int_equal(conus_connectivity_count(connectivity), 5);
+    check(conus_connectivity_connection(connectivity, 0), (conus_connection){4, 1, 2, 3, 3 / 8.0, 14});
+    check(conus_connectivity_connection(connectivity, 1), (conus_connection){4, 0, 0, 2, 2 / 8.0, 0});
+    check(conus_connectivity_connection(connectivity, 2), (conus_connection){4, 1, 1, 1, 1 / 8.0, 0});
+    check(conus_connectivity_connection(connectivity, 3), (conus_connection){4, 2, 3, 1, 1 / 8.0, 10});
+    check(conus_connectivity_connection(connectivity, 4), (conus_connection){4, 3, 0, 1, 1 / 8.0, 8});
+    assert_null(conus_connectivity_connection(connectivity, 5));
+    conus_connectivity_destroy(connectivity);
+    conus_atlas_destroy(atlas);
+}
+
+/* 2 mm, the default, and 1.5 mm reach from x = 12 to the cell that ends at 10.5; 1.4 mm do not. */
+static void test_an_end_near_an_area_has_it(void **state)
+{
+    (void)state;
+    static const double reach[] = {0, 1.5, 1.4};
+    conus_atlas *atlas = with_lines();
+    for (size_t i = 0; i < 3; i++) {
+        conus_connectivity *connectivity = connect(atlas, reach[i], NULL);
+        assert_int_equal(conus_connectivity_count(connectivity), i < 2 ? 4 : 5);
+        if (i < 2) {
+            check(conus_connectivity_connection(connectivity, 1), (conus_connection){4, 2, 3, 2, 2 / 8.0, 9});
+        }
+        conus_connectivity_destroy(connectivity);
+    }
+    conus_atlas_destroy(atlas);
+}
+
+/* Streamline 0 is in both groups, 3 in the second, all others are the rest. */
+static conus_atlas *with_groups(void)
+{
+    static const uint32_t one[] = {0};
+    static const uint32_t two[] = {0, 3};
+    conus_atlas *atlas = three_areas();
+    struct tractogram lines = all_lines();
+    add_group(&lines, "one", one, 1);
+    add_group(&lines, "two", two, 2);
+    assert_ok(atlas_add_tractogram(atlas, &lines, "rest"));
+    return atlas;
+}
+
+/* Bundles 4 to 6 have 1, 2 and 6 streamlines; together they are 8, since one is in two of them. */
+static void test_a_streamline_of_two_bundles_is_one_in_pairs(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = with_groups();
+    conus_connectivity *connectivity = connect(atlas, -1, NULL);
+    uint64_t streamlines[7] = {0};
+    double fractions[7] = {0};
+    for (size_t i = 0; i < conus_connectivity_count(connectivity); i++) {
+        const conus_connection *row = conus_connectivity_connection(connectivity, i);
+        streamlines[row->bundle] += row->streamlines;
+        fractions[row->bundle] += row->fraction;
+    }
+    for (size_t i = 0; i < conus_connectivity_pair_count(connectivity); i++) {
+        const conus_connection *pair = conus_connectivity_pair(connectivity, i);
+        assert_int_equal(pair->bundle, 0);
+        streamlines[0] += pair->streamlines;
+        fractions[0] += pair->fraction;
+    }
+    assert_true(streamlines[4] == 1 && streamlines[5] == 2 && streamlines[6] == 6 && streamlines[0] == LINES);
+    for (size_t bundle = 0; bundle < 7; bundle++) {
+        assert_near(fractions[bundle], streamlines[bundle] ? 1 : 0, 1e-15);
+    }
+    check(conus_connectivity_pair(connectivity, 0), (conus_connection){0, 1, 2, 3, 3 / 8.0, 14});
+    assert_null(conus_connectivity_pair(connectivity, 5));
+    conus_connectivity_destroy(connectivity);
+    conus_atlas_destroy(atlas);
+}
+
+static void test_the_matrix_is_symmetric_with_none_last(void **state)
+{
+    (void)state;
+    static const uint32_t areas[] = {1, 2, 3, 0};
+    static const uint64_t streamlines[4][4] = {{1, 3, 0, 0}, {3, 0, 1, 0}, {0, 1, 0, 1}, {0, 0, 1, 2}};
+    static const double length[4][4] = {{0, 14, NAN, NAN}, {14, NAN, 10, NAN}, {NAN, 10, NAN, 8}, {NAN, NAN, 8, 0}};
+    conus_atlas *atlas = with_groups();
+    conus_connectivity *connectivity = connect(atlas, -1, NULL);
+    conus_connection_matrix matrix;
+    for (int time = 0; time < 2; time++) { /* the second time it is there */
+        assert_ok(conus_connectivity_matrix(&matrix, connectivity));
+        assert_int_equal(matrix.count, 4);
+        for (size_t i = 0; i < 16; i++) {
+            assert_int_equal(matrix.areas[i / 4], areas[i / 4]);
+            assert_int_equal(matrix.streamlines[i], streamlines[i / 4][i % 4]);
+            assert_true(isnan(length[i / 4][i % 4]) ? isnan(matrix.length[i])
+                                                    : matrix.length[i] == length[i / 4][i % 4]);
+        }
+    }
+    conus_connectivity_destroy(connectivity);
+    conus_atlas_destroy(atlas);
+}
+
+/* Area 1 becomes a part of 2. What is near to 1 is near to 2 then: 5 mm reach from x = 5 to the cell that ends at 0.5.
+ */
+static void test_a_level_joins_areas(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = with_lines();
+    atlas->objects[0].parent = 2;
+    conus_connectivity *connectivity = connect(atlas, 5, "1");
+    assert_int_equal(conus_connectivity_count(connectivity), 3);
+    check(conus_connectivity_connection(connectivity, 0), (conus_connection){4, 2, 2, 5, 5 / 8.0, 42 / 5.0});
+    check(conus_connectivity_connection(connectivity, 1), (conus_connection){4, 2, 3, 2, 2 / 8.0, 9});
+    check(conus_connectivity_connection(connectivity, 2), (conus_connection){4, 0, 0, 1, 1 / 8.0, 0});
+    conus_connectivity_destroy(connectivity);
+    conus_atlas_destroy(atlas);
+}
+
+/* The text of a report on all streamlines, and on those of a ball round (12, 5, 0): none. */
+static char *report_of(const conus_atlas *atlas, conus_format format)
+{
+    conus_selector *selector = NULL;
+    conus_selection *nothing = NULL;
+    conus_connectivity *connectivity[2] = {NULL, NULL};
+    conus_report *report = NULL;
+    const char *text = NULL;
+    size_t size = 0;
+    const conus_report_options options = {.rows = CONUS_ROWS_CONNECTIONS, .format = format};
+    assert_ok(conus_selector_create(&selector, atlas, NULL));
+    assert_ok(conus_select_ball(&nothing, selector, (const double[]){12, 5, 0}, 1));
+    assert_ok(conus_connectivity_create(&connectivity[0], selector, NULL, NULL));
+    assert_ok(conus_connectivity_create(&connectivity[1], selector, nothing, NULL));
+    assert_ok(conus_report_create(&report, selector, &options));
+    assert_ok(conus_report_add_connections(report, "all", connectivity[0]));
+    assert_ok(conus_report_add_connections(report, "ball", connectivity[1]));
+    assert_ok(conus_report_add_error(report, "bad", 7, "no pose"));
+    assert_fails(conus_report_add(report, "ball", nothing), CONUS_ERROR_ARGUMENT);
+    assert_ok(conus_report_text(&text, &size, report));
+    char *copy = memory_text(text, size);
+    assert_non_null(copy);
+    conus_report_destroy(report);
+    conus_connectivity_destroy(connectivity[0]);
+    conus_connectivity_destroy(connectivity[1]);
+    conus_selection_destroy(nothing);
+    conus_selector_destroy(selector);
+    return copy;
+}
+
+static void test_a_report_has_a_row_for_each_connection(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = with_lines();
+    char *text = report_of(atlas, CONUS_FORMAT_TSV);
+    assert_string_equal(text, "query\tkind\tbundle\tend_a\tend_b\tstreamlines\tfraction\tmean_length_mm\tbundle_index\t"
+                              "end_a_index\tend_b_index\n"
+                              "all\tbundle\tlines\t1\t2\t3\t0.375\t14\t1\t1\t2\n"
+                              "all\tbundle\tlines\t2\t3\t2\t0.25\t9\t1\t2\t3\n"
+                              "all\tbundle\tlines\tunassigned\tunassigned\t2\t0.25\t0\t1\tn/a\tn/a\n"
+                              "all\tbundle\tlines\t1\t1\t1\t0.125\t0\t1\t1\t1\n"
+                              "bad\terror\tline 7: no pose\tn/a\tn/a\tn/a\tn/a\tn/a\tn/a\tn/a\tn/a\n");
+    memory_free(text);
+    text = report_of(atlas, CONUS_FORMAT_JSON);
+    assert_non_null(strstr(text, "\"endpoint_radius_mm\": 2.0"));
+    assert_non_null(strstr(text, "\"radius_mm\": 1.0")); /* of the ball */
+    memory_free(text);
+    text = report_of(atlas, CONUS_FORMAT_TABLE);
+    assert_non_null(strstr(text, "all streamlines\nends in an area, or in the nearest one within 2 mm\n"));
+    assert_non_null(strstr(text, "lines   (in no area)  (in no area)            2      25.00          0.0\n"));
+    assert_non_null(strstr(text, "(12.00, 5.00, 0.00), RAS mm\nends in an area, or in the nearest one within 2 mm\n"
+                                 "(no streamline)\n"));
+    memory_free(text);
+    conus_atlas_destroy(atlas);
+}
+
+static void test_hidden_areas_and_bundles_are_not_there(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = with_groups();
+    assert_ok(conus_atlas_show(atlas, NULL, "2,two,rest"));
+    conus_connectivity *connectivity = connect(atlas, -1, NULL);
+    assert_int_equal(conus_connectivity_count(connectivity), 1);
+    check(conus_connectivity_connection(connectivity, 0), (conus_connection){4, 1, 0, 1, 1, 10});
+    conus_connectivity_destroy(connectivity);
+    conus_atlas_destroy(atlas);
+}
+
+static void test_without_bundles_there_is_nothing(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = three_areas();
+    conus_connectivity *connectivity = connect(atlas, 0, NULL);
+    conus_connection_matrix matrix;
+    assert_int_equal(conus_connectivity_count(connectivity), 0);
+    assert_int_equal(conus_connectivity_pair_count(connectivity), 0);
+    assert_ok(conus_connectivity_matrix(&matrix, connectivity));
+    assert_int_equal(matrix.count, 0);
+    conus_connectivity_destroy(connectivity);
+    conus_atlas_destroy(atlas);
+}
+
+/* A ball of 1 mm round (10, 5, 0) holds a part of the detour alone, whose ends are far away. */
+static void test_only_what_comes_into_the_region(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = with_groups();
+    conus_selector *selector = NULL;
+    conus_selection *selection = NULL;
+    conus_connectivity *connectivity = NULL;
+    assert_ok(conus_selector_create(&selector, atlas, NULL));
+    assert_ok(conus_select_ball(&selection, selector, (const double[]){10, 5, 0}, 1));
+    assert_ok(conus_connectivity_create(&connectivity, selector, selection, NULL));
+    assert_int_equal(conus_connectivity_count(connectivity), 1);
+    check(conus_connectivity_connection(connectivity, 0), (conus_connection){6, 1, 2, 1, 1, 22});
+    conus_connectivity_destroy(connectivity);
+    conus_selection_destroy(selection);
+    conus_selector_destroy(selector);
+    conus_atlas_destroy(atlas);
+}
+
+/* A cone from (15, 30, 0) down -y, 10 degrees wide: at y = 0 it reaches from 12.4 to 17.6. Lines 3 and 6 pass it. */
+static void test_a_cone_picks_streamlines(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = with_groups();
+    conus_selector *selector = NULL;
+    conus_selection *selection = NULL;
+    conus_connectivity *connectivity = NULL;
+    conus_pose pose;
+    assert_ok(conus_pose_along(&pose, (const double[]){15, 30, 0}, (const double[]){0, -1, 0}, NULL));
+    assert_ok(conus_selector_create(&selector, atlas, NULL));
+    assert_ok(conus_select(&selection, selector, &pose, 10 * MATH3_PI / 180));
+    assert_ok(conus_connectivity_create(&connectivity, selector, selection, NULL));
+    assert_int_equal(conus_connectivity_count(connectivity), 2);
+    check(conus_connectivity_connection(connectivity, 0), (conus_connection){5, 2, 3, 1, 1, 10});
+    check(conus_connectivity_connection(connectivity, 1), (conus_connection){6, 2, 3, 1, 1, 8});
+    check(conus_connectivity_pair(connectivity, 0), (conus_connection){0, 2, 3, 2, 1, 9});
+    conus_connectivity_destroy(connectivity);
+    conus_selection_destroy(selection);
+    conus_selector_destroy(selector);
+    conus_atlas_destroy(atlas);
+}
+
+static void test_a_selection_of_another_atlas_is_refused(void **state)
+{
+    (void)state;
+    conus_atlas *atlases[2] = {three_areas(), with_lines()};
+    conus_selector *selectors[2] = {NULL, NULL};
+    conus_selection *selection = NULL;
+    conus_connectivity *connectivity = NULL;
+    assert_ok(conus_selector_create(&selectors[0], atlases[0], NULL));
+    assert_ok(conus_selector_create(&selectors[1], atlases[1], NULL));
+    assert_ok(conus_select_ball(&selection, selectors[0], (const double[]){0, 0, 0}, 1));
+    assert_fails(conus_connectivity_create(&connectivity, selectors[1], selection, NULL), CONUS_ERROR_ARGUMENT);
+    assert_null(connectivity);
+    conus_selection_destroy(selection);
+    for (size_t i = 0; i < 2; i++) {
+        conus_selector_destroy(selectors[i]);
+        conus_atlas_destroy(atlases[i]);
+    }
+}
+
+static void test_a_radius_has_limits(void **state)
+{
+    (void)state;
+    static const double bad[] = {100.5, INFINITY, NAN};
+    conus_atlas *atlas = with_lines();
+    conus_selector *selector = NULL;
+    conus_connectivity *connectivity = NULL;
+    assert_ok(conus_selector_create(&selector, atlas, NULL));
+    for (size_t i = 0; i < 3; i++) {
+        const conus_connectivity_options options = {.radius = bad[i]};
+        assert_fails(conus_connectivity_create(&connectivity, selector, NULL, &options), CONUS_ERROR_ARGUMENT);
+        assert_null(connectivity);
+    }
+    conus_selector_destroy(selector);
+    conus_atlas_destroy(atlas);
+}
+
+static conus_status connect_once(void *user)
+{
+    conus_selector *selector = NULL;
+    conus_selection *selection = NULL;
+    conus_connectivity *connectivity = NULL;
+    conus_connection_matrix matrix;
+    conus_status status = conus_selector_create(&selector, user, NULL);
+    status = status ? status : conus_select_ball(&selection, selector, (const double[]){5, 0, 0}, 9);
+    status = status ? status : conus_connectivity_create(&connectivity, selector, selection, NULL);
+    status = status ? status : conus_connectivity_matrix(&matrix, connectivity);
+    conus_connectivity_destroy(connectivity);
+    conus_selection_destroy(selection);
+    conus_selector_destroy(selector);
+    return status;
+}
+
+static void test_every_failing_allocation_is_reported(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = with_groups();
+    test_every_allocation(connect_once, atlas);
+    conus_atlas_destroy(atlas);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_lines_between_areas_in_closed_form),
+        cmocka_unit_test(test_an_end_near_an_area_has_it),
+        cmocka_unit_test(test_a_streamline_of_two_bundles_is_one_in_pairs),
+        cmocka_unit_test(test_the_matrix_is_symmetric_with_none_last),
+        cmocka_unit_test(test_a_level_joins_areas),
+        cmocka_unit_test(test_a_report_has_a_row_for_each_connection),
+        cmocka_unit_test(test_hidden_areas_and_bundles_are_not_there),
+        cmocka_unit_test(test_without_bundles_there_is_nothing),
+        cmocka_unit_test(test_only_what_comes_into_the_region),
+        cmocka_unit_test(test_a_cone_picks_streamlines),
+        cmocka_unit_test(test_a_selection_of_another_atlas_is_refused),
+        cmocka_unit_test(test_a_radius_has_limits),
+        cmocka_unit_test(test_every_failing_allocation_is_reported),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
