@@ -35,7 +35,8 @@ static struct widths find_widths(const conus_report *report)
     for (; report; report = report->next) {
         for (size_t i = 0; i < report->row_count; i++) {
             const conus_connection *connection = &report->rows[i].connection.is;
-            widths.bundle = table_wider(widths.bundle, table_name(report, connection->bundle));
+            const char *bundle = connection->bundle ? table_name(report, connection->bundle) : ""; /* of an error */
+            widths.bundle = table_wider(widths.bundle, bundle);
             widths.end = table_wider(widths.end, end_name(report, connection->area_a));
             widths.end = table_wider(widths.end, end_name(report, connection->area_b));
         }
