@@ -92,8 +92,7 @@ static conus_status read_labelled(void *field, const json_t *value, const struct
         {0},
     };
     struct manifest_parcellation *out = field;
-    return json_is_string(value) ? schema_path(&out->source.file, value, place)
-                                 : schema_object(out, value, keys, place);
+    return schema_path_or_object(&out->source.file, out, value, keys, place);
 }
 
 static conus_status refuse_both(const struct manifest *manifest)
@@ -205,11 +204,11 @@ static conus_status read_entry(struct manifest_pathway *out, const json_t *value
         {"comment", schema_comment, 0, false},
         {0},
     };
-    if (json_is_string(value)) {
-        return schema_path(&out->source.file, value, place);
+    conus_status status = schema_path_or_object(&out->source.file, out, value, keys, place);
+    if (status || json_is_string(value)) {
+        return status;
     }
-    conus_status status = schema_object(out, value, keys, place);
-    status = status ? status : check_bands(out, place);
+    status = check_bands(out, place);
     return status ? status : check_pathway(out, place);
 }
 
@@ -305,17 +304,14 @@ static conus_status read_area(void *field, const json_t *value, const struct sch
     static const struct schema_field *const kinds[] = {file_keys, files_keys, brainglobe_keys};
     const struct schema_field *keys = NULL;
     struct manifest_area *out = field;
-    if (json_is_string(value)) {
-        return schema_path(&out->file, value, place);
-    }
     for (size_t i = 0; !keys && i < sizeof kinds / sizeof kinds[0]; i++) {
         keys = json_object_get(value, kinds[i]->key) ? kinds[i] : NULL;
     }
     if (json_is_object(value) && !keys) {
         return fail(CONUS_ERROR_DATA, "%s: file, files or brainglobe is missing", place->key);
     }
-    conus_status status = schema_object(out, value, keys, place);
-    return status ? status : check_area(out, place);
+    conus_status status = schema_path_or_object(&out->file, out, value, keys, place);
+    return status || json_is_string(value) ? status : check_area(out, place);
 }
 
 static conus_status read_node(void *field, const json_t *value, const struct schema_place *place)

@@ -76,8 +76,7 @@ static conus_status read_one(void *field, const json_t *value, const struct sche
         {0},
     };
     struct manifest_context *out = field;
-    return json_is_string(value) ? schema_path(&out->source.file, value, place)
-                                 : schema_object(out, value, keys, place);
+    return schema_path_or_object(&out->source.file, out, value, keys, place);
 }
 
 conus_status manifest_contexts_read(void *field, const json_t *value, const struct schema_place *place)
@@ -85,6 +84,9 @@ conus_status manifest_contexts_read(void *field, const json_t *value, const stru
     struct manifest *out = field;
     if (json_is_array(value)) {
         return schema_list((void **)&out->contexts, &out->context_count, sizeof *out->contexts, value, read_one, place);
+    }
+    if (!json_is_string(value) && !json_is_object(value)) {
+        return schema_fail(place, value, "a path, an object or a list of these");
     }
     out->contexts = memory_zeroed(1, sizeof *out->contexts);
     out->context_count = out->contexts ? 1 : 0;

@@ -24,7 +24,7 @@ static conus_status read_one(void *field, const json_t *value, const struct sche
         {"comment", schema_comment, 0, false},  {0},
     };
     struct manifest_transform *out = field;
-    return json_is_string(value) ? schema_path(&out->file, value, place) : schema_object(out, value, keys, place);
+    return schema_path_or_object(&out->file, out, value, keys, place);
 }
 
 conus_status manifest_transforms_read(void *field, const json_t *value, const struct schema_place *place)
@@ -33,6 +33,9 @@ conus_status manifest_transforms_read(void *field, const json_t *value, const st
     if (json_is_array(value)) {
         return schema_list((void **)&out->transforms, &out->transform_count, sizeof *out->transforms, value, read_one,
                            place);
+    }
+    if (!json_is_string(value) && !json_is_object(value)) {
+        return schema_fail(place, value, "a path, an object or a list of these");
     }
     out->transforms = memory_zeroed(1, sizeof *out->transforms);
     out->transform_count = out->transforms ? 1 : 0;

@@ -176,6 +176,14 @@ conus_status schema_path(void *field, const json_t *value, const struct schema_p
     return schema_text(field, value, place);
 }
 
+conus_status schema_path_or_object(char **path, void *out, const json_t *value, const struct schema_field *fields,
+                                   const struct schema_place *place)
+{
+    return json_is_string(value)   ? schema_path(path, value, place)
+           : json_is_object(value) ? schema_object(out, value, fields, place)
+                                   : schema_fail(place, value, "a path or an object");
+}
+
 conus_status schema_uint(uint32_t *out, const json_t *value, const struct schema_place *place, json_int_t least)
 {
     json_int_t number = json_is_integer(value) ? json_integer_value(value) : -1;

@@ -38,6 +38,10 @@ struct schema_place schema_element(const struct schema_place *place, size_t inde
 conus_status schema_object(void *out, const json_t *object, const struct schema_field *fields,
                            const struct schema_place *place);
 
+/** Reads a path into *path, or an object into @p out by its table. */
+conus_status schema_path_or_object(char **path, void *out, const json_t *value, const struct schema_field *fields,
+                                   const struct schema_place *place);
+
 /** Reads a list into *entries, zeroed, of @p size bytes each; set with *count as soon as it is there, and the caller's
  * to memory_free() with what is in it, also on failure. */
 conus_status schema_list(void **entries, size_t *count, size_t size, const json_t *list, schema_read read,
