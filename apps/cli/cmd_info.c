@@ -49,15 +49,17 @@ static const struct option_group groups[] = {
 static void put_range(FILE *out, const conus_volume_info *info, char axis, size_t row)
 {
     const double *m = info->world_from_voxel;
-    double low = m[12 + row];
-    double high = low;
+    double ends[2] = {m[12 + row], m[12 + row]};
+    double scale = 0; /* the largest number in the sums */
     for (size_t i = 0; i < 3; i++) {
         double from = -0.5 * m[4 * i + row];
         double to = ((double)info->dim[i] - 0.5) * m[4 * i + row];
-        low += from < to ? from : to;
-        high += from < to ? to : from;
+        ends[0] += from < to ? from : to;
+        ends[1] += from < to ? to : from;
+        scale = fmax(scale, fmax(fabs(m[12 + row]), fabs(to)));
     }
-    fprintf(out, "%s%c %.6g to %.6g", row ? ", " : "", axis, low, high);
+    info_drop_rounding(ends, 2, scale);
+    fprintf(out, "%s%c %.6g to %.6g", row ? ", " : "", axis, ends[0], ends[1]);
 }
 
 /* Labels are shown to the last digit. */
@@ -179,13 +181,16 @@ static void put_around(FILE *out, const conus_atlas *atlas)
         if (conus_atlas_context_surface(&surface, atlas, i)) {
             continue;
         }
-        const double *low = surface.low;
-        const double *high = surface.high;
+        double ends[6];
+        for (size_t a = 0; a < 6; a++) {
+            ends[a] = a % 2 ? surface.high[a / 2] : surface.low[a / 2];
+        }
+        info_drop_rounding(ends, 6, 0);
         fprintf(out, "\nContext, a surface\n  file         %s\n", surface.path);
         fprintf(out, "  triangles    %zu, %s\n", surface.triangles,
                 surface.closed ? "closed" : "not closed: it does not say what is in the head");
-        fprintf(out, "  reaches      x %.6g to %.6g, y %.6g to %.6g, z %.6g to %.6g mm\n", low[0], high[0], low[1],
-                high[1], low[2], high[2]);
+        fprintf(out, "  reaches      x %.6g to %.6g, y %.6g to %.6g, z %.6g to %.6g mm\n", ends[0], ends[1], ends[2],
+                ends[3], ends[4], ends[5]);
         fprintf(out, "  opacity      %.9g\n", surface.opacity);
     }
 }
@@ -389,11 +394,13 @@ static void put_ccf(FILE *out, const conus_atlas *atlas)
         conus_frame_find(&bregma, atlas, CONUS_SPACE_BREGMA, NULL)) {
         return;
     }
-    const double *corner = ccf.world_from_space;
-    const double *b = bregma.world_from_space;
-    bool to_right = corner[8] > 0;
-    fprintf(out, "Allen CCF\n  corner       x %.6g, y %.6g, z %.6g mm\n", corner[12], corner[13], corner[14]);
-    fprintf(out, "  bregma       x %.6g, y %.6g, z %.6g mm: AP %.6g, DV %.6g, ML %.6g um\n", b[12], b[13], b[14],
+    double at[6];
+    memcpy(at, ccf.world_from_space + 12, 3 * sizeof *at);
+    memcpy(at + 3, bregma.world_from_space + 12, 3 * sizeof *at);
+    info_drop_rounding(at, 6, 0);
+    bool to_right = ccf.world_from_space[8] > 0;
+    fprintf(out, "Allen CCF\n  corner       x %.6g, y %.6g, z %.6g mm\n", at[0], at[1], at[2]);
+    fprintf(out, "  bregma       x %.6g, y %.6g, z %.6g mm: AP %.6g, DV %.6g, ML %.6g um\n", at[3], at[4], at[5],
             bregma.bregma[0], bregma.bregma[1], bregma.bregma[2]);
     fprintf(out, "  ML grows     to the %s\n", to_right ? "right" : "left, by what the atlas says of its sides");
 }

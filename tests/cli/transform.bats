@@ -197,3 +197,14 @@ END
     run -0 --separate-stderr "$CONUS" $ask,from=far.nii,to=nested.nii.gz,inverse
     [[ "$stderr" == *'note: 0 % of the atlas is in the grid of far.nii: is from= the image of its space?'* ]]
 }
+
+# The grid's box, -32 to 32 mm, turned by 180 degrees about z and moved by (32, 32.00001, 0): the sums of +-63 mm leave
+# some 1e-15 of x, which is 0, and 1e-5 of y, which is more than 1e-7 of 63 mm.
+@test "info prints 0 for what rounding left, but not in JSON" {
+    conus phantom sphere -o . --size 32 --spacing 2,2,2
+    printf '%s\n' '-1 1.2246467991473532e-16 0 32' '-1.2246467991473532e-16 -1 0 32.00001' '0 0 1 0' '0 0 0 1' >turn.txt
+    answers info sphere.nii.gz --atlas-transform turn.txt
+    has '  covers       x 0 to 64, y 1e-05 to 64, z -32 to 32 mm'
+    answers info sphere.nii.gz --atlas-transform turn.txt --format json
+    [ "$(jq '.moved.atlas_from_world[0][1] | . != 0 and . > -1e-15 and . < 1e-15' <<<"$output")" = true ]
+}

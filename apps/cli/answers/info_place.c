@@ -11,6 +11,16 @@ static bool find_place(conus_placement *out, const conus_atlas *atlas)
     return !conus_atlas_placement(out, atlas) && out->is_moved;
 }
 
+void info_drop_rounding(double *numbers, size_t count, double scale)
+{
+    for (size_t i = 0; i < count; i++) {
+        scale = fmax(scale, fabs(numbers[i]));
+    }
+    for (size_t i = 0; i < count; i++) {
+        numbers[i] = fabs(numbers[i]) < 1e-7 * scale ? 0 : numbers[i];
+    }
+}
+
 static void put_box(FILE *out, const char *what, const double low[3], const double high[3])
 {
     fprintf(out, "  %s x %.1f to %.1f, y %.1f to %.1f, z %.1f to %.1f mm\n", what, low[0], high[0], low[1], high[1],

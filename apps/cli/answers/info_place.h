@@ -6,7 +6,12 @@
 #include <conus/conus.h>
 
 #include <jansson.h>
+#include <stddef.h>
 #include <stdio.h>
+
+/** Numbers for people: sets those to 0 that are below 1e-7 of the largest of them, or of @p scale if that is larger.
+ * That is rounding, as of files with single precision. */
+void info_drop_rounding(double *numbers, size_t count, double scale);
 
 /** A paragraph for people, with an empty line before it; nothing of an atlas that is not moved or has no areas. */
 void info_place_put(FILE *out, const conus_atlas *atlas);
