@@ -109,7 +109,7 @@ LIBRARY = {
     "selection/evidence": "base atlas selection/cone",
     "selection/engine/voxels": "base atlas selection/evidence",
     "selection/engine/triangles": "base atlas/surface selection/evidence",
-    "selection/engine/tracts": "base atlas/tracts selection/evidence selection/engine/voxels",
+    "selection/engine/tracts": "base atlas/tracts selection/evidence",
     "selection/engine": "base render/gl render/id selection/cone selection/evidence selection/engine/voxels"
     " selection/engine/triangles",
     "selection/measure": "base atlas/surface atlas/tracts atlas selection/cone selection/evidence",
