@@ -188,8 +188,9 @@ static conus_status read_sizes(double out[3], const struct trk_header *header, c
 
 /* out = voxel indices of the matrix from those of the header: axes that run the other way are turned round. */
 static conus_status turn_axes(double out[16], const struct trk_header *header, const struct order *file,
-                              const struct order *matrix, const uint8_t *data)
+                              const struct order *matrix, const uint8_t *data, struct notes *notes)
 {
+    bool any = false;
     mat4_identity(out);
     for (size_t i = 0; i < 3; i++) {
         int16_t dim = order_i16(data + DIM + 2 * i, header->swapped);
@@ -206,8 +207,11 @@ static conus_status turn_axes(double out[16], const struct trk_header *header, c
         }
         out[5 * i] = turned ? -1 : 1;
         out[12 + i] = turned ? dim - 1 : 0;
+        any = any || turned;
     }
-    return CONUS_OK;
+    return !any ? CONUS_OK
+                : notes_add(notes, "voxel_order: %s, vox_to_ras has %s: the axes that differ are turned round",
+                            file->letters, matrix->letters);
 }
 
 /* 1 mm in the file has to be 1 mm in the world. */
@@ -249,7 +253,7 @@ static conus_status make_world(struct trk_header *header, const uint8_t *data, s
     if (!status && !order_of_matrix(&matrix, header->world)) {
         status = fail(CONUS_ERROR_DATA, "vox_to_ras: has no axes, needed is a matrix with an inverse");
     }
-    status = status ? status : turn_axes(turn, header, &file, &matrix, data);
+    status = status ? status : turn_axes(turn, header, &file, &matrix, data, notes);
     if (status) {
         return status;
     }

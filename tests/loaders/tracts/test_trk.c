@@ -65,7 +65,13 @@ static void the_example_of_the_documents(void **state)
         trk_put_text(&trk, TRK_VOXEL_ORDER, round & 2 ? "LPS" : "lps", 3);
         append_streamline(&trk, (const double[]){3, 5, 7, 0, 0, 0}, 2, 6);
         trk_put_i32(&trk, TRK_N_COUNT, 1);
-        assert_parses(&out, &trk, 0);
+        struct notes notes = {0};
+        assert_ok(parse_with(&out, &trk, &notes));
+        assert_int_equal(notes.count, 1);
+        assert_string_equal(notes.lines[0],
+                            round & 2 ? "voxel_order: LPS, vox_to_ras has RAS: the axes that differ are turned round"
+                                      : "voxel_order: lps, vox_to_ras has RAS: the axes that differ are turned round");
+        notes_finish(&notes);
         assert_int_equal(out.streamline_count, 1);
         assert_int_equal(out.point_count, 2);
         assert_point(&out, 0, (const double[]){88, 86, -66});
@@ -90,7 +96,7 @@ static void axes_that_run_the_other_way_are_turned(void **state)
         trk_put_text(&trk, TRK_VOXEL_ORDER, order, 3);
         append_streamline(&trk, (const double[]){1, 2, 3}, 1, 3);
         trk_put_i32(&trk, TRK_N_COUNT, 1);
-        assert_parses(&out, &trk, 1); /* a streamline of one point */
+        assert_parses(&out, &trk, flips ? 2 : 1); /* a streamline of one point */
         assert_point(
             &out, 0,
             (const double[]){flips & 1 ? 9 - 0.5 : 0.5, flips & 2 ? 19 - 1.5 : 1.5, flips & 4 ? 29 - 2.5 : 2.5});
@@ -138,7 +144,7 @@ static void a_missing_matrix_and_order_are_warned_of(void **state)
         append_streamline(&trk, (const double[]){1, 2, 3, 1, 2, 3}, 2, 6);
         trk_put_i32(&trk, TRK_N_COUNT, 1);
         assert_ok(parse_with(&out, &trk, &notes));
-        assert_int_equal(notes.count, 2);
+        assert_int_equal(notes.count, 3);
         assert_non_null(strstr(notes.lines[0], "vox_to_ras: not recorded, taken as the identity"));
         assert_string_equal(notes.lines[1], "voxel_order: not stated, taken as LPS, TrackVis's own");
         assert_int_equal(notes.marks[0].severity, CONUS_SEVERITY_WARNING);
@@ -221,6 +227,29 @@ static void numbers_without_names_have_names(void **state)
     assert_int_equal(out.scalar_count, 1);
     assert_scalar(&out.scalars[0], "scalars", true, 1);
     assert_near(out.scalars[0].values[1], 8, 0);
+    tractogram_finish(&out);
+    buffer_finish(&trk.bytes);
+}
+
+/* The most numbers that the header can state. */
+static void as_many_numbers_as_a_header_has(void **state)
+{
+    (void)state;
+    enum { MOST = 32767 };
+    struct trk_builder trk = {0};
+    struct tractogram out = {0};
+    trk_begin(&trk);
+    trk_put_i16(&trk, TRK_N_SCALARS, MOST);
+    trk_put_i16(&trk, TRK_N_PROPERTIES, MOST);
+    trk_append_i32(&trk, 9);
+    for (int i = 0; i < 9 * (3 + MOST) + MOST; i++) { /* 9 points are more than a block */
+        trk_append_floats(&trk, (const double[]){i}, 1);
+    }
+    assert_parses(&out, &trk, 1);
+    assert_int_equal(out.scalars[0].components, MOST);
+    assert_near(out.scalars[0].values[9 * MOST - 1], 9 * (3 + MOST) - 1, 0);
+    assert_near(out.scalars[1].values[MOST - 1], 9 * (3 + MOST) + MOST - 1, 0);
+    assert_near(out.points[3 * 8], 8 * (3 + MOST) - 0.5, 0);
     tractogram_finish(&out);
     buffer_finish(&trk.bytes);
 }
@@ -486,6 +515,7 @@ int main(void)
         cmocka_unit_test(a_missing_matrix_and_order_are_warned_of),
         cmocka_unit_test(scalars_are_kept_by_name),
         cmocka_unit_test(numbers_without_names_have_names),
+        cmocka_unit_test(as_many_numbers_as_a_header_has),
         cmocka_unit_test(names_that_fit_no_number_are_refused),
         cmocka_unit_test(a_count_of_0_is_counted),
         cmocka_unit_test(counts_that_lie_are_refused),
