@@ -206,6 +206,16 @@ static inline conus_status take_triples(struct tck *tck, size_t count, size_t *t
     return status;
 }
 
+/* take_triples() with what the compiler can know of the numbers. */
+static conus_status take_numbers(struct tck *tck, size_t count, size_t *taken)
+{
+    if (tck->wide) {
+        return tck->swapped ? take_triples(tck, count, taken, true, true)
+                            : take_triples(tck, count, taken, true, false);
+    }
+    return tck->swapped ? take_triples(tck, count, taken, false, true) : take_triples(tck, count, taken, false, false);
+}
+
 static conus_status take_block(struct tck *tck)
 {
     const size_t size = tck->wide ? 24 : 12;
@@ -218,10 +228,7 @@ static conus_status take_block(struct tck *tck)
     }
     status = status ? status : tract_build_points(&tck->build, count);
     if (!status) {
-        status = tck->wide      ? tck->swapped ? take_triples(tck, count, &count, true, true)
-                                               : take_triples(tck, count, &count, true, false)
-                      : tck->swapped ? take_triples(tck, count, &count, false, true)
-                                : take_triples(tck, count, &count, false, false);
+        status = take_numbers(tck, count, &count);
         byte_stream_skip(tck->stream, count * size);
     }
     return status;

@@ -16,7 +16,7 @@ conus_status tract_file_read(struct tractogram *out, const char *path, uint64_t 
 /** True where @p path begins like a tractogram that tract_file_read() reads; false also where it cannot be read. */
 bool tract_file_is(const char *path);
 
-/** The same of a tractogram in memory, of one of the formats that are a stream of bytes: for tests. */
+/** tract_file_read() of bytes in memory, of the formats that are a stream of bytes: for tests. Without path. */
 conus_status tract_file_parse(struct tractogram *out, const uint8_t *data, size_t size, uint64_t max_memory,
                               struct notes *notes);
 
