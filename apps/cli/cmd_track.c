@@ -164,7 +164,7 @@ static void track_finish(struct track *track)
     inquiry_finish(&track->inquiry);
 }
 
-static bool check_source(const struct arguments *arguments)
+static bool check_source(const struct station_settings *settings, const struct arguments *arguments)
 {
     bool live = option_given(arguments, "listen") || option_given(arguments, "connect");
     if (live == option_given(arguments, "poses")) {
@@ -172,13 +172,13 @@ static bool check_source(const struct arguments *arguments)
                               : "no poses: --poses FILE, or a tracker by --listen or --connect");
         return false;
     }
-    return settings_check_station(arguments) && settings_check_pose_file(arguments, "poses", NULL) &&
+    return settings_check_station(settings, arguments) && settings_check_pose_file(arguments, "poses", NULL) &&
            (live || !option_given(arguments, "seconds") || option_needs(arguments, "seconds", "listen"));
 }
 
 static bool check_track(const struct track_settings *settings, const struct arguments *arguments)
 {
-    return check_source(arguments) && inquiry_check(&settings->inquiry, arguments, true);
+    return check_source(&settings->station, arguments) && inquiry_check(&settings->inquiry, arguments, true);
 }
 
 /* Writes what was answered since the last time. A whole JSON text waits for the end. */

@@ -5,6 +5,7 @@
 #include "common/messages.h"
 #include "options/option_values.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -118,8 +119,53 @@ const struct option second_options_table[] = {
     {0},
 };
 
-bool settings_check_station(const struct arguments *arguments)
+/* Cuts "address:port" in two; a port alone is one where @p port_alone. */
+static bool split_address(char address[ADDRESS_SIZE], uint16_t *port, const char *text, bool port_alone)
 {
+    uint64_t number = STATION_PORT;
+    const char *colon = strrchr(text, ':');
+    const char *digits = colon ? colon + 1 : port_alone ? text : NULL;
+    size_t length = colon ? (size_t)(colon - text) : port_alone ? 0 : strlen(text);
+    if (length >= ADDRESS_SIZE || (digits && (!count_parse(digits, UINT16_MAX, &number) || number == 0))) {
+        return false;
+    }
+    memcpy(address, text, length);
+    address[length] = '\0';
+    *port = (uint16_t)number;
+    return true;
+}
+
+/* Where a station listens or connects to, and its option's prefix. */
+struct end {
+    const char *listen, *connect, *prefix;
+};
+
+static struct end first_end(const struct station_settings *settings)
+{
+    return (struct end){settings->listen, settings->connect, ""};
+}
+
+static struct end second_end(const struct station_settings *settings)
+{
+    return (struct end){settings->second_listen, settings->second_connect, "second-"};
+}
+
+static bool check_address(const struct end *end)
+{
+    char address[ADDRESS_SIZE];
+    uint16_t port;
+    const char *given = end->listen ? end->listen : end->connect;
+    bool fine = !given || split_address(address, &port, given, end->listen);
+    if (!fine) {
+        print_error_line("--%s%s: \"%s\" is no address and port", end->prefix, end->listen ? "listen" : "connect",
+                         given);
+    }
+    return fine;
+}
+
+bool settings_check_station(const struct station_settings *settings, const struct arguments *arguments)
+{
+    const struct end end = first_end(settings);
     bool given = option_given(arguments, "listen") || option_given(arguments, "connect");
     if (!options_exclude(arguments, "listen", "connect")) {
         return false;
@@ -130,7 +176,7 @@ bool settings_check_station(const struct arguments *arguments)
             return false;
         }
     }
-    return true;
+    return check_address(&end);
 }
 
 /* Of the first tool's options the second one's tracker uses all but the name. */
@@ -141,8 +187,10 @@ static bool check_alone(const struct station_settings *settings, const struct ar
         print_error_line("--tool needs --listen or --connect with it");
         return false;
     }
+    const struct end ends[] = {first_end(settings), second_end(settings)};
     return options_exclude(arguments, "listen", "connect") &&
-           options_exclude(arguments, "second-listen", "second-connect");
+           options_exclude(arguments, "second-listen", "second-connect") && check_address(&ends[0]) &&
+           check_address(&ends[1]);
 }
 
 bool settings_check_stations(const struct station_settings *settings, const struct arguments *arguments)
@@ -168,7 +216,7 @@ bool settings_check_stations(const struct station_settings *settings, const stru
         print_error_line("--second-world-from-tracker needs --second-listen or --second-connect with it");
         return false;
     }
-    return settings_check_station(arguments);
+    return settings_check_station(settings, arguments);
 }
 
 bool settings_check_screen(const struct station_settings *settings, const struct arguments *arguments)
@@ -186,22 +234,6 @@ bool settings_check_screen(const struct station_settings *settings, const struct
     }
     return option_needs(arguments, "head", "screen-mm") && option_needs(arguments, "screen-mm", "head") &&
            option_needs(arguments, "screen-pose", "head") && option_needs(arguments, "eye", "head");
-}
-
-/* Cuts "address:port" in two; a port alone is one where @p port_alone. */
-static bool split_address(char address[ADDRESS_SIZE], uint16_t *port, const char *text, bool port_alone)
-{
-    uint64_t number = STATION_PORT;
-    const char *colon = strrchr(text, ':');
-    const char *digits = colon ? colon + 1 : port_alone ? text : NULL;
-    size_t length = colon ? (size_t)(colon - text) : port_alone ? 0 : strlen(text);
-    if (length >= ADDRESS_SIZE || (digits && (!count_parse(digits, UINT16_MAX, &number) || number == 0))) {
-        return false;
-    }
-    memcpy(address, text, length);
-    address[length] = '\0';
-    *port = (uint16_t)number;
-    return true;
 }
 
 static int read_matrix(double out[16], const char *path)
@@ -223,21 +255,14 @@ static int read_matrix(double out[16], const char *path)
     return code;
 }
 
-/* Where a station listens or connects to, and its option's prefix. */
-struct end {
-    const char *listen, *connect, *prefix;
-};
-
 static int start(struct station **out, const struct end *end, const char *world_from_tracker,
                  struct station_options *options)
 {
     char address[ADDRESS_SIZE];
     char why[256];
-    const char *given = end->listen ? end->listen : end->connect;
-    if (!split_address(address, &options->port, given, end->listen)) {
-        return print_usage_error("--%s%s: \"%s\" is no address and port", end->prefix,
-                                 end->listen ? "listen" : "connect", given);
-    }
+    bool fine = split_address(address, &options->port, end->listen ? end->listen : end->connect, end->listen);
+    assert(fine && "check_address()");
+    (void)fine;
     options->listen = end->listen && address[0] ? address : NULL;
     options->host = end->connect ? address : NULL;
     int code = world_from_tracker ? read_matrix(options->world_from_tracker, world_from_tracker) : EXIT_DONE;
@@ -251,7 +276,7 @@ static int start(struct station **out, const struct end *end, const char *world_
 
 int settings_start_station(struct station **out, const struct station_settings *settings)
 {
-    const struct end end = {settings->listen, settings->connect, ""};
+    const struct end end = first_end(settings);
     bool is_alone = settings->second_listen || settings->second_connect;
     struct station_options options = {.tool = settings->tool,
                                       .second = is_alone ? NULL : settings->second_tool,
@@ -270,7 +295,7 @@ int settings_start_station(struct station **out, const struct station_settings *
 
 int settings_start_second(struct station **out, const struct station_settings *settings)
 {
-    const struct end end = {settings->second_listen, settings->second_connect, "second-"};
+    const struct end end = second_end(settings);
     const char *matrix = settings->second_world_from_tracker;
     struct station_options options = {.tool = settings->second_tool,
                                       .reference = settings->reference,

@@ -22,8 +22,8 @@ extern const struct option screen_options_table[];  /**< station_settings, too: 
 
 extern const struct option second_options_table[]; /**< station_settings, too: a second tool that points */
 
-/** Whether the options go together; prints an error if not. */
-bool settings_check_station(const struct arguments *arguments);
+/** Whether the options go together, and name addresses; prints an error if not. */
+bool settings_check_station(const struct station_settings *settings, const struct arguments *arguments);
 
 /** The same for those of the screen, of a command that has them. */
 bool settings_check_screen(const struct station_settings *settings, const struct arguments *arguments);

@@ -465,8 +465,11 @@ END
     fails 2 '--second-tool: Left is the --tool' view a.nii --listen 18944 --tool Left --second-tool Left
     fails 2 '--second-world-from-tracker needs' view a.nii --listen 18944 --second-world-from-tracker a.txt
     fails 2 '--tool needs --listen or --connect' view a.nii --second-listen 18944 --tool Right
-    export ASAN_OPTIONS=detect_leaks=0 # Mesa forgets 128 bytes of a driver that is unloaded before anything was drawn
+    export DISPLAY=:no.display # before any window
     fails 2 '--second-connect: "a:b" is no address and port' view a.nii --second-connect a:b
+    fails 2 '--second-listen: "0" is no address and port' view a.nii --listen 18944 --second-listen 0
+    fails 2 '--connect: "a:b" is no address and port' view a.nii --connect a:b
+    fails 2 '--listen: "70000" is no address and port' view a.nii --listen 70000 --second-connect a
 }
 
 @test "searching, hiding, isolating and taking it back" {
