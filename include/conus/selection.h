@@ -215,7 +215,8 @@ typedef struct conus_evidence {
                                aperture too. */
     const double *distance; /**< [n*n] mm from the apex along the ray, infinity if nothing. */
     const uint64_t *voxel;  /**< [n*n] Linear index i + dim0 (j + dim1 k) in the volume of the hit, or the triangle of
-                               its mesh; UINT64_MAX if nothing. */
+                               its mesh, or of streamlines the first point, among all of the file, of the segment;
+                               UINT64_MAX if nothing. */
     const bool *in_cone;    /**< [n*n] The aperture. */
 } conus_evidence;
 
@@ -244,7 +245,7 @@ typedef struct conus_interval {
     uint32_t object; /**< Number in the atlas, as it is reported (level): intervals of one group that touch are one. */
     double entry;    /**< mm from the apex. */
     double exit; /**< mm from the apex; equal to entry where the ray only touches it, or the surface is not closed. */
-    uint64_t voxel; /**< The voxel (or triangle) of the entry, as in the evidence. */
+    uint64_t voxel; /**< The voxel, triangle or point of the entry, as in the evidence. */
 } conus_interval;
 
 /**

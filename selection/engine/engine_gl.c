@@ -2,6 +2,7 @@
 /* The gl engine: the GPU finds hits and crossings, which become evidence and layers here. */
 #include "selection/engine/engine_rays.h"
 
+#include "atlas/bundles.h"
 #include "base/math3.h"
 #include "base/memory.h"
 #include "render/gl/context.h"
@@ -25,6 +26,7 @@ struct gl_engine {
     struct id_pass *pass;        /* NULL where there are no volumes to select from */
     struct mesh_pass *mesh_pass; /* NULL where there are no meshes                 */
     struct engine *wide;         /* what finds meshes in wide cones; NULL before the first one */
+    struct engine *bundles;      /* what finds streamlines; NULL where there are none          */
     double (*origins)[3];        /* [pixel_capacity] of all pixels of all cones in view */
     double (*directions)[3];
     uint32_t *walked;           /* [ray_count] pixels whose rays are traced through volumes, neighbours together */
@@ -50,6 +52,7 @@ static void destroy(struct engine *engine)
     }
     gl_context_destroy(gl->context);
     engine_destroy(gl->wide);
+    engine_destroy(gl->bundles);
     mesh_intervals_finish(&gl->intervals);
     memory_free(gl->origins);
     memory_free(gl->directions);
@@ -288,6 +291,9 @@ static conus_status trace_many(struct engine *engine, struct evidence *const *ou
     status = !status && gl->pass ? trace_volumes(gl, &view) : status;
     status = !status && gl->mesh_pass ? trace_meshes(gl, &view) : status;
     gl_current_restore(&previous);
+    for (size_t c = 0; c < count && gl->bundles && !status; c++) {
+        status = engine_rays_trace_on(gl->bundles, out[c], cones[c]);
+    }
     return status;
 }
 
@@ -364,7 +370,7 @@ static conus_status pierce(struct engine *engine, struct layers *out, const stru
     status = !status && gl->pass ? pierce_volumes(gl, out, &view) : status;
     status = !status && gl->mesh_pass ? pierce_meshes(gl, out, cone) : status;
     gl_current_restore(&previous);
-    return status;
+    return !status && gl->bundles ? gl->bundles->functions->pierce(gl->bundles, out, cone) : status;
 }
 
 /* ---- Creation ----------------------------------------------------------------------------------------------- */
@@ -470,7 +476,7 @@ static conus_status fill_engine(struct gl_engine *gl, const struct engine_option
     status = upload_volumes(gl, &memory_left);
     status = !status && atlas_has_meshes(gl->atlas) ? upload_meshes(gl, &memory_left) : status;
     gl_current_restore(&previous);
-    return status;
+    return !status && atlas_has_bundles(gl->atlas) ? engine_rays_create_for_bundles(&gl->bundles, gl->atlas) : status;
 }
 
 conus_status engine_gl_create(struct engine **out, const conus_atlas *atlas, const struct engine_options *options)

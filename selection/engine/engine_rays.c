@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The rays engine: traces volumes and meshes on the CPU, block by block of pixels. */
+/* The rays engine: traces volumes, meshes and streamlines on the CPU, block by block of pixels. */
 #include "selection/engine/engine_rays.h"
 
+#include "atlas/bundles.h"
 #include "base/math3.h"
 #include "base/memory.h"
 #include "render/id/slices.h"
 #include "selection/cone/aperture.h"
+#include "selection/engine/tracts/tract_rays.h"
 #include "selection/engine/triangles/mesh_rays.h"
 
 #include <stdatomic.h>
@@ -29,6 +31,7 @@ struct rays_engine {
     conus_sampling sampling;
     const struct traverse_kernel *kernel;
     struct mesh_rays *meshes;        /* NULL if the atlas has none */
+    struct tract_rays *tracts;       /* NULL if the atlas has none */
     struct mesh_intervals intervals; /* empty: what a query begins with */
     atomic_size_t pierced;           /* rays that have listed their intervals */
     atomic_bool has_uniform;         /* the targets' uniform maps are there: several threads may be here */
@@ -41,6 +44,7 @@ struct block {
     size_t pixel[TRAVERSE_BUNDLE];
     struct traverse_bundle bundle;
     struct mesh_bundle meshes; /* filled in where there are any */
+    struct tract_bundle tracts;
 };
 
 static void destroy(struct engine *engine)
@@ -51,6 +55,7 @@ static void destroy(struct engine *engine)
         distance_map_finish(&rays->targets[i].uniform);
     }
     mesh_rays_destroy(rays->meshes);
+    tract_rays_destroy(rays->tracts);
     memory_free(rays);
 }
 
@@ -217,6 +222,34 @@ static conus_status trace_meshes(const struct rays_engine *engine, struct eviden
     return status;
 }
 
+static void aim_at_tracts(struct block *block)
+{
+    struct tract_bundle *bundle = &block->tracts;
+    bundle->count = block->bundle.count;
+    bundle->origin = block->bundle.origin;
+    bundle->direction = (const double(*)[TRACT_RAYS_LIMIT])block->bundle.direction;
+}
+
+/* Behind both: what volumes and meshes show limits how far streamlines are looked for. */
+static void trace_tracts(const struct rays_engine *engine, struct evidence *out, struct block *block)
+{
+    struct tract_bundle *bundle = &block->tracts;
+    aim_at_tracts(block);
+    for (size_t ray = 0; ray < bundle->count; ray++) {
+        size_t pixel = block->pixel[ray];
+        bundle->object[ray] = out->object[pixel];
+        bundle->t[ray] = out->distance[pixel];
+        bundle->point[ray] = out->voxel[pixel];
+    }
+    tract_rays_walk(engine->tracts, bundle);
+    for (size_t ray = 0; ray < bundle->count; ray++) {
+        size_t pixel = block->pixel[ray];
+        out->object[pixel] = bundle->object[ray];
+        out->distance[pixel] = bundle->t[ray];
+        out->voxel[pixel] = bundle->point[ray];
+    }
+}
+
 /* What to do with each block of a cone's rays. */
 typedef conus_status block_step(const struct rays_engine *engine, void *out, const struct cone *cone,
                                 struct block *block);
@@ -243,7 +276,11 @@ static conus_status trace_block(const struct rays_engine *engine, void *out, con
                                 struct block *block)
 {
     trace_volumes(engine, out, cone, block);
-    return engine->meshes ? trace_meshes(engine, out, cone, block) : CONUS_OK;
+    conus_status status = engine->meshes ? trace_meshes(engine, out, cone, block) : CONUS_OK;
+    if (!status && engine->tracts) {
+        trace_tracts(engine, out, block);
+    }
+    return status;
 }
 
 conus_status engine_rays_trace_on(struct engine *engine, struct evidence *out, const struct cone *cone)
@@ -301,6 +338,14 @@ static conus_status pierce_meshes(const struct rays_engine *engine, void *out, c
     return mesh_rays_pierce(engine->meshes, &block->meshes, out, block->pixel);
 }
 
+static conus_status pierce_tracts(const struct rays_engine *engine, void *out, const struct cone *cone,
+                                  struct block *block)
+{
+    (void)cone;
+    aim_at_tracts(block);
+    return tract_rays_pierce(engine->tracts, &block->tracts, out, block->pixel);
+}
+
 static conus_status pierce(struct engine *engine, struct layers *out, const struct cone *cone)
 {
     struct rays_engine *rays = (struct rays_engine *)engine;
@@ -314,7 +359,7 @@ static conus_status pierce(struct engine *engine, struct layers *out, const stru
         status = status ? status : mesh_intervals_pair(out, &intervals, cone);
         mesh_intervals_finish(&intervals);
     }
-    return status;
+    return !status && rays->tracts ? for_blocks(rays, out, cone, pierce_tracts) : status;
 }
 
 static conus_status add_meshes(struct rays_engine *engine, const conus_atlas *atlas)
@@ -331,6 +376,27 @@ static conus_status add_meshes(struct rays_engine *engine, const conus_atlas *at
     }
     conus_status status = mesh_rays_create(&engine->meshes, objects, atlas->object_count);
     mesh_intervals_init(&engine->intervals, atlas);
+    memory_free(objects);
+    return status;
+}
+
+static conus_status add_bundles(struct rays_engine *engine, const conus_atlas *atlas)
+{
+    if (!atlas_has_bundles(atlas)) {
+        return CONUS_OK;
+    }
+    size_t count = 0;
+    struct tract_object *objects = memory_raw(atlas->object_count, sizeof *objects);
+    if (!objects) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (uint32_t number = 1; number <= atlas->object_count; number++) {
+        const struct tractogram *tractogram = atlas_bundle_tractogram(atlas, number);
+        if (tractogram && !atlas->places[number - 1].is_hidden) {
+            objects[count++] = (struct tract_object){tractogram, atlas_bundle_group(atlas, number), number};
+        }
+    }
+    conus_status status = tract_rays_create(&engine->tracts, objects, count);
     memory_free(objects);
     return status;
 }
@@ -366,6 +432,7 @@ conus_status engine_rays_create_with(struct engine **out, const conus_atlas *atl
         }
     }
     status = status ? status : add_meshes(engine, atlas);
+    status = status ? status : add_bundles(engine, atlas);
     if (status) {
         destroy(&engine->base);
         return status;
@@ -379,18 +446,29 @@ conus_status engine_rays_create(struct engine **out, const conus_atlas *atlas, c
     return engine_rays_create_with(out, atlas, options, traverse_best_kernel());
 }
 
-conus_status engine_rays_create_for_meshes(struct engine **out, const conus_atlas *atlas)
+static conus_status create_for(struct engine **out, const conus_atlas *atlas,
+                               conus_status (*add)(struct rays_engine *engine, const conus_atlas *atlas))
 {
     struct rays_engine *engine = memory_zeroed(1, sizeof *engine);
     if (!engine) {
         return CONUS_ERROR_MEMORY;
     }
     engine->base.functions = &functions;
-    conus_status status = add_meshes(engine, atlas);
+    conus_status status = add(engine, atlas);
     if (status) {
         destroy(&engine->base);
         return status;
     }
     *out = &engine->base;
     return CONUS_OK;
+}
+
+conus_status engine_rays_create_for_meshes(struct engine **out, const conus_atlas *atlas)
+{
+    return create_for(out, atlas, add_meshes);
+}
+
+conus_status engine_rays_create_for_bundles(struct engine **out, const conus_atlas *atlas)
+{
+    return create_for(out, atlas, add_bundles);
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file The rays engine with its kernel chosen by hand, for tests and measurements; and for the meshes alone. */
+/** @file The rays engine with its kernel chosen by hand, for tests and measurements; and for the meshes or
+ * the bundles alone. */
 #ifndef CONUS_SELECTION_ENGINE_ENGINE_RAYS_H
 #define CONUS_SELECTION_ENGINE_ENGINE_RAYS_H
 
@@ -12,6 +13,9 @@ conus_status engine_rays_create_with(struct engine **out, const conus_atlas *atl
 
 /** A rays engine that knows only the meshes of @p atlas. */
 conus_status engine_rays_create_for_meshes(struct engine **out, const conus_atlas *atlas);
+
+/** One that knows only the bundles. */
+conus_status engine_rays_create_for_bundles(struct engine **out, const conus_atlas *atlas);
 
 /** trace() of a rays engine, but behind what @p out has already: it keeps what is nearer. */
 conus_status engine_rays_trace_on(struct engine *engine, struct evidence *out, const struct cone *cone);

@@ -110,8 +110,8 @@ LIBRARY = {
     "selection/engine/voxels": "base atlas selection/evidence",
     "selection/engine/triangles": "base atlas/surface selection/evidence",
     "selection/engine/tracts": "base atlas/tracts selection/evidence",
-    "selection/engine": "base render/gl render/id selection/cone selection/evidence selection/engine/voxels"
-    " selection/engine/triangles",
+    "selection/engine": "base atlas render/gl render/id selection/cone selection/evidence selection/engine/voxels"
+    " selection/engine/tracts selection/engine/triangles",
     "selection/measure": "base atlas/surface atlas/tracts atlas selection/cone selection/evidence",
     "selection": "base atlas atlas/areas selection/evidence selection/engine selection/measure",
     "selection/study": "base atlas/surface atlas selection/cone selection/measure selection",
