@@ -16,15 +16,18 @@ struct corners {
     size_t count, capacity;
 };
 
+struct foreign_lines;
+
 /** Zero is an empty one. */
 struct foreign_mesh {
     float *positions; /**< [3 vertex_count], as stored; owned. */
     size_t vertex_count, vertex_capacity;
     uint32_t *triangles; /**< [3 triangle_count]; owned. */
     size_t triangle_count, triangle_capacity;
-    struct corners face;   /**< The face that is being read. */
-    size_t face_count;     /**< Faces and strips so far, of whatever size. */
-    enum mesh_space space; /**< That the file states. */
+    struct corners face;         /**< The face that is being read. */
+    size_t face_count;           /**< Faces and strips so far, of whatever size. */
+    enum mesh_space space;       /**< That the file states. */
+    struct foreign_lines *lines; /**< Of a VTK file; NULL: nobody wants them. Not owned. */
 };
 
 void foreign_mesh_finish(struct foreign_mesh *mesh);

@@ -1,24 +1,45 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Parses VTK's XML format for surfaces: polygons, then strips, of each piece. */
+/* Parses VTK's XML format: polygons, then strips, of each piece; for who wants them lines, and numbers of points and
+ * cells. */
 #include "loaders/surfaces/foreign/foreign.h"
 
 #include "base/buffer.h"
 #include "base/formats/xml.h"
 #include "base/memory.h"
+#include "loaders/surfaces/foreign/foreign_lines.h"
 #include "loaders/surfaces/foreign/vtp_data.h"
 
 #include <stdio.h>
 #include <string.h>
 
 /* What an array is for. */
-enum use { USE_POINTS, USE_POLYS, USE_POLY_OFFSETS, USE_STRIPS, USE_STRIP_OFFSETS, USE_SPACE, USE_NOTHING };
-
-enum { USES = USE_NOTHING };
+enum use {
+    USE_POINTS,
+    USE_LINES,
+    USE_LINE_OFFSETS,
+    USE_POLYS,
+    USE_POLY_OFFSETS,
+    USE_STRIPS,
+    USE_STRIP_OFFSETS,
+    USE_SPACE,
+    USE_POINT_DATA, /* this and the next are of any number of arrays */
+    USE_CELL_DATA,
+    USE_NOTHING,
+    USES = USE_POINT_DATA
+};
 
 struct part {
     bool there;
     struct vtp_storage storage;
     struct bytes text; /* the array's own, while the piece is read; owned */
+};
+
+/* Numbers of a piece's points or cells. */
+struct column {
+    struct part part;
+    char *name;
+    bool per_point;
+    uint64_t components;
 };
 
 struct vtp {
@@ -29,10 +50,12 @@ struct vtp {
     size_t header;
     uint64_t max_memory;
     bool has_root;
-    enum use place;                 /* USE_POINTS, USE_POLYS, USE_STRIPS or USE_SPACE: in which element we are */
-    enum use use;                   /* of the array that is open */
-    uint64_t points, polys, strips; /* that the piece says it has */
+    enum use place;                                  /* in which element we are: USE_POINTS, USE_POLYS and so on */
+    enum use use;                                    /* of the array that is open */
+    uint64_t points, vertices, lines, polys, strips; /* that the piece says it has; of cells of single vertices */
     struct part parts[USES];
+    struct column *columns; /* [column_count] The last is the one that is open; owned. */
+    size_t column_count, column_capacity;
 };
 
 /* ---- The file as XML, and what is appended ----------------------------------------------------------------------- */
@@ -81,7 +104,7 @@ static conus_status take_root(struct vtp *vtp, const struct xml_event *event)
     const char *packer = xml_attribute(event, "compressor");
     bool little = !order || strcmp(order, "LittleEndian") == 0;
     if (strcmp(event->name, "VTKFile") != 0 || !type || strcmp(type, "PolyData") != 0) {
-        return fail(CONUS_ERROR_UNSUPPORTED, "VTKFile: type is %.60s, only PolyData is a surface",
+        return fail(CONUS_ERROR_UNSUPPORTED, "VTKFile: type is %.60s, only PolyData is a surface or lines",
                     type ? type : "not given");
     }
     if (!little && strcmp(order, "BigEndian") != 0) {
@@ -113,6 +136,8 @@ static conus_status take_count(uint64_t *out, const struct xml_event *event, con
 static conus_status take_piece(struct vtp *vtp, const struct xml_event *event)
 {
     conus_status status = take_count(&vtp->points, event, "NumberOfPoints");
+    status = status ? status : take_count(&vtp->vertices, event, "NumberOfVerts");
+    status = status ? status : take_count(&vtp->lines, event, "NumberOfLines");
     status = status ? status : take_count(&vtp->polys, event, "NumberOfPolys");
     return status ? status : take_count(&vtp->strips, event, "NumberOfStrips");
 }
@@ -162,25 +187,62 @@ static enum use use_of_array(const struct vtp *vtp, const struct xml_event *even
     switch (vtp->place) {
     case USE_POINTS:
         return USE_POINTS;
+    case USE_LINES:
+        return !vtp->mesh->lines ? USE_NOTHING : corners ? USE_LINES : offsets ? USE_LINE_OFFSETS : USE_NOTHING;
     case USE_POLYS:
         return corners ? USE_POLYS : offsets ? USE_POLY_OFFSETS : USE_NOTHING;
     case USE_STRIPS:
         return corners ? USE_STRIPS : offsets ? USE_STRIP_OFFSETS : USE_NOTHING;
     case USE_SPACE:
         return space ? USE_SPACE : USE_NOTHING;
+    case USE_POINT_DATA:
+    case USE_CELL_DATA:
+        return vtp->mesh->lines && name ? vtp->place : USE_NOTHING;
     default:
         return USE_NOTHING;
     }
 }
 
-static conus_status open_array(struct vtp *vtp, const struct xml_event *event)
+/* The part of the array that is open; NULL where it is not read. */
+static struct part *open_part(struct vtp *vtp)
 {
-    const char *format = xml_attribute(event, "format");
+    return vtp->use < USES          ? &vtp->parts[vtp->use]
+           : vtp->use < USE_NOTHING ? &vtp->columns[vtp->column_count - 1].part
+                                    : NULL;
+}
+
+static conus_status add_column(struct vtp *vtp, const struct xml_event *event)
+{
+    const char *name = xml_attribute(event, "Name");
     const char *components = xml_attribute(event, "NumberOfComponents");
-    struct vtp_storage storage = {.is_packed = vtp->packed, .swapped = vtp->swapped, .header = vtp->header};
-    vtp->use = use_of_array(vtp, event);
-    if (vtp->use == USE_NOTHING) {
-        return CONUS_OK;
+    struct column column = {.per_point = vtp->use == USE_POINT_DATA, .components = 1};
+    if (components && !text_to_uint(text_from(components), UINT64_MAX, &column.components)) {
+        return fail(CONUS_ERROR_DATA, "%.60s: NumberOfComponents is %.60s, a whole number is needed", name, components);
+    }
+    column.name = memory_text(name, strlen(name));
+    if (!column.name || vtp->column_count > FOREIGN_ARRAY_LIMIT ||
+        !memory_reserve(&vtp->columns, &vtp->column_capacity, vtp->column_count + 1, sizeof column)) {
+        bool too_many = column.name && vtp->column_count > FOREIGN_ARRAY_LIMIT;
+        memory_free(column.name);
+        return too_many ? fail(CONUS_ERROR_DATA, "Piece: allowed are up to %d arrays", FOREIGN_ARRAY_LIMIT)
+                        : CONUS_ERROR_MEMORY;
+    }
+    vtp->columns[vtp->column_count++] = column;
+    return CONUS_OK;
+}
+
+/* Texts are no numbers, whatever their name. */
+static bool is_text_array(const struct xml_event *event)
+{
+    const char *type = xml_attribute(event, "type");
+    return type && strcmp(type, "String") == 0;
+}
+
+static conus_status begin_part(struct vtp *vtp, const struct xml_event *event)
+{
+    const char *components = xml_attribute(event, "NumberOfComponents");
+    if (vtp->use >= USES) {
+        return add_column(vtp, event);
     }
     if (vtp->parts[vtp->use].there) {
         return fail(CONUS_ERROR_DATA, "line %zu: DataArray: the second of its kind", event->line);
@@ -189,18 +251,39 @@ static conus_status open_array(struct vtp *vtp, const struct xml_event *event)
         return fail(CONUS_ERROR_DATA, "Points: NumberOfComponents is %.60s, 3 are needed",
                     components ? components : "not given");
     }
+    return CONUS_OK;
+}
+
+static conus_status open_array(struct vtp *vtp, const struct xml_event *event)
+{
+    const char *format = xml_attribute(event, "format");
+    struct vtp_storage storage = {.is_packed = vtp->packed, .swapped = vtp->swapped, .header = vtp->header};
+    vtp->use = use_of_array(vtp, event);
+    if (vtp->use >= USES && is_text_array(event)) {
+        vtp->use = USE_NOTHING;
+    }
+    if (vtp->use == USE_NOTHING) {
+        return CONUS_OK;
+    }
+    conus_status status = begin_part(vtp, event);
+    if (status) {
+        vtp->use = USE_NOTHING;
+        return status;
+    }
     storage.max_memory = vtp->max_memory;
+    storage.any = vtp->use >= USES;
     storage.is_text = format && strcmp(format, "ascii") == 0;
     bool appended = format && strcmp(format, "appended") == 0;
     storage.is_raw = appended && vtp->appended_raw;
-    conus_status status = take_type(&storage, xml_attribute(event, "type"));
+    status = take_type(&storage, xml_attribute(event, "type"));
     if (!status && !storage.is_text && !appended && (!format || strcmp(format, "binary") != 0)) {
         status = fail(CONUS_ERROR_DATA, "DataArray: format is %.60s, allowed are ascii, binary and appended",
                       format ? format : "not given");
     }
     status = status || !appended ? status : take_appended(&storage, vtp, event);
-    vtp->parts[vtp->use].there = !status;
-    vtp->parts[vtp->use].storage = storage;
+    struct part *part = open_part(vtp);
+    part->there = !status;
+    part->storage = storage;
     return status;
 }
 
@@ -208,7 +291,7 @@ static conus_status open_array(struct vtp *vtp, const struct xml_event *event)
  * array, or where an element in it begins. */
 static conus_status keep_text(struct vtp *vtp, const struct xml_event *event)
 {
-    struct part *part = vtp->use < USE_NOTHING ? &vtp->parts[vtp->use] : NULL;
+    struct part *part = open_part(vtp);
     if (part && !part->storage.content.data) {
         part->text.data = (uint8_t *)memory_text(event->text.data, event->text.size);
         part->text.size = event->text.size;
@@ -226,9 +309,21 @@ static void forget_parts(struct vtp *vtp)
         bytes_finish(&vtp->parts[i].text);
         vtp->parts[i] = (struct part){0};
     }
+    for (size_t i = 0; i < vtp->column_count; i++) {
+        bytes_finish(&vtp->columns[i].part.text);
+        memory_free(vtp->columns[i].name);
+    }
+    vtp->column_count = 0;
 }
 
 /* ---- Pieces ------------------------------------------------------------------------------------------------------ */
+
+/* What was kept is less memory for the arrays of the next piece. */
+static void spend(struct vtp *vtp, size_t count, size_t size)
+{
+    uint64_t bytes = (uint64_t)count * size;
+    vtp->max_memory -= bytes < vtp->max_memory ? bytes : vtp->max_memory;
+}
 
 static conus_status add_points(struct vtp *vtp)
 {
@@ -243,6 +338,7 @@ static conus_status add_points(struct vtp *vtp)
     for (size_t i = 0; !status && i < count; i += 3) {
         status = foreign_add_vertex(vtp->mesh, &numbers[i]);
     }
+    spend(vtp, count, sizeof *numbers);
     memory_free(numbers);
     return status ? fail_in(status, "Points") : CONUS_OK;
 }
@@ -279,6 +375,13 @@ static conus_status add_corner(struct vtp *vtp, size_t first, int64_t index)
                        vtp->mesh->face_count, (long long)index, (unsigned long long)vtp->points);
 }
 
+static conus_status end_cell(struct foreign_mesh *mesh, enum use use)
+{
+    return use == USE_LINES   ? foreign_end_line(mesh)
+           : use == USE_POLYS ? foreign_end_polygon(mesh)
+                              : foreign_end_strip(mesh);
+}
+
 static conus_status add_cells(struct vtp *vtp, size_t first, enum use use, uint64_t wanted)
 {
     struct cells cells = {0};
@@ -292,20 +395,57 @@ static conus_status add_cells(struct vtp *vtp, size_t first, enum use use, uint6
         while (!status && at < (size_t)cells.ends[i]) {
             status = add_corner(vtp, first, cells.corners[at++]);
         }
-        status = status ? status : use == USE_POLYS ? foreign_end_polygon(vtp->mesh) : foreign_end_strip(vtp->mesh);
+        status = status ? status : end_cell(vtp->mesh, use);
     }
     if (!status && at != cells.corner_count) {
         status = fail(CONUS_ERROR_DATA, "%zu corners, the last offset is %zu", cells.corner_count, at);
     }
+    spend(vtp, cells.corner_count, sizeof *vtp->mesh->triangles);
     memory_free(cells.corners);
     memory_free(cells.ends);
-    return status ? fail_in(status, use == USE_POLYS ? "Polys" : "Strips") : CONUS_OK;
+    return status ? fail_in(status, use == USE_LINES ? "Lines" : use == USE_POLYS ? "Polys" : "Strips") : CONUS_OK;
+}
+
+/* The numbers of the piece follow those of the pieces before it, which `before` points or lines are of. Of cells only
+ * those of lines are kept. */
+static conus_status add_column_values(struct vtp *vtp, const struct column *column, size_t before)
+{
+    float *numbers = NULL;
+    struct foreign_array *array = NULL;
+    size_t count = 0;
+    uint64_t things = column->per_point ? vtp->points : vtp->vertices + vtp->lines + vtp->polys + vtp->strips;
+    conus_status status =
+        foreign_lines_array(&array, vtp->mesh->lines, text_from(column->name), column->per_point, column->components);
+    status = status ? status : vtp_floats(&numbers, &count, &column->part.storage);
+    if (!status && (count % column->components || count / column->components != things)) {
+        status = fail(CONUS_ERROR_DATA, "%s: %zu numbers, %llu times %llu are needed", column->name, count,
+                      (unsigned long long)things, (unsigned long long)column->components);
+    }
+    if (!status && array->count / array->components != before) {
+        status = fail(CONUS_ERROR_DATA, "%s: not in all pieces, or twice", column->name);
+    }
+    size_t from = column->per_point || status ? 0 : (size_t)vtp->vertices * array->components;
+    count = status || column->per_point ? count : (size_t)vtp->lines * array->components;
+    status = status ? status : foreign_array_reserve(vtp->mesh->lines, array, count);
+    if (!status && count) {
+        memcpy(&array->values[array->count], &numbers[from], count * sizeof *numbers);
+        array->count += count;
+    }
+    memory_free(numbers);
+    return status;
 }
 
 static conus_status end_piece(struct vtp *vtp)
 {
+    struct foreign_lines *lines = vtp->mesh->lines;
     size_t first = vtp->mesh->vertex_count;
+    size_t first_line = lines ? lines->count : 0;
     conus_status status = add_points(vtp);
+    status = status || !lines ? status : add_cells(vtp, first, USE_LINES, vtp->lines);
+    for (size_t i = 0; !status && i < vtp->column_count; i++) {
+        const struct column *column = &vtp->columns[i];
+        status = add_column_values(vtp, column, column->per_point ? first : first_line);
+    }
     status = status ? status : add_cells(vtp, first, USE_POLYS, vtp->polys);
     status = status ? status : add_cells(vtp, first, USE_STRIPS, vtp->strips);
     forget_parts(vtp);
@@ -340,7 +480,9 @@ static conus_status take_space(struct vtp *vtp)
 static const struct {
     const char *name;
     enum use place;
-} places[] = {{"Points", USE_POINTS}, {"Polys", USE_POLYS}, {"Strips", USE_STRIPS}, {"FieldData", USE_SPACE}};
+} places[] = {{"Points", USE_POINTS},     {"Lines", USE_LINES},     {"Polys", USE_POLYS},
+              {"Strips", USE_STRIPS},     {"FieldData", USE_SPACE}, {"PointData", USE_POINT_DATA},
+              {"CellData", USE_CELL_DATA}};
 
 static enum use place_of(const char *name)
 {
@@ -400,6 +542,7 @@ conus_status vtp_parse(struct foreign_mesh *out, const uint8_t *data, size_t siz
     status = status ? status : check_closed(&vtp);
     status = status ? status : xml_parse(&handler, text);
     forget_parts(&vtp);
+    memory_free(vtp.columns);
     buffer_finish(&document);
     return status;
 }

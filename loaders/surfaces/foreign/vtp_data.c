@@ -297,6 +297,11 @@ static conus_status read_float(void *to, struct words *words)
     return words_float(to, words, "a number");
 }
 
+static conus_status read_any_float(void *to, struct words *words)
+{
+    return words_any_float(to, words, "a number");
+}
+
 static void take_whole(void *to, const uint8_t *data, const struct vtp_storage *storage)
 {
     *(int64_t *)to = whole_at(data, storage);
@@ -355,9 +360,10 @@ conus_status vtp_wholes(int64_t **out, size_t *count, const struct vtp_storage *
 
 conus_status vtp_floats(float **out, size_t *count, const struct vtp_storage *storage)
 {
-    static const struct numbers floats = {sizeof(float), read_float, take_float};
+    static const struct numbers finite = {sizeof(float), read_float, take_float};
+    static const struct numbers any = {sizeof(float), read_any_float, take_float};
     void *numbers = NULL;
-    conus_status status = numbers_of(&numbers, count, storage, &floats);
+    conus_status status = numbers_of(&numbers, count, storage, storage->any ? &any : &finite);
     *out = status ? *out : numbers;
     return status;
 }

@@ -18,6 +18,7 @@ struct vtp_storage {
     bool swapped;        /**< Not this machine's byte order.                    */
     size_t header;       /**< Bytes of a number of the header: 4 or 8.          */
     uint64_t max_memory; /**< Bytes that the unpacked numbers may take.         */
+    bool any;            /**< NaN and infinity are numbers, too, where they are text. */
     struct text content; /**< The numbers; appended ones with whatever follows. */
 };
 

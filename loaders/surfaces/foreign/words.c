@@ -85,6 +85,12 @@ conus_status words_number(double *out, struct words *words, const char *what)
     return CONUS_OK;
 }
 
+conus_status words_any_float(float *out, struct words *words, const char *what)
+{
+    struct text word;
+    return words_next(words, &word) && text_to_float(word, out) ? CONUS_OK : words_fail(words, word, what);
+}
+
 conus_status words_float(float *out, struct words *words, const char *what)
 {
     struct text word;

@@ -31,6 +31,9 @@ conus_status words_number(double *out, struct words *words, const char *what);
 /** The same, rounded once. */
 conus_status words_float(float *out, struct words *words, const char *what);
 
+/** The same, or "nan" or "inf". */
+conus_status words_any_float(float *out, struct words *words, const char *what);
+
 /** A whole number that is not below @p least. */
 conus_status words_whole(int64_t *out, struct words *words, int64_t least, const char *what);
 
