@@ -7,11 +7,13 @@
 #include "loaders/file_kind.h"
 #include "loaders/tracts/tck.h"
 #include "loaders/tracts/trk.h"
+#include "loaders/tracts/trx.h"
+#include "loaders/tracts/vtk_lines.h"
 
 static const uint64_t default_memory = UINT64_C(8) << 30;
 
 /* A format is a stream of bytes (`read`), or opens its file, or folder, itself (`open`). `head` has the first bytes,
- * unpacked; of a folder none. Messages of both are without the path. */
+ * unpacked; of a folder none. Messages of `read` are without the path, those of `open` with it. */
 static const struct tract_format {
     bool (*is)(const struct bytes *head, const char *path);
     tract_reader *read;
@@ -19,6 +21,8 @@ static const struct tract_format {
 } formats[] = {
     {trk_is, trk_read, NULL},
     {tck_is, tck_read, NULL},
+    {trx_is, NULL, trx_read},
+    {vtk_lines_is, NULL, vtk_lines_read},
 };
 
 static const struct tract_format *format_of(const struct bytes *head, const char *path)
@@ -98,21 +102,31 @@ static conus_status open_stream(struct tractogram *out, const struct tract_forma
     return status;
 }
 
+/* What the file says. Messages carry the path. */
+static conus_status read_content(struct tractogram *out, const struct tract_format *format, const char *path,
+                                 uint64_t max_memory, struct notes *notes)
+{
+    if (format->open) {
+        return format->open(out, path, max_memory ? max_memory : default_memory, notes);
+    }
+    conus_status status = open_stream(out, format, path, max_memory, notes);
+    return status ? fail_in(status, path) : CONUS_OK;
+}
+
 static conus_status read_format(struct tractogram *out, const struct tract_format *format, const char *path,
                                 uint64_t max_memory, struct notes *notes)
 {
     struct tractogram tractogram = {0};
-    conus_status status = format->read
-                              ? open_stream(&tractogram, format, path, max_memory, notes)
-                              : format->open(&tractogram, path, max_memory ? max_memory : default_memory, notes);
-    status = status ? status : check(&tractogram, notes);
+    conus_status status = read_content(&tractogram, format, path, max_memory, notes);
     if (!status) {
-        tractogram.path = memory_text(path, strlen(path));
-        status = tractogram.path ? CONUS_OK : CONUS_ERROR_MEMORY;
+        status = check(&tractogram, notes);
+        tractogram.path = status ? NULL : memory_text(path, strlen(path));
+        status = status || tractogram.path ? status : CONUS_ERROR_MEMORY;
+        status = status ? fail_in(status, path) : CONUS_OK;
     }
     if (status) {
         tractogram_finish(&tractogram);
-        return fail_in(status, path);
+        return status;
     }
     *out = tractogram;
     return CONUS_OK;
@@ -124,7 +138,8 @@ static conus_status refuse(const char *path)
     struct bytes stored = {0};
     conus_status status = file_read_head(&stored, path, FILE_KIND_HEAD);
     if (!status) {
-        status = fail_in(file_kind_fail(NULL, &stored, "a tractogram: TrackVis (.trk) or MRtrix (.tck)"), path);
+        status =
+            fail_in(file_kind_fail(NULL, &stored, "a tractogram: TrackVis, MRtrix, TRX or polylines of VTK"), path);
     }
     bytes_finish(&stored);
     return status;

@@ -77,7 +77,7 @@ LIBRARY = {
     "loaders": "base base/formats loaders/volumes loaders/tables loaders/surfaces",
     "loaders/tiff": "base",
     "loaders/brainglobe": "base base/formats",
-    "loaders/tracts": "base base/formats atlas/tracts loaders",
+    "loaders/tracts": "base base/formats atlas/tracts loaders loaders/surfaces/foreign",
     "loaders/volumes/text": "base base/formats atlas",
     "loaders/volumes": "base base/formats atlas loaders loaders/tiff loaders/brainglobe loaders/volumes/text",
     "loaders/tables": "base base/formats atlas loaders/volumes",

@@ -216,9 +216,12 @@ static void files_that_overlap(void **state)
     struct zip_builder builder = {0};
     struct zip zip;
     zip_add(&builder, "same", text, TEXT_BYTES, false);
-    size_t size = builder.directory.size;
-    buffer_append(&builder.directory, builder.directory.data, size);
-    builder.count = 2;
+    struct buffer entry = builder.directory;
+    builder.directory = (struct buffer){0};
+    for (builder.count = 0; builder.count < 2; builder.count++) {
+        buffer_append(&builder.directory, entry.data, entry.size);
+    }
+    buffer_finish(&entry);
     zip_end(&builder);
     assert_fails(parse(&zip, &builder.bytes), CONUS_ERROR_DATA);
     assert_non_null(strstr(conus_message(), "two files share the byte 0"));

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* dump_tract FILE OUT: reads the tractogram FILE and writes what it has to OUT, for compare_tracts.py: lines of text,
- * an empty line, then the arrays as this machine has them: first, points, and the values of each scalar. Notes and the
- * message of a refusal go to standard error, each in a line. */
+ * an empty line, then the arrays as this machine has them: first, points or halves, the values of each scalar, the
+ * members of each group. Notes and the message of a refusal go to standard error, each in a line. */
 #include "loaders/tracts/tract_file.h"
 
 #include <stdio.h>
@@ -20,13 +20,20 @@ static bool write_tractogram(FILE *file, const struct tractogram *t)
         const struct tract_scalar *s = &t->scalars[i];
         fprintf(file, "%s\t%s\t%u\n", s->per_point ? "per_point" : "per_streamline", s->name, s->components);
     }
+    for (size_t i = 0; i < t->group_count; i++) {
+        fprintf(file, "group\t%s\t%zu\n", t->groups[i].name, t->groups[i].count);
+    }
     fputc('\n', file);
     bool fine = write_array(file, t->first, sizeof *t->first, t->streamline_count + 1) &&
-                write_array(file, t->points, 3 * sizeof *t->points, t->point_count);
+                (t->halves ? write_array(file, t->halves, 3 * sizeof *t->halves, t->point_count)
+                           : write_array(file, t->points, 3 * sizeof *t->points, t->point_count));
     for (size_t i = 0; fine && i < t->scalar_count; i++) {
         const struct tract_scalar *s = &t->scalars[i];
         fine = write_array(file, s->values, s->components * sizeof *s->values,
                            s->per_point ? t->point_count : t->streamline_count);
+    }
+    for (size_t i = 0; fine && i < t->group_count; i++) {
+        fine = write_array(file, t->groups[i].members, sizeof *t->groups[i].members, t->groups[i].count);
     }
     return fine;
 }

@@ -9,8 +9,8 @@
 
 static void append_number(struct buffer *out, uint64_t value, size_t bytes)
 {
-    for (size_t i = 0; i < bytes; i++) {
-        uint8_t byte = (uint8_t)(value >> (8 * i));
+    for (size_t i = 0; i < bytes; i++, value >>= 8) {
+        uint8_t byte = (uint8_t)value;
         buffer_append(out, &byte, 1);
     }
 }

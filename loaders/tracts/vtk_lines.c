@@ -1,0 +1,198 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Makes streamlines of the lines of VTK's files. */
+#include "loaders/tracts/vtk_lines.h"
+
+#include "base/formats/gzip.h"
+#include "base/memory.h"
+#include "loaders/surfaces/foreign/foreign.h"
+#include "loaders/surfaces/foreign/foreign_lines.h"
+
+#include <stdio.h>
+#include <string.h>
+
+bool vtk_lines_is(const struct bytes *head, const char *path)
+{
+    const struct text text = {(const char *)head->data, head->size};
+    enum foreign_format format = head->size ? foreign_format_of(path ? path : "", text) : FOREIGN_NONE;
+    return format == FOREIGN_VTK || format == FOREIGN_VTP;
+}
+
+/* What is built of what. */
+struct building {
+    struct tractogram *out;
+    const struct foreign_mesh *mesh;
+    struct foreign_lines *lines;
+    uint64_t left; /* bytes of memory that may still be taken */
+    bool in_order; /* corner k is vertex k, so that nothing need be gathered */
+};
+
+/* Memory for @p count times @p components numbers. */
+static conus_status take_floats(float **out, struct building *building, size_t count, size_t components)
+{
+    size_t numbers = 0;
+    size_t size = 0;
+    if (!memory_multiply(count, components, &numbers) || !memory_multiply(numbers, sizeof **out, &size) ||
+        size > building->left) {
+        return fail(CONUS_ERROR_MEMORY, "streamlines: %zu times %zu numbers take more than is allowed (--max-memory)",
+                    count, components);
+    }
+    building->left -= size;
+    *out = memory_raw(numbers, sizeof **out);
+    return *out ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
+/* Numbers of vertices become numbers of the corners of lines. */
+static conus_status gather(float **out, struct building *building, const float *values, size_t components)
+{
+    const struct corners *corners = &building->lines->corners;
+    conus_status status = take_floats(out, building, corners->count, components);
+    for (size_t k = 0; !status && k < corners->count; k++) {
+        memcpy(&(*out)[k * components], &values[corners->indices[k] * components], components * sizeof *values);
+    }
+    return status;
+}
+
+static bool are_in_order(const struct foreign_mesh *mesh, const struct corners *corners)
+{
+    bool in_order = corners->count == mesh->vertex_count;
+    for (size_t k = 0; in_order && k < corners->count; k++) {
+        in_order = corners->indices[k] == k;
+    }
+    return in_order;
+}
+
+/* Positions of the mesh are those of the tractogram, or copied; x and y change sign where they are LPS. */
+static conus_status fill_points(struct building *building, struct foreign_mesh *mesh)
+{
+    struct tractogram *out = building->out;
+    conus_status status = CONUS_OK;
+    if (building->in_order) {
+        out->points = mesh->positions;
+        mesh->positions = NULL;
+    } else {
+        status = gather(&out->points, building, mesh->positions, 3);
+    }
+    out->point_count = status ? 0 : building->lines->corners.count;
+    for (uint64_t i = 0; mesh->space == MESH_SPACE_LPS && i < out->point_count; i++) {
+        out->points[3 * i] = -out->points[3 * i];
+        out->points[3 * i + 1] = -out->points[3 * i + 1];
+    }
+    return status;
+}
+
+static conus_status fill_first(struct building *building)
+{
+    struct tractogram *out = building->out;
+    const struct foreign_lines *lines = building->lines;
+    out->first = memory_zeroed(lines->count + 1, sizeof *out->first);
+    if (!out->first) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (size_t i = 0; i < lines->count; i++) {
+        out->first[i + 1] = lines->ends[i];
+    }
+    out->streamline_count = lines->count;
+    return CONUS_OK;
+}
+
+static conus_status fill_scalar(struct building *building, struct foreign_array *array)
+{
+    struct tractogram *out = building->out;
+    size_t things = array->per_point ? building->mesh->vertex_count : building->lines->count;
+    if (array->count / array->components != things) {
+        return fail(CONUS_ERROR_DATA, "%s: %zu numbers, %zu times %u are needed", array->name, array->count, things,
+                    array->components);
+    }
+    struct tract_scalar *scalar = &out->scalars[out->scalar_count];
+    *scalar = (struct tract_scalar){NULL, array->per_point, array->components, NULL};
+    if (array->per_point && !building->in_order) {
+        conus_status status = gather(&scalar->values, building, array->values, array->components);
+        if (status) {
+            return status;
+        }
+    } else {
+        scalar->values = array->values;
+        array->values = NULL;
+    }
+    scalar->name = array->name;
+    array->name = NULL;
+    out->scalar_count++;
+    return CONUS_OK;
+}
+
+static conus_status fill_scalars(struct building *building)
+{
+    struct foreign_lines *lines = building->lines;
+    building->out->scalars = memory_zeroed(lines->array_count, sizeof *building->out->scalars);
+    conus_status status = building->out->scalars ? CONUS_OK : CONUS_ERROR_MEMORY;
+    for (size_t i = 0; !status && i < lines->array_count; i++) {
+        status = fill_scalar(building, &lines->arrays[i]);
+    }
+    return status;
+}
+
+static conus_status add_notes(struct notes *notes, const struct foreign_mesh *mesh, const struct foreign_lines *lines)
+{
+    conus_status status = CONUS_OK;
+    if (mesh->space == MESH_SPACE_UNSTATED) {
+        status = notes_add(notes, "the file does not state its space; RAS was taken");
+    }
+    if (!status && lines->behind) {
+        status = notes_add(notes, "%zu polygons are not read", lines->behind);
+    }
+    return status;
+}
+
+/* Builds the tractogram, which takes what it can from @p mesh and @p lines. */
+static conus_status build(struct tractogram *out, struct foreign_mesh *mesh, struct foreign_lines *lines,
+                          uint64_t max_memory, struct notes *notes)
+{
+    struct building building = {out, mesh, lines, max_memory, are_in_order(mesh, &lines->corners)};
+    conus_status status = CONUS_OK;
+    if (!lines->count) {
+        status =
+            mesh->triangle_count ? fail(CONUS_ERROR_DATA, "a surface and no lines, streamlines are needed") : CONUS_OK;
+    }
+    status = status ? status : fill_points(&building, mesh);
+    status = status ? status : fill_first(&building);
+    status = status ? status : fill_scalars(&building);
+    return status ? status : add_notes(notes, mesh, lines);
+}
+
+conus_status vtk_lines_parse(struct tractogram *out, const struct bytes *bytes, uint64_t max_memory,
+                             struct notes *notes)
+{
+    struct tractogram built = {0};
+    struct foreign_lines lines = {.max_memory = max_memory};
+    struct foreign_mesh mesh = {.lines = &lines};
+    bool legacy = foreign_format_of("", (struct text){(const char *)bytes->data, bytes->size}) == FOREIGN_VTK;
+    conus_status status =
+        legacy ? vtk_parse(&mesh, bytes->data, bytes->size) : vtp_parse(&mesh, bytes->data, bytes->size, max_memory);
+    status = status ? status : build(&built, &mesh, &lines, max_memory, notes);
+    snprintf(built.format, sizeof built.format, legacy ? "VTK" : "VTP");
+    foreign_mesh_finish(&mesh);
+    foreign_lines_finish(&lines);
+    if (status) {
+        tractogram_finish(&built);
+        return status;
+    }
+    *out = built;
+    return CONUS_OK;
+}
+
+conus_status vtk_lines_read(struct tractogram *out, const char *path, uint64_t max_memory, struct notes *notes)
+{
+    struct bytes bytes = {0};
+    struct file_sums sums = {0};
+    conus_status status = gzip_read(&bytes, path, max_memory, &sums);
+    if (!status) {
+        status = vtk_lines_parse(out, &bytes, max_memory, notes);
+        status = status ? fail_in(status, path) : CONUS_OK;
+    }
+    if (!status) {
+        memcpy(out->sha256, sums.items[0].sha256, sizeof out->sha256);
+    }
+    file_sums_finish(&sums);
+    bytes_finish(&bytes);
+    return status;
+}
