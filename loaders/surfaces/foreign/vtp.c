@@ -413,11 +413,15 @@ static conus_status add_column_values(struct vtp *vtp, const struct column *colu
     float *numbers = NULL;
     struct foreign_array *array = NULL;
     size_t count = 0;
-    uint64_t things = column->per_point ? vtp->points : vtp->vertices + vtp->lines + vtp->polys + vtp->strips;
+    uint64_t cells = 0;
+    bool too_many = __builtin_add_overflow(vtp->vertices, vtp->lines, &cells) ||
+                    __builtin_add_overflow(cells, vtp->polys, &cells) ||
+                    __builtin_add_overflow(cells, vtp->strips, &cells);
+    uint64_t things = column->per_point ? vtp->points : cells;
     conus_status status =
         foreign_lines_array(&array, vtp->mesh->lines, text_from(column->name), column->per_point, column->components);
     status = status ? status : vtp_floats(&numbers, &count, &column->part.storage);
-    if (!status && (count % column->components || count / column->components != things)) {
+    if (!status && (too_many || count % column->components || count / column->components != things)) {
         status = fail(CONUS_ERROR_DATA, "%s: %zu numbers, %llu times %llu are needed", column->name, count,
                       (unsigned long long)things, (unsigned long long)column->components);
     }

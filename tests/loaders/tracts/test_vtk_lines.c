@@ -290,6 +290,12 @@ static void refused(void **state)
     assert_refused(LINE "</Piece><Piece NumberOfPoints=\"0\" NumberOfLines=\"0\"><PointData>" VTP_ARRAY(
                        "Float32", "Name=\"a\"") "</DataArray></PointData></Piece></PolyData></VTKFile>",
                    CONUS_ERROR_DATA, "a: not in all pieces");
+    /* 2^64 - 1 vertices, 1 line and 1 triangle are 1 cell, where nobody looks. */
+    assert_refused("<VTKFile type=\"PolyData\"><PolyData><Piece NumberOfPoints=\"2\" NumberOfLines=\"1\" "
+                   "NumberOfPolys=\"1\" NumberOfVerts=\"18446744073709551615\">" VTP_POINTS("0 0 0 1 1 1")
+                       VTP_CELLS("Lines", "0 1", "2") VTP_CELLS("Polys", "0 1 1", "3") "<CellData>" VTP_ARRAY(
+                           "Float32", "Name=\"a\"") "1</DataArray></CellData></Piece></PolyData></VTKFile>",
+                   CONUS_ERROR_DATA, "a: 1 numbers");
     assert_refused(PIECE VTP_POINTS("0 0 0 1 1 1") VTP_CELLS("Lines", "0 2", "2") "</Piece></PolyData></VTKFile>",
                    CONUS_ERROR_DATA, "Lines: ");
     assert_refused(PIECE VTP_POINTS("0 0 0 1 1 1") "</Piece></PolyData></VTKFile>", CONUS_ERROR_DATA, "Lines: 0");
