@@ -33,6 +33,21 @@ static INLINE singles all(float x)
     return x - (singles){0};
 }
 
+static INLINE wholes all_wholes(int32_t x)
+{
+    return x - (wholes){0};
+}
+
+/* 0, 1, 2 ... */
+static INLINE wholes lane_numbers(void)
+{
+    wholes out;
+    for (int l = 0; l < LANES; l++) {
+        out[l] = l;
+    }
+    return out;
+}
+
 static INLINE doubles doubles_at(const double *from)
 {
     return *(const doubles *)from;
@@ -292,6 +307,11 @@ static INLINE halves half_of(truths which, int half)
 
 #endif
 
+static INLINE wholes choose_wholes(truths which, wholes yes, wholes no)
+{
+    return (wholes)choose(which, (singles)yes, (singles)no);
+}
+
 static INLINE longs choose_longs(halves which, longs yes, longs no)
 {
     return (longs)choose_doubles(which, (doubles)yes, (doubles)no);
@@ -475,6 +495,38 @@ static INLINE doubles load_as_doubles(const float *in)
         out[l] = in[l];
     }
     return out;
+#endif
+}
+
+/* Writes those of `which` side by side, and anything behind them: LANES numbers in all. Gives how many they are. */
+static INLINE size_t keep_wholes(int32_t *out, truths which, wholes x)
+{
+#if defined(__AVX512F__) && LANES == 16
+    _mm512_storeu_si512(out, _mm512_maskz_compress_epi32(which, (__m512i)x));
+    return (size_t)__builtin_popcount(which);
+#else
+    size_t count = 0;
+    for (int l = 0; l < LANES; l++) {
+        out[count] = x[l];
+        count += is_true(which, l);
+    }
+    return count;
+#endif
+}
+
+/* The same of half as many doubles. */
+static INLINE size_t keep_doubles(double *out, halves which, doubles x)
+{
+#if defined(__AVX512F__) && LANES == 16
+    _mm512_storeu_pd(out, _mm512_maskz_compress_pd(which, (__m512d)x));
+    return (size_t)__builtin_popcount(which);
+#else
+    size_t count = 0;
+    for (int l = 0; l < HALF; l++) {
+        out[count] = x[l];
+        count += which[l] != 0;
+    }
+    return count;
 #endif
 }
 

@@ -556,7 +556,14 @@ static bool is_in_grid(const struct volume *volume, size_t i, size_t j, size_t k
 
 /* Distances to borders become codes of a uniform map. A border is 1 + 0; beyond r voxels that are none, the voxels r +
  * 1 away hold the same, too. Beside the grid, where any voxel may be a border, all codes are as a border's. */
-static void make_uniform(struct distance_map *map, const struct volume *volume)
+static uint8_t uniform_code(uint8_t distance, uint32_t object, const struct object_colours *colours)
+{
+    int most = object ? UNIFORM_RADIUS : UNIFORM_EMPTY_RADIUS;
+    int radius = distance < most ? distance + 1 : most;
+    return (uint8_t)(radius | (object ? object_colour(colours, object) * 0x10 : UNIFORM_EMPTY));
+}
+
+static void make_uniform(struct distance_map *map, const struct volume *volume, const struct object_colours *colours)
 {
     const size_t *dim = volume->info.dim;
     for (size_t z = 0; z < DISTANCE_EDGE * map->lines[2]; z++) {
@@ -566,10 +573,9 @@ static void make_uniform(struct distance_map *map, const struct volume *volume)
                 size_t j = y - DISTANCE_MARGIN;
                 size_t k = z - DISTANCE_MARGIN;
                 uint8_t *code = &map->codes[distance_map_at(map, i, j, k)];
-                bool inside = is_in_grid(volume, i, j, k);
-                int radius = inside ? (*code < UNIFORM_RADIUS ? *code + 1 : UNIFORM_RADIUS) : 1;
-                bool is_full = inside && volume_object(volume, i + dim[0] * (j + dim[1] * k));
-                *code = (uint8_t)(radius | (is_full ? 0 : UNIFORM_EMPTY));
+                *code = is_in_grid(volume, i, j, k)
+                            ? uniform_code(*code, volume_object(volume, i + dim[0] * (j + dim[1] * k)), colours)
+                            : UNIFORM_EMPTY | 1;
             }
         }
     }
@@ -579,11 +585,13 @@ conus_status distance_map_init_uniform(struct distance_map *out, const struct vo
                                        const struct distance_map *map)
 {
     struct distance_map uniform;
-    conus_status status = make_map(&uniform, volume, mark_borders);
+    struct object_colours colours;
+    conus_status status = object_colours_find(&colours, volume);
+    status = status ? status : make_map(&uniform, volume, mark_borders);
     if (!status) {
         memcpy(uniform.first, map->first, sizeof map->first);
         memcpy(uniform.last, map->last, sizeof map->last);
-        make_uniform(&uniform, volume);
+        make_uniform(&uniform, volume, &colours);
         *out = uniform;
     }
     return status;

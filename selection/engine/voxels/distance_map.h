@@ -10,6 +10,7 @@
 #define CONUS_SELECTION_ENGINE_VOXELS_DISTANCE_MAP_H
 
 #include "atlas/volume.h"
+#include "selection/engine/voxels/object_colours.h"
 
 enum { DISTANCE_MARGIN = 1, DISTANCE_EDGE = 4, DISTANCE_LINE = 64 };
 
@@ -26,16 +27,22 @@ struct distance_map {
 conus_status distance_map_init(struct distance_map *out, const struct volume *volume);
 void distance_map_finish(struct distance_map *map);
 
-/** In a code of a uniform map: no object here. The other bits are 1 + r. */
-enum { UNIFORM_EMPTY = 0x80, UNIFORM_RADIUS = 0x7f };
+/** In a code of a uniform map: no object here; else the colour of the object (object_colours.h). The other bits are
+ * 1 + r, seven of them without an object, four in one. */
+enum {
+    UNIFORM_EMPTY = 0x80,
+    UNIFORM_COLOUR = 0x70,
+    UNIFORM_EMPTY_RADIUS = 0x7f,
+    UNIFORM_RADIUS = 0x0f,
+    UNIFORM_NO_COLOUR = OBJECT_NO_COLOUR * 0x10
+};
 
 /** The largest grid, in codes, of which a uniform map is made. */
 #define UNIFORM_CODES ((size_t)1 << 28)
 
 /** Makes a uniform map: the code of every voxel, occupied ones too, is 1 + r where all voxels that differ from it by at
  * most r in every index hold the same object as it does, or none as it does; the margin holds none. So a ray leaves r
- * cells at once inside an object, too. Its box is that of @p map, the volume's distance map. Takes one byte a voxel,
- * and two more while it is made. */
+ * cells at once inside an object, too. Its box is that of @p map, the volume's distance map. Takes one byte a voxel. */
 conus_status distance_map_init_uniform(struct distance_map *out, const struct volume *volume,
                                        const struct distance_map *map);
 

@@ -3,4 +3,4 @@
 #define LANES 8
 #define KERNEL traverse_walk_avx2
 #define PIERCE traverse_pierce_avx2
-#include "selection/engine/voxels/traverse_lanes.h"
+#include "selection/engine/voxels/pierce_lanes.h"

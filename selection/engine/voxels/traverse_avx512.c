@@ -3,4 +3,4 @@
 #define LANES 16
 #define KERNEL traverse_walk_avx512
 #define PIERCE traverse_pierce_avx512
-#include "selection/engine/voxels/traverse_lanes.h"
+#include "selection/engine/voxels/pierce_lanes.h"

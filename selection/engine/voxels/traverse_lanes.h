@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * The walks of traverse_one() and traverse_pierce() for LANES rays at a time: the bodies of one instruction set's
- * kernels. Their source defines LANES, KERNEL and PIERCE (the functions' names), includes this once, and is compiled
- * with that set's flags.
+ * The walk of traverse_one() for LANES rays at a time: the body of one instruction set's kernel. Its source defines
+ * LANES and KERNEL (the function's name), includes this once, and is compiled with that set's flags.
  *
  * Positions are single precision, which holds twice as many rays, and only have to tell cells: where a ray is nearer to
  * a face than its error (model.md, Eq. 5), it is said to be unclear and goes to traverse_one() as a whole. The
@@ -47,13 +46,6 @@ struct walk {
     int32_t at[TRAVERSE_BUNDLE];                  /* of the cell's code, from `codes` */
     alignas(64) double exact[3][TRAVERSE_BUNDLE]; /* inverse */
     truths live[PACKETS], hit[PACKETS], unclear[PACKETS];
-};
-
-/* The intervals of its rays that have begun. */
-struct piercing {
-    struct traverse_piercing *all;
-    conus_interval begun[TRAVERSE_BUNDLE];       /* object 0: none */
-    alignas(64) int32_t object[TRAVERSE_BUNDLE]; /* theirs         */
 };
 
 static void walk_init(struct walk *walk, const struct distance_map *map, struct traverse_bundle *bundle)
@@ -278,22 +270,28 @@ static INLINE void advance(struct walk *walk, size_t packet)
 
 /* ---- What was hit ------------------------------------------------------------------------------------------- */
 
-/* A ray's entry into a cell is its last crossing of a face towards it. */
-static INLINE void deliver(const struct walk *walk, size_t slot, halves hit)
+/* A ray's entry into a cell is its last crossing of a face towards it. Also gives the cells. */
+static INLINE doubles entry_into_cell(doubles cell[3], const struct walk *walk, size_t slot)
 {
-    struct traverse_bundle *bundle = walk->bundle;
-    const size_t *dim = walk->map->dim;
     doubles t = all_doubles(0);
-    doubles cell[3];
     EACH_AXIS
     for (int a = 0; a < 3; a++) {
         doubles inverse = doubles_at(walk->exact[a] + slot);
         doubles half = choose_doubles(less_doubles(all_doubles(0), inverse), all_doubles(0.5), all_doubles(-0.5));
         halves moves = less_doubles(inverse, all_doubles(INFINITY));
         cell[a] = load_as_doubles(walk->cell[a] + slot) + (double)walk->middle[a];
-        doubles entry = ((cell[a] - half) - bundle->start[a]) * inverse;
+        doubles entry = ((cell[a] - half) - walk->bundle->start[a]) * inverse;
         t = choose_doubles(moves & less_doubles(t, entry), entry, t);
     }
+    return t;
+}
+
+static INLINE void deliver(const struct walk *walk, size_t slot, halves hit)
+{
+    struct traverse_bundle *bundle = walk->bundle;
+    const size_t *dim = walk->map->dim;
+    doubles cell[3];
+    doubles t = entry_into_cell(cell, walk, slot);
     hit &= at_most_doubles(t, doubles_at(bundle->limit + slot));
     longs voxel = longs_from_doubles(cell[0] + (double)dim[0] * (cell[1] + (double)dim[1] * cell[2]));
     store_doubles(bundle->t + slot, choose_doubles(hit, t, all_doubles(INFINITY)));
@@ -349,190 +347,4 @@ void KERNEL(const struct distance_map *map, struct traverse_bundle *bundle)
         count = left;
     }
     deliver_all(&walk);
-}
-
-/* ---- All intervals ------------------------------------------------------------------------------------------ */
-
-/* As deliver(), of one ray. */
-static double entry_into_cell(const struct walk *walk, size_t slot, const double cell[3])
-{
-    double t = 0;
-    for (int a = 0; a < 3; a++) {
-        double inverse = walk->exact[a][slot];
-        double entry = ((cell[a] - (inverse > 0 ? 0.5 : -0.5)) - walk->bundle->start[a]) * inverse;
-        t = inverse < (double)INFINITY && t < entry ? entry : t;
-    }
-    return t;
-}
-
-/* At t the ray comes into a voxel of `object`: ends the interval that it has begun and begins that one's. There is
- * memory. */
-static void change_object(struct piercing *piercing, size_t slot, double t, uint32_t object, uint64_t voxel)
-{
-    struct layers *out = piercing->all->out;
-    conus_interval *begun = &piercing->begun[slot];
-    if (begun->object) {
-        begun->exit = t;
-        out->intervals[out->count++] = *begun;
-    }
-    *begun = (conus_interval){.pixel = begun->pixel, .object = object, .entry = t, .voxel = voxel};
-    piercing->object[slot] = (int32_t)object;
-}
-
-static void cell_of(double cell[3], const struct walk *walk, size_t slot)
-{
-    for (int a = 0; a < 3; a++) {
-        cell[a] = walk->cell[a][slot] + (double)walk->middle[a];
-    }
-}
-
-/* Notes what the lanes of `border` are in, if it is another object than before. */
-static INLINE conus_status note_objects(const struct walk *walk, struct piercing *piercing, size_t slot, truths border,
-                                        wholes codes)
-{
-    const struct volume *volume = piercing->all->volume;
-    const size_t *dim = walk->map->dim;
-    alignas(64) int32_t at[LANES];
-    alignas(64) int32_t object[LANES];
-    wholes x = wholes_from_singles(singles_at(walk->cell[0] + slot)) + walk->middle[0];
-    wholes y = wholes_from_singles(singles_at(walk->cell[1] + slot)) + walk->middle[1];
-    wholes z = wholes_from_singles(singles_at(walk->cell[2] + slot)) + walk->middle[2];
-    truths full = border & is_zero(codes & UNIFORM_EMPTY);
-    wholes voxel = x + (int32_t)dim[0] * (y + (int32_t)dim[1] * z);
-    store_wholes(at, (wholes)choose(full, (singles)voxel, (singles)(wholes){0}));
-    __asm__("" : "+m"(at)); /* as in bytes_at() */
-    for (int l = 0; l < LANES; l++) {
-        object[l] = (int32_t)volume_object(volume, (size_t)at[l]);
-        __asm__("" : "+m"(object[l]));
-    }
-    store_wholes(object, (wholes)choose(full, (singles)wholes_at(object), (singles)(wholes){0}));
-    truths changed = border & ~is_zero(wholes_at(object) ^ wholes_at(piercing->object + slot));
-    conus_status status = any(changed) ? layers_reserve(piercing->all->out, LANES) : CONUS_OK;
-    for (int l = 0; l < LANES && !status && any(changed); l++) {
-        if (is_true(changed, l)) {
-            double cell[3];
-            cell_of(cell, walk, slot + (size_t)l);
-            change_object(piercing, slot + (size_t)l, entry_into_cell(walk, slot + (size_t)l, cell),
-                          (uint32_t)object[l], object[l] ? (uint64_t)at[l] : 0);
-        }
-    }
-    return status;
-}
-
-/* The ray leaves the box of that radius in double; false where it is out then. */
-static bool leave_in_double(struct walk *walk, struct piercing *piercing, size_t slot, int radius)
-{
-    struct traverse_ray ray = traverse_bundle_at(walk->bundle, slot);
-    struct traverse_place at;
-    cell_of(at.cell, walk, slot);
-    if (!traverse_skip(walk->map, &ray, radius, &at)) {
-        change_object(piercing, slot, at.t, 0, 0);
-        return false;
-    }
-    for (int a = 0; a < 3; a++) {
-        walk->cell[a][slot] = (float)(at.cell[a] - walk->middle[a]);
-    }
-    return true;
-}
-
-/* Unclear lanes leave the box in double, and are clear again then. */
-static conus_status clear_up(struct walk *walk, struct piercing *piercing, size_t packet, wholes radii)
-{
-    conus_status status = layers_reserve(piercing->all->out, LANES);
-    for (int l = 0; l < LANES && !status; l++) {
-        if (is_true(walk->unclear[packet], l) &&
-            leave_in_double(walk, piercing, packet * LANES + (size_t)l, radii[l] - 1)) {
-            walk->live[packet] |= only(l);
-        }
-    }
-    walk->unclear[packet] = none();
-    settle(walk, packet * LANES);
-    return status;
-}
-
-/* Live lanes leave the box in which all is the same. Before, they note what they are in: what has just come over a
- * border, which is where the box is one cell. */
-static INLINE conus_status pierce_on(struct walk *walk, struct piercing *piercing, size_t packet, bool is_first)
-{
-    size_t slot = packet * LANES;
-    wholes codes = bytes_at(walk->codes, walk->at + slot);
-    wholes radii = codes & UNIFORM_RADIUS;
-    truths border = walk->live[packet];
-    if (!is_first) {
-        border &= is_zero(radii - 1);
-    }
-    conus_status status = any(border) ? note_objects(walk, piercing, slot, border, codes) : CONUS_OK;
-    leave(walk, packet, radii, walk->live[packet]);
-    if (any(walk->unclear[packet]) && !status) {
-        status = clear_up(walk, piercing, packet, radii);
-    }
-    return status;
-}
-
-static bool is_in_box(const struct walk *walk, size_t slot)
-{
-    double cell[3];
-    bool inside = true;
-    cell_of(cell, walk, slot);
-    for (int a = 0; a < 3; a++) {
-        inside = inside && cell[a] >= walk->map->first[a] && cell[a] <= walk->map->last[a];
-    }
-    return inside;
-}
-
-/* Rays that are unclear where they come in, or start on a face of the box, are for traverse_pierce(). */
-static void put_off_unclear(struct walk *walk, bool again[TRAVERSE_BUNDLE])
-{
-    for (size_t slot = 0; slot < walk->bundle->count; slot++) {
-        size_t packet = slot / LANES;
-        int lane = (int)(slot % LANES);
-        bool on_face = is_true(walk->live[packet], lane) && !is_in_box(walk, slot);
-        again[slot] = on_face || is_true(walk->unclear[packet], lane);
-        walk->live[packet] &= ~(on_face ? only(lane) : none());
-    }
-    for (size_t packet = 0; packet * LANES < walk->bundle->count; packet++) {
-        walk->unclear[packet] = none();
-    }
-}
-
-/* Drops the intervals, from number `first` on, of rays that only fill a packet, and gives the others their pixels. */
-static void deliver_intervals(const struct piercing *piercing, size_t first)
-{
-    struct layers *out = piercing->all->out;
-    size_t kept = first;
-    for (size_t i = first; i < out->count; i++) {
-        uint32_t slot = out->intervals[i].pixel;
-        if (slot < piercing->all->count) {
-            out->intervals[kept] = out->intervals[i];
-            out->intervals[kept++].pixel = (uint32_t)piercing->all->pixel[slot];
-        }
-    }
-    out->count = kept;
-}
-
-conus_status PIERCE(struct traverse_piercing *all, struct traverse_bundle *bundle)
-{
-    struct walk walk;
-    struct piercing piercing = {.all = all};
-    uint8_t under_way[PACKETS];
-    size_t first = all->out->count;
-    conus_status status = CONUS_OK;
-    walk_init(&walk, all->uniform, bundle);
-    for (uint32_t slot = 0; slot < TRAVERSE_BUNDLE; slot++) {
-        piercing.begun[slot] = (conus_interval){.pixel = slot};
-    }
-    size_t count = enter_all(&walk, under_way);
-    put_off_unclear(&walk, all->again);
-    for (bool is_first = true; count > 0 && !status; is_first = false) {
-        size_t left = 0;
-        for (size_t i = 0; i < count && !status; i++) {
-            size_t packet = under_way[i];
-            status = pierce_on(&walk, &piercing, packet, is_first);
-            under_way[left] = (uint8_t)packet;
-            left += any(walk.live[packet]);
-        }
-        count = left;
-    }
-    deliver_intervals(&piercing, first);
-    return status;
 }

@@ -3,4 +3,4 @@
 #define LANES 4
 #define KERNEL traverse_walk_plain
 #define PIERCE traverse_pierce_plain
-#include "selection/engine/voxels/traverse_lanes.h"
+#include "selection/engine/voxels/pierce_lanes.h"

@@ -147,10 +147,12 @@ static void uniform_codes_tell_how_far_it_is_the_same(void **state)
         struct volume volume;
         struct distance_map map;
         struct distance_map uniform;
+        struct object_colours colours;
         make_volume(&volume, &random);
         make_areas(&volume, &random);
         assert_ok(distance_map_init(&map, &volume));
         assert_ok(distance_map_init_uniform(&uniform, &volume, &map));
+        assert_ok(object_colours_find(&colours, &volume));
         assert_memory_equal(uniform.first, map.first, sizeof map.first);
         assert_memory_equal(uniform.last, map.last, sizeof map.last);
         for (int probe = 0; probe < 100; probe++) {
@@ -160,14 +162,72 @@ static void uniform_codes_tell_how_far_it_is_the_same(void **state)
             }
             uint8_t code = uniform.codes[distance_map_at(&uniform, (size_t)at[0], (size_t)at[1], (size_t)at[2])];
             size_t voxel = (size_t)at[0] + volume.info.dim[0] * ((size_t)at[1] + volume.info.dim[1] * (size_t)at[2]);
-            bool is_empty = !volume_object(&volume, voxel);
+            uint32_t object = volume_object(&volume, voxel);
             long radius = uniform_radius(&volume, at);
-            assert_int_equal((code & UNIFORM_EMPTY) != 0, is_empty);
-            assert_in_range(code & UNIFORM_RADIUS, 1, is_empty ? UNIFORM_RADIUS : radius + 1);
-            assert_true(radius >= 8 || is_empty || (code & UNIFORM_RADIUS) == radius + 1);
+            assert_int_equal((code & UNIFORM_EMPTY) != 0, !object);
+            assert_true(!object || (code & UNIFORM_COLOUR) / 0x10 == object_colour(&colours, object));
+            assert_in_range(code & UNIFORM_RADIUS, 1, object ? radius + 1 : UNIFORM_EMPTY_RADIUS);
+            assert_true(radius >= 8 || !object || (code & UNIFORM_RADIUS) == radius + 1);
         }
         distance_map_finish(&uniform);
         distance_map_finish(&map);
+        volume_finish(&volume);
+    }
+}
+
+/* That voxel and the next along an axis, whose index is `step` larger. */
+static void check_pair(const struct volume *volume, const struct object_colours *colours, size_t voxel, size_t step)
+{
+    uint32_t a = volume_object(volume, voxel);
+    uint32_t b = volume_object(volume, voxel + step);
+    if (a && b && a != b && object_colour(colours, a) != OBJECT_NO_COLOUR) {
+        assert_int_not_equal(object_colour(colours, a), object_colour(colours, b));
+    }
+}
+
+/* How many of the objects have no colour. */
+static size_t check_colours(const struct volume *volume, uint32_t objects)
+{
+    const size_t *dim = volume->info.dim;
+    struct object_colours colours;
+    size_t without = 0;
+    assert_ok(object_colours_find(&colours, volume));
+    for (size_t v = 0; v < volume->voxel_count; v++) {
+        size_t step = 1;
+        for (int a = 0; a < 3; step *= dim[a++]) {
+            if (v / step % dim[a] + 1 < dim[a]) {
+                check_pair(volume, &colours, v, step);
+            }
+        }
+    }
+    for (uint32_t object = 1; object <= objects; object++) {
+        without += object_colour(&colours, object) == OBJECT_NO_COLOUR;
+    }
+    return without;
+}
+
+/* In a jumble of 24^3 voxels every object is beside every other, so that each needs a colour of its own: 40 objects
+ * leave all but as many as there are colours without. */
+static void neighbours_differ_in_colour(void **state)
+{
+    (void)state;
+    uint64_t random = 9;
+    for (uint32_t objects = 1; objects <= 40; objects++) {
+        struct volume volume = {.info.dim = {24, 24, 24}, .voxel_count = (size_t)24 * 24 * 24};
+        volume.objects16 = memory_zeroed(volume.voxel_count, sizeof *volume.objects16);
+        assert_non_null(volume.objects16);
+        for (size_t v = 0; v < volume.voxel_count; v++) {
+            volume.objects16[v] = (uint16_t)(random_size(&random, objects + 1) - 1);
+        }
+        size_t with = objects < OBJECT_NO_COLOUR ? objects : OBJECT_NO_COLOUR;
+        assert_int_equal(check_colours(&volume, objects), objects - with);
+        volume_finish(&volume);
+    }
+    for (int round = 0; round < 20; round++) {
+        struct volume volume;
+        make_volume(&volume, &random);
+        make_areas(&volume, &random);
+        assert_int_equal(check_colours(&volume, OBJECTS_COLOURED), 1); /* the number that has none */
         volume_finish(&volume);
     }
 }
@@ -208,6 +268,7 @@ int main(void)
         cmocka_unit_test(codes_tell_how_far_it_is_empty),
         cmocka_unit_test(the_box_just_holds_the_objects),
         cmocka_unit_test(uniform_codes_tell_how_far_it_is_the_same),
+        cmocka_unit_test(neighbours_differ_in_colour),
         cmocka_unit_test(making_one_survives_every_failing_allocation),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

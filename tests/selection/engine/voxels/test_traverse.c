@@ -216,14 +216,19 @@ static size_t compare_bundle(uint64_t *random, const struct distance_map *map, c
 
 /* ---- All intervals ------------------------------------------------------------------------------------------ */
 
-/* Areas of some voxels' width that touch, with holes; or the objects as they are. */
+/* Areas of some voxels' width that touch, with holes, some with numbers too high for a colour; or so many in a jumble
+ * that there are not colours for all; or the objects as they are. */
 static void name_areas(struct volume *volume, uint64_t *random)
 {
     size_t width = 1 + any_of(random, 9);
-    for (size_t v = 0; v < volume->voxel_count && width < 8; v++) {
+    size_t factor = any_of(random, 3) ? 1 : OBJECTS_COLOURED / 3 + 1;
+    for (size_t v = 0; v < volume->voxel_count && width == 7; v++) {
+        volume->objects16[v] = (uint16_t)any_of(random, 40);
+    }
+    for (size_t v = 0; v < volume->voxel_count && width < 7; v++) {
         const size_t *dim = volume->info.dim;
         size_t sum = v % dim[0] / width + 3 * (v / dim[0] % dim[1] / width) + 5 * (v / dim[0] / dim[1] / (width + 1));
-        volume->objects16[v] = (uint16_t)(sum % 7 < 4 ? sum % 7 : volume->objects16[v]);
+        volume->objects16[v] = (uint16_t)(sum % 7 < 4 ? sum % 7 * factor : volume->objects16[v]);
     }
 }
 
