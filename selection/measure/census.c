@@ -7,9 +7,6 @@
 #include "selection/measure/region_rows.h"
 
 #include <stdlib.h>
-#if defined(__SSE2__)
-#include <emmintrin.h>
-#endif
 
 /* One volume's rows against one region. */
 struct walk {
@@ -18,6 +15,7 @@ struct walk {
     census_row row;
     void *user;
     const struct census_box *box;
+    bool reads_labels;
     struct region_rows rows;
     int turn;
 };
@@ -69,7 +67,7 @@ struct piece {
 static void fetch_rows(const struct walk *walk, const struct piece *piece)
 {
     const size_t *dim = walk->volume->info.dim;
-    for (size_t r = 0; r < piece->count && volume_can_be_hit(walk->volume); r++) {
+    for (size_t r = 0; r < piece->count; r++) {
         size_t row = dim[0] * (piece->j + r + dim[1] * piece->k);
         volume_fetch(walk->volume, row + (size_t)piece->cut.maybe[0][r]);
         volume_fetch(walk->volume, row + (size_t)piece->cut.maybe[1][r]);
@@ -95,21 +93,23 @@ static void cut_slice(struct walk *walk, struct piece pieces[2], size_t first, s
         piece->k = k;
         piece->count = smaller(last - j + 1, REGION_ROWS);
         walk->rows.cut(&piece->cut, &walk->rows, j, piece->count, limit);
-        fetch_rows(walk, piece);
+        if (walk->reads_labels) {
+            fetch_rows(walk, piece);
+        }
         walk_piece(walk, &pieces[walk->turn]);
     }
 }
 
-void census_walk_box(const struct region *region, const struct volume *volume, const struct census_box *box,
-                     census_row row, void *user)
+static void walk_slices(struct walk *walk)
 {
-    struct walk walk = {.region = region, .volume = volume, .row = row, .user = user, .box = box};
+    const struct volume *volume = walk->volume;
+    const struct census_box *box = walk->box;
     struct piece pieces[2];
     struct region_bounds bounds;
     size_t slices[2];
     pieces[0].count = pieces[1].count = 0;
-    region_rows_init(&walk.rows, region, volume);
-    region_bounds_init(&bounds, region, volume);
+    region_rows_init(&walk->rows, walk->region, volume);
+    region_bounds_init(&bounds, walk->region, volume);
     if (bounds.depth[0] > bounds.depth[1] || box->last[0] < box->first[0] ||
         !region_bounds_range(slices, &bounds, 2, bounds.depth, volume->info.dim[2])) {
         return;
@@ -119,16 +119,29 @@ void census_walk_box(const struct region *region, const struct volume *volume, c
         size_t rows[2];
         if (region_bounds_plane(depth, &bounds, 2, (double)k) &&
             region_bounds_range(rows, &bounds, 1, depth, volume->info.dim[1])) {
-            cut_slice(&walk, pieces, larger(rows[0], box->first[1]), smaller(rows[1], box->last[1]), k);
+            cut_slice(walk, pieces, larger(rows[0], box->first[1]), smaller(rows[1], box->last[1]), k);
         }
     }
-    walk_piece(&walk, &pieces[!walk.turn]);
+    walk_piece(walk, &pieces[!walk->turn]);
+}
+
+void census_walk_box(const struct region *region, const struct volume *volume, const struct census_box *box,
+                     census_row row, void *user)
+{
+    struct walk walk = {.region = region, .volume = volume, .row = row, .user = user, .box = box};
+    walk.reads_labels = volume_can_be_hit(volume);
+    walk_slices(&walk);
+}
+
+static struct census_box whole_box(const struct volume *volume)
+{
+    const size_t *dim = volume->info.dim;
+    return (struct census_box){.last = {dim[0] - 1, dim[1] - 1, dim[2] - 1}};
 }
 
 void census_walk(const struct region *region, const struct volume *volume, census_row row, void *user)
 {
-    const size_t *dim = volume->info.dim;
-    const struct census_box all = {.last = {dim[0] - 1, dim[1] - 1, dim[2] - 1}};
+    const struct census_box all = whole_box(volume);
     census_walk_box(region, volume, &all, row, user);
 }
 
@@ -170,7 +183,9 @@ conus_status census_prepare(struct census *census, const conus_atlas *atlas)
     fresh.counts = memory_zeroed(atlas->object_count + 1, sizeof *fresh.counts);
     fresh.touched = memory_raw(atlas->object_count + 1, sizeof *fresh.touched);
     fresh.boxes = memory_zeroed(atlas->volume_count, sizeof *fresh.boxes);
-    if (!fresh.counts || !fresh.touched || !fresh.boxes) {
+    fresh.labels = memory_zeroed(atlas->volume_count, sizeof *fresh.labels);
+    fresh.volume_count = atlas->volume_count;
+    if (!fresh.counts || !fresh.touched || !fresh.boxes || !fresh.labels) {
         census_finish(&fresh);
         return CONUS_ERROR_MEMORY;
     }
@@ -189,6 +204,10 @@ void census_finish(struct census *census)
     memory_free(census->counts);
     memory_free(census->touched);
     memory_free(census->boxes);
+    for (size_t i = 0; i < census->volume_count && census->labels; i++) {
+        label_runs_finish(&census->labels[i].runs);
+    }
+    memory_free(census->labels);
     *census = (struct census){0};
 }
 
@@ -205,46 +224,40 @@ static void add_run(struct census *census, uint32_t object, const size_t at[3], 
     sum->index[2] += count * at[2];
 }
 
-#if defined(__SSE2__)
-enum { LABELS = 16 }; /* compared at once */
+/* The areas of one parcellation, in a region. */
+struct areas {
+    struct census *census;
+    struct census_labels *labels;
+};
 
-/* Which of them differ from `object`: a bit for each. */
-static unsigned other_labels(const uint16_t *labels, uint16_t object)
+/* From the runs of the whole row. */
+static void add_runs(struct census *census, const struct label_runs *runs, const struct volume *volume,
+                     const size_t at[3], size_t count)
 {
-    const __m128i all = _mm_set1_epi16((short)object);
-    __m128i low = _mm_cmpeq_epi16(_mm_loadu_si128((const __m128i *)labels), all);
-    __m128i high = _mm_cmpeq_epi16(_mm_loadu_si128((const __m128i *)(labels + LABELS / 2)), all);
-    return (unsigned)_mm_movemask_epi8(_mm_packs_epi16(low, high)) ^ 0xffff;
-}
-#endif
-
-/* How many of `count` voxels in a row, from `first` on, are of the object of the first. */
-static size_t run_of(const struct volume *volume, size_t first, size_t count)
-{
-    uint32_t object = volume_object(volume, first);
-    size_t run = 0;
-#if defined(__SSE2__)
-    for (; volume->objects16 && run < count && first + run + LABELS <= volume->voxel_count; run += LABELS) {
-        unsigned others = other_labels(volume->objects16 + first + run, (uint16_t)object);
-        if (others) {
-            return smaller(run + (size_t)__builtin_ctz(others), count);
-        }
+    size_t row = at[1] + volume->info.dim[1] * at[2];
+    size_t end = runs->rows[row + 1];
+    size_t behind = at[0] + count;
+    size_t run = label_runs_find(runs, row, at[0]);
+    for (size_t i = at[0]; i < behind; run++) {
+        size_t next = run + 1 < end ? smaller(runs->starts[run + 1], behind) : behind;
+        add_run(census, runs->objects[run], (const size_t[]){i, at[1], at[2]}, next - i);
+        i = next;
     }
-#endif
-    while (run < count && volume_object(volume, first + run) == object) {
-        run++;
-    }
-    return smaller(run, count);
 }
 
 static void add_areas(void *user, const struct volume *volume, const size_t at[3], size_t count)
 {
-    struct census *census = user;
+    const struct areas *areas = user;
+    areas->labels->counted += count;
+    if (areas->labels->runs.rows) {
+        add_runs(areas->census, &areas->labels->runs, volume, at, count);
+        return;
+    }
     size_t first = at[0] + volume->info.dim[0] * (at[1] + volume->info.dim[1] * at[2]);
     for (size_t done = 0; done < count;) {
         uint32_t object = volume_object(volume, first + done);
-        size_t run = run_of(volume, first + done, count - done);
-        add_run(census, object, (const size_t[]){at[0] + done, at[1], at[2]}, run);
+        size_t run = label_run_length(volume, first + done, count - done);
+        add_run(areas->census, object, (const size_t[]){at[0] + done, at[1], at[2]}, run);
         done += run;
     }
 }
@@ -279,6 +292,21 @@ static int ascending(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
+/* Finds the runs when as many voxels have been counted without as the volume has, which takes about as long. */
+static void count_areas(struct census *census, const struct region *region, const struct volume *volume,
+                        struct census_labels *labels)
+{
+    if (labels->counted >= volume->voxel_count && !labels->tried) {
+        label_runs_init(&labels->runs, volume);
+        labels->tried = true;
+    }
+    struct areas areas = {.census = census, .labels = labels};
+    const struct census_box all = whole_box(volume);
+    struct walk walk = {.region = region, .volume = volume, .row = add_areas, .user = &areas, .box = &all};
+    walk.reads_labels = !labels->runs.rows;
+    walk_slices(&walk);
+}
+
 static void forget(struct census *census)
 {
     for (size_t i = 0; i < census->touched_count; i++) {
@@ -294,7 +322,7 @@ void census_take(struct census *census, const conus_atlas *atlas, const struct r
     for (size_t i = 0; i < atlas->volume_count; i++) {
         const struct volume *volume = &atlas->volumes[i];
         if (volume->info.role == CONUS_ROLE_PARCELLATION) {
-            census_walk(region, volume, add_areas, census);
+            count_areas(census, region, volume, &census->labels[i]);
         } else if (volume_is_scalar(volume) && volume_can_be_hit(volume)) {
             census_walk_box(region, volume, &census->boxes[i], add_values, census);
         }

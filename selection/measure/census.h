@@ -6,6 +6,7 @@
 #define CONUS_SELECTION_MEASURE_CENSUS_H
 
 #include "atlas/atlas.h"
+#include "selection/measure/label_runs.h"
 #include "selection/measure/region.h"
 
 /** @p count voxels of @p volume in the region, from indices @p at on along i. */
@@ -31,13 +32,21 @@ struct census_count {
     double moment[3];      /**< Sums of value times i, j, k.                                                */
 };
 
+/** How the labels of a parcellation are read. */
+struct census_labels {
+    struct label_runs runs; /**< Where there are any.                 */
+    size_t counted;         /**< Voxels that have been, in all regions. */
+    bool tried;             /**< To find the runs.                    */
+};
+
 /** Counts of all objects, kept between regions, so that a query costs what it holds and not what the atlas has. */
 struct census {
     struct census_count *counts; /**< [object_count + 1]; [0]: voxels of the parcellation that are no object's. */
     uint32_t *touched;           /**< Objects with voxels, in ascending order; 0 is not among them.         */
     size_t touched_count;
     struct census_box *boxes; /**< [volume_count] around the voxels of a scalar volume's object: pathways are thin. */
-    size_t object_count;
+    struct census_labels *labels; /**< [volume_count] of a parcellation. */
+    size_t object_count, volume_count;
 };
 
 /** Reserves capacity for the objects of @p atlas; a zeroed census is ready for it. */

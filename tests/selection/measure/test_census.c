@@ -257,6 +257,89 @@ static void test_results_are_sums_over_voxels(void **unused)
     }
 }
 
+/* ---- Runs of labels ----------------------------------------------------------------------------------------- */
+
+/* Blocks of voxels, with the corner's voxel of some rows in an object of its own; every second volume is so fine that
+ * runs would take more than labels. */
+static conus_atlas *blocks(uint64_t *state, bool fine)
+{
+    size_t dim[3];
+    for (int a = 0; a < 3; a++) {
+        dim[a] = (size_t)test_random(state, 20, 60);
+    }
+    const conus_volume_info grid = scene_plain_grid(dim, NULL);
+    uint32_t *labels = memory_zeroed(dim[0] * dim[1] * dim[2], sizeof *labels);
+    assert_non_null(labels);
+    size_t width = fine ? 1 : (size_t)test_random(state, 14, 40);
+    for (size_t v = 0; v < dim[0] * dim[1] * dim[2]; v++) {
+        size_t i = v % dim[0];
+        size_t row = v / dim[0];
+        labels[v] = i == 0 && row % 5 == 0 ? 9 : (uint32_t)(i / width + row / 7) % 4;
+    }
+    conus_atlas *atlas = scene_parcellation(&grid, labels);
+    memory_free(labels);
+    return atlas;
+}
+
+static conus_status find_runs_and_finish(void *data)
+{
+    struct label_runs runs;
+    label_runs_init(&runs, data);
+    conus_status status = runs.rows ? CONUS_OK : CONUS_ERROR_MEMORY;
+    label_runs_finish(&runs);
+    return status;
+}
+
+static void test_runs_are_labels(void **unused)
+{
+    (void)unused;
+    uint64_t state = 8;
+    for (int scene = 0; scene < 20; scene++) {
+        conus_atlas *atlas = blocks(&state, scene % 2);
+        struct volume *volume = &atlas->volumes[0];
+        struct label_runs runs;
+        label_runs_init(&runs, volume);
+        assert_int_equal(runs.rows != NULL, scene % 2 == 0);
+        for (size_t v = 0; v < volume->voxel_count && runs.rows; v++) {
+            size_t run = label_runs_find(&runs, v / volume->info.dim[0], v % volume->info.dim[0]);
+            assert_int_equal(runs.objects[run], volume_object(volume, v));
+        }
+        label_runs_finish(&runs);
+        if (scene == 0) {
+            test_every_allocation(find_runs_and_finish, volume);
+        }
+        conus_atlas_destroy(atlas);
+    }
+}
+
+/* One census that has counted enough to find the runs, and one that has not. */
+static void test_runs_count_alike(void **unused)
+{
+    (void)unused;
+    uint64_t state = 9;
+    conus_atlas *atlas = blocks(&state, false);
+    struct census by_runs = {0};
+    assert_ok(census_prepare(&by_runs, atlas));
+    for (int i = 0; i < 300; i++) {
+        struct cone cone = {.pose = scene_pose(&state, atlas), .angle = random_angle(&state), .resolution = 16};
+        struct region region = random_region(&state, &cone);
+        struct census fresh = {0};
+        assert_ok(census_prepare(&fresh, atlas));
+        census_take(&by_runs, atlas, &region);
+        census_take(&fresh, atlas, &region);
+        assert_null(fresh.labels[0].runs.rows);
+        assert_int_equal(by_runs.touched_count, fresh.touched_count);
+        for (size_t object = 0; object <= atlas->object_count; object++) {
+            assert_int_equal(by_runs.counts[object].voxels, fresh.counts[object].voxels);
+            assert_memory_equal(by_runs.counts[object].index, fresh.counts[object].index, sizeof fresh.counts->index);
+        }
+        census_finish(&fresh);
+    }
+    assert_non_null(by_runs.labels[0].runs.rows);
+    census_finish(&by_runs);
+    conus_atlas_destroy(atlas);
+}
+
 /* ---- Many labels, little memory ----------------------------------------------------------------------------- */
 
 enum { MANY = 72783, MANY_EDGE = 42 };
@@ -331,6 +414,8 @@ int main(void)
         cmocka_unit_test(test_walk_is_predicate),
         cmocka_unit_test(test_kernels_agree),
         cmocka_unit_test(test_results_are_sums_over_voxels),
+        cmocka_unit_test(test_runs_are_labels),
+        cmocka_unit_test(test_runs_count_alike),
         cmocka_unit_test(test_many_areas),
         cmocka_unit_test(test_memory),
         cmocka_unit_test(test_bad_regions),
