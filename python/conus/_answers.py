@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ._space import Space
 
 Array = np.ndarray[Any, Any]
-_KINDS = np.array(["error", "area", "pathway", "unassigned"], object)
+_KINDS = np.array(["error", "area", "pathway", "unassigned", "bundle"], object)
 
 
 def _own_frame(atlas: Any) -> Optional[Array]:
@@ -42,6 +42,10 @@ def _own_points(atlas: Atlas, points: Array) -> Optional[Array]:
     return None if matrix is None else points @ matrix[:3, :3].T + matrix[:3, 3]
 
 
+def kind_word(kind: int) -> str:
+    return str(_KINDS[kind])
+
+
 class Objects:
     """Names and sRGB colours of an atlas's objects, by their numbers; entry 0 is "unassigned"."""
 
@@ -52,6 +56,8 @@ class Objects:
         self.abbreviations = np.array([""] + [text(o.abbreviation) for o in objects], object)
         self.labels = np.array([0] + [o.label for o in objects], np.uint32)
         self.colours = np.array([[0xBB] * 3] + [list(o.rgb) for o in objects], np.uint8)
+        shown = (o for i, o in enumerate(objects, 1) if not lib.conus_atlas_is_hidden(atlas, i))
+        self.has_bundles = any(o.kind == lib.CONUS_KIND_BUNDLE for o in shown)
         self.is_warped = bool(lib.conus_atlas_is_warped(atlas))
         self.own_from_world = None if self.is_warped else _own_frame(atlas)
 
@@ -136,7 +142,18 @@ def _columns(atlas: Atlas, results: Array, layers: bool, space: Optional[Space])
         columns.update(points_of("centroid_", results["centroid"], space))
         with np.errstate(invalid="ignore"):
             columns["unoccluded"] = results["pixels"] / np.where(results["pierced"], results["pierced"], np.nan)
+        if atlas.objects.has_bundles:
+            columns.update(_bundle_columns(results, space))
     columns["contact_value"] = results["contact_value"]
+    return columns
+
+
+def _bundle_columns(results: Array, space: Optional[Space]) -> dict[str, Any]:
+    """Of streamlines; 0 where the counts are n/a."""
+    columns = {"streamlines": results["streamlines"], "streamlines_total": results["streamlines_total"]}
+    columns["length_mm"] = results["length"]
+    columns.update(points_of("near_", results["near"], space))
+    columns["along"] = results["along"]
     return columns
 
 
@@ -163,7 +180,7 @@ class Hit:
     """One object in the cone, or last of all what hit nothing ("unassigned")."""
 
     name: str
-    kind: str  #: "area", "pathway" or "unassigned"
+    kind: str  #: "area", "pathway", "bundle" or "unassigned"
     index: int  #: the atlas's own label; 0 of unassigned
     rank: int  #: from 1; 0 of unassigned
     score: float  #: by which it is ranked; higher is better

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Callable, Iterable, Mapping, NamedTuple, 
 
 import numpy as np
 
-from ._answers import Answers, Array, Jitter, Objects, Overlap, Selection, Sweep, Track
+from ._answers import Answers, Array, Jitter, Objects, Overlap, Selection, Sweep, Track, kind_word
 from ._conus import ffi, lib
 from ._library import (
     RESULT,
@@ -993,7 +993,7 @@ class Atlas:
         entries = [lib.conus_atlas_object(self._p, i) for i in range(1, len(self) + 1)]
         return pandas.DataFrame(
             {
-                "kind": ["pathway" if e.kind == lib.CONUS_KIND_PATHWAY else "area" for e in entries],
+                "kind": [kind_word(e.kind) for e in entries],
                 "index": [e.label for e in entries],
                 "name": [text(e.name) for e in entries],
                 "abbreviation": [text(e.abbreviation) for e in entries],

@@ -82,6 +82,12 @@ static double by_unoccluded(const conus_result *result, const struct score_view 
     return result->pierced ? clamp((double)result->pixels / result->pierced) : 0;
 }
 
+static double by_streamlines(const conus_result *result, const struct score_view *view)
+{
+    (void)view;
+    return result->streamlines_total ? (double)result->streamlines / (double)result->streamlines_total : 0;
+}
+
 static double by_intenselect(const conus_result *result, const struct score_view *view)
 {
     const struct memory *memory = memory_of(result, view);
@@ -137,6 +143,10 @@ static const struct score scores[] = {
      .value = by_proximity},
     {{.name = "unoccluded", .description = "part of its pixels that nothing hides, 0 to 1", .needs_layers = true},
      .value = by_unoccluded},
+    {{.name = "streamlines",
+      .description = "part of a bundle's streamlines that come into the cone, 0 to 1",
+      .needs_layers = true},
+     .value = by_streamlines},
     {{.name = "intenselect",
       .description = "IntenSelect: closeness to the axis, filtered in time",
       .needs_history = true},

@@ -2,6 +2,7 @@
 /* The tables of columns of all kinds of reports, and how a cell is read from a row. */
 #include "selection/report/report_columns.h"
 
+#include "atlas/bundles.h"
 #include "atlas/placement.h"
 #include "base/math3.h"
 
@@ -93,6 +94,18 @@ static struct cell get_atlas(const conus_report *report, const struct report_row
     return text_cell(report->name);
 }
 
+static struct cell get_streamlines(const conus_report *report, const struct report_row *row)
+{
+    (void)report;
+    return row->result.kind == CONUS_KIND_BUNDLE ? integer_cell(row->result.streamlines) : no_cell();
+}
+
+static struct cell get_streamlines_total(const conus_report *report, const struct report_row *row)
+{
+    (void)report;
+    return row->result.kind == CONUS_KIND_BUNDLE ? integer_cell(row->result.streamlines_total) : no_cell();
+}
+
 /* Behind the first of a report that has a name. */
 static const struct report_column atlas_column = {"atlas", NULL, "name of the atlas that is asked", .get = get_atlas};
 
@@ -142,6 +155,20 @@ static const struct report_column answer_columns[] = {
     {"centroid_z", "mm", "the same, z", OF_ROW(Z, result.centroid), .needs = NEEDS_LAYERS, .layers_only = true},
     {"unoccluded", NULL, "pixels that hit it first, as a part of those that pierce it", .get = get_unoccluded,
      .needs = NEEDS_LAYERS, .layers_only = true},
+    {"streamlines", NULL, "of a bundle: its streamlines that come into the cone", .get = get_streamlines,
+     .needs = NEEDS_LAYERS, .layers_only = true, .bundles_only = true},
+    {"streamlines_total", NULL, "of a bundle: all of its streamlines", .get = get_streamlines_total,
+     .needs = NEEDS_LAYERS, .layers_only = true, .bundles_only = true},
+    {"length_mm", "mm", "length of the parts of its streamlines in the cone", OF_ROW(NUMBER, result.length),
+     .needs = NEEDS_LAYERS, .layers_only = true, .bundles_only = true},
+    {"near_x", "mm", "the point of these parts that is nearest to the apex, x", OF_ROW(X, result.near),
+     .needs = NEEDS_LAYERS, .layers_only = true, .bundles_only = true},
+    {"near_y", "mm", "the same, y", OF_ROW(Y, result.near), .needs = NEEDS_LAYERS, .layers_only = true,
+     .bundles_only = true},
+    {"near_z", "mm", "the same, z", OF_ROW(Z, result.near), .needs = NEEDS_LAYERS, .layers_only = true,
+     .bundles_only = true},
+    {"along", NULL, "how far along its streamline that is, 0 to 1 of its length, in the direction of the bundle",
+     OF_ROW(NUMBER, result.along), .needs = NEEDS_LAYERS, .layers_only = true, .bundles_only = true},
     {"contact_value", NULL,
      "value of the voxel at the contact, of a pathway, or probability there of an area of probabilities",
      OF_ROW(NUMBER, result.contact_value)},
@@ -405,9 +432,19 @@ static void list_column(struct report_columns *out, const struct report_column *
     out->at[out->count++] = column;
 }
 
+/* Of one that is joined, too. */
+static bool has_bundles(const conus_report *report)
+{
+    while (report && !atlas_has_bundles(report->atlas)) {
+        report = report->next;
+    }
+    return report;
+}
+
 static bool has_column(const conus_report *report, const struct report_column *column)
 {
-    return (report->selector.layers || !column->layers_only) && (report->atlas->is_moved || !column->moved_only);
+    return (report->selector.layers || !column->layers_only) && (report->atlas->is_moved || !column->moved_only) &&
+           (!column->bundles_only || has_bundles(report));
 }
 
 static void list_table(struct report_columns *out, const conus_report *report, const struct report_column *table,

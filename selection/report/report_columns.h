@@ -42,11 +42,12 @@ struct report_column {
     const char *units; /**< NULL if it has none. */
     const char *description;
     enum column_type type;
-    size_t offset;    /**< Of the value in struct report_row, */
-    bool of_query;    /**< or in struct report_query.         */
-    unsigned needs;   /**< enum column_needs */
-    bool layers_only; /**< Only in reports of all layers. */
-    bool moved_only;  /**< Only of an atlas that was moved. */
+    size_t offset;     /**< Of the value in struct report_row, */
+    bool of_query;     /**< or in struct report_query.         */
+    unsigned needs;    /**< enum column_needs */
+    bool layers_only;  /**< Only in reports of all layers. */
+    bool moved_only;   /**< Only of an atlas that was moved. */
+    bool bundles_only; /**< Only where an atlas has bundles. */
     struct cell (*get)(const conus_report *report, const struct report_row *row);
 };
 

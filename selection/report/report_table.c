@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The table of answers for people, aligned, with units; and what all tables for people have in common. */
 #include "selection/report/report_table.h"
-#include "atlas/atlas.h"
+#include "atlas/bundles.h"
 #include "base/math3.h"
 #include "base/memory.h"
 #include "selection/report/report_writers.h"
@@ -219,6 +219,29 @@ static void write_visible_header(struct buffer *out, const conus_report *report,
                   conus_space_unit(report->frame.space));
 }
 
+/* What bundles have behind other columns, where there are bundles; then the line's end. */
+static void end_result(struct buffer *out, const conus_result *result)
+{
+    char counts[48];
+    if (result->kind == CONUS_KIND_BUNDLE) {
+        snprintf(counts, sizeof counts, "%llu of %llu", (unsigned long long)result->streamlines,
+                 (unsigned long long)result->streamlines_total);
+        buffer_format(out, "  %18s", counts);
+        write_number(out, 9, 1, result->length, "");
+        write_number(out, 6, 2, result->along, "");
+    }
+    buffer_text(out, "\n");
+}
+
+static void end_header(struct buffer *out, const conus_report *report, const char *streamlines, const char *length,
+                       const char *along)
+{
+    if (atlas_has_bundles(report->atlas)) {
+        buffer_format(out, "  %18s  %9s  %6s", streamlines, length, along);
+    }
+    buffer_text(out, "\n");
+}
+
 static void write_layers_result(struct buffer *out, const conus_report *report, const conus_result *result, int width)
 {
     write_label(out, report, result, width);
@@ -231,17 +254,18 @@ static void write_layers_result(struct buffer *out, const conus_report *report, 
         write_number(out, 6, 2, 100 * result->fraction, " %");
         write_number(out, 9, 4, result->mean_value, "");
     }
-    buffer_text(out, "\n");
+    end_result(out, result);
 }
 
 static void write_layers_header(struct buffer *out, const conus_report *report, int width)
 {
-    (void)report;
-    static const char form[] = "%4s  %-*s  %10s  %8s  %6s  %7s  %8s  %8s  %7s  %9s  %8s  %9s\n";
+    static const char form[] = "%4s  %-*s  %10s  %8s  %6s  %7s  %8s  %8s  %7s  %9s  %8s  %9s";
     buffer_format(out, form, "rank", width, "name", "label", "share", "pixels", "pixels", "enters", "leaves", "inside",
                   "volume", "of whole", "mean");
+    end_header(out, report, "streamlines", "length", "along");
     buffer_format(out, form, "", width, "", "", "of cone", "seen", "pierced", "mm", "mm", "mm", "mm^3", "area",
                   "value");
+    end_header(out, report, "in the cone", "mm", "bundle");
 }
 
 void table_write_error(struct buffer *out, const struct report_query *query, bool more)
@@ -266,17 +290,19 @@ static void write_ball_result(struct buffer *out, const conus_report *report, co
         write_number(out, 7, table_digits(report), contact[1], "");
         write_number(out, 7, table_digits(report), contact[2], "");
     }
-    buffer_text(out, "\n");
+    end_result(out, result);
 }
 
 static void write_ball_header(struct buffer *out, const conus_report *report, int width)
 {
     char axes[TABLE_AXES_SIZE];
-    static const char form[] = "%4s  %-*s  %10s  %8s  %8s  %9s  %8s  %9s  %8s  %26s\n";
+    static const char form[] = "%4s  %-*s  %10s  %8s  %8s  %9s  %8s  %9s  %8s  %26s";
     buffer_format(out, form, "rank", width, "name", "label", "share", "voxels", "volume", "of whole", "mean",
                   "distance", table_axes(axes, report, "nearest point"));
+    end_header(out, report, "streamlines", "length", "along");
     buffer_format(out, form, "", width, "", "", "of ball", "", "mm^3", "area", "value", "mm",
                   conus_space_unit(report->frame.space));
+    end_header(out, report, "in the ball", "mm", "bundle");
 }
 
 /* The table of one kind of query. */

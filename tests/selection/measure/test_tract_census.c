@@ -7,62 +7,16 @@
 #include "selection/measure/region_segment.h"
 #include "selection/measure/tract_census.h"
 #include "test.h"
+#include "tract_scene.h"
 
 #include <string.h>
 
 /* ---- Tractograms -------------------------------------------------------------------------------------------- */
 
-struct builder {
-    struct tractogram made;
-    size_t point_capacity, first_capacity;
-};
-
-static void begin(struct builder *builder)
-{
-    *builder = (struct builder){.made = {.path = memory_text("made", 4), .radius = 0.5}};
-    assert_true(memory_reserve(&builder->made.first, &builder->first_capacity, 1, sizeof(uint64_t)));
-    builder->made.first[0] = 0;
-}
-
-static void add_point(struct builder *builder, const double point[3])
-{
-    struct tractogram *made = &builder->made;
-    size_t count = made->point_count + 1;
-    assert_true(memory_reserve(&made->points, &builder->point_capacity, count, 3 * sizeof(float)));
-    for (size_t a = 0; a < 3; a++) {
-        made->points[3 * made->point_count + a] = (float)point[a];
-    }
-    made->point_count = count;
-}
-
-static void end_streamline(struct builder *builder)
-{
-    struct tractogram *made = &builder->made;
-    assert_true(memory_reserve(&made->first, &builder->first_capacity, made->streamline_count + 2, sizeof(uint64_t)));
-    made->first[++made->streamline_count] = made->point_count;
-}
-
-static void add_streamline(struct builder *builder, const double (*points)[3], size_t count)
-{
-    for (size_t i = 0; i < count; i++) {
-        add_point(builder, points[i]);
-    }
-    end_streamline(builder);
-}
-
-static void add_group(struct tractogram *to, const char *name, const uint32_t *members, size_t count)
-{
-    to->groups = memory_resize(to->groups, to->group_count + 1, sizeof *to->groups);
-    assert_non_null(to->groups);
-    to->groups[to->group_count++] = (struct tract_group){.name = memory_text(name, strlen(name)),
-                                                         .members = memory_copy(members, count, sizeof *members),
-                                                         .count = count};
-}
-
 /* Walks of 1 mm that turn a little at each step, of 1 to 150 points; some of none, and some that stand still. */
-static void build_walks(struct builder *builder, uint64_t *seed, size_t count)
+static void build_walks(struct tract_builder *builder, uint64_t *seed, size_t count)
 {
-    begin(builder);
+    tract_begin(builder);
     for (size_t k = 0; k < count; k++) {
         size_t points = k % 20 == 3 ? k % 3 : (size_t)test_random(seed, 2, 150);
         double at[3], way[3];
@@ -71,14 +25,14 @@ static void build_walks(struct builder *builder, uint64_t *seed, size_t count)
             way[a] = test_random(seed, -1, 1);
         }
         for (size_t i = 0; i < points; i++) {
-            add_point(builder, at);
+            tract_add_point(builder, at);
             for (int a = 0; a < 3; a++) {
                 way[a] += test_random(seed, -0.2, 0.2);
             }
             assert_true(vec3_normalise(way, way));
             vec3_add_scaled(at, at, k % 20 == 7 ? 0 : 1, way);
         }
-        end_streamline(builder);
+        tract_end_streamline(builder);
     }
 }
 
@@ -86,7 +40,7 @@ static void build_walks(struct builder *builder, uint64_t *seed, size_t count)
 static conus_atlas *walks_atlas(uint64_t *seed, size_t count, bool with_groups)
 {
     conus_atlas *atlas = NULL;
-    struct builder builder;
+    struct tract_builder builder;
     uint32_t *members = memory_raw(count, sizeof *members);
     assert_non_null(members);
     build_walks(&builder, seed, count);
@@ -95,7 +49,7 @@ static conus_atlas *walks_atlas(uint64_t *seed, size_t count, bool with_groups)
         for (uint32_t k = 0; k < count; k += step) {
             members[listed++] = k;
         }
-        add_group(&builder.made, step == 2 ? "second" : "third", members, listed);
+        tract_add_group(&builder.made, step == 2 ? "second" : "third", members, listed);
     }
     memory_free(members);
     assert_ok(atlas_create_empty(&atlas, "none"));
@@ -261,29 +215,6 @@ static conus_result result_of(const conus_selection *selection, uint32_t number)
     return (conus_result){0};
 }
 
-/* Three lines along x at z = 30, y = 0, 3 and 100, of which the second runs the other way, and one of 4 points that
- * does not come near; the cone looks along z. The longest is the last, which runs along x. */
-static conus_atlas *lines_atlas(void)
-{
-    static const double lines[3][2][3] = {
-        {{-50, 0, 30}, {50, 0, 30}}, {{70, 3, 30}, {-30, 3, 30}}, {{-50, 100, 30}, {50, 100, 30}}};
-    static const double bent[4][3] = {{-90, 200, 0}, {0, 200, 0}, {0, 210, 0}, {90, 210, 0}};
-    static const uint32_t members[] = {0, 1, 3};
-    static const uint32_t others[] = {2};
-    conus_atlas *atlas = NULL;
-    struct builder builder;
-    begin(&builder);
-    for (size_t k = 0; k < 3; k++) {
-        add_streamline(&builder, lines[k], 2);
-    }
-    add_streamline(&builder, bent, 4);
-    add_group(&builder.made, "near", members, 3);
-    add_group(&builder.made, "far", others, 1);
-    assert_ok(atlas_create_empty(&atlas, "none"));
-    assert_ok(atlas_add_tractogram(atlas, &builder.made, "rest"));
-    return atlas;
-}
-
 static conus_selection *selection_of(conus_selector **selector, const conus_atlas *atlas,
                                      const conus_selector_options *options, const double origin[3], double degrees)
 {
@@ -300,11 +231,12 @@ static conus_selection *selection_of(conus_selector **selector, const conus_atla
 static void test_lines_in_a_cone(void **state)
 {
     (void)state;
-    conus_atlas *atlas = lines_atlas();
+    conus_atlas *atlas = tract_lines_atlas();
     conus_selector *selector = NULL;
-    const conus_selector_options options = {.layers = CONUS_LAYERS_ALL};
+    const conus_selector_options options = {.layers = CONUS_LAYERS_ALL, .score = "streamlines"};
     conus_selection *selection = selection_of(&selector, atlas, &options, (double[]){0, 0, 0}, 60);
     conus_result result = result_of(selection, 1);
+    assert_near(result.score, 2 / 3.0, 1e-15);
     double rim = 30 * tan(radians_from_degrees(30));
     assert_int_equal(result.kind, CONUS_KIND_BUNDLE);
     assert_int_equal(result.streamlines, 2);
@@ -326,7 +258,7 @@ static void test_lines_in_a_cone(void **state)
 static void test_ways(void **state)
 {
     (void)state;
-    conus_atlas *atlas = lines_atlas();
+    conus_atlas *atlas = tract_lines_atlas();
     conus_selector *selector = NULL;
     const conus_selector_options options = {.layers = CONUS_LAYERS_ALL, .radius = 2};
     conus_selection *selection = selection_of(&selector, atlas, &options, (double[]){0, 3, 0}, 0);
@@ -348,7 +280,7 @@ static void test_ways(void **state)
 static void test_lines_in_a_ball(void **state)
 {
     (void)state;
-    conus_atlas *atlas = lines_atlas();
+    conus_atlas *atlas = tract_lines_atlas();
     conus_selector *selector = NULL;
     conus_selector *shared = NULL;
     conus_selection *selection = NULL;
@@ -374,7 +306,7 @@ static void test_lines_in_a_ball(void **state)
 static void test_hidden_bundles(void **state)
 {
     (void)state;
-    conus_atlas *atlas = lines_atlas();
+    conus_atlas *atlas = tract_lines_atlas();
     conus_selector *selector = NULL;
     const bool hidden[3] = {false, true, false};
     const conus_selector_options options = {.layers = CONUS_LAYERS_ALL};
@@ -409,7 +341,7 @@ static conus_status attempt(void *data)
 static void test_allocations(void **state)
 {
     (void)state;
-    conus_atlas *atlas = lines_atlas();
+    conus_atlas *atlas = tract_lines_atlas();
     test_every_allocation(attempt, atlas);
     conus_atlas_destroy(atlas);
 }
