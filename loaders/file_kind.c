@@ -15,6 +15,7 @@
 #include <string.h>
 #include <strings.h>
 
+#define STREAMLINES "give it as --streamlines"
 #define TRACTS "make a volume of its density, for --pathway"
 #define FOREIGN "convert it to NIfTI"
 #define TIFF "a stack of TIFF pages"
@@ -45,8 +46,8 @@ static const struct {
     struct file_kind kind;
 } magics[] = {
 #define MAGIC(text) (text), sizeof(text) - 1
-    {MAGIC("TRACK\0"), {"a TrackVis tractogram", TRACTS}},
-    {MAGIC("mrtrix tracks"), {"an MRtrix tractogram", TRACTS}},
+    {MAGIC("TRACK\0"), {"a TrackVis tractogram", STREAMLINES}},
+    {MAGIC("mrtrix tracks"), {"an MRtrix tractogram", STREAMLINES}},
     {MAGIC("mrtrix image"), {"an MRtrix image", FOREIGN " (mrconvert)"}},
     {MAGIC("CDF\1"), {"a MINC-1 volume", FOREIGN " (mnc2nii)"}},
     {MAGIC("CDF\2"), {"a MINC-1 volume", FOREIGN " (mnc2nii)"}},
@@ -92,8 +93,8 @@ static const struct {
     {".annot", {"a FreeSurfer annotation", "give it as --labels, and the surface as ATLAS"}},
     {".BRIK", {"the voxels of an AFNI data set", "give its .HEAD as ATLAS, --pathway or --context"}},
     {".dcm", {"a DICOM file", "convert its series to NIfTI (dcm2niix)"}},
-    {".trk", {"a tractogram", TRACTS}},
-    {".tck", {"a tractogram", TRACTS}},
+    {".trk", {"a tractogram", STREAMLINES}},
+    {".tck", {"a tractogram", STREAMLINES}},
     {".stl", {"an STL surface", "give it as ATLAS"}},
     {".obj", {"an OBJ surface", "give it as ATLAS"}},
     {".lut", {"a table of colours", "put it beside the volume as X.lut"}},

@@ -3,6 +3,7 @@
 #include "cli/answers/aligned.h"
 #include "cli/answers/info_json.h"
 #include "cli/answers/info_place.h"
+#include "cli/answers/info_tracts.h"
 #include "cli/answers/info_tree.h"
 #include "cli/commands.h"
 #include "common/messages.h"
@@ -227,7 +228,9 @@ struct column {
 static void put_kind(FILE *out, const conus_atlas *atlas, const conus_object *object)
 {
     (void)atlas;
-    fputs(object->kind == CONUS_KIND_AREA ? "area" : "pathway", out);
+    static const char *const kinds[] = {
+        [CONUS_KIND_AREA] = "area", [CONUS_KIND_PATHWAY] = "pathway", [CONUS_KIND_BUNDLE] = "bundle"};
+    fputs(kinds[object->kind], out);
 }
 
 static void put_index(FILE *out, const conus_atlas *atlas, const conus_object *object)
@@ -278,7 +281,7 @@ static void put_color(FILE *out, const conus_atlas *atlas, const conus_object *o
 static void put_voxels(FILE *out, const conus_atlas *atlas, const conus_object *object)
 {
     (void)atlas;
-    if (object->triangles) {
+    if (object->triangles || object->kind == CONUS_KIND_BUNDLE) {
         fputs("n/a", out);
     } else {
         fprintf(out, "%llu", (unsigned long long)object->voxels);
@@ -304,10 +307,20 @@ static void put_closed(FILE *out, const conus_atlas *atlas, const conus_object *
 static void put_mm3(FILE *out, const conus_atlas *atlas, const conus_object *object)
 {
     (void)atlas;
-    if (object->triangles && object->volume_mm3 == 0) {
+    if ((object->triangles && object->volume_mm3 == 0) || object->kind == CONUS_KIND_BUNDLE) {
         fputs("n/a", out);
     } else {
         fprintf(out, "%.9g", object->volume_mm3);
+    }
+}
+
+static void put_streamlines(FILE *out, const conus_atlas *atlas, const conus_object *object)
+{
+    (void)atlas;
+    if (object->kind == CONUS_KIND_BUNDLE) {
+        fprintf(out, "%" PRIu64, object->streamlines);
+    } else {
+        fputs("n/a", out);
     }
 }
 
@@ -323,18 +336,25 @@ static const struct column columns[] = {
     {"triangles", true, put_triangles},
     {"closed", false, put_closed},
     {"volume_mm3", true, put_mm3},
+    {"streamlines", true, put_streamlines}, /* the last one, only with bundles */
 };
 
 enum { COLUMN_COUNT = sizeof columns / sizeof columns[0] };
 
+static size_t column_count(const conus_atlas *atlas)
+{
+    return conus_atlas_tractogram_count(atlas) ? COLUMN_COUNT : COLUMN_COUNT - 1;
+}
+
 static void put_tsv(FILE *out, const conus_atlas *atlas)
 {
-    for (size_t c = 0; c < COLUMN_COUNT; c++) {
+    size_t count = column_count(atlas);
+    for (size_t c = 0; c < count; c++) {
         fprintf(out, "%s%s", c ? "\t" : "", columns[c].name);
     }
     fputc('\n', out);
     for (size_t i = 1; i <= conus_atlas_object_count(atlas); i++) {
-        for (size_t c = 0; c < COLUMN_COUNT; c++) {
+        for (size_t c = 0; c < count; c++) {
             fputs(c ? "\t" : "", out);
             columns[c].put(out, atlas, conus_atlas_object(atlas, i));
         }
@@ -343,13 +363,13 @@ static void put_tsv(FILE *out, const conus_atlas *atlas)
 }
 
 /* Sets out the tab-separated lines in columns. */
-static void put_aligned(FILE *out, const char *tsv)
+static void put_aligned(FILE *out, const char *tsv, size_t count)
 {
     bool right[COLUMN_COUNT];
     for (size_t c = 0; c < COLUMN_COUNT; c++) {
         right[c] = columns[c].right;
     }
-    aligned_put(out, tsv, COLUMN_COUNT, right);
+    aligned_put(out, tsv, count, right);
 }
 
 static size_t count_objects(const conus_atlas *atlas, bool (*which)(const conus_object *))
@@ -364,6 +384,11 @@ static size_t count_objects(const conus_atlas *atlas, bool (*which)(const conus_
 static bool is_area(const conus_object *object)
 {
     return object->kind == CONUS_KIND_AREA;
+}
+
+static bool is_bundle(const conus_object *object)
+{
+    return object->kind == CONUS_KIND_BUNDLE;
 }
 
 static bool is_nameless(const conus_object *object)
@@ -422,16 +447,21 @@ static int put_table(FILE *out, const conus_atlas *atlas, const conus_installed 
     put_installed(out, installed);
     put_volumes(out, atlas);
     put_surfaces(out, atlas);
+    info_tracts_put(out, atlas);
     put_around(out, atlas);
     put_ccf(out, atlas);
     info_place_put(out, atlas);
     put_notes(out, atlas);
-    size_t pathways = conus_atlas_object_count(atlas) - areas;
-    fprintf(out, "\n%zu area%s (%zu without a name, %zu without a shape), %zu pathway%s\n", areas,
-            areas == 1 ? "" : "s", count_objects(atlas, is_nameless), count_objects(atlas, is_empty), pathways,
-            pathways == 1 ? "" : "s");
+    size_t bundles = count_objects(atlas, is_bundle);
+    size_t pathways = conus_atlas_object_count(atlas) - areas - bundles;
+    fprintf(out, "\n%zu area%s (%zu without a name, %zu without a shape), %zu pathway%s", areas, areas == 1 ? "" : "s",
+            count_objects(atlas, is_nameless), count_objects(atlas, is_empty), pathways, pathways == 1 ? "" : "s");
+    if (bundles) {
+        fprintf(out, ", %zu bundle%s", bundles, bundles == 1 ? "" : "s");
+    }
+    fputc('\n', out);
     put_tree_size(out, atlas);
-    put_aligned(out, tsv);
+    put_aligned(out, tsv, column_count(atlas));
     free(tsv);
     return EXIT_DONE;
 }

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Loads the atlas and its pathways, and finds out whether a file is one of them. */
+/* Loads the atlas, its pathways and streamlines, and finds out whether a file is one of them. */
 #include "settings/atlas_input.h"
 
 #include "common/messages.h"
 #include "common/output.h"
 #include "settings/atlas_name.h"
 #include "settings/pathway_option.h"
+#include "settings/streamlines_option.h"
 #include "settings/transform_option.h"
 
 #include <limits.h>
@@ -79,6 +80,64 @@ static int add_pathways(conus_atlas *atlas, const struct pathway_option *pathway
     return code;
 }
 
+static int add_streamlines(conus_atlas *atlas, const struct streamlines_option *options,
+                           const struct progress *progress)
+{
+    const struct atlas_settings *settings = progress->settings;
+    size_t count = settings->streamlines.count;
+    size_t total = progress->total + progress->more;
+    int code = EXIT_DONE;
+    for (size_t i = 0; !code && i < count; i++) {
+        const conus_streamlines_options wanted = {
+            .radius = options[i].radius, .name = options[i].name, .max_memory = settings->max_memory};
+        if (settings->progress &&
+            !settings->progress(settings->progress_user, options[i].path, total - count + i, total)) {
+            return EXIT_DATA;
+        }
+        conus_status status = conus_atlas_add_streamlines(atlas, options[i].path, &wanted);
+        code = status ? print_status(status) : EXIT_DONE;
+    }
+    return code;
+}
+
+/* What the command line adds to the atlas. */
+struct additions {
+    struct pathway_option *pathways;        /* as many as there are options */
+    struct streamlines_option *streamlines; /* the same */
+    size_t files;
+};
+
+static void additions_finish(struct additions *additions, const struct atlas_settings *settings)
+{
+    for (size_t i = 0; additions->pathways && i < settings->pathways.count; i++) {
+        pathway_option_finish(&additions->pathways[i]);
+    }
+    for (size_t i = 0; additions->streamlines && i < settings->streamlines.count; i++) {
+        streamlines_option_finish(&additions->streamlines[i]);
+    }
+    free(additions->pathways);
+    free(additions->streamlines);
+}
+
+/* Gives the exit code; `out` is the caller's to additions_finish() in any case. */
+static int additions_parse(struct additions *out, const struct atlas_settings *settings)
+{
+    size_t count = settings->streamlines.count;
+    out->pathways = calloc(settings->pathways.count + 1, sizeof *out->pathways);
+    out->streamlines = calloc(count + 1, sizeof *out->streamlines);
+    if (!out->pathways || !out->streamlines) {
+        print_error_line("not enough memory");
+        return EXIT_DATA;
+    }
+    size_t files = parse_pathways(out->pathways, &settings->pathways);
+    bool parsed = files != SIZE_MAX;
+    for (size_t i = 0; i < count && parsed; i++) {
+        parsed = streamlines_option_parse(&out->streamlines[i], settings->streamlines.items[i]);
+    }
+    out->files = files + count;
+    return parsed ? EXIT_DONE : EXIT_USAGE;
+}
+
 /* The option's lists as one; NULL if it was not given, or without memory. */
 static char *join_lists(const struct option_list *lists)
 {
@@ -119,7 +178,7 @@ static int set_hemispheres(conus_atlas *atlas, const char *path, const struct at
     return status ? print_status(status) : EXIT_DONE;
 }
 
-static int load_named(conus_atlas **out, const struct atlas_name *name, const struct pathway_option *pathways,
+static int load_named(conus_atlas **out, const struct atlas_name *name, const struct additions *additions,
                       struct progress progress)
 {
     const struct atlas_settings *settings = progress.settings;
@@ -137,7 +196,8 @@ static int load_named(conus_atlas **out, const struct atlas_name *name, const st
     }
     int code = set_hemispheres(atlas, name->path, settings);
     code = code ? code : transform_options_apply(atlas, &settings->transforms, settings->max_memory);
-    code = code ? code : add_pathways(atlas, pathways, &progress);
+    code = code ? code : add_pathways(atlas, additions->pathways, &progress);
+    code = code ? code : add_streamlines(atlas, additions->streamlines, &progress);
     code = code || !(settings->only.count + settings->hide.count) ? code : show_objects(atlas, settings);
     if (code) {
         conus_atlas_destroy(atlas);
@@ -150,20 +210,12 @@ static int load_named(conus_atlas **out, const struct atlas_name *name, const st
 int settings_load_atlas(conus_atlas **out, const char *path, const struct atlas_settings *settings)
 {
     struct atlas_name name = {0};
-    size_t count = settings->pathways.count;
-    struct pathway_option *pathways = calloc(count + 1, sizeof *pathways);
-    if (!pathways) {
-        print_error_line("not enough memory");
-        return EXIT_DATA;
-    }
-    size_t files = parse_pathways(pathways, &settings->pathways);
-    int code = files == SIZE_MAX ? EXIT_USAGE : atlas_name_find(&name, path);
-    code = code ? code : load_named(out, &name, pathways, (struct progress){settings, 0, files});
+    struct additions additions = {0};
+    int code = additions_parse(&additions, settings);
+    code = code ? code : atlas_name_find(&name, path);
+    code = code ? code : load_named(out, &name, &additions, (struct progress){settings, 0, additions.files});
     atlas_name_finish(&name);
-    for (size_t i = 0; i < count; i++) {
-        pathway_option_finish(&pathways[i]);
-    }
-    free(pathways);
+    additions_finish(&additions, settings);
     return code;
 }
 
@@ -249,6 +301,12 @@ const char *settings_input(const conus_atlas *atlas, const struct input *inputs,
         const conus_volume_info *info = conus_atlas_volume(atlas, i);
         if (paths_equal(info->path, path)) {
             return roles[info->role];
+        }
+    }
+    for (size_t i = 0; i < conus_atlas_tractogram_count(atlas); i++) {
+        conus_tractogram_info info = CONUS_TRACTOGRAM_INFO_INIT;
+        if (!conus_atlas_tractogram(&info, atlas, i) && paths_equal(info.path, path)) {
+            return "a tractogram";
         }
     }
     for (; inputs->what; inputs++) {

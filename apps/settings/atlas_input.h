@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Loads the atlas, its pathways and its context as the options say, and keeps outputs off their files. */
+/** @file Loads the atlas, its pathways, streamlines and context as the options say, and keeps outputs off their files.
+ */
 #ifndef CONUS_SETTINGS_ATLAS_INPUT_H
 #define CONUS_SETTINGS_ATLAS_INPUT_H
 
 #include "settings/settings.h"
 
-/** Loads the atlas, a path or the name of an installed one, and adds its pathways. Returns the exit code and prints an
- * error unless it is 0, or the settings' progress cancelled. */
+/** Loads the atlas, a path or the name of an installed one, and adds its pathways and streamlines. Returns the exit
+ * code and prints an error unless it is 0, or the settings' progress cancelled. */
 int settings_load_atlas(conus_atlas **out, const char *path, const struct atlas_settings *settings);
 
 /** Sets the context, unless @p path is NULL; @p blocks 0 = it does not block. Gives the exit code likewise. */

@@ -138,7 +138,7 @@ int atlases_load_at(struct atlases *atlases, size_t index, const struct atlas_se
     if (index) {
         own.labels = NULL;
         own.probability = 0;
-        own.pathways = own.only = own.hide = (struct option_list){0};
+        own.pathways = own.streamlines = own.only = own.hide = (struct option_list){0};
     }
     return settings_load_atlas(&item->atlas, item->given, &own);
 }

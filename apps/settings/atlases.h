@@ -27,7 +27,8 @@ const char *atlases_prefix(char out[ATLAS_PREFIX_SIZE], const struct named_atlas
 int atlases_load(struct atlases *out, const char *path, const struct atlas_settings *settings);
 /** Only finds out what they are called; then each is to be loaded, or put there. Gives the exit code likewise. */
 int atlases_name(struct atlases *out, const char *path, const struct atlas_settings *settings);
-/** Loads one of them. --labels, --pathway, --only and --hide are only of the first. Gives the exit code likewise. */
+/** Loads one of them. --labels, --pathway, --streamlines, --only and --hide are only of the first. Gives the exit code
+ * likewise. */
 int atlases_load_at(struct atlases *atlases, size_t index, const struct atlas_settings *settings);
 void atlases_finish(struct atlases *atlases);
 

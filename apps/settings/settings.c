@@ -65,6 +65,13 @@ const struct option atlas_options[] = {
          "add a scalar map as a pathway; keys: threshold=T (voxels with values of at least T belong to it; default a "
          "quarter of the file's scale), name=S, volume=K (of a 4-D file, from 0); or as several, each a band of "
          "values: band=LOW:HIGH:NAME (from LOW to below HIGH; either may be left out), once for each; may be repeated"},
+    {.name = "streamlines",
+     .type = OPTION_LIST,
+     .offset = FIELD(atlas_settings, streamlines),
+     .value = "FILE[,KEY=VALUE]...",
+     .help =
+         "add a tractogram as a bundle, or as one for each of its groups; keys: radius=R (a ray hits what is nearer "
+         "than R mm to a streamline; default 0.5), name=S; may be repeated"},
     {.name = "hemispheres",
      .type = OPTION_CHOICE,
      .offset = FIELD(atlas_settings, hemispheres),
@@ -99,15 +106,15 @@ const struct option shown_options[] = {
      .type = OPTION_LIST,
      .offset = FIELD(atlas_settings, only),
      .value = "NAME,...",
-     .help =
-         "keep only these areas and pathways, by name, abbreviation or label, with all below them in the area tree; "
-         "all others are as if never loaded; put a name with a comma in double quotes; @FILE is a file with "
-         "one name per line; may be repeated"},
+     .help = "keep only these areas, pathways and bundles, by name, abbreviation or label, with all below them in the "
+             "area tree; "
+             "all others are as if never loaded; put a name with a comma in double quotes; @FILE is a file with "
+             "one name per line; may be repeated"},
     {.name = "hide",
      .type = OPTION_LIST,
      .offset = FIELD(atlas_settings, hide),
      .value = "NAME,...",
-     .help = "remove these areas and pathways, named as for --only: not hit, not drawn, not occluding; may be "
+     .help = "remove these areas, pathways and bundles, named as for --only: not hit, not drawn, not occluding; may be "
              "repeated"},
     {0},
 };
@@ -118,7 +125,7 @@ const struct option more_atlas_options[] = {
      .offset = FIELD(atlas_settings, more),
      .value = "ATLAS",
      .help = "another atlas in the same space, a file or a name, that gets the same question; --labels, --pathway, "
-             "--only, --hide and --level are of the first atlas only; may be repeated"},
+             "--streamlines, --only, --hide and --level are of the first atlas only; may be repeated"},
     {0},
 };
 

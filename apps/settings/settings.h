@@ -15,7 +15,7 @@ struct atlas_settings {
     const char *labels;
     bool labels_anyway;
     double probability; /* 0 = not given */
-    struct option_list pathways;
+    struct option_list pathways, streamlines;
     size_t hemispheres; /* conus_hemispheres */
     struct option_list only, hide;
     struct option_list transforms;

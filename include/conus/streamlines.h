@@ -13,17 +13,35 @@
 extern "C" {
 #endif
 
-/** How conus_atlas_add_polylines() takes streamlines. */
+/** How conus_atlas_add_streamlines() and conus_atlas_add_polylines() take streamlines. */
 typedef struct conus_streamlines_options {
-    size_t struct_size; /**< Its size, as #CONUS_STREAMLINES_OPTIONS_INIT sets it; 0 = that of this version. */
-    double radius;      /**< A ray hits what is nearer than this to a streamline (Eq. 18), mm, up to 100; 0 = 0.5. */
-    const char *name;   /**< Of the bundle; NULL = that of the streamlines. */
-    conus_log log;      /**< As conus_load_options.log. */
-    void *log_user;     /**< Passed to @p log. */
+    size_t struct_size;  /**< Its size, as #CONUS_STREAMLINES_OPTIONS_INIT sets it; 0 = that of this version. */
+    double radius;       /**< A ray hits what is nearer than this to a streamline (Eq. 18), mm, up to 100; 0 = 0.5. */
+    const char *name;    /**< Of the bundle; where the file has groups, of the streamlines that are in none. NULL = the
+                            file's name without its ending. */
+    uint64_t max_memory; /**< Bytes that points, scalars and groups of a file may take; 0 = 8 GiB. */
+    conus_log log;       /**< As conus_load_options.log. */
+    void *log_user;      /**< Passed to @p log. */
 } conus_streamlines_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
 #define CONUS_STREAMLINES_OPTIONS_INIT CONUS_INIT_(conus_streamlines_options)
+
+/**
+ * Adds the streamlines of a tractogram as a selectable bundle, or as one for each group of the file, and one for those
+ * in no group. The content of the file decides about its format; docs/formats.md has the formats. Streamlines lie where
+ * the file has them: a transform moves what was added before. A note tells where they hardly lie in the atlas's space.
+ * @param atlas The atlas; unchanged on failure.
+ * @param path The tractogram.
+ * @param options NULL = defaults.
+ * @return #CONUS_OK; #CONUS_ERROR_IO or #CONUS_ERROR_DATA where the file cannot be read, is damaged, or has a
+ * coordinate beyond 1e9 mm; #CONUS_ERROR_UNSUPPORTED for a valid file beyond this library; #CONUS_ERROR_MEMORY above
+ * max_memory; #CONUS_ERROR_ARGUMENT for a radius out of its range, and for the name of another bundle or pathway.
+ * @threads One at a time, while no other thread uses the atlas.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_atlas_add_streamlines(conus_atlas *atlas, const char *path,
+                                                       const conus_streamlines_options *options);
 
 /** Numbers that streamlines have, by name: FA, say. */
 typedef struct conus_tract_scalar {
@@ -55,8 +73,7 @@ typedef struct conus_polylines {
 #define CONUS_POLYLINES_INIT CONUS_INIT_(conus_polylines)
 
 /**
- * Adds streamlines from memory as a selectable bundle. They lie where they are given: a transform moves what was added
- * before. A note tells where they hardly lie in the atlas's space.
+ * Adds streamlines from memory as a bundle, as conus_atlas_add_streamlines() does of a file.
  * @param atlas The atlas; unchanged on failure.
  * @param polylines The streamlines.
  * @param options Its name counts before that of @p polylines; NULL = defaults.

@@ -4,7 +4,11 @@
 
 #include "atlas/fit/tract_fit.h"
 #include "base/buffer.h"
+#include "base/folder.h"
+#include "base/options.h"
 #include "base/text_number.h"
+#include "conus/conus.h"
+#include "loaders/tracts/tract_file.h"
 
 #include <string.h>
 #include <strings.h>
@@ -57,6 +61,7 @@ conus_status streamlines_add(conus_atlas *atlas, struct tractogram *tractogram, 
     struct buffer chosen = {0};
     size_t note_count = atlas->notes.count;
     conus_status status = choose_name(&chosen, name, tractogram->path);
+    status = status ? status : notes_move_in(&atlas->notes, notes, path_base(tractogram->path));
     status = status ? status : tract_fit_note(notes, atlas, tractogram, chosen.data);
     status = status ? status : notes_move(&atlas->notes, notes);
     status = status ? status : atlas_add_tractogram(atlas, tractogram, chosen.data);
@@ -64,5 +69,26 @@ conus_status streamlines_add(conus_atlas *atlas, struct tractogram *tractogram, 
         notes_cut(&atlas->notes, note_count);
     }
     buffer_finish(&chosen);
+    return status;
+}
+
+conus_status conus_atlas_add_streamlines(conus_atlas *atlas, const char *path, const conus_streamlines_options *options)
+{
+    struct tractogram tractogram = {0};
+    if (!atlas || !path) {
+        return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_add_streamlines: an atlas and a path are needed");
+    }
+    options = options_of(conus_streamlines_options, options);
+    const struct note_sink sink = {options->log, options->log_user, path};
+    struct notes notes = {.sink = &sink};
+    double radius;
+    conus_status status = streamlines_radius(&radius, options->radius, path);
+    status = status ? status : tract_file_read(&tractogram, path, options->max_memory, &notes);
+    if (!status) {
+        tractogram.radius = radius;
+        status = streamlines_add(atlas, &tractogram, options->name, &notes);
+    }
+    tractogram_finish(&tractogram);
+    notes_finish(&notes);
     return status;
 }

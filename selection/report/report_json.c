@@ -197,6 +197,30 @@ static json_t *json_from_volume(const conus_atlas *atlas, size_t index)
     return whole_or_null(volume, whole);
 }
 
+/* Those of its bundles, or of what is in no group. */
+static json_t *json_from_tractogram(const conus_atlas *atlas, size_t index)
+{
+    const struct tractogram *tractogram = &atlas->tractograms[index];
+    const char *sum = tractogram->sha256;
+    return json_pack("{s: o, s: o, s: s, s: I, s: I, s: f}", "path", json_from_text(tractogram->path), "sha256",
+                     *sum ? json_string(sum) : json_null(), "format", tractogram->format, "streamlines",
+                     (json_int_t)tractogram->streamline_count, "points", (json_int_t)tractogram->point_count,
+                     "radius_mm", tractogram->radius);
+}
+
+/* Only where there are some. */
+static bool add_tractograms(json_t *root, const conus_atlas *atlas)
+{
+    json_t *list = json_array();
+    bool whole = list;
+    for (size_t i = 0; i < atlas->tractogram_count; i++) {
+        whole = json_array_append_new(list, json_from_tractogram(atlas, i)) == 0 && whole;
+    }
+    whole = whole && (!atlas->tractogram_count || json_object_set(root, "tractograms", list) == 0);
+    json_decref(list);
+    return whole;
+}
+
 /* The manifest and the surfaces, if there are any. */
 static json_t *json_from_files(const conus_atlas *atlas)
 {
@@ -263,7 +287,7 @@ static json_t *json_from_atlas(const conus_atlas *atlas)
     bool affine = atlas->is_moved && !atlas->warp_count;
     whole = (!affine || put_value(root, "atlas_from_world", json_from_matrix(atlas->own_from_world))) && whole;
     whole = (!atlas->warp_count || put_value(root, "way_to_atlas", json_from_way(atlas))) && whole;
-    return whole_or_null(root, add_hidden(root, atlas) && whole);
+    return whole_or_null(root, add_tractograms(root, atlas) && add_hidden(root, atlas) && whole);
 }
 
 /* The constants of a track (Eq. 12), if it is one. */

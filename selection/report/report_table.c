@@ -496,6 +496,55 @@ static void write_all_bands(struct buffer *out, const conus_atlas *atlas)
     }
 }
 
+/* The least and the greatest radius. */
+static void write_radii(struct buffer *out, const conus_atlas *atlas)
+{
+    double low = atlas->tractograms[0].radius;
+    double high = low;
+    for (size_t i = 1; i < atlas->tractogram_count; i++) {
+        low = fmin(low, atlas->tractograms[i].radius);
+        high = fmax(high, atlas->tractograms[i].radius);
+    }
+    buffer_number(out, low);
+    if (high > low) {
+        buffer_text(out, " to ");
+        buffer_number(out, high);
+    }
+}
+
+/* In one line how many of them there are that are not hidden, or the one's name, and their files. */
+static void write_bundles(struct buffer *out, const conus_atlas *atlas)
+{
+    size_t count = 0;
+    size_t first = 0;
+    uint64_t streamlines = 0;
+    for (size_t n = atlas->object_count; n > atlas->area_count; n--) {
+        bool shown = atlas->places[n - 1].is_bundle && !atlas->places[n - 1].is_hidden;
+        count += shown;
+        first = shown ? n : first;
+        streamlines += shown ? atlas->objects[n - 1].streamlines : 0;
+    }
+    if (!count) {
+        return;
+    }
+    if (count > 1) {
+        buffer_format(out, "%zu bundles", count);
+    } else {
+        buffer_format(out, "bundle %s", atlas->objects[first - 1].name);
+    }
+    buffer_text(out, ": ");
+    buffer_whole(out, streamlines);
+    buffer_text(out, " streamlines of radius ");
+    write_radii(out, atlas);
+    buffer_text(out, " mm in ");
+    if (atlas->tractogram_count > 1) {
+        buffer_format(out, "%zu files", atlas->tractogram_count);
+    } else {
+        write_file_of(out, atlas->tractograms[0].path);
+    }
+    buffer_text(out, "\n");
+}
+
 /* Where the atlas's place comes from: each way once. */
 static void write_places(struct buffer *out, const conus_atlas *atlas)
 {
@@ -532,6 +581,7 @@ static void write_sources(struct buffer *out, const conus_report *report)
     }
     write_pathways(out, atlas);
     write_all_bands(out, atlas);
+    write_bundles(out, atlas);
 }
 
 void table_write_sources(struct buffer *out, const conus_report *report)

@@ -96,7 +96,7 @@ LIBRARY = {
     "loaders/scene": "base base/formats atlas/surface atlas atlas/areas atlas/fit atlas/warp loaders loaders/volumes loaders/tables"
     " loaders/labels"
     " loaders/cifti loaders/surfaces/foreign loaders/surfaces loaders/manifest loaders/plan loaders/transform"
-    " loaders/moved",
+    " loaders/moved loaders/tracts",
     "loaders/catalogue": "base base/formats loaders/volumes loaders/tables",
     "loaders/arrays": "base atlas atlas/areas loaders/volumes loaders/plan loaders/scene",
     "render/gl": "base",

@@ -18,9 +18,9 @@ static const struct {
     const char *words; /* NULL: not known */
     const char *way;   /* a part of it, NULL: none */
 } samples[] = {
-    {"a.trk", BYTES("TRACK\0\1\0"), "a TrackVis tractogram", "--pathway"},
-    {"a.trk", BYTES("\1\2\3"), "a tractogram", "--pathway"},
-    {"a.tck", BYTES("mrtrix tracks\ncount: 3\n"), "an MRtrix tractogram", "--pathway"},
+    {"a.trk", BYTES("TRACK\0\1\0"), "a TrackVis tractogram", "--streamlines"},
+    {"a.trk", BYTES("\1\2\3"), "a tractogram", "--streamlines"},
+    {"a.tck", BYTES("mrtrix tracks\ncount: 3\n"), "an MRtrix tractogram", "--streamlines"},
     {"a.trx", BYTES("PK\3\4\x14\0"), "a TRX tractogram", "--pathway"},
     {"a.zip", BYTES("PK\3\4\x14\0"), "a ZIP archive", "unpack"},
     {"a.vtk", BYTES("# vtk DataFile Version 3.0\nx\nASCII\n"), "a VTK file", "ATLAS"},

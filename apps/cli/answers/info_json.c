@@ -3,6 +3,7 @@
 #include "cli/answers/info_json.h"
 
 #include "cli/answers/info_place.h"
+#include "cli/answers/info_tracts.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -131,14 +132,23 @@ static json_t *volume_mm3(const conus_object *object)
 static json_t *object(const conus_atlas *atlas, size_t number)
 {
     const conus_object *object = conus_atlas_object(atlas, number);
+    static const char *const kinds[] = {
+        [CONUS_KIND_AREA] = "area", [CONUS_KIND_PATHWAY] = "pathway", [CONUS_KIND_BUNDLE] = "bundle"};
     char color[8];
     snprintf(color, sizeof color, "#%02x%02x%02x", object->rgb[0], object->rgb[1], object->rgb[2]);
-    return json_pack("{s:s,s:I,s:s,s:b,s:o,s:o,s:o,s:I,s:s,s:I,s:o,s:o,s:o}", "kind",
-                     object->kind == CONUS_KIND_AREA ? "area" : "pathway", "index", (json_int_t)object->label, "name",
-                     object->name, "named", object->named, "abbreviation", text_or_null(object->abbreviation),
-                     "hemisphere", hemisphere(object->hemisphere), "parent", parent(atlas, object), "depth",
-                     (json_int_t)conus_atlas_depth(atlas, number), "color", color, "voxels", (json_int_t)object->voxels,
-                     "triangles", triangles(object), "closed", closed(object), "volume_mm3", volume_mm3(object));
+    json_t *json =
+        json_pack("{s:s,s:I,s:s,s:b,s:o,s:o,s:o,s:I,s:s,s:I,s:o,s:o,s:o}", "kind", kinds[object->kind], "index",
+                  (json_int_t)object->label, "name", object->name, "named", object->named, "abbreviation",
+                  text_or_null(object->abbreviation), "hemisphere", hemisphere(object->hemisphere), "parent",
+                  parent(atlas, object), "depth", (json_int_t)conus_atlas_depth(atlas, number), "color", color,
+                  "voxels", (json_int_t)object->voxels, "triangles", triangles(object), "closed", closed(object),
+                  "volume_mm3", volume_mm3(object));
+    if (object->kind == CONUS_KIND_BUNDLE) {
+        json_object_set_new(json, "streamlines", json_integer((json_int_t)object->streamlines));
+        json_object_set_new(json, "points", json_integer((json_int_t)object->points));
+        json_object_set_new(json, "length_mm", json_real(object->length_mm));
+    }
+    return json;
 }
 
 static json_t *around(const conus_atlas *atlas)
@@ -192,11 +202,11 @@ char *info_json(const conus_atlas *atlas, const conus_installed *installed)
     for (size_t i = 1; i <= conus_atlas_object_count(atlas); i++) {
         whole = json_array_append_new(objects, object(atlas, i)) == 0 && whole;
     }
-    json_t *root = json_pack("{s:s,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "conus", conus_version(), "installed",
+    json_t *root = json_pack("{s:s,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "conus", conus_version(), "installed",
                              installed ? info_json_installed(installed) : json_null(), "labels",
-                             info_json_bytes(conus_atlas_label_source(atlas)), "volumes", volumes, "context_surfaces",
-                             around(atlas), "world_from_ccf", ccf(atlas), "moved", info_place_json(atlas), "notes",
-                             notes, "objects", objects);
+                             info_json_bytes(conus_atlas_label_source(atlas)), "volumes", volumes, "tractograms",
+                             info_tracts_json(atlas), "context_surfaces", around(atlas), "world_from_ccf", ccf(atlas),
+                             "moved", info_place_json(atlas), "notes", notes, "objects", objects);
     char *text = whole && root ? json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(DIGITS)) : NULL;
     json_decref(root);
     char *line = NULL;

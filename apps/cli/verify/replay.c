@@ -29,7 +29,7 @@ static const struct {
     {"deep", WRITTEN},    {"image", WRITTEN},   {"mask", WRITTEN},         {"output", WRITTEN},   {"segments", WRITTEN},
     {"voxels", WRITTEN},  {"force", DROPPED},   {"jobs", DROPPED},         {"progress", DROPPED}, {"quiet", DROPPED},
     {"resume", DROPPED},  {"shard", DROPPED},   {"sidecar", DROPPED},      {"verbose", DROPPED},  {"help", REFUSED},
-    {"version", REFUSED}, {"seconds", REFUSED}, {"no-cache", DROPPED},
+    {"version", REFUSED}, {"seconds", REFUSED}, {"no-cache", DROPPED},     {"streamlines", READ},
 };
 
 static enum fate fate_of(const struct option *option)

@@ -1,0 +1,141 @@
+#!/usr/bin/env bats
+# --streamlines: tractograms beside areas and pathways, as a user types them.
+load helpers
+
+tck() {
+    python3 "$BATS_TEST_DIRNAME/tck.py" "$@"
+}
+
+# Two slabs across y as the atlas; two streamlines, of 20 and of 3 + 4 mm.
+scene() {
+    conus phantom slabs -o . --size 32
+    tck two.tck -10,10,0 10,10,0 -- 0,0,0 3,0,0 3,4,0
+}
+AIM='--origin 0,0,100 --toward 0,0,0 --angle 20 -q'
+
+@test "info tells of a tractogram, its bundle and its length" {
+    scene
+    answers info slabs.nii.gz --streamlines two.tck
+    has 'file         two.tck'
+    has 'format       MRtrix Float32LE'
+    has 'streamlines  2 with 5 points, 27 mm long together'
+    has 'bundles      1, of radius 0.5 mm'
+    has 'reaches      x -10 to 10, y 0 to 10, z 0 to 0 mm'
+    has "sha256       $(sha256sum two.tck | cut -d' ' -f1)"
+    has '0 pathways, 1 bundle'
+    answers info slabs.nii.gz --streamlines two.tck,radius=0.25,name=Arc --format tsv
+    [ "$(cell kind 3)/$(cell index 3)/$(cell name 3)/$(cell voxels 3)/$(cell streamlines 3)" = bundle/1/Arc/n/a/2 ]
+    [ "$(cell streamlines 1)" = n/a ]
+}
+
+@test "info's JSON has all of it" {
+    scene
+    answers info slabs.nii.gz --streamlines two.tck,radius=0.25 --format json
+    python3 -c '
+import json, sys
+info = json.load(sys.stdin)
+(tract,) = info["tractograms"]
+assert (tract["streamlines"], tract["points"], tract["length_mm"], tract["radius_mm"]) == (2, 5, 27, 0.25), tract
+assert (tract["low"], tract["high"]) == ([-10, 0, 0], [10, 10, 0]), tract
+assert (tract["bundles"], tract["scalars"], tract["half"]) == (["two"], [], False), tract
+bundle = info["objects"][-1]
+assert (bundle["kind"], bundle["streamlines"], bundle["length_mm"]) == ("bundle", 2, 27), bundle
+' <<<"$output"
+    answers info slabs.nii.gz --format json
+    [ "$(python3 -c 'import json, sys; print(json.load(sys.stdin)["tractograms"])' <<<"$output")" = '[]' ]
+}
+
+@test "several tractograms are bundles with ordinals, beside pathways" {
+    scene
+    tck more.tck 0,0,20 0,0,10
+    sphere --size 32
+    answers info slabs.nii.gz --pathway sphere.nii.gz,threshold=0.5 --streamlines two.tck --streamlines more.tck \
+        --format tsv
+    [ "$(cell kind 3)/$(cell index 3)" = pathway/1 ]
+    [ "$(cell kind 4)/$(cell index 4)/$(cell name 4)" = bundle/1/two ]
+    [ "$(cell kind 5)/$(cell index 5)/$(cell name 5)/$(cell streamlines 5)" = bundle/2/more/1 ]
+    fails 2 'bundle two: another bundle has that name' info slabs.nii.gz --streamlines two.tck \
+        --streamlines more.tck,name=two
+}
+
+@test "a table names the bundles and their files, a sidecar their sums" {
+    scene
+    # shellcheck disable=SC2086 # words
+    answers query slabs.nii.gz $AIM --streamlines two.tck,radius=0.25
+    [ "${lines[-1]}" = 'bundle two: 2 streamlines of radius 0.25 mm in two.tck' ]
+    tck more.tck 0,0,20 0,0,10
+    # shellcheck disable=SC2086
+    answers query slabs.nii.gz $AIM --streamlines two.tck,radius=0.25 --streamlines more.tck
+    [ "${lines[-1]}" = '2 bundles: 3 streamlines of radius 0.25 to 0.5 mm in 2 files' ]
+    # shellcheck disable=SC2086
+    answers query slabs.nii.gz $AIM --streamlines two.tck -o rows.tsv
+    [ "$(python3 -c '
+import json
+(tract,) = json.load(open("rows.json"))["Atlas"]["tractograms"]
+print(tract["path"], tract["streamlines"], tract["radius_mm"], tract["sha256"])')" = \
+        "two.tck 2 0.5 $(sha256sum two.tck | cut -d' ' -f1)" ]
+}
+
+@test "bundles are hidden like areas, and then no line tells of them" {
+    scene
+    # shellcheck disable=SC2086
+    answers query slabs.nii.gz $AIM --streamlines two.tck --hide two
+    not grep -q 'streamlines' <<<"$output"
+    has 'shown: all but two'
+    # shellcheck disable=SC2086
+    fails 2 'no area, pathway or bundle' query slabs.nii.gz $AIM --streamlines two.tck --hide tow
+}
+
+@test "verify answers again, and tells that a tractogram has changed" {
+    scene
+    # shellcheck disable=SC2086
+    conus query slabs.nii.gz $AIM --streamlines two.tck,radius=0.25,name=Arc -o rows.tsv
+    run -0 "$CONUS" verify rows.tsv
+    has identical
+    tck two.tck 0,0,1 0,0,2
+    run -1 "$CONUS" verify rows.tsv
+    has two.tck
+}
+
+@test "an option that is none, and a file that is none, are refused" {
+    scene
+    fails 2 'radius=0 is not a number above 0' info slabs.nii.gz --streamlines two.tck,radius=0
+    fails 2 'radius=thin is not a number' info slabs.nii.gz --streamlines two.tck,radius=thin
+    fails 2 '"threshold=1" is none of radius=R and name=S' info slabs.nii.gz --streamlines two.tck,threshold=1
+    fails 2 'name= is empty' info slabs.nii.gz --streamlines two.tck,name=
+    fails 2 'names no file' info slabs.nii.gz --streamlines ,name=S
+    fails 2 'radius 101 mm, allowed is above 0 to 100' info slabs.nii.gz --streamlines two.tck,radius=101
+    fails 3 'none.tck' info slabs.nii.gz --streamlines none.tck
+    fails 3 'this is a volume' info slabs.nii.gz --streamlines slabs.nii.gz
+    fails 3 'give it as --streamlines' info two.tck
+    fails 3 'give it as --streamlines' info slabs.nii.gz --pathway two.tck
+    head -c 100 two.tck >cut.tck
+    fails 3 'cut.tck' info slabs.nii.gz --streamlines cut.tck
+    cp two.tck 'a,b.tck'
+    answers info slabs.nii.gz --streamlines a,b.tck --format tsv
+    [ "$(cell name 3)" = a,b ]
+}
+
+@test "no output overwrites a tractogram" {
+    scene
+    # shellcheck disable=SC2086
+    fails 2 'a tractogram' query slabs.nii.gz $AIM --streamlines two.tck --format tsv -o two.tck
+}
+
+@test "what is in another space is noted, with its name" {
+    scene
+    tck far.tck 500,0,0 510,0,0
+    run -0 --separate-stderr "$CONUS" query slabs.nii.gz --origin 0,0,100 --toward 0,0,0 --streamlines far.tck
+    check_message 'note: bundle far: none of 2 points is in the box around the areas: is it in their space?'
+    tck one.tck 0,0,0 -- 0,0,0 1,0,0
+    run -0 --separate-stderr "$CONUS" query slabs.nii.gz --origin 0,0,100 --toward 0,0,0 --streamlines one.tck
+    check_message 'note: one.tck: streamlines: of 2, 0 have no point and 1 have one'
+}
+
+@test "--atlas-transform leaves what the command line adds where it is" {
+    scene
+    printf '1 0 0 500\n0 1 0 0\n0 0 1 0\n0 0 0 1\n' >away.txt # where poses are is 500 mm to the left
+    run -0 --separate-stderr "$CONUS" info slabs.nii.gz --streamlines two.tck --atlas-transform away.txt
+    has 'reaches      x -10 to 10, y 0 to 10, z 0 to 0 mm'
+    has 'bundle two: none of 5 points is in the box around the areas'
+}
