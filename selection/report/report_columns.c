@@ -329,7 +329,7 @@ static struct cell get_end_b_index(const conus_report *report, const struct repo
     return end_index(report, row->connection.is.area_b);
 }
 
-static struct cell get_streamlines(const conus_report *report, const struct report_row *row)
+static struct cell get_connecting(const conus_report *report, const struct report_row *row)
 {
     (void)report;
     return integer_cell(row->connection.is.streamlines);
@@ -341,7 +341,7 @@ static const struct report_column connection_columns[] = {
     {"bundle", NULL, "name of the bundle", .get = get_name},
     {"end_a", NULL, "name of the area at one end of the streamlines, or unassigned", .get = get_end_a},
     {"end_b", NULL, "the same of the other end, which is later in the atlas, or the same area", .get = get_end_b},
-    {"streamlines", NULL, "how many streamlines of the bundle have these ends", .get = get_streamlines},
+    {"streamlines", NULL, "how many streamlines of the bundle have these ends", .get = get_connecting},
     {"fraction", NULL, "they as a part of the bundle's streamlines that are in the cone, or of all if there is none",
      OF_ROW(NUMBER, connection.is.fraction)},
     {"mean_length_mm", "mm", "their mean length from end to end", OF_ROW(NUMBER, connection.is.length)},
