@@ -150,12 +150,12 @@ static conus_status upload_haze(struct colour_pass *pass, const conus_atlas *atl
     return status;
 }
 
-/* All opaque areas would hide pathways: where there are any, they are drawn with only some areas. */
+/* All opaque areas would hide pathways and bundles: where there are any, they are drawn with only some areas. */
 conus_status colour_upload_objects(struct colour_pass *pass, const conus_atlas *atlas, const struct haze_choice *hazy,
                                    uint64_t *memory_left)
 {
     size_t grids = atlas_parcellation_count(atlas);
-    if (!pathways_first(atlas) && grids < 2) {
+    if (!pathways_first(atlas) && (!grids || (grids == 1 && !pathways_shown(atlas)))) {
         return grids ? upload_areas(pass, &atlas->volumes[0], memory_left) : CONUS_OK;
     }
     struct volume joint = {0};

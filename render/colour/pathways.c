@@ -20,7 +20,7 @@ const struct volume *pathways_first(const conus_atlas *atlas)
 bool pathways_shown(const conus_atlas *atlas)
 {
     for (size_t i = atlas->area_count; i < atlas->object_count; i++) {
-        if (atlas->objects[i].kind == CONUS_KIND_PATHWAY && !atlas->places[i].is_hidden) {
+        if (!atlas->places[i].is_hidden) {
             return true;
         }
     }

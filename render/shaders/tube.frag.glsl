@@ -8,6 +8,7 @@ uniform float radius;
 
 layout(location = 0) out vec4 surface;
 layout(location = 1) out uint object;
+layout(depth_less) out float gl_FragDepth; // reversed: what is behind the box's front is no nearer
 
 const float NEAR = 0.1;
 const float NEVER = 3.0e38;

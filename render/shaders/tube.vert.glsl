@@ -35,11 +35,13 @@ void main()
     vec3 b = is_ball ? a : vec3(camera_from_world * (dvec3(end) - eye));
     bool is_off = paint == 0u || max(a.z, b.z) + radius < NEAR;
     vec4 box = vec4(-1, -1, 1, 1);
+    float front = 1; // reversed depth that no point of it is before
     if (min(a.z, b.z) > radius + NEAR) {
+        front = NEAR / (min(a.z, b.z) - radius);
         vec4 first = ball_box(a);
         vec4 last = ball_box(b);
         box = vec4(min(first.xy, last.xy) - shift, max(first.zw, last.zw) - shift);
     }
     vec2 corner = vec2((gl_VertexID & 1) == 0 ? box.x : box.z, (gl_VertexID & 2) == 0 ? box.y : box.w);
-    gl_Position = is_off ? vec4(2, 2, 0.5, 1) : vec4(corner, 0.5, 1);
+    gl_Position = is_off ? vec4(2, 2, 0.5, 1) : vec4(corner, front, 1);
 }

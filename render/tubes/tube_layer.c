@@ -25,40 +25,96 @@ struct tube_layer {
     struct range *ranges; /* [range_count] of the atlas's tractograms */
     size_t range_count;
     size_t step;
+    uint64_t *kept; /* [point_count] Points that are drawn, of one tractogram after the other. */
     size_t point_count;
 };
 
+/* ---- Points that are drawn -------------------------------------------------------------------------------------- */
+
+/* Many files have a point every tenth of a millimetre. Points are left out where the straight line from one to another
+ * passes those between within so many radii, and is no longer than so many: neither form nor colours suffer. */
+static const double FLATNESS = 0.04;
+static const double LONGEST = 4;
+
+/* Whether all points between `from` and `to` lie that near to the line between them. */
+static bool is_straight(const struct tractogram *tractogram, uint64_t from, uint64_t to)
+{
+    double a[3];
+    double step[3];
+    const double radius = tractogram->radius;
+    tractogram_point(a, tractogram, from);
+    tractogram_point(step, tractogram, to);
+    vec3_sub(step, step, a);
+    double square = vec3_dot(step, step);
+    bool fine = square <= LONGEST * LONGEST * radius * radius;
+    for (uint64_t i = from + 1; i < to && fine; i++) {
+        double p[3];
+        tractogram_point(p, tractogram, i);
+        vec3_sub(p, p, a);
+        double s = square > 0 ? fmin(fmax(vec3_dot(p, step) / square, 0), 1) : 0;
+        vec3_add_scaled(p, p, -s, step);
+        fine = vec3_dot(p, p) <= FLATNESS * FLATNESS * radius * radius;
+    }
+    return fine;
+}
+
+/* The point that is drawn after `at` of a streamline with the last point `last`: as far on as it is straight. */
+static uint64_t next_point(const struct tractogram *tractogram, uint64_t at, uint64_t last)
+{
+    uint64_t next = at + 1;
+    while (next < last && is_straight(tractogram, at, next + 1)) {
+        next++;
+    }
+    return next;
+}
+
+/* Those of every step-th streamline: layer->kept. CONUS_ERROR_MEMORY. */
+static conus_status keep_points(struct tube_layer *layer)
+{
+    size_t capacity = 0;
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; i < layer->range_count; i++) {
+        const struct tractogram *tractogram = &layer->atlas->tractograms[i];
+        size_t before = layer->point_count;
+        for (size_t k = 0; k < tractogram->streamline_count; k += layer->step) {
+            uint64_t end = tractogram->first[k + 1];
+            for (uint64_t at = tractogram->first[k]; at < end && !status; at = next_point(tractogram, at, end - 1)) {
+                bool fits = memory_reserve(&layer->kept, &capacity, layer->point_count + 1, sizeof *layer->kept);
+                status = fits ? CONUS_OK : CONUS_ERROR_MEMORY;
+                if (fits) {
+                    layer->kept[layer->point_count++] = at;
+                }
+            }
+        }
+        layer->ranges[i] =
+            (struct range){(GLint)before, (GLsizei)(layer->point_count - before), (float)tractogram->radius};
+    }
+    return status;
+}
+
 /* ---- Creation --------------------------------------------------------------------------------------------------- */
 
-static size_t count_points(const conus_atlas *atlas, size_t step)
+static uint64_t count_points(const conus_atlas *atlas)
 {
-    size_t count = 0;
+    uint64_t count = 0;
     for (size_t i = 0; i < atlas->tractogram_count; i++) {
-        const struct tractogram *tractogram = &atlas->tractograms[i];
-        for (size_t k = 0; k < tractogram->streamline_count; k += step) {
-            count += tractogram->first[k + 1] - tractogram->first[k];
-        }
+        count += atlas->tractograms[i].point_count;
     }
     return count;
 }
 
 /* The last point stands twice: each instance reads the one behind its own, too. */
-static void fill_points(float (*points)[3], struct tube_layer *layer)
+static void fill_points(float (*points)[3], const struct tube_layer *layer)
 {
-    size_t next = 0;
     for (size_t i = 0; i < layer->range_count; i++) {
-        const struct tractogram *tractogram = &layer->atlas->tractograms[i];
-        size_t before = next;
-        for (size_t k = 0; k < tractogram->streamline_count; k += layer->step) {
-            for (uint64_t at = tractogram->first[k]; at < tractogram->first[k + 1]; at++, next++) {
-                double p[3];
-                tractogram_point(p, tractogram, at);
-                for (int a = 0; a < 3; a++) {
-                    points[next][a] = points[next + 1][a] = (float)p[a];
-                }
+        const struct range *range = &layer->ranges[i];
+        for (size_t n = (size_t)range->first; n < (size_t)range->first + (size_t)range->count; n++) {
+            double p[3];
+            tractogram_point(p, &layer->atlas->tractograms[i], layer->kept[n]);
+            for (int a = 0; a < 3; a++) {
+                points[n][a] = points[n + 1][a] = (float)p[a];
             }
         }
-        layer->ranges[i] = (struct range){(GLint)before, (GLsizei)(next - before), (float)tractogram->radius};
     }
 }
 
@@ -126,9 +182,9 @@ conus_status tube_layer_create(struct tube_layer **out, const conus_atlas *atlas
     layer->atlas = atlas;
     layer->range_count = atlas->tractogram_count;
     layer->ranges = memory_zeroed(layer->range_count, sizeof *layer->ranges);
-    layer->step = count_points(atlas, 1) / TUBE_POINT_LIMIT + 1;
-    layer->point_count = count_points(atlas, layer->step);
+    layer->step = count_points(atlas) / TUBE_POINT_LIMIT + 1;
     conus_status status = layer->ranges ? make_program(layer) : CONUS_ERROR_MEMORY;
+    status = status ? status : keep_points(layer);
     status = status ? status : upload(layer, memory_left);
     status = status ? status : tube_layer_update(layer, atlas, &(const struct tube_colouring){0}, NULL);
     if (status) {
@@ -146,6 +202,7 @@ void tube_layer_destroy(struct tube_layer *layer)
         glDeleteBuffers(2, buffers);
         glDeleteVertexArrays(1, &layer->vertices);
         glDeleteProgram(layer->program);
+        memory_free(layer->kept);
         memory_free(layer->ranges);
         memory_free(layer);
     }
@@ -158,42 +215,33 @@ size_t tube_layer_step(const struct tube_layer *layer)
 
 /* ---- Colours ---------------------------------------------------------------------------------------------------- */
 
-/* Where streamline @p k is drawn, of which the first paint is *paints; nothing leads from its last point on. */
-static uint32_t *paint_streamline(uint32_t *paints, const struct tube_colouring *colouring,
-                                  const struct tractogram *tractogram, uint32_t k, uint32_t object)
+/* Nothing leads from a streamline's last point on; one of a single point is a ball. */
+static uint32_t paint_point(const struct tube_colouring *colouring, const struct tractogram *tractogram, uint32_t k,
+                            uint64_t at, uint32_t object)
 {
     uint64_t first = tractogram->first[k];
-    uint64_t end = tractogram->first[k + 1];
-    for (uint64_t at = first; at < end; at++) {
-        bool is_last = at + 1 == end;
-        uint32_t ball = is_last && end - first == 1 ? TUBE_BALL : 0;
-        *paints++ = !object || (is_last && !ball) ? 0 : ball | tube_colour(colouring, tractogram, k, at, object);
-    }
-    return paints;
+    uint64_t last = tractogram->first[k + 1] - 1;
+    uint32_t ball = first == last ? TUBE_BALL : 0;
+    return !object || (at == last && !ball) ? 0 : ball | tube_colour(colouring, tractogram, k, at, object);
 }
 
-static void make_pale(uint32_t *from, const uint32_t *end)
-{
-    for (; from < end; from++) {
-        *from |= *from ? TUBE_PALE : 0;
-    }
-}
-
-static conus_status paint_tractogram(uint32_t **paints, const struct tube_layer *layer, size_t index,
+static conus_status paint_tractogram(uint32_t *paints, const struct tube_layer *layer, size_t index,
                                      const struct tube_colouring *colouring, const bool *is_pale)
 {
     const struct tractogram *tractogram = &layer->atlas->tractograms[index];
+    const struct range *range = &layer->ranges[index];
     uint32_t *objects = memory_zeroed(tractogram->streamline_count, sizeof *objects);
     if (!objects) {
         return CONUS_ERROR_MEMORY;
     }
     bundles_find_objects(objects, layer->atlas, tractogram);
-    for (uint32_t k = 0; k < tractogram->streamline_count; k += (uint32_t)layer->step) {
-        uint32_t *from = *paints;
-        *paints = paint_streamline(from, colouring, tractogram, k, objects[k]);
-        if (is_pale && is_pale[k]) {
-            make_pale(from, *paints);
+    uint32_t k = 0;
+    for (size_t n = (size_t)range->first; n < (size_t)range->first + (size_t)range->count; n++) {
+        while (layer->kept[n] >= tractogram->first[k + 1]) {
+            k++;
         }
+        uint32_t paint = paint_point(colouring, tractogram, k, layer->kept[n], objects[k]);
+        paints[n] = paint && is_pale && is_pale[k] ? paint | TUBE_PALE : paint;
     }
     memory_free(objects);
     return CONUS_OK;
@@ -203,10 +251,9 @@ conus_status tube_layer_update(struct tube_layer *layer, const conus_atlas *atla
                                const struct tube_colouring *colouring, const bool *const *is_pale)
 {
     uint32_t *paints = memory_zeroed(layer->point_count + 1, sizeof *paints);
-    uint32_t *next = paints;
     conus_status status = paints ? CONUS_OK : CONUS_ERROR_MEMORY;
     for (size_t i = 0; i < atlas->tractogram_count && !status; i++) {
-        status = paint_tractogram(&next, layer, i, colouring, is_pale ? is_pale[i] : NULL);
+        status = paint_tractogram(paints, layer, i, colouring, is_pale ? is_pale[i] : NULL);
     }
     if (!status) {
         glNamedBufferSubData(layer->paints, 0, (GLsizeiptr)(layer->point_count * sizeof *paints), paints);

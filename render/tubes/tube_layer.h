@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
  * The streamlines of an atlas as a camera sees them: tubes round their segments, found pixel by pixel in closed form
- * (Eq. 18). Of more than TUBE_POINT_LIMIT points every k-th streamline is drawn. Needs a current context. */
+ * (Eq. 18), where they are straight several at once. Of more than TUBE_POINT_LIMIT points every k-th streamline is
+ * drawn. Needs a current context. */
 #ifndef CONUS_RENDER_TUBES_TUBE_LAYER_H
 #define CONUS_RENDER_TUBES_TUBE_LAYER_H
 
@@ -10,7 +11,7 @@
 
 #include <epoxy/gl.h>
 
-enum { TUBE_POINT_LIMIT = 4000000 };
+enum { TUBE_POINT_LIMIT = 1000000 };
 
 struct tube_layer;
 

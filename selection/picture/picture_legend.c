@@ -101,7 +101,7 @@ static size_t add_pathways(struct legend_row rows[PATHWAY_ROWS], char words[TEXT
         rows[0] = (struct legend_row){.name = words, .hollow = true, .detail = {"not hit"}};
         count = 1;
     }
-    if (pathways_first(atlas) && atlas_parcellation_count(atlas) && leaves_out(picture)) {
+    if ((pathways_first(atlas) || pathways_shown(atlas)) && atlas_parcellation_count(atlas) && leaves_out(picture)) {
         rows[count++] = (struct legend_row){.name = "other areas", .hollow = true, .detail = {"not drawn"}};
     }
     return count;

@@ -515,6 +515,7 @@ conus_status conus_render(conus_image **out, conus_renderer *renderer, const con
     if (!status && !picture.options.draft) {
         status = renderer_include(renderer, picture.areas);
     }
+    status = status ? status : picture_mark_streamlines(renderer, picture.options.selection);
     if (!status) {
         find_ball(&picture, &renderer->colour);
     }

@@ -116,7 +116,7 @@ LIBRARY = {
     "selection": "base atlas atlas/areas selection/evidence selection/engine selection/measure",
     "selection/study": "base atlas/surface atlas selection/cone selection/measure selection",
     "selection/ends": "base atlas/surface atlas selection/cone selection/measure selection",
-    "selection/picture": "base render/image render/colour render/flat selection",
+    "selection/picture": "base render/image render/colour render/flat selection/measure selection",
     "selection/report": "base atlas poses/programs selection selection/ends selection/study",
     "cache": "base atlas loaders/scene selection/batch",
     "selection/batch": "base atlas/tracts atlas poses selection/engine/voxels selection selection/study selection/report",

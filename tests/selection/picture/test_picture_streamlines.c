@@ -1,0 +1,96 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* In a picture with a cone the streamlines that come into it stand out; without one all do. */
+#include "atlas/bundles.h"
+#include "base/math3.h"
+#include "base/memory.h"
+#include "render/image/image.h"
+#include "test.h"
+#include "test_gl.h"
+
+#include <string.h>
+
+enum { SIZE = 120 };
+
+/* Two along z, of one bundle: at y = -15 and at y = 15. */
+static conus_atlas *two_streamlines(void)
+{
+    static const float points[] = {0, -15, -20, 0, -15, 20, 0, 15, -20, 0, 15, 20};
+    static const uint64_t first[] = {0, 2, 4};
+    struct tractogram made = {.path = memory_text("two", 3),
+                              .points = memory_copy(points, 12, sizeof *points),
+                              .first = memory_copy(first, 3, sizeof *first),
+                              .point_count = 4,
+                              .streamline_count = 2,
+                              .radius = 3};
+    conus_atlas *atlas = NULL;
+    assert_true(made.path && made.points && made.first);
+    assert_ok(atlas_create_empty(&atlas, "none"));
+    assert_ok(atlas_add_tractogram(atlas, &made, "two"));
+    memcpy(atlas->objects[0].rgb, (const uint8_t[]){255, 0, 0}, 3);
+    return atlas;
+}
+
+/* How much more red than blue light the half of the picture has: of a full tube much, of a pale one little. */
+static double redness(const conus_image *image, bool right)
+{
+    const struct image_rgba planes = image_rgba(image);
+    double sum = 0;
+    for (size_t i = 0; i < (size_t)SIZE * SIZE; i++) {
+        if ((i % SIZE >= SIZE / 2) == right) {
+            sum += (double)planes.plane[0][i] - (double)planes.plane[2][i];
+        }
+    }
+    return sum;
+}
+
+/* From the right of the head, so that anterior, +y, is on the right of the picture. The cone's own colours are not
+ * red: it is thinned away. */
+static void draw(double out[2], conus_renderer *renderer, const conus_selection *selection)
+{
+    conus_image *image = NULL;
+    const conus_view view = {.width = SIZE,
+                             .height = SIZE,
+                             .selection = selection,
+                             .side = CONUS_SIDE_RIGHT,
+                             .legend = CONUS_LEGEND_NONE,
+                             .background = CONUS_BACKGROUND_TRANSPARENT};
+    assert_ok(conus_render(&image, renderer, &view));
+    out[0] = redness(image, false);
+    out[1] = redness(image, true);
+    conus_image_destroy(image);
+}
+
+static void those_in_the_cone_stand_out(void **state)
+{
+    (void)state;
+    gl_context_destroy(test_gl_context(NULL, NULL));
+    conus_atlas *atlas = two_streamlines();
+    conus_renderer *renderer = NULL;
+    conus_selector *selector = NULL;
+    conus_selection *selection = NULL;
+    conus_pose pose;
+    double without[2];
+    double with[2];
+    assert_ok(conus_renderer_create(&renderer, atlas, NULL));
+    assert_ok(conus_selector_create(&selector, atlas, NULL));
+    assert_ok(conus_pose_toward(&pose, (double[]){-30, 15, 0}, (double[]){0, 15, 0}, NULL));
+    assert_ok(conus_select(&selection, selector, &pose, radians_from_degrees(6)));
+    draw(without, renderer, NULL);
+    draw(with, renderer, selection);
+    assert_near(without[0], without[1], 0.1 * without[0]);
+    assert_true(with[0] < 0.5 * with[1]);
+    draw(with, renderer, NULL); /* and are as before */
+    assert_true(with[0] == without[0] && with[1] == without[1]);
+    conus_selection_destroy(selection);
+    conus_selector_destroy(selector);
+    conus_renderer_destroy(renderer);
+    conus_atlas_destroy(atlas);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(those_in_the_cone_stand_out),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
