@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What is taken back and done again, without a window. */
+#include "viewer/session/session.h"
 #include "viewer/session/undo.h"
 
 #include "test.h"
@@ -132,6 +133,53 @@ static void each_change_is_taken_back(void **state)
     close_window(&window);
 }
 
+/* How the window is divided is a change by itself; a session without it leaves it. */
+static void borders_are_put_back(void **state)
+{
+    struct viewer viewer;
+    struct window window;
+    char why[SESSION_REASON];
+    const struct layout first = {.panels = {0, 320}};
+    const struct layout moved = {.panels = {310.5, 320}, .division = {0.25, 0.7}};
+    (void)state;
+    open_window(&window, &viewer);
+    window.layout = first;
+    undo_note(&window);
+    size_t count = window.changes.count;
+    undo_note(&window);
+    assert_int_equal(window.changes.count, count);
+    window.layout = moved;
+    undo_note(&window);
+    assert_int_equal(window.changes.count, count + 1);
+    set_angle(&window, 12);
+    undo_step(&window, -1);
+    assert_near(viewer.cone.angle, 5, 1e-12);
+    assert_true(layout_is_same(&window.layout, &moved));
+    undo_step(&window, -1);
+    assert_true(layout_is_same(&window.layout, &first));
+    undo_step(&window, 1);
+    assert_true(layout_is_same(&window.layout, &moved));
+    char *text = session_text(&window);
+    char *key = strstr(text, "\"layout\"");
+    assert_non_null(key);
+    char *part = strstr(key, "0.25");
+    assert_non_null(part);
+    window.layout = first;
+    *part = '9';
+    assert_false(session_parse(&window, text, strlen(text), why));
+    assert_non_null(strstr(why, "session: layout: panels"));
+    assert_true(layout_is_same(&window.layout, &first));
+    *part = '0';
+    assert_true(session_parse(&window, text, strlen(text), why));
+    assert_true(layout_is_same(&window.layout, &moved));
+    memcpy(key, "\"nought\"", 8); /* a key that no session has */
+    window.layout = first;
+    assert_true(session_parse(&window, text, strlen(text), why));
+    assert_true(layout_is_same(&window.layout, &first));
+    free(text);
+    close_window(&window);
+}
+
 /* Back to when the device was nowhere, nothing is left of its answer. */
 static void without_a_device_there_is_no_answer(void **state)
 {
@@ -192,7 +240,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_history_goes_back_and_forth),       cmocka_unit_test(the_oldest_states_go),
         cmocka_unit_test(each_change_is_taken_back),           cmocka_unit_test(without_a_device_there_is_no_answer),
-        cmocka_unit_test(views_and_what_moves_by_itself_stay),
+        cmocka_unit_test(views_and_what_moves_by_itself_stay), cmocka_unit_test(borders_are_put_back),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -289,6 +289,7 @@ char *session_text(const struct window *window)
     json_object_set_new(root, "look", session_look(viewer->atlases));
     json_object_set_new(root, "background", json_string(backdrop_names[viewer->display.backdrop]));
     json_object_set_new(root, "figure", session_sheet(&window->sheet));
+    json_object_set_new(root, "layout", session_layout(&window->layout));
     json_object_set_new(root, "safe_colours", json_boolean(viewer->display.safe_colours));
     json_object_set_new(root, "results", session_list(&viewer->list));
     if (root && viewer->atlas_count > 1) {
@@ -502,6 +503,7 @@ static bool read_session(struct window *window, const json_t *root, char why[SES
     struct result_list list = viewer->list;
     enum backdrop backdrop = viewer->display.backdrop;
     struct sheet sheet = window->sheet;
+    struct layout layout = window->layout;
     const char *score = known_score(json_string_value(json_object_get(root, "score")));
     const char *level = NULL;
     bool fine = read_state(&state, root, why) && session_list_read(&list, root, why) &&
@@ -510,6 +512,7 @@ static bool read_session(struct window *window, const json_t *root, char why[SES
                 read_atlas_edits(&settings, &atlases, viewer, root, why) &&
                 session_backdrop_read(&backdrop, json_object_get(root, "background"), why) &&
                 session_sheet_read(&sheet, json_object_get(root, "figure"), why) &&
+                session_layout_read(&layout, json_object_get(root, "layout"), why) &&
                 set_up(viewer, atlases.drawn, &settings, why);
     if (fine) {
         put_state(window, &state);
@@ -517,6 +520,7 @@ static bool read_session(struct window *window, const json_t *root, char why[SES
         viewer->list = list;
         viewer->display.backdrop = backdrop;
         window->sheet = sheet;
+        window->layout = layout;
         memmove(viewer->cone.level, level, strlen(level) + 1); /* of itself, where the session says nothing */
         session_atlases_show(&atlases, viewer);
         read_pins(viewer, root);

@@ -179,6 +179,28 @@ bool session_sheet_read(struct sheet *sheet, const json_t *entry, char why[SESSI
     return true;
 }
 
+/* ---- How the window is divided ----------------------------------------------------------------------------------- */
+
+json_t *session_layout(const struct layout *layout)
+{
+    return json_pack("{s: [f, f], s: [f, f]}", "panels", layout->panels[0], layout->panels[1], "division",
+                     layout->division[0], layout->division[1]);
+}
+
+bool session_layout_read(struct layout *layout, const json_t *entry, char why[SESSION_REASON])
+{
+    struct layout read;
+    if (!entry) {
+        return true;
+    }
+    bool fine = !json_unpack((json_t *)entry, "{s: [F, F!], s: [F, F!]}", "panels", &read.panels[0], &read.panels[1],
+                             "division", &read.division[0], &read.division[1]) &&
+                layout_is_fine(&read);
+    *layout = fine ? read : *layout;
+    return fine || session_refuse(why, "session: layout: panels, 0 or two widths in pixels, and division, two parts "
+                                       "from 0.1 to 0.9 or 0, are needed");
+}
+
 bool session_preset_read(const char **preset, const struct view_atlas *on, const json_t *name, char why[SESSION_REASON])
 {
     const char *text = json_string_value(name);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What a session says of how each atlas looks, and of the background, the context's colours, and the
- * sheet of figures. */
+/** @file What a session says of how each atlas looks, and of the background, the context's colours, the sheet of
+ * figures, and how the window is divided. */
 #ifndef CONUS_VIEWER_SESSION_SESSION_LOOK_H
 #define CONUS_VIEWER_SESSION_SESSION_LOOK_H
 
@@ -20,6 +20,11 @@ bool session_backdrop_read(enum backdrop *backdrop, const json_t *name, char why
 json_t *session_sheet(const struct sheet *sheet);
 /** NULL = it stays as it is. */
 bool session_sheet_read(struct sheet *sheet, const json_t *entry, char why[SESSION_REASON]);
+
+/** How the window is divided. */
+json_t *session_layout(const struct layout *layout);
+/** NULL = it stays as it is. */
+bool session_layout_read(struct layout *layout, const json_t *entry, char why[SESSION_REASON]);
 
 /** The name of a preset of transfer functions, for @p on; null and NULL = none. */
 bool session_preset_read(const char **preset, const struct view_atlas *on, const json_t *name,

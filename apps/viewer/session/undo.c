@@ -53,12 +53,14 @@ void undo_note(struct window *window)
 {
     const struct viewer *viewer = window->viewer;
     bool is_new = window->noted_version != viewer->version || window->noted_said != viewer->said ||
-                  window->noted_second != window->second.version || !window->changes.count;
+                  window->noted_second != window->second.version || !window->changes.count ||
+                  !layout_is_same(&window->noted_layout, &window->layout);
     if (is_new) {
         char *text = text_of(window);
         window->noted_version = viewer->version;
         window->noted_said = viewer->said;
         window->noted_second = window->second.version;
+        window->noted_layout = window->layout;
         if (text) {
             changes_add(&window->changes, text);
         }

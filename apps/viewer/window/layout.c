@@ -94,6 +94,12 @@ void layout_widen_panels(struct layout *layout, int steps, float width, float sc
     }
 }
 
+bool layout_is_same(const struct layout *a, const struct layout *b)
+{
+    return a->panels[0] == b->panels[0] && a->panels[1] == b->panels[1] && a->division[0] == b->division[0] &&
+           a->division[1] == b->division[1];
+}
+
 bool layout_is_fine(const struct layout *layout)
 {
     bool fine = true;

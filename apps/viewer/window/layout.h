@@ -32,6 +32,7 @@ void layout_reset(struct layout *layout, enum border border);
 void layout_widen_first(struct layout *layout, int steps);
 /** Makes both panels wider by a step of a window so wide, or narrower (-1). */
 void layout_widen_panels(struct layout *layout, int steps, float width, float scale);
+bool layout_is_same(const struct layout *a, const struct layout *b);
 /** Whether these are numbers that a layout can have. */
 bool layout_is_fine(const struct layout *layout);
 

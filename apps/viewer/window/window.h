@@ -119,7 +119,8 @@ struct window {
     struct changes changes;             /**< Of states that session/undo.h notes. */
     unsigned noted_version, noted_said; /**< Of the viewer, when it was looked at last for that. */
     unsigned noted_second;              /**< Of the second tool. */
-    char *session_path;                 /**< Of the session that was opened or saved last; NULL = none. */
+    struct layout noted_layout;
+    char *session_path; /**< Of the session that was opened or saved last; NULL = none. */
     bool show_help;
     int navigated;       /**< The panel that keys go to, from 1: areas, hits; 0 = none. */
     bool navigates_anew; /**< From the next frame on. */
