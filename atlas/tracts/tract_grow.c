@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Makes the tree of a tractogram: cuts its streamlines into runs, halves their boxes at the median until a node has
- * few, and puts boxes round them. At most 76 bytes a run are in use on the way. */
+ * few, and puts boxes round them. At most 81 bytes a run are in use on the way. */
 #include "atlas/surface/bvh.h"
 #include "atlas/tracts/tract_node.h"
 #include "atlas/tracts/tractogram.h"
@@ -77,41 +77,88 @@ static void arrange(struct bvh_box *boxes, size_t count)
 
 /* ---- Nodes ------------------------------------------------------------------------------------------------------ */
 
-static void set_lane(struct tract_node *node, size_t lane, const float a[3], const float b[3], double thickness)
+static float round_up(double thickness)
 {
-    for (int k = 0; k < 3; k++) {
-        node->a[k][lane] = a[k];
-        node->b[k][lane] = b[k];
-    }
-    node->thickness[lane] = (float)(thickness * (1 + BEND_SLACK));
+    return (float)(thickness * (1 + BEND_SLACK));
 }
 
-static double distance_from_segment(const double point[3], const double a[3], const double b[3])
+/* From the nearest point of a segment to @p point. */
+static void way_from_segment(double out[3], const double point[3], const double a[3], const double b[3])
 {
     double side[3];
-    double to[3];
     vec3_sub(side, b, a);
-    vec3_sub(to, point, a);
+    vec3_sub(out, point, a);
     double squared = vec3_dot(side, side);
-    double along = squared > 0 ? vec3_dot(to, side) / squared : 0;
-    vec3_add_scaled(to, to, -(along < 0 ? 0 : along > 1 ? 1 : along), side);
-    return vec3_length(to);
+    double along = squared > 0 ? vec3_dot(out, side) / squared : 0;
+    vec3_add_scaled(out, out, -(along < 0 ? 0 : along > 1 ? 1 : along), side);
 }
 
+/* The largest distance of points from a segment, and the mean way from it to them. */
+static double measure_bend(double mean[3], double (*points)[3], size_t count, const double a[3], const double b[3])
+{
+    double largest = 0;
+    memset(mean, 0, 3 * sizeof *mean);
+    for (size_t k = 0; k < count; k++) {
+        double way[3];
+        way_from_segment(way, points[k], a, b);
+        largest = fmax(largest, vec3_length(way));
+        vec3_add_scaled(mean, mean, 1.0 / (double)count, way);
+    }
+    return largest;
+}
+
+static double fine_thickness(double (*points)[3], size_t count)
+{
+    double largest = 0;
+    for (size_t k = 2; k < count; k += 2) {
+        double unused[3];
+        largest = fmax(largest, measure_bend(unused, points + k - 1, 1, points[k - 2], points[k]));
+    }
+    return largest;
+}
+
+static size_t take_points(double (*out)[3], const struct tractogram *tractogram, const struct tract_run *run)
+{
+    for (uint32_t k = 0; k <= run->segments; k++) {
+        tractogram_point(out[k], tractogram, run->point + k);
+    }
+    return run->segments + 1;
+}
+
+/* The segment between the run's ends; or one to which both sides of a run that is bent to one side are as near. */
 static void set_run(struct tract_node *node, size_t lane, const struct tractogram *tractogram,
                     const struct tract_run *run)
 {
-    double ends[2][3];
-    double thickness = 0;
-    tractogram_point(ends[0], tractogram, run->point);
-    tractogram_point(ends[1], tractogram, run->point + run->segments);
-    for (uint32_t k = 1; k < run->segments; k++) {
-        double point[3];
-        tractogram_point(point, tractogram, run->point + k);
-        thickness = fmax(thickness, distance_from_segment(point, ends[0], ends[1]));
+    static const double shift[] = {0, 0.75}; /* of an arc: its mean is at 2/3 of its height, the middle at 1/2 */
+    double points[TRACT_RUN + 1][3];
+    double mean[3] = {0};
+    double thickness = INFINITY;
+    size_t count = take_points(points, tractogram, run);
+    for (int k = 0; k < 2; k++) {
+        double ends[2][3];
+        double bend[3];
+        for (int a = 0; a < 3; a++) {
+            ends[0][a] = (double)(float)(points[0][a] + shift[k] * mean[a]);
+            ends[1][a] = (double)(float)(points[count - 1][a] + shift[k] * mean[a]);
+        }
+        double largest = measure_bend(bend, points, count, ends[0], ends[1]);
+        for (int a = 0; a < 3 && largest < thickness; a++) {
+            node->a[a][lane] = (float)ends[0][a];
+            node->b[a][lane] = (float)ends[1][a];
+        }
+        thickness = fmin(thickness, largest);
+        memcpy(mean, bend, sizeof mean);
     }
-    set_lane(node, lane, (float[3]){(float)ends[0][0], (float)ends[0][1], (float)ends[0][2]},
-             (float[3]){(float)ends[1][0], (float)ends[1][1], (float)ends[1][2]}, thickness);
+    node->thickness[lane] = round_up(thickness);
+    node->fine[lane] = round_up(fine_thickness(points, count));
+}
+
+static void set_box(struct tract_node *node, size_t lane, const struct bvh_box *box)
+{
+    for (int a = 0; a < 3; a++) {
+        node->a[a][lane] = box->low[a];
+        node->b[a][lane] = box->high[a];
+    }
 }
 
 static struct bvh_box box_of_items(const struct tract_node *node, size_t count)
@@ -135,17 +182,31 @@ static struct bvh_box box_of_item(const struct tract_tree *tree, const struct tr
                       : box_of_items(&tree->nodes[levels->first[level - 1] + item], count);
 }
 
+/* Or the processor would wait for each run's. */
+static void fetch_points(const struct tractogram *tractogram, const struct tract_run *run)
+{
+    enum { LINE = 64 };
+    const char *from = tractogram->points ? (const char *)(tractogram->points + 3 * run->point)
+                                          : (const char *)(tractogram->halves + 3 * run->point);
+    size_t size = 3 * (run->segments + 1) * (tractogram->points ? sizeof(float) : sizeof(uint16_t));
+    for (size_t at = 0; at < size; at += LINE) {
+        __builtin_prefetch(from + at);
+    }
+}
+
 /* Level by level: the nodes above the items of each are the items of the next. */
 static void fill_nodes(const struct tract_tree *tree, const struct tract_levels *levels, const struct bvh_box *boxes,
                        const struct tractogram *tractogram)
 {
+    enum { AHEAD = 8 };
     for (size_t i = 0; i < tree->run_count; i++) {
+        fetch_points(tractogram, &tree->runs[i + AHEAD < tree->run_count ? i + AHEAD : i]);
         set_run(&tree->nodes[i / TRACT_WIDTH], i % TRACT_WIDTH, tractogram, &tree->runs[i]);
     }
     for (unsigned level = 1; level < levels->count; level++) {
         for (size_t i = 0; i < levels->items[level]; i++) {
             struct bvh_box box = box_of_item(tree, levels, boxes, level, i);
-            set_lane(&tree->nodes[levels->first[level] + i / TRACT_WIDTH], i % TRACT_WIDTH, box.low, box.high, 0);
+            set_box(&tree->nodes[levels->first[level] + i / TRACT_WIDTH], i % TRACT_WIDTH, &box);
         }
     }
 }

@@ -16,10 +16,11 @@ enum {
     TRACT_LEVELS = 11 /**< 8^11 is more than UINT32_MAX runs */
 };
 
-/** Where its items are; 0 in lanes without one. Above level 0 they are in the boxes from a to b, and thickness is 0. A
- * run goes from a to b, and is no farther than the thickness from the segment between them. */
+/** Where its items are; 0 in lanes without one. Above level 0 they are in the boxes from a to b, and nothing is thick.
+ * A run is no farther than the thickness from the segment from a to b; and of every two of its segments, counted from
+ * its beginning, the point between them is no farther than the fine thickness from the line between the outer ones. */
 struct tract_node {
-    float a[3][TRACT_WIDTH], b[3][TRACT_WIDTH], thickness[TRACT_WIDTH];
+    float a[3][TRACT_WIDTH], b[3][TRACT_WIDTH], thickness[TRACT_WIDTH], fine[TRACT_WIDTH];
 };
 
 /** Where the nodes of a tree are. */

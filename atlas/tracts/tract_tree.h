@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
  * A tree of boxes round runs of streamlines' segments. It is small beside the points (a leaf is a run of up to
- * TRACT_RUN segments of one streamline; streamlines of 100 points have 3.4 bytes of it a point), flat, and the same for
+ * TRACT_RUN segments of one streamline; streamlines of 100 points have 3.7 bytes of it a point), flat, and the same for
  * the same points, so it can be packed and mapped. tract_node.h says how it lies in memory. */
 #ifndef CONUS_ATLAS_TRACTS_TRACT_TREE_H
 #define CONUS_ATLAS_TRACTS_TRACT_TREE_H

@@ -178,12 +178,35 @@ static double distance_from(const struct tract_node *node, size_t lane, const do
     return least;
 }
 
+/* Of every second point from the line between its neighbours, by the height of the triangle: twice its area (Heron's
+ * formula) divided by its base; the sides are shorter where the height is outside. */
+static void check_fine(const struct tractogram *tractogram, const struct tract_node *node, size_t lane,
+                       const struct tract_run *run)
+{
+    for (uint32_t k = 2; k <= run->segments; k += 2) {
+        double p[3][3];
+        double side[3];
+        for (uint64_t i = 0; i < 3; i++) {
+            tractogram_point(p[i], tractogram, run->point + k - i);
+        }
+        for (int i = 0; i < 3; i++) {
+            const double *q = p[(i + 1) % 3];
+            side[i] = hypot(hypot(p[i][0] - q[0], p[i][1] - q[1]), p[i][2] - q[2]);
+        }
+        double half = (side[0] + side[1] + side[2]) / 2;
+        double area = sqrt(fmax(half * (half - side[0]) * (half - side[1]) * (half - side[2]), 0));
+        double height = side[2] > 0 ? 2 * area / side[2] : 0;
+        assert_true((double)node->fine[lane] >= height - 1e-5);
+    }
+}
+
 /* Runs are in the capsules of level 0. */
 static void check_capsules(const struct tractogram *tractogram)
 {
     for (size_t r = 0; r < tractogram->tree.run_count; r++) {
         const struct tract_node *node = &tractogram->tree.nodes[r / TRACT_WIDTH];
         const struct tract_run *run = &tractogram->tree.runs[r];
+        check_fine(tractogram, node, r % TRACT_WIDTH, run);
         for (uint32_t k = 0; k <= run->segments; k++) {
             double step;
             double point[3];

@@ -4,9 +4,6 @@
 #include "selection/engine/tracts/tract_search.h"
 #include "base/lanes.h"
 
-/** Segments and points of a run, filled up to whole lanes. */
-enum { PADDED = TRACT_RUN + LANES };
-
 static INLINE singles dot(const singles a[3], const singles b[3])
 {
     return multiply_add(a[0], b[0], multiply_add(a[1], b[1], a[2] * b[2]));
@@ -112,11 +109,14 @@ static INLINE unsigned runs_hit(float enter[TRACT_WIDTH], const struct tract_sea
 
 /* ---- Segments --------------------------------------------------------------------------------------------------- */
 
-/* The points of a run, axis by axis; the last one is repeated. */
-static INLINE void take_points(float out[3][PADDED], const struct tractogram *tractogram, const struct tract_run *run)
+enum { PAIRS = TRACT_RUN / 2 };
+
+/* Every second point of a run, axis by axis; the last one is repeated. */
+static INLINE void take_points(float out[3][PAIRS + 1], const struct tractogram *tractogram,
+                               const struct tract_run *run)
 {
-    for (uint32_t k = 0; k < PADDED; k++) {
-        uint64_t index = 3 * (run->point + (k < run->segments ? k : run->segments));
+    for (uint32_t k = 0; k <= PAIRS; k++) {
+        uint64_t index = 3 * (run->point + (2 * k < run->segments ? 2 * k : run->segments));
         for (uint64_t a = 0; a < 3; a++) {
             out[a][k] = tractogram->points ? tractogram->points[index + a]
                                            : (float)tract_from_half(tractogram->halves[index + a]);
@@ -124,21 +124,27 @@ static INLINE void take_points(float out[3][PADDED], const struct tractogram *tr
     }
 }
 
-static INLINE uint32_t segments_hit(const struct tract_search *search, const struct tract_run *run, float limit)
+/* Bits of both segments of the pairs that the ray may hit. */
+static INLINE uint32_t segments_hit(const struct tract_search *search, size_t number, float limit)
 {
+    const struct tract_run *run = &search->tractogram->tree.runs[number];
+    float fine = search->tractogram->tree.nodes[number / TRACT_WIDTH].fine[number % TRACT_WIDTH];
     struct ray ray = ray_of(search, limit);
-    uint32_t count = run->segments ? run->segments : 1;
     uint32_t bits = 0;
-    float points[3][PADDED];
+    float points[3][PAIRS + 1];
     take_points(points, search->tractogram, run);
-    for (uint32_t first = 0; first < count; first += LANES) {
+    for (uint32_t first = 0; first < PAIRS; first += LANES) {
         singles a[3], b[3], in;
         for (int k = 0; k < 3; k++) {
             a[k] = singles_at(points[k] + first);
             b[k] = singles_at(points[k] + first + 1);
         }
-        bits |= bits_of(capsules_hit(&in, &ray, a, b, all(search->radius + search->slack))) << first;
+        unsigned hit = bits_of(capsules_hit(&in, &ray, a, b, all(search->radius + search->slack + fine)));
+        for (uint32_t pair = first; hit; hit >>= 1, pair++) {
+            bits |= (hit & 1 ? 3U : 0U) << 2 * pair;
+        }
     }
+    uint32_t count = run->segments ? run->segments : 1;
     return bits & (0xffffffffU >> (32 - count));
 }
 
@@ -180,7 +186,7 @@ bool KERNEL(struct tract_found *out, struct tract_search *search, double limit)
             continue;
         }
         out->run = &search->tractogram->tree.runs[visit.item];
-        out->segments = segments_hit(search, out->run, far);
+        out->segments = segments_hit(search, visit.item, far);
         if (out->segments) {
             return true;
         }
