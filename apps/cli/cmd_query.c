@@ -2,6 +2,7 @@
 /* conus query: the areas and pathways in a cone or ball, with the tables, pictures and masks that belong to them. */
 #include "cli/answers/mask.h"
 #include "cli/answers/segments_file.h"
+#include "cli/answers/streamlines_out.h"
 #include "cli/commands.h"
 #include "cli/inquiry.h"
 #include "common/messages.h"
@@ -19,6 +20,7 @@ struct query_settings {
     const char *image;
     const char *deep;
     struct mask_settings mask;
+    struct streamlines_out_settings streamlines;
     struct axis_settings axis;
     double point[3];
 };
@@ -71,6 +73,7 @@ static const struct option_group groups[] = {
     {"", axis_options, offsetof(struct query_settings, axis)},
     {"", output_options, 0},
     {"", mask_options, offsetof(struct query_settings, mask)},
+    {"", streamlines_out_options, offsetof(struct query_settings, streamlines)},
     {"", quiet_options, INQUIRY_FIELD(common)},
     {0},
 };
@@ -81,6 +84,7 @@ struct query {
     struct inquiry inquiry;
     conus_image *image;
     struct mask mask;
+    conus_streamline_list *streamlines;
     struct segments_file segments;
     conus_contacts contacts;
     conus_selection *selection; /* kept for --deep */
@@ -90,6 +94,7 @@ static void query_finish(struct query *query)
 {
     conus_image_destroy(query->image);
     mask_finish(&query->mask);
+    conus_streamline_list_destroy(query->streamlines);
     segments_file_finish(&query->segments);
     conus_selection_destroy(query->selection);
     inquiry_finish(&query->inquiry);
@@ -97,7 +102,7 @@ static void query_finish(struct query *query)
 
 static bool check_outputs(const struct query_settings *settings, const struct arguments *arguments)
 {
-    static const char *const of_one_atlas[] = {"image", "deep", "mask"};
+    static const char *const of_one_atlas[] = {"image", "deep", "mask", "streamlines-out"};
     conus_format format;
     if (settings->voxels && output_format(&format, settings->voxels) && format != CONUS_FORMAT_TSV &&
         format != CONUS_FORMAT_TABLE) {
@@ -113,7 +118,8 @@ static bool check_outputs(const struct query_settings *settings, const struct ar
         return false;
     }
     if (!path_check_ending("image", settings->image, ".exr", ".png") ||
-        !path_check_ending("deep", settings->deep, ".exr", NULL)) {
+        !path_check_ending("deep", settings->deep, ".exr", NULL) ||
+        !path_check_ending("streamlines-out", settings->streamlines.path, ".tck", NULL)) {
         return false;
     }
     if (settings->deep && settings->inquiry.engine.layers != CONUS_LAYERS_ALL) {
@@ -176,10 +182,11 @@ static int check_poses(const struct query *query)
     const struct aim_settings *aim = &query->inquiry.settings->aim;
     const conus_pose_list *poses = query->inquiry.poses;
     size_t count = conus_pose_list_count(poses);
-    const char *of_one = query->settings->image       ? "image"
-                         : query->settings->deep      ? "deep"
-                         : query->settings->mask.path ? "mask"
-                                                      : NULL;
+    const char *of_one = query->settings->image              ? "image"
+                         : query->settings->deep             ? "deep"
+                         : query->settings->mask.path        ? "mask"
+                         : query->settings->streamlines.path ? "streamlines-out"
+                                                             : NULL;
     if (of_one && count != 1) {
         return print_usage_error("--%s shows one pose, %s has %zu", of_one, settings_poses_name(aim->pose), count);
     }
@@ -229,6 +236,7 @@ static int add_answer(struct query *query, size_t index, const struct question *
     }
     int code =
         status ? print_status(status) : mask_take(&query->mask, query->inquiry.atlases.items[index].atlas, selection);
+    code = code ? code : streamlines_out_take(&query->streamlines, &query->settings->streamlines, selection);
     if (!code && query->settings->deep) {
         query->selection = selection;
     } else {
@@ -360,6 +368,11 @@ static int write_image(struct query *query)
     return status ? print_status(status) : EXIT_DONE;
 }
 
+static int write_streamlines(struct query *query)
+{
+    return streamlines_out_write(query->streamlines, &query->settings->streamlines);
+}
+
 static int write_segments(struct query *query)
 {
     struct provenance provenance = {0};
@@ -396,6 +409,7 @@ static int write_answer(struct query *query)
     provenance_add_output(&provenance, "image", settings->image, NULL, 0);
     provenance_add_output(&provenance, "deep", settings->deep, NULL, 0);
     provenance_add_output(&provenance, "mask", settings->mask.path, NULL, 0);
+    provenance_add_output(&provenance, "streamlines-out", settings->streamlines.path, NULL, 0);
     provenance_add_output(&provenance, "segments", query->segments.path, NULL, 0);
     return code || is_replaced(settings)
                ? code
@@ -405,7 +419,8 @@ static int write_answer(struct query *query)
 /* The answer comes last: where it is, all that belongs to it is there, too. */
 static int write_all(struct query *query)
 {
-    static int (*const steps[])(struct query *) = {write_voxels, write_image, write_deep, write_segments, write_answer};
+    static int (*const steps[])(struct query *) = {write_voxels,      write_image,    write_deep,
+                                                   write_streamlines, write_segments, write_answer};
     for (size_t i = 0; i < sizeof steps / sizeof steps[0]; i++) {
         int code = steps[i](query);
         if (code) {
@@ -504,6 +519,7 @@ static int start_outputs(struct query *query)
     inquiry_add_output(inquiry, "--deep", settings->deep);
     inquiry_add_output(inquiry, "--mask", settings->mask.path);
     inquiry_add_output(inquiry, "the .json beside --mask", query->mask.sidecar);
+    inquiry_add_output(inquiry, "--streamlines-out", settings->streamlines.path);
     int code = settings_contacts(&query->contacts, &settings->axis);
     code = code ? code : start_segments(query);
     if (code) {

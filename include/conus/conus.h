@@ -59,6 +59,7 @@
 #include <conus/selection.h>
 #include <conus/space.h>
 #include <conus/status.h>
+#include <conus/streamline_list.h>
 #include <conus/streamlines.h>
 #include <conus/sweep.h>
 #include <conus/track.h>

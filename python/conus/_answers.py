@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Iterator, Optional, Union, overload
 import numpy as np
 
 from ._conus import ffi, lib
-from ._library import ADMISSION, CHANCE, COVERAGE, RESULT, STEP, array_of, check, choice, owned, text, utf8
+from ._library import ADMISSION, CHANCE, COVERAGE, RESULT, STEP, array_of, check, choice, owned, path_of, text, utf8
 
 if TYPE_CHECKING:
     import pandas
@@ -191,6 +191,35 @@ class Hit:
     contact_value: float  #: value there of a pathway, or probability of an area of probabilities; else NaN
 
 
+class Streamlines:
+    """Streamlines of an atlas: a sequence of arrays (points, 3) of float32, RAS mm."""
+
+    numbers: Array  #: of each one in its tractogram, from 0, ascending
+    tractograms: Array  #: of which tractogram of the atlas each one is, from 0
+
+    def __init__(self, pointer: Any, atlas: Atlas) -> None:
+        self._p = owned(pointer, lib.conus_streamline_list_destroy, atlas._p)
+        view = lib.conus_streamline_list_data(self._p)
+        self.numbers = array_of(view.number, view.count, np.dtype("u4"))
+        self.tractograms = array_of(view.tractogram, view.count, np.dtype("u4"))
+        self._points = np.empty((view.points, 3), np.float32)
+        self._first = np.empty(view.count + 1, np.uint64)
+        lib.conus_streamline_list_points(
+            ffi.from_buffer("float[]", self._points), ffi.from_buffer("uint64_t[]", self._first), self._p
+        )
+
+    def __len__(self) -> int:
+        return len(self.numbers)
+
+    def __getitem__(self, index: int) -> Array:
+        index = range(len(self))[index]
+        return np.asarray(self._points[self._first[index] : self._first[index + 1]])
+
+    def save(self, path: Any) -> None:
+        """Writes a tractogram of MRtrix; the name ends in .tck."""
+        check(lib.conus_streamline_list_write(self._p, path_of("path", path)))
+
+
 class Selection:
     """The answer to one pose: a sequence of :class:`Hit`, best first; "unassigned" is the last.
 
@@ -301,6 +330,18 @@ class Selection:
             image.set_sform(affine, view.space_code)
             image.set_qform(affine, view.space_code)
         return image
+
+    def streamlines(self, name: str | None = None) -> Streamlines:
+        """The streamlines that come into the cone or ball, whole ones.
+
+        Parameters
+        ----------
+        name
+            Of a bundle; None is all bundles.
+        """
+        out = ffi.new("conus_streamline_list **")
+        check(lib.conus_selection_streamlines(out, self._p, self.atlas.find(name) if name is not None else 0))
+        return Streamlines(out[0], self.atlas)
 
     def image(self, channel: str = "object") -> Array:
         """A channel of the picture that the device sees.

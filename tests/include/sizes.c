@@ -70,6 +70,7 @@ SIZE(conus_phantom_info, 16);
 SIZE(conus_streamlines_options, 48);
 SIZE(conus_polylines, 72);
 SIZE(conus_tract_scalar, 32);
+SIZE(conus_streamline_list_view, 32);
 SIZE(conus_tractogram_info, 144);
 #endif
 

@@ -1,0 +1,81 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* conus_selection_streamlines(): which streamlines come into a selection's region. */
+#include "atlas/bundles.h"
+#include "atlas/streamline_list.h"
+#include "base/memory.h"
+#include "selection/measure/tract_census.h"
+#include "selection/selection.h"
+
+static conus_status check_bundle(const conus_atlas *atlas, uint32_t object)
+{
+    const conus_object *bundle = conus_atlas_object(atlas, object);
+    if (object && !bundle) {
+        return fail(CONUS_ERROR_ARGUMENT, "object: %u, allowed is up to %zu", object, atlas->object_count);
+    }
+    if (bundle && bundle->kind != CONUS_KIND_BUNDLE) {
+        return fail(CONUS_ERROR_ARGUMENT, "streamlines: %s is %s, a bundle is needed", bundle->name,
+                    bundle->kind == CONUS_KIND_AREA ? "an area" : "a pathway");
+    }
+    if (bundle && conus_atlas_is_hidden(atlas, object)) {
+        return fail(CONUS_ERROR_ARGUMENT, "streamlines: %s is hidden", bundle->name);
+    }
+    return bundle || atlas_has_bundles(atlas) ? CONUS_OK
+                                              : fail(CONUS_ERROR_ARGUMENT, "streamlines: there is no bundle");
+}
+
+enum { SHOWN = 1, INSIDE = 2, LISTED = SHOWN | INSIDE };
+
+/* Marks the streamlines of what is asked for. */
+static void mark_bundle(uint8_t *marks, const struct tractogram *tractogram, const struct tract_group *group)
+{
+    size_t count = group ? group->count : tractogram->streamline_count;
+    for (size_t i = 0; i < count; i++) {
+        marks[group ? group->members[i] : i] |= SHOWN;
+    }
+}
+
+static void mark_inside(void *user, const struct tract_run *run, const struct tract_part *part)
+{
+    uint8_t *marks = user;
+    (void)part;
+    marks[run->streamline] |= INSIDE;
+}
+
+static conus_status list_tractogram(conus_streamline_list *list, uint32_t which, const struct region *region,
+                                    uint32_t object)
+{
+    const conus_atlas *atlas = list->atlas;
+    const struct tractogram *tractogram = &atlas->tractograms[which];
+    uint8_t *marks = memory_zeroed(tractogram->streamline_count, sizeof *marks);
+    conus_status status = marks ? CONUS_OK : CONUS_ERROR_MEMORY;
+    for (uint32_t number = (uint32_t)atlas->area_count + 1; number <= atlas->object_count && !status; number++) {
+        bool wanted = object ? number == object : !atlas->places[number - 1].is_hidden;
+        if (wanted && atlas_bundle_tractogram(atlas, number) == tractogram) {
+            mark_bundle(marks, tractogram, atlas_bundle_group(atlas, number));
+        }
+    }
+    if (!status) {
+        tract_census_walk(tractogram, region, mark_inside, marks);
+    }
+    for (uint32_t k = 0; k < tractogram->streamline_count && !status; k++) {
+        status = marks[k] == LISTED ? streamline_list_add(list, which, k) : CONUS_OK;
+    }
+    memory_free(marks);
+    return status;
+}
+
+conus_status conus_selection_streamlines(conus_streamline_list **out, const conus_selection *selection, uint32_t object)
+{
+    conus_streamline_list *list = NULL;
+    conus_status status = check_bundle(selection->atlas, object);
+    status = status ? status : streamline_list_create(&list, selection->atlas);
+    for (uint32_t which = 0; which < selection->atlas->tractogram_count && !status; which++) {
+        status = list_tractogram(list, which, &selection->region, object);
+    }
+    if (status) {
+        conus_streamline_list_destroy(list);
+        return status;
+    }
+    *out = list;
+    return CONUS_OK;
+}
