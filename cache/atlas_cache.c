@@ -354,6 +354,9 @@ static bool may_be_kept(const conus_atlas *atlas, const struct file_trace *trace
     for (size_t i = 0; i < atlas->volume_count && may; i++) {
         may = !atlas->volumes[i].source && was_watched(trace, atlas->volumes[i].path);
     }
+    for (size_t i = 0; i < atlas->tractogram_count && may; i++) {
+        may = was_watched(trace, atlas->tractograms[i].path);
+    }
     for (size_t i = 0; i < atlas->mesh_count && may; i++) {
         may = was_watched(trace, atlas->meshes[i].path);
     }

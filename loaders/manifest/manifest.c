@@ -4,6 +4,7 @@
 
 #include "base/memory.h"
 #include "loaders/manifest/manifest_context.h"
+#include "loaders/manifest/manifest_streamlines.h"
 #include "loaders/manifest/manifest_transform.h"
 #include "loaders/manifest/schema.h"
 #include "loaders/tables/label_cells.h"
@@ -404,6 +405,7 @@ static const struct schema_field manifest_keys[] = {
     {"tree", read_tree, 0, false},
     {"probabilities", read_maps, 0, false},
     {"pathways", read_pathways, 0, false},
+    {"streamlines", manifest_streamlines_read, 0, false},
     {"threshold", schema_positive, AT(manifest, threshold), false},
     {"transform", manifest_transforms_read, 0, false},
     {"context", manifest_contexts_read, 0, false},
@@ -421,6 +423,12 @@ static conus_status check_moves(const struct manifest *manifest)
         }
         moves = moves || manifest->pathways[i].moves;
     }
+    for (size_t i = 0; i < manifest->streamlines_count; i++) {
+        if (manifest->streamlines[i].moves && !manifest->transform_count) {
+            return fail(CONUS_ERROR_DATA, "streamlines[%zu].%s", i, why);
+        }
+        moves = moves || manifest->streamlines[i].moves;
+    }
     for (size_t i = 0; i < manifest->context_count; i++) {
         if (manifest->contexts[i].moves && !manifest->transform_count) {
             return fail(CONUS_ERROR_DATA, "context.%s", why);
@@ -428,7 +436,8 @@ static conus_status check_moves(const struct manifest *manifest)
     }
     return moves || !manifest->transform_count
                ? CONUS_OK
-               : fail(CONUS_ERROR_DATA, "transform: there are no areas, and no pathway says that it moves");
+               : fail(CONUS_ERROR_DATA,
+                      "transform: there are no areas, and no pathway or streamlines say that they move");
 }
 
 static conus_status check_manifest(const struct manifest *manifest)
@@ -438,9 +447,10 @@ static conus_status check_manifest(const struct manifest *manifest)
         return fail(CONUS_ERROR_DATA, "has probabilities and %s, which are areas both: one of them is allowed",
                     manifest->area_count ? "areas" : "a parcellation");
     }
-    return labelled || manifest->map_count || manifest->pathway_count
+    return labelled || manifest->map_count || manifest->pathway_count || manifest->streamlines_count
                ? check_moves(manifest)
-               : fail(CONUS_ERROR_DATA, "nothing to select: parcellation, areas, probabilities or pathways is needed");
+               : fail(CONUS_ERROR_DATA,
+                      "nothing to select: parcellation, areas, probabilities, pathways or streamlines is needed");
 }
 
 /* ---- The file ---------------------------------------------------------------------------------------------- */
@@ -517,7 +527,20 @@ void manifest_finish(struct manifest *manifest)
         memory_free(manifest->parcellations[i].labels);
     }
     memory_free(manifest->parcellations);
+    manifest_streamlines_finish(manifest);
     manifest_contexts_finish(manifest);
     manifest_transforms_finish(manifest);
     *manifest = (struct manifest){0};
+}
+
+size_t manifest_file_count(const struct manifest *manifest)
+{
+    size_t files = manifest->parcellation_count + manifest->context_count + manifest->streamlines_count;
+    for (size_t i = 0; i < manifest->map_count; i++) {
+        files += manifest->maps[i].names ? manifest->maps[i].name_count : 1;
+    }
+    for (size_t i = 0; i < manifest->pathway_count; i++) {
+        files += manifest->pathways[i].names ? manifest->pathways[i].name_count : 1;
+    }
+    return files;
 }

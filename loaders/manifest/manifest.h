@@ -87,6 +87,14 @@ struct manifest_pathway {
     bool moves; /**< A pathway: it is moved with the areas. */
 };
 
+/** A tractogram: one bundle, or its groups. */
+struct manifest_streamlines {
+    char *file;
+    char *name;    /**< NULL = the file's without its ending. */
+    double radius; /**< mm; 0 = the default. */
+    bool moves;    /**< With the areas. */
+};
+
 struct manifest {
     bool allow_outside; /**< Paths may leave the manifest's folder.                                           */
     struct manifest_parcellation *parcellations; /**< By priority. */
@@ -105,6 +113,8 @@ struct manifest {
     size_t map_count;
     struct manifest_pathway *pathways;
     size_t pathway_count;
+    struct manifest_streamlines *streamlines;
+    size_t streamlines_count;
     double threshold; /**< Of pathways that give none; 0 = the default.                                       */
     struct manifest_transform *transforms; /**< Points go through the first one first. */
     size_t transform_count;
@@ -117,5 +127,9 @@ bool manifest_is(struct text text);
 /** Parses @p text. CONUS_ERROR_DATA with the key, or line and column where it is no JSON. */
 conus_status manifest_parse(struct manifest *out, struct text text);
 void manifest_finish(struct manifest *manifest);
+
+/** How many files there are besides surfaces and label tables. Volumes of one file count each: they are unpacked one by
+ * one. */
+size_t manifest_file_count(const struct manifest *manifest);
 
 #endif

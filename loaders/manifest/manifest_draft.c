@@ -9,6 +9,15 @@
 #include <stdarg.h>
 #include <stdio.h>
 
+conus_status manifest_draft_init(struct manifest_draft *draft)
+{
+    draft->areas = json_array();
+    draft->pathways = json_array();
+    draft->streamlines = json_array();
+    draft->maps = json_array();
+    return draft->areas && draft->pathways && draft->streamlines && draft->maps ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
 void manifest_draft_finish(struct manifest_draft *draft)
 {
     names_finish(&draft->used);
@@ -16,6 +25,7 @@ void manifest_draft_finish(struct manifest_draft *draft)
     json_decref(draft->context);
     json_decref(draft->areas);
     json_decref(draft->pathways);
+    json_decref(draft->streamlines);
     json_decref(draft->maps);
 }
 
@@ -108,7 +118,7 @@ conus_status manifest_draft_format(struct buffer *out, const struct manifest_dra
     const char *parcellation = json_is_array(draft->parcellation) ? "parcellations" : "parcellation";
     bool done = root && set_key(root, parcellation, draft->parcellation) && set_key(root, "areas", draft->areas) &&
                 set_key(root, "probabilities", draft->maps) && set_key(root, "pathways", draft->pathways) &&
-                set_key(root, "context", draft->context) &&
+                set_key(root, "streamlines", draft->streamlines) && set_key(root, "context", draft->context) &&
                 json_dump_callback(root, put_text, out, JSON_INDENT(2)) == 0;
     json_decref(root);
     buffer_text(out, "\n");

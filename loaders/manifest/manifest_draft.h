@@ -14,7 +14,7 @@ struct manifest_draft {
     const conus_manifest_options *options;
     struct names used;    /**< Images that an FSL atlas names, from the folder and without ending. */
     json_t *parcellation; /**< An object; a list of those that are halves. */
-    json_t *context, *areas, *pathways;
+    json_t *context, *areas, *pathways, *streamlines;
     json_t *maps;          /**< Of probabilities. */
     uint32_t label_offset; /**< Of the next group of surfaces. */
     /** Loads a manifest, to try an entry. NULL: every entry is taken, and one that does not load is the reader's error.
@@ -22,6 +22,8 @@ struct manifest_draft {
     conus_status (*load)(const struct manifest_draft *draft, const struct buffer *text);
 };
 
+/** Makes its lists. CONUS_ERROR_MEMORY; then it is to be finished, too. */
+conus_status manifest_draft_init(struct manifest_draft *draft);
 void manifest_draft_finish(struct manifest_draft *draft);
 
 /** Path of @p name, which lies in the folder; NULL without memory. */

@@ -3,7 +3,9 @@
 #include "loaders/scene/load_context.h"
 
 #include "atlas/fit/fit.h"
+#include "base/file.h"
 #include "base/folder.h"
+#include "base/memory.h"
 #include "base/options.h"
 #include "loaders/scene/load_scalar.h"
 #include "loaders/surfaces/mesh_file.h"
@@ -122,4 +124,15 @@ conus_status context_entry_set(conus_atlas *atlas, const struct manifest_context
                                            .opacity = entry->opacity};
     const char *wrong = mesh_file_is(path) ? wrong_of_surface(entry) : wrong_of_volume(entry, atlas);
     return wrong ? fail(CONUS_ERROR_DATA, "%s", wrong) : conus_atlas_set_context(atlas, path, &context);
+}
+
+conus_status context_entry_transfer(conus_atlas *atlas, const struct manifest_context *context, const char *path)
+{
+    const char *name = context->transfer;
+    memory_free(atlas->transfer);
+    atlas->transfer = context->transfer_is_file ? file_beside(path, name) : memory_text(name, strlen(name));
+    if (!atlas->transfer || !context->transfer_is_file || file_exists(atlas->transfer)) {
+        return atlas->transfer ? CONUS_OK : CONUS_ERROR_MEMORY;
+    }
+    return fail(CONUS_ERROR_IO, "transfer.file: %s: there is no such file", atlas->transfer);
 }

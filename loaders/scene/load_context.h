@@ -11,4 +11,8 @@
 conus_status context_entry_set(conus_atlas *atlas, const struct manifest_context *entry, const char *path,
                                const conus_load_options *options);
 
+/** Notes the transfer function of an entry of the manifest @p path, which has one. CONUS_ERROR_IO where its file is not
+ * there. */
+conus_status context_entry_transfer(conus_atlas *atlas, const struct manifest_context *context, const char *path);
+
 #endif

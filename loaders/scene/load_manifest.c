@@ -15,6 +15,7 @@
 #include "loaders/scene/load_context.h"
 #include "loaders/scene/load_probability.h"
 #include "loaders/scene/load_scalar.h"
+#include "loaders/scene/load_streamlines.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -164,19 +165,6 @@ static conus_status create_atlas(struct loading *loading, struct area_plan *plan
     return status;
 }
 
-/* Parcellations, pathways, context. Volumes of one file count each: they are unpacked one by one. */
-static size_t files_besides(const struct manifest *manifest)
-{
-    size_t files = manifest->parcellation_count + manifest->context_count;
-    for (size_t i = 0; i < manifest->map_count; i++) {
-        files += manifest->maps[i].names ? manifest->maps[i].name_count : 1;
-    }
-    for (size_t i = 0; i < manifest->pathway_count; i++) {
-        files += manifest->pathways[i].names ? manifest->pathways[i].name_count : 1;
-    }
-    return files;
-}
-
 /* Where the Allen CCF lies, if the manifest says so, or a folder that has only surfaces: of volumes the grid says it.
  */
 static conus_status place_ccf(struct loading *loading, const struct area_plan *plan)
@@ -196,7 +184,7 @@ static conus_status load_areas(struct loading *loading)
     struct notes notes = {.sink = &loading->progress->sink};
     conus_status status = area_plan_make(&plan, loading->manifest, loading->path, &notes);
     size_t planned = area_plan_files(&plan);
-    loading->progress->total = files_besides(loading->manifest) + planned;
+    loading->progress->total = manifest_file_count(loading->manifest) + planned;
     status = status ? status : create_atlas(loading, &plan);
     loading->progress->total -= planned - area_plan_files(&plan); /* the parcellation may have them */
     status = status ? status : place_ccf(loading, &plan);
@@ -469,19 +457,25 @@ static conus_status add_pathways(struct loading *loading, bool moves)
     return status;
 }
 
-/* ---- Context ------------------------------------------------------------------------------------------------- */
+/* ---- Streamlines --------------------------------------------------------------------------------------------- */
 
-static conus_status set_transfer(struct loading *loading, const struct manifest_context *context)
+static conus_status add_streamlines(struct loading *loading, bool moves)
 {
-    const char *name = context->transfer;
-    memory_free(loading->atlas->transfer);
-    loading->atlas->transfer =
-        context->transfer_is_file ? file_beside(loading->path, name) : memory_text(name, strlen(name));
-    if (!loading->atlas->transfer || !context->transfer_is_file || file_exists(loading->atlas->transfer)) {
-        return loading->atlas->transfer ? CONUS_OK : CONUS_ERROR_MEMORY;
+    const struct manifest *manifest = loading->manifest;
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < manifest->streamlines_count; i++) {
+        char key[48];
+        snprintf(key, sizeof key, "streamlines[%zu]", i);
+        status =
+            manifest->streamlines[i].moves == moves
+                ? streamlines_add_entry(loading->atlas, &manifest->streamlines[i], loading->path, loading->progress)
+                : CONUS_OK;
+        status = status ? fail_at(status, loading, key) : CONUS_OK;
     }
-    return fail(CONUS_ERROR_IO, "transfer.file: %s: there is no such file", loading->atlas->transfer);
+    return status;
 }
+
+/* ---- Context ------------------------------------------------------------------------------------------------- */
 
 static conus_status set_one(struct loading *loading, const struct manifest_context *context)
 {
@@ -489,7 +483,7 @@ static conus_status set_one(struct loading *loading, const struct manifest_conte
     conus_status status = path ? load_progress_report(loading->progress, path, 1) : CONUS_ERROR_MEMORY;
     status = status ? status : context_entry_set(loading->atlas, context, path, loading->options);
     memory_free(path);
-    return status || !context->transfer ? status : set_transfer(loading, context);
+    return status || !context->transfer ? status : context_entry_transfer(loading->atlas, context, loading->path);
 }
 
 static conus_status set_contexts(struct loading *loading, bool moves)
@@ -509,6 +503,7 @@ static conus_status set_contexts(struct loading *loading, bool moves)
 static conus_status add_what_moves(struct loading *loading)
 {
     conus_status status = add_pathways(loading, true);
+    status = status ? status : add_streamlines(loading, true);
     status = status ? status : set_contexts(loading, true);
     if (status) {
         return status;
@@ -523,6 +518,7 @@ static conus_status load_scene(conus_atlas **out, struct loading *loading)
     status = status ? status : add_probabilities(loading);
     status = status ? status : add_what_moves(loading);
     status = status ? status : add_pathways(loading, false);
+    status = status ? status : add_streamlines(loading, false);
     status = status ? status : set_contexts(loading, false);
     if (status) {
         conus_atlas_destroy(loading->atlas);

@@ -5,6 +5,7 @@
 #include "atlas/fit/tract_fit.h"
 #include "base/buffer.h"
 #include "base/folder.h"
+#include "base/memory.h"
 #include "base/options.h"
 #include "base/text_number.h"
 #include "conus/conus.h"
@@ -43,6 +44,11 @@ static conus_status choose_name(struct buffer *out, const char *wanted, const ch
     }
     buffer_append(out, path + start, stem_length(path + start, end - start));
     return buffer_status(out);
+}
+
+size_t streamlines_stem_length(const char *name)
+{
+    return stem_length(name, strlen(name));
 }
 
 conus_status streamlines_radius(double *out, double wanted, const char *path)
@@ -90,5 +96,20 @@ conus_status conus_atlas_add_streamlines(conus_atlas *atlas, const char *path, c
     }
     tractogram_finish(&tractogram);
     notes_finish(&notes);
+    return status;
+}
+
+conus_status streamlines_add_entry(conus_atlas *atlas, const struct manifest_streamlines *entry, const char *path,
+                                   struct load_progress *progress)
+{
+    const conus_streamlines_options options = {.radius = entry->radius,
+                                               .name = entry->name,
+                                               .max_memory = progress->options->max_memory,
+                                               .log = progress->options->log,
+                                               .log_user = progress->options->log_user};
+    char *file = file_beside(path, entry->file);
+    conus_status status = file ? load_progress_report(progress, file, 1) : CONUS_ERROR_MEMORY;
+    status = status ? status : conus_atlas_add_streamlines(atlas, file, &options);
+    memory_free(file);
     return status;
 }

@@ -4,6 +4,11 @@
 #define CONUS_LOADERS_SCENE_LOAD_STREAMLINES_H
 
 #include "atlas/bundles.h"
+#include "loaders/manifest/manifest.h"
+#include "loaders/scene/load_progress.h"
+
+/** Length of a file's name without ".gz", and without the ending of a tractogram before it. */
+size_t streamlines_stem_length(const char *name);
 
 /** The radius that is wanted, mm, for the tractogram @p path. CONUS_ERROR_ARGUMENT. */
 conus_status streamlines_radius(double *out, double wanted, const char *path);
@@ -12,5 +17,9 @@ conus_status streamlines_radius(double *out, double wanted, const char *path);
  * streamlines, or of those in no group, is called @p name, or like the path where that is NULL or "". On success the
  * atlas has @p notes, too; on failure it is as before. */
 conus_status streamlines_add(conus_atlas *atlas, struct tractogram *tractogram, const char *name, struct notes *notes);
+
+/** Adds a tractogram of the manifest @p path. */
+conus_status streamlines_add_entry(conus_atlas *atlas, const struct manifest_streamlines *entry, const char *path,
+                                   struct load_progress *progress);
 
 #endif

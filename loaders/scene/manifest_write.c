@@ -15,6 +15,7 @@
 #include "loaders/manifest/manifest_surfaces.h"
 #include "loaders/moved/draft_transform.h"
 #include "loaders/plan/plan_cifti.h"
+#include "loaders/scene/draft_streamlines.h"
 #include "loaders/scene/load_manifest.h"
 #include "loaders/scene/named_maps.h"
 #include "loaders/tables/fsl_number.h"
@@ -502,7 +503,7 @@ static conus_status scan_folder(struct manifest_draft *draft)
     }
     for (size_t i = 0; !status && i < names.count; i++) {
         status = is_volume(names.names[i]) ? look_at_other(draft, names.names[i], voxels)
-                                           : draft_transform_say(draft, names.names[i]);
+                                           : draft_streamlines_take(draft, names.names[i]);
     }
     status = status || !cifti ? status : take_cifti(&labelled, draft, cifti);
     status = status || voxels || labelled ? status : manifest_surfaces_add(draft, "");
@@ -576,18 +577,17 @@ conus_status conus_manifest_write(const char *path, const conus_manifest_options
     char *folder = path_folder(path);
     struct manifest_draft draft = {
         .folder = folder, .options = options_of(conus_manifest_options, options), .load = load_text};
-    draft.areas = json_array();
-    draft.pathways = json_array();
-    draft.maps = json_array();
-    conus_status status = folder && draft.areas && draft.pathways && draft.maps ? CONUS_OK : CONUS_ERROR_MEMORY;
+    conus_status status = folder ? manifest_draft_init(&draft) : CONUS_ERROR_MEMORY;
     if (!status && !file_is_folder(folder)) {
         status = fail(CONUS_ERROR_IO, "%s: there is no such folder", folder);
     }
     status = status ? status : scan_folder(&draft);
     status = status ? status : settle_maps(&draft);
-    size_t found = json_array_size(draft.areas) + json_array_size(draft.pathways) + json_array_size(draft.maps);
+    size_t found = json_array_size(draft.areas) + json_array_size(draft.pathways) + json_array_size(draft.maps) +
+                   json_array_size(draft.streamlines);
     if (!status && !draft.parcellation && !found) {
-        status = fail(CONUS_ERROR_DATA, "%s: neither parcellation nor surfaces nor pathways in this folder", folder);
+        status = fail(CONUS_ERROR_DATA, "%s: neither parcellation nor surfaces, pathways or streamlines in this folder",
+                      folder);
     }
     status = status ? status : manifest_draft_format(&text, &draft);
     status = status ? status : write_checked(path, &text);

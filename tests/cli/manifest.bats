@@ -150,7 +150,7 @@ END
 
 @test "an empty folder and none at all are errors" {
     mkdir empty
-    fails 3 'neither parcellation nor surfaces nor pathways in this folder' manifest empty
+    fails 3 'neither parcellation nor surfaces, pathways or streamlines in this folder' manifest empty
     fails 3 'nowhere: there is no such folder' manifest nowhere
     fails 2 'a name without / is needed' manifest empty --name a/b
 }
@@ -236,7 +236,7 @@ complaint() {
         else
             [ "$status" -eq 3 ]
             check_message copy/
-            [[ "$stderr" == *'neither parcellation nor surfaces nor pathways in this folder' ||
+            [[ "$stderr" == *'neither parcellation nor surfaces, pathways or streamlines in this folder' ||
                 "$stderr" == *'are both parcellations'* ]] || { echo "$folder: $stderr"; return 1; }
             refused=$((refused + 1))
         fi

@@ -139,3 +139,78 @@ print(tract["path"], tract["streamlines"], tract["radius_mm"], tract["sha256"])'
     has 'reaches      x -10 to 10, y 0 to 10, z 0 to 0 mm'
     has 'bundle two: none of 5 points is in the box around the areas'
 }
+
+# A scene with two tractograms, one of which is brought to the poses with the areas, 5 mm along x.
+manifest_scene() {
+    scene
+    tck more.tck 0,0,20 0,0,10
+    printf '1 0 0 -5\n0 1 0 0\n0 0 1 0\n0 0 0 1\n' >shift.txt
+    echo '{"conus_atlas": 1, "parcellation": "slabs.nii.gz", "transform": "shift.txt", "streamlines": [
+        {"file": "two.tck", "name": "Arc", "radius": 0.25, "moves": true, "comment": "of the template"}, "more.tck"]}' \
+        >scene.atlas.json
+}
+
+@test "a manifest has streamlines, and moves those that say so" {
+    manifest_scene
+    answers info scene.atlas.json
+    has 'bundles      1, of radius 0.25 mm'
+    has 'reaches      x -5 to 15, y 0 to 10, z 0 to 0 mm'
+    has 'reaches      x 0 to 0, y 0 to 0, z 10 to 20 mm'
+    has '2 bundles'
+    answers info scene.atlas.json --atlas-transform shift.txt # moves all that the scene has
+    has 'reaches      x 0 to 20, y 0 to 10, z 0 to 0 mm'
+    has 'reaches      x 5 to 5, y 0 to 0, z 10 to 20 mm'
+    echo '{"conus_atlas": 1, "streamlines": ["two.tck"]}' >only.atlas.json
+    answers info only.atlas.json
+    has '0 areas (0 without a name, 0 without a shape), 0 pathways, 1 bundle'
+}
+
+@test "a manifest's streamlines are refused by their key" {
+    manifest_scene
+    sed 's/0.25/0/' scene.atlas.json >bad.atlas.json
+    fails 3 'streamlines[0].radius' info bad.atlas.json
+    sed 's/more.tck/none.tck/' scene.atlas.json >bad.atlas.json
+    fails 3 'streamlines[1]: ./none.tck' info ./bad.atlas.json
+    sed 's/more.tck/two.tck/; s/"name": "Arc"/"name": "two"/' scene.atlas.json >bad.atlas.json
+    fails 3 'streamlines[1]: two.tck: bundle two: another bundle has that name' info bad.atlas.json
+    sed 's/"radius": 0.25/"threshold": 1/' scene.atlas.json >bad.atlas.json
+    fails 3 'streamlines[0].threshold' info bad.atlas.json
+    sed 's/"transform": "shift.txt", //' scene.atlas.json >bad.atlas.json
+    fails 3 'streamlines[0].moves: there is no transform that could move it' info bad.atlas.json
+}
+
+@test "a first manifest of a folder takes its tractograms" {
+    scene
+    printf 'mrtrix tracks\nEND\n' >broken.tck
+    cp two.tck two.x.tck
+    gzip -k two.tck
+    run -0 --separate-stderr "$CONUS" manifest .
+    [[ "$stderr" == *'two.tck: streamlines'* ]]
+    [[ "$stderr" == *'broken.tck'* ]]
+    python3 -c '
+import glob, json
+(path,) = glob.glob("*.atlas.json")
+assert json.load(open(path))["streamlines"] == [
+    {"file": "two.tck", "name": "two"}, {"file": "two.tck.gz", "name": "two.tck.gz"}, {"file": "two.x.tck", "name": "two.x"}]'
+    answers info ./*.atlas.json
+    has '3 bundles'
+}
+
+# Files that changed within the last two seconds are not kept.
+is_kept() {
+    "$CONUS" info scene.atlas.json --format json >first
+    [ "$(find cache -name '*.atlas' | wc -l)" -eq 1 ]
+}
+
+@test "the cache keeps a scene's streamlines, until a file changes" {
+    manifest_scene
+    export XDG_CACHE_HOME=$PWD/cache
+    unset CONUS_CACHE
+    mkdir cache
+    wait_until $$ is_kept
+    answers info scene.atlas.json --format json
+    [ "$output" = "$(<first)" ]
+    tck more.tck 0,0,20 0,0,11
+    answers info scene.atlas.json
+    has 'reaches      x 0 to 0, y 0 to 0, z 11 to 20 mm'
+}
