@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus query: the areas and pathways in a cone or ball, with the tables, pictures and masks that belong to them. */
+#include "cli/answers/ends.h"
 #include "cli/answers/mask.h"
-#include "cli/answers/segments_file.h"
 #include "cli/answers/streamlines_out.h"
 #include "cli/commands.h"
 #include "cli/inquiry.h"
@@ -22,6 +22,7 @@ struct query_settings {
     struct mask_settings mask;
     struct streamlines_out_settings streamlines;
     struct axis_settings axis;
+    struct ends_settings ends;
     double point[3];
 };
 
@@ -71,6 +72,8 @@ static const struct option_group groups[] = {
     {"What is written", query_format_options, INQUIRY_FIELD(answer)},
     {"", answer_output_options, INQUIRY_FIELD(answer)},
     {"", axis_options, offsetof(struct query_settings, axis)},
+    {"", endpoints_options, offsetof(struct query_settings, ends)},
+    {"", connectivity_options, offsetof(struct query_settings, ends)},
     {"", output_options, 0},
     {"", mask_options, offsetof(struct query_settings, mask)},
     {"", streamlines_out_options, offsetof(struct query_settings, streamlines)},
@@ -85,7 +88,8 @@ struct query {
     conus_image *image;
     struct mask mask;
     conus_streamline_list *streamlines;
-    struct segments_file segments;
+    struct rows_file segments;
+    struct ends ends;
     conus_contacts contacts;
     conus_selection *selection; /* kept for --deep */
 };
@@ -95,7 +99,8 @@ static void query_finish(struct query *query)
     conus_image_destroy(query->image);
     mask_finish(&query->mask);
     conus_streamline_list_destroy(query->streamlines);
-    segments_file_finish(&query->segments);
+    rows_file_finish(&query->segments);
+    ends_finish(&query->ends);
     conus_selection_destroy(query->selection);
     inquiry_finish(&query->inquiry);
 }
@@ -126,7 +131,7 @@ static bool check_outputs(const struct query_settings *settings, const struct ar
         print_error_line("--deep needs --layers all");
         return false;
     }
-    return mask_check(&settings->mask, arguments);
+    return ends_check(&settings->ends, arguments) && mask_check(&settings->mask, arguments);
 }
 
 static bool is_of_probe(conus_format format)
@@ -182,11 +187,12 @@ static int check_poses(const struct query *query)
     const struct aim_settings *aim = &query->inquiry.settings->aim;
     const conus_pose_list *poses = query->inquiry.poses;
     size_t count = conus_pose_list_count(poses);
-    const char *of_one = query->settings->image              ? "image"
-                         : query->settings->deep             ? "deep"
-                         : query->settings->mask.path        ? "mask"
-                         : query->settings->streamlines.path ? "streamlines-out"
-                                                             : NULL;
+    const char *of_one = query->settings->image               ? "image"
+                         : query->settings->deep              ? "deep"
+                         : query->settings->mask.path         ? "mask"
+                         : query->settings->streamlines.path  ? "streamlines-out"
+                         : query->settings->ends.connectivity ? "connectivity"
+                                                              : NULL;
     if (of_one && count != 1) {
         return print_usage_error("--%s shows one pose, %s has %zu", of_one, settings_poses_name(aim->pose), count);
     }
@@ -220,6 +226,19 @@ static conus_status add_shank(const struct answerer *answerer, const struct ques
     return status;
 }
 
+/* Adds what the axis passes in one atlas. */
+static int add_segments(struct query *query, size_t index, const struct question *question)
+{
+    conus_segments *segments = NULL;
+    if (!query->segments.path || question->ball > 0) {
+        return EXIT_DONE;
+    }
+    conus_status status = conus_segments_create(&segments, query->inquiry.answerers[index].selector, &question->pose);
+    status = status ? status : conus_report_add_segments(query->segments.reports[index], question->id, segments);
+    conus_segments_destroy(segments);
+    return status ? print_status(status) : EXIT_DONE;
+}
+
 /* Adds the answer of one atlas to its report and to what else is written. The image is of the last one. */
 static int add_answer(struct query *query, size_t index, const struct question *question, conus_selection *selection)
 {
@@ -237,15 +256,14 @@ static int add_answer(struct query *query, size_t index, const struct question *
     int code =
         status ? print_status(status) : mask_take(&query->mask, query->inquiry.atlases.items[index].atlas, selection);
     code = code ? code : streamlines_out_take(&query->streamlines, &query->settings->streamlines, selection);
+    const conus_report_options report = inquiry_report_options(&query->inquiry);
+    code = code ? code : ends_add(&query->ends, index, question->id, answerer->selector, selection, &report);
     if (!code && query->settings->deep) {
         query->selection = selection;
     } else {
         conus_selection_destroy(selection);
     }
-    if (!code && question->ball == 0) {
-        code = segments_file_add(&query->segments, index, question->id, answerer->selector, &question->pose);
-    }
-    return code;
+    return code ? code : add_segments(query, index, question);
 }
 
 /* Asks all atlases. Where the question itself is at fault, nothing is printed or reported: that is for the caller, and
@@ -267,13 +285,14 @@ static int ask(struct query *query, const struct question *question, bool *fault
     }
     return code || question->ball == 0
                ? code
-               : segments_file_refuse(&query->segments, question->id, question->line, POINT_HAS_NO_AXIS);
+               : rows_file_refuse(&query->segments, question->id, question->line, POINT_HAS_NO_AXIS);
 }
 
 static int refuse_row(struct query *query, const conus_pose_row *row, const char *why)
 {
     int code = inquiry_refuse_row(&query->inquiry, row, why);
-    return code ? code : segments_file_refuse(&query->segments, row->id, row->line, why);
+    code = code ? code : rows_file_refuse(&query->segments, row->id, row->line, why);
+    return code ? code : rows_file_refuse(&query->ends.rows, row->id, row->line, why);
 }
 
 static int answer_row(void *user, const conus_pose_row *row)
@@ -341,9 +360,10 @@ static conus_status start_query(struct query *query)
     report.contacts = query->contacts;
     report.electrodes = inquiry->format == CONUS_FORMAT_BIDS ? conus_pose_list_electrodes(inquiry->poses) : NULL;
     status = inquiry_reports(inquiry, &report);
-    for (size_t i = 0; query->segments.path && i < inquiry->atlases.count && !status; i++) {
+    for (size_t i = 0; i < inquiry->atlases.count && !status; i++) {
         report.atlas = inquiry->atlases.items[i].name;
-        status = segments_file_report(&query->segments, inquiry->answerers[i].selector, &report);
+        status = rows_file_report(&query->segments, inquiry->answerers[i].selector, &report);
+        status = status ? status : rows_file_report(&query->ends.rows, inquiry->answerers[i].selector, &report);
     }
     return status;
 }
@@ -368,16 +388,14 @@ static int write_image(struct query *query)
     return status ? print_status(status) : EXIT_DONE;
 }
 
-static int write_streamlines(struct query *query)
-{
-    return streamlines_out_write(query->streamlines, &query->settings->streamlines);
-}
-
-static int write_segments(struct query *query)
+/* The streamlines, and rows that are not the answer's. */
+static int write_tracts_and_rows(struct query *query)
 {
     struct provenance provenance = {0};
     inquiry_list_inputs(&provenance, &query->inquiry);
-    return segments_file_write(&query->segments, &provenance);
+    int code = streamlines_out_write(query->streamlines, &query->settings->streamlines);
+    code = code ? code : rows_file_write(&query->segments, &provenance);
+    return code ? code : ends_write(&query->ends, &provenance);
 }
 
 /* Whether segments take the place of the answer on stdout. */
@@ -411,6 +429,8 @@ static int write_answer(struct query *query)
     provenance_add_output(&provenance, "mask", settings->mask.path, NULL, 0);
     provenance_add_output(&provenance, "streamlines-out", settings->streamlines.path, NULL, 0);
     provenance_add_output(&provenance, "segments", query->segments.path, NULL, 0);
+    provenance_add_output(&provenance, "endpoints", settings->ends.endpoints, NULL, 0);
+    provenance_add_output(&provenance, "connectivity", settings->ends.connectivity, NULL, 0);
     return code || is_replaced(settings)
                ? code
                : answer_write(report, settings->inquiry.answer.output, inquiry->sidecar, &provenance);
@@ -419,8 +439,8 @@ static int write_answer(struct query *query)
 /* The answer comes last: where it is, all that belongs to it is there, too. */
 static int write_all(struct query *query)
 {
-    static int (*const steps[])(struct query *) = {write_voxels,      write_image,    write_deep,
-                                                   write_streamlines, write_segments, write_answer};
+    static int (*const steps[])(struct query *) = {write_voxels, write_image, write_deep, write_tracts_and_rows,
+                                                   write_answer};
     for (size_t i = 0; i < sizeof steps / sizeof steps[0]; i++) {
         int code = steps[i](query);
         if (code) {
@@ -466,7 +486,9 @@ static int answer_query(struct query *query)
     if (code) {
         return code;
     }
-    if (!inquiry_check_inputs(inquiry, NULL) || !check_voxels(query)) {
+    bool has_ends = query->settings->ends.endpoints || query->settings->ends.connectivity;
+    if (!inquiry_check_inputs(inquiry, NULL) || !check_voxels(query) ||
+        (has_ends && !ends_check_atlases(&inquiry->atlases))) {
         return EXIT_USAGE;
     }
     code = inquiry_match(inquiry);
@@ -499,11 +521,23 @@ static int start_segments(struct query *query)
         return print_usage_error("--sidecar has no effect without the answer");
     }
     bool answer_has_format = !output_is_stdout(settings->inquiry.answer.output);
-    int code = segments_file_init(&query->segments, path, answer_has_format ? CONUS_FORMAT_TABLE : inquiry->format);
+    int code = rows_file_init(&query->segments, "segments", CONUS_ROWS_SEGMENTS, path,
+                              answer_has_format ? CONUS_FORMAT_TABLE : inquiry->format);
     if (path) {
         inquiry_add_output(inquiry, "--segments", output_is_stdout(path) ? NULL : path);
         inquiry_add_output(inquiry, "the .json beside --segments", query->segments.sidecar);
     }
+    return code;
+}
+
+static int start_ends(struct query *query)
+{
+    struct inquiry *inquiry = &query->inquiry;
+    const struct ends_settings *settings = &query->settings->ends;
+    int code = ends_init(&query->ends, settings, inquiry->arguments);
+    inquiry_add_output(inquiry, "--endpoints", settings->endpoints);
+    inquiry_add_output(inquiry, "the .json beside --endpoints", query->ends.rows.sidecar);
+    inquiry_add_output(inquiry, "--connectivity", settings->connectivity);
     return code;
 }
 
@@ -522,6 +556,7 @@ static int start_outputs(struct query *query)
     inquiry_add_output(inquiry, "--streamlines-out", settings->streamlines.path);
     int code = settings_contacts(&query->contacts, &settings->axis);
     code = code ? code : start_segments(query);
+    code = code ? code : start_ends(query);
     if (code) {
         return code;
     }

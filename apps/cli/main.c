@@ -12,10 +12,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-const struct command *const commands[] = {&cmd_query,    &cmd_batch,   &cmd_merge,   &cmd_track,  &cmd_sweep,
-                                          &cmd_overlap,  &cmd_info,    &cmd_atlases, &cmd_render, &cmd_mesh,
-                                          &cmd_manifest, &cmd_phantom, &cmd_diff,    &cmd_verify, &cmd_cite,
-                                          &cmd_cache,    &cmd_view,    NULL};
+const struct command *const commands[] = {&cmd_query,   &cmd_batch,    &cmd_merge,   &cmd_track,   &cmd_sweep,
+                                          &cmd_overlap, &cmd_connect,  &cmd_info,    &cmd_atlases, &cmd_render,
+                                          &cmd_mesh,    &cmd_manifest, &cmd_phantom, &cmd_diff,    &cmd_verify,
+                                          &cmd_cite,    &cmd_cache,    &cmd_view,    NULL};
 
 static const struct program program = {
     .name = "conus",

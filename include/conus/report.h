@@ -153,6 +153,20 @@ CONUS_CHECKED conus_status conus_report_add_connections(conus_report *report, co
                                                         const conus_connectivity *connectivity);
 
 /**
+ * Gives the table of which areas are connected: names in the first row and the first column, and how many streamlines
+ * between; in JSON their mean lengths, too, and where all that comes from.
+ * @param[out] text Borrowed from the report until the next text is asked for. UTF-8.
+ * @param[out] size Bytes.
+ * @param report Of #CONUS_ROWS_CONNECTIONS, as #CONUS_FORMAT_TSV, #CONUS_FORMAT_CSV or #CONUS_FORMAT_JSON.
+ * @param connectivity Of the report's atlas.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another report; as conus_connectivity_matrix().
+ * @threads One at a time for each @p report and @p connectivity.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_report_matrix(const char **text, size_t *size, conus_report *report,
+                                               conus_connectivity *connectivity);
+
+/**
  * Adds what a region of interest covers.
  * @param report The report.
  * @param query_id As for conus_report_add().

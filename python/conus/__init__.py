@@ -16,6 +16,7 @@ library's own structs.
 from ._answers import Answers, Hit, Jitter, Overlap, Selection, Step, Sweep, Track
 from ._atlas import Atlas, InstalledAtlas, Placement, Selector, atlases, load
 from ._conus import ffi as _ffi, lib as _lib
+from ._connectivity import Connectivity
 from ._library import (
     ArgumentError,
     CancelledError,
@@ -34,7 +35,7 @@ from ._track import Tracker
 
 __version__ = _ffi.string(_lib.conus_version()).decode()
 __all__ = [
-    "Answers", "ArgumentError", "Atlas", "CancelledError", "DataError", "Difference", "Error", "FileError", "GLError",
+    "Answers", "ArgumentError", "Atlas", "CancelledError", "Connectivity", "DataError", "Difference", "Error", "FileError", "GLError",
     "Hit", "InstalledAtlas", "Jitter", "OutOfMemoryError", "Overlap", "Picture", "Placement", "PoseWarning", "Renderer",
     "Segments", "Selection", "Selector", "SourceFile", "Step", "Sweep", "Track", "Tracker", "UnsupportedError",
     "Verification", "atlases", "cite", "load", "transfer_presets", "verify",

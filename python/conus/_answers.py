@@ -13,7 +13,8 @@ from ._library import ADMISSION, CHANCE, COVERAGE, RESULT, STEP, array_of, check
 
 if TYPE_CHECKING:
     import pandas
-    from ._atlas import Atlas
+    from ._atlas import Atlas, Selector
+    from ._connectivity import Connectivity
     from ._space import Space
 
 Array = np.ndarray[Any, Any]
@@ -229,9 +230,11 @@ class Selection:
 
     space: Optional[Space] = None  #: of positions in hits and tables; None = RAS mm
 
-    def __init__(self, atlas: Atlas, pointer: Any, layers: bool) -> None:
+    def __init__(self, selector: Selector, pointer: Any) -> None:
+        atlas = selector.atlas
         self.atlas = atlas
-        self._layers = layers
+        self._selector = selector
+        self._layers = selector._layers
         self._p = owned(pointer, lib.conus_selection_destroy, atlas._p)
         self.results: Array = array_of(
             lib.conus_selection_result(self._p, 0), lib.conus_selection_count(self._p), RESULT
@@ -297,6 +300,16 @@ class Selection:
         if len(self._steps):
             columns.update(_step_columns(self._steps.repeat(len(self)), results))
         return pandas.DataFrame(columns)
+
+    def endpoints(self, radius: float = 2.0) -> Connectivity:
+        """Which areas the streamlines in the cone or ball connect: ``conus query --endpoints``.
+
+        Parameters
+        ----------
+        radius
+            mm, up to 100: an end in no area has the nearest one within it.
+        """
+        return self._selector.connectivity(radius, self)
 
     def mask(self, of: str = "areas", name: str | None = None) -> Any:
         """The voxels in the cone as a nibabel image on the atlas's grid.

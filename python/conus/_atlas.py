@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Callable, Iterable, Mapping, NamedTuple, 
 import numpy as np
 
 from ._answers import Answers, Array, Jitter, Objects, Overlap, Selection, Sweep, Track, kind_word
+from ._connectivity import Connectivity, options_of as _ends
 from ._conus import ffi, lib
 from ._library import (
     RESULT,
@@ -635,7 +636,7 @@ class Selector:
         aim, out = self._pose(origin, toward, direction, up, pose), ffi.new("conus_selection **")
         opening = self._angle(angle)
         self._call(lib.conus_select, out, self._p, aim, opening)
-        selection: Selection = self._place(Selection(self.atlas, out[0], self._layers))
+        selection: Selection = self._place(Selection(self, out[0]))
         self._warn_of(aim, opening)
         return selection
 
@@ -657,7 +658,7 @@ class Selector:
         out = ffi.new("conus_selection **")
         point = self.space.to_world("point", point) if self.space else point
         self._call(lib.conus_select_ball, out, self._p, vector("point", point), real("radius", radius))
-        near: Selection = self._place(Selection(self.atlas, out[0], self._layers))
+        near: Selection = self._place(Selection(self, out[0]))
         return near
 
     def segments(
@@ -765,6 +766,26 @@ class Selector:
         jitter = Jitter(self.atlas, out[0])
         self._warn_of(aim, opening)
         return jitter
+
+    def connectivity(self, radius: float = 2.0, selection: Optional[Selection] = None) -> Connectivity:
+        """Which areas the bundles connect: ``conus connect``.
+
+        Parameters
+        ----------
+        radius
+            mm, up to 100: an end of a streamline that is in no area has the nearest one within it.
+        selection
+            Only streamlines that come into its cone or ball; None = all.
+
+        Returns
+        -------
+        Connectivity
+            By bundle, the most streamlines first.
+        """
+        out = ffi.new("conus_connectivity **")
+        chosen = ffi.NULL if selection is None else selection._p
+        self._call(lib.conus_connectivity_create, out, self._p, chosen, _ends(radius))
+        return Connectivity(self.atlas, out[0])
 
     def overlap(self, roi: Any, threshold: float = 0, *, max_memory: int = 0) -> Overlap:
         """Which objects a region of interest covers: ``conus overlap``.
@@ -1148,6 +1169,10 @@ class Atlas:
             origin, toward=toward, direction=direction, up=up, pose=pose, angle=angle, degrees=degrees, mm=mm,
             samples=samples,
         )
+
+    def connectivity(self, radius: float = 2.0, **options: Any) -> Connectivity:
+        """Which areas the bundles connect: see :meth:`Selector.connectivity`."""
+        return self._selector(options).connectivity(radius)
 
     def overlap(self, roi: Any, threshold: float = 0, *, max_memory: int = 0, **options: Any) -> Overlap:
         """Which objects a region of interest covers: see :meth:`Selector.overlap`."""

@@ -117,7 +117,7 @@ class Tracker:
         aim = selector._pose(origin, toward, direction, up, pose)
         time, opening, down = real("time_s", time_s), selector._angle(angle), flag("trigger", trigger)
         selector._call(lib.conus_tracker_step, out, self._p, time, aim, opening, down)
-        selection: Selection = selector._place(Selection(selector.atlas, out[0], selector._layers))
+        selection: Selection = selector._place(Selection(selector, out[0]))
         return selection
 
     def selected(self, ago: float = 0) -> Optional[str]:

@@ -84,6 +84,36 @@ static void write_table_row(struct buffer *out, const conus_report *report, cons
     }
 }
 
+static void write_area(struct buffer *out, const conus_report *report, uint32_t area)
+{
+    const conus_object *object = conus_atlas_object(report->atlas, area);
+    const char *name = object ? object->name : "unassigned";
+    if (report->options.format == CONUS_FORMAT_CSV) {
+        write_csv_text(out, name);
+    } else {
+        buffer_text(out, name);
+    }
+}
+
+void report_write_matrix(struct buffer *out, const conus_report *report, const conus_connection_matrix *matrix)
+{
+    const struct table_marks marks = marks_of(report);
+    buffer_text(out, "area");
+    for (size_t i = 0; i < matrix->count; i++) {
+        buffer_text(out, marks.separator);
+        write_area(out, report, matrix->areas[i]);
+    }
+    buffer_text(out, marks.end);
+    for (size_t i = 0; i < matrix->count; i++) {
+        write_area(out, report, matrix->areas[i]);
+        for (size_t j = 0; j < matrix->count; j++) {
+            buffer_text(out, marks.separator);
+            buffer_whole(out, matrix->streamlines[i * matrix->count + j]);
+        }
+        buffer_text(out, marks.end);
+    }
+}
+
 /* As a JSON string; the text is UTF-8. */
 static void write_string(struct buffer *out, const char *text)
 {

@@ -144,6 +144,32 @@ conus_status conus_report_voxels(const char **text, size_t *size, conus_report *
     return hand_out(report, status, text, size);
 }
 
+static conus_status write_matrix(conus_report *report, conus_connectivity *connectivity)
+{
+    conus_connection_matrix matrix;
+    conus_format format = report->options.format;
+    if (report->options.rows != CONUS_ROWS_CONNECTIONS ||
+        (format != CONUS_FORMAT_TSV && format != CONUS_FORMAT_CSV && format != CONUS_FORMAT_JSON)) {
+        return fail(CONUS_ERROR_ARGUMENT, "report: a table of areas is of connections, as TSV, CSV or JSON");
+    }
+    conus_status status = conus_connectivity_matrix(&matrix, connectivity);
+    if (status) {
+        return status;
+    }
+    buffer_finish(&report->text);
+    if (format == CONUS_FORMAT_JSON) {
+        return report_write_json_matrix(&report->text, report, &matrix);
+    }
+    report_write_matrix(&report->text, report, &matrix);
+    return CONUS_OK;
+}
+
+conus_status conus_report_matrix(const char **text, size_t *size, conus_report *report,
+                                 conus_connectivity *connectivity)
+{
+    return hand_out(report, write_matrix(report, connectivity), text, size);
+}
+
 conus_status conus_report_sidecar(const char **text, size_t *size, conus_report *report)
 {
     buffer_finish(&report->text);

@@ -403,15 +403,15 @@ hostile() {
 # Every option with a text must be one that verify knows, or a sidecar with it is refused.
 @test "every option of the commands that are answered again is known, or refused on purpose" {
     study
-    local text='--angles --atlas --atlas-transform --connect --contacts --context --deep --hide --image --jitter --jobs
+    local text='--angles --atlas --atlas-transform --connect --connectivity --contacts --context --deep --endpoints --hide --image --jitter --jobs
         --labels --level --listen --mask --mask-object --only --output --pathway --pose --poses --reference --score
         --segments --shard --sidecar --streamlines --tool --voxels --world-from-tracker'
-    for command in query batch sweep track overlap; do
+    for command in query batch sweep track overlap connect; do
         conus $command --help
     done | sed -nE 's/^  +(-[a-z], )?(--[a-z-]+) [A-Z@].*/\2/p' | sort -u >options
     grep -vxFf <(tr -s ' \n' '\n' <<<"$text") options >others
     # Numbers, vectors and choices are kept as they are.
-    printf -- '--%s\n' angle aperture axis block bregma context-blocks decay delay direction engine enlarge exponent eye format \
+    printf -- '--%s\n' angle aperture axis block bregma context-blocks decay delay direction engine endpoint-radius enlarge exponent eye format \
         growth head hemispheres layers mask-of max-memory order origin point poses-format probability progress radius range rate \
         resolution samples sampling screen-mm screen-pose seconds slice-fraction slices snappiness space stickiness threads \
         threshold tool-axis toward up voxels-of window | grep -vxFf - others >unknown || true

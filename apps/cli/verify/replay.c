@@ -58,6 +58,8 @@ static const struct {
     {"no-cache", DROPPED},
     {"streamlines", READ},
     {"streamlines-out", WRITTEN},
+    {"endpoints", WRITTEN},
+    {"connectivity", WRITTEN},
 };
 
 static enum fate fate_of(const struct option *option)
@@ -85,7 +87,7 @@ static bool fail_replay(struct replay *replay, const char *format, ...)
 
 static const struct command *find_command(const struct command *const *commands, const char *name)
 {
-    static const char *const again[] = {"query", "batch", "sweep", "track", "overlap"};
+    static const char *const again[] = {"query", "batch", "sweep", "track", "overlap", "connect"};
     bool may = false;
     for (size_t i = 0; i < sizeof again / sizeof again[0]; i++) {
         may = may || strcmp(name, again[i]) == 0;

@@ -1,0 +1,161 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The options about where streamlines end, and the file of --connectivity. */
+#include "cli/answers/ends.h"
+
+#include "common/messages.h"
+#include "common/output.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+const struct option endpoints_options[] = {
+    {.name = "endpoints",
+     .type = OPTION_TEXT,
+     .offset = offsetof(struct ends_settings, endpoints),
+     .value = "FILE",
+     .help = "write which areas the streamlines in the cone or ball connect: a row for each bundle and pair of areas"},
+    {0},
+};
+
+const struct option connectivity_options[] = {
+    {.name = "connectivity",
+     .type = OPTION_TEXT,
+     .offset = offsetof(struct ends_settings, connectivity),
+     .value = "FILE",
+     .help = "write the table, area by area, of how many streamlines connect them: .tsv, .csv, or .json"},
+    {.name = "endpoint-radius",
+     .type = OPTION_NUMBER,
+     .offset = offsetof(struct ends_settings, radius),
+     .value = "MM",
+     .help = "an end of a streamline that is in no area has the nearest one within this radius, up to 100; 0 = none "
+             "(default 2)"},
+    {0},
+};
+
+bool ends_check(const struct ends_settings *settings, const struct arguments *arguments)
+{
+    if (option_given(arguments, "endpoint-radius") && !(settings->radius >= 0 && settings->radius <= 100)) {
+        print_error_line("--endpoint-radius: %g mm, allowed are 0 to 100", settings->radius);
+        return false;
+    }
+    return options_exclude(arguments, "connectivity", "atlas");
+}
+
+conus_connectivity_options ends_options_of(const struct ends_settings *settings, const struct arguments *arguments)
+{
+    bool is_given = option_given(arguments, "endpoint-radius");
+    return (conus_connectivity_options){.radius = !is_given ? 0 : settings->radius > 0 ? settings->radius : -1};
+}
+
+static bool has_bundle(const conus_atlas *atlas)
+{
+    bool found = false;
+    for (size_t number = 1; number <= conus_atlas_object_count(atlas) && !found; number++) {
+        found = conus_atlas_object(atlas, (uint32_t)number)->kind == CONUS_KIND_BUNDLE;
+    }
+    return found;
+}
+
+bool ends_check_atlases(const struct atlases *atlases)
+{
+    for (size_t i = 0; i < atlases->count; i++) {
+        if (has_bundle(atlases->items[i].atlas)) {
+            return true;
+        }
+    }
+    print_error_line("there are no streamlines, --streamlines FILE adds some");
+    return false;
+}
+
+int matrix_file_init(struct matrix_file *out, const char *path)
+{
+    *out = (struct matrix_file){.path = path};
+    bool is_fit =
+        path && output_format(&out->format, path) &&
+        (out->format == CONUS_FORMAT_TSV || out->format == CONUS_FORMAT_CSV || out->format == CONUS_FORMAT_JSON);
+    return !path || is_fit ? EXIT_DONE
+                           : print_usage_error("%s: --connectivity ends in none of .tsv, .csv and .json", path);
+}
+
+void matrix_file_finish(struct matrix_file *file)
+{
+    conus_report_destroy(file->report);
+    conus_connectivity_destroy(file->connectivity);
+    *file = (struct matrix_file){0};
+}
+
+int matrix_file_take(struct matrix_file *file, const conus_selector *selector, const conus_report_options *options,
+                     const char *id, conus_connectivity *connectivity)
+{
+    const conus_report_options own = {
+        .rows = CONUS_ROWS_CONNECTIONS, .format = file->format, .frame = options->frame, .command = options->command};
+    if (!file->path) {
+        conus_connectivity_destroy(connectivity);
+        return EXIT_DONE;
+    }
+    file->connectivity = connectivity;
+    conus_status status = conus_report_create(&file->report, selector, &own);
+    status = status ? status : conus_report_add_connections(file->report, id, connectivity);
+    return status ? print_status(status) : EXIT_DONE;
+}
+
+int matrix_file_write(const struct matrix_file *file, const struct provenance *provenance)
+{
+    const char *text = NULL;
+    size_t size = 0;
+    char *whole = NULL;
+    if (!file->connectivity) {
+        return EXIT_DONE;
+    }
+    conus_status status = conus_report_matrix(&text, &size, file->report, file->connectivity);
+    if (status) {
+        return print_status(status);
+    }
+    int code = file->format == CONUS_FORMAT_JSON ? provenance_complete(&whole, text, size, provenance) : EXIT_DONE;
+    code = code ? code : output_write(file->path, whole ? whole : text, whole ? strlen(whole) : size);
+    free(whole);
+    return code;
+}
+
+int ends_init(struct ends *out, const struct ends_settings *settings, const struct arguments *arguments)
+{
+    *out = (struct ends){.options = ends_options_of(settings, arguments)};
+    if (option_given(arguments, "endpoint-radius") && !settings->endpoints && !settings->connectivity) {
+        return print_usage_error("--endpoint-radius has no effect without --endpoints or --connectivity");
+    }
+    if (settings->endpoints && output_is_stdout(settings->endpoints)) {
+        return print_usage_error("--endpoints needs a file: the answer is on standard output");
+    }
+    int code = rows_file_init(&out->rows, "endpoints", CONUS_ROWS_CONNECTIONS, settings->endpoints, CONUS_FORMAT_TABLE);
+    return code ? code : matrix_file_init(&out->matrix, settings->connectivity);
+}
+
+void ends_finish(struct ends *ends)
+{
+    rows_file_finish(&ends->rows);
+    matrix_file_finish(&ends->matrix);
+}
+
+int ends_add(struct ends *ends, size_t index, const char *id, conus_selector *selector,
+             const conus_selection *selection, const conus_report_options *options)
+{
+    conus_connectivity *connectivity = NULL;
+    if (!ends->rows.path && !ends->matrix.path) {
+        return EXIT_DONE;
+    }
+    conus_status status = conus_connectivity_create(&connectivity, selector, selection, &ends->options);
+    if (!status && ends->rows.path) {
+        status = conus_report_add_connections(ends->rows.reports[index], id, connectivity);
+    }
+    if (status) {
+        conus_connectivity_destroy(connectivity);
+        return print_status(status);
+    }
+    return matrix_file_take(&ends->matrix, selector, options, id, connectivity);
+}
+
+int ends_write(const struct ends *ends, const struct provenance *provenance)
+{
+    int code = rows_file_write(&ends->rows, provenance);
+    return code ? code : matrix_file_write(&ends->matrix, provenance);
+}

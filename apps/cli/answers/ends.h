@@ -1,0 +1,66 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file --endpoints and --connectivity: which areas the streamlines connect, as rows and as a table of areas. */
+#ifndef CONUS_CLI_ANSWERS_ENDS_H
+#define CONUS_CLI_ANSWERS_ENDS_H
+
+#include "cli/answers/rows_file.h"
+#include "options/options.h"
+#include "settings/atlases.h"
+
+struct ends_settings {
+    const char *endpoints;
+    const char *connectivity;
+    double radius;
+};
+
+extern const struct option endpoints_options[];
+extern const struct option connectivity_options[]; /**< --connectivity and --endpoint-radius. */
+
+/** False with a message where one needs another, or cannot be. */
+bool ends_check(const struct ends_settings *settings, const struct arguments *arguments);
+
+/** What they mean to the library. */
+conus_connectivity_options ends_options_of(const struct ends_settings *settings, const struct arguments *arguments);
+
+/** False with a message where no atlas has a bundle to look at. */
+bool ends_check_atlases(const struct atlases *atlases);
+
+/** The file of --connectivity, of one connectivity. */
+struct matrix_file {
+    const char *path; /**< NULL = none. */
+    conus_format format;
+    conus_report *report;
+    conus_connectivity *connectivity;
+};
+
+/** Both files, of a query. */
+struct ends {
+    struct rows_file rows;
+    struct matrix_file matrix;
+    conus_connectivity_options options;
+};
+
+/* Those that return an int give the exit code and print an error unless it is 0. With no path they do nothing. */
+
+/** Finds the format. @p out is the caller's to matrix_file_finish() in any case. */
+int matrix_file_init(struct matrix_file *out, const char *path);
+void matrix_file_finish(struct matrix_file *file);
+
+/** Takes over the connectivity of query @p id. @p options has space and command. */
+int matrix_file_take(struct matrix_file *file, const conus_selector *selector, const conus_report_options *options,
+                     const char *id, conus_connectivity *connectivity);
+
+/** Writes it, as JSON with what it rests on. */
+int matrix_file_write(const struct matrix_file *file, const struct provenance *provenance);
+
+/** Finds the formats. @p out is the caller's to ends_finish() in any case. */
+int ends_init(struct ends *out, const struct ends_settings *settings, const struct arguments *arguments);
+void ends_finish(struct ends *ends);
+
+/** Adds what the streamlines of an answer of atlas @p index connect; @p options as for matrix_file_take(). */
+int ends_add(struct ends *ends, size_t index, const char *id, conus_selector *selector,
+             const conus_selection *selection, const conus_report_options *options);
+
+int ends_write(const struct ends *ends, const struct provenance *provenance);
+
+#endif
