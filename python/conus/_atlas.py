@@ -35,6 +35,7 @@ from ._progress import LoadProgress, Progress, telling
 from ._space import space_of
 from ._segments import Segments, follow_many, records_of
 from ._track import Tracker, follow
+from ._tracts import Tractogram, options_of, polylines_of, tractograms_of
 
 if TYPE_CHECKING:
     import pandas
@@ -219,6 +220,7 @@ def load(
     *,
     labels: Any = None,
     pathways: Iterable[Any] = (),
+    streamlines: Iterable[Any] = (),
     context: Any = None,
     context_blocks: float = 0,
     context_opacity: float = 0,
@@ -249,6 +251,10 @@ def load(
         Paths, or nibabel images, of scalar maps; each is one pathway. ``(map, threshold)`` sets from
         which value on (default: a quarter of the map's scale). ``(map, {name: (low, high), ...})``
         makes a pathway of each band of values, from low to below high; None is no end.
+    streamlines
+        Tractograms; each is a bundle, or one for each group of its file. Paths, what ``nibabel.streamlines`` loads
+        or makes, lists of (n, 3) arrays of RAS mm, or dictionaries with "source", one of these, and: "radius", mm
+        (a ray hits what is nearer than this to a streamline; default 0.5), and "name".
     context, context_blocks, context_opacity
         What is drawn around the areas: a path or nibabel image of a volume, the path of a surface, or a
         list of these with at most one volume. Its voxels with values from ``context_blocks`` on block
@@ -264,7 +270,8 @@ def load(
         towards the atlas, the first one first. Paths (affines of ITK, FreeSurfer, MNI, 4 x 4 numbers; fields of ITK
         and SPM), (4, 4) arrays of RAS mm, or dictionaries with "file" and: "inverse": True of an affine; for FSL's
         files "from" and "to", the paths of their images; of a field "vectors", "relative" or "absolute", and "grid",
-        the path of a volume with the voxels for the labels. Pathways and context are in the space of the poses.
+        the path of a volume with the voxels for the labels. Pathways, streamlines and context are in the space of
+        the poses.
     max_memory
         Largest file and volume, bytes; 0 = 8 GiB.
     progress
@@ -315,6 +322,10 @@ def load(
         raise ArgumentError("pathways: a path, wanted is a list")
     for pathway in pathways:
         _add_pathway(raw, pathway, max_memory)
+    if isinstance(streamlines, (str, bytes, os.PathLike, Mapping)) or hasattr(streamlines, "streamlines"):
+        raise ArgumentError("streamlines: one tractogram, wanted is a list")
+    for tractogram in streamlines:
+        _add_streamlines(raw, tractogram, max_memory)
     _set_contexts(raw, context, context_blocks, context_opacity, max_memory)
     if only is not None or hide is not None:
         check(lib.conus_atlas_show(raw, optional(utf8, "only", only), optional(utf8, "hide", hide)))
@@ -384,6 +395,17 @@ def _add_pathway(atlas: Any, pathway: Any, max_memory: int) -> None:
         state.check(lib.conus_atlas_add_values(atlas, voxels, options))
     else:
         state.check(lib.conus_atlas_add_pathway(atlas, path_of("pathways", source), options))
+
+
+def _add_streamlines(atlas: Any, given: Any, max_memory: int) -> None:
+    source, options, _name = options_of(given, max_memory)
+    state = _Callback()
+    _handle = state.hear(options)
+    if isinstance(source, (str, bytes, os.PathLike)):
+        state.check(lib.conus_atlas_add_streamlines(atlas, path_of("streamlines", source), options))
+    else:
+        polylines, _alive = polylines_of(source)
+        state.check(lib.conus_atlas_add_polylines(atlas, polylines, options))
 
 
 def _set_context(atlas: Any, source: Any, blocks: float, opacity: float, max_memory: int) -> None:
@@ -949,7 +971,7 @@ class Selector:
 
 
 class Atlas:
-    """Areas and pathways of one brain; :func:`load` makes one. It does not change."""
+    """Areas, pathways and bundles of one brain; :func:`load` makes one. It does not change."""
 
     def __init__(self, pointer: Any) -> None:
         self._pointer = pointer
@@ -996,6 +1018,11 @@ class Atlas:
         """What was noticed while the atlas was loaded."""
         return [text(lib.conus_atlas_note(self._p, i)) for i in range(lib.conus_atlas_note_count(self._p))]
 
+    @property
+    def tractograms(self) -> list[Tractogram]:
+        """The tractograms whose streamlines are bundles of the atlas, as they were added."""
+        return tractograms_of(self._p)
+
     def placement(self) -> Placement:
         """Where the areas lie, also in the atlas's own space, and what of them is in the head of the context."""
         place = ffi.new("conus_placement *")
@@ -1008,7 +1035,7 @@ class Atlas:
             np.array([own_low, own_high]), np.array([low, high]), np.array([*place.centre]), place.distance_mm, *shares)
 
     def info(self) -> pandas.DataFrame:
-        """One row for each area and pathway."""
+        """One row for each area, pathway and bundle."""
         import pandas
 
         entries = [lib.conus_atlas_object(self._p, i) for i in range(1, len(self) + 1)]
@@ -1023,6 +1050,8 @@ class Atlas:
                 "voxels": [e.voxels for e in entries],
                 "volume_mm3": [e.volume_mm3 for e in entries],
                 "triangles": [e.triangles for e in entries],
+                "streamlines": [e.streamlines for e in entries],
+                "length_mm": [e.length_mm for e in entries],
             },
             index=pandas.RangeIndex(1, len(self) + 1, name="object"),
         )

@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Streamlines of an atlas: from files, from nibabel and from arrays they are the same."""
+import logging
+import pickle
+
+import nibabel
+import numpy as np
+import pytest
+
+import conus
+from support import AFFINE, NAMES, plates
+
+# Lengths 3 + 4 = 7, and 12 mm.
+LINES = [np.array([[0, 0, 0], [3, 0, 0], [3, 4, 0]], "f4"), np.array([[0, 0, -5], [0, 0, 7]], "f4")]
+
+
+def load(*streamlines, **options):
+    return conus.load(plates(), AFFINE, labels=NAMES, streamlines=streamlines, **options)
+
+
+def tractogram(affine=None):
+    fa = [np.array([[0.1], [0.2], [0.3]], "f4"), np.array([[0.4], [0.5]], "f4")]
+    return nibabel.streamlines.Tractogram(
+        LINES, data_per_point={"fa": fa}, data_per_streamline={"weight": [[1], [2]]},
+        affine_to_rasmm=np.eye(4) if affine is None else affine)
+
+
+def assert_lines(found, scale=1):
+    assert (found.streamlines, found.points, found.length_mm) == (2, 5, 19 * scale)
+    assert np.array_equal(found.box, scale * np.array([[0, 0, -5], [3, 4, 7]]))
+
+
+def test_arrays_are_a_bundle():
+    atlas = load(LINES, {"source": LINES, "radius": 0.25, "name": "Arc"})
+    first, second = atlas.tractograms
+    assert_lines(first)
+    assert (first.path, first.format, first.sha256, first.radius) == ("array", "array", "", 0.5)
+    assert (second.radius, second.bundles, second.scalars, second.half) == (0.25, ("Arc",), (), False)
+    info = atlas.info()
+    assert list(info["kind"][-2:]) == ["bundle", "bundle"]
+    assert list(info["name"][-2:]) == ["array", "Arc"]
+    assert list(info["streamlines"])[-2:] == [2, 2] and list(info["length_mm"])[-1] == 19
+    assert not info["streamlines"][:-2].any()
+    assert conus.load(plates(), AFFINE).tractograms == []
+
+
+@pytest.mark.parametrize("ending", ["tck", "trk"])
+def test_files_are_as_nibabel_wrote_them(tmp_path, ending):
+    path = tmp_path / f"lines.{ending}"
+    nibabel.streamlines.save(tractogram(), str(path))
+    (found,) = load(path).tractograms
+    assert_lines(found)
+    assert found.bundles == ("lines",) and len(found.sha256) == 64
+    assert found.scalars == (("fa", "weight") if ending == "trk" else ())
+    (again,) = load(nibabel.streamlines.load(str(path))).tractograms
+    assert_lines(again)
+    assert again.scalars == found.scalars and again.path == "nibabel tractogram"
+
+
+def test_nibabel_s_affine_places_the_points():
+    (found,) = load(tractogram(np.diag([2, 2, 2, 1]))).tractograms
+    assert_lines(found, 2)
+    assert found.scalars == ("fa", "weight")
+
+
+def test_a_copy_in_another_process_has_them():
+    (found,) = pickle.loads(pickle.dumps(load(tractogram()))).tractograms
+    assert_lines(found)
+    assert found.scalars == ("fa", "weight")
+
+
+def test_no_streamline_at_all():
+    (found,) = load([]).tractograms
+    assert (found.streamlines, found.points) == (0, 0) and np.isnan(found.box).all()
+
+
+@pytest.mark.parametrize("bad, message", [
+    ([np.zeros((4, 2))], r"number 0 \(from 0\) has the shape \(4, 2\)"),
+    ({"radius": 1}, "wanted are source"),
+    ({"source": LINES, "width": 1}, "wanted are source"),
+    ({"source": LINES, "radius": -1}, "radius -1 mm, allowed is above 0 to 100"),
+    ({"source": LINES, "radius": "thin"}, "radius"),
+    ([np.full((2, 3), np.nan)], "found"),
+    (nibabel.streamlines.Tractogram(LINES), "affine_to_rasmm is None"),
+])
+def test_what_is_none_is_refused(bad, message):
+    with pytest.raises(conus.Error, match=message):
+        load(bad)
+
+
+def test_one_that_is_no_list_is_refused():
+    for one in ("lines.tck", tractogram(), {"source": LINES}):
+        with pytest.raises(conus.ArgumentError, match="wanted is a list"):
+            conus.load(plates(), AFFINE, streamlines=one)
+
+
+def test_a_missing_file_and_another_space(tmp_path, caplog):
+    with pytest.raises(conus.FileError):
+        load(tmp_path / "none.tck")
+    with caplog.at_level(logging.INFO, "conus"):
+        atlas = load([line + 500 for line in LINES])
+    note = "bundle array: none of 5 points is in the box around the areas: is it in their space?"
+    assert note in atlas.notes and any(note in record.getMessage() for record in caplog.records)
