@@ -2,7 +2,6 @@
 /* The tables of columns of all kinds of reports, and how a cell is read from a row. */
 #include "selection/report/report_columns.h"
 
-#include "atlas/bundles.h"
 #include "atlas/placement.h"
 #include "base/math3.h"
 
@@ -38,6 +37,8 @@ static const conus_object *object_of(const conus_report *report, const struct re
 /* Entries of the tables: where a value lies, after its name, units and description. */
 #define OF_ROW(kind, member) .type = COLUMN_##kind, .offset = offsetof(struct report_row, member)
 #define OF_QUERY(kind, member) .type = COLUMN_##kind, .offset = offsetof(struct report_query, member), .of_query = true
+#define OF_BUNDLE(kind, member)                                                                                        \
+    OF_ROW(kind, result.member), .needs = NEEDS_BUNDLE, .layers_only = true, .bundles_only = true
 
 /* ---- Answers ---- */
 
@@ -94,18 +95,6 @@ static struct cell get_atlas(const conus_report *report, const struct report_row
     return text_cell(report->name);
 }
 
-static struct cell get_streamlines(const conus_report *report, const struct report_row *row)
-{
-    (void)report;
-    return row->result.kind == CONUS_KIND_BUNDLE ? integer_cell(row->result.streamlines) : no_cell();
-}
-
-static struct cell get_streamlines_total(const conus_report *report, const struct report_row *row)
-{
-    (void)report;
-    return row->result.kind == CONUS_KIND_BUNDLE ? integer_cell(row->result.streamlines_total) : no_cell();
-}
-
 /* Behind the first of a report that has a name. */
 static const struct report_column atlas_column = {"atlas", NULL, "name of the atlas that is asked", .get = get_atlas};
 
@@ -155,20 +144,14 @@ static const struct report_column answer_columns[] = {
     {"centroid_z", "mm", "the same, z", OF_ROW(Z, result.centroid), .needs = NEEDS_LAYERS, .layers_only = true},
     {"unoccluded", NULL, "pixels that hit it first, as a part of those that pierce it", .get = get_unoccluded,
      .needs = NEEDS_LAYERS, .layers_only = true},
-    {"streamlines", NULL, "of a bundle: its streamlines that come into the cone", .get = get_streamlines,
-     .needs = NEEDS_LAYERS, .layers_only = true, .bundles_only = true},
-    {"streamlines_total", NULL, "of a bundle: all of its streamlines", .get = get_streamlines_total,
-     .needs = NEEDS_LAYERS, .layers_only = true, .bundles_only = true},
-    {"length_mm", "mm", "length of the parts of its streamlines in the cone", OF_ROW(NUMBER, result.length),
-     .needs = NEEDS_LAYERS, .layers_only = true, .bundles_only = true},
-    {"near_x", "mm", "the point of these parts that is nearest to the apex, x", OF_ROW(X, result.near),
-     .needs = NEEDS_LAYERS, .layers_only = true, .bundles_only = true},
-    {"near_y", "mm", "the same, y", OF_ROW(Y, result.near), .needs = NEEDS_LAYERS, .layers_only = true,
-     .bundles_only = true},
-    {"near_z", "mm", "the same, z", OF_ROW(Z, result.near), .needs = NEEDS_LAYERS, .layers_only = true,
-     .bundles_only = true},
+    {"streamlines", NULL, "of a bundle: its streamlines that come into the cone", OF_BUNDLE(LARGE_COUNT, streamlines)},
+    {"streamlines_total", NULL, "of a bundle: all of its streamlines", OF_BUNDLE(LARGE_COUNT, streamlines_total)},
+    {"length_mm", "mm", "length of the parts of its streamlines in the cone", OF_BUNDLE(NUMBER, length)},
+    {"near_x", "mm", "the point of these parts that is nearest to the apex, x", OF_BUNDLE(X, near)},
+    {"near_y", "mm", "the same, y", OF_BUNDLE(Y, near)},
+    {"near_z", "mm", "the same, z", OF_BUNDLE(Z, near)},
     {"along", NULL, "how far along its streamline that is, 0 to 1 of its length, in the direction of the bundle",
-     OF_ROW(NUMBER, result.along), .needs = NEEDS_LAYERS, .layers_only = true, .bundles_only = true},
+     OF_BUNDLE(NUMBER, along)},
     {"contact_value", NULL,
      "value of the voxel at the contact, of a pathway, or probability there of an area of probabilities",
      OF_ROW(NUMBER, result.contact_value)},
@@ -432,19 +415,10 @@ static void list_column(struct report_columns *out, const struct report_column *
     out->at[out->count++] = column;
 }
 
-/* Of one that is joined, too. */
-static bool has_bundles(const conus_report *report)
-{
-    while (report && !atlas_has_bundles(report->atlas)) {
-        report = report->next;
-    }
-    return report;
-}
-
 static bool has_column(const conus_report *report, const struct report_column *column)
 {
     return (report->selector.layers || !column->layers_only) && (report->atlas->is_moved || !column->moved_only) &&
-           (!column->bundles_only || has_bundles(report));
+           (!column->bundles_only || report_has_bundles(report));
 }
 
 static void list_table(struct report_columns *out, const conus_report *report, const struct report_column *table,
@@ -549,6 +523,7 @@ static bool has_needs(const conus_report *report, const struct report_row *row, 
     unsigned there = of_ball ? NEEDS_CENSUS : NEEDS_RAYS;
     there |= report->selector.layers ? NEEDS_CENSUS : 0;
     there |= row->result.object ? NEEDS_OBJECT : 0;
+    there |= row->result.kind == CONUS_KIND_BUNDLE ? NEEDS_BUNDLE : 0;
     return !(needs & ~there);
 }
 
@@ -563,6 +538,8 @@ static struct cell stored_cell(const conus_report *report, enum column_type type
         return *count ? integer_cell(*count) : no_cell();
     case COLUMN_COUNT:
         return integer_cell(*count);
+    case COLUMN_LARGE_COUNT:
+        return integer_cell(*(const uint64_t *)place);
     case COLUMN_ANGLE:
         return number_cell(degrees_from_radians(*numbers));
     case COLUMN_TIME:

@@ -15,13 +15,14 @@ struct cell {
 };
 
 enum column_type {
-    COLUMN_COMPUTED, /**< What get() gives.                                              */
-    COLUMN_COUNT,    /**< A uint32_t.                                                    */
-    COLUMN_RANK,     /**< A uint32_t, n/a if 0.                                          */
-    COLUMN_NUMBER,   /**< A double, n/a unless finite.                                   */
-    COLUMN_ANGLE,    /**< The same, radians that are written in degrees.                 */
-    COLUMN_TIME,     /**< A double, seconds.                                             */
-    COLUMN_X,        /**< A coordinate of a double[3], world, written in the report's space. */
+    COLUMN_COMPUTED,    /**< What get() gives.                                              */
+    COLUMN_COUNT,       /**< A uint32_t.                                                    */
+    COLUMN_LARGE_COUNT, /**< A uint64_t. */
+    COLUMN_RANK,        /**< A uint32_t, n/a if 0.                                          */
+    COLUMN_NUMBER,      /**< A double, n/a unless finite.                                   */
+    COLUMN_ANGLE,       /**< The same, radians that are written in degrees.                 */
+    COLUMN_TIME,        /**< A double, seconds.                                             */
+    COLUMN_X,           /**< A coordinate of a double[3], world, written in the report's space. */
     COLUMN_Y,
     COLUMN_Z,
     COLUMN_OWN_X, /**< The same, where the atlas's files have the point. */
@@ -34,7 +35,8 @@ enum column_needs {
     NEEDS_RAYS = 1,   /**< The query is a cone: a ball has no pixels and no rays. */
     NEEDS_CENSUS = 2, /**< Voxels were counted: with all layers, or in a ball.    */
     NEEDS_OBJECT = 4, /**< The row is not CONUS_KIND_UNASSIGNED.                       */
-    NEEDS_LAYERS = NEEDS_CENSUS | NEEDS_OBJECT
+    NEEDS_LAYERS = NEEDS_CENSUS | NEEDS_OBJECT,
+    NEEDS_BUNDLE = 8 /**< The row is of CONUS_KIND_BUNDLE. */
 };
 
 struct report_column {

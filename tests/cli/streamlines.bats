@@ -214,3 +214,61 @@ is_kept() {
     answers info scene.atlas.json
     has 'reaches      x 0 to 0, y 0 to 0, z 11 to 20 mm'
 }
+
+# Three lines along x at z = 0, y = 0, 3 and 40; a cylinder of 5 mm along z holds 10 and 8 mm (3-4-5) of the first two.
+lines() {
+    conus phantom slabs -o . --size 32
+    tck lines.tck -10,0,0 10,0,0 -- -10,3,0 10,3,0 -- -10,40,0 10,40,0
+}
+TUBE='--origin 0,0,100 --direction 0,0,-1 --radius 5 --layers all --streamlines lines.tck -q'
+
+@test "what of a bundle is in the cone has columns, a score and a table" {
+    lines
+    # shellcheck disable=SC2086
+    conus query slabs.nii.gz $TUBE --score streamlines --only lines --format tsv >rows.tsv
+    [ "$(table_cell streamlines)/$(table_cell streamlines_total)/$(table_cell length_mm)" = 2/3/18 ]
+    [ "$(table_cell near_x)/$(table_cell near_y)/$(table_cell near_z)/$(table_cell along)" = 0/0/0/0.5 ]
+    [ "$(table_cell score)" = 0.666666667 ]
+    # shellcheck disable=SC2086
+    answers query slabs.nii.gz $TUBE --format table
+    has 'streamlines     length   along'
+    has '2 of 3       18.0    0.50'
+    conus query slabs.nii.gz --point 0,4,0 --radius 5 --streamlines lines.tck --only lines --format tsv -q >rows.tsv
+    [ "$(table_cell streamlines)/$(table_cell distance_mm)/$(table_cell near_y)" = 2/1/3 ]
+}
+
+# The cell of the first row of rows.tsv.
+table_cell() {
+    awk -F '\t' -v name="$1" 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i } NR == 2 { print $at[name] }' rows.tsv
+}
+
+@test "the streamlines that come in are a tractogram again" {
+    lines
+    # shellcheck disable=SC2086
+    conus query slabs.nii.gz $TUBE --streamlines-out in.tck -o rows.tsv
+    answers info slabs.nii.gz --streamlines in.tck
+    has 'streamlines  2 with 4 points, 40 mm long together'
+    run -0 "$CONUS" verify rows.tsv
+    has identical
+    conus query slabs.nii.gz --point 0,40,0 --radius 1 --streamlines lines.tck --streamlines-out one.tck -q >answer
+    tck third.tck -10,40,0 10,40,0
+    answers info slabs.nii.gz --streamlines one.tck
+    has 'streamlines  1 with 2 points'
+    tail -c 48 one.tck | cmp - <(tail -c 48 third.tck)
+}
+
+@test "where no streamlines can be written, nothing is" {
+    lines
+    # shellcheck disable=SC2086
+    fails 2 'a tractogram' query slabs.nii.gz $TUBE --streamlines-out lines.tck
+    # shellcheck disable=SC2086
+    fails 2 '--streamlines-out' query slabs.nii.gz $TUBE --streamlines-out in.trk
+    fails 2 '--streamlines-out: streamlines: there is no bundle' query slabs.nii.gz --point 0,0,0 --radius 5 \
+        --streamlines-out in.tck
+    # shellcheck disable=SC2086
+    fails 2 '--streamlines-out' query slabs.nii.gz $TUBE --streamlines-out in.tck --atlas slabs.nii.gz
+    printf 'x\ty\tz\tdx\tdy\tdz\n0\t0\t9\t0\t0\t1\n0\t0\t9\t0\t0\t1\n' >two.tsv
+    fails 2 '--streamlines-out shows one pose' query slabs.nii.gz --pose two.tsv --radius 5 --streamlines lines.tck \
+        --streamlines-out in.tck
+    [ ! -e in.tck ] && [ ! -e in.trk ]
+}
