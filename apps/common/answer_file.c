@@ -33,8 +33,8 @@ int answer_write_sidecar(conus_report *report, const char *path, const char *sid
     return code;
 }
 
-/* JSON, which is its own sidecar. The checksum is of its rows. */
-static int write_json(const char *path, const struct provenance *provenance, const char *text, size_t size)
+/* The checksum is of its rows. */
+int answer_write_json(const char *path, const struct provenance *provenance, const char *text, size_t size)
 {
     struct provenance own = *provenance;
     const char *rows = provenance_json_rows(text, size);
@@ -58,7 +58,7 @@ int answer_write(conus_report *report, const char *path, const char *sidecar, co
         return print_status(status);
     }
     if (provenance_json_rows(text, size)) {
-        return write_json(path, provenance, text, size);
+        return answer_write_json(path, provenance, text, size);
     }
     if (!sidecar) {
         return output_write(path, text, size);

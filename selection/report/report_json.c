@@ -454,43 +454,36 @@ conus_status report_write_json(struct buffer *out, const conus_report *report)
     return dump(out, whole_or_null(root, whole), JSON_INDENT(1) | digits(report));
 }
 
-static json_t *json_from_areas(const conus_report *report, const conus_connection_matrix *matrix)
+/* Line `row` of a table: counts, or lengths where there are any. */
+static json_t *json_from_line(const conus_connection_matrix *matrix, size_t row, bool lengths)
 {
-    json_t *areas = json_array();
+    json_t *line = json_array();
     bool whole = true;
-    for (size_t i = 0; i < matrix->count; i++) {
-        const conus_object *area = conus_atlas_object(report->atlas, matrix->areas[i]);
-        json_t *entry = json_pack("{s: o, s: o}", "index", area ? json_integer(area->label) : json_null(), "name",
-                                  json_from_text(area ? area->name : "unassigned"));
-        whole = json_array_append_new(areas, entry) == 0 && whole;
+    for (size_t i = row * matrix->count; i < (row + 1) * matrix->count; i++) {
+        json_t *cell = lengths ? json_from_end(matrix->length[i]) : json_integer((json_int_t)matrix->streamlines[i]);
+        whole = json_array_append_new(line, cell) == 0 && whole;
     }
-    return whole_or_null(areas, whole);
+    return whole_or_null(line, whole);
 }
 
-/* Row by row: counts, or lengths where there are any. */
-static json_t *json_from_table(const conus_connection_matrix *matrix, bool lengths)
+static json_t *json_from_area(const conus_report *report, const conus_connection_matrix *matrix, size_t row)
 {
-    json_t *rows = json_array();
-    bool whole = true;
-    for (size_t i = 0; i < matrix->count; i++) {
-        json_t *row = json_array();
-        for (size_t j = i * matrix->count; j < (i + 1) * matrix->count; j++) {
-            json_t *cell =
-                !lengths ? json_integer((json_int_t)matrix->streamlines[j]) : json_from_end(matrix->length[j]);
-            whole = json_array_append_new(row, cell) == 0 && whole;
-        }
-        whole = json_array_append_new(rows, row) == 0 && whole;
-    }
-    return whole_or_null(rows, whole);
+    const conus_object *area = conus_atlas_object(report->atlas, matrix->areas[row]);
+    return json_pack("{s: o, s: o, s: o, s: o}", "area", json_from_text(area ? area->name : "unassigned"), "index",
+                     area ? json_integer(area->label) : json_null(), "streamlines", json_from_line(matrix, row, false),
+                     "mean_length_mm", json_from_line(matrix, row, true));
 }
 
 conus_status report_write_json_matrix(struct buffer *out, const conus_report *report,
                                       const conus_connection_matrix *matrix)
 {
     json_t *root = json_object();
-    bool whole = add_provenance(root, report) && put_value(root, "Areas", json_from_areas(report, matrix)) &&
-                 put_value(root, "Streamlines", json_from_table(matrix, false)) &&
-                 put_value(root, "MeanLength_mm", json_from_table(matrix, true));
+    json_t *rows = json_array();
+    bool whole = add_provenance(root, report);
+    for (size_t i = 0; i < matrix->count; i++) {
+        whole = json_array_append_new(rows, json_from_area(report, matrix, i)) == 0 && whole;
+    }
+    whole = put_value(root, "Rows", rows) && whole;
     return dump(out, whole_or_null(root, whole), JSON_INDENT(1) | digits(report));
 }
 

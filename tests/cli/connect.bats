@@ -22,3 +22,76 @@ load helpers
     fails 2 "would overwrite" connect u-shape.nii.gz --connectivity u-shape.tsv
     fails 2 "--connectivity" connect u-shape.nii.gz --atlas u-shape.nii.gz --connectivity matrix.tsv
 }
+
+# The arms of the U are boxes from x = -22 to -12 and 12 to 22, the ball reaches from -5 to 5. From arm to arm, twice, the
+# second time from right to left, at z = 15; from the left arm to the ball; to 1.5 mm before the right arm; and alone.
+lines() {
+    conus phantom u-shape -o .
+    python3 "$BATS_TEST_DIRNAME/tck.py" lines.tck -17,0,5 17,0,5 -- 17,0,5 -17,0,15 17,0,5 -- -17,0,5 0,0,5 -- \
+        0,0,5 10.5,0,5 -- 0,40,0 0,50,0
+    U='u-shape.nii.gz --streamlines lines.tck'
+}
+
+# rows FILE: ends, streamlines and lengths.
+rows() {
+    cut -f 4,5,6,8 "$1" | sed 1d | tr '\t\n' ' ;'
+}
+
+@test "rows of whole bundles, with a sidecar that is verified" {
+    lines
+    run -0 conus connect $U -q -o rows.tsv --connectivity matrix.tsv
+    [ "$(head -1 rows.tsv | tr '\t' ' ')" = "query kind bundle end_a end_b streamlines fraction mean_length_mm bundle_index end_a_index end_b_index" ]
+    # 34 mm, and there and back with 10 mm across: 2 * sqrt(34^2 + 10^2) = 70.880; 17 and 10.5 mm; 10 mm
+    [ "$(rows rows.tsv)" = "U U 2 52.4400903;U Ball 2 13.75;unassigned unassigned 1 10;" ]
+    [ "$(sed -n 3p rows.tsv | tr '\t' ' ')" = "1 bundle lines U Ball 2 0.4 13.75 1 1 2" ]
+    [ "$(tr '\t\n' ' ;' <matrix.tsv)" = "area U Ball unassigned;U 2 2 0;Ball 2 0 0;unassigned 0 0 1;" ]
+    [ "$(jq -r '.Queries[0].endpoint_radius_mm' rows.json)" = 2 ]
+    says_identical rows.tsv
+}
+
+says_identical() {
+    run -0 conus verify "$1"
+    has identical
+}
+
+@test "the radius round an end" {
+    lines
+    conus connect $U -q -o near.tsv --endpoint-radius 1.4
+    [ "$(rows near.tsv)" = "U U 2 52.4400903;U Ball 1 17;Ball unassigned 1 10.5;unassigned unassigned 1 10;" ]
+    conus connect $U -q -o none.tsv --endpoint-radius 0
+    cmp near.tsv none.tsv
+    [ "$(jq -r '.Queries[0].endpoint_radius_mm' none.json)" = 0 ]
+}
+
+# A cylinder of 1 mm along y through (8, 0, 5) has the first and the fourth, the next one the last.
+@test "streamlines in cylinders of several poses" {
+    lines
+    printf 'query_id\tx\ty\tz\tdx\tdy\tdz\n%s\n%s\n%s\n' $'first\t8\t-20\t5\t0\t1\t0' $'second\t0\t20\t0\t0\t1\t0' \
+        $'third\t0\t-45\t0\t0\t-1\t0' >poses.tsv
+    run -0 conus query $U -q --pose poses.tsv --radius 1 -o answers.tsv --endpoints ends.tsv
+    [ "$(cut -f 1 ends.tsv | sed 1d | tr '\n' ' ')" = "first first second " ]
+    [ "$(rows ends.tsv)" = "U U 1 34;U Ball 1 10.5;unassigned unassigned 1 10;" ]
+    fails 2 "--connectivity shows one pose" query $U --pose poses.tsv --radius 1 --connectivity matrix.tsv
+    says_identical ends.tsv
+    says_identical answers.tsv
+}
+
+@test "streamlines in a cone, the table as CSV and JSON" {
+    lines
+    local aim='--origin 8,0,60 --toward 8,0,5 --angle 4 -q'
+    conus query $U $aim --endpoints ends.json --connectivity matrix.json >answer.txt
+    [ "$(jq -c '[.Rows[] | [.end_a, .end_b, .streamlines]]' ends.json)" = '[["U","U",2],["U","Ball",1]]' ]
+    [ "$(jq -c '.Rows[] | [.area, .index, .streamlines, .mean_length_mm]' matrix.json | tr '\n' ' ')" = \
+        '["U",1,[2,1],[52.4400903,10.5]] ["Ball",2,[1,0],[10.5,null]] ' ]
+    [ "$(jq -r '.Atlas.volumes[0].path' matrix.json)" = u-shape.nii.gz ]
+    conus query $U $aim --connectivity matrix.csv >answer.txt
+    [ "$(tr -d '\r' <matrix.csv | tr '\n' ';')" = "area,U,Ball;U,2,1;Ball,1,0;" ]
+    says_identical ends.json
+    says_identical matrix.json
+}
+
+@test "hidden areas have no ends" {
+    lines
+    conus connect $U -q --hide Ball -o rows.tsv
+    [ "$(rows rows.tsv)" = "U U 2 52.4400903;U unassigned 2 13.75;unassigned unassigned 1 10;" ]
+}

@@ -2,11 +2,9 @@
 /* The options about where streamlines end, and the file of --connectivity. */
 #include "cli/answers/ends.h"
 
+#include "common/answer_file.h"
 #include "common/messages.h"
 #include "common/output.h"
-
-#include <stdlib.h>
-#include <string.h>
 
 const struct option endpoints_options[] = {
     {.name = "endpoints",
@@ -103,7 +101,6 @@ int matrix_file_write(const struct matrix_file *file, const struct provenance *p
 {
     const char *text = NULL;
     size_t size = 0;
-    char *whole = NULL;
     if (!file->connectivity) {
         return EXIT_DONE;
     }
@@ -111,10 +108,10 @@ int matrix_file_write(const struct matrix_file *file, const struct provenance *p
     if (status) {
         return print_status(status);
     }
-    int code = file->format == CONUS_FORMAT_JSON ? provenance_complete(&whole, text, size, provenance) : EXIT_DONE;
-    code = code ? code : output_write(file->path, whole ? whole : text, whole ? strlen(whole) : size);
-    free(whole);
-    return code;
+    struct provenance own = *provenance;
+    own.option = "connectivity";
+    return file->format == CONUS_FORMAT_JSON ? answer_write_json(file->path, &own, text, size)
+                                             : output_write(file->path, text, size);
 }
 
 int ends_init(struct ends *out, const struct ends_settings *settings, const struct arguments *arguments)

@@ -356,8 +356,44 @@ static void test_a_radius_has_limits(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* In the formats of tables and JSON; of anything else there is none. */
+static void test_the_matrix_as_text(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = with_groups();
+    conus_connectivity *connectivity = connect(atlas, -1, NULL);
+    for (conus_format format = CONUS_FORMAT_TABLE; format <= CONUS_FORMAT_NDJSON; format++) {
+        conus_selector *selector = NULL;
+        conus_report *report = NULL;
+        const char *text = NULL;
+        size_t size = 0;
+        const conus_report_options options = {.rows = CONUS_ROWS_CONNECTIONS, .format = format};
+        assert_ok(conus_selector_create(&selector, atlas, NULL));
+        assert_ok(conus_report_create(&report, selector, &options));
+        if (format == CONUS_FORMAT_TABLE || format == CONUS_FORMAT_NDJSON) {
+            assert_fails(conus_report_matrix(&text, &size, report, connectivity), CONUS_ERROR_ARGUMENT);
+            assert_null(text);
+        } else {
+            assert_ok(conus_report_matrix(&text, &size, report, connectivity));
+            assert_int_equal(strlen(text), size);
+        }
+        if (format == CONUS_FORMAT_TSV) {
+            assert_string_equal(text, "area\t1\t2\t3\tunassigned\n1\t1\t3\t0\t0\n2\t3\t0\t1\t0\n3\t0\t1\t0\t1\n"
+                                      "unassigned\t0\t0\t1\t2\n");
+        }
+        conus_report_destroy(report);
+        conus_selector_destroy(selector);
+    }
+    conus_connectivity_destroy(connectivity);
+    conus_atlas_destroy(atlas);
+}
+
 static conus_status connect_once(void *user)
 {
+    const conus_report_options options = {.rows = CONUS_ROWS_CONNECTIONS, .format = CONUS_FORMAT_JSON};
+    conus_report *report = NULL;
+    const char *text = NULL;
+    size_t size = 0;
     conus_selector *selector = NULL;
     conus_selection *selection = NULL;
     conus_connectivity *connectivity = NULL;
@@ -366,6 +402,10 @@ static conus_status connect_once(void *user)
     status = status ? status : conus_select_ball(&selection, selector, (const double[]){5, 0, 0}, 9);
     status = status ? status : conus_connectivity_create(&connectivity, selector, selection, NULL);
     status = status ? status : conus_connectivity_matrix(&matrix, connectivity);
+    status = status ? status : conus_report_create(&report, selector, &options);
+    status = status ? status : conus_report_add_connections(report, "1", connectivity);
+    status = status ? status : conus_report_matrix(&text, &size, report, connectivity);
+    conus_report_destroy(report);
     conus_connectivity_destroy(connectivity);
     conus_selection_destroy(selection);
     conus_selector_destroy(selector);
@@ -389,6 +429,7 @@ int main(void)
         cmocka_unit_test(test_the_matrix_is_symmetric_with_none_last),
         cmocka_unit_test(test_a_level_joins_areas),
         cmocka_unit_test(test_a_report_has_a_row_for_each_connection),
+        cmocka_unit_test(test_the_matrix_as_text),
         cmocka_unit_test(test_hidden_areas_and_bundles_are_not_there),
         cmocka_unit_test(test_without_bundles_there_is_nothing),
         cmocka_unit_test(test_only_what_comes_into_the_region),
