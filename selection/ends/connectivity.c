@@ -150,11 +150,19 @@ static int by_count(const void *a, const void *b)
     return order ? order : ORDER(x->area_b - 1, y->area_b - 1);
 }
 
+/* Where there is none, there is no array. */
+static void sort_all(struct connecting *connecting, int (*order)(const void *a, const void *b))
+{
+    if (connecting->count) {
+        qsort(connecting->all, connecting->count, sizeof *connecting->all, order);
+    }
+}
+
 /* Each streamline once, of no bundle. */
 static void drop_bundles(struct connecting *connecting)
 {
     size_t kept = 0;
-    qsort(connecting->all, connecting->count, sizeof *connecting->all, by_streamline);
+    sort_all(connecting, by_streamline);
     for (size_t i = 0; i < connecting->count; i++) {
         struct ended ended = connecting->all[i];
         ended.bundle = 0;
@@ -204,7 +212,7 @@ static conus_connection *add_kinds(conus_connection *out, const struct ended *al
 static conus_status count_all(conus_connection **out, size_t *count, struct connecting *connecting)
 {
     struct ended *all = connecting->all;
-    qsort(all, connecting->count, sizeof *all, by_ends);
+    sort_all(connecting, by_ends);
     *count = count_kinds(all, connecting->count);
     *out = memory_raw(*count, sizeof **out);
     if (!*out) {
