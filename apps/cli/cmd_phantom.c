@@ -125,7 +125,8 @@ const struct command cmd_phantom = {
     .description =
         "Writes an atlas of simple shapes, its label table and a description of the shapes in mm, from which\n"
         "every answer follows. KIND brain is a scene of surfaces, a pathway and a context with their manifest,\n"
-        "brain.atlas.json, and takes none of the options of the grid.",
+        "brain.atlas.json; KIND bundle is a tractogram with its manifest, bundle.atlas.json. Both take none of\n"
+        "the options of the grid.",
     .examples = "  conus phantom sphere -o phantoms\n"
                 "  conus phantom torus -o phantoms --size 128 --spacing 1,1,2 --oblique 30 --flip x\n",
     .groups = groups,

@@ -69,9 +69,13 @@ static const struct phantom table[] = {
 
 enum { TABLE_SIZE = sizeof table / sizeof table[0] };
 
-/* Not drawn but made by atlas/phantom/phantom_brain.c. */
-static const conus_phantom_info brain = {
-    "brain", "eleven packed surfaces (234,444 triangles), a context and a curved pathway, with their manifest"};
+/* Not drawn but made by atlas/phantom/phantom_brain.c and loaders/phantom/phantom_bundle_write.c. */
+static const conus_phantom_info made[] = {
+    {"brain", "eleven packed surfaces (234,444 triangles), a context and a curved pathway, with their manifest"},
+    {"bundle", "144 streamlines round the z axis, straight lines and helices, with their manifest"},
+};
+
+enum { MADE_COUNT = sizeof made / sizeof made[0] };
 
 const struct phantom *phantom_entry(size_t index)
 {
@@ -80,7 +84,7 @@ const struct phantom *phantom_entry(size_t index)
 
 const conus_phantom_info *conus_phantom(size_t index)
 {
-    return index < TABLE_SIZE ? &table[index].info : index == TABLE_SIZE ? &brain : NULL;
+    return index < TABLE_SIZE ? &table[index].info : index - TABLE_SIZE < MADE_COUNT ? &made[index - TABLE_SIZE] : NULL;
 }
 
 void phantom_area_colour(uint8_t rgb[3], size_t index)
@@ -312,7 +316,7 @@ static conus_status find_phantom(const struct phantom **out, const char *kind)
         size_t used = strlen(known);
         snprintf(known + used, sizeof known - used, "%s%s", used ? ", " : "", table[i].info.name);
     }
-    return fail(CONUS_ERROR_ARGUMENT, "phantom: '%s', allowed are %s, brain", kind ? kind : "", known);
+    return fail(CONUS_ERROR_ARGUMENT, "phantom: '%s', allowed are %s, brain, bundle", kind ? kind : "", known);
 }
 
 conus_status phantom_draw(struct phantom_drawing *out, const char *kind, const conus_phantom_options *options)

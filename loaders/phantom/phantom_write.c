@@ -8,6 +8,7 @@
 #include "base/memory.h"
 #include "base/options.h"
 #include "loaders/phantom/phantom_brain_write.h"
+#include "loaders/phantom/phantom_bundle_write.h"
 #include "loaders/volumes/nifti_write.h"
 
 #include <stdio.h>
@@ -152,7 +153,7 @@ static conus_status write_drawing(const char *folder, const struct phantom_drawi
     return status;
 }
 
-/* The one phantom that is no drawing. */
+/* A phantom that is no drawing. */
 static conus_status write_brain(const char *folder, const conus_phantom_options *options)
 {
     if (options && (options->spacing[0] != 0 || options->spacing[1] != 0 || options->spacing[2] != 0)) {
@@ -166,12 +167,29 @@ static conus_status write_brain(const char *folder, const conus_phantom_options 
     return status ? status : phantom_brain_write(folder);
 }
 
+/* Nor is it. */
+static conus_status write_bundle(const char *folder, const conus_phantom_options *options)
+{
+    bool has_grid = options->size || options->oblique != 0;
+    for (int a = 0; a < 3; a++) {
+        has_grid = has_grid || options->flip[a] || options->spacing[a] != 0;
+    }
+    if (has_grid) {
+        return fail(CONUS_ERROR_ARGUMENT, "bundle: size, spacing, oblique and flip: it has no grid");
+    }
+    conus_status status = file_make_folder(folder);
+    return status ? status : phantom_bundle_write(folder);
+}
+
 conus_status conus_phantom_write(const char *kind, const char *folder, const conus_phantom_options *options)
 {
     struct phantom_drawing drawing;
     options = options_of(conus_phantom_options, options);
     if (kind && strcmp(kind, "brain") == 0 && folder && folder[0]) {
         return write_brain(folder, options);
+    }
+    if (kind && strcmp(kind, "bundle") == 0 && folder && folder[0]) {
+        return write_bundle(folder, options);
     }
     if (!folder || !folder[0]) {
         return fail(CONUS_ERROR_ARGUMENT, "folder: empty, a path is needed");

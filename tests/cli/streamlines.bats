@@ -272,3 +272,20 @@ table_cell() {
         --streamlines-out in.tck
     [ ! -e in.tck ] && [ ! -e in.trk ]
 }
+
+@test "the bundle phantom is as long as its truth says" {
+    answers phantom bundle -o .
+    nothing_left bundle.tck bundle.json bundle.atlas.json
+    answers info bundle.atlas.json --format json
+    python3 -c '
+import json, math, sys
+(found,), truth = json.load(sys.stdin)["tractograms"], json.load(open("bundle.json"))
+total = 12 * sum(60 * math.hypot(1, 2 * i * math.sin(math.pi / 60) * (i % 2 == 0)) for i in range(1, 13))
+assert math.isclose(truth["length_mm"], total, rel_tol=1e-8), truth
+assert math.isclose(found["length_mm"], total, rel_tol=1e-6), found # points are floats
+assert (found["streamlines"], found["points"], found["bundles"]) == (144, 144 * 61, ["Bundle"]), found
+assert (found["low"][2], found["high"][:1], found["high"][2]) == (-30, [12], 30), found
+' <<<"$output"
+    fails 2 'bundle: size, spacing, oblique and flip: it has no grid' phantom bundle -o . --size 32
+    fails 2 'it has no grid' phantom bundle -o . --flip z
+}

@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Streamlines of an atlas: from files, from nibabel and from arrays they are the same."""
+import json
 import logging
+import os
 import pickle
+import subprocess
 
 import nibabel
 import numpy as np
@@ -101,3 +104,20 @@ def test_a_missing_file_and_another_space(tmp_path, caplog):
         atlas = load([line + 500 for line in LINES])
     note = "bundle array: none of 5 points is in the box around the areas: is it in their space?"
     assert note in atlas.notes and any(note in record.getMessage() for record in caplog.records)
+
+
+def test_the_bundle_phantom_lies_on_its_rings(tmp_path):
+    subprocess.run([os.environ["CONUS"], "phantom", "bundle", "-o", tmp_path], check=True)
+    rings = json.loads((tmp_path / "bundle.json").read_text())["rings"]
+    lines = list(nibabel.streamlines.load(str(tmp_path / "bundle.tck")).streamlines)
+    assert len(lines) == sum(ring["count"] for ring in rings) == 144
+    for ring, line in zip(np.repeat(rings, 12), lines):
+        assert np.allclose(np.hypot(line[:, 0], line[:, 1]), ring["radius"], atol=2e-6, rtol=0)
+        assert np.array_equal(line[:, 2], np.arange(-30, 31))
+        steps = np.linalg.norm(np.diff(line.astype("f8"), axis=0), axis=1)
+        assert steps.sum() == pytest.approx(ring["length_mm"], rel=1e-6)
+    # The closed form for a cone from (0, 0, 100): by points, which the deepest one decides.
+    for reach in (0.5, 3.5, 8.5, 13):
+        slope = reach / 130
+        inside = sum((np.hypot(line[:, 0], line[:, 1]) <= (100 - line[:, 2]) * slope).any() for line in lines)
+        assert inside == 12 * min(int(reach), 12)
