@@ -289,3 +289,17 @@ assert (found["low"][2], found["high"][:1], found["high"][2]) == (-30, [12], 30)
     fails 2 'bundle: size, spacing, oblique and flip: it has no grid' phantom bundle -o . --size 32
     fails 2 'it has no grid' phantom bundle -o . --flip z
 }
+
+@test "a deformation field moves a scene's streamlines, and leaves out what has no place" {
+    conus phantom nested -o .
+    python3 "$BATS_TEST_DIRNAME/fields.py" spm nested.nii.gz spm.nii.gz 8 # points go 8 mm to the right
+    tck two.tck 0,0,0 5,0,0 -- 0,0,0 500,0,0
+    echo '{"conus_atlas": 1, "parcellation": "nested.nii.gz", "streamlines": ["two.tck"]}' >scene.atlas.json
+    run -0 --separate-stderr "$CONUS" info scene.atlas.json --atlas-transform spm.nii.gz
+    has 'streamlines  1 with 2 points, 5 mm long together'
+    has 'reaches      x -8 to -3, y 0 to 0, z 0 to 0 mm'
+    has 'warped by spm.nii.gz'
+    has 'spm.nii.gz: 1 of 2 streamlines are left out, with a point that has no place'
+    tck two.tck 500,0,0 501,0,0
+    fails 3 'two.tck: no streamline is where the field leads to' info scene.atlas.json --atlas-transform spm.nii.gz
+}
