@@ -97,6 +97,14 @@ print(tract["path"], tract["streamlines"], tract["radius_mm"], tract["sha256"])'
     has two.tck
 }
 
+@test "cite tells of streamlines as of pathways" {
+    scene
+    # shellcheck disable=SC2086
+    conus query slabs.nii.gz $AIM --streamlines two.tck,radius=0.25 -o rows.tsv
+    answers cite rows.tsv
+    [[ "${output//$'\n'/ }" == *'The 2 streamlines of two.tck counted as tubes of radius 0.25 mm.'* ]]
+}
+
 @test "an option that is none, and a file that is none, are refused" {
     scene
     fails 2 'radius=0 is not a number above 0' info slabs.nii.gz --streamlines two.tck,radius=0
