@@ -7,6 +7,7 @@
 #include "settings/aim_notes.h"
 #include "settings/atlas_notes.h"
 
+#include <assert.h>
 #include <stdlib.h>
 
 bool inquiry_check(const struct inquiry_settings *settings, const struct arguments *arguments, bool has_history)
@@ -22,6 +23,7 @@ bool inquiry_check(const struct inquiry_settings *settings, const struct argumen
 
 void inquiry_add_output(struct inquiry *inquiry, const char *what, const char *path)
 {
+    assert(inquiry->output_count < INQUIRY_OUTPUTS);
     inquiry->outputs[inquiry->output_count++] = (struct output){what, path};
 }
 

@@ -41,7 +41,7 @@ struct inquiry_settings {
         "", more_atlas_options, INQUIRY_FIELD(atlas)                                                                   \
     }
 
-enum { INQUIRY_OUTPUTS = 12 };
+enum { INQUIRY_OUTPUTS = 13 };
 
 /** A file that is written. */
 struct output {
