@@ -90,6 +90,23 @@ says_identical() {
     says_identical matrix.json
 }
 
+@test "what to write about it" {
+    lines
+    conus connect $U -q -o rows.tsv
+    answers cite rows.tsv
+    output=$(tr '\n' ' ' <<<"$output")
+    has 'The areas at both ends were determined of all streamlines with conus'
+    has 'An end had the area that it lies in, else the nearest one within 2 mm.'
+    [[ "$output" != *cone* && "$output" != *Rick* && "$output" != *geometric* ]]
+    conus query $U --origin 8,0,60 --toward 8,0,5 --angle 4 -q --endpoints ends.tsv --endpoint-radius 0 >answer.txt
+    answers cite ends.tsv
+    output=$(tr '\n' ' ' <<<"$output")
+    has 'of all streamlines that come into a cone of 4 degrees about the device'
+    has 'for one pose of the device with conus'
+    has 'An end had the area that it lies in. '
+    [[ "$output" != *rays* && "$output" != *'the axis crosses'* ]]
+}
+
 @test "hidden areas have no ends" {
     lines
     conus connect $U -q --hide Ball -o rows.tsv

@@ -65,6 +65,18 @@ static bool is_ball(const struct citation *citation)
     return count_with(citation, "point_ras") && !count_with(citation, "angle_deg");
 }
 
+/* Rows of conus connect and --endpoints. */
+static bool is_connections(const struct citation *citation)
+{
+    return count_with(citation, "endpoint_radius_mm") > 0;
+}
+
+/* Of all streamlines, whatever the pose. */
+static bool is_whole(const struct citation *citation)
+{
+    return citation_is_of(citation, "connect");
+}
+
 /* Rows of --segments, whose settings have no rays, and shanks: contacts have no range. */
 static bool is_axis(const struct citation *citation)
 {
@@ -72,14 +84,14 @@ static bool is_axis(const struct citation *citation)
     const char *format = option_value(citation, "format");
     bool is_probe = format && (strcmp(format, "spikeglx") == 0 || strcmp(format, "open-ephys") == 0);
     bool is_pointed = citation_is_of(citation, "query") || citation_is_of(citation, "batch");
-    return settings && is_pointed && !is_ball(citation) &&
+    return settings && is_pointed && !is_ball(citation) && !is_connections(citation) &&
            (!json_object_get(settings, "resolution") || (is_probe && json_object_get(settings, "range_mm")));
 }
 
 bool citation_has_rays(const struct citation *citation)
 {
     return citation->sidecar && !citation_is_of(citation, "overlap") && !is_admission(citation) && !is_ball(citation) &&
-           !is_axis(citation);
+           !is_axis(citation) && !is_whole(citation) && !is_connections(citation);
 }
 
 /* Whether there are pathways among what could be hit. */
@@ -462,6 +474,40 @@ static void put_parts(FILE *out, const struct citation *citation)
     fputs("equal parts; a part counted for an object that has the part's middle inside.", out);
 }
 
+/* What streamlines had to come into. */
+static void put_region(FILE *out, const struct citation *citation)
+{
+    const json_t *query = json_array_get(queries(citation), 0);
+    double radius = json_number_value(citation_setting(citation, "radius_mm"));
+    if (is_ball(citation)) {
+        fprintf(out, " that come into a ball of %g mm", json_number_value(json_object_get(query, "radius_mm")));
+    } else if (radius > 0) {
+        fprintf(out, " that come into a cylinder of %g mm about the device's axis", radius);
+    } else {
+        fprintf(out, " that come into a cone of %g degrees about the device's axis",
+                json_number_value(json_object_get(query, "angle_deg")));
+    }
+    fputs(", for ", out);
+    put_poses(out, citation);
+}
+
+static void put_connections(FILE *out, const struct citation *citation)
+{
+    const json_t *query = json_array_get(queries(citation), 0);
+    double radius = json_number_value(json_object_get(query, "endpoint_radius_mm"));
+    fputs("The areas at both ends were determined of all streamlines", out);
+    if (!is_whole(citation)) {
+        put_region(out, citation);
+    }
+    put_program(out, citation);
+    put_range(out, citation);
+    fputs(" An end had the area that it lies in", out);
+    if (radius > 0) {
+        fprintf(out, ", else the nearest one within %g mm", radius);
+    }
+    fputs(". Streamlines are a model: their number is not that of axons.", out);
+}
+
 static void put_overlap(FILE *out, const struct citation *citation)
 {
     size_t count = json_array_size(queries(citation));
@@ -489,6 +535,8 @@ void citation_methods(FILE *out, const struct citation *citation)
     }
     if (citation_is_of(citation, "overlap")) {
         put_overlap(out, citation);
+    } else if (is_whole(citation) || is_connections(citation)) {
+        put_connections(out, citation);
     } else if (is_admission(citation)) {
         put_admission(out, citation);
     } else if (is_axis(citation)) {
@@ -500,7 +548,7 @@ void citation_methods(FILE *out, const struct citation *citation)
     for (size_t i = 0; i < citation->atlas_count; i++) {
         citation_atlas(out, citation, i);
     }
-    if (!citation_is_of(citation, "overlap") && !is_ball(citation)) {
+    if (!citation_is_of(citation, "overlap") && !is_whole(citation) && !is_ball(citation)) {
         fprintf(out, " %s is a geometric model: no field, heat or sound was computed.", shape_of(citation));
     }
 }
