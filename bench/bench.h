@@ -109,6 +109,7 @@ conus_status bench_skipping(struct bench *bench);
 conus_status bench_open(struct bench *bench);
 conus_status bench_steps(struct bench *bench);
 conus_status bench_startup(struct bench *bench);
+conus_status bench_streamlines(struct bench *bench);
 conus_status bench_torus(struct bench *bench);
 conus_status bench_torus_frame(struct bench *bench);
 conus_status bench_torus_gl(struct bench *bench); /**< Its part that needs OpenGL. */

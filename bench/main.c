@@ -44,6 +44,8 @@ static const struct bench_scenario scenarios[] = {
      bench_skipping, 64, 9, 10},
     {"mesh", "256 rays at an atlas's surfaces (else the brain phantom's), one at a time or in packets", bench_mesh, 64,
      9, 10},
+    {"streamlines", "256 rays into 1,000 to 1,000,000 streamlines, by each kernel of the search", bench_streamlines, 4,
+     5, 15},
     {"colour", "a picture: blended slices against ray casting without and with skipping", bench_colour, 1, 5, 40},
     {"peers_mesh", "256 rays into 20,000 tori: VTK's selector, locators and picker against the rays engine",
      bench_peers_mesh, 4, 5, 40},
