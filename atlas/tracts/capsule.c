@@ -11,17 +11,12 @@ static double half_chord(double radius, double away)
     return sqrt((radius - away) * (radius + away));
 }
 
-/* The line's point that is nearest to @p point: how far along the line it is; @p out is from @p point to it. The second
- * step takes away what rounding has left along the line where the origin is far. */
+/* The line's point that is nearest to @p point: how far along the line it is; @p out is from @p point to it. */
 static double foot_of(double out[3], const double point[3], const double origin[3], const double direction[3])
 {
-    double along = 0;
     vec3_sub(out, origin, point);
-    for (int step = 0; step < 2; step++) {
-        double more = -vec3_dot(out, direction);
-        vec3_add_scaled(out, out, more, direction);
-        along += more;
-    }
+    double along = -vec3_dot(out, direction);
+    vec3_add_scaled(out, out, along, direction);
     return along;
 }
 

@@ -383,6 +383,37 @@ static void equally_near_ones_have_an_order(void **state)
     finish_tree();
 }
 
+/* Balls of radius 1 round (0, 0, 0), (0, 0, 2) and (0, 0, 5), seen from 7 mm before the first: from 6 to 8 mm, from 8
+ * to 10, and from 11 to 13. The first two touch, so they are one. */
+static void what_touches_is_one_interval(void **state)
+{
+    (void)state;
+    static const float points[] = {0, 0, 2, 0, 0, 0, 0, 0, 5};
+    static const uint64_t first[] = {0, 1, 2, 3};
+    static const size_t pixel = 9;
+    double origin[3] = {0, 0, -7};
+    struct tract_bundle bundle = {.count = 1, .origin = origin};
+    struct tract_rays *rays;
+    struct layers layers = {0};
+    scene.tractogram = (struct tractogram){.points = scene.points, .first = scene.first, .radius = 1};
+    scene.tractogram.streamline_count = scene.tractogram.point_count = 3;
+    memcpy(scene.points, points, sizeof points);
+    memcpy(scene.first, first, sizeof first);
+    directions[0][0] = directions[1][0] = 0;
+    directions[2][0] = 1;
+    bundle.direction = (const double(*)[TRACT_RAYS_LIMIT])directions;
+    assert_ok(tractogram_grow_tree(&scene.tractogram));
+    assert_ok(tract_rays_create(&rays, &(struct tract_object){&scene.tractogram, NULL, 4}, 1));
+    assert_ok(tract_rays_pierce(rays, &bundle, &layers, &pixel));
+    assert_int_equal(layers.count, 2);
+    assert_true(layers.intervals[0].entry == 6 && layers.intervals[0].exit == 10 && layers.intervals[0].voxel == 1);
+    assert_true(layers.intervals[1].entry == 11 && layers.intervals[1].exit == 13 && layers.intervals[1].voxel == 2);
+    assert_true(layers.intervals[0].pixel == 9 && layers.intervals[0].object == 4);
+    layers_finish(&layers);
+    tract_rays_destroy(rays);
+    finish_tree();
+}
+
 static conus_status create_and_pierce(void *data)
 {
     const struct tract_bundle *bundle = data;
@@ -416,9 +447,8 @@ static void every_allocation_may_fail(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(rays_find_what_a_loop_finds),
-        cmocka_unit_test(halves_are_hit_as_their_floats),
-        cmocka_unit_test(equally_near_ones_have_an_order),
+        cmocka_unit_test(rays_find_what_a_loop_finds),     cmocka_unit_test(halves_are_hit_as_their_floats),
+        cmocka_unit_test(equally_near_ones_have_an_order), cmocka_unit_test(what_touches_is_one_interval),
         cmocka_unit_test(every_allocation_may_fail),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
