@@ -186,7 +186,10 @@ conus_status layers_regroup(struct layers *layers, const uint32_t *group, size_t
 void layers_drop_blockers(struct layers *layers)
 {
     size_t kept = 0;
-    for (size_t i = 0; i < layers->count; i++) {
+    while (kept < layers->count && layers->intervals[kept].object != VOLUME_BLOCKER) {
+        kept++; /* mostly all of them, which stay where they are */
+    }
+    for (size_t i = kept; i < layers->count; i++) {
         if (layers->intervals[i].object != VOLUME_BLOCKER) {
             layers->intervals[kept++] = layers->intervals[i];
         }

@@ -189,10 +189,10 @@ static void add_interval(struct tallied *object, const conus_interval *interval,
     }
     object->pierced += is_next_pixel;
     object->last_pixel = interval->pixel;
-    object->entry = fmin(object->entry, interval->entry);
-    object->exit = fmax(object->exit, interval->exit);
+    object->entry = interval->entry < object->entry ? interval->entry : object->entry; /* quicker than fmin() */
+    object->exit = interval->exit > object->exit ? interval->exit : object->exit;
     if (interval->exit > object->last_exit) {
-        object->volume += weight * volume_between(cone, object->last_exit, interval->exit);
+        object->volume += weight > 0 ? weight * volume_between(cone, object->last_exit, interval->exit) : 0;
         object->last_exit = interval->exit;
     }
 }
@@ -201,10 +201,11 @@ static void add_intervals(struct tally *tally, const struct gathering *gathering
 {
     const struct layers *layers = gathering->layers;
     const struct aperture *aperture = gathering->aperture;
+    const bool has_meshes = atlas_has_meshes(gathering->atlas);
     for (size_t s = 0; s < layers->count; s++) {
         const conus_interval *interval = &layers->intervals[s];
         if (aperture->in_cone[interval->pixel]) {
-            bool mesh = atlas_object_mesh(gathering->atlas, interval->object);
+            bool mesh = has_meshes && atlas_object_mesh(gathering->atlas, interval->object);
             struct tallied *object = touch(tally, group_of(gathering, interval->object));
             object->in_grid = object->in_grid || atlas_object_volume(gathering->atlas, interval->object);
             add_interval(object, interval, gathering->cone, mesh ? aperture->weight[interval->pixel] : 0);
