@@ -15,7 +15,7 @@ struct walk {
     census_row row;
     void *user;
     const struct census_box *box;
-    bool reads_labels;
+    const struct label_runs *runs; /* in place of labels, or NULL */
     struct region_rows rows;
     int turn;
 };
@@ -63,14 +63,18 @@ struct piece {
     struct region_cut cut;
 };
 
-/* Labels lie in a few lines of memory each: they come while the rows before are walked. */
+/* What is in a row lies in a few lines of memory, which come while the rows before are walked. */
 static void fetch_rows(const struct walk *walk, const struct piece *piece)
 {
     const size_t *dim = walk->volume->info.dim;
-    for (size_t r = 0; r < piece->count; r++) {
-        size_t row = dim[0] * (piece->j + r + dim[1] * piece->k);
-        volume_fetch(walk->volume, row + (size_t)piece->cut.maybe[0][r]);
-        volume_fetch(walk->volume, row + (size_t)piece->cut.maybe[1][r]);
+    for (size_t r = 0; r < piece->count && volume_can_be_hit(walk->volume); r++) {
+        size_t row = piece->j + r + dim[1] * piece->k;
+        if (walk->runs) {
+            label_runs_fetch(walk->runs, row);
+        } else {
+            volume_fetch(walk->volume, dim[0] * row + (size_t)piece->cut.maybe[0][r]);
+            volume_fetch(walk->volume, dim[0] * row + (size_t)piece->cut.maybe[1][r]);
+        }
     }
 }
 
@@ -93,9 +97,7 @@ static void cut_slice(struct walk *walk, struct piece pieces[2], size_t first, s
         piece->k = k;
         piece->count = smaller(last - j + 1, REGION_ROWS);
         walk->rows.cut(&piece->cut, &walk->rows, j, piece->count, limit);
-        if (walk->reads_labels) {
-            fetch_rows(walk, piece);
-        }
+        fetch_rows(walk, piece);
         walk_piece(walk, &pieces[walk->turn]);
     }
 }
@@ -129,7 +131,6 @@ void census_walk_box(const struct region *region, const struct volume *volume, c
                      census_row row, void *user)
 {
     struct walk walk = {.region = region, .volume = volume, .row = row, .user = user, .box = box};
-    walk.reads_labels = volume_can_be_hit(volume);
     walk_slices(&walk);
 }
 
@@ -303,7 +304,7 @@ static void count_areas(struct census *census, const struct region *region, cons
     struct areas areas = {.census = census, .labels = labels};
     const struct census_box all = whole_box(volume);
     struct walk walk = {.region = region, .volume = volume, .row = add_areas, .user = &areas, .box = &all};
-    walk.reads_labels = !labels->runs.rows;
+    walk.runs = labels->runs.rows ? &labels->runs : NULL;
     walk_slices(&walk);
 }
 

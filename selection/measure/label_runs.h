@@ -22,6 +22,13 @@ void label_runs_finish(struct label_runs *runs);
 /** How many of @p count voxels in a row, from the linear index @p first on, are of the object of the first. */
 size_t label_run_length(const struct volume *volume, size_t first, size_t count);
 
+/** Tells the processor that a row will be asked for. */
+static inline void label_runs_fetch(const struct label_runs *runs, size_t row)
+{
+    __builtin_prefetch(runs->starts + runs->rows[row]);
+    __builtin_prefetch(runs->objects + runs->rows[row]);
+}
+
 /** The run that holds index @p i of a row. */
 size_t label_runs_find(const struct label_runs *runs, size_t row, size_t i);
 
