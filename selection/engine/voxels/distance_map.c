@@ -554,8 +554,7 @@ static bool is_in_grid(const struct volume *volume, size_t i, size_t j, size_t k
     return i < volume->info.dim[0] && j < volume->info.dim[1] && k < volume->info.dim[2];
 }
 
-/* Distances to borders become codes of a uniform map. A border is 1 + 0; beyond r voxels that are none, the voxels r +
- * 1 away hold the same, too. Beside the grid, where any voxel may be a border, all codes are as a border's. */
+/* A border is 1 + 0; beyond r voxels that are none, the voxels r + 1 away hold the same, too. */
 static uint8_t uniform_code(uint8_t distance, uint32_t object, const struct object_colours *colours)
 {
     int most = object ? UNIFORM_RADIUS : UNIFORM_EMPTY_RADIUS;
@@ -563,6 +562,7 @@ static uint8_t uniform_code(uint8_t distance, uint32_t object, const struct obje
     return (uint8_t)(radius | (object ? object_colour(colours, object) * 0x10 : UNIFORM_EMPTY));
 }
 
+/* Distances to borders become codes. Beside the grid, where any voxel may be a border, all are as a border's. */
 static void make_uniform(struct distance_map *map, const struct volume *volume, const struct object_colours *colours)
 {
     const size_t *dim = volume->info.dim;

@@ -42,7 +42,8 @@ enum {
 
 /** Makes a uniform map: the code of every voxel, occupied ones too, is 1 + r where all voxels that differ from it by at
  * most r in every index hold the same object as it does, or none as it does; the margin holds none. So a ray leaves r
- * cells at once inside an object, too. Its box is that of @p map, the volume's distance map. Takes one byte a voxel. */
+ * cells at once inside an object, too. Its box is that of @p map, the volume's distance map. Takes one byte a voxel,
+ * and 2 MB more while it is made. */
 conus_status distance_map_init_uniform(struct distance_map *out, const struct volume *volume,
                                        const struct distance_map *map);
 
