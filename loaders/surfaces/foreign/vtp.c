@@ -314,6 +314,7 @@ static void forget_parts(struct vtp *vtp)
         memory_free(vtp->columns[i].name);
     }
     vtp->column_count = 0;
+    vtp->use = USE_NOTHING; /* an array that is still open is not read on */
 }
 
 /* ---- Pieces ------------------------------------------------------------------------------------------------------ */
@@ -476,6 +477,7 @@ static conus_status take_space(struct vtp *vtp)
     memory_free(letters);
     bytes_finish(&part->text);
     *part = (struct part){0};
+    vtp->use = USE_NOTHING;
     return status ? fail_in(status, "SPACE") : CONUS_OK;
 }
 
