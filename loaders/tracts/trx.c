@@ -208,9 +208,9 @@ static conus_status fill_first(struct tractogram *out, const struct trx_view *vi
 {
     size_t given = view->size / size;
     for (size_t i = 0; i <= out->streamline_count; i++) {
-        const uint8_t *data = view->data + i * size;
+        const uint8_t *data = i < given ? view->data + i * size : NULL;
         uint64_t last = i ? out->first[i - 1] : 0;
-        out->first[i] = i >= given  ? out->point_count
+        out->first[i] = !data       ? out->point_count
                         : size == 4 ? order_u32(data, is_swapped)
                                     : order_u64(data, is_swapped);
         if (out->first[i] < last || out->first[i] > out->point_count || (i == 0 && out->first[i]) ||
