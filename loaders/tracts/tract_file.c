@@ -8,6 +8,7 @@
 #include "loaders/tracts/tck.h"
 #include "loaders/tracts/trk.h"
 #include "loaders/tracts/trx.h"
+#include "loaders/tracts/tt.h"
 #include "loaders/tracts/vtk_lines.h"
 
 static const uint64_t default_memory = UINT64_C(8) << 30;
@@ -21,6 +22,7 @@ static const struct tract_format {
 } formats[] = {
     {trk_is, trk_read, NULL},
     {tck_is, tck_read, NULL},
+    {tt_is, tt_read, NULL},
     {trx_is, NULL, trx_read},
     {vtk_lines_is, NULL, vtk_lines_read},
 };
@@ -138,8 +140,8 @@ static conus_status refuse(const char *path)
     struct bytes stored = {0};
     conus_status status = file_read_head(&stored, path, FILE_KIND_HEAD);
     if (!status) {
-        status =
-            fail_in(file_kind_fail(NULL, &stored, "a tractogram: TrackVis, MRtrix, TRX or polylines of VTK"), path);
+        status = fail_in(
+            file_kind_fail(NULL, &stored, "a tractogram: TrackVis, MRtrix, DSI Studio, TRX or polylines of VTK"), path);
     }
     bytes_finish(&stored);
     return status;

@@ -1,19 +1,23 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Tractograms as TRX and in VTK's formats, which this program writes, against readings that share no code with conus.
+"""Tractograms as TRX, in VTK's formats and in DSI Studio's, which this program writes, against readings that share no
+code with conus.
 
 TRX is written and read by Python's zipfile and numpy: stored, deflated, with ZIP64's sizes, as a stream whose sizes
 stand behind the files, and as a folder; positions of every precision, offsets of both, with and without the last one,
 numbers of every type, groups that overlap. Damaged archives are refused. VTK's writers write, and its readers read,
 polylines as text and binary numbers, in both layouts of cells, in every encoding of XML, with numbers of points and
-lines. All numbers are equal, bit by bit.
+lines. All numbers are equal, bit by bit. DSI Studio's are random walks, whose steps numpy takes and adds up again; the
+affine is applied in float64, so that points differ by half a step of float32 at most.
 
 usage: compare_trx.py DUMP_TRACT; exit 77 = skipped."""
 
+import gzip
 import io
 import itertools
 import json
 import os
+import struct
 import subprocess
 import sys
 import tempfile
@@ -317,12 +321,58 @@ def compare_vtk(folder):
     return count
 
 
+# ---- DSI Studio -----------------------------------------------------------------------------------------------------
+
+
+def variable(name, kind, values):
+    """A variable of a MAT-file of level 4."""
+    data = np.asarray(values, {0: "<f8", 10: "<f4", 20: "<i4", 40: "<u2", 50: "u1"}[kind])
+    return struct.pack("<5I", kind, 1, data.size, 0, len(name) + 1) + name.encode() + b"\0" + data.tobytes()
+
+
+def walk_bytes(points):
+    """A streamline as DSI Studio stores it: the number of coordinates, the first point, the steps to the next ones."""
+    steps = np.diff(points, axis=0)
+    assert abs(steps).max(initial=0) < 128
+    return struct.pack("<I3i", points.size, *points[0]) + steps.astype("i1").tobytes()
+
+
+def compare_dsi(folder):
+    rng = np.random.default_rng(22)
+    for number in range(8):
+        walks = [np.cumsum(np.vstack([rng.integers(-9999, 9999, (1, 3)), rng.integers(-127, 128, (n, 3))]), axis=0)
+                 for n in rng.integers(0, 3000, 20)]
+        affine = np.vstack([np.float32(rng.normal(0, 2, (3, 4)) * [1, 1, 1, 50]), [0, 0, 0, 1]])
+        clusters = rng.integers(0, 65536, 20) if number % 2 else []
+        blocks = [b"".join(map(walk_bytes, walks[:9])), b"".join(map(walk_bytes, walks[9:]))]
+        data = (variable("dimension", 20, [99, 99, 99]) + variable("voxel_size", 10, [2, 2, 2])
+                + variable("trans_to_mni", 10 * (number % 2), affine.ravel())
+                + variable("color", 20, [16752700]) + variable("cluster", 40, clusters)
+                + variable("track", 50, np.frombuffer(blocks[0], "u1"))
+                + variable("track1", 50, np.frombuffer(blocks[1], "u1")))
+        path = os.path.join(folder, f"walk-{number}.tt" + (".gz" if number > 3 else ""))
+        with (gzip.open if number > 3 else open)(path, "wb") as file:
+            file.write(data)
+        got, message = ask(path)
+        if got is None:
+            FAULTS.append(f"{path}: refused: {message}")
+            continue
+        world = np.vstack(walks) / 32 @ affine[:3, :3].T + affine[:3, 3]
+        near = np.abs(got["points"] - world) <= 0.51 * np.spacing(np.abs(world).astype("<f4")) + 1e-12
+        first = np.cumsum([0] + [len(walk) for walk in walks])
+        if not near.all() or not np.array_equal(got["first"], first):
+            FAULTS.append(f"{path}: points or streamlines differ")
+        if [list(v.ravel()) for v in got["scalars"].values()] != ([list(clusters)] if len(clusters) else []):
+            FAULTS.append(f"{path}: clusters differ")
+    return 8
+
+
 with tempfile.TemporaryDirectory() as FOLDER:
-    TRX, VTK, REFUSED = compare_trx(FOLDER), compare_vtk(FOLDER), list(damage(FOLDER))
+    TRX, VTK, DSI, REFUSED = compare_trx(FOLDER), compare_vtk(FOLDER), compare_dsi(FOLDER), list(damage(FOLDER))
     for PATH, PART in REFUSED:
         GOT, MESSAGE = ask(PATH)
         if GOT is not None or PART not in MESSAGE:
             FAULTS.append(f"{PATH}: {'read' if GOT else MESSAGE}, wanted a refusal with {PART!r}")
 print(*FAULTS[:20], sep="\n")
-print(f"{TRX} TRX and {VTK} VTK files read, {len(REFUSED)} refused, {len(FAULTS)} faults")
+print(f"{TRX} TRX, {VTK} VTK and {DSI} DSI Studio files read, {len(REFUSED)} refused, {len(FAULTS)} faults")
 sys.exit(1 if FAULTS else 0)

@@ -254,7 +254,8 @@ static void what_is_no_tractogram_is_said(void **state)
     assert_false(tract_file_is(path));
     assert_fails(tract_file_read(&out, path, 0, &notes), CONUS_ERROR_DATA);
     assert_non_null(strstr(conus_message(), "surface.tck: this is an STL surface"));
-    assert_non_null(strstr(conus_message(), "needed is a tractogram: TrackVis, MRtrix, TRX or polylines of VTK"));
+    assert_non_null(
+        strstr(conus_message(), "needed is a tractogram: TrackVis, MRtrix, DSI Studio, TRX or polylines of VTK"));
     assert_false(tract_file_is(test_scratch("none.tck")));
     assert_fails(tract_file_read(&out, test_scratch("none.tck"), 0, &notes), CONUS_ERROR_IO);
     test_folder("folder.tck");
