@@ -14,17 +14,19 @@
 static const uint64_t default_memory = UINT64_C(8) << 30;
 
 /* A format is a stream of bytes (`read`), or opens its file, or folder, itself (`open`). `head` has the first bytes,
- * unpacked; of a folder none. Messages of `read` are without the path, those of `open` with it. */
+ * unpacked; of a folder none. Messages of `read` are without the path, those of `open` with it. `has_lines`, unless it
+ * is NULL, says of a file that begins so whether it is a tractogram at all. */
 static const struct tract_format {
     bool (*is)(const struct bytes *head, const char *path);
     tract_reader *read;
     conus_status (*open)(struct tractogram *out, const char *path, uint64_t max_memory, struct notes *notes);
+    bool (*has_lines)(const char *path);
 } formats[] = {
-    {trk_is, trk_read, NULL},
-    {tck_is, tck_read, NULL},
-    {tt_is, tt_read, NULL},
-    {trx_is, NULL, trx_read},
-    {vtk_lines_is, NULL, vtk_lines_read},
+    {trk_is, trk_read, NULL, NULL},
+    {tck_is, tck_read, NULL, NULL},
+    {tt_is, tt_read, NULL, NULL},
+    {trx_is, NULL, trx_read, trx_is_named},
+    {vtk_lines_is, NULL, vtk_lines_read, vtk_lines_are_in},
 };
 
 static const struct tract_format *format_of(const struct bytes *head, const char *path)
@@ -55,9 +57,9 @@ static conus_status read_head(struct bytes *out, const char *path)
 bool tract_file_is(const char *path)
 {
     struct bytes head = {0};
-    bool is = !read_head(&head, path) && format_of(&head, path);
+    const struct tract_format *format = read_head(&head, path) ? NULL : format_of(&head, path);
     bytes_finish(&head);
-    return is;
+    return format && (!format->has_lines || format->has_lines(path));
 }
 
 /* Two scalars of one name would be one to whoever asks for it. */

@@ -13,7 +13,8 @@
  * CONUS_ERROR_UNSUPPORTED, CONUS_ERROR_MEMORY. @p out is the caller's to tractogram_finish(), untouched on failure. */
 conus_status tract_file_read(struct tractogram *out, const char *path, uint64_t max_memory, struct notes *notes);
 
-/** True where @p path begins like a tractogram that tract_file_read() reads; false also where it cannot be read. */
+/** True where @p path begins like a tractogram that tract_file_read() reads; of zip archives those whose name ends in
+ * .trx, of VTK's files those with lines and no polygons. False also where it cannot be read. */
 bool tract_file_is(const char *path);
 
 /** tract_file_read() of bytes in memory, of the formats that are a stream of bytes: for tests. Without path. */

@@ -548,6 +548,11 @@ bool trx_is(const struct bytes *head, const char *path)
     return is;
 }
 
+bool trx_is_named(const char *path)
+{
+    return file_is_folder(path) || path_ends_in(path, ".trx");
+}
+
 conus_status trx_read(struct tractogram *out, const char *path, uint64_t max_memory, struct notes *notes)
 {
     return (file_is_folder(path) ? read_folder : read_archive)(out, path, max_memory, notes);

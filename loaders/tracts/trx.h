@@ -12,6 +12,9 @@
  * header.json. */
 bool trx_is(const struct bytes *head, const char *path);
 
+/** True of a folder, and of a name that ends in .trx: of an archive that trx_is() knows from its first bytes only. */
+bool trx_is_named(const char *path);
+
 /** Reads the archive or folder @p path: format, sum, points or halves, first, scalars and groups, which are to be
  * checked. CONUS_ERROR_IO, CONUS_ERROR_DATA for what contradicts itself, CONUS_ERROR_UNSUPPORTED, CONUS_ERROR_MEMORY
  * above @p max_memory bytes, those of the archive included. Messages carry the path. */

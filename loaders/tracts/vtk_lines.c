@@ -4,6 +4,7 @@
 
 #include "base/formats/gzip.h"
 #include "base/memory.h"
+#include "loaders/file_kind.h"
 #include "loaders/surfaces/foreign/foreign.h"
 #include "loaders/surfaces/foreign/foreign_lines.h"
 
@@ -15,6 +16,15 @@ bool vtk_lines_is(const struct bytes *head, const char *path)
     const struct text text = {(const char *)head->data, head->size};
     enum foreign_format format = head->size ? foreign_format_of(path ? path : "", text) : FOREIGN_NONE;
     return format == FOREIGN_VTK || format == FOREIGN_VTP;
+}
+
+bool vtk_lines_are_in(const char *path)
+{
+    static const uint64_t most = UINT64_C(8) << 30;
+    struct bytes bytes = {0};
+    bool are = !gzip_read(&bytes, path, most, NULL) && file_kind_is_lines(&bytes);
+    bytes_finish(&bytes);
+    return are;
 }
 
 /* What is built of what. */

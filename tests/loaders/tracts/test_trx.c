@@ -4,6 +4,7 @@
 
 #include "base/memory.h"
 #include "builders/zip_builder.h"
+#include "loaders/tracts/tract_file.h"
 #include "test.h"
 
 #include <math.h>
@@ -185,6 +186,15 @@ static void a_file(void **state)
     assert_string_equal(tractogram.sha256, sum);
     tractogram_finish(&tractogram);
     notes_finish(&notes);
+    assert_true(tract_file_is(path));
+    assert_ok(file_write(test_scratch("a.zip"), archive.data, archive.size));
+    assert_false(tract_file_is(test_scratch("a.zip")));
+    assert_ok(tract_file_read(&tractogram, test_scratch("a.zip"), 0, &notes));
+    assert_string_equal(tractogram.path, test_scratch("a.zip"));
+    tractogram_finish(&tractogram);
+    notes_finish(&notes);
+    notes = (struct notes){0};
+    path = test_scratch("a.trx");
     assert_fails(trx_read(&tractogram, path, archive.size - 1, &notes), CONUS_ERROR_MEMORY);
     assert_fails(trx_read(&tractogram, test_scratch("none.trx"), 1000, &notes), CONUS_ERROR_IO);
     buffer_finish(&archive);
@@ -210,6 +220,7 @@ static void a_folder(void **state)
     const struct bytes none = {0};
     write_folder("folder.trx");
     assert_true(trx_is(&none, test_scratch("folder.trx")));
+    assert_true(tract_file_is(test_scratch("folder.trx")));
     assert_false(trx_is(&none, test_in("dps")));
     assert_false(trx_is(&none, NULL));
     assert_ok(trx_read(&tractogram, test_scratch("folder.trx"), 1 << 20, &notes));

@@ -5,6 +5,7 @@
 
 #include "base/memory.h"
 #include "builders/nifti_builder.h"
+#include "loaders/tracts/tract_file.h"
 #include "test.h"
 
 #include <math.h>
@@ -260,6 +261,25 @@ static void assert_refused(const char *text, conus_status wanted, const char *pa
     notes_finish(&notes);
 }
 
+static void which_files_have_lines(void **state)
+{
+    (void)state;
+    static const char surface[] = HEAD("3.0", "ASCII") POINTS "POLYGONS 1 4 3 0 1 2\n";
+    static const char lines[] = HEAD("3.0", "ASCII") POINTS "LINES 2 7 3 0 1 2 2 1 3\n";
+    struct tractogram tractogram;
+    struct notes notes = {0};
+    assert_ok(file_write(test_scratch("surface.vtk"), surface, sizeof surface - 1));
+    assert_false(tract_file_is(test_scratch("surface.vtk")));
+    assert_fails(tract_file_read(&tractogram, test_scratch("surface.vtk"), 0, &notes), CONUS_ERROR_DATA);
+    assert_non_null(strstr(conus_message(), "surface.vtk: a surface and no lines"));
+    assert_ok(file_write(test_scratch("lines.vtk"), lines, sizeof lines - 1));
+    assert_true(tract_file_is(test_scratch("lines.vtk")));
+    assert_ok(tract_file_read(&tractogram, test_scratch("lines.vtk"), 0, &notes));
+    assert_string_equal(tractogram.path, test_scratch("lines.vtk"));
+    tractogram_finish(&tractogram);
+    notes_finish(&notes);
+}
+
 #define LINES HEAD("3.0", "ASCII") POINTS "LINES 2 7 3 0 1 2 2 1 3\n"
 #define PIECE "<VTKFile type=\"PolyData\"><PolyData><Piece NumberOfPoints=\"2\" NumberOfLines=\"1\">"
 #define LINE PIECE VTP_POINTS("0 0 0 1 1 1") VTP_CELLS("Lines", "0 1", "2")
@@ -384,6 +404,7 @@ int main(void)
         cmocka_unit_test(a_stated_space_and_corners_in_order),
         cmocka_unit_test(corners_in_another_order),
         cmocka_unit_test(a_packed_file),
+        cmocka_unit_test(which_files_have_lines),
         cmocka_unit_test(refused),
         cmocka_unit_test(memory_has_a_limit),
         cmocka_unit_test(every_prefix),
