@@ -172,8 +172,8 @@ static void fill_rows(struct picture_legend *out, const struct picture *picture)
                                   .count = count};
 }
 
-/* Makes at most `capacity` rows, if enough are of what is only behind others: the last of these leave, and one row says
- * how many they are. */
+/* Makes `capacity` rows of more: the last of what is only behind others leave, and one row says how many they are.
+ * Where those are too few, all stay, and legend_draw() counts what it leaves out. */
 static void leave_out_behind(struct picture_legend *out, size_t capacity)
 {
     struct legend_row *rows = out->rows;
@@ -182,7 +182,10 @@ static void leave_out_behind(struct picture_legend *out, size_t capacity)
         behind += rows[i].detail[0] == BEHIND;
     }
     size_t surplus = out->legend.count + 1 - capacity; /* the row that says so takes a line, too */
-    size_t kept = behind > surplus ? behind - surplus : 0;
+    if (behind < surplus) {
+        return;
+    }
+    size_t kept = behind - surplus;
     size_t seen = 0;
     size_t count = 0;
     for (size_t i = 0; i < out->legend.count; i++) {
@@ -193,7 +196,7 @@ static void leave_out_behind(struct picture_legend *out, size_t capacity)
             rows[count++] = (struct legend_row){.name = out->more, .hollow = true, .detail = {BEHIND}};
         }
     }
-    snprintf(out->more, sizeof out->more, "\u2026 and %zu more", behind - kept);
+    snprintf(out->more, sizeof out->more, "\u2026 and %zu more", surplus);
     out->legend.count = count;
 }
 

@@ -30,15 +30,23 @@ static double slabs(const double p[3])
     return floor(p[0]) + SLABS / 2.0 + 1;
 }
 
+/* The same, and behind them, seen from the front, six more: 61 to 66 from left to right. */
+static double slabs_and_more(const double p[3])
+{
+    return p[1] > 0 ? slabs(p) : floor(p[0] / 10) + 64;
+}
+
 static double halves(const double p[3])
 {
     return p[0] < 0 ? 1 : 2;
 }
 
-/* Seen from the left with all layers: the first label is hit, each other one is behind. Each is called @p name. */
-static struct scene make_scene(picture_function labels, const char *name)
+static const double left[3] = {-60, 0, 0}, front[3] = {0, 60, 0};
+
+/* Seen with all layers: from the left the first label is hit, each other one is behind. Each is called @p name. */
+static struct scene make_scene(picture_function labels, const char *name, const double from[3], double degrees)
 {
-    const conus_selector_options all = {.layers = CONUS_LAYERS_ALL};
+    const conus_selector_options all = {.layers = CONUS_LAYERS_ALL, .resolution = 64};
     const conus_volume_info grid = picture_grid((size_t[]){SLABS, 40, 40}, (double[]){1, 1, 1}, picture_identity);
     struct scene scene = {.atlas = picture_atlas(&grid, labels, NULL, NULL)};
     conus_pose pose;
@@ -48,8 +56,8 @@ static struct scene make_scene(picture_function labels, const char *name)
     }
     scene.renderer = picture_renderer(scene.atlas, NULL);
     assert_ok(conus_selector_create(&scene.selector, scene.atlas, &all));
-    assert_ok(conus_pose_toward(&pose, (double[]){-60, 0, 0}, (double[]){0, 0, 0}, NULL));
-    assert_ok(conus_select(&scene.selection, scene.selector, &pose, radians_from_degrees(20)));
+    assert_ok(conus_pose_toward(&pose, from, (double[]){0, 0, 0}, NULL));
+    assert_ok(conus_select(&scene.selection, scene.selector, &pose, radians_from_degrees(degrees)));
     return scene;
 }
 
@@ -76,14 +84,18 @@ static struct legend_row describe(char text[2][TEXT], const struct scene *scene,
     return row;
 }
 
-/* The first `shown` results, a row about the others if there are any, and what hits nothing: the last result. */
+/* The first `shown` results, or all where that is 0, a row about the others if there are any, and what hits nothing:
+ * the last result. */
 static void draw_expected(conus_image *image, struct font *font, const struct scene *scene, size_t shown)
 {
     char texts[SLABS + 1][2][TEXT];
     char more[TEXT];
+    char subtitle[PICTURE_TEXT];
     struct legend_row rows[SLABS + 2];
     size_t results = conus_selection_count(scene->selection);
     size_t count = 0;
+    shown = shown ? shown : results - 1;
+    picture_describe_cone(subtitle, &scene->selection->cone, NULL);
     for (size_t i = 0; i < shown; i++, count++) {
         rows[count] = describe(texts[i], scene, i);
     }
@@ -93,7 +105,7 @@ static void draw_expected(conus_image *image, struct font *font, const struct sc
     }
     rows[count] = describe(texts[SLABS], scene, results - 1);
     const struct legend legend = {.title = "Hits of the cone",
-                                  .subtitle = "20\u00b0 from -60, 0, 0, RAS mm",
+                                  .subtitle = subtitle,
                                   .header = {"share", "distance"},
                                   .rows = rows,
                                   .count = count + 1,
@@ -157,8 +169,27 @@ static void the_last_rows_behind_are_counted_in_one(void **state)
 {
     (void)state;
     need_font();
-    struct scene scene = make_scene(slabs, "Slab");
+    struct scene scene = make_scene(slabs, "Slab", left, 20);
     check(&scene, 25, (double[]){2, 5}, (double[]){9, 10});
+}
+
+/* A cone of 34.4 degrees meets 12.4 mm to either side on the face, 40 mm before the device: 26 slabs first. At their
+ * end, 60 mm away, it is 18.6 mm wide, which is 12 slabs more, behind these; at 80 mm it is in six of the others. Of
+ * the 45 rows with what hits nothing, 18 are behind: without them 27 are left, and the row that counts them is one too
+ * many. So all are there for the legend itself to count. */
+static void rows_that_are_hit_are_counted_with_the_others(void **state)
+{
+    (void)state;
+    need_font();
+    struct scene scene = make_scene(slabs_and_more, "Slab", front, 34.4);
+    size_t behind = 0;
+    for (size_t i = 0; i < conus_selection_count(scene.selection); i++) {
+        const conus_result *result = conus_selection_result(scene.selection, i);
+        behind += result->object && result->pixels == 0;
+    }
+    assert_int_equal(conus_selection_count(scene.selection), 45);
+    assert_int_equal(behind, 18);
+    check(&scene, 0, (double[]){2, 5}, (double[]){9, 10});
 }
 
 /* A name of 42 letters makes the panel wider than half of the picture. */
@@ -166,7 +197,7 @@ static void the_drawing_is_right_of_a_high_legend(void **state)
 {
     (void)state;
     need_font();
-    struct scene scene = make_scene(slabs, "One of sixty slabs, which are a millimetre");
+    struct scene scene = make_scene(slabs, "One of sixty slabs, which are a millimetre", left, 20);
     check(&scene, 25, (double[]){5, 6}, (double[]){9, 10});
 }
 
@@ -175,7 +206,8 @@ static void the_drawing_is_below_a_wide_legend(void **state)
 {
     (void)state;
     need_font();
-    struct scene scene = make_scene(halves, "One of the two halves of the atlas, which is called by a name so long");
+    struct scene scene =
+        make_scene(halves, "One of the two halves of the atlas, which is called by a name so long", left, 20);
     check(&scene, 2, (double[]){7, 10}, (double[]){2, 3});
 }
 
@@ -183,6 +215,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_last_rows_behind_are_counted_in_one),
+        cmocka_unit_test(rows_that_are_hit_are_counted_with_the_others),
         cmocka_unit_test(the_drawing_is_right_of_a_high_legend),
         cmocka_unit_test(the_drawing_is_below_a_wide_legend),
     };
