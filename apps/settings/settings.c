@@ -107,9 +107,8 @@ const struct option shown_options[] = {
      .offset = FIELD(atlas_settings, only),
      .value = "NAME,...",
      .help = "keep only these areas, pathways and bundles, by name, abbreviation or label, with all below them in the "
-             "area tree; "
-             "all others are as if never loaded; put a name with a comma in double quotes; @FILE is a file with "
-             "one name per line; may be repeated"},
+             "area tree; all others are as if never loaded; put a name with a comma in double quotes; @FILE is a file "
+             "with one name per line; may be repeated"},
     {.name = "hide",
      .type = OPTION_LIST,
      .offset = FIELD(atlas_settings, hide),

@@ -23,8 +23,11 @@ static bool has_name(const json_t *list, const char *name, size_t length)
 conus_status draft_streamlines_take(struct manifest_draft *draft, const char *name)
 {
     bool loads = false;
-    char *path = name[0] == '.' ? NULL : manifest_draft_path(draft, name);
-    bool is_tract = path && tract_file_is(path);
+    char *path = manifest_draft_path(draft, name);
+    if (!path) {
+        return CONUS_ERROR_MEMORY;
+    }
+    bool is_tract = name[0] != '.' && tract_file_is(path);
     memory_free(path);
     if (!is_tract) {
         return draft_transform_say(draft, name);
