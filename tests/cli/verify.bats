@@ -405,7 +405,7 @@ hostile() {
     study
     local text='--angles --atlas --atlas-transform --connect --connectivity --contacts --context --deep --endpoints --hide --image --jitter --jobs
         --labels --level --listen --mask --mask-object --only --output --pathway --pose --poses --reference --score
-        --segments --shard --sidecar --streamlines --tool --voxels --world-from-tracker'
+        --segments --shard --sidecar --streamlines --streamlines-out --tool --voxels --world-from-tracker'
     for command in query batch sweep track overlap connect; do
         conus $command --help
     done | sed -nE 's/^  +(-[a-z], )?(--[a-z-]+) [A-Z@].*/\2/p' | sort -u >options
