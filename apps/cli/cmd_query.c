@@ -17,8 +17,7 @@ struct query_settings {
     struct inquiry_settings inquiry; /* first */
     const char *voxels;
     size_t voxels_of;
-    const char *image;
-    const char *deep;
+    const char *image, *deep;
     struct mask_settings mask;
     struct streamlines_out_settings streamlines;
     struct axis_settings axis;
