@@ -16,7 +16,7 @@ struct picture {
     conus_view options; /**< Defaults filled in. */
     const conus_atlas *atlas;
     const struct haze_choice *hazy;           /**< Pathways that are haze. */
-    const struct tube_colouring *streamlines; /**< How they are coloured. */
+    const struct tube_colouring *streamlines; /**< How they are coloured; NULL of a cut, where it is by bundle. */
     uint32_t drawing[2];           /**< Width and height of the drawing, in the image's top left corner.       */
     uint32_t sheet_height;         /**< Of the image, which is options.width wide.                             */
     struct font *font;             /**< NULL = no text.                                                        */

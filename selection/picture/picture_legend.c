@@ -113,7 +113,7 @@ static size_t add_colours(struct legend_row rows[COLOUR_ROWS], char words[COLOUR
 {
     static const char *const directions[COLOUR_ROWS] = {"left to right", "back to front", "down to up"};
     const struct tube_colouring *colouring = picture->streamlines;
-    if (colouring->by == TUBE_BY_BUNDLE) {
+    if (!colouring || colouring->by == TUBE_BY_BUNDLE) { /* of a cut there is none */
         return 0;
     }
     for (int i = 0; i < COLOUR_ROWS; i++) {

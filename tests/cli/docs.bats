@@ -55,10 +55,10 @@ section() {
 }
 
 @test "every option of the help is in the page, and the other way round" {
-    for command in query track sweep overlap info render view mesh manifest phantom diff verify cite; do
+    for command in query track sweep overlap info render view mesh manifest phantom diff verify cite connect; do
         [ $command != view ] || [ -x "${CONUS%/*}/conus-view" ] || continue
         section $command | grep -oE '`--[a-z-]+' | tr -d '`' >said
-        conus $command --help | grep -oE '^ +(-[a-z], )?--[a-z-]+' | grep -oE -- '--[a-z-]+' >there
+        conus $command --help | grep -oE '^ {2,6}(-[a-z], )?--[a-z-]+' | grep -oE -- '--[a-z-]+' >there
         for list in said there; do
             grep -vxE -- '--(help|version)' $list | sort -u -o $list
         done
