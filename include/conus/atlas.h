@@ -70,8 +70,8 @@ typedef struct conus_load_options {
  * @return #CONUS_OK; #CONUS_ERROR_IO or #CONUS_ERROR_DATA where a file cannot be read or is damaged, and
  * #CONUS_ERROR_DATA for a volume that looks like an image unless labels_anyway is set; #CONUS_ERROR_UNSUPPORTED for a
  * valid file beyond this library; #CONUS_ERROR_MEMORY above max_memory; #CONUS_ERROR_ARGUMENT for a probability out of
- * its range, or of an atlas without areas of probabilities, and with the option cache for a $CONUS_CACHE that is neither
- * "off" nor a size.
+ * its range, or of an atlas without areas of probabilities, and with the option cache for a $CONUS_CACHE that is
+ * neither "off" nor a size.
  * @threads Any.
  * @since 0.1
  */
@@ -311,8 +311,8 @@ CONUS_API void conus_atlas_use_own_colours(conus_atlas *atlas);
 /** @name Sharing between processes
  * One process loads an atlas and packs it into memory that all processes map: a file of memfd_create(), POSIX shared
  * memory, an MPI window, Python's multiprocessing.shared_memory. All processes attach it there. Voxels, values,
- * vertices, triangles, streamlines with their trees and the tables that the rays engine makes of voxels are in that memory
- * once. Each process has its own names, and its own trees over triangles, which Embree cannot move.
+ * vertices, triangles, streamlines with their trees and the tables that the rays engine makes of voxels are in that
+ * memory once. Each process has its own names, and its own trees over triangles, which Embree cannot move.
  * @{ */
 
 /**
@@ -326,8 +326,8 @@ CONUS_API size_t conus_atlas_packed_size(const conus_atlas *atlas);
 
 /**
  * Packs the atlas as it is, but for surfaces around the areas, which no ray hits. The packed bytes hold no pointers and
- * may be mapped at another address in each process, but they are for this version of conus on this kind of machine: they
- * are no file format.
+ * may be mapped at another address in each process, but they are for this version of conus on this kind of machine:
+ * they are no file format.
  * @param[out] memory [size], at a multiple of 64 bytes. On failure its content has no meaning.
  * @param size Bytes, at least conus_atlas_packed_size().
  * @param atlas The atlas.

@@ -45,8 +45,8 @@ typedef struct conus_phantom_info {
 CONUS_API const conus_phantom_info *conus_phantom(size_t index);
 
 /**
- * Writes a phantom: KIND.nii.gz, its label table KIND.tsv, and KIND.json with the shapes in world mm; of the kinds brain
- * and bundle, which take no options, other files (docs/formats.md).
+ * Writes a phantom: KIND.nii.gz, its label table KIND.tsv, and KIND.json with the shapes in world mm; of the kinds
+ * brain and bundle, which take no options, other files (docs/formats.md).
  * @param kind A name of conus_phantom().
  * @param folder Made if missing.
  * @param options NULL = defaults.

@@ -14,8 +14,7 @@ static void mark_run(void *user, const struct tract_run *run, const struct tract
 }
 
 /* One after the other, [streamline_count] of each tractogram, in one block. */
-static conus_status find_pale(bool **block, const bool **is_pale, const conus_atlas *atlas,
-                              const struct region *region)
+static conus_status find_pale(bool **block, const bool **is_pale, const conus_atlas *atlas, const struct region *region)
 {
     size_t count = 0;
     for (size_t i = 0; i < atlas->tractogram_count; i++) {

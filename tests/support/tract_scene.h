@@ -17,9 +17,9 @@ void tract_add_point(struct tract_builder *builder, const double point[3]);
 void tract_end_streamline(struct tract_builder *builder);
 void tract_add_group(struct tractogram *to, const char *name, const uint32_t *members, size_t count);
 
-/** Streamlines 0 to 2 run along x at z = 30 and y = 0, 3 and 100, from -50 to 50; but 1 from 70 to -30. Streamline 3 has
- * four points, is the longest, runs along x, too, and is far away. Object 1, "near", is 0, 1 and 3; object 2, "far",
- * is 2. */
+/** Streamlines 0 to 2 run along x at z = 30 and y = 0, 3 and 100, from -50 to 50; but 1 from 70 to -30. Streamline 3
+ * has four points, is the longest, runs along x, too, and is far away. Object 1, "near", is 0, 1 and 3; object 2,
+ * "far", is 2. */
 conus_atlas *tract_lines_atlas(void);
 
 #endif

@@ -61,8 +61,9 @@ static void json_has_them(void **state)
     (void)state;
     conus_atlas *atlas = tract_lines_atlas();
     char *text = report_of(atlas, CONUS_FORMAT_NDJSON, 0);
-    assert_has(text, "\"streamlines\":2,\"streamlines_total\":3,\"length_mm\":18,\"near_x\":0,\"near_y\":0,\"near_z\":30,"
-                     "\"along\":0.5,");
+    assert_has(text,
+               "\"streamlines\":2,\"streamlines_total\":3,\"length_mm\":18,\"near_x\":0,\"near_y\":0,\"near_z\":30,"
+               "\"along\":0.5,");
     assert_has(text, "\"streamlines\":null,\"streamlines_total\":null,\"length_mm\":null,");
     free(text);
     conus_atlas_destroy(atlas);
