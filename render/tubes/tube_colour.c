@@ -127,7 +127,7 @@ static double scalar_part(const struct tube_colouring *colouring, const struct t
     double value = scalar->per_point ? ((double)scalar->values[index] + (double)scalar->values[next]) / 2
                                      : (double)scalar->values[number];
     double span = colouring->high - colouring->low;
-    return span > 0 ? (value - colouring->low) / span : 0.5;
+    return span > 0 || isnan(value) ? (value - colouring->low) / span : 0.5;
 }
 
 static uint32_t own_colour(const uint8_t rgb[3])
