@@ -424,6 +424,7 @@ static const struct {
     {".", look_more_opaque, "the chosen area more opaque in 3-D, or else what the cone does not hit; , less"},
     {",", look_less_opaque, NULL},
     {"k", look_next_backdrop, "another background of 3-D: light, white, black, transparent in figures"},
+    {"9", look_next_streamlines, "streamlines by their bundle, by direction, or by the next number of their file"},
     {"ctrl+s", keep_same_session, "save the session where it was opened or saved last"},
     {"ctrl+shift+s", save_as, "save the session under another name"},
     {"o", keep_session, "or at once: conus-DATE-TIME.json, in the folder where conus was started"},

@@ -69,6 +69,19 @@ void look_less_opaque(struct window *window)
     change_opacity(window, -opacity_step);
 }
 
+void look_next_streamlines(struct window *window)
+{
+    struct viewer *viewer = window->viewer;
+    const conus_atlas *atlas = viewer->drawn->atlas;
+    size_t count = tract_colour_count(atlas);
+    if (!count) {
+        viewer_say(viewer, "there are no streamlines: start with --streamlines");
+        return;
+    }
+    viewer_colour_streamlines(viewer, (viewer->drawn->look.streamlines + 1) % count);
+    viewer_say(viewer, "streamlines by %s", tract_colour_name(atlas, viewer->drawn->look.streamlines));
+}
+
 void look_next_backdrop(struct window *window)
 {
     struct viewer *viewer = window->viewer;

@@ -12,6 +12,7 @@ void look_less_contrast(struct window *window);
 void look_reset_grey(struct window *window);
 void look_more_opaque(struct window *window);
 void look_less_opaque(struct window *window);
+void look_next_streamlines(struct window *window);
 void look_next_backdrop(struct window *window);
 
 #endif

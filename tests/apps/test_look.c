@@ -227,6 +227,119 @@ static void the_window_draws_haze_and_presets_as_render_does(void **state)
     close_window(&window);
 }
 
+/* In the session of the window as it is, @p from stands once; with @p to in its place it is refused, and nothing
+ * changes. */
+static void assert_refused(struct window *window, const char *from, const char *to, const char *why)
+{
+    char reason[SESSION_REASON] = "";
+    char *text = session_text(window);
+    char *at = strstr(text, from);
+    char changed[1 << 14];
+    assert_non_null(at);
+    snprintf(changed, sizeof changed, "%.*s%s%s", (int)(at - text), text, to, at + strlen(from));
+    assert_false(session_parse(window, changed, strlen(changed), reason));
+    assert_non_null(strstr(reason, why));
+    char *after = session_text(window);
+    assert_string_equal(text, after);
+    free(after);
+    free(text);
+}
+
+/* ---- Streamlines ------------------------------------------------------------------------------------------------- */
+
+/* Adds one straight up through the middle of the balls, with a number from 0.2 below to 0.8 above. */
+static void add_bundle(conus_atlas *atlas)
+{
+    static const float points[3][3] = {{0, 0, -60}, {0, 0, 0}, {0, 0, 60}};
+    static const float numbers[] = {0.2F, NAN, 0.8F};
+    static const uint64_t first[] = {0, 3};
+    const conus_tract_scalar scalars[] = {{.name = "FA", .per_point = true, .components = 1, .values = numbers},
+                                          {.name = "tensor", .components = 3, .values = points[0]},
+                                          {.name = "count", .components = 1, .values = numbers + 1}};
+    const conus_polylines lines = {.points = points,
+                                   .type = CONUS_SCALAR_FLOAT32,
+                                   .point_count = 3,
+                                   .first = first,
+                                   .streamline_count = 1,
+                                   .scalars = scalars,
+                                   .scalar_count = 3};
+    assert_ok(conus_atlas_add_polylines(atlas, &lines, &(conus_streamlines_options){.name = "Up", .radius = 8}));
+}
+
+static void open_with_bundle(struct window *out, struct viewer *viewer)
+{
+    const struct view_source source = {.atlas = load(false), .path = "nested"};
+    add_bundle(source.atlas);
+    assert_ok(viewer_create(viewer, &source, 1, NULL, NULL, NULL));
+    *out = (struct window){.viewer = viewer, .enlarged = -1};
+    undo_note(out);
+}
+
+static void streamlines_have_the_colours_of_their_files(void **state)
+{
+    conus_atlas *atlas = load(false);
+    double range[2] = {1, 2};
+    (void)state;
+    assert_int_equal(tract_colour_count(atlas), 0);
+    assert_int_equal(tract_colour_find(atlas, "bundle"), TRACT_COLOUR_LIMIT);
+    add_bundle(atlas);
+    assert_int_equal(tract_colour_count(atlas), 4); /* what has three numbers is no colour */
+    assert_string_equal(tract_colour_name(atlas, TRACT_BY_NUMBER + 1), "count");
+    assert_int_equal(tract_colour_find(atlas, "FA"), TRACT_BY_NUMBER);
+    assert_int_equal(tract_colour_find(atlas, "tensor"), TRACT_COLOUR_LIMIT);
+    assert_false(tract_colour_range(range, atlas, "count")); /* whose only value is not known */
+    assert_near(range[0], 1, 0);
+    assert_true(tract_colour_range(range, atlas, "FA"));
+    assert_near(range[0], 0.2, 1e-7);
+    assert_near(range[1], 0.8, 1e-7);
+    conus_atlas_destroy(atlas);
+}
+
+static void the_window_colours_streamlines_as_render_does(void **state)
+{
+    struct viewer viewer;
+    struct window window;
+    uint8_t own[3], painted[3], rendered[3];
+    (void)state;
+    open_with_bundle(&window, &viewer);
+    viewer.display.backdrop = BACKDROP_BLACK;
+    paint(own, &viewer);
+    assert_true(script_streamlines(&window, (char *[]){"direction"}, 1));
+    paint(painted, &viewer);
+    assert_memory_not_equal(own, painted, 3);
+    render(rendered, &viewer, NULL, 0, &(conus_renderer_options){.streamline_colour = "direction"});
+    assert_same_pixel(painted, rendered);
+    undo_note(&window);
+    assert_true(script_streamlines(&window, (char *[]){"count"}, 1)); /* grey */
+    assert_true(isnan(viewer.drawn->look.streamline_range[0]));
+    paint(painted, &viewer);
+    assert_int_equal(painted[0], painted[1]);
+    undo_note(&window);
+    undo_step(&window, -1);
+    assert_int_equal(viewer.drawn->look.streamlines, TRACT_BY_DIRECTION);
+    undo_step(&window, -1);
+    assert_int_equal(viewer.drawn->look.streamlines, TRACT_BY_BUNDLE);
+    paint(painted, &viewer);
+    assert_memory_equal(painted, own, 3);
+    close_window(&window);
+}
+
+static void colours_that_no_streamline_has_are_refused(void **state)
+{
+    struct viewer viewer;
+    struct window window;
+    (void)state;
+    open_with_bundle(&window, &viewer);
+    assert_false(script_streamlines(&window, (char *[]){"tensor"}, 1));
+    assert_refused(&window, "\"streamline_colour\": \"bundle\"", "\"streamline_colour\": \"tensor\"", "direction");
+    assert_refused(&window, "\"streamline_colour\": \"bundle\"", "\"streamline_colour\": 1", "direction");
+    close_window(&window);
+    open_window(&window, &viewer, true);
+    assert_false(script_streamlines(&window, (char *[]){"direction"}, 1));
+    assert_refused(&window, "\"grey\": null", "\"streamline_colour\": \"bundle\"", "streamlines");
+    close_window(&window);
+}
+
 /* ---- Sessions and undo ------------------------------------------------------------------------------------------- */
 
 static void each_change_is_taken_back(void **state)
@@ -275,24 +388,6 @@ static void each_change_is_taken_back(void **state)
     free(again);
     free(all);
     close_window(&window);
-}
-
-/* In the session of the window as it is, @p from stands once; with @p to in its place it is refused, and nothing
- * changes. */
-static void assert_refused(struct window *window, const char *from, const char *to, const char *why)
-{
-    char reason[SESSION_REASON] = "";
-    char *text = session_text(window);
-    char *at = strstr(text, from);
-    char changed[1 << 14];
-    assert_non_null(at);
-    snprintf(changed, sizeof changed, "%.*s%s%s", (int)(at - text), text, to, at + strlen(from));
-    assert_false(session_parse(window, changed, strlen(changed), reason));
-    assert_non_null(strstr(reason, why));
-    char *after = session_text(window);
-    assert_string_equal(text, after);
-    free(after);
-    free(text);
 }
 
 static void what_cannot_be_is_refused(void **state)
@@ -417,6 +512,9 @@ int main(void)
         cmocka_unit_test(atlases_of_one_context_have_the_same_grey_values),
         cmocka_unit_test(the_window_draws_opacities_as_render_does),
         cmocka_unit_test(the_window_draws_haze_and_presets_as_render_does),
+        cmocka_unit_test(streamlines_have_the_colours_of_their_files),
+        cmocka_unit_test(the_window_colours_streamlines_as_render_does),
+        cmocka_unit_test(colours_that_no_streamline_has_are_refused),
         cmocka_unit_test(each_change_is_taken_back),
         cmocka_unit_test(what_cannot_be_is_refused),
         cmocka_unit_test(words_that_cannot_be_change_nothing),

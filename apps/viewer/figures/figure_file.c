@@ -13,10 +13,12 @@
 void figure_of_window(struct figure_settings *out, const struct window *window)
 {
     const struct sheet *sheet = &window->sheet;
+    const struct view_atlas *drawn = window->viewer->drawn;
     *out = (struct figure_settings){.dpi = sheet->dpi,
                                     .legend = (size_t)sheet->legend,
                                     .no_legend = sheet->no_text,
-                                    .background = backdrop_names[window->viewer->display.backdrop]};
+                                    .background = backdrop_names[window->viewer->display.backdrop],
+                                    .streamline_colour = look_streamline_colour(&drawn->look, drawn->atlas)};
     if (sheet->in_mm) {
         out->width_mm = sheet->mm[0];
         out->height_mm = sheet->mm[1];
@@ -46,7 +48,8 @@ static conus_status write_image(conus_image *image, conus_status status, const c
 
 /* ---- 3-D --------------------------------------------------------------------------------------------------------- */
 
-static conus_status make_renderer(conus_renderer **out, const struct viewer *viewer)
+static conus_status make_renderer(conus_renderer **out, const struct viewer *viewer,
+                                  const struct figure_settings *settings)
 {
     const struct look *look = &viewer->drawn->look;
     const struct transfer_editor *editor = &viewer->transfer_editor;
@@ -57,7 +60,8 @@ static conus_status make_renderer(conus_renderer **out, const struct viewer *vie
     }
     const conus_renderer_options options = {.transfer = viewer->preset ? viewer->preset : viewer->transfer,
                                             .pathways = pathways,
-                                            .pathway_count = look_pathways(pathways, look)};
+                                            .pathway_count = look_pathways(pathways, look),
+                                            .streamline_colour = settings->streamline_colour};
     conus_status status = conus_renderer_create(&renderer, viewer->drawn->atlas, &options);
     free(pathways);
     if (!status && editor->edited) {
@@ -101,7 +105,7 @@ static bool write_3d(const struct window *window, const struct figure_settings *
     if (!set_camera(&view, &sight)) {
         return refuse(why, "a tracked head's view has no room for a legend beside it: choose inside, below or none");
     }
-    conus_status status = make_renderer(&renderer, viewer);
+    conus_status status = make_renderer(&renderer, viewer, settings);
     status = status ? status : conus_render(&image, renderer, &view);
     status = write_image(image, status, path);
     conus_renderer_destroy(renderer);

@@ -50,6 +50,7 @@ bool look_init(struct look *out, size_t object_count)
 {
     *out = (struct look){.opacity = malloc((object_count + 1) * sizeof *out->opacity),
                          .haze = calloc(object_count + 1, sizeof *out->haze),
+                         .streamline_range = {NAN, NAN},
                          .object_count = object_count};
     for (size_t number = 0; out->opacity && number <= object_count; number++) {
         out->opacity[number] = number ? NAN : 1;
@@ -68,9 +69,25 @@ void look_finish(struct look *look)
     *look = (struct look){0};
 }
 
-bool look_same_haze(const struct look *a, const struct look *b)
+void look_colour_streamlines(struct look *look, const conus_atlas *atlas, size_t colour)
 {
-    return a->object_count == b->object_count && memcmp(a->haze, b->haze, (a->object_count + 1) * sizeof *a->haze) == 0;
+    const char *name = colour < TRACT_BY_NUMBER ? NULL : tract_colour_name(atlas, colour);
+    look->streamlines = colour;
+    look->streamline_range[0] = look->streamline_range[1] = NAN;
+    if (name) {
+        (void)tract_colour_range(look->streamline_range, atlas, name);
+    }
+}
+
+const char *look_streamline_colour(const struct look *look, const conus_atlas *atlas)
+{
+    return look->streamlines == TRACT_BY_BUNDLE ? NULL : tract_colour_name(atlas, look->streamlines);
+}
+
+bool look_same_tracts(const struct look *a, const struct look *b)
+{
+    return a->streamlines == b->streamlines && a->object_count == b->object_count &&
+           memcmp(a->haze, b->haze, (a->object_count + 1) * sizeof *a->haze) == 0;
 }
 
 void look_set(conus_view *view, const struct look *look)

@@ -179,9 +179,15 @@ void viewer_set_haze(struct viewer *viewer, uint32_t pathway, size_t haze)
     repaint(viewer);
 }
 
+void viewer_colour_streamlines(struct viewer *viewer, size_t colour)
+{
+    look_colour_streamlines(&viewer->drawn->look, viewer->drawn->atlas, colour);
+    repaint(viewer);
+}
+
 void viewer_set_look(struct viewer *viewer, struct view_atlas *on, struct look *look)
 {
-    bool same = look_same_haze(&on->look, look);
+    bool same = look_same_tracts(&on->look, look);
     look_finish(&on->look);
     on->look = *look;
     *look = (struct look){0};

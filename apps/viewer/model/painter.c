@@ -52,6 +52,7 @@ struct painter {
     double *opacity;
     conus_pathway_transfer *pathways;
     size_t pathway_count;
+    const char *streamline_colour; /* the atlas's, or static */
     conus_log log;
     void (*wake_window)(void);
     double ms_per_pixel;
@@ -263,7 +264,8 @@ static void *run(void *user)
     const conus_renderer_options options = {.transfer = painter->transfer,
                                             .log = painter->log,
                                             .pathways = painter->pathways,
-                                            .pathway_count = painter->pathway_count};
+                                            .pathway_count = painter->pathway_count,
+                                            .streamline_colour = painter->streamline_colour};
     make_bytes(painter);
     setpriority(PRIO_PROCESS, 0, getpriority(PRIO_PROCESS, 0) + niceness); /* of this thread, and those it starts */
     if (conus_renderer_create(&renderer, painter->atlas, &options)) {
@@ -315,6 +317,7 @@ bool painter_create(struct painter **out, const conus_atlas *atlas, const char *
     painter->wake_window = wake;
     painter->is_busy = true; /* until there is a renderer */
     painter->transfer = transfer ? strdup(transfer) : NULL;
+    painter->streamline_colour = look_streamline_colour(look, atlas);
     painter->opacity = copy_opacity(look);
     painter->pathways = calloc(look->object_count + 1, sizeof *painter->pathways);
     bool fine = (painter->transfer || !transfer) && painter->opacity && painter->pathways;

@@ -91,6 +91,42 @@ void panel_look_pathway(struct viewer *viewer, uint32_t pathway)
     ui_id_end();
 }
 
+/* As the legend of a figure says it. */
+static void explain_colours(const struct look *look)
+{
+    static const char *const directions[] = {"left to right", "back to front", "down to up"};
+    static const ui_colour pure[] = {{255, 0, 0, 255}, {0, 255, 0, 255}, {0, 0, 255, 255}};
+    for (uint32_t i = 0; look->streamlines == TRACT_BY_DIRECTION && i < 3; i++) {
+        ui_id(i);
+        ui_chip("direction", pure[i]);
+        ui_same_line();
+        ui_text("%s", directions[i]);
+        ui_id_end();
+    }
+    if (look->streamlines >= TRACT_BY_NUMBER && isfinite(look->streamline_range[0])) {
+        ui_text("dark blue %.4g, green, yellow %.4g", look->streamline_range[0], look->streamline_range[1]);
+    } else if (look->streamlines >= TRACT_BY_NUMBER) {
+        ui_text("no value of it is known: all grey");
+    }
+}
+
+void panel_look_streamlines(struct viewer *viewer)
+{
+    const char *names[TRACT_COLOUR_LIMIT];
+    size_t count = tract_colour_count(viewer->drawn->atlas);
+    size_t colour = viewer->drawn->look.streamlines;
+    for (size_t i = 0; i < count; i++) {
+        names[i] = tract_colour_name(viewer->drawn->atlas, i);
+    }
+    if (ui_choose("coloured by", &colour, names, count)) {
+        viewer_colour_streamlines(viewer, colour);
+    }
+    ui_tip(
+        "what colours streamlines in 3-D and in figures: their bundle, their direction, or a number that their file\n"
+        "has, in its own unit, from the least to the largest; 9 takes the next");
+    explain_colours(&viewer->drawn->look);
+}
+
 void panel_look_area(struct viewer *viewer, uint32_t object)
 {
     const struct look *look = &viewer->drawn->look;

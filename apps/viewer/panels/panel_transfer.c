@@ -180,11 +180,19 @@ static void edit_thresholds(struct viewer *viewer)
     }
 }
 
+/* Bundles may come behind them. */
+static bool has_pathways(const struct view_atlas *on)
+{
+    size_t number = on->object_count;
+    while (number && conus_atlas_object(on->atlas, number)->kind != CONUS_KIND_PATHWAY) {
+        number--;
+    }
+    return number;
+}
+
 void panel_transfer(struct window *window)
 {
     struct viewer *viewer = window->viewer;
-    const conus_object *last =
-        conus_atlas_object(viewer->drawn->atlas, viewer->drawn->object_count); /* pathways come last */
     bool has_context = view_atlas_context(viewer->drawn) < conus_atlas_volume_count(viewer->drawn->atlas);
     bool is_ready = make_ready(viewer);
     if (has_context && ui_section("Context", false)) {
@@ -193,7 +201,10 @@ void panel_transfer(struct window *window)
             edit_transfer(viewer);
         }
     }
-    if (last && last->kind == CONUS_KIND_PATHWAY && ui_section("Pathways", true)) {
+    if (has_pathways(viewer->drawn) && ui_section("Pathways", true)) {
         edit_thresholds(viewer);
+    }
+    if (conus_atlas_tractogram_count(viewer->drawn->atlas) && ui_section("Streamlines", true)) {
+        panel_look_streamlines(viewer);
     }
 }

@@ -26,6 +26,7 @@ void panel_transfer(struct window *window);
 void panel_look_view(struct viewer *viewer);
 void panel_look_context(struct viewer *viewer);                   /**< the context, */
 void panel_look_pathway(struct viewer *viewer, uint32_t pathway); /**< a pathway, */
+void panel_look_streamlines(struct viewer *viewer);               /**< streamlines, */
 void panel_look_area(struct viewer *viewer, uint32_t object);     /**< an area. */
 void panel_figure(struct window *window);                         /**< Before all others. */
 void panel_source(struct window *window);

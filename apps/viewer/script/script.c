@@ -248,6 +248,11 @@ static bool do_preset(struct call *call)
     return script_preset(call->window, call->words + 1, call->count);
 }
 
+static bool do_streamlines(struct call *call)
+{
+    return script_streamlines(call->window, call->words + 1, call->count);
+}
+
 static bool do_background(struct call *call)
 {
     return script_background(call->window, call->words + 1, call->count);
@@ -457,6 +462,7 @@ static const struct {
     {"opacity", 1, 2, do_opacity, "[AREA] PART, or AREA reset", false},
     {"haze", 2, 2, do_haze, "PATHWAY solid|own|PRESET", false},
     {"preset", 0, 1, do_preset, "[NAME]", false},
+    {"streamline-colour", 1, 1, do_streamlines, "bundle|direction|NAME", false},
     {"background", 1, 1, do_background, "light|white|black|transparent", false},
     {"quiet-status", 0, 0, do_quiet_status, "", true},
     {"wait", 1, 1, do_wait, "FRAMES", true},

@@ -20,8 +20,10 @@ static bool write_figure(struct window *window, size_t pane, const struct figure
 
 bool script_picture(struct window *window, const char *path, const double size[2])
 {
+    const struct view_atlas *drawn = window->viewer->drawn;
     const struct figure_settings settings = {.size = {(uint32_t)size[0], (uint32_t)size[1]},
-                                             .background = backdrop_names[window->viewer->display.backdrop]};
+                                             .background = backdrop_names[window->viewer->display.backdrop],
+                                             .streamline_colour = look_streamline_colour(&drawn->look, drawn->atlas)};
     return write_figure(window, PANE_3D, &settings, path);
 }
 

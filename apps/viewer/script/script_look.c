@@ -75,6 +75,16 @@ bool script_haze(struct window *window, char *const *arguments, size_t count)
     return fine;
 }
 
+bool script_streamlines(struct window *window, char *const *arguments, size_t count)
+{
+    struct viewer *viewer = window->viewer;
+    size_t colour = count ? tract_colour_find(viewer->drawn->atlas, arguments[0]) : TRACT_COLOUR_LIMIT;
+    if (colour != TRACT_COLOUR_LIMIT) {
+        viewer_colour_streamlines(viewer, colour);
+    }
+    return colour != TRACT_COLOUR_LIMIT;
+}
+
 bool script_preset(struct window *window, char *const *arguments, size_t count)
 {
     const char *found = NULL;

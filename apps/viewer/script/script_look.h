@@ -11,6 +11,7 @@ bool script_fade(struct window *window, char *const *arguments, size_t count);
 bool script_grey(struct window *window, char *const *arguments, size_t count);
 bool script_opacity(struct window *window, char *const *arguments, size_t count);
 bool script_haze(struct window *window, char *const *arguments, size_t count);
+bool script_streamlines(struct window *window, char *const *arguments, size_t count);
 bool script_preset(struct window *window, char *const *arguments, size_t count);
 bool script_background(struct window *window, char *const *arguments, size_t count);
 

@@ -40,8 +40,14 @@ static json_t *haze_of(const struct view_atlas *on)
 
 json_t *session_look(const struct view_atlas *on)
 {
-    return json_pack("{s: o, s: o, s: f, s: o}", "grey", grey_of(&on->look), "opacities", opacities_of(&on->look),
-                     "opacity_of_the_rest", on->look.opacity[0], "pathways", haze_of(on));
+    const char *streamlines = tract_colour_name(on->atlas, on->look.streamlines);
+    json_t *look =
+        json_pack("{s: o, s: o, s: f, s: o}", "grey", grey_of(&on->look), "opacities", opacities_of(&on->look),
+                  "opacity_of_the_rest", on->look.opacity[0], "pathways", haze_of(on));
+    if (look && streamlines) {
+        json_object_set_new(look, "streamline_colour", json_string(streamlines));
+    }
+    return look;
 }
 
 /* ---- Reading ----------------------------------------------------------------------------------------------------- */
@@ -106,6 +112,23 @@ static bool read_haze(struct look *out, const struct view_atlas *on, const json_
                                        "\"solid\", \"own\" or the name of a preset");
 }
 
+static bool read_streamlines(struct look *out, const struct view_atlas *on, const json_t *value,
+                             char why[SESSION_REASON])
+{
+    const char *name = json_string_value(value);
+    size_t colour = name ? tract_colour_find(on->atlas, name) : TRACT_COLOUR_LIMIT;
+    if (!value) {
+        return true;
+    }
+    if (colour == TRACT_COLOUR_LIMIT) {
+        return session_refuse(why,
+                              "session: streamline_colour: \"bundle\", \"direction\" or the name of a number that the "
+                              "streamlines have is needed");
+    }
+    look_colour_streamlines(out, on->atlas, colour);
+    return true;
+}
+
 bool session_look_read(struct look *out, const struct view_atlas *on, const json_t *entry, char why[SESSION_REASON])
 {
     struct look look;
@@ -116,7 +139,8 @@ bool session_look_read(struct look *out, const struct view_atlas *on, const json
                 read_grey(&look, json_object_get(entry, "grey"), why) &&
                 read_opacities(&look, json_object_get(entry, "opacities"), why) &&
                 read_rest(&look, json_object_get(entry, "opacity_of_the_rest"), why) &&
-                read_haze(&look, on, json_object_get(entry, "pathways"), why);
+                read_haze(&look, on, json_object_get(entry, "pathways"), why) &&
+                read_streamlines(&look, on, json_object_get(entry, "streamline_colour"), why);
     if (fine) {
         *out = look;
     } else {
