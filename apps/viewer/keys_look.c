@@ -52,11 +52,15 @@ static void change_opacity(struct window *window, double by)
 {
     struct viewer *viewer = window->viewer;
     uint32_t chosen = viewer->drawn->shown.chosen;
+    const conus_object *object = conus_atlas_object(viewer->drawn->atlas, chosen);
+    if (object && object->kind == CONUS_KIND_BUNDLE) {
+        viewer_say(viewer, "%s: streamlines are always opaque", object->name);
+        return;
+    }
     double now = viewer->drawn->look.opacity[chosen];
     double next = fmin(fmax((isnan(now) ? 1 : now) + by, chosen ? 0 : opacity_step), 1);
     viewer_set_opacity(viewer, chosen, next);
-    viewer_say(viewer, "%s: %.2f opaque",
-               chosen ? conus_atlas_object(viewer->drawn->atlas, chosen)->name : "what the cone does not hit", next);
+    viewer_say(viewer, "%s: %.2f opaque", object ? object->name : "what the cone does not hit", next);
 }
 
 void look_more_opaque(struct window *window)

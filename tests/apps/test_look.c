@@ -2,6 +2,7 @@
 /* How an atlas looks: grey values, opacities, haze, colours of the context and the background, without a window. */
 #include "viewer/figures/figure_form.h"
 #include "viewer/look/look.h"
+#include "viewer/model/picker.h"
 #include "viewer/pointing/point.h"
 #include "viewer/script/script_look.h"
 #include "viewer/session/session.h"
@@ -275,6 +276,25 @@ static void open_with_bundle(struct window *out, struct viewer *viewer)
     undo_note(out);
 }
 
+/* Areas that are not hit are not drawn beside a bundle: in the picture it is the first that is met. */
+static void the_bundle_is_named_where_the_picture_has_it(void **state)
+{
+    struct viewer viewer;
+    struct window window;
+    uint32_t object;
+    double contact[3];
+    (void)state;
+    open_with_bundle(&window, &viewer);
+    assert_true(viewer_pick(&object, contact, &viewer, eye, back));
+    assert_string_equal(conus_atlas_object(viewer.drawn->atlas, object)->name, "Up");
+    assert_near(contact[1], 8, 1e-6);                                            /* its radius */
+    assert_int_equal(view_atlas_at(viewer.drawn, (double[]){0, 0, 55}), object); /* above the balls */
+    viewer_hide(&viewer, object, true);
+    assert_true(viewer_pick(&object, contact, &viewer, eye, back));
+    assert_int_equal(object, 1);
+    close_window(&window);
+}
+
 static void streamlines_have_the_colours_of_their_files(void **state)
 {
     conus_atlas *atlas = load(false);
@@ -512,6 +532,7 @@ int main(void)
         cmocka_unit_test(atlases_of_one_context_have_the_same_grey_values),
         cmocka_unit_test(the_window_draws_opacities_as_render_does),
         cmocka_unit_test(the_window_draws_haze_and_presets_as_render_does),
+        cmocka_unit_test(the_bundle_is_named_where_the_picture_has_it),
         cmocka_unit_test(streamlines_have_the_colours_of_their_files),
         cmocka_unit_test(the_window_colours_streamlines_as_render_does),
         cmocka_unit_test(colours_that_no_streamline_has_are_refused),

@@ -11,8 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A phantom, and the labels of another one as the values of a pathway; NULL = none. */
-static void load(struct viewer *out, const char *kind, const char *tract)
+/* A phantom, the labels of another one as the values of a pathway, and a bundle; NULL = none. */
+static void load(struct viewer *out, const char *kind, const char *tract, const conus_polylines *lines)
 {
     conus_atlas *atlas = NULL;
     char path[600];
@@ -27,6 +27,9 @@ static void load(struct viewer *out, const char *kind, const char *tract)
         assert_ok(conus_phantom_write(tract, folder, NULL));
         snprintf(file, sizeof file, "%s/%s.nii.gz", folder, tract);
         assert_ok(conus_atlas_add_pathway(atlas, file, &pathway));
+    }
+    if (lines) {
+        assert_ok(conus_atlas_add_polylines(atlas, lines, NULL));
     }
     assert_ok(viewer_create(out, &(struct view_source){.atlas = atlas, .path = "phantom"}, 1, NULL, NULL, NULL));
 }
@@ -80,7 +83,7 @@ static void check_row(const struct viewer *viewer, const conus_result *result, c
             assert_string_equal(exact, has_words ? "(nothing hit)" : cells[i]);
         }
     }
-    assert_int_equal(found, RESULT_COLUMNS);
+    assert_int_equal(found, conus_atlas_tractogram_count(viewer->drawn->atlas) ? RESULT_COLUMNS : RESULT_STREAMLINES);
 }
 
 /* All digits are those of the library's TSV, in the same rows. */
@@ -140,7 +143,7 @@ static void cells_are_those_of_conus_query(void **state)
     unsigned seed = 17;
     size_t rows = 0;
     (void)state;
-    load(&viewer, "slabs", "tubes");
+    load(&viewer, "slabs", "tubes", NULL);
     for (int i = 0; i < 50; i++) {
         bool layers = i >= 25; /* one selector for each half */
         viewer.frame.space = i % 3 ? CONUS_SPACE_RAS : CONUS_SPACE_LPS;
@@ -152,6 +155,34 @@ static void cells_are_those_of_conus_query(void **state)
         rows += conus_selection_count(viewer_selection(&viewer));
     }
     assert_true(rows > 150);
+    viewer_finish(&viewer);
+}
+
+/* Of a bundle through the slabs the streamlines that come in, their length and place; of areas n/a. */
+static void cells_of_bundles_are_those_of_conus_query(void **state)
+{
+    static const double points[4][3] = {{-40, 0, 0}, {40, 0, 0}, {0, -40, 0}, {0, 40, 0}};
+    static const uint64_t first[] = {0, 2, 4};
+    const conus_polylines lines = {
+        .points = points, .type = CONUS_SCALAR_FLOAT64, .point_count = 4, .first = first, .streamline_count = 2};
+    struct viewer viewer;
+    unsigned seed = 18;
+    bool comes_in = false;
+    (void)state;
+    load(&viewer, "slabs", "tubes", NULL);
+    assert_false(result_is_offered(&viewer, RESULT_ALONG));
+    viewer_finish(&viewer);
+    load(&viewer, "slabs", NULL, &lines);
+    for (int i = 0; i < 10; i++) {
+        viewer.cone.angle = 10;
+        viewer.cone.options.layers = CONUS_LAYERS_ALL;
+        aim_anywhere(&viewer, &seed);
+        check_against_tsv(&viewer);
+        for (size_t r = 0; r < conus_selection_count(viewer_selection(&viewer)); r++) {
+            comes_in = comes_in || conus_selection_result(viewer_selection(&viewer), r)->streamlines > 0;
+        }
+    }
+    assert_true(comes_in);
     viewer_finish(&viewer);
 }
 
@@ -170,7 +201,7 @@ static void rows_have_the_order_of_a_column(void **state)
 {
     struct viewer viewer;
     (void)state;
-    load(&viewer, "nested", NULL);
+    load(&viewer, "nested", NULL, NULL);
     viewer.cone.options.layers = CONUS_LAYERS_ALL;
     viewer.cone.angle = 30;
     viewer_aim_along(&viewer, (double[]){0, 90, 0}, (double[]){0, -1, 0});
@@ -215,7 +246,7 @@ static void columns_are_chosen(void **state)
     char *wanted[] = {"pixels", "path_mm"};
     char *unknown[] = {"pixels", "colour"};
     (void)state;
-    load(&viewer, "nested", NULL);
+    load(&viewer, "nested", NULL, NULL);
     assert_true(has(&viewer, RESULT_X) && has(&viewer, RESULT_DISTANCE) && !has(&viewer, RESULT_SCORE));
     viewer.cone.options.score = "centre";
     assert_true(has(&viewer, RESULT_SCORE));
@@ -244,7 +275,7 @@ static void sessions_keep_the_list(void **state)
     struct window window = {.viewer = &viewer, .enlarged = -1};
     char why[SESSION_REASON];
     (void)state;
-    load(&viewer, "nested", NULL);
+    load(&viewer, "nested", NULL, NULL);
     result_show(&viewer, RESULT_MAX, true);
     result_order_by(&viewer, RESULT_OFFSET);
     result_order_by(&viewer, RESULT_OFFSET);
@@ -283,7 +314,7 @@ static void what_cannot_be_exported_is_said(void **state)
     struct viewer viewer;
     char why[EXPORT_WHY];
     (void)state;
-    load(&viewer, "nested", NULL);
+    load(&viewer, "nested", NULL, NULL);
     assert_false(export_results(&viewer, "/nowhere/at/all.tsv", why));
     assert_non_null(strstr(why, "/nowhere/at/all"));
     assert_false(export_results(&viewer, "hits.xlsx", why));
@@ -294,11 +325,9 @@ static void what_cannot_be_exported_is_said(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(cells_are_those_of_conus_query),
-        cmocka_unit_test(rows_have_the_order_of_a_column),
-        cmocka_unit_test(columns_are_chosen),
-        cmocka_unit_test(sessions_keep_the_list),
-        cmocka_unit_test(what_cannot_be_exported_is_said),
+        cmocka_unit_test(cells_are_those_of_conus_query),  cmocka_unit_test(cells_of_bundles_are_those_of_conus_query),
+        cmocka_unit_test(rows_have_the_order_of_a_column), cmocka_unit_test(columns_are_chosen),
+        cmocka_unit_test(sessions_keep_the_list),          cmocka_unit_test(what_cannot_be_exported_is_said),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -78,10 +78,11 @@ static double depth_of_surface(const struct viewer *viewer, const double origin[
 /* ---- What is under the mouse --------------------------------------------------------------------------------------
  */
 
+/* Pathways or bundles that are shown. */
 static bool has_pathways(const struct view_atlas *on)
 {
-    for (size_t number = on->object_count; number > 0; number--) { /* pathways come last */
-        if (conus_atlas_object(on->atlas, number)->kind != CONUS_KIND_PATHWAY) {
+    for (size_t number = on->object_count; number > 0; number--) { /* they come last */
+        if (conus_atlas_object(on->atlas, number)->kind == CONUS_KIND_AREA) {
             return false;
         }
         if (!on->shown.hidden[number]) {
@@ -103,11 +104,11 @@ static bool is_hit(const struct view_atlas *on, uint32_t number)
     return false;
 }
 
-/* Areas of voxels would hide pathways: where there are any, the picture has the areas that are hit. */
+/* Areas of voxels would hide pathways and bundles: where there are any, the picture has the areas that are hit. */
 static bool is_drawn(const struct view_atlas *on, uint32_t number)
 {
     const conus_object *object = conus_atlas_object(on->atlas, number);
-    return object->kind == CONUS_KIND_PATHWAY || object->triangles > 0 || !has_pathways(on) || is_hit(on, number);
+    return object->kind != CONUS_KIND_AREA || object->triangles > 0 || !has_pathways(on) || is_hit(on, number);
 }
 
 /* How far it is to the first that is drawn; INFINITY and 0 where there is none. */

@@ -34,6 +34,10 @@ static void write_tip(char tip[TIP_SIZE], const conus_object *object)
     if (object->volume_mm3 > 0) {
         snprintf(tip + used, TIP_SIZE - (size_t)used, ", %.0f mm\u00b3", object->volume_mm3);
     }
+    if (object->kind == CONUS_KIND_BUNDLE) {
+        snprintf(tip + used, TIP_SIZE - (size_t)used, ", %llu streamlines, %.0f mm long together",
+                 (unsigned long long)object->streamlines, object->length_mm);
+    }
 }
 
 /* Of both, with what is between them. */

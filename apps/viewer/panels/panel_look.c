@@ -132,8 +132,9 @@ void panel_look_area(struct viewer *viewer, uint32_t object)
     const struct look *look = &viewer->drawn->look;
     bool is_set = !isnan(look->opacity[object]);
     double opacity = is_set ? look->opacity[object] : 1;
-    if (look->haze[object] != HAZE_NONE) { /* which has no surface */
-        return;
+    if (look->haze[object] != HAZE_NONE ||
+        conus_atlas_object(viewer->drawn->atlas, object)->kind == CONUS_KIND_BUNDLE) {
+        return; /* neither haze nor tubes have an opacity */
     }
     ui_width(fminf(0.5F * ui_room(), 9 * ui_line()));
     if (ui_slider("##opacity", &opacity, 0, 1, is_set ? "%.2f opaque" : "opacity", false)) {

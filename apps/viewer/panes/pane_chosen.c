@@ -35,13 +35,14 @@ static bool shows_same(const struct shadow *shadow, const struct sight *sight, u
     return shadow->width == width && shadow->height == height && sight_is_same(&shadow->sight, sight);
 }
 
-/* The shadow's colour, with its outline. */
+/* The shadow's colour, with its outline; of a bundle only that, since its streamlines may have colours of their own. */
 static void draw_shadow(struct shadow *shadow, uint8_t *rgba, const uint8_t *mask, const uint8_t rgb[3])
 {
+    bool is_bundle = conus_atlas_object(shadow->of->atlas, shadow->chosen)->kind == CONUS_KIND_BUNDLE;
     size_t pixels = (size_t)shadow->width * shadow->height;
     for (size_t pixel = 0; pixel < pixels; pixel++) {
         memcpy(rgba + 4 * pixel, rgb, 3);
-        rgba[4 * pixel + 3] = mask[pixel] ? OPACITY : 0;
+        rgba[4 * pixel + 3] = mask[pixel] && !is_bundle ? OPACITY : 0;
     }
     outline_draw(rgba, &shadow->top, mask, shadow->width, shadow->height);
 }

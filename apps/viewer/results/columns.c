@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum kind { TEXT_NAME, TEXT_ABBREVIATION, LABEL, COUNT, NUMBER, PART, ANGLE, PLACE };
+enum kind { TEXT_NAME, TEXT_ABBREVIATION, LABEL, COUNT, LONG_COUNT, NUMBER, PART, ANGLE, PLACE };
 
 struct column {
     const char *key, *heading, *unit, *meaning;
@@ -60,6 +60,12 @@ static const struct column columns[RESULT_COLUMNS] = {
                      NUMBER, AT(mean_value), 4, "-99999.9999", .falls = true, .needs_object = true},
     [RESULT_MAX] = {"max_value", "largest", NULL, "largest value of its voxels in the cone, likewise", NUMBER,
                     AT(max_value), 4, "-99999.9999", .falls = true, .needs_object = true},
+    [RESULT_STREAMLINES] = {"streamlines", "lines", NULL, "streamlines of the bundle that come into the cone",
+                            LONG_COUNT, AT(streamlines), 0, "9999999", .falls = true, .needs_object = true},
+    [RESULT_LENGTH] = {"length_mm", "length", "mm", "length of the parts of its streamlines in the cone", NUMBER,
+                       AT(length), 1, "9999999.9", .falls = true, .needs_object = true},
+    [RESULT_ALONG] = {"along", "along", "0 to 1", "how far along the bundle the nearest of these parts is", NUMBER,
+                      AT(along), 2, "0.99", .needs_object = true},
 };
 
 const char *const result_formats[RESULT_FORMATS] = {"TSV", "CSV", "JSON"};
@@ -123,10 +129,21 @@ static bool has_layers(const struct viewer *viewer)
     return viewer->cone.options.layers == CONUS_LAYERS_ALL && !viewer->cone.one_ray;
 }
 
+static bool has_bundles(const struct viewer *viewer)
+{
+    for (size_t i = 0; i < viewer->atlas_count; i++) {
+        if (conus_atlas_tractogram_count(viewer->atlases[i].atlas)) {
+            return true;
+        }
+    }
+    return false;
+}
+
 bool result_is_offered(const struct viewer *viewer, size_t column)
 {
     bool of_layers = column >= RESULT_PIERCED || (column >= RESULT_ENTRY && column <= RESULT_PATH);
-    return !of_layers || has_layers(viewer);
+    bool of_bundles = column >= RESULT_STREAMLINES;
+    return (!of_layers || has_layers(viewer)) && (!of_bundles || has_bundles(viewer));
 }
 
 static uint32_t bit(size_t column)
@@ -208,7 +225,9 @@ static const char *text_of(const struct view_atlas *on, const struct column *of,
 static double number_at(const conus_result *result, const struct column *of)
 {
     const void *at = (const char *)result + of->offset;
-    return of->kind == COUNT ? (double)*(const uint32_t *)at : *(const double *)at;
+    return of->kind == COUNT        ? (double)*(const uint32_t *)at
+           : of->kind == LONG_COUNT ? (double)*(const uint64_t *)at
+                                    : *(const double *)at;
 }
 
 /* In the unit of conus query's tables; NaN where there is none. */
@@ -217,7 +236,9 @@ static double value_of(const struct viewer *viewer, const struct view_atlas *on,
 {
     double place[3];
     const conus_object *object = conus_atlas_object(on->atlas, result->object);
-    if ((of->needs_object && !object) || !result_is_offered(viewer, (size_t)(of - columns))) {
+    bool of_bundles = (size_t)(of - columns) >= RESULT_STREAMLINES;
+    if ((of->needs_object && !object) || (of_bundles && object->kind != CONUS_KIND_BUNDLE) ||
+        !result_is_offered(viewer, (size_t)(of - columns))) {
         return NAN;
     }
     switch (of->kind) {

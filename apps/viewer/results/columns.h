@@ -28,6 +28,9 @@ enum result_column_number {
     RESULT_FRACTION,
     RESULT_MEAN,
     RESULT_MAX,
+    RESULT_STREAMLINES, /**< Of bundles, as those after it. */
+    RESULT_LENGTH,
+    RESULT_ALONG,
     RESULT_COLUMNS
 };
 
