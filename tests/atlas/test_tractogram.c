@@ -24,6 +24,7 @@ static const struct tractogram example = {.points = points[0],
                                           .groups = &group,
                                           .group_count = 1,
                                           .radius = TRACT_RADIUS,
+                                          .has_borrowed_points = true,
                                           .is_borrowed = true};
 
 /* The same in half precision: 3 = 1.5 * 2, 4 = 1 * 4, 9 = 1.125 * 8, 1 = 1 * 1. */
@@ -200,7 +201,7 @@ static void it_ends_what_it_owns(void **state)
     tractogram_finish(&tractogram);
     assert_null(tractogram.path);
     assert_ok(make_owned(&tractogram));
-    tractogram.is_borrowed = false;
+    tractogram.has_borrowed_points = tractogram.is_borrowed = false;
     tractogram.points = memory_copy(points, 6, sizeof points[0]);
     tractogram.halves = memory_copy(halves, 6, sizeof halves[0]);
     tractogram.first = memory_copy(first, 6, sizeof first[0]);
