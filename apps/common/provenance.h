@@ -10,7 +10,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-enum { PROVENANCE_FILES = 8, SHA256_TEXT = 65 };
+/** Of one answer. A query writes itself and eight files more, with every option that names one. */
+enum { PROVENANCE_FILES = 12, SHA256_TEXT = 65 };
 
 /** A file that was written, or is about to be. */
 struct provenance_output {

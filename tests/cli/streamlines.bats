@@ -265,6 +265,21 @@ table_cell() {
     tail -c 48 one.tck | cmp - <(tail -c 48 third.tck)
 }
 
+@test "a query writes all the files that it has options for, and its sidecar names them" {
+    lines
+    # shellcheck disable=SC2086
+    conus query slabs.nii.gz $TUBE --voxels voxels.tsv --voxels-of all --image image.png --deep deep.exr \
+        --mask mask.nii.gz --segments segments.tsv --endpoints ends.tsv --connectivity table.tsv \
+        --streamlines-out in.tck -o rows.tsv
+    python3 -c '
+import json, os
+outputs = json.load(open("rows.json"))["Outputs"]
+assert len(outputs) == 9 and all(os.path.getsize(o["path"]) == o["bytes"] for o in outputs), outputs
+'
+    run -0 "$CONUS" verify rows.tsv
+    has identical
+}
+
 @test "where no streamlines can be written, nothing is" {
     lines
     # shellcheck disable=SC2086
