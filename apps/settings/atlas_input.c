@@ -31,7 +31,17 @@ struct progress {
     const struct atlas_settings *settings;
     size_t total; /* of the atlas, as was heard last */
     size_t more;
+    size_t done; /* of those */
 };
+
+/* Tells that the file `path` of the command line is next. False if that ends it. */
+static bool begin_file(struct progress *progress, const char *path)
+{
+    const struct atlas_settings *settings = progress->settings;
+    size_t done = progress->total + progress->done++;
+    return !settings->progress ||
+           settings->progress(settings->progress_user, path, done, progress->total + progress->more);
+}
 
 static bool hear_progress(void *user, const char *path, size_t done, size_t total)
 {
@@ -64,38 +74,38 @@ static size_t parse_pathways(struct pathway_option *pathways, const struct optio
     return count;
 }
 
-static int add_pathways(conus_atlas *atlas, const struct pathway_option *pathways, const struct progress *progress)
+static int add_pathways(conus_atlas *atlas, const struct pathway_option *pathways, struct progress *progress)
 {
     const struct atlas_settings *settings = progress->settings;
     int code = EXIT_DONE;
-    size_t done = 0;
     for (size_t i = 0; !code && i < settings->pathways.count; i++) {
         if (pathways[i].given) {
-            bool goes_on =
-                !settings->progress || settings->progress(settings->progress_user, pathways[i].given,
-                                                          progress->total + done++, progress->total + progress->more);
+            bool goes_on = begin_file(progress, pathways[i].given);
             code = goes_on ? add_pathway(atlas, &pathways[i], settings->max_memory) : EXIT_DATA;
         }
     }
     return code;
 }
 
-static int add_streamlines(conus_atlas *atlas, const struct streamlines_option *options,
-                           const struct progress *progress)
+static int add_tractogram(conus_atlas *atlas, const struct streamlines_option *option, uint64_t max_memory)
+{
+    const conus_streamlines_options options = {
+        .radius = option->radius, .name = option->name, .max_memory = max_memory};
+    conus_status status = conus_atlas_add_streamlines(atlas, option->path, &options);
+    return status ? print_status(status) : EXIT_DONE;
+}
+
+/* Those that move, or those that do not. */
+static int add_streamlines(conus_atlas *atlas, const struct streamlines_option *options, bool moves,
+                           struct progress *progress)
 {
     const struct atlas_settings *settings = progress->settings;
-    size_t count = settings->streamlines.count;
-    size_t total = progress->total + progress->more;
     int code = EXIT_DONE;
-    for (size_t i = 0; !code && i < count; i++) {
-        const conus_streamlines_options wanted = {
-            .radius = options[i].radius, .name = options[i].name, .max_memory = settings->max_memory};
-        if (settings->progress &&
-            !settings->progress(settings->progress_user, options[i].path, total - count + i, total)) {
-            return EXIT_DATA;
+    for (size_t i = 0; !code && i < settings->streamlines.count; i++) {
+        if (options[i].moves == moves) {
+            bool goes_on = begin_file(progress, options[i].path);
+            code = goes_on ? add_tractogram(atlas, &options[i], settings->max_memory) : EXIT_DATA;
         }
-        conus_status status = conus_atlas_add_streamlines(atlas, options[i].path, &wanted);
-        code = status ? print_status(status) : EXIT_DONE;
     }
     return code;
 }
@@ -119,6 +129,18 @@ static void additions_finish(struct additions *additions, const struct atlas_set
     free(additions->streamlines);
 }
 
+static bool parse_streamlines(struct streamlines_option *out, const char *text, const struct atlas_settings *settings)
+{
+    if (!streamlines_option_parse(out, text)) {
+        return false;
+    }
+    if (out->moves && !settings->transforms.count) {
+        print_error_line("--streamlines %s: there is no --atlas-transform that could move it", text);
+        return false;
+    }
+    return true;
+}
+
 /* Gives the exit code; `out` is the caller's to additions_finish() in any case. */
 static int additions_parse(struct additions *out, const struct atlas_settings *settings)
 {
@@ -132,7 +154,7 @@ static int additions_parse(struct additions *out, const struct atlas_settings *s
     size_t files = parse_pathways(out->pathways, &settings->pathways);
     bool parsed = files != SIZE_MAX;
     for (size_t i = 0; i < count && parsed; i++) {
-        parsed = streamlines_option_parse(&out->streamlines[i], settings->streamlines.items[i]);
+        parsed = parse_streamlines(&out->streamlines[i], settings->streamlines.items[i], settings);
     }
     out->files = files + count;
     return parsed ? EXIT_DONE : EXIT_USAGE;
@@ -195,9 +217,10 @@ static int load_named(conus_atlas **out, const struct atlas_name *name, const st
         return status == CONUS_ERROR_CANCELLED ? EXIT_DATA : print_status(status);
     }
     int code = set_hemispheres(atlas, name->path, settings);
+    code = code ? code : add_streamlines(atlas, additions->streamlines, true, &progress);
     code = code ? code : transform_options_apply(atlas, &settings->transforms, settings->max_memory);
     code = code ? code : add_pathways(atlas, additions->pathways, &progress);
-    code = code ? code : add_streamlines(atlas, additions->streamlines, &progress);
+    code = code ? code : add_streamlines(atlas, additions->streamlines, false, &progress);
     code = code || !(settings->only.count + settings->hide.count) ? code : show_objects(atlas, settings);
     if (code) {
         conus_atlas_destroy(atlas);
@@ -213,7 +236,7 @@ int settings_load_atlas(conus_atlas **out, const char *path, const struct atlas_
     struct additions additions = {0};
     int code = additions_parse(&additions, settings);
     code = code ? code : atlas_name_find(&name, path);
-    code = code ? code : load_named(out, &name, &additions, (struct progress){settings, 0, additions.files});
+    code = code ? code : load_named(out, &name, &additions, (struct progress){settings, 0, additions.files, 0});
     atlas_name_finish(&name);
     additions_finish(&additions, settings);
     return code;

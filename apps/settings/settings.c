@@ -71,7 +71,8 @@ const struct option atlas_options[] = {
      .value = "FILE[,KEY=VALUE]...",
      .help =
          "add a tractogram as a bundle, or as one for each of its groups; keys: radius=R (a ray hits what is nearer "
-         "than R mm to a streamline; default 0.5), name=S; may be repeated"},
+         "than R mm to a streamline; default 0.5), name=S, moves (it lies where ATLAS's files do, and "
+         "--atlas-transform moves it, too); may be repeated"},
     {.name = "hemispheres",
      .type = OPTION_CHOICE,
      .offset = FIELD(atlas_settings, hemispheres),

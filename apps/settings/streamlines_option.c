@@ -17,18 +17,25 @@ static bool read_radius(struct streamlines_option *out, const char *value)
     return true;
 }
 
-/* Reads "key=value", the text after a comma. */
+static bool is_key(const char *text)
+{
+    return strchr(text, '=') || strcmp(text, "moves") == 0;
+}
+
+/* Reads "key=value" or "moves", the text after a comma. */
 static bool read_key(struct streamlines_option *out, char *key)
 {
-    char *value = strchr(key, '=') + 1;
     if (strncmp(key, "radius=", 7) == 0 && out->radius == 0) {
-        return read_radius(out, value);
+        return read_radius(out, key + 7);
     }
     if (strncmp(key, "name=", 5) == 0 && !out->name) {
-        out->name = value;
-        return *value || (print_error_line("--streamlines: name= is empty"), false);
+        out->name = key + 5;
+        return *out->name || (print_error_line("--streamlines: name= is empty"), false);
     }
-    print_error_line("--streamlines: \"%s\" is none of radius=R and name=S, each at most once", key);
+    if (strcmp(key, "moves") == 0 && !out->moves) {
+        return out->moves = true;
+    }
+    print_error_line("--streamlines: \"%s\" is none of radius=R, name=S and moves, each at most once", key);
     return false;
 }
 
@@ -40,7 +47,7 @@ bool streamlines_option_parse(struct streamlines_option *out, const char *text)
         print_error_line("--streamlines: not enough memory");
         return false;
     }
-    for (char *comma; (comma = strrchr(out->path, ',')) && strchr(comma, '=');) {
+    for (char *comma; (comma = strrchr(out->path, ',')) && is_key(comma + 1);) {
         *comma = '\0';
         if (!read_key(out, comma + 1)) {
             return false;

@@ -10,6 +10,7 @@ struct streamlines_option {
     char *path;    /**< Its text, which is cut where the file's name ends. */
     char *name;    /**< NULL if not given. */
     double radius; /**< mm; 0 if not given. */
+    bool moves;    /**< With the atlas. */
 };
 
 /** Takes @p text apart; prints an error and returns false where that is no tractogram with its keys. End @p out in

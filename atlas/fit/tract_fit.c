@@ -9,6 +9,7 @@
 struct extent {
     double low[3], high[3]; /* of all points */
     uint64_t inside;        /* how many are in the box */
+    uint64_t before;        /* how many are where the box was before the areas were moved */
     uint64_t as_indices;    /* how many would be there, if their coordinates were indices of voxels */
 };
 
@@ -17,7 +18,52 @@ static bool is_within(const double p[3], const double low[3], const double high[
     return p[0] >= low[0] && p[1] >= low[1] && p[2] >= low[2] && p[0] <= high[0] && p[1] <= high[1] && p[2] <= high[2];
 }
 
-static struct extent measure(const struct tractogram *tractogram, const double low[3], const double high[3],
+/* Where the areas are, and where they were before a move; the same without one. */
+struct boxes {
+    double low[3], high[3];
+    double own_low[3], own_high[3];
+};
+
+/* Of a moved atlas's box the places that its files have: a field has no box, so a lattice of points stands for it. */
+static void find_own_lattice(struct boxes *boxes, const conus_atlas *atlas)
+{
+    enum { STEPS = 8 };
+    for (int a = 0; a < 3; a++) {
+        boxes->own_low[a] = INFINITY;
+        boxes->own_high[a] = -INFINITY;
+    }
+    for (int i = 0; i < (STEPS + 1) * (STEPS + 1) * (STEPS + 1); i++) {
+        const int at[3] = {i % (STEPS + 1), i / (STEPS + 1) % (STEPS + 1), i / (STEPS + 1) / (STEPS + 1)};
+        double p[3];
+        for (int a = 0; a < 3; a++) {
+            p[a] = boxes->low[a] + (boxes->high[a] - boxes->low[a]) * at[a] / STEPS;
+        }
+        conus_atlas_own_point(p, atlas, p);
+        for (int a = 0; a < 3; a++) { /* fmin and fmax leave NaN out */
+            boxes->own_low[a] = fmin(boxes->own_low[a], p[a]);
+            boxes->own_high[a] = fmax(boxes->own_high[a], p[a]);
+        }
+    }
+}
+
+/* False where there are no areas. */
+static bool find_boxes(struct boxes *boxes, const conus_atlas *atlas)
+{
+    double here[16];
+    mat4_identity(here);
+    if (!atlas_area_bounds(boxes->low, boxes->high, atlas, here)) {
+        return false;
+    }
+    if (conus_atlas_is_warped(atlas)) {
+        find_own_lattice(boxes, atlas);
+    } else {
+        (void)atlas_area_bounds(boxes->own_low, boxes->own_high, atlas,
+                                atlas->is_moved ? atlas->own_from_world : here); /* there are areas */
+    }
+    return true;
+}
+
+static struct extent measure(const struct tractogram *tractogram, const struct boxes *boxes,
                              const double world_from_voxel[16])
 {
     struct extent extent = {.low = {INFINITY, INFINITY, INFINITY}, .high = {-INFINITY, -INFINITY, -INFINITY}};
@@ -28,9 +74,10 @@ static struct extent measure(const struct tractogram *tractogram, const double l
             extent.low[a] = fmin(extent.low[a], p[a]);
             extent.high[a] = fmax(extent.high[a], p[a]);
         }
-        extent.inside += is_within(p, low, high);
+        extent.inside += is_within(p, boxes->low, boxes->high);
+        extent.before += is_within(p, boxes->own_low, boxes->own_high);
         mat4_point(p, world_from_voxel, p);
-        extent.as_indices += is_within(p, low, high);
+        extent.as_indices += is_within(p, boxes->low, boxes->high);
     }
     return extent;
 }
@@ -48,24 +95,36 @@ static bool looks_like_indices(const struct extent *extent, const size_t dim[3],
     return below && within && extent->as_indices && extent->as_indices >= extent->inside;
 }
 
+/* By a twentieth of all points at least: near the edge a few are always elsewhere, and a larger box has more. */
+static bool fits_better_before(const struct extent *extent, double all)
+{
+    return (double)extent->before - (double)extent->inside >= all / 20;
+}
+
 conus_status tract_fit_note(struct notes *notes, const conus_atlas *atlas, const struct tractogram *tractogram,
                             const char *name)
 {
-    double low[3];
-    double high[3];
+    struct boxes boxes;
     double world[16];
     mat4_identity(world);
-    if (!tractogram->point_count || !atlas_area_bounds(low, high, atlas, world)) {
+    if (!tractogram->point_count || !find_boxes(&boxes, atlas)) {
         return CONUS_OK;
     }
+    const double all = (double)tractogram->point_count;
     const struct volume *voxels = atlas_parcellation_count(atlas) ? &atlas->volumes[0] : NULL;
-    const struct extent extent = measure(tractogram, low, high, voxels ? voxels->info.world_from_voxel : world);
-    if (voxels && looks_like_indices(&extent, voxels->info.dim, low)) {
+    const struct extent extent = measure(tractogram, &boxes, voxels ? voxels->info.world_from_voxel : world);
+    if (voxels && looks_like_indices(&extent, voxels->info.dim, boxes.low)) {
         const size_t *dim = voxels->info.dim;
         return notes_warn(notes,
                           "bundle %s: all coordinates are from 0 to the %zu x %zu x %zu voxels of the atlas, and areas "
                           "reach below 0 mm: are they voxel indices, not mm?",
                           name, dim[0], dim[1], dim[2]);
+    }
+    if (fits_better_before(&extent, all)) {
+        return notes_warn(notes,
+                          "bundle %s: %.3g %% of its points are in the box around the areas, %.3g %% were before these "
+                          "were moved: if it is in the atlas's space, let it move, too (,moves behind the file)",
+                          name, 100 * (double)extent.inside / all, 100 * (double)extent.before / all);
     }
     if (!extent.inside) {
         return notes_warn(notes, "bundle %s: none of %llu points is in the box around the areas: is it in their space?",
@@ -75,5 +134,5 @@ conus_status tract_fit_note(struct notes *notes, const conus_atlas *atlas, const
                ? CONUS_OK
                : notes_warn(notes,
                             "bundle %s: %.3g %% of its points are in the box around the areas: is it in their space?",
-                            name, 100 * (double)extent.inside / (double)tractogram->point_count);
+                            name, 100 * (double)extent.inside / all);
 }

@@ -35,7 +35,7 @@ from ._progress import LoadProgress, Progress, telling
 from ._space import space_of
 from ._segments import Segments, follow_many, records_of
 from ._track import Tracker, follow
-from ._tracts import Tractogram, options_of, polylines_of, tractograms_of
+from ._tracts import Tractogram, moves, options_of, polylines_of, tractograms_of
 
 if TYPE_CHECKING:
     import pandas
@@ -254,7 +254,8 @@ def load(
     streamlines
         Tractograms; each is a bundle, or one for each group of its file. Paths, what ``nibabel.streamlines`` loads
         or makes, lists of (n, 3) arrays of RAS mm, or dictionaries with "source", one of these, and: "radius", mm
-        (a ray hits what is nearer than this to a streamline; default 0.5), and "name".
+        (a ray hits what is nearer than this to a streamline; default 0.5), "name", and "moves": True of streamlines
+        in the space of the atlas's files, which ``transforms`` move, too.
     context, context_blocks, context_opacity
         What is drawn around the areas: a path or nibabel image of a volume, the path of a surface, or a
         list of these with at most one volume. Its voxels with values from ``context_blocks`` on block
@@ -270,8 +271,8 @@ def load(
         towards the atlas, the first one first. Paths (affines of ITK, FreeSurfer, MNI, 4 x 4 numbers; fields of ITK
         and SPM), (4, 4) arrays of RAS mm, or dictionaries with "file" and: "inverse": True of an affine; for FSL's
         files "from" and "to", the paths of their images; of a field "vectors", "relative" or "absolute", and "grid",
-        the path of a volume with the voxels for the labels. Pathways, streamlines and context are in the space of
-        the poses.
+        the path of a volume with the voxels for the labels. Pathways, context and streamlines
+        without "moves" are in the space of the poses.
     max_memory
         Largest file and volume, bytes; 0 = 8 GiB.
     progress
@@ -317,14 +318,16 @@ def load(
     how = choice("hemispheres", hemispheres, ("as-is", "split", "merged"))
     if how:
         check(lib.conus_atlas_set_hemispheres(raw, how))
-    _move(raw, transforms, max_memory)
+    moving, still = _split_streamlines(streamlines)
+    for tractogram in moving:
+        _add_streamlines(raw, tractogram, max_memory)
+    if _move(raw, transforms, max_memory) == 0 and moving:
+        raise ArgumentError("streamlines: moves: there is no transform that could move them")
     if isinstance(pathways, (str, bytes, os.PathLike)):
         raise ArgumentError("pathways: a path, wanted is a list")
     for pathway in pathways:
         _add_pathway(raw, pathway, max_memory)
-    if isinstance(streamlines, (str, bytes, os.PathLike, Mapping)) or hasattr(streamlines, "streamlines"):
-        raise ArgumentError("streamlines: one tractogram, wanted is a list")
-    for tractogram in streamlines:
+    for tractogram in still:
         _add_streamlines(raw, tractogram, max_memory)
     _set_contexts(raw, context, context_blocks, context_opacity, max_memory)
     if only is not None or hide is not None:
@@ -356,11 +359,14 @@ def _transform(atlas: Any, given: Any, max_memory: int) -> None:
     check(lib.conus_atlas_move(atlas, matrix.T.ravel().tolist()))
 
 
-def _move(atlas: Any, transforms: Any, max_memory: int) -> None:
+def _move(atlas: Any, transforms: Any, max_memory: int) -> int:
+    """Moves the atlas; gives the number of transforms."""
     if isinstance(transforms, (str, bytes, os.PathLike, Mapping, np.ndarray)):
         raise ArgumentError("transforms: one, wanted is a list")
-    for given in reversed(list(transforms)):
+    transforms = list(transforms)
+    for given in reversed(transforms):
         _transform(atlas, given, max_memory)
+    return len(transforms)
 
 
 def _bands_of(options: Any, bands: Mapping[str, Any]) -> Any:
@@ -395,6 +401,14 @@ def _add_pathway(atlas: Any, pathway: Any, max_memory: int) -> None:
         state.check(lib.conus_atlas_add_values(atlas, voxels, options))
     else:
         state.check(lib.conus_atlas_add_pathway(atlas, path_of("pathways", source), options))
+
+
+def _split_streamlines(streamlines: Any) -> tuple[list[Any], list[Any]]:
+    """Those that move with the atlas, and those that do not."""
+    if isinstance(streamlines, (str, bytes, os.PathLike, Mapping)) or hasattr(streamlines, "streamlines"):
+        raise ArgumentError("streamlines: one tractogram, wanted is a list")
+    given = list(streamlines)
+    return [entry for entry in given if moves(entry)], [entry for entry in given if not moves(entry)]
 
 
 def _add_streamlines(atlas: Any, given: Any, max_memory: int) -> None:

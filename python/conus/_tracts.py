@@ -8,7 +8,7 @@ import numpy as np
 
 from ._answers import Array
 from ._conus import ffi, lib
-from ._library import ArgumentError, check, path_of, real, text, utf8
+from ._library import ArgumentError, check, flag, path_of, real, text, utf8
 
 
 class Tractogram(NamedTuple):
@@ -27,14 +27,20 @@ class Tractogram(NamedTuple):
     scalars: tuple[str, ...]  #: names of the numbers that points or streamlines have
 
 
+def moves(given: Any) -> bool:
+    """Whether an entry of ``streamlines`` is moved with the atlas."""
+    return isinstance(given, Mapping) and flag("streamlines: moves", given.get("moves", False))
+
+
 def _settings(given: Any) -> tuple[Any, float, Any]:
     """Source, radius and name of an entry of ``streamlines``."""
     if not isinstance(given, Mapping):
         return given, 0, None
     keys = dict(given)
+    keys.pop("moves", None)
     source, radius, name = keys.pop("source", None), keys.pop("radius", 0), keys.pop("name", None)
     if keys or source is None:
-        raise ArgumentError(f"streamlines: {sorted(given)}, wanted are source, and perhaps radius and name")
+        raise ArgumentError(f"streamlines: {sorted(given)}, wanted are source, and perhaps radius, name and moves")
     return source, real("streamlines: radius", radius), name
 
 

@@ -109,7 +109,7 @@ print(tract["path"], tract["streamlines"], tract["radius_mm"], tract["sha256"])'
     scene
     fails 2 'radius=0 is not a number above 0' info slabs.nii.gz --streamlines two.tck,radius=0
     fails 2 'radius=thin is not a number' info slabs.nii.gz --streamlines two.tck,radius=thin
-    fails 2 '"threshold=1" is none of radius=R and name=S' info slabs.nii.gz --streamlines two.tck,threshold=1
+    fails 2 '"threshold=1" is none of radius=R, name=S and moves' info slabs.nii.gz --streamlines two.tck,threshold=1
     fails 2 'name= is empty' info slabs.nii.gz --streamlines two.tck,name=
     fails 2 'names no file' info slabs.nii.gz --streamlines ,name=S
     fails 2 'radius 101 mm, allowed is above 0 to 100' info slabs.nii.gz --streamlines two.tck,radius=101
@@ -140,12 +140,53 @@ print(tract["path"], tract["streamlines"], tract["radius_mm"], tract["sha256"])'
     check_message 'note: one.tck: streamlines: of 2, 0 have no point and 1 have one'
 }
 
-@test "--atlas-transform leaves what the command line adds where it is" {
+@test "--atlas-transform leaves what the command line adds where it is, and says where it lay better" {
     scene
     printf '1 0 0 500\n0 1 0 0\n0 0 1 0\n0 0 0 1\n' >away.txt # where poses are is 500 mm to the left
     run -0 --separate-stderr "$CONUS" info slabs.nii.gz --streamlines two.tck --atlas-transform away.txt
     has 'reaches      x -10 to 10, y 0 to 10, z 0 to 0 mm'
-    has 'bundle two: none of 5 points is in the box around the areas'
+    has 'bundle two: 0 % of its points are in the box around the areas, 60 % were before these were moved'
+    has ',moves behind the file'
+    run -0 --separate-stderr "$CONUS" info slabs.nii.gz --streamlines two.tck,moves --atlas-transform away.txt
+    has 'reaches      x -510 to -490, y 0 to 10, z 0 to 0 mm'
+    not grep -q 'bundle two:' <<<"$output"
+}
+
+# A point p of the atlas comes to lie at 2 R (p - (1, 2, 3)), where R turns (x, y, z) to (y, -x, z): all numbers are
+# exact. So (0, 0, 100) comes to (-4, 2, 194), (0, 0, 0) to (-4, 2, -6), and tubes are twice as thick. A cone does not
+# change by that, nor do shares and counts; lengths become twice as long.
+@test "what moves is hit as it would be in the atlas's space" {
+    scene
+    tck own.tck 0,-10,20 0,4,20
+    printf '0 -0.5 0 1\n0.5 0 0 2\n0 0 0.5 3\n0 0 0 1\n' >turn.txt
+    local bundles='--layers all --angle 20 -q --format tsv'
+    # shellcheck disable=SC2086 # words
+    conus query slabs.nii.gz --origin 0,0,100 --toward 0,0,0 $bundles --streamlines two.tck --streamlines own.tck >still
+    # shellcheck disable=SC2086
+    conus query slabs.nii.gz --origin=-4,2,194 --toward=-4,2,-6 $bundles --streamlines two.tck,radius=1,moves \
+        --streamlines own.tck,moves,radius=1 --atlas-transform turn.txt >moved
+    python3 - <<'END'
+import csv
+still, moved = (list(csv.DictReader(open(name), delimiter="\t")) for name in ("still", "moved"))
+assert [row["name"] for row in still] == [row["name"] for row in moved]
+assert {"two", "own"} < {row["name"] for row in still}
+for a, b in zip(still, moved):
+    for column in ("pixels", "share", "pierced", "voxels", "cone_fraction", "streamlines", "along"):
+        assert a[column] == b[column], (column, a, b)
+    if a["kind"] == "bundle":
+        assert abs(2 * float(a["length_mm"]) - float(b["length_mm"])) < 1e-6, (a, b)
+END
+}
+
+@test "what cannot move is refused, and a scene's own move is another one" {
+    scene
+    fails 2 'two.tck,moves: there is no --atlas-transform that could move it' info slabs.nii.gz \
+        --streamlines two.tck,moves
+    printf '1 0 0 -5\n0 1 0 0\n0 0 1 0\n0 0 0 1\n' >shift.txt
+    fails 2 '"moves" is none of' info slabs.nii.gz --streamlines two.tck,moves,moves --atlas-transform shift.txt
+    tck more.tck 0,0,20 0,0,10
+    answers info slabs.nii.gz --streamlines two.tck --streamlines more.tck,moves --atlas-transform shift.txt --format tsv
+    [ "$(cell name 3)/$(cell index 3)/$(cell name 4)/$(cell index 4)" = more/1/two/2 ]
 }
 
 # A scene with two tractograms, one of which is brought to the poses with the areas, 5 mm along x.
@@ -325,4 +366,10 @@ assert (found["low"][2], found["high"][:1], found["high"][2]) == (-30, [12], 30)
     has 'spm.nii.gz: 1 of 2 streamlines are left out, with a point that has no place'
     tck two.tck 500,0,0 501,0,0
     fails 3 'two.tck: no streamline is where the field leads to' info scene.atlas.json --atlas-transform spm.nii.gz
+    tck edge.tck 20,0,0 22,0,0 # in the box of 24 mm, and out of it where it ends at 16 mm
+    run -0 --separate-stderr "$CONUS" info nested.nii.gz --streamlines edge.tck --atlas-transform spm.nii.gz
+    has 'bundle edge: 0 % of its points are in the box around the areas, 100 % were before these were moved'
+    run -0 --separate-stderr "$CONUS" info nested.nii.gz --streamlines edge.tck,moves --atlas-transform spm.nii.gz
+    has 'reaches      x 12 to 14, y 0 to 0, z 0 to 0 mm'
+    not grep -q 'bundle edge:' <<<"$output"
 }

@@ -106,6 +106,18 @@ def test_a_missing_file_and_another_space(tmp_path, caplog):
     assert note in atlas.notes and any(note in record.getMessage() for record in caplog.records)
 
 
+def test_what_moves_goes_with_the_atlas():
+    back = np.eye(4)
+    back[0, 3] = -30  # so the atlas goes 30 mm along x
+    first, second = load(LINES, {"source": LINES, "moves": True, "name": "Own"}, transforms=[back]).tractograms
+    assert first.bundles == ("Own",) and np.array_equal(first.box, [[30, 0, -5], [33, 4, 7]])
+    assert_lines(second)
+    with pytest.raises(conus.ArgumentError, match="there is no transform that could move them"):
+        load({"source": LINES, "moves": True})
+    with pytest.raises(conus.ArgumentError, match="moves"):
+        load({"source": LINES, "moves": 2}, transforms=[back])
+
+
 def test_the_bundle_phantom_lies_on_its_rings(tmp_path):
     subprocess.run([os.environ["CONUS"], "phantom", "bundle", "-o", tmp_path], check=True)
     rings = json.loads((tmp_path / "bundle.json").read_text())["rings"]

@@ -237,14 +237,13 @@ static void a_failing_allocation_changes_nothing(void **state)
 
 /* ---- Another space ----------------------------------------------------------------------------------------------- */
 
-/* One streamline of three points. */
-static void assert_note(const float points[9], const char *note)
+/* One streamline of so many points. */
+static void assert_line_note(conus_atlas *atlas, const float *points, size_t count, const char *note)
 {
-    static const uint64_t ends[] = {0, 3};
-    conus_atlas *atlas = block_atlas();
+    const uint64_t ends[] = {0, count};
     conus_polylines line = three_streamlines();
     line.points = points;
-    line.point_count = 3;
+    line.point_count = count;
     line.first = ends;
     line.streamline_count = 1;
     line.name = "line";
@@ -254,6 +253,12 @@ static void assert_note(const float points[9], const char *note)
     if (note) {
         assert_string_equal(conus_atlas_note(atlas, before), note);
     }
+}
+
+static void assert_note(const float points[9], const char *note)
+{
+    conus_atlas *atlas = block_atlas();
+    assert_line_note(atlas, points, 3, note);
     conus_atlas_destroy(atlas);
 }
 
@@ -276,6 +281,38 @@ static void another_space_is_noted(void **state)
     assert_note((const float[]){10, 9, 9, 9, 5, 0, 0, 0, 9}, NULL);
 }
 
+/* The atlas goes 30 mm along x, so that areas are from 20 to 40 mm and were from -10 to 10. One of 20 points is a
+ * twentieth of them. */
+static void what_lay_better_before_a_move_is_noted(void **state)
+{
+    static const double back[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -30, 0, 0, 1};
+    static const struct {
+        float first, others; /* x of the points */
+        const char *note;
+    } cases[] = {
+        {0, 30, NULL},
+        {30, 0,
+         "bundle line: 5 % of its points are in the box around the areas, 95 % were before these were moved: if it is "
+         "in the atlas's space, let it move, too (,moves behind the file)"},
+        {0, 15,
+         "bundle line: 0 % of its points are in the box around the areas, 5 % were before these were moved: if it is "
+         "in the atlas's space, let it move, too (,moves behind the file)"},
+        {15, 15, "bundle line: none of 20 points is in the box around the areas: is it in their space?"},
+        {15, 30, NULL},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        conus_atlas *atlas = block_atlas();
+        assert_ok(conus_atlas_move(atlas, back));
+        float points[60] = {cases[i].first};
+        for (size_t k = 1; k < 20; k++) {
+            points[3 * k] = cases[i].others;
+        }
+        assert_line_note(atlas, points, 20, cases[i].note);
+        conus_atlas_destroy(atlas);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -286,6 +323,7 @@ int main(void)
         cmocka_unit_test(what_is_out_of_range_is_refused),
         cmocka_unit_test(a_failing_allocation_changes_nothing),
         cmocka_unit_test(another_space_is_noted),
+        cmocka_unit_test(what_lay_better_before_a_move_is_noted),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
