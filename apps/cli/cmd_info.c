@@ -182,16 +182,10 @@ static void put_around(FILE *out, const conus_atlas *atlas)
         if (conus_atlas_context_surface(&surface, atlas, i)) {
             continue;
         }
-        double ends[6];
-        for (size_t a = 0; a < 6; a++) {
-            ends[a] = a % 2 ? surface.high[a / 2] : surface.low[a / 2];
-        }
-        info_drop_rounding(ends, 6, 0);
         fprintf(out, "\nContext, a surface\n  file         %s\n", surface.path);
         fprintf(out, "  triangles    %zu, %s\n", surface.triangles,
                 surface.closed ? "closed" : "not closed: it does not say what is in the head");
-        fprintf(out, "  reaches      x %.6g to %.6g, y %.6g to %.6g, z %.6g to %.6g mm\n", ends[0], ends[1], ends[2],
-                ends[3], ends[4], ends[5]);
+        info_put_reach(out, surface.low, surface.high);
         fprintf(out, "  opacity      %.9g\n", surface.opacity);
     }
 }

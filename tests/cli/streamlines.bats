@@ -28,6 +28,23 @@ AIM='--origin 0,0,100 --toward 0,0,0 --angle 20 -q'
     [ "$(cell streamlines 1)" = n/a ]
 }
 
+@test "what is shown of places is neither rounding nor less than 0" {
+    scene
+    tck near.tck -1e-9,-0.0,-0.0 10,0,-0.0
+    answers info slabs.nii.gz --streamlines near.tck
+    has 'reaches      x 0 to 10, y 0 to 0, z 0 to 0 mm'
+    tck zero.tck -0.0,-0.0,-0.0
+    answers info slabs.nii.gz --streamlines zero.tck
+    has 'reaches      x 0 to 0, y 0 to 0, z 0 to 0 mm'
+    printf '1 0 0 0.04\n0 1 0 -6.04\n0 0 1 0.04\n0 0 0 1\n' >little.txt # the centre and one end come to -0.04 mm
+    answers info slabs.nii.gz --atlas-transform little.txt
+    has 'centre       0.0, 6.0, 0.0 mm, 6.0 mm from'
+    has 'areas are    x -10.0 to 10.0, y 0.0 to 12.0, z -10.0 to 10.0 mm'
+    printf '1 0 0 0\n0 1 0 6.04\n0 0 1 0\n0 0 0 1\n' >little.txt
+    answers info slabs.nii.gz --atlas-transform little.txt
+    has 'y -12.0 to 0.0,'
+}
+
 @test "info's JSON has all of it" {
     scene
     answers info slabs.nii.gz --streamlines two.tck,radius=0.25 --format json

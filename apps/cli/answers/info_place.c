@@ -17,14 +17,31 @@ void info_drop_rounding(double *numbers, size_t count, double scale)
         scale = fmax(scale, fabs(numbers[i]));
     }
     for (size_t i = 0; i < count; i++) {
-        numbers[i] = fabs(numbers[i]) < 1e-7 * scale ? 0 : numbers[i];
+        numbers[i] = fabs(numbers[i]) <= 1e-7 * scale ? 0 : numbers[i];
     }
+}
+
+/* Without the sign of what is shown as 0.0. */
+static double tenths(double value)
+{
+    return fabs(value) < 0.05 ? 0 : value;
 }
 
 static void put_box(FILE *out, const char *what, const double low[3], const double high[3])
 {
-    fprintf(out, "  %s x %.1f to %.1f, y %.1f to %.1f, z %.1f to %.1f mm\n", what, low[0], high[0], low[1], high[1],
-            low[2], high[2]);
+    fprintf(out, "  %s x %.1f to %.1f, y %.1f to %.1f, z %.1f to %.1f mm\n", what, tenths(low[0]), tenths(high[0]),
+            tenths(low[1]), tenths(high[1]), tenths(low[2]), tenths(high[2]));
+}
+
+void info_put_reach(FILE *out, const double low[3], const double high[3])
+{
+    double ends[6];
+    for (size_t a = 0; a < 6; a++) {
+        ends[a] = a % 2 ? high[a / 2] : low[a / 2];
+    }
+    info_drop_rounding(ends, 6, 0);
+    fprintf(out, "  reaches      x %.6g to %.6g, y %.6g to %.6g, z %.6g to %.6g mm\n", ends[0], ends[1], ends[2],
+            ends[3], ends[4], ends[5]);
 }
 
 static bool has_context_volume(const conus_atlas *atlas)
@@ -61,8 +78,8 @@ void info_place_put(FILE *out, const conus_atlas *atlas)
         fprintf(out, "  volume       1 mm^3 of the atlas is %.4g mm^3 here\n", place.growth);
         fprintf(out, "  sides        left and right are %s\n", place.mirrors ? "exchanged" : "kept");
     }
-    fprintf(out, "  centre       %.1f, %.1f, %.1f mm, %.1f mm from where its files have it\n", place.centre[0],
-            place.centre[1], place.centre[2], place.distance_mm);
+    fprintf(out, "  centre       %.1f, %.1f, %.1f mm, %.1f mm from where its files have it\n", tenths(place.centre[0]),
+            tenths(place.centre[1]), tenths(place.centre[2]), place.distance_mm);
     if (!place.is_warped) {
         put_box(out, "areas were  ", place.own_low, place.own_high);
     }

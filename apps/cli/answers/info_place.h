@@ -9,9 +9,12 @@
 #include <stddef.h>
 #include <stdio.h>
 
-/** Numbers for people: sets those to 0 that are below 1e-7 of the largest of them, or of @p scale if that is larger.
+/** Numbers for people: sets those to 0 that are within 1e-7 of the largest of them, or of @p scale if that is larger.
  * That is rounding, as of files with single precision. */
 void info_drop_rounding(double *numbers, size_t count, double scale);
+
+/** The line "reaches" of what has these corners, mm, without what is rounding. */
+void info_put_reach(FILE *out, const double low[3], const double high[3]);
 
 /** A paragraph for people, with an empty line before it; nothing of an atlas that is not moved or has no areas. */
 void info_place_put(FILE *out, const conus_atlas *atlas);

@@ -3,6 +3,7 @@
 #include "cli/answers/info_tracts.h"
 
 #include "cli/answers/info_json.h"
+#include "cli/answers/info_place.h"
 
 #include <inttypes.h>
 
@@ -34,8 +35,7 @@ static void put_tractogram(FILE *out, const conus_atlas *atlas, size_t index, co
             info->points, info->length_mm);
     fprintf(out, "  bundles      %zu, of radius %.9g mm\n", info->bundles, info->radius);
     if (info->points) {
-        fprintf(out, "  reaches      x %.6g to %.6g, y %.6g to %.6g, z %.6g to %.6g mm\n", info->low[0], info->high[0],
-                info->low[1], info->high[1], info->low[2], info->high[2]);
+        info_put_reach(out, info->low, info->high);
     }
     if (info->scalars) {
         size_t listed = 0;
