@@ -15,8 +15,7 @@
 #include <string.h>
 #include <strings.h>
 
-#define STREAMLINES "give it as --streamlines"
-#define TRACTS "make a volume of its density, for --pathway"
+#define STREAMLINES "give it as --streamlines, or a volume of its density as --pathway"
 #define FOREIGN "convert it to NIfTI"
 #define TIFF "a stack of TIFF pages"
 
@@ -35,8 +34,8 @@ static const struct file_kind html = {"a web page", NULL};
 static const struct file_kind xml = {"XML of another kind", NULL};
 static const struct file_kind json = {"JSON of another kind", NULL};
 static const struct file_kind dicom = {"a DICOM file", "convert its series to NIfTI (dcm2niix)"};
-static const struct file_kind trx = {"a TRX tractogram", TRACTS};
-static const struct file_kind lines = {"a VTK file of lines", TRACTS};
+static const struct file_kind trx = {"a TRX tractogram", STREAMLINES};
+static const struct file_kind lines = {"a VTK file of lines", STREAMLINES};
 static const struct file_kind plain_text = {"plain text", NULL};
 
 /* What begins with given bytes. */
@@ -53,7 +52,7 @@ static const struct {
     {MAGIC("CDF\2"), {"a MINC-1 volume", FOREIGN " (mnc2nii)"}},
     {MAGIC("\x89HDF\r\n\x1a\n"), {"an HDF5 file (a MINC-2 volume, say)", FOREIGN " (mnc2nii)"}},
     {MAGIC("MZ"), {"an MZ3 surface", "give it as ATLAS with the ending .mz3"}},
-    {MAGIC("# vtk DataFile"), {"a VTK file", "give it as ATLAS with the ending .vtk"}},
+    {MAGIC("# vtk DataFile"), {"a VTK file", "give it as ATLAS with the ending .vtk, or its lines as --streamlines"}},
     {MAGIC("ply\n"), {"a PLY surface", "give it as ATLAS with the ending .ply"}},
     {MAGIC("ply\r\n"), {"a PLY surface", "give it as ATLAS with the ending .ply"}},
     {MAGIC("solid "), {"an STL surface", "give it as ATLAS with the ending .stl"}},
@@ -70,7 +69,7 @@ static const struct {
     {MAGIC("MM\0+"), {TIFF, "give it as ATLAS, --pathway or --context"}},
     {MAGIC("GIF8"), {"a GIF picture", NULL}},
     {MAGIC("%PDF-"), {"a PDF document", NULL}},
-    {MAGIC("PK\3\4"), {"a ZIP archive", "unpack it"}},
+    {MAGIC("PK\3\4"), {"a ZIP archive", "unpack it, or give it as --streamlines if it is a TRX tractogram"}},
     {MAGIC("Rar!"), {"a RAR archive", "unpack it"}},
     {MAGIC("7z\xbc\xaf\x27\x1c"), {"a 7z archive", "unpack it"}},
     {MAGIC("BZh"), {"a file packed with bzip2", "unpack it, or pack it with gzip"}},
@@ -95,6 +94,7 @@ static const struct {
     {".dcm", {"a DICOM file", "convert its series to NIfTI (dcm2niix)"}},
     {".trk", {"a tractogram", STREAMLINES}},
     {".tck", {"a tractogram", STREAMLINES}},
+    {".tt", {"a tractogram", STREAMLINES}},
     {".stl", {"an STL surface", "give it as ATLAS"}},
     {".obj", {"an OBJ surface", "give it as ATLAS"}},
     {".lut", {"a table of colours", "put it beside the volume as X.lut"}},

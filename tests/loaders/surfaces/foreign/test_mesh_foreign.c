@@ -332,7 +332,8 @@ static void hostile_files_are_one_line(void **state)
     refuse("empty.ply", "", 0, "the file is empty");
     refuse("words.vtk", "just words\n", 11, "needed is a surface (VTK, VTP, PLY, MZ3, or named as STL, OBJ or OFF)");
     refuse("points.obj", points, sizeof points - 1, "no triangle with an area");
-    refuse("lines.vtk", lines, sizeof lines - 1, "this is a VTK file of lines (a tractogram), not a surface");
+    refuse("lines.vtk", lines, sizeof lines - 1,
+           "this is a VTK file of lines (a tractogram), not a surface: give it as --streamlines");
     refuse("nan.obj", not_a_number, sizeof not_a_number - 1, "line 1: \"v 0 0 nan\", a vertex is three numbers");
     /* other readers take 1, -2 and 3 of the first, and of the second the vertex, whatever is before its v */
     refuse("signs.obj", signs, sizeof signs - 1, "line 1: \"v 1-2 3 4\", a vertex is three numbers");
