@@ -169,9 +169,11 @@ conus_status atlas_add_tractogram(conus_atlas *atlas, struct tractogram *tractog
 void bundles_find_objects(uint32_t *objects, const conus_atlas *atlas, const struct tractogram *tractogram)
 {
     for (uint32_t number = (uint32_t)atlas->object_count; number > atlas->area_count; number--) {
-        bool is_shown = !atlas->places[number - 1].is_hidden && atlas_bundle_tractogram(atlas, number) == tractogram;
-        const struct tract_group *group = is_shown ? atlas_bundle_group(atlas, number) : NULL;
-        size_t count = !is_shown ? 0 : group ? group->count : tractogram->streamline_count;
+        if (atlas->places[number - 1].is_hidden || atlas_bundle_tractogram(atlas, number) != tractogram) {
+            continue;
+        }
+        const struct tract_group *group = atlas_bundle_group(atlas, number);
+        size_t count = group ? group->count : tractogram->streamline_count;
         for (size_t i = 0; i < count; i++) {
             objects[group ? group->members[i] : i] = number;
         }

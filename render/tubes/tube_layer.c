@@ -68,7 +68,21 @@ static uint64_t next_point(const struct tractogram *tractogram, uint64_t at, uin
     return next;
 }
 
-/* Those of every step-th streamline: layer->kept. CONUS_ERROR_MEMORY. */
+/* Adds those of streamline @p k to layer->kept. */
+static conus_status keep_streamline(struct tube_layer *layer, size_t *capacity, const struct tractogram *tractogram,
+                                    size_t k)
+{
+    uint64_t end = tractogram->first[k + 1];
+    for (uint64_t at = tractogram->first[k]; at < end; at = next_point(tractogram, at, end - 1)) {
+        if (!memory_reserve(&layer->kept, capacity, layer->point_count + 1, sizeof *layer->kept)) {
+            return CONUS_ERROR_MEMORY;
+        }
+        layer->kept[layer->point_count++] = at;
+    }
+    return CONUS_OK;
+}
+
+/* Those of every step-th streamline. CONUS_ERROR_MEMORY. */
 static conus_status keep_points(struct tube_layer *layer)
 {
     size_t capacity = 0;
@@ -76,15 +90,8 @@ static conus_status keep_points(struct tube_layer *layer)
     for (size_t i = 0; i < layer->range_count; i++) {
         const struct tractogram *tractogram = &layer->atlas->tractograms[i];
         size_t before = layer->point_count;
-        for (size_t k = 0; k < tractogram->streamline_count; k += layer->step) {
-            uint64_t end = tractogram->first[k + 1];
-            for (uint64_t at = tractogram->first[k]; at < end && !status; at = next_point(tractogram, at, end - 1)) {
-                bool fits = memory_reserve(&layer->kept, &capacity, layer->point_count + 1, sizeof *layer->kept);
-                status = fits ? CONUS_OK : CONUS_ERROR_MEMORY;
-                if (fits) {
-                    layer->kept[layer->point_count++] = at;
-                }
-            }
+        for (size_t k = 0; k < tractogram->streamline_count && !status; k += layer->step) {
+            status = keep_streamline(layer, &capacity, tractogram, k);
         }
         layer->ranges[i] =
             (struct range){(GLint)before, (GLsizei)(layer->point_count - before), (float)tractogram->radius};

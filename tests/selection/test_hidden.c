@@ -439,7 +439,7 @@ static void what_cannot_be_shown_is_explained(void **state)
     assert_refused(NULL, "trakt",
                    "hide: no area or pathway has the name, abbreviation or label \"trakt\"; did you mean \"tract\"?");
     assert_refused("V2,", NULL, "only: an area is missing: names, abbreviations or labels, separated by commas");
-    assert_refused("V2", "CTX", "everything is hidden: nothing is left that has voxels or triangles");
+    assert_refused("V2", "CTX", "everything is hidden: nothing is left that has voxels, triangles or streamlines");
 }
 
 /* An area that only the table names: there is nothing to show. */
