@@ -169,7 +169,8 @@ conus_status atlas_add_tractogram(conus_atlas *atlas, struct tractogram *tractog
 void bundles_find_objects(uint32_t *objects, const conus_atlas *atlas, const struct tractogram *tractogram)
 {
     for (uint32_t number = (uint32_t)atlas->object_count; number > atlas->area_count; number--) {
-        if (atlas->places[number - 1].is_hidden || atlas_bundle_tractogram(atlas, number) != tractogram) {
+        const struct tractogram *own = atlas_bundle_tractogram(atlas, number);
+        if (!own || own != tractogram || atlas->places[number - 1].is_hidden) {
             continue;
         }
         const struct tract_group *group = atlas_bundle_group(atlas, number);

@@ -166,7 +166,7 @@ static void search_cell(struct search *search, const struct volume *volume, size
     struct near *near = search->near;
     uint32_t object = volume_object(volume, voxel);
     double best = near->objects[object].distance;
-    double offset[3];
+    double offset[3] = {0};
     double distance = near_cell(offset, &search->cells, cell, search->at, fmin(best, search->ball->radius));
     if (distance < best && distance <= search->ball->radius) {
         double point[3];

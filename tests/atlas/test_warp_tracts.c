@@ -27,7 +27,8 @@ static struct deformation make_field(bool stays_outside)
     memcpy(field.base, field.world_from_voxel, sizeof field.base);
     mat4_identity(field.linear);
     for (int n = 0; n < NODES; n++) {
-        double p[3] = {n % NX, n / NX % NY, n / (NX * NY)};
+        const int at[3] = {n % NX, n / NX % NY, n / (NX * NY)};
+        double p[3] = {at[0], at[1], at[2]};
         mat4_point(p, field.world_from_voxel, p);
         field.vectors[3 * n] = (float)(0.25 * p[0] + 0.5 * p[1] + 1);
         field.vectors[3 * n + 1] = (float)(-0.25 * p[2]);

@@ -129,8 +129,8 @@ static void every_pixel_has_the_first_bundle_within_the_radius(void **state)
     size_t found = draw_and_count(objects, atlas, &view, 1) + draw_and_count(objects, atlas, &view, 2);
     assert_true(found > 100);
     for (int i = 0; i < PIXELS; i++) {
-        const double p[3] = {1 + (i % WIDTH + 0.5 - WIDTH / 2.0) * 0.4, 0.5,
-                             2 - ((i / WIDTH) + 0.5 - HEIGHT / 2.0) * 0.4};
+        const int row = i / WIDTH;
+        const double p[3] = {1 + (i % WIDTH + 0.5 - WIDTH / 2.0) * 0.4, 0.5, 2 - (row + 0.5 - HEIGHT / 2.0) * 0.4};
         double distance[2] = {INFINITY, INFINITY};
         for (int n = 0; n < 2 * (POINTS - 1); n++) {
             const float *at = &walks[n % 2][3 * (n / 2)];
