@@ -45,6 +45,7 @@ void tractogram_finish(struct tractogram *tractogram)
     memory_free(tractogram->scalars);
     memory_free(tractogram->groups);
     memory_free(tractogram->path);
+    file_sums_finish(&tractogram->files);
     *tractogram = (struct tractogram){0};
 }
 

@@ -6,6 +6,7 @@
 #define CONUS_ATLAS_TRACTS_TRACTOGRAM_H
 
 #include "atlas/tracts/tract_tree.h"
+#include "base/file_sums.h"
 #include "base/notes.h"
 
 /** mm: coordinates lie within it of 0. */
@@ -34,6 +35,7 @@ struct tractogram {
     char *path;              /**< As opened; owned. */
     char format[64];         /**< "TrackVis 2, gzip, big-endian". */
     char sha256[65];         /**< Of the file, in hexadecimal; of a TRX folder empty. */
+    struct file_sums files;  /**< Those of a TRX folder that were read, until an atlas has them; owned. */
     float *points;           /**< [3 point_count] x, y, z in world mm (RAS); owned. NULL where halves has them. */
     uint16_t *halves;        /**< The same in half precision (IEEE binary16), as the file has them; owned. */
     uint64_t point_count;    /**< Of all streamlines together. */

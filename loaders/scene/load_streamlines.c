@@ -66,12 +66,15 @@ conus_status streamlines_add(conus_atlas *atlas, struct tractogram *tractogram, 
 {
     struct buffer chosen = {0};
     size_t note_count = atlas->notes.count;
+    size_t file_count = atlas->files.count;
     conus_status status = choose_name(&chosen, name, tractogram->path);
     status = status ? status : notes_move_in(&atlas->notes, notes, path_base(tractogram->path));
     status = status ? status : tract_fit_note(notes, atlas, tractogram, chosen.data);
     status = status ? status : notes_move(&atlas->notes, notes);
+    status = status ? status : file_sums_move(&atlas->files, &tractogram->files);
     status = status ? status : atlas_add_tractogram(atlas, tractogram, chosen.data);
     if (status) {
+        file_sums_cut(&atlas->files, file_count);
         notes_cut(&atlas->notes, note_count);
     }
     buffer_finish(&chosen);

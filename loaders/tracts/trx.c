@@ -495,6 +495,7 @@ static conus_status finish_reading(struct tractogram *out, struct trx *trx, conu
     struct tractogram built = {0};
     trx->out = &built;
     status = status ? status : read_all(trx);
+    status = status ? status : file_sums_move(&built.files, &trx->files.read);
     trx_files_finish(&trx->files);
     if (status) {
         tractogram_finish(&built);

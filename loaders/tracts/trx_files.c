@@ -80,6 +80,7 @@ void trx_files_finish(struct trx_files *files)
 {
     zip_finish(&files->zip);
     names_finish(&files->names);
+    file_sums_finish(&files->read);
     *files = (struct trx_files){0};
 }
 
@@ -93,12 +94,13 @@ struct text trx_files_name(const struct trx_files *files, size_t index)
     return files->folder ? text_from(files->names.names[index]) : files->zip.entries[index].name;
 }
 
-static conus_status read_file(struct bytes *out, const struct trx_files *files, size_t index)
+static conus_status read_file(struct bytes *out, struct trx_files *files, size_t index)
 {
     struct buffer path = {0};
     buffer_format(&path, "%s/%s", files->folder, files->names.names[index]);
     conus_status status = buffer_status(&path);
     status = status ? status : file_read_allowed(out, path.data, files->left);
+    status = status ? status : file_sums_add(&files->read, path.data, out);
     buffer_finish(&path);
     return status;
 }

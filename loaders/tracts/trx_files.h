@@ -3,6 +3,7 @@
 #ifndef CONUS_LOADERS_TRACTS_TRX_FILES_H
 #define CONUS_LOADERS_TRACTS_TRX_FILES_H
 
+#include "base/file_sums.h"
 #include "base/folder.h"
 #include "base/formats/zip.h"
 
@@ -10,8 +11,9 @@ struct trx_files {
     struct bytes *archive; /**< NULL of a folder. */
     struct zip zip;        /**< The archive's files. */
     const char *folder;
-    struct names names; /**< The folder's files: "header.json", "dps/weight.float32". */
-    uint64_t left;      /**< Bytes of memory that may still be taken. */
+    struct names names;    /**< The folder's files: "header.json", "dps/weight.float32". */
+    struct file_sums read; /**< The folder's files that were opened. */
+    uint64_t left;         /**< Bytes of memory that may still be taken. */
 };
 
 /** Lists @p archive, which outlives this. CONUS_ERROR_MEMORY where it alone has more than @p max_memory bytes. */

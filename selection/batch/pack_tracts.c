@@ -12,6 +12,7 @@ static struct tractogram bare_tractogram(const struct tractogram *tractogram)
 {
     struct tractogram bare = *tractogram;
     bare.path = NULL;
+    bare.files = (struct file_sums){0};
     bare.points = NULL;
     bare.halves = NULL;
     bare.first = NULL;

@@ -197,15 +197,15 @@ static json_t *json_from_volume(const conus_atlas *atlas, size_t index)
     return whole_or_null(volume, whole);
 }
 
-/* Those of its bundles, or of what is in no group. */
+/* A folder has no sum: its files are among those of the atlas, with theirs. */
 static json_t *json_from_tractogram(const conus_atlas *atlas, size_t index)
 {
     const struct tractogram *tractogram = &atlas->tractograms[index];
     const char *sum = tractogram->sha256;
-    return json_pack("{s: o, s: o, s: s, s: I, s: I, s: f}", "path", json_from_text(tractogram->path), "sha256",
-                     *sum ? json_string(sum) : json_null(), "format", tractogram->format, "streamlines",
-                     (json_int_t)tractogram->streamline_count, "points", (json_int_t)tractogram->point_count,
-                     "radius_mm", tractogram->radius);
+    json_t *entry = json_pack("{s: o, s: s, s: I, s: I, s: f}", "path", json_from_text(tractogram->path), "format",
+                              tractogram->format, "streamlines", (json_int_t)tractogram->streamline_count, "points",
+                              (json_int_t)tractogram->point_count, "radius_mm", tractogram->radius);
+    return whole_or_null(entry, !*sum || put_value(entry, "sha256", json_string(sum)));
 }
 
 /* Only where there are some. */

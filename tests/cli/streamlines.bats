@@ -114,6 +114,29 @@ print(tract["path"], tract["streamlines"], tract["radius_mm"], tract["sha256"])'
     has two.tck
 }
 
+@test "verify answers again from the files of a TRX folder" {
+    conus phantom slabs -o . --size 32
+    mkdir -p arc.trx/groups
+    python3 -c '
+import struct
+def put(path, format, *numbers):
+    open("arc.trx/" + path, "wb").write(struct.pack(format, *numbers))
+put("positions.3.float32", "<12f", -10, 10, 0, 10, 10, 0, 0, 0, 0, 3, 0, 0)
+put("offsets.uint64", "<2Q", 0, 2)
+put("groups/arc.long.uint32", "<I", 0)
+open("arc.trx/header.json", "w").write("{\"NB_STREAMLINES\": 2, \"NB_VERTICES\": 4}")'
+    # shellcheck disable=SC2086 # words
+    answers query slabs.nii.gz $AIM --streamlines arc.trx -o rows.tsv
+    answers verify rows.tsv
+    has 'rows.tsv: identical'
+    answers cite rows.tsv
+    printf '\101' | dd of=arc.trx/positions.3.float32 bs=1 seek=3 conv=notrunc
+    run -1 conus verify rows.tsv
+    has 'arc.trx/positions.3.float32 changed'
+    # shellcheck disable=SC2086
+    fails 2 'arc.trx/header.json' query slabs.nii.gz $AIM --streamlines arc.trx -o arc.trx/header.json
+}
+
 @test "cite tells of streamlines as of pathways" {
     scene
     # shellcheck disable=SC2086

@@ -227,6 +227,8 @@ static void a_folder(void **state)
     assert_standard(&tractogram, &notes);
     assert_string_equal(tractogram.format, "TRX, folder, float32");
     assert_string_equal(tractogram.sha256, "");
+    assert_true(tractogram.files.count > 2 && strlen(tractogram.files.items[0].sha256) == 64);
+    assert_non_null(strstr(tractogram.files.items[0].path, "folder.trx/header.json"));
     tractogram_finish(&tractogram);
     notes_finish(&notes);
     assert_fails(trx_read(&tractogram, test_scratch("folder.trx"), 60, &notes), CONUS_ERROR_MEMORY);
