@@ -41,8 +41,8 @@ static const struct option output_options[] = {
      .type = OPTION_TEXT,
      .offset = offsetof(struct query_settings, voxels),
      .value = "FILE.tsv",
-     .help = "write the voxels hit first, or with --layers all or --point those in the cone or ball, with indices, "
-             "positions and values"},
+     .help = "write the voxels hit first, or with --layers all or --point those in the cone or ball and the points of "
+             "streamlines there, with indices, positions and values"},
     {.name = "voxels-of",
      .type = OPTION_CHOICE,
      .offset = offsetof(struct query_settings, voxels_of),
@@ -380,10 +380,7 @@ static int write_voxels(struct query *query)
 
 static int write_image(struct query *query)
 {
-    if (!query->image) {
-        return EXIT_DONE;
-    }
-    conus_status status = conus_image_write(query->image, query->settings->image);
+    conus_status status = query->image ? conus_image_write(query->image, query->settings->image) : CONUS_OK;
     return status ? print_status(status) : EXIT_DONE;
 }
 
@@ -452,18 +449,21 @@ static int write_all(struct query *query)
 /* Whether --voxels has something to list. */
 static bool check_voxels(const struct query *query)
 {
-    bool has_pathways = false;
+    bool has_points = query->settings->inquiry.engine.layers || option_given(query->inquiry.arguments, "point");
+    bool has_some = !query->settings->voxels || query->settings->voxels_of;
     for (size_t i = 0; i < query->inquiry.atlases.count; i++) {
         const conus_atlas *atlas = query->inquiry.atlases.items[i].atlas;
-        const conus_object *last = conus_atlas_object(atlas, conus_atlas_object_count(atlas)); /* pathways come last */
-        has_pathways = has_pathways || (last && last->kind == CONUS_KIND_PATHWAY);
+        for (uint32_t number = 1; number <= conus_atlas_object_count(atlas) && !has_some; number++) {
+            conus_kind kind = conus_atlas_object(atlas, number)->kind;
+            has_some = kind == CONUS_KIND_PATHWAY || (kind == CONUS_KIND_BUNDLE && has_points);
+        }
     }
-    if (query->settings->voxels && !query->settings->voxels_of && !has_pathways) {
+    if (!has_some) {
         print_error_line(
-            "--voxels lists the voxels of pathways, and there is none; --pathway adds one, --voxels-of all the areas'");
-        return false;
+            "--voxels lists the voxels of pathways, and there is none; --pathway adds one, --voxels-of all "
+            "the areas', --layers all the points of bundles");
     }
-    return true;
+    return has_some;
 }
 
 static int load_poses(void *user)

@@ -244,7 +244,9 @@ CONUS_CHECKED conus_status conus_report_take(const char **text, size_t *size, co
 
 /**
  * Writes the voxels hit first (with all layers, and of a ball, all with their centre in it), nearest first, as TSV:
- * query pathway i j k x y z value distance_mm kind index; behind query the column atlas, where the report has it.
+ * query pathway i j k x y z value distance_mm kind index; behind query the column atlas, where the report has it. With
+ * all layers, and of a ball, the points of bundles' streamlines in it follow, by bundle, streamline and point: i is the
+ * streamline's number in its tractogram, j the point's along it, both from 0; k and value are n/a.
  * @param[out] text As of conus_report_text().
  * @param[out] size Bytes, without the NUL.
  * @param report The report.

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The table of the voxels that an answer holds. */
+/* The table of the voxels that an answer holds, and of the points of its streamlines. */
+#include "atlas/bundles.h"
 #include "base/math3.h"
 #include "base/memory.h"
 #include "selection/report/report_writers.h"
@@ -67,6 +68,27 @@ static size_t keep_unique(struct listed_voxel *hits, size_t count)
     return kept;
 }
 
+/* The cells up to k. */
+static void begin_row(conus_report *report, const conus_object *object)
+{
+    buffer_format(&report->voxels, "%s%s%s\t%s", report->queries[report->query_count - 1].id, report->name ? "\t" : "",
+                  report->name ? report->name : "", object->name);
+}
+
+/* The cells from x on; @p point in the world, @p value NAN = there is none. */
+static void end_row(conus_report *report, const conus_object *object, double point[3], double value, double distance)
+{
+    report_point(report, point);
+    const double numbers[] = {point[0], point[1], point[2], value, distance};
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
+        buffer_text(&report->voxels, isnan(numbers[i]) ? "\tn/a" : "\t");
+        if (!isnan(numbers[i])) {
+            buffer_number(&report->voxels, numbers[i]);
+        }
+    }
+    buffer_format(&report->voxels, "\t%s\t%u\n", report_kind(object->kind), object->label);
+}
+
 static void write_voxel(conus_report *report, const struct listed_voxel *voxel)
 {
     const conus_object *object = conus_atlas_object(report->atlas, voxel->object);
@@ -75,17 +97,10 @@ static void write_voxel(conus_report *report, const struct listed_voxel *voxel)
     const size_t at[3] = {voxel->voxel % dim[0], voxel->voxel / dim[0] % dim[1], voxel->voxel / dim[0] / dim[1]};
     double point[3] = {(double)at[0], (double)at[1], (double)at[2]};
     mat4_point(point, volume->info.world_from_voxel, point);
-    report_point(report, point);
-    const char *query = report->queries[report->query_count - 1].id;
-    buffer_format(&report->voxels, "%s%s%s\t%s\t%zu\t%zu\t%zu", query, report->name ? "\t" : "",
-                  report->name ? report->name : "", object->name, at[0], at[1], at[2]);
+    begin_row(report, object);
+    buffer_format(&report->voxels, "\t%zu\t%zu\t%zu", at[0], at[1], at[2]);
     double value = volume->values ? (double)volume->values[voxel->voxel] : object->label;
-    const double numbers[] = {point[0], point[1], point[2], value, voxel->distance};
-    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
-        buffer_text(&report->voxels, "\t");
-        buffer_number(&report->voxels, numbers[i]);
-    }
-    buffer_format(&report->voxels, "\t%s\t%u\n", report_kind(object->kind), object->label);
+    end_row(report, object, point, value, voxel->distance);
 }
 
 static conus_status add_first_hits(conus_report *report, const conus_selection *selection)
@@ -159,9 +174,116 @@ static conus_status add_all(conus_report *report, const conus_selection *selecti
     return CONUS_OK;
 }
 
+/* ---- Points of streamlines in the cone or ball --------------------------------------------------------------- */
+
+/* The points of a tractogram that are in a region. */
+struct near_points {
+    const struct tractogram *tractogram;
+    const struct region *region;
+    uint64_t *points; /* their numbers */
+    size_t count, capacity;
+    bool failed;
+};
+
+/* Both ends of a run are points: the last one is the next run's, unless the streamline ends there. */
+static void add_run(void *user, const struct tract_run *run, const struct tract_part *part)
+{
+    struct near_points *near = user;
+    (void)part;
+    uint64_t end = run->point + run->segments;
+    end += end + 1 == near->tractogram->first[run->streamline + 1];
+    if (near->failed ||
+        !memory_reserve(&near->points, &near->capacity, near->count + TRACT_RUN + 1, sizeof(uint64_t))) {
+        near->failed = true;
+        return;
+    }
+    for (uint64_t i = run->point; i < end; i++) {
+        double at[3];
+        tractogram_point(at, near->tractogram, i);
+        if (region_has(near->region, at)) {
+            near->points[near->count++] = i;
+        }
+    }
+}
+
+static int by_number(const void *a, const void *b)
+{
+    uint64_t x = *(const uint64_t *)a;
+    uint64_t y = *(const uint64_t *)b;
+    return (x > y) - (x < y);
+}
+
+static conus_status find_near_points(struct near_points *near, const struct tractogram *tractogram)
+{
+    near->tractogram = tractogram;
+    near->count = 0;
+    tract_census_walk(tractogram, near->region, add_run, near);
+    if (near->failed) {
+        return CONUS_ERROR_MEMORY;
+    }
+    qsort(near->points, near->count, sizeof *near->points, by_number);
+    return CONUS_OK;
+}
+
+static void write_point(conus_report *report, const struct near_points *near, uint32_t number, uint32_t streamline,
+                        uint64_t point)
+{
+    const conus_object *object = conus_atlas_object(report->atlas, number);
+    double at[3];
+    double away[3];
+    tractogram_point(at, near->tractogram, point);
+    vec3_sub(away, at, near->region->origin);
+    begin_row(report, object);
+    buffer_format(&report->voxels, "\t%u\t%llu\tn/a", streamline,
+                  (unsigned long long)(point - near->tractogram->first[streamline]));
+    end_row(report, object, at, NAN, vec3_length(away));
+}
+
+/* Points and members ascend, so both are walked once. */
+static void write_bundle(conus_report *report, const struct near_points *near, uint32_t number)
+{
+    const struct tract_group *group = atlas_bundle_group(report->atlas, number);
+    const uint64_t *first = near->tractogram->first;
+    uint32_t streamline = 0;
+    size_t member = 0;
+    for (size_t i = 0; i < near->count; i++) {
+        if (i == 0 || near->points[i] >= first[streamline + 1]) {
+            streamline = tractogram_streamline_of(near->tractogram, near->points[i]);
+        }
+        while (group && member < group->count && group->members[member] < streamline) {
+            member++;
+        }
+        if (!group || (member < group->count && group->members[member] == streamline)) {
+            write_point(report, near, number, streamline, near->points[i]);
+        }
+    }
+}
+
+static conus_status add_points(conus_report *report, const conus_selection *selection)
+{
+    const conus_atlas *atlas = selection->atlas;
+    struct near_points near = {.region = &selection->region};
+    conus_status status = CONUS_OK;
+    for (uint32_t number = (uint32_t)atlas->area_count + 1; number <= atlas->object_count && !status; number++) {
+        const struct tractogram *tractogram = atlas_bundle_tractogram(atlas, number);
+        if (!tractogram || atlas->places[number - 1].is_hidden) {
+            continue;
+        }
+        if (tractogram != near.tractogram) { /* bundles of a tractogram follow each other */
+            status = find_near_points(&near, tractogram);
+        }
+        if (!status) {
+            write_bundle(report, &near, number);
+        }
+    }
+    memory_free(near.points);
+    return status;
+}
+
 conus_status report_add_voxels(conus_report *report, const conus_selection *selection)
 {
     bool all = selection->has_layers || selection->region.shape == REGION_BALL;
     conus_status status = all ? add_all(report, selection) : add_first_hits(report, selection);
+    status = status || !all ? status : add_points(report, selection);
     return status ? status : buffer_status(&report->voxels);
 }

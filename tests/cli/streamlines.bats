@@ -361,6 +361,37 @@ assert len(outputs) == 9 and all(os.path.getsize(o["path"]) == o["bytes"] for o 
     has identical
 }
 
+@test "--voxels lists the points of streamlines in the cone" {
+    lines
+    tck lines.tck -9,0,0 -4,0,0 1,0,0 6,0,0 -- -9,40,0 9,40,0 -- 0,3,0 20,3,0 -- -9,4,0 9,4,0 # the last one crosses
+    # shellcheck disable=SC2086
+    conus query slabs.nii.gz $TUBE --voxels points.tsv -o rows.tsv
+    [ "$(tail -n +2 points.tsv | cut -f 2-8,9- | tr '\t' ' ')" = "\
+lines 0 1 n/a -4 0 0 n/a 100.079968 bundle 1
+lines 0 2 n/a 1 0 0 n/a 100.005 bundle 1
+lines 2 0 n/a 0 3 0 n/a 100.04499 bundle 1" ]
+    run -0 "$CONUS" verify rows.tsv
+    run -0 "$CONUS" verify points.tsv --sidecar rows.json
+    has identical
+    conus query slabs.nii.gz --point 0,-3,0 --radius 3.5 --streamlines lines.tck --voxels b.tsv --space lps -q >answer
+    [ "$(tail -n +2 b.tsv | cut -f 3,4,6-10 | tr '\t' ' ')" = "\
+0 2 -1 0 0 n/a 3.16227766
+2 0 0 -3 0 n/a 0" ]
+    run -1 "$CONUS" diff points.tsv b.tsv
+    has '0 rows the same, 2 changed, 1 removed, 0 added'
+    # Areas come first, and their rows do not change; a pathway's are listed beside a bundle's.
+    # shellcheck disable=SC2086
+    conus query slabs.nii.gz $TUBE --voxels all.tsv --voxels-of all --hide lines >answer
+    # shellcheck disable=SC2086
+    conus query slabs.nii.gz $TUBE --voxels both.tsv --voxels-of all >answer
+    cat all.tsv <(tail -n +2 points.tsv) | cmp - both.tsv
+    sphere --size 32
+    conus query slabs.nii.gz $AIM --pathway sphere.nii.gz --streamlines lines.tck --voxels v.tsv >answer
+    [ "$(tail -n +2 v.tsv | cut -f 11 | uniq)" = pathway ]
+    # shellcheck disable=SC2086
+    fails 2 '--layers all the points of bundles' query slabs.nii.gz $AIM --streamlines lines.tck --voxels no.tsv
+}
+
 @test "where no streamlines can be written, nothing is" {
     lines
     # shellcheck disable=SC2086
