@@ -137,6 +137,22 @@ open("arc.trx/header.json", "w").write("{\"NB_STREAMLINES\": 2, \"NB_VERTICES\":
     fails 2 'arc.trx/header.json' query slabs.nii.gz $AIM --streamlines arc.trx -o arc.trx/header.json
 }
 
+@test "verify tells rows of a batch that have bundles from its segments" {
+    scene
+    printf '%s\t' query_id x y z tx ty tz | sed 's/\t$/\n/' >poses.tsv
+    printf 'a\t0\t0\t100\t0\t0\t0\n' >>poses.tsv
+    conus batch slabs.nii.gz --poses poses.tsv --angle 20 --layers all -q --streamlines two.tck -o rows.tsv \
+        --segments parts.tsv
+    grep -q length_mm rows.json
+    answers verify rows.tsv
+    has 'rows.tsv: identical'
+    answers verify parts.tsv
+    has 'parts.tsv: identical'
+    conus batch slabs.nii.gz --poses poses.tsv --angle 20 --layers all -q --streamlines two.tck -o alone.tsv
+    answers verify alone.tsv
+    has 'alone.tsv: identical'
+}
+
 @test "cite tells of streamlines as of pathways" {
     scene
     # shellcheck disable=SC2086
