@@ -221,7 +221,9 @@ static conus_status find_near_points(struct near_points *near, const struct trac
     if (near->failed) {
         return CONUS_ERROR_MEMORY;
     }
-    qsort(near->points, near->count, sizeof *near->points, by_number);
+    if (near->count) { /* else there may be no array */
+        qsort(near->points, near->count, sizeof *near->points, by_number);
+    }
     return CONUS_OK;
 }
 

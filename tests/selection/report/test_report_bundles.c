@@ -9,6 +9,7 @@
 #include "test.h"
 #include "tract_scene.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -236,6 +237,18 @@ static conus_atlas *walks_atlas(uint64_t *seed)
     return atlas;
 }
 
+static void put_point(struct buffer *out, const char *begin, uint32_t object, const double p[3], const double from[3])
+{
+    double away[3];
+    vec3_sub(away, p, from);
+    buffer_text(out, begin);
+    for (int n = 0; n < 4; n++) {
+        buffer_text(out, n < 3 ? "\t" : "\tn/a\t");
+        buffer_number(out, n < 3 ? p[n] : vec3_length(away));
+    }
+    buffer_format(out, "\tbundle\t%u\n", object);
+}
+
 /* Object 1 are the even streamlines, object 2 the others. */
 static size_t put_all_points(struct buffer *out, const conus_atlas *atlas, const struct region *region)
 {
@@ -243,17 +256,14 @@ static size_t put_all_points(struct buffer *out, const conus_atlas *atlas, const
     size_t count = 0;
     for (uint32_t odd = 0; odd < 2; odd++) {
         for (uint64_t i = 0; i < tractogram->point_count; i++) {
-            double p[3], away[3];
+            double p[3];
+            char begin[64];
             uint32_t k = tractogram_streamline_of(tractogram, i);
             tractogram_point(p, tractogram, i);
             if (k % 2 == odd && region_has(region, p)) {
-                vec3_sub(away, p, region->origin);
-                buffer_format(out, "q\t%s\t%u\t%d\tn/a", odd ? "rest" : "even", k, (int)(i - tractogram->first[k]));
-                for (int n = 0; n < 4; n++) {
-                    buffer_text(out, n < 3 ? "\t" : "\tn/a\t");
-                    buffer_number(out, n < 3 ? p[n] : vec3_length(away));
-                }
-                buffer_format(out, "\tbundle\t%u\n", odd + 1);
+                snprintf(begin, sizeof begin, "q\t%s\t%u\t%d\tn/a", odd ? "rest" : "even", k,
+                         (int)(i - tractogram->first[k]));
+                put_point(out, begin, odd + 1, p, region->origin);
                 count++;
             }
         }
