@@ -118,6 +118,43 @@ def test_what_moves_goes_with_the_atlas():
         load({"source": LINES, "moves": 2}, transforms=[back])
 
 
+def test_the_streamlines_that_come_in(tmp_path):
+    away = [line + np.float32(10) for line in LINES]  # "away" has 0 at (10 to 13, 10 to 14, 10), 1 at (10, 10, 5 to 17)
+    atlas = load(LINES, {"source": LINES + away, "name": "Arc"})
+    found = atlas.near((3, 4, 0), 1).streamlines()
+    assert len(found) == 2 and found.tractograms.tolist() == [0, 1] and found.numbers.tolist() == [0, 0]
+    assert all(line.dtype == np.float32 and np.array_equal(line, LINES[0]) for line in found)
+    found = atlas.near((10, 10, 10), 20).streamlines("Arc")
+    assert found.tractograms.tolist() == [1] * 4 and found.numbers.tolist() == [0, 1, 2, 3]
+    for line, wanted in zip(found, LINES + away):
+        assert np.array_equal(line, wanted)
+    assert np.array_equal(found[-1], away[1]) and found.numbers.dtype == np.uint32
+    with pytest.raises(IndexError):
+        found[4]
+    # A cylinder about the axis z that holds line 1 alone, in whole: a range leaves the plane of line 0 out.
+    cone = atlas.select((0, 0, 10), toward=(0, 0, 0), radius=0.5, range=(2, 9))
+    found = cone.streamlines("array")
+    assert found.numbers.tolist() == [1] and np.array_equal(found[0], LINES[1])
+    del atlas, cone
+    found.save(tmp_path / "in.tck")
+    (again,) = nibabel.streamlines.load(str(tmp_path / "in.tck")).streamlines
+    assert np.array_equal(again, LINES[1])
+    with pytest.raises(conus.FileError):
+        found.save(tmp_path / "none" / "in.tck")
+
+
+def test_no_streamlines_of_what_is_no_bundle():
+    atlas = load(LINES)
+    ball = atlas.near((30, 30, 30), 1)
+    assert len(ball.streamlines()) == 0 and list(ball.streamlines("array")) == []
+    with pytest.raises(conus.ArgumentError, match="a bundle is needed"):
+        ball.streamlines("left")
+    with pytest.raises(conus.ArgumentError, match="there is no bundle"):
+        conus.load(plates(), AFFINE).near((0, 0, 0), 1).streamlines()
+    with pytest.raises(conus.ArgumentError, match="array is hidden"):
+        load(LINES, hide="array").near((0, 0, 0), 1).streamlines("array")
+
+
 def test_the_bundle_phantom_lies_on_its_rings(tmp_path):
     subprocess.run([os.environ["CONUS"], "phantom", "bundle", "-o", tmp_path], check=True)
     rings = json.loads((tmp_path / "bundle.json").read_text())["rings"]
