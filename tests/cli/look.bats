@@ -77,3 +77,25 @@ END
     until look '.look.grey != null'; do :; done
     leave
 }
+
+@test "streamlines are coloured by words and a key, in figures, too, and sessions keep it" {
+    need_window
+    conus phantom slabs -o . --size 32
+    python3 "$BATS_TEST_DIRNAME/tck.py" two.tck -40,30,0 40,30,0 -- 0,30,-40 0,30,40
+    view slabs.nii.gz --streamlines two.tck <<'END'
+sheet pixels 100 80
+figure bundle.png
+streamline-colour direction
+figure direction.png
+save words.json
+key 9
+figure again.png
+save key.json
+open words.json
+save words2.json
+END
+    [ "$(jq -c .look.streamline_colour words.json key.json | tr '\n' ' ')" = '"direction" "bundle" ' ]
+    diff words.json words2.json
+    cmp bundle.png again.png
+    not cmp -s bundle.png direction.png
+}
