@@ -23,11 +23,12 @@ typedef struct conus_admission {
     conus_kind kind; /**< What it is. */
     uint32_t object; /**< Number in the atlas, as it is reported (level). */
     double angle;  /**< Full opening of the narrowest round cone that holds some of it, radians; 0 if the axis hits it.
-                      Of voxels their centres count, of a mesh all its surface, and its inside where closed. */
+                      Of voxels their centres count, of a mesh all its surface, and its inside where closed,
+                      of streamlines all points of their lines, without a radius. */
     double margin; /**< Further opening until the next object, radians; NaN if there is none. */
     double point[3]; /**< World position of what is admitted first, mm. */
     double distance; /**< mm from the apex to there. */
-    bool is_surface; /**< It is a mesh's; else a voxel's centre. */
+    bool is_surface; /**< It is a mesh's; else a voxel's centre, or of a bundle a point of a streamline. */
 } conus_admission;
 
 /**

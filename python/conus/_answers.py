@@ -575,7 +575,11 @@ class Sweep(_Study):
             "margin_deg": np.rad2deg(self.records["margin"]),
             "distance_mm": self.records["distance"],
             **points_of("", self.records["point"], self.space),
-            "measured": np.where(self.records["is_surface"], "surface", "voxel centre"),
+            "measured": np.select(
+                [self.records["kind"] == lib.CONUS_KIND_BUNDLE, self.records["is_surface"]],
+                ["streamline", "surface"],
+                "voxel centre",
+            ),
         }
 
 

@@ -193,7 +193,10 @@ static struct cell get_half(const conus_report *report, const struct report_row 
 static struct cell get_measured(const conus_report *report, const struct report_row *row)
 {
     (void)report;
-    return text_cell(row->admission.is_surface ? "surface" : "voxel centre");
+    const conus_admission *admission = &row->admission;
+    return text_cell(admission->kind == CONUS_KIND_BUNDLE ? "streamline"
+                     : admission->is_surface              ? "surface"
+                                                          : "voxel centre");
 }
 
 static const struct report_column share_columns[] = {

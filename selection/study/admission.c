@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The narrowest cone that holds some of an object: over its voxels, or over its surface. */
+/* The narrowest cone that holds some of an object: over its voxels, its surface, or its streamlines. */
 #include "selection/study/admission.h"
 
 #include "base/math3.h"
@@ -213,4 +213,34 @@ void admission_of_mesh(struct admission *admission, const struct region *region,
     if (closed && inside != 0) {
         admit_point(admission, region, (const double[]){0, 0, region->near});
     }
+}
+
+/* ---- Streamlines ---- */
+
+static void admit_streamline(struct admission *admission, const struct region *region,
+                             const struct tractogram *tractogram, const uint64_t ends[2])
+{
+    for (uint64_t i = ends[0]; i < ends[1]; i++) {
+        struct polygon segment = {.count = i + 1 < ends[1] ? 2 : 1};
+        for (uint64_t k = 0; k < segment.count; k++) {
+            double point[3];
+            tractogram_point(point, tractogram, i + k);
+            to_device(segment.corners[k], region, point);
+        }
+        if (segment.count == 2 || i == ends[0]) { /* the last point was the end of a segment, unless it is alone */
+            admit_outline(admission, region, &segment);
+        }
+    }
+}
+
+void admission_of_bundle(struct admission *admission, const struct region *region, const struct tractogram *tractogram,
+                         const struct tract_group *group)
+{
+    struct admission found = *admission;
+    size_t count = group ? group->count : tractogram->streamline_count;
+    for (size_t i = 0; i < count; i++) {
+        admit_streamline(&found, region, tractogram, &tractogram->first[group ? group->members[i] : i]);
+    }
+    found.is_surface = false;
+    *admission = found;
 }

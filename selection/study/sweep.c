@@ -2,6 +2,7 @@
 /* Finds the angle at which each object is admitted, and sorts the objects by it. */
 #include "selection/study/sweep.h"
 
+#include "atlas/bundles.h"
 #include "base/math3.h"
 #include "base/memory.h"
 #include "selection/selector.h"
@@ -47,6 +48,10 @@ static void search(struct admission *admissions, const conus_selector *selector,
         const struct mesh *mesh = atlas_object_mesh(atlas, number);
         if (mesh) {
             admission_of_mesh(&admissions[group ? group[number] : number], &region, mesh, is_closed(atlas, number));
+        }
+        const struct tractogram *tractogram = atlas_bundle_tractogram(atlas, number);
+        if (tractogram && !atlas->places[number - 1].is_hidden) {
+            admission_of_bundle(&admissions[number], &region, tractogram, atlas_bundle_group(atlas, number));
         }
     }
 }

@@ -132,6 +132,29 @@ aim='--origin 0,-60,0.2 --toward 0,0,0.2'
     [ "$(cell angle_deg 1)" = 0 ]
 }
 
+@test "bundles are admitted by the nearest point of their lines" {
+    conus phantom slabs -o . --size 32
+    python3 "$BATS_TEST_DIRNAME/tck.py" arc.tck -10,3,0 10,3,0 -- 0,30,10
+    python3 "$BATS_TEST_DIRNAME/tck.py" dot.tck 0,4,0
+    local aim='--origin 0,0,100 --direction 0,0,-1 --angle 40 --quiet --format tsv'
+    local both='--streamlines arc.tck --streamlines dot.tck'
+    # shellcheck disable=SC2086
+    answers sweep slabs.nii.gz $aim $both --only arc,dot
+    [ "$(cell name 1)/$(cell kind 1)/$(cell measured 1)" = arc/bundle/streamline ]
+    [ "$(cell x 1)/$(cell y 1)/$(cell z 1)" = 0/3/0 ]
+    python3 -c '
+import math, sys
+assert all(math.isclose(float(a), 2 * math.degrees(math.atan(b / 100)), rel_tol=1e-8)
+           for a, b in zip(sys.argv[1:], (3, 4)))' "$(cell angle_deg 1)" "$(cell angle_deg 2)"
+    # shellcheck disable=SC2086
+    answers sweep slabs.nii.gz $aim $both --only arc,dot --range 0,95 # the point of arc alone
+    [ "$(cell name 1)/$(cell y 1)/$(cell z 1)/$(wc -l <<<"$output")" = arc/30/10/2 ]
+    # shellcheck disable=SC2086
+    answers sweep slabs.nii.gz $aim $both --hide arc
+    [[ "$output" != *arc* ]]
+    has dot
+}
+
 @test "every format has the same rows, and a TSV its sidecar" {
     conus phantom nested -o .
     answers sweep nested.nii.gz $aim --angle 30 --jitter 2,1 -o a.tsv
