@@ -241,21 +241,29 @@ static void write_point(conus_report *report, const struct near_points *near, ui
     end_row(report, object, at, NAN, vec3_length(away));
 }
 
-/* Points and members ascend, so both are walked once. */
+static bool is_member(const struct tract_group *group, uint32_t streamline)
+{
+    size_t low = 0;
+    size_t high = group->count;
+    while (low < high) { /* members ascend */
+        size_t middle = low + (high - low) / 2;
+        low = group->members[middle] < streamline ? middle + 1 : low;
+        high = group->members[middle] < streamline ? high : middle;
+    }
+    return low < group->count && group->members[low] == streamline;
+}
+
 static void write_bundle(conus_report *report, const struct near_points *near, uint32_t number)
 {
     const struct tract_group *group = atlas_bundle_group(report->atlas, number);
-    const uint64_t *first = near->tractogram->first;
     uint32_t streamline = 0;
-    size_t member = 0;
+    bool is_in = false;
     for (size_t i = 0; i < near->count; i++) {
-        if (i == 0 || near->points[i] >= first[streamline + 1]) {
+        if (i == 0 || near->points[i] >= near->tractogram->first[streamline + 1]) {
             streamline = tractogram_streamline_of(near->tractogram, near->points[i]);
+            is_in = !group || is_member(group, streamline);
         }
-        while (group && member < group->count && group->members[member] < streamline) {
-            member++;
-        }
-        if (!group || (member < group->count && group->members[member] == streamline)) {
+        if (is_in) {
             write_point(report, near, number, streamline, near->points[i]);
         }
     }
