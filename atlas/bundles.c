@@ -107,15 +107,45 @@ static uint32_t next_ordinal(const conus_atlas *atlas)
     return ordinal;
 }
 
-static conus_status check_name(const conus_atlas *atlas, const char *name, const char *path)
+/* "bundle" or "pathway": what has that name already; NULL = nothing. */
+static const char *taken_by(const conus_atlas *atlas, const char *name)
 {
     for (size_t i = atlas->area_count; i < atlas->object_count; i++) {
         if (strcmp(atlas->objects[i].name, name) == 0) {
-            return fail(CONUS_ERROR_ARGUMENT, "%s: bundle %s: another %s has that name", path, name,
-                        atlas->places[i].is_bundle ? "bundle" : "pathway");
+            return atlas->places[i].is_bundle ? "bundle" : "pathway";
         }
     }
-    return CONUS_OK;
+    return NULL;
+}
+
+/* A group whose name is taken is called after its tractogram, too. */
+static conus_status settle_group_name(conus_atlas *atlas, struct tractogram *tractogram, size_t group, const char *name)
+{
+    struct buffer text = {0};
+    char **own = &tractogram->groups[group].name;
+    const char *other = taken_by(atlas, *own);
+    if (!other) {
+        return CONUS_OK;
+    }
+    buffer_format(&text, "%s %s", name, *own);
+    conus_status status = buffer_status(&text);
+    char *longer = status ? NULL : memory_text(text.data, strlen(text.data));
+    status = status || longer ? status : CONUS_ERROR_MEMORY;
+    status = status ? status
+                    : notes_add(&atlas->notes, "%s: group %s: the bundle is called %s, since another %s has that name",
+                                tractogram->path, *own, longer, other);
+    if (longer) {
+        memory_free(*own);
+        *own = longer;
+    }
+    buffer_finish(&text);
+    return status;
+}
+
+static conus_status check_name(const conus_atlas *atlas, const char *name, const char *path)
+{
+    const char *other = taken_by(atlas, name);
+    return other ? fail(CONUS_ERROR_ARGUMENT, "%s: bundle %s: another %s has that name", path, name, other) : CONUS_OK;
 }
 
 /* Of the tractogram that comes next. */
@@ -150,6 +180,8 @@ static conus_status append_tractogram(conus_atlas *atlas, struct tractogram *tra
 conus_status atlas_add_tractogram(conus_atlas *atlas, struct tractogram *tractogram, const char *name)
 {
     size_t before = atlas->object_count;
+    size_t note_count = atlas->notes.count;
+    size_t group_count = tractogram->group_count; /* without the rest */
     conus_status status = tractogram_grow_tree(tractogram);
     if (!status && tractogram->group_count) {
         status = group_rest(tractogram, name);
@@ -157,11 +189,13 @@ conus_status atlas_add_tractogram(conus_atlas *atlas, struct tractogram *tractog
         status = append_bundle(atlas, tractogram, name, BUNDLE_OF_ALL);
     }
     for (size_t g = 0; g < tractogram->group_count && !status; g++) {
-        status = append_bundle(atlas, tractogram, tractogram->groups[g].name, g);
+        status = g < group_count ? settle_group_name(atlas, tractogram, g, name) : CONUS_OK;
+        status = status ? status : append_bundle(atlas, tractogram, tractogram->groups[g].name, g);
     }
     status = status ? status : append_tractogram(atlas, tractogram);
     if (status) {
         atlas_cut_objects(atlas, before);
+        notes_cut(&atlas->notes, note_count);
     }
     return status;
 }

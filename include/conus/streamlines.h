@@ -17,8 +17,9 @@ extern "C" {
 typedef struct conus_streamlines_options {
     size_t struct_size;  /**< Its size, as #CONUS_STREAMLINES_OPTIONS_INIT sets it; 0 = that of this version. */
     double radius;       /**< A ray hits what is nearer than this to a streamline (Eq. 18), mm, up to 100; 0 = 0.5. */
-    const char *name;    /**< Of the bundle; where the file has groups, of the streamlines that are in none. NULL = the
-                            file's name without its ending. */
+    const char *name;    /**< Of the bundle; where the file has groups, of the streamlines that are in none, and the
+                            start of a group's name if another object has that. NULL = the file's name without its
+                            ending. */
     uint64_t max_memory; /**< Bytes that points, scalars and groups of a file may take; 0 = 8 GiB. */
     conus_log log;       /**< As conus_load_options.log. */
     void *log_user;      /**< Passed to @p log. */
@@ -30,8 +31,8 @@ typedef struct conus_streamlines_options {
 /**
  * Adds the streamlines of a tractogram as a selectable bundle, or as one for each group of the file, and one for those
  * in no group. The content of the file decides about its format; docs/formats.md has the formats. Streamlines lie where
- * the file has them: a transform moves what was added before. A note tells where they hardly lie in the atlas's space, and
- * where they lay better before the atlas was moved.
+ * the file has them: a transform moves what was added before. A note tells where they hardly lie in the atlas's space,
+ * and where they lay better before the atlas was moved.
  * @param atlas The atlas; unchanged on failure.
  * @param path The tractogram.
  * @param options NULL = defaults.

@@ -8,6 +8,7 @@
 
 #include <stdarg.h>
 #include <stdio.h>
+#include <string.h>
 
 conus_status manifest_draft_init(struct manifest_draft *draft)
 {
@@ -98,6 +99,16 @@ conus_status manifest_draft_append_loading(bool *loads, const struct manifest_dr
         return status;
     }
     return manifest_draft_append(list, value);
+}
+
+bool manifest_draft_has(const json_t *list, const char *name)
+{
+    bool has = false;
+    for (size_t i = 0; i < json_array_size(list) && !has; i++) {
+        const char *file = json_string_value(json_object_get(json_array_get(list, i), "file"));
+        has = file && strcmp(file, name) == 0;
+    }
+    return has;
 }
 
 char *manifest_draft_path(const struct manifest_draft *draft, const char *name)

@@ -26,6 +26,9 @@ struct manifest_draft {
 conus_status manifest_draft_init(struct manifest_draft *draft);
 void manifest_draft_finish(struct manifest_draft *draft);
 
+/** Whether an entry of @p list, an array of objects or NULL, has the file @p name. */
+bool manifest_draft_has(const json_t *list, const char *name);
+
 /** Path of @p name, which lies in the folder; NULL without memory. */
 char *manifest_draft_path(const struct manifest_draft *draft, const char *name);
 

@@ -191,6 +191,20 @@ static conus_status look_for_hemispheres(struct manifest_draft *draft, const cha
 }
 
 /* `folder` is "" or a name with '/' at its end. */
+/* Without the files of VTK that are tractograms. */
+static void drop_streamlines(struct names *names, const json_t *streamlines)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < names->count; i++) {
+        if (manifest_draft_has(streamlines, names->names[i])) {
+            memory_free(names->names[i]);
+        } else {
+            names->names[count++] = names->names[i];
+        }
+    }
+    names->count = count;
+}
+
 static conus_status look_for_surfaces(struct manifest_draft *draft, const char *folder)
 {
     static const char *const endings[] = {".surf.gii", ".gii", ".obj", ".ply", ".stl", ".off", ".mz3", ".vtk", ".vtp"};
@@ -202,6 +216,9 @@ static conus_status look_for_surfaces(struct manifest_draft *draft, const char *
         struct names names = {0};
         bool skip = i == 1 && surf; /* what else is GIFTI there, is no surface */
         status = skip ? CONUS_OK : names_list(&names, path, endings[i]);
+        if (!folder[0]) {
+            drop_streamlines(&names, draft->streamlines);
+        }
         if (!status && names.count) {
             surf = surf || i == 0;
             any = true;

@@ -511,7 +511,8 @@ static conus_status scan_folder(struct manifest_draft *draft)
         char *path = names.names[i][0] == '.' ? NULL : manifest_draft_path(draft, names.names[i]);
         bool known = voxels || json_object_get(json_array_get(draft->areas, 0), "brainglobe");
         bool brainglobe = path && strcmp(names.names[i], "meshes") == 0 && known;
-        status = path && !brainglobe && file_is_folder(path) ? manifest_surfaces_add(draft, names.names[i]) : CONUS_OK;
+        bool skip = brainglobe || manifest_draft_has(draft->streamlines, names.names[i]);
+        status = path && !skip && file_is_folder(path) ? manifest_surfaces_add(draft, names.names[i]) : CONUS_OK;
         memory_free(path);
     }
     names_finish(&names);

@@ -99,6 +99,36 @@ static void test_two_bundles_of_one_name_are_refused(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* Of the second file's groups one has the name of a group, and its rest has a name of its own. */
+static void test_groups_of_one_name_are_told_apart_by_their_tractogram(void **state)
+{
+    (void)state;
+    static const uint32_t ends[] = {0, 2};
+    static const char *const names[] = {"ends", "one", "two ends", "two"};
+    conus_atlas *atlas = empty_atlas();
+    struct tractogram one = three_streamlines();
+    struct tractogram two = three_streamlines();
+    struct tractogram again = three_streamlines();
+    add_group(&one, "ends", ends, 2);
+    add_group(&two, "ends", ends, 2);
+    add_group(&again, "other", ends, 2);
+    assert_ok(atlas_add_tractogram(atlas, &one, "one"));
+    assert_int_equal(conus_atlas_note_count(atlas), 0);
+    assert_ok(atlas_add_tractogram(atlas, &two, "two"));
+    assert_int_equal(conus_atlas_object_count(atlas), 4);
+    for (size_t i = 0; i < 4; i++) {
+        assert_string_equal(conus_atlas_object(atlas, i + 1)->name, names[i]);
+    }
+    assert_string_equal(conus_atlas_note(atlas, 0), "three.tck: group ends: the bundle is called two ends, since "
+                                                    "another bundle has that name");
+    assert_fails(atlas_add_tractogram(atlas, &again, "two"), CONUS_ERROR_ARGUMENT);
+    assert_string_equal(conus_message(), "three.tck: bundle two: another bundle has that name");
+    assert_int_equal(conus_atlas_object_count(atlas), 4);
+    assert_int_equal(conus_atlas_note_count(atlas), 1);
+    tractogram_finish(&again);
+    conus_atlas_destroy(atlas);
+}
+
 static void test_bounds_hold_the_radius_and_the_centre_is_the_mean_of_points(void **state)
 {
     (void)state;
@@ -154,14 +184,11 @@ static void test_a_bundle_is_hidden_by_its_name(void **state)
     conus_atlas_destroy(atlas);
 }
 
-static conus_status add_and_move(void *user)
+/* Three streamlines, of which two are the group "ends". */
+static conus_status add_three(conus_atlas *atlas, const char *name)
 {
-    (void)user;
-    static const double turn[16] = {0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
     static const uint32_t ends[] = {0, 2};
-    conus_atlas *atlas = NULL;
     struct tractogram tractogram = {0};
-    conus_status status = atlas_create_empty(&atlas, "none");
     tractogram.path = memory_text("a", 1);
     tractogram.points = memory_copy(corners, 18, sizeof *corners);
     tractogram.first = memory_copy(first, 4, sizeof *first);
@@ -177,10 +204,20 @@ static conus_status add_and_move(void *user)
     tractogram.point_count = 6;
     tractogram.streamline_count = 3;
     tractogram.radius = 0.5;
-    status = status || whole ? status : CONUS_ERROR_MEMORY;
-    status = status ? status : atlas_add_tractogram(atlas, &tractogram, "rest");
-    status = status ? status : conus_atlas_move(atlas, turn);
+    conus_status status = whole ? atlas_add_tractogram(atlas, &tractogram, name) : CONUS_ERROR_MEMORY;
     tractogram_finish(&tractogram);
+    return status;
+}
+
+static conus_status add_and_move(void *user)
+{
+    (void)user;
+    static const double turn[16] = {0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    conus_atlas *atlas = NULL;
+    conus_status status = atlas_create_empty(&atlas, "none");
+    status = status ? status : add_three(atlas, "rest");
+    status = status ? status : add_three(atlas, "more"); /* whose group is called "more ends" */
+    status = status ? status : conus_atlas_move(atlas, turn);
     conus_atlas_destroy(atlas);
     return status;
 }
@@ -197,6 +234,7 @@ int main(void)
         cmocka_unit_test(test_without_groups_all_streamlines_are_one_bundle),
         cmocka_unit_test(test_groups_are_bundles_and_what_is_in_none_is_the_last),
         cmocka_unit_test(test_two_bundles_of_one_name_are_refused),
+        cmocka_unit_test(test_groups_of_one_name_are_told_apart_by_their_tractogram),
         cmocka_unit_test(test_bounds_hold_the_radius_and_the_centre_is_the_mean_of_points),
         cmocka_unit_test(test_a_move_takes_points_along_and_measures_anew),
         cmocka_unit_test(test_a_bundle_is_hidden_by_its_name),

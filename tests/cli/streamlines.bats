@@ -307,6 +307,45 @@ is_kept() {
     [ "$(find cache -name '*.atlas' | wc -l)" -eq 1 ]
 }
 
+# A TRX tractogram of two streamlines, the first one in the group left.
+trx() {
+    python3 - "$@" <<'END'
+import json, os, struct, sys, zipfile
+identity = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]
+head = {"DIMENSIONS": [9, 9, 9], "VOXEL_TO_RASMM": identity, "NB_VERTICES": 4, "NB_STREAMLINES": 2}
+files = {"header.json": json.dumps(head).encode(), "positions.3.float32": struct.pack("<12f", *range(12)),
+         "offsets.uint64": struct.pack("<3Q", 0, 2, 4), "groups/left.uint32": struct.pack("<I", 0)}
+for path in sys.argv[1:]:
+    archive = zipfile.ZipFile(path, "w") if path.endswith(".trx") else None
+    for name, data in files.items():
+        if archive:
+            archive.writestr(name, data)
+        else:
+            os.makedirs(os.path.dirname(f"{path}/{name}"), exist_ok=True)
+            open(f"{path}/{name}", "wb").write(data)
+    if archive:
+        archive.close()
+END
+}
+
+@test "a first manifest takes TRX and lines of VTK once each, and loads" {
+    scene
+    trx one.trx two.trx folder
+    printf '%s\n' '# vtk DataFile Version 3.0' x ASCII 'DATASET POLYDATA' 'POINTS 2 float' '0 0 0 1 1 1' 'LINES 1 3' \
+        '2 0 1' >lines.vtk
+    run -0 --separate-stderr "$CONUS" manifest .
+    [ "$(grep -c ': streamlines$' <<<"$stderr")" = 5 ]
+    not grep -q 'left out' <<<"$stderr"
+    answers info ./*.atlas.json --format tsv
+    local names=
+    for row in {3..10}; do
+        [ "$(cell kind "$row")" = bundle ]
+        names+="$(cell name "$row"),"
+    done
+    [ "$names" = 'left,folder,lines,one left,one,two,two.trx left,two.trx,' ]
+    [ "$(wc -l <<<"$output")" = 11 ]
+}
+
 @test "the cache keeps a scene's streamlines, until a file changes" {
     manifest_scene
     export XDG_CACHE_HOME=$PWD/cache
