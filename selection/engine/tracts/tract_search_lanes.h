@@ -150,6 +150,37 @@ static INLINE uint32_t segments_hit(const struct tract_search *search, size_t nu
 
 /* ---- The search ------------------------------------------------------------------------------------------------- */
 
+enum { LINE = 64 };
+
+static INLINE void fetch_points(const struct tractogram *tractogram, const struct tract_run *run)
+{
+    const char *from = tractogram->points ? (const char *)(tractogram->points + 3 * run->point)
+                                          : (const char *)(tractogram->halves + 3 * run->point);
+    size_t size = 3 * (run->segments + 1) * (tractogram->points ? sizeof(float) : sizeof(uint16_t));
+    for (size_t at = 0; at < size; at += LINE) {
+        __builtin_prefetch(from + at);
+    }
+}
+
+/* What is read of an item when its turn comes, or the processor would wait for it then: points of a run; else its node,
+ * and the runs below it. */
+static INLINE void fetch(const struct tract_search *search, uint32_t level, size_t item)
+{
+    const struct tract_tree *tree = &search->tractogram->tree;
+    if (level == 0) {
+        fetch_points(search->tractogram, &tree->runs[item]);
+        return;
+    }
+    const char *node = (const char *)&tree->nodes[search->levels.first[level - 1] + item];
+    for (size_t at = 0; at < sizeof(struct tract_node); at += LINE) {
+        __builtin_prefetch(node + at);
+    }
+    size_t end = (item + 1) * TRACT_WIDTH < tree->run_count ? (item + 1) * TRACT_WIDTH : tree->run_count;
+    for (size_t run = item * TRACT_WIDTH; level == 1 && run < end; run += LINE / sizeof *tree->runs) {
+        __builtin_prefetch(&tree->runs[run]);
+    }
+}
+
 /* Lets the items of a node that the ray may hit wait, the nearest one last, which comes first. */
 static INLINE void let_wait(struct tract_search *search, const struct tract_visit *visit, float limit)
 {
@@ -164,6 +195,7 @@ static INLINE void let_wait(struct tract_search *search, const struct tract_visi
     for (; bits; bits &= bits - 1) {
         unsigned lane = (unsigned)__builtin_ctz(bits);
         size_t place = search->waiting++;
+        fetch(search, level, first + lane);
         for (; place > before && search->visits[place - 1].enter < enter[lane]; place--) {
             search->visits[place] = search->visits[place - 1];
         }
