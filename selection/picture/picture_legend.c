@@ -116,6 +116,12 @@ static size_t add_colours(struct legend_row rows[COLOUR_ROWS], char words[COLOUR
     if (!colouring || colouring->by == TUBE_BY_BUNDLE) { /* of a cut there is none */
         return 0;
     }
+    if (colouring->by == TUBE_BY_SCALAR && colouring->low > colouring->high) {
+        snprintf(words[0], TEXT_SIZE, "%.*s", TEXT_SIZE / 2, colouring->scalar);
+        rows[0] = (struct legend_row){.name = words[0], .detail = {"not known"}};
+        tube_scalar_colour(rows[0].rgb, NAN);
+        return 1;
+    }
     for (int i = 0; i < COLOUR_ROWS; i++) {
         if (colouring->by == TUBE_BY_DIRECTION) {
             rows[i] = (struct legend_row){.name = directions[i]};
