@@ -143,6 +143,14 @@ def test_the_streamlines_that_come_in(tmp_path):
         found.save(tmp_path / "none" / "in.tck")
 
 
+def test_a_ball_has_the_columns_of_the_program():
+    """LINES[0] goes 3 mm along x and then 4 along y; a ball of 1 mm round its corner holds 1 mm of each."""
+    row = load(LINES).near((3, 0, 0), 1).to_dataframe().set_index("kind").loc["bundle"]
+    assert (row["streamlines"], row["streamlines_total"]) == (1, 2) and row["length_mm"] == pytest.approx(2)
+    assert (row["near_x"], row["near_y"], row["near_z"]) == (3, 0, 0) and row["along"] == pytest.approx(3 / 7)
+    assert row["distance_mm"] == 0
+
+
 def test_no_streamlines_of_what_is_no_bundle():
     atlas = load(LINES)
     ball = atlas.near((30, 30, 30), 1)
