@@ -79,17 +79,18 @@ static bool leaves_out(const struct picture *picture)
     return false;
 }
 
-/* What of an atlas with pathways the picture shows beside what is hit: pathways that are not, each while they are few,
- * and that the other areas are left out. */
+/* What of an atlas with pathways or bundles the picture shows beside what is hit: those that are not, each while they
+ * are few, and that the other areas are left out. */
 static size_t add_pathways(struct legend_row rows[PATHWAY_ROWS], char words[TEXT_SIZE], const struct picture *picture)
 {
     const conus_atlas *atlas = picture->atlas;
     size_t count = 0;
     size_t others = 0;
+    size_t bundles = 0;
     for (size_t number = atlas->area_count + 1; number <= atlas->object_count; number++) {
         const conus_object *pathway = &atlas->objects[number - 1];
-        if (pathway->kind == CONUS_KIND_PATHWAY && !conus_atlas_is_hidden(atlas, number) &&
-            picture->emphasis[number] == EMPHASIS_PALE) {
+        if (!conus_atlas_is_hidden(atlas, number) && picture->emphasis[number] == EMPHASIS_PALE) {
+            bundles += pathway->kind == CONUS_KIND_BUNDLE;
             if (others++ < PATHWAY_ROWS - 1) {
                 rows[count++] = (struct legend_row){.name = pathway->name, .detail = {"not hit"}};
                 set_chip(&rows[count - 1], picture, (uint32_t)number);
@@ -97,7 +98,10 @@ static size_t add_pathways(struct legend_row rows[PATHWAY_ROWS], char words[TEXT
         }
     }
     if (others > count) {
-        snprintf(words, TEXT_SIZE, "%zu pathways", others);
+        snprintf(words, TEXT_SIZE, "%zu %s", others,
+                 !bundles            ? "pathways"
+                 : bundles == others ? "bundles"
+                                     : "pathways and bundles");
         rows[0] = (struct legend_row){.name = words, .hollow = true, .detail = {"not hit"}};
         count = 1;
     }
