@@ -4,8 +4,8 @@
 #define CONUS_ATLAS_ATLAS_H
 
 #include "atlas/deformation/deformation.h"
-#include "atlas/label_voxels.h"
-#include "atlas/labels.h"
+#include "atlas/labels/label_voxels.h"
+#include "atlas/labels/labels.h"
 #include "atlas/surface/mesh.h"
 #include "atlas/tracts/tractogram.h"
 #include "atlas/volume.h"

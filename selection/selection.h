@@ -5,8 +5,8 @@
 
 #include "atlas/areas/level.h"
 #include "selection/evidence/layers.h"
-#include "selection/measure/region.h"
 #include "selection/measure/statistics.h"
+#include "selection/region/region.h"
 
 struct conus_selection {
     const conus_atlas *atlas; /**< Must outlive the selection. */

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* atlas_create_of(): from labels of any size and a label table to areas with dense numbers. */
 #include "atlas/atlas.h"
-#include "atlas/label_voxels.h"
-#include "atlas/palette.h"
+#include "atlas/labels/label_voxels.h"
+#include "atlas/labels/palette.h"
 #include "atlas/space.h"
 #include "base/buffer.h"
 #include "base/memory.h"

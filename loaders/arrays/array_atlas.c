@@ -5,9 +5,9 @@
 #include "base/memory.h"
 #include "base/options.h"
 #include "loaders/arrays/array_volume.h"
+#include "loaders/maps/load_roi.h"
+#include "loaders/maps/load_scalar.h"
 #include "loaders/plan/load_parcellation.h"
-#include "loaders/scene/load_roi.h"
-#include "loaders/scene/load_scalar.h"
 #include "loaders/volumes/volume_values.h"
 
 #include <stdio.h>

@@ -5,7 +5,7 @@
 #ifndef CONUS_LOADERS_CIFTI_CIFTI_H
 #define CONUS_LOADERS_CIFTI_CIFTI_H
 
-#include "atlas/labels.h"
+#include "atlas/labels/labels.h"
 #include "loaders/cifti/cifti_structure.h"
 
 enum { CIFTI_HEAD_LIMIT = 64 << 20 }; /**< Most bytes before the values: header and XML. */

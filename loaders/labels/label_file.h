@@ -3,7 +3,7 @@
 #ifndef CONUS_LOADERS_LABELS_LABEL_FILE_H
 #define CONUS_LOADERS_LABELS_LABEL_FILE_H
 
-#include "atlas/labels.h"
+#include "atlas/labels/labels.h"
 #include "base/file.h"
 #include "loaders/tables/label_use.h"
 

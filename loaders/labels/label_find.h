@@ -3,7 +3,7 @@
 #ifndef CONUS_LOADERS_LABELS_LABEL_FIND_H
 #define CONUS_LOADERS_LABELS_LABEL_FIND_H
 
-#include "atlas/labels.h"
+#include "atlas/labels/labels.h"
 #include "loaders/tables/label_use.h"
 #include "loaders/volumes/volume_file.h"
 

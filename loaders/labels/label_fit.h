@@ -3,7 +3,7 @@
 #ifndef CONUS_LOADERS_LABELS_LABEL_FIT_H
 #define CONUS_LOADERS_LABELS_LABEL_FIT_H
 
-#include "atlas/labels.h"
+#include "atlas/labels/labels.h"
 #include "loaders/tables/label_use.h"
 
 struct label_fit {

@@ -3,7 +3,7 @@
 #ifndef CONUS_LOADERS_LABELS_LABEL_VOLUMES_H
 #define CONUS_LOADERS_LABELS_LABEL_VOLUMES_H
 
-#include "atlas/labels.h"
+#include "atlas/labels/labels.h"
 #include "base/buffer.h"
 #include "base/notes.h"
 #include "loaders/tables/label_use.h"

@@ -5,7 +5,7 @@
 #ifndef CONUS_LOADERS_MANIFEST_MANIFEST_H
 #define CONUS_LOADERS_MANIFEST_MANIFEST_H
 
-#include "atlas/labels.h"
+#include "atlas/labels/labels.h"
 #include "atlas/surface/mesh_space.h"
 
 enum { MANIFEST_VERSION = 1 };

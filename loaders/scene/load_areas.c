@@ -2,7 +2,7 @@
 /* From planned surfaces to areas of the atlas: reading them, their notes, the area tree. */
 #include "loaders/scene/load_areas.h"
 
-#include "atlas/label_map.h"
+#include "atlas/labels/label_map.h"
 #include "atlas/surface/mesh_split.h"
 #include "base/buffer.h"
 #include "base/folder.h"

@@ -7,7 +7,7 @@
 #include "base/folder.h"
 #include "base/memory.h"
 #include "base/options.h"
-#include "loaders/scene/load_scalar.h"
+#include "loaders/maps/load_scalar.h"
 #include "loaders/surfaces/mesh_file.h"
 
 #include <string.h>

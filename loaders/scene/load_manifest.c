@@ -6,15 +6,15 @@
 #include "base/buffer.h"
 #include "base/folder.h"
 #include "base/memory.h"
+#include "loaders/maps/fsl_maps.h"
+#include "loaders/maps/load_probability.h"
+#include "loaders/maps/load_scalar.h"
 #include "loaders/moved/manifest_move.h"
 #include "loaders/plan/load_plan.h"
 #include "loaders/plan/parcellations.h"
 #include "loaders/plan/plan_settle.h"
-#include "loaders/scene/fsl_maps.h"
 #include "loaders/scene/load_areas.h"
 #include "loaders/scene/load_context.h"
-#include "loaders/scene/load_probability.h"
-#include "loaders/scene/load_scalar.h"
 #include "loaders/scene/load_streamlines.h"
 
 #include <math.h>

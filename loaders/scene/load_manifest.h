@@ -5,8 +5,8 @@
 
 #include "base/file.h"
 #include "loaders/manifest/manifest.h"
+#include "loaders/maps/named_maps.h"
 #include "loaders/scene/load_progress.h"
-#include "loaders/scene/named_maps.h"
 
 /** Loads what the manifest in @p file, the bytes of @p path, names. A path that ends in '/' is a folder for which the
  * manifest was made up. The atlas's notes keep the sink. */

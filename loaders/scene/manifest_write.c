@@ -13,11 +13,11 @@
 #include "loaders/manifest/manifest_brainglobe.h"
 #include "loaders/manifest/manifest_scan.h"
 #include "loaders/manifest/manifest_surfaces.h"
+#include "loaders/maps/named_maps.h"
 #include "loaders/moved/draft_transform.h"
 #include "loaders/plan/plan_cifti.h"
 #include "loaders/scene/draft_streamlines.h"
 #include "loaders/scene/load_manifest.h"
-#include "loaders/scene/named_maps.h"
 #include "loaders/tables/fsl_number.h"
 
 #include <stdio.h>

@@ -3,7 +3,7 @@
 #ifndef CONUS_LOADERS_SURFACES_FREESURFER_ANNOT_H
 #define CONUS_LOADERS_SURFACES_FREESURFER_ANNOT_H
 
-#include "atlas/labels.h"
+#include "atlas/labels/labels.h"
 
 /** Parses an annotation: *labels has one label per vertex (0 = none), the caller's to memory_free(); @p table is
  * sorted, and the caller's to finish. A label is its entry's number in the file's colour table; vertices name it by its

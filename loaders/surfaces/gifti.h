@@ -5,7 +5,7 @@
 #ifndef CONUS_LOADERS_SURFACES_GIFTI_H
 #define CONUS_LOADERS_SURFACES_GIFTI_H
 
-#include "atlas/labels.h"
+#include "atlas/labels/labels.h"
 
 enum { GIFTI_RANK_LIMIT = 6 };
 

@@ -3,7 +3,7 @@
 #ifndef CONUS_LOADERS_SURFACES_MESH_FILE_H
 #define CONUS_LOADERS_SURFACES_MESH_FILE_H
 
-#include "atlas/labels.h"
+#include "atlas/labels/labels.h"
 #include "atlas/surface/mesh.h"
 #include "atlas/surface/mesh_space.h"
 #include "base/file_sums.h"

@@ -4,7 +4,7 @@
 #ifndef CONUS_LOADERS_TABLES_FSL_ATLAS_H
 #define CONUS_LOADERS_TABLES_FSL_ATLAS_H
 
-#include "atlas/labels.h"
+#include "atlas/labels/labels.h"
 
 enum { FSL_ATLAS_LIMIT = 4 << 20 }; /**< Bytes of an atlas XML. */
 

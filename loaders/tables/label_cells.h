@@ -3,7 +3,7 @@
 #ifndef CONUS_LOADERS_TABLES_LABEL_CELLS_H
 #define CONUS_LOADERS_TABLES_LABEL_CELLS_H
 
-#include "atlas/labels.h"
+#include "atlas/labels/labels.h"
 #include "base/formats/xml.h"
 
 /** Appends @p label, if filling it gave @p status CONUS_OK; else returns @p status. Its strings are taken over in any

@@ -3,7 +3,7 @@
 #ifndef CONUS_LOADERS_TABLES_LABEL_FORMAT_H
 #define CONUS_LOADERS_TABLES_LABEL_FORMAT_H
 
-#include "atlas/labels.h"
+#include "atlas/labels/labels.h"
 
 /** A format of label tables. */
 struct label_format {

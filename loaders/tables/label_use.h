@@ -3,7 +3,7 @@
 #ifndef CONUS_LOADERS_TABLES_LABEL_USE_H
 #define CONUS_LOADERS_TABLES_LABEL_USE_H
 
-#include "atlas/label_voxels.h"
+#include "atlas/labels/label_voxels.h"
 #include "base/file_sums.h"
 #include "conus/conus.h"
 

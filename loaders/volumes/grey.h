@@ -4,8 +4,8 @@
 #ifndef CONUS_LOADERS_VOLUMES_GREY_H
 #define CONUS_LOADERS_VOLUMES_GREY_H
 
-#include "atlas/label_voxels.h"
-#include "atlas/labels.h"
+#include "atlas/labels/label_voxels.h"
+#include "atlas/labels/labels.h"
 #include "loaders/volumes/volume_file.h"
 
 /** What else there is to say that the numbers are labels. */

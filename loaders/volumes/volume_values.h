@@ -3,7 +3,7 @@
 #ifndef CONUS_LOADERS_VOLUMES_VOLUME_VALUES_H
 #define CONUS_LOADERS_VOLUMES_VOLUME_VALUES_H
 
-#include "atlas/label_voxels.h"
+#include "atlas/labels/label_voxels.h"
 #include "loaders/volumes/volume_file.h"
 
 /** Decodes to labels. Refuses scaled values that are not whole, or outside 0..4294967295, naming the first such voxel.

@@ -4,7 +4,7 @@
 
 #include "base/math3.h"
 #include "base/memory.h"
-#include "selection/measure/region_rows.h"
+#include "selection/region/region_rows.h"
 
 #include <stdlib.h>
 

@@ -7,7 +7,7 @@
 
 #include "atlas/atlas.h"
 #include "selection/measure/label_runs.h"
-#include "selection/measure/region.h"
+#include "selection/region/region.h"
 
 /** @p count voxels of @p volume in the region, from indices @p at on along i. */
 typedef void (*census_row)(void *user, const struct volume *volume, const size_t at[3], size_t count);

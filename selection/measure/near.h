@@ -4,7 +4,7 @@
 #define CONUS_SELECTION_MEASURE_NEAR_H
 
 #include "atlas/atlas.h"
-#include "selection/measure/region.h"
+#include "selection/region/region.h"
 
 /** Nearest points of objects to a ball's centre; kept between balls. A zeroed one is ready for near_prepare(). */
 struct near {

@@ -5,7 +5,7 @@
 #include "atlas/bundles.h"
 #include "base/math3.h"
 #include "base/memory.h"
-#include "selection/measure/region_segment.h"
+#include "selection/region/region_segment.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -6,7 +6,7 @@
 #define CONUS_SELECTION_MEASURE_TRACT_CENSUS_H
 
 #include "atlas/atlas.h"
-#include "selection/measure/region.h"
+#include "selection/region/region.h"
 
 /** What a run of segments has in a region, and, added up, what the streamlines of a bundle have there. */
 struct tract_part {

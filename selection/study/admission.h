@@ -6,7 +6,7 @@
 #define CONUS_SELECTION_STUDY_ADMISSION_H
 
 #include "atlas/atlas.h"
-#include "selection/measure/region.h"
+#include "selection/region/region.h"
 
 struct admission {
     double slope;    /**< Tangent of the half-angle; infinite where none has been found.               */

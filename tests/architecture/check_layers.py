@@ -65,11 +65,12 @@ LIBRARY = {
     "atlas/surface": "base",
     "atlas/deformation": "base",
     "atlas/tracts": "base atlas/surface",
-    "atlas": "base atlas/surface atlas/deformation atlas/tracts",
-    "atlas/areas": "base atlas",
+    "atlas/labels": "base",
+    "atlas": "base atlas/surface atlas/deformation atlas/tracts atlas/labels",
+    "atlas/areas": "base atlas/labels atlas",
     "atlas/warp": "base atlas/deformation atlas",
     "atlas/fit": "base atlas/surface atlas",
-    "atlas/phantom": "base atlas/surface atlas",
+    "atlas/phantom": "base atlas/labels atlas/surface atlas",
     "poses/rows": "base",
     "poses/programs": "base base/formats poses/rows",
     "poses": "base base/formats poses/rows poses/programs",
@@ -78,27 +79,29 @@ LIBRARY = {
     "loaders/tiff": "base",
     "loaders/brainglobe": "base base/formats",
     "loaders/tracts": "base base/formats atlas/tracts loaders loaders/surfaces/foreign",
-    "loaders/volumes/text": "base base/formats atlas",
-    "loaders/volumes": "base base/formats atlas loaders loaders/tiff loaders/brainglobe loaders/volumes/text",
-    "loaders/tables": "base base/formats atlas loaders/volumes",
-    "loaders/cifti": "base base/formats atlas loaders/volumes loaders/tables",
-    "loaders/labels": "base atlas loaders loaders/volumes loaders/volumes/text loaders/tables",
+    "loaders/volumes/text": "base base/formats atlas/labels atlas",
+    "loaders/volumes": "base base/formats atlas/labels atlas loaders loaders/tiff loaders/brainglobe"
+    " loaders/volumes/text",
+    "loaders/tables": "base base/formats loaders/volumes atlas/labels",
+    "loaders/cifti": "base base/formats loaders/volumes loaders/tables atlas/labels",
+    "loaders/labels": "base loaders loaders/volumes loaders/volumes/text loaders/tables atlas/labels",
     "loaders/child": "base atlas/surface atlas",
-    "loaders/surfaces/foreign": "base base/formats atlas/surface atlas loaders",
-    "loaders/surfaces": "base base/formats atlas/surface atlas loaders loaders/tables loaders/cifti"
+    "loaders/surfaces/foreign": "base base/formats atlas/labels atlas/surface loaders",
+    "loaders/surfaces": "base base/formats atlas/labels atlas/surface atlas loaders loaders/tables loaders/cifti"
     " loaders/child loaders/surfaces/foreign",
-    "loaders/phantom": "base atlas atlas/phantom loaders/volumes loaders/surfaces",
-    "loaders/manifest": "base base/formats atlas/surface atlas atlas/areas loaders/volumes loaders/tables loaders/labels",
-    "loaders/plan": "base base/formats atlas loaders loaders/volumes loaders/tables loaders/labels"
+    "loaders/phantom": "base atlas/labels atlas atlas/phantom loaders/volumes loaders/surfaces",
+    "loaders/manifest": "base base/formats atlas/labels atlas/surface atlas/areas loaders/volumes loaders/tables"
+    " loaders/labels",
+    "loaders/plan": "base base/formats atlas/labels atlas loaders loaders/volumes loaders/tables loaders/labels"
     " loaders/cifti loaders/surfaces loaders/manifest loaders/brainglobe",
     "loaders/transform": "base base/formats atlas/deformation loaders loaders/volumes",
     "loaders/moved": "base atlas atlas/fit loaders/volumes loaders/manifest loaders/transform",
-    "loaders/scene": "base base/formats atlas/surface atlas atlas/areas atlas/fit atlas/warp loaders loaders/volumes loaders/tables"
-    " loaders/labels"
-    " loaders/cifti loaders/surfaces/foreign loaders/surfaces loaders/manifest loaders/plan loaders/transform"
-    " loaders/moved loaders/tracts",
+    "loaders/maps": "base atlas/labels atlas atlas/fit loaders/volumes loaders/tables loaders/labels",
+    "loaders/scene": "base base/formats atlas/labels atlas/surface atlas atlas/areas atlas/fit atlas/warp loaders/maps"
+    " loaders loaders/volumes loaders/tables loaders/labels loaders/cifti loaders/surfaces/foreign loaders/surfaces"
+    " loaders/manifest loaders/plan loaders/transform loaders/moved loaders/tracts",
     "loaders/catalogue": "base base/formats loaders/volumes loaders/tables",
-    "loaders/arrays": "base atlas atlas/areas loaders/volumes loaders/plan loaders/scene",
+    "loaders/arrays": "base atlas atlas/areas loaders/maps loaders/volumes loaders/plan loaders/scene",
     "render/gl": "base",
     "render/tubes": "base atlas render/gl",
     "render/id": "base atlas/surface atlas render/gl render/tubes",
@@ -112,9 +115,10 @@ LIBRARY = {
     "selection/engine/tracts": "base atlas/tracts selection/evidence",
     "selection/engine": "base atlas render/gl render/id selection/cone selection/evidence selection/engine/voxels"
     " selection/engine/tracts selection/engine/triangles",
-    "selection/measure": "base atlas/surface atlas/tracts atlas selection/cone selection/evidence",
-    "selection": "base atlas atlas/areas selection/evidence selection/engine selection/measure",
-    "selection/study": "base atlas/surface atlas selection/cone selection/measure selection",
+    "selection/region": "base atlas/tracts atlas selection/cone",
+    "selection/measure": "base atlas/surface atlas selection/cone selection/evidence selection/region",
+    "selection": "base atlas atlas/areas selection/region selection/evidence selection/engine selection/measure",
+    "selection/study": "base atlas/surface atlas selection/region selection/cone selection/measure selection",
     "selection/ends": "base atlas/surface atlas selection/cone selection/measure selection",
     "selection/picture": "base render/image render/colour render/flat selection/measure selection",
     "selection/report": "base atlas poses/programs selection selection/ends selection/study",

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Labels of voxels as places in a list, against the labels themselves. */
-#include "atlas/label_voxels.h"
+#include "atlas/labels/label_voxels.h"
 #include "base/memory.h"
 #include "test.h"
 

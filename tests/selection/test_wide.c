@@ -6,7 +6,7 @@
 #include "mesh_scene.h"
 #include "scene.h"
 #include "selection/cone/aperture.h"
-#include "selection/measure/region.h"
+#include "selection/region/region.h"
 #include "test.h"
 
 #include <stdlib.h>

@@ -3,7 +3,7 @@
 #ifndef CONUS_LOADERS_SURFACES_FOREIGN_MESH_FOREIGN_H
 #define CONUS_LOADERS_SURFACES_FOREIGN_MESH_FOREIGN_H
 
-#include "atlas/labels.h"
+#include "atlas/labels/labels.h"
 #include "atlas/surface/mesh_space.h"
 #include "atlas/surface/mesh_split.h"
 

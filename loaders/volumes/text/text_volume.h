@@ -3,7 +3,7 @@
 #ifndef CONUS_LOADERS_VOLUMES_TEXT_TEXT_VOLUME_H
 #define CONUS_LOADERS_VOLUMES_TEXT_TEXT_VOLUME_H
 
-#include "atlas/labels.h"
+#include "atlas/labels/labels.h"
 #include "base/status.h"
 
 #include <stdbool.h>

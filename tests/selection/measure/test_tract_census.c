@@ -4,8 +4,8 @@
 #include "atlas/bundles.h"
 #include "base/math3.h"
 #include "base/memory.h"
-#include "selection/measure/region_segment.h"
 #include "selection/measure/tract_census.h"
+#include "selection/region/region_segment.h"
 #include "test.h"
 #include "tract_scene.h"
 

@@ -2,4 +2,4 @@
 /* The kernel that cuts rows of voxels, for any processor. */
 #define LANES 4
 #define KERNEL region_rows_cut_plain
-#include "selection/measure/region_rows_lanes.h"
+#include "selection/region/region_rows_lanes.h"

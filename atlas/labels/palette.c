@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The colour of the n-th area. */
-#include "atlas/palette.h"
+#include "atlas/labels/palette.h"
 
 #include <math.h>
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* FSL atlases with a volume per label: the XML, and which of its images is taken. */
-#include "loaders/scene/fsl_maps.h"
+#include "loaders/maps/fsl_maps.h"
 
 #include "base/folder.h"
 #include "base/memory.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Areas of probabilistic atlases: which number means "certainly", and volumes divided by it. */
-#include "loaders/scene/load_probability.h"
+#include "loaders/maps/load_probability.h"
 
 #include "base/memory.h"
 #include "base/text.h"

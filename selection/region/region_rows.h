@@ -5,7 +5,7 @@
 #ifndef CONUS_SELECTION_MEASURE_REGION_ROWS_H
 #define CONUS_SELECTION_MEASURE_REGION_ROWS_H
 
-#include "selection/measure/region.h"
+#include "selection/region/region.h"
 
 /** A line at + t step as a region sees it: numbers that are linear in t, [0] at t = 0 and [1] per t. It is in the
  * region where the length of `across` is not above the width, within the range of depths. */

@@ -3,7 +3,7 @@
 #ifndef CONUS_LOADERS_SCENE_NAMED_MAPS_H
 #define CONUS_LOADERS_SCENE_NAMED_MAPS_H
 
-#include "atlas/labels.h"
+#include "atlas/labels/labels.h"
 #include "base/file_sums.h"
 #include "loaders/volumes/volume_file.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Segments and boxes against a cone, a cylinder or a ball. */
-#include "selection/measure/region_segment.h"
+#include "selection/region/region_segment.h"
 
 #include "base/math3.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Rows of voxels as a region sees them, and the choice of a kernel that cuts them. */
-#include "selection/measure/region_rows.h"
+#include "selection/region/region_rows.h"
 
 #include "base/math3.h"
 #include "base/processor.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Volumes that a table names are probabilities if nothing speaks against it: not their values, which would be a scan's,
  * not that they are all above 0 at the same places, as images of one thing are, and not that they look like labels. */
-#include "loaders/scene/named_maps.h"
+#include "loaders/maps/named_maps.h"
 
 #include "base/buffer.h"
 #include "base/folder.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus_atlas_add_pathway(), and the volume of conus_atlas_set_context(): volumes whose values are numbers, not names.
  */
-#include "loaders/scene/load_scalar.h"
+#include "loaders/maps/load_scalar.h"
 
 #include "atlas/fit/fit.h"
 #include "base/buffer.h"
@@ -9,7 +9,7 @@
 #include "base/memory.h"
 #include "base/options.h"
 #include "loaders/labels/label_volumes.h"
-#include "loaders/scene/bands.h"
+#include "loaders/maps/bands.h"
 #include "loaders/tables/fsl_find.h"
 #include "loaders/volumes/volume_values.h"
 

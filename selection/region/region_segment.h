@@ -6,7 +6,7 @@
 #define CONUS_SELECTION_MEASURE_REGION_SEGMENT_H
 
 #include "atlas/tracts/tract_tree.h"
-#include "selection/measure/region.h"
+#include "selection/region/region.h"
 
 /** The part from s = @p out [0] to @p out [1] of the segment from ends[0] (s = 0) to ends[1] (s = 1), world mm, that
  * lies in the region; false where none does. @p inside: what region_has() says of the two ends. The segment comes in

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The cone or the ball as a region of space, and its bounds in a grid. */
-#include "selection/measure/region.h"
+#include "selection/region/region.h"
 
 #include "base/math3.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Labels as places in a list of those that there are. */
-#include "atlas/label_voxels.h"
+#include "atlas/labels/label_voxels.h"
 
 #include "base/memory.h"
 

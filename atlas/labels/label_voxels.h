@@ -5,7 +5,7 @@
 #ifndef CONUS_ATLAS_LABEL_VOXELS_H
 #define CONUS_ATLAS_LABEL_VOXELS_H
 
-#include "atlas/label_map.h"
+#include "atlas/labels/label_map.h"
 
 struct label_voxels {
     size_t count;     /**< Of voxels.                                                                   */

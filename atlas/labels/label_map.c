@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The hash map, with open addressing. */
-#include "atlas/label_map.h"
+#include "atlas/labels/label_map.h"
 
 #include "base/memory.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Refuses bands of values that are none, and notes those that look wrong. */
-#include "loaders/scene/bands.h"
+#include "loaders/maps/bands.h"
 
 #include "base/memory.h"
 #include "base/text_number.h"

@@ -2,4 +2,4 @@
 /* The kernel that cuts rows of voxels, for AVX2. */
 #define LANES 8
 #define KERNEL region_rows_cut_avx2
-#include "selection/measure/region_rows_lanes.h"
+#include "selection/region/region_rows_lanes.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus_roi_load(): a volume becomes a region of interest. */
-#include "loaders/scene/load_roi.h"
+#include "loaders/maps/load_roi.h"
 
 #include "base/memory.h"
 #include "base/options.h"

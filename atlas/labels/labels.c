@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Label tables: adding, sorting, finding, and the area that a label describes. */
-#include "atlas/labels.h"
+#include "atlas/labels/labels.h"
 
-#include "atlas/palette.h"
+#include "atlas/labels/palette.h"
 #include "base/memory.h"
 #include "base/order.h"
 
