@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The legend inside a picture: which rows it has where there are too many, and that it lies beside the drawing. */
+#include "atlas/bundles.h"
 #include "base/math3.h"
 #include "base/memory.h"
 #include "picture_scene.h"
@@ -8,6 +9,7 @@
 #include "selection/picture/picture.h"
 #include "test.h"
 #include "test_gl.h"
+#include "tract_scene.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -41,24 +43,42 @@ static double halves(const double p[3])
     return p[0] < 0 ? 1 : 2;
 }
 
+/* 1, but 2 from 10 mm before the middle on. */
+static double front_and_rest(const double p[3])
+{
+    return p[1] < 10 ? 1 : 2;
+}
+
 static const double left[3] = {-60, 0, 0}, front[3] = {0, 60, 0};
 
-/* Seen with all layers: from the left the first label is hit, each other one is behind. Each is called @p name. */
-static struct scene make_scene(picture_function labels, const char *name, const double from[3], double degrees)
+/* Each label is called @p name. */
+static conus_atlas *make_atlas(picture_function labels, const char *name)
+{
+    const conus_volume_info grid = picture_grid((size_t[]){SLABS, 40, 40}, (double[]){1, 1, 1}, picture_identity);
+    conus_atlas *atlas = picture_atlas(&grid, labels, NULL, NULL);
+    for (size_t i = 0; i < atlas->object_count; i++) {
+        memory_free((char *)atlas->objects[i].name);
+        atlas->objects[i].name = memory_text(name, strlen(name));
+    }
+    return atlas;
+}
+
+/* Seen with all layers: from the left the first label is hit, each other one is behind. Takes the atlas over. */
+static struct scene see(conus_atlas *atlas, const double from[3], double degrees)
 {
     const conus_selector_options all = {.layers = CONUS_LAYERS_ALL, .resolution = 64};
-    const conus_volume_info grid = picture_grid((size_t[]){SLABS, 40, 40}, (double[]){1, 1, 1}, picture_identity);
-    struct scene scene = {.atlas = picture_atlas(&grid, labels, NULL, NULL)};
+    struct scene scene = {.atlas = atlas};
     conus_pose pose;
-    for (size_t i = 0; i < scene.atlas->object_count; i++) {
-        memory_free((char *)scene.atlas->objects[i].name);
-        scene.atlas->objects[i].name = memory_text(name, strlen(name));
-    }
     scene.renderer = picture_renderer(scene.atlas, NULL);
     assert_ok(conus_selector_create(&scene.selector, scene.atlas, &all));
     assert_ok(conus_pose_toward(&pose, from, (double[]){0, 0, 0}, NULL));
     assert_ok(conus_select(&scene.selection, scene.selector, &pose, radians_from_degrees(degrees)));
     return scene;
+}
+
+static struct scene make_scene(picture_function labels, const char *name, const double from[3], double degrees)
+{
+    return see(make_atlas(labels, name), from, degrees);
 }
 
 static void finish_scene(struct scene *scene)
@@ -84,31 +104,17 @@ static struct legend_row describe(char text[2][TEXT], const struct scene *scene,
     return row;
 }
 
-/* The first `shown` results, or all where that is 0, a row about the others if there are any, and what hits nothing:
- * the last result. */
-static void draw_expected(conus_image *image, struct font *font, const struct scene *scene, size_t shown)
+/* Draws the rows of a legend that has no other. */
+static void draw_rows(conus_image *image, struct font *font, const struct scene *scene, const struct legend_row *rows,
+                      size_t count)
 {
-    char texts[SLABS + 1][2][TEXT];
-    char more[TEXT];
     char subtitle[PICTURE_TEXT];
-    struct legend_row rows[SLABS + 2];
-    size_t results = conus_selection_count(scene->selection);
-    size_t count = 0;
-    shown = shown ? shown : results - 1;
     picture_describe_cone(subtitle, &scene->selection->cone, NULL);
-    for (size_t i = 0; i < shown; i++, count++) {
-        rows[count] = describe(texts[i], scene, i);
-    }
-    if (shown + 1 < results) {
-        snprintf(more, sizeof more, "\u2026 and %zu more", results - 1 - shown);
-        rows[count++] = (struct legend_row){.name = more, .hollow = true, .detail = {"behind"}};
-    }
-    rows[count] = describe(texts[SLABS], scene, results - 1);
     const struct legend legend = {.title = "Hits of the cone",
                                   .subtitle = subtitle,
                                   .header = {"share", "distance"},
                                   .rows = rows,
-                                  .count = count + 1,
+                                  .count = count,
                                   .widest = 1,
                                   .size = SMALLEST};
     assert_ok(legend_draw(image, font, &legend));
@@ -116,14 +122,15 @@ static void draw_expected(conus_image *image, struct font *font, const struct sc
 
 /* Where the expected legend is, the picture has that and nothing under it, and elsewhere there is a drawing. @p width
  * and @p height, in tenths of the picture's, are what the legend takes at least and at most. */
-static void check(struct scene *scene, size_t shown, const double width[2], const double height[2])
+static void check_rows(const struct scene *scene, const struct legend_row *rows, size_t count, const double width[2],
+                       const double height[2])
 {
     struct font *font = NULL;
     conus_image *image = NULL;
     conus_image *expected = NULL;
     assert_ok(font_create(&font));
     assert_ok(image_create_rgba(&expected, WIDTH, HEIGHT));
-    draw_expected(expected, font, scene, shown);
+    draw_rows(expected, font, scene, rows, count);
     assert_ok(conus_render(&image, scene->renderer,
                            &(conus_view){.width = WIDTH,
                                          .height = HEIGHT,
@@ -150,6 +157,27 @@ static void check(struct scene *scene, size_t shown, const double width[2], cons
     conus_image_destroy(image);
     conus_image_destroy(expected);
     font_destroy(font);
+}
+
+/* The first `shown` results, or all where that is 0, a row about the others if there are any, and what hits nothing:
+ * the last result. */
+static void check(struct scene *scene, size_t shown, const double width[2], const double height[2])
+{
+    char texts[SLABS + 1][2][TEXT];
+    char more[TEXT];
+    struct legend_row rows[SLABS + 2];
+    size_t results = conus_selection_count(scene->selection);
+    size_t count = 0;
+    shown = shown ? shown : results - 1;
+    for (size_t i = 0; i < shown; i++, count++) {
+        rows[count] = describe(texts[i], scene, i);
+    }
+    if (shown + 1 < results) {
+        snprintf(more, sizeof more, "\u2026 and %zu more", results - 1 - shown);
+        rows[count++] = (struct legend_row){.name = more, .hollow = true, .detail = {"behind"}};
+    }
+    rows[count] = describe(texts[SLABS], scene, results - 1);
+    check_rows(scene, rows, count + 1, width, height);
     finish_scene(scene);
 }
 
@@ -211,6 +239,70 @@ static void the_drawing_is_below_a_wide_legend(void **state)
     check(&scene, 2, (double[]){7, 10}, (double[]){2, 3});
 }
 
+/* A streamline of 40 mm along y, at x and about y. */
+static void add_bundle(conus_atlas *atlas, const char *name, double x, double y)
+{
+    struct tract_builder builder;
+    tract_begin(&builder);
+    builder.made.radius = 3;
+    tract_add_point(&builder, (double[]){x, y - 20, 0});
+    tract_add_point(&builder, (double[]){x, y + 20, 0});
+    tract_end_streamline(&builder);
+    assert_ok(atlas_add_tractogram(atlas, &builder.made, name));
+}
+
+/* The cone of 8 degrees, 40 mm before its apex, goes through the first bundle, 15 mm before the brain, and at the end
+ * of the brain, 90 mm away, it reaches 6.3 mm to either side: neither to the area from 10 mm on, nor to the two other
+ * bundles, which begin 20 mm beside its axis. In an atlas with bundles what it does not reach is not drawn of areas,
+ * and pale of bundles. A name of more than 42 letters makes all letters the smallest. */
+static void bundles_that_are_not_hit_have_rows(void **state)
+{
+    (void)state;
+    need_font();
+    static const char *const names[] = {"The bundle that is hit, which has a long name", "Beside", "Beside it"};
+    char texts[3][2][TEXT];
+    struct legend_row rows[6];
+    conus_atlas *atlas = make_atlas(front_and_rest, "Area");
+    for (int k = 0; k < 3; k++) {
+        add_bundle(atlas, names[k], -45, 40 * k);
+    }
+    struct scene scene = see(atlas, left, 8);
+    assert_int_equal(conus_selection_count(scene.selection), 3); /* with what hits nothing */
+    for (size_t i = 0; i < 3; i++) {
+        rows[i] = describe(texts[i], &scene, i);
+    }
+    for (size_t k = 1; k < 3; k++) {
+        rows[2 + k] = (struct legend_row){.name = names[k], .detail = {"not hit"}};
+        memcpy(rows[2 + k].rgb, atlas->objects[2 + k].rgb, sizeof rows[2 + k].rgb);
+    }
+    rows[5] = (struct legend_row){.name = "other areas", .hollow = true, .detail = {"not drawn"}};
+    check_rows(&scene, rows, 6, (double[]){5, 7}, (double[]){3, 5});
+    finish_scene(&scene);
+}
+
+/* Five bundles that are not hit are too many for a row each. */
+static void many_bundles_that_are_not_hit_are_counted(void **state)
+{
+    (void)state;
+    need_font();
+    char texts[2][2][TEXT];
+    struct legend_row rows[3];
+    conus_atlas *atlas = make_atlas(picture_ball_of_20, "A ball, which is called by a rather long name");
+    for (int k = 0; k < 5; k++) {
+        char name[] = "Bundle 0";
+        name[7] = (char)('0' + k);
+        add_bundle(atlas, name, -45, 40 + 5 * k);
+    }
+    struct scene scene = see(atlas, left, 8);
+    assert_int_equal(conus_selection_count(scene.selection), 2);
+    for (size_t i = 0; i < 2; i++) {
+        rows[i] = describe(texts[i], &scene, i);
+    }
+    rows[2] = (struct legend_row){.name = "5 bundles", .hollow = true, .detail = {"not hit"}};
+    check_rows(&scene, rows, 3, (double[]){5, 7}, (double[]){2, 4});
+    finish_scene(&scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -218,6 +310,8 @@ int main(void)
         cmocka_unit_test(rows_that_are_hit_are_counted_with_the_others),
         cmocka_unit_test(the_drawing_is_right_of_a_high_legend),
         cmocka_unit_test(the_drawing_is_below_a_wide_legend),
+        cmocka_unit_test(bundles_that_are_not_hit_have_rows),
+        cmocka_unit_test(many_bundles_that_are_not_hit_are_counted),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
