@@ -173,7 +173,7 @@ typedef struct conus_view {
     double fade;         /**< How much the context is thinned: 0 = as its transfer function, or the opacity of its
                             surfaces, says, 1 = gone. */
     conus_side side;     /**< Without a camera: from where the whole atlas is seen. */
-    conus_legend legend; /**< Where the legend is; it is there only with a selection. */
+    conus_legend legend; /**< Where the legend is; it is there with a selection or coloured streamlines. */
     conus_background background; /**< What lies behind. */
     uint8_t background_rgb[3];   /**< sRGB, of #CONUS_BACKGROUND_COLOUR. */
     double dpi; /**< Pixels per inch, up to 100000: letters have 7.5 points, and files say it; 0 = not known, letters

@@ -33,6 +33,7 @@ struct layout {
     conus_image *image;
     double em;
     size_t shown; /* rows, without the line that counts the others */
+    size_t head;  /* of these, what is above that line */
     int columns;  /* details shown */
     double name_width, column_width[LEGEND_DETAILS];
     bool has_header;
@@ -50,11 +51,18 @@ static double width_of(const struct layout *layout, double size, const char *tex
     return text ? font_width(layout->font, size, text) : 0;
 }
 
+/* Row number `i` of those that are shown. */
+static const struct legend_row *shown_row(const struct layout *layout, size_t i)
+{
+    size_t left_out = i < layout->head ? 0 : layout->legend->count - layout->shown;
+    return &layout->legend->rows[i + left_out];
+}
+
 static double column_width(const struct layout *layout, int column)
 {
     double width = width_of(layout, layout->em, layout->legend->header[column]);
     for (size_t i = 0; i < layout->shown; i++) {
-        width = fmax(width, width_of(layout, layout->em, layout->legend->rows[i].detail[column]));
+        width = fmax(width, width_of(layout, layout->em, shown_row(layout, i)->detail[column]));
     }
     return width > 0 ? width + COLUMN_GAP * layout->em : 0;
 }
@@ -84,7 +92,7 @@ static double measure_columns(struct layout *layout)
         details += layout->column_width[c];
     }
     for (size_t i = 0; i < layout->shown; i++) {
-        double width = width_of(layout, layout->em, layout->legend->rows[i].name);
+        double width = width_of(layout, layout->em, shown_row(layout, i)->name);
         layout->name_width = fmax(layout->name_width, width);
     }
     return details;
@@ -106,7 +114,8 @@ double legend_fit(double size[2], struct font *font, const struct legend *legend
     double em = largest / step;
     do {
         em = fmax(em * step, smallest);
-        struct layout layout = {.legend = legend, .font = font, .em = em, .shown = legend->count};
+        struct layout layout = {
+            .legend = legend, .font = font, .em = em, .shown = legend->count, .head = legend->count};
         find_header(&layout);
         double details = measure_columns(&layout);
         size[0] = content_width(&layout, details) + 2 * (MARGIN + PADDING) * em + 1; /* the panel is of whole pixels */
@@ -127,7 +136,9 @@ static void choose_rows(struct layout *layout)
 {
     size_t fitting = legend_capacity(layout->legend, layout->em, layout->image->height);
     size_t count = layout->legend->count;
+    size_t tail = layout->legend->tail;
     layout->shown = count <= fitting ? count : fitting > 0 ? fitting - 1 : 0;
+    layout->head = count <= fitting || layout->shown <= tail ? layout->shown : layout->shown - tail;
 }
 
 /* Chooses the columns, and the width of the names: as wide as they are, or what the columns leave them. */
@@ -230,26 +241,40 @@ static void draw_chip(const struct layout *layout, double left, double baseline,
     draw_frame(layout->image, &box, 0.18 * layout->em, row->hollow ? fmax(1, 0.08 * layout->em) : 0, colour);
 }
 
+static conus_status write_row(const struct layout *layout, double left, double baseline, const struct legend_row *row)
+{
+    double indent = row->heading ? 0 : (CHIP + CHIP_GAP) * layout->em;
+    const float *colour = row->hollow || row->heading ? layout->dim : layout->bright;
+    if (!row->heading) {
+        draw_chip(layout, left, baseline, row);
+    }
+    conus_status status = write_text(layout, (double[]){left + indent, baseline}, layout->em, layout->name_width + 0.01,
+                                     colour, row->name);
+    return status ? status : write_details(layout, baseline, row->detail, colour);
+}
+
+static conus_status write_count(const struct layout *layout, double left, double baseline)
+{
+    char text[64];
+    snprintf(text, sizeof text, "\xe2\x80\xa6 and %zu more", layout->legend->count - layout->shown);
+    const double at[2] = {left + (CHIP + CHIP_GAP) * layout->em, baseline};
+    return font_draw(layout->font, layout->image, at, layout->em, layout->dim, text);
+}
+
 static conus_status write_rows(const struct layout *layout, double y)
 {
     double em = layout->em;
     double left = layout->panel.left + PADDING * em;
+    bool is_short = layout->shown < layout->legend->count;
     conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && i < layout->shown; i++) {
-        const struct legend_row *row = &layout->legend->rows[i];
+    for (size_t line = 0; !status && line < layout->shown + is_short; line++) {
         y += LINE * em;
-        double at[2] = {left + (CHIP + CHIP_GAP) * em, rint(y - BELOW_BASELINE * em)};
-        draw_chip(layout, left, at[1], row);
-        status = write_text(layout, at, em, layout->name_width + 0.01, row->hollow ? layout->dim : layout->bright,
-                            row->name);
-        status =
-            status ? status : write_details(layout, at[1], row->detail, row->hollow ? layout->dim : layout->bright);
-    }
-    if (!status && layout->shown < layout->legend->count) {
-        char text[64];
-        snprintf(text, sizeof text, "\xe2\x80\xa6 and %zu more", layout->legend->count - layout->shown);
-        double at[2] = {left + (CHIP + CHIP_GAP) * em, rint(y + (LINE - BELOW_BASELINE) * em)};
-        status = font_draw(layout->font, layout->image, at, em, layout->dim, text);
+        double baseline = rint(y - BELOW_BASELINE * em);
+        if (is_short && line == layout->head) {
+            status = write_count(layout, left, baseline);
+        } else {
+            status = write_row(layout, left, baseline, shown_row(layout, line - (is_short && line > layout->head)));
+        }
     }
     return status;
 }

@@ -10,6 +10,7 @@ enum { LEGEND_DETAILS = 3 };
 struct legend_row {
     uint8_t rgb[3]; /**< sRGB of the chip.                                                            */
     bool hollow;    /**< Only the chip's outline: for what is no object.                              */
+    bool heading;   /**< Only its name, in grey: of the rows below it.                                */
     const char *name;
     const char *detail[LEGEND_DETAILS]; /**< Right-aligned columns after the name; NULL = empty.      */
 };
@@ -22,6 +23,7 @@ struct legend {
     const char *header[LEGEND_DETAILS]; /**< Of the detail columns; all NULL = no header row.  */
     const struct legend_row *rows;
     size_t count;
+    size_t tail; /**< Of the rows, so many last ones are shown even if there is no space for all: a key. */
     enum legend_corner corner;
     const double *at; /**< Left and top, pixels, in place of a corner; NULL = the corner.                           */
     const float *ink; /**< Linear colour and opacity of its letters where it has no panel; NULL = a dark panel.     */
@@ -42,8 +44,8 @@ double legend_fit(double size[2], struct font *font, const struct legend *legend
 size_t legend_capacity(const struct legend *legend, double size, double height);
 
 /** Draws the panel onto R, G, B, A. It keeps within `widest` and the image's height: names that are too long
- * end in an ellipsis, columns that do not fit are left out from the last on, and of too many rows the first are shown
- * with a last line "... and N more". An image too small for one row stays as it is. */
+ * end in an ellipsis, columns that do not fit are left out from the last on, and of too many rows the first are shown,
+ * a line "... and N more", and the tail, if there is space for these. An image too small for one row stays as it is. */
 conus_status legend_draw(conus_image *image, struct font *font, const struct legend *legend);
 
 #endif

@@ -48,7 +48,10 @@ void picture_background(float out[4], const conus_view *options, float part);
  * text, and a word about it in @p log (NULL = none). */
 conus_status picture_prepare_sheet(struct picture *picture, uint64_t max_memory, conus_log log, void *log_user);
 
-/** Makes the legend of a picture that has a selection, and place for it beside or below the drawing. */
+/** Whether its options have a legend, and there is something to put in: hits of a cone, or colours of streamlines. */
+bool picture_has_legend(const struct picture *picture);
+
+/** Makes the legend of a picture that has one, and place for it beside or below the drawing. */
 conus_status picture_legend_init(struct picture *picture);
 void picture_legend_finish(struct picture *picture);
 

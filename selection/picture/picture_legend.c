@@ -10,7 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { TEXT_SIZE = PICTURE_TEXT, CELL_SIZE = 24, PATHWAY_ROWS = 5, COLOUR_ROWS = 3 };
+enum { TEXT_SIZE = PICTURE_TEXT, CELL_SIZE = 24, PATHWAY_ROWS = 5, COLOURS = 3, COLOUR_ROWS = COLOURS + 1 };
 
 /* Of the picture's width: inside while letters of SMALLEST of their size are enough, and beside the drawing. */
 static const double INSIDE = 0.42;
@@ -34,6 +34,18 @@ struct picture_legend {
     char subtitle[TEXT_SIZE], words[TEXT_SIZE], more[TEXT_SIZE], colours[COLOUR_ROWS][TEXT_SIZE];
     double at[2], size[2]; /* pixels of the image */
 };
+
+/* Of a cut there is no colouring. */
+static bool colours_streamlines(const struct picture *picture)
+{
+    return picture->streamlines && picture->streamlines->by != TUBE_BY_BUNDLE;
+}
+
+bool picture_has_legend(const struct picture *picture)
+{
+    return picture->font && picture->options.legend != CONUS_LEGEND_NONE &&
+           (picture->options.selection || colours_streamlines(picture));
+}
 
 /* ---- Rows ------------------------------------------------------------------------------------------------------- */
 
@@ -111,34 +123,40 @@ static size_t add_pathways(struct legend_row rows[PATHWAY_ROWS], char words[TEXT
     return count;
 }
 
-/* What the colours of streamlines stand for, where these are not their bundles'. */
+/* A colour, in words. */
+static void add_colour(struct legend_row *row, char words[TEXT_SIZE], const struct tube_colouring *colouring, int i)
+{
+    static const char *const directions[COLOURS] = {"left to right", "back to front", "down to up"};
+    double part = i / (COLOURS - 1.0);
+    *row = (struct legend_row){.name = words};
+    if (colouring->by == TUBE_BY_DIRECTION) {
+        snprintf(words, TEXT_SIZE, "%s", directions[i]);
+        row->rgb[i] = 255;
+    } else if (colouring->low > colouring->high) {
+        snprintf(words, TEXT_SIZE, "not known");
+        tube_scalar_colour(row->rgb, NAN);
+    } else {
+        snprintf(words, TEXT_SIZE, "%.4g", colouring->low + part * (colouring->high - colouring->low));
+        tube_scalar_colour(row->rgb, part);
+    }
+}
+
+/* What the colours of streamlines stand for, where these are not their bundles': a heading, and colours. */
 static size_t add_colours(struct legend_row rows[COLOUR_ROWS], char words[COLOUR_ROWS][TEXT_SIZE],
                           const struct picture *picture)
 {
-    static const char *const directions[COLOUR_ROWS] = {"left to right", "back to front", "down to up"};
     const struct tube_colouring *colouring = picture->streamlines;
-    if (!colouring || colouring->by == TUBE_BY_BUNDLE) { /* of a cut there is none */
+    if (!colours_streamlines(picture)) {
         return 0;
     }
-    if (colouring->by == TUBE_BY_SCALAR && colouring->low > colouring->high) {
-        snprintf(words[0], TEXT_SIZE, "%.*s", TEXT_SIZE / 2, colouring->scalar);
-        rows[0] = (struct legend_row){.name = words[0], .detail = {"not known"}};
-        tube_scalar_colour(rows[0].rgb, NAN);
-        return 1;
+    snprintf(words[0], TEXT_SIZE, "Streamlines by %.*s", TEXT_SIZE / 2,
+             colouring->by == TUBE_BY_DIRECTION ? "direction" : colouring->scalar);
+    rows[0] = (struct legend_row){.name = words[0], .heading = true};
+    int count = colouring->by == TUBE_BY_SCALAR && colouring->low > colouring->high ? 1 : COLOURS;
+    for (int i = 0; i < count; i++) {
+        add_colour(&rows[1 + i], words[1 + i], colouring, i);
     }
-    for (int i = 0; i < COLOUR_ROWS; i++) {
-        if (colouring->by == TUBE_BY_DIRECTION) {
-            rows[i] = (struct legend_row){.name = directions[i]};
-            rows[i].rgb[i] = 255;
-        } else {
-            double part = i / (COLOUR_ROWS - 1.0);
-            snprintf(words[i], TEXT_SIZE, "%.*s %.4g", TEXT_SIZE / 2, colouring->scalar,
-                     colouring->low + part * (colouring->high - colouring->low));
-            rows[i] = (struct legend_row){.name = words[i]};
-            tube_scalar_colour(rows[i].rgb, part);
-        }
-    }
-    return COLOUR_ROWS;
+    return (size_t)count + 1;
 }
 
 void picture_describe_cone(char out[PICTURE_TEXT], const struct cone *cone, const conus_frame *frame)
@@ -161,6 +179,7 @@ void picture_describe_cone(char out[PICTURE_TEXT], const struct cone *cone, cons
     snprintf(out + size, PICTURE_TEXT - (size_t)size, "%s", places[space]);
 }
 
+/* What the cone hits, and what else is in the picture. */
 static void fill_rows(struct picture_legend *out, const struct picture *picture)
 {
     const conus_selection *selection = picture->options.selection;
@@ -173,13 +192,21 @@ static void fill_rows(struct picture_legend *out, const struct picture *picture)
         }
     }
     count += add_pathways(out->rows + count, out->words, picture);
-    count += add_colours(out->rows + count, out->colours, picture);
+    size_t tail = add_colours(out->rows + count, out->colours, picture);
     picture_describe_cone(out->subtitle, &selection->cone, picture->options.frame);
     out->legend = (struct legend){.title = selection->has_layers ? "Hits of the cone" : "First hits of the cone",
                                   .subtitle = out->subtitle,
                                   .header = {"share", "distance"},
                                   .rows = out->rows,
-                                  .count = count};
+                                  .count = count + tail,
+                                  .tail = tail};
+}
+
+/* Without a cone, the heading of the colours is the title. */
+static void fill_colours(struct picture_legend *out, const struct picture *picture)
+{
+    size_t count = add_colours(out->rows, out->colours, picture);
+    out->legend = (struct legend){.title = out->colours[0], .rows = out->rows + 1, .count = count - 1};
 }
 
 /* Makes `capacity` rows of more: the last of what is only behind others leave, and one row says how many they are.
@@ -276,7 +303,11 @@ conus_status picture_legend_init(struct picture *picture)
         legend_destroy(legend);
         return CONUS_ERROR_MEMORY;
     }
-    fill_rows(legend, picture);
+    if (picture->options.selection) {
+        fill_rows(legend, picture);
+    } else {
+        fill_colours(legend, picture);
+    }
     if (picture->options.legend == CONUS_LEGEND_INSIDE) {
         place_inside(legend, picture, picture->em);
     } else {

@@ -382,8 +382,7 @@ conus_status picture_prepare_sheet(struct picture *picture, uint64_t max_memory,
     picture->line = options->dpi > 0 ? picture->em / 19 : 1;
     choose_ink(picture);
     conus_status status = find_font(picture, log, log_user);
-    bool legend = picture->font && options->selection && options->legend != CONUS_LEGEND_NONE;
-    return status || !legend ? status : picture_legend_init(picture);
+    return status || !picture_has_legend(picture) ? status : picture_legend_init(picture);
 }
 
 /* ---- Attributes ------------------------------------------------------------------------------------------------- */

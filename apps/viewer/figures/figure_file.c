@@ -77,7 +77,7 @@ static conus_status make_renderer(conus_renderer **out, const struct viewer *vie
 
 /* A field of view fits the drawing, which a legend beside it makes narrower; an eye beside the middle needs a
  * frustum. */
-static bool set_camera(conus_view *view, struct sight *sight)
+static bool set_camera(conus_view *view, struct sight *sight, const char *streamline_colour)
 {
     double *f = sight->frustum;
     view->camera = &sight->camera;
@@ -87,7 +87,8 @@ static bool set_camera(conus_view *view, struct sight *sight)
     }
     sight_fit(sight, (double[]){view->width, view->height});
     memcpy(view->frustum, f, sizeof view->frustum);
-    return view->legend != CONUS_LEGEND_RIGHT || view->no_legend || !view->selection;
+    bool has_key = streamline_colour && strcmp(streamline_colour, "bundle") != 0;
+    return view->legend != CONUS_LEGEND_RIGHT || view->no_legend || (!view->selection && !has_key);
 }
 
 static bool write_3d(const struct window *window, const struct figure_settings *settings, const char *path,
@@ -102,7 +103,7 @@ static bool write_3d(const struct window *window, const struct figure_settings *
     window_sight(window, &sight);
     figure_view(&view, settings);
     look_set(&view, &viewer->drawn->look);
-    if (!set_camera(&view, &sight)) {
+    if (!set_camera(&view, &sight, settings->streamline_colour)) {
         return refuse(why, "a tracked head's view has no room for a legend beside it: choose inside, below or none");
     }
     conus_status status = make_renderer(&renderer, viewer, settings);

@@ -148,10 +148,10 @@ static void long_text_ends_in_an_ellipsis(void **state)
 }
 
 static const struct legend_row ROWS[] = {
-    {{220, 90, 60}, false, "Frontal_Inf_Oper_L", {"188 px", "90.4 %", "25.5 mm"}},
-    {{80, 170, 220}, false, "Precentral_L", {"16 px", "7.7 %", "31.0 mm"}},
-    {{120, 200, 90}, false, "Postcentral_L", {"4 px", "1.9 %", "35.8 mm"}},
-    {{150, 150, 150}, true, "unassigned", {"0 px", "0.0 %", NULL}},
+    {.rgb = {220, 90, 60}, .name = "Frontal_Inf_Oper_L", .detail = {"188 px", "90.4 %", "25.5 mm"}},
+    {.rgb = {80, 170, 220}, .name = "Precentral_L", .detail = {"16 px", "7.7 %", "31.0 mm"}},
+    {.rgb = {120, 200, 90}, .name = "Postcentral_L", .detail = {"4 px", "1.9 %", "35.8 mm"}},
+    {.rgb = {150, 150, 150}, .hollow = true, .name = "unassigned", .detail = {"0 px", "0.0 %", NULL}},
 };
 
 static const struct legend LEGEND = {.title = "Areas in the cone",
@@ -229,6 +229,34 @@ static void legend_fits_into_any_image(void **state)
                 bool inside = x >= 10 && x <= 336 && y >= 10 && y < 590;
                 assert_true(inside || opacity[y * 800 + x] == 0);
             }
+        }
+        conus_image_destroy(image);
+    }
+    font_destroy(font);
+}
+
+/* Of 60 rows 40 do not fit into 300 pixels: a line of letters of 11 pixels takes 1.45 times as many, so that there are
+ * at most 18. The tail, three colours of its own below a heading, is shown all the same; a heading has no chip. */
+static void a_key_is_shown_below_too_many_rows(void **state)
+{
+    (void)state;
+    static const struct legend_row key[] = {{.rgb = {1, 2, 3}, .heading = true, .name = "Key"},
+                                            {.rgb = {255, 0, 0}, .name = "first"},
+                                            {.rgb = {0, 255, 0}, .name = "second"},
+                                            {.rgb = {0, 0, 255}, .name = "third"}};
+    struct font *font = need_font();
+    struct legend_row rows[64];
+    for (size_t i = 0; i < 64; i++) {
+        rows[i] = i < 60 ? (struct legend_row){.rgb = {200, 200, (uint8_t)i}, .name = "row"} : key[i - 60];
+    }
+    for (size_t tail = 0; tail <= 4; tail += 4) {
+        conus_image *image = make_image(400, 300);
+        assert_ok(legend_draw(image, font, &(struct legend){.rows = rows, .count = 64, .tail = tail}));
+        assert_true(has_colour(image, rows[0].rgb) && !has_colour(image, rows[20].rgb));
+        assert_true(has_colour(image, rows[13].rgb) == (tail == 0));
+        assert_false(has_colour(image, key[0].rgb));
+        for (size_t i = 1; i < 4; i++) {
+            assert_true(has_colour(image, key[i].rgb) == (tail > 0));
         }
         conus_image_destroy(image);
     }
@@ -325,6 +353,7 @@ int main(void)
         cmocka_unit_test(long_text_ends_in_an_ellipsis),
         cmocka_unit_test(legend_shows_every_colour_in_its_corner),
         cmocka_unit_test(legend_fits_into_any_image),
+        cmocka_unit_test(a_key_is_shown_below_too_many_rows),
         cmocka_unit_test(legend_needs_colours),
         cmocka_unit_test(missing_fonts_are_told_apart),
         cmocka_unit_test(every_failing_allocation_is_survived),

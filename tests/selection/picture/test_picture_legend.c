@@ -104,33 +104,17 @@ static struct legend_row describe(char text[2][TEXT], const struct scene *scene,
     return row;
 }
 
-/* Draws the rows of a legend that has no other. */
-static void draw_rows(conus_image *image, struct font *font, const struct scene *scene, const struct legend_row *rows,
-                      size_t count)
-{
-    char subtitle[PICTURE_TEXT];
-    picture_describe_cone(subtitle, &scene->selection->cone, NULL);
-    const struct legend legend = {.title = "Hits of the cone",
-                                  .subtitle = subtitle,
-                                  .header = {"share", "distance"},
-                                  .rows = rows,
-                                  .count = count,
-                                  .widest = 1,
-                                  .size = SMALLEST};
-    assert_ok(legend_draw(image, font, &legend));
-}
-
 /* Where the expected legend is, the picture has that and nothing under it, and elsewhere there is a drawing. @p width
  * and @p height, in tenths of the picture's, are what the legend takes at least and at most. */
-static void check_rows(const struct scene *scene, const struct legend_row *rows, size_t count, const double width[2],
-                       const double height[2])
+static void check_legend(const struct scene *scene, const struct legend *legend, const double width[2],
+                         const double height[2])
 {
     struct font *font = NULL;
     conus_image *image = NULL;
     conus_image *expected = NULL;
     assert_ok(font_create(&font));
     assert_ok(image_create_rgba(&expected, WIDTH, HEIGHT));
-    draw_rows(expected, font, scene, rows, count);
+    assert_ok(legend_draw(expected, font, legend));
     assert_ok(conus_render(&image, scene->renderer,
                            &(conus_view){.width = WIDTH,
                                          .height = HEIGHT,
@@ -157,6 +141,22 @@ static void check_rows(const struct scene *scene, const struct legend_row *rows,
     conus_image_destroy(image);
     conus_image_destroy(expected);
     font_destroy(font);
+}
+
+/* Of a cone, without another row. */
+static void check_rows(const struct scene *scene, const struct legend_row *rows, size_t count, const double width[2],
+                       const double height[2])
+{
+    char subtitle[PICTURE_TEXT];
+    picture_describe_cone(subtitle, &scene->selection->cone, NULL);
+    const struct legend legend = {.title = "Hits of the cone",
+                                  .subtitle = subtitle,
+                                  .header = {"share", "distance"},
+                                  .rows = rows,
+                                  .count = count,
+                                  .widest = 1,
+                                  .size = SMALLEST};
+    check_legend(scene, &legend, width, height);
 }
 
 /* The first `shown` results, or all where that is 0, a row about the others if there are any, and what hits nothing:
@@ -303,6 +303,76 @@ static void many_bundles_that_are_not_hit_are_counted(void **state)
     finish_scene(&scene);
 }
 
+static void colour_streamlines(struct scene *scene, const char *by)
+{
+    conus_renderer_destroy(scene->renderer);
+    assert_ok(
+        conus_renderer_create(&scene->renderer, scene->atlas, &(conus_renderer_options){.streamline_colour = by}));
+}
+
+/* Of a picture without a cone, too: red, green and blue are the axes. The letters are as large as 0.42 of the width
+ * allows. */
+static void colours_of_directions_have_a_key(void **state)
+{
+    (void)state;
+    need_font();
+    static const struct legend_row rows[] = {{.rgb = {255, 0, 0}, .name = "left to right"},
+                                             {.rgb = {0, 255, 0}, .name = "back to front"},
+                                             {.rgb = {0, 0, 255}, .name = "down to up"}};
+    struct legend legend = {.title = "Streamlines by direction", .rows = rows, .count = 3, .widest = 1};
+    struct font *font = NULL;
+    double size[2];
+    conus_atlas *atlas = make_atlas(picture_ball_of_20, "Ball");
+    add_bundle(atlas, "Bundle", -45, 0);
+    struct scene scene = see(atlas, left, 8);
+    colour_streamlines(&scene, "direction");
+    conus_selection_destroy(scene.selection);
+    scene.selection = NULL;
+    assert_ok(font_create(&font));
+    legend.size = legend_fit(size, font, &legend, (double[]){0.42 * WIDTH, HEIGHT}, SMALLEST / 0.6, SMALLEST);
+    check_legend(&scene, &legend, (double[]){3, 5}, (double[]){2, 4});
+    font_destroy(font);
+    finish_scene(&scene);
+}
+
+/* A number's least, middle and largest value come below a heading, behind what is hit: here of two streamlines, 0.25
+ * and 0.75. */
+static void colours_of_a_number_have_a_heading(void **state)
+{
+    (void)state;
+    need_font();
+    static const char *const words[] = {"0.25", "0.5", "0.75"};
+    static const uint8_t colours[][3] = {{34, 46, 110}, {40, 156, 128}, {250, 230, 80}};
+    char texts[3][2][TEXT];
+    struct legend_row rows[7];
+    struct tract_builder builder;
+    float values[] = {0.25F, 0.75F};
+    conus_atlas *atlas = make_atlas(picture_ball_of_20, "A ball, which is called by a rather long name");
+    tract_begin(&builder);
+    builder.made.radius = 3;
+    for (int s = 0; s < 2; s++) {
+        tract_add_point(&builder, (double[]){-45, -20, 30 * s});
+        tract_add_point(&builder, (double[]){-45, 20, 30 * s});
+        tract_end_streamline(&builder);
+    }
+    builder.made.scalar_count = 1;
+    builder.made.scalars = memory_zeroed(1, sizeof *builder.made.scalars);
+    builder.made.scalars[0] = (struct tract_scalar){
+        .name = memory_text("FA", 2), .components = 1, .values = memory_copy(values, 2, sizeof *values)};
+    assert_ok(atlas_add_tractogram(atlas, &builder.made, "Bundle"));
+    struct scene scene = see(atlas, left, 8);
+    colour_streamlines(&scene, "FA");
+    assert_int_equal(conus_selection_count(scene.selection), 3);
+    for (size_t i = 0; i < 3; i++) {
+        rows[i] = describe(texts[i], &scene, i);
+        rows[4 + i] = (struct legend_row){.name = words[i]};
+        memcpy(rows[4 + i].rgb, colours[i], sizeof colours[i]);
+    }
+    rows[3] = (struct legend_row){.name = "Streamlines by FA", .heading = true};
+    check_rows(&scene, rows, 7, (double[]){5, 7}, (double[]){3, 5});
+    finish_scene(&scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -312,6 +382,8 @@ int main(void)
         cmocka_unit_test(the_drawing_is_below_a_wide_legend),
         cmocka_unit_test(bundles_that_are_not_hit_have_rows),
         cmocka_unit_test(many_bundles_that_are_not_hit_are_counted),
+        cmocka_unit_test(colours_of_directions_have_a_key),
+        cmocka_unit_test(colours_of_a_number_have_a_heading),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
