@@ -1,36 +1,24 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * Atlases that were loaded before, in the folder of base/cache_folder.h: one file NAME.atlas each, which is mapped and
- * never read as a whole. A cache that cannot be read or written is an empty one: nothing here is an error of the load
- * that it serves. docs/architecture.md, "The cache", says when an entry is believed, and why. */
+ * Atlases that were loaded before, in the folder of base/cache/cache_folder.h: one file NAME.atlas each, which is
+ * mapped and never read as a whole. A cache that cannot be read or written is an empty one: nothing here is an error of
+ * the load that it serves. docs/architecture.md, "The cache", says when an entry is believed, and why. */
 #ifndef CONUS_CACHE_ATLAS_CACHE_H
 #define CONUS_CACHE_ATLAS_CACHE_H
 
 #include "atlas/atlas.h"
+#include "base/cache/cache_store.h"
 #include "base/file_trace.h"
 
 #define ATLAS_CACHE_ENDING ".atlas"
 
-/** The most that the entries may have together, in bytes, unless $CONUS_CACHE says otherwise. */
-#define ATLAS_CACHE_LIMIT (UINT64_C(16) << 30)
-
-/** Bytes that may be kept: $CONUS_CACHE, a number with K, M, G or T behind it or none; 0 of "off". False, and 0, where
- * it is neither. */
-bool atlas_cache_limit(uint64_t *out);
-
-/** What $CONUS_CACHE may be, for messages. */
-#define ATLAS_CACHE_LIMITS "off, or a number of bytes with K, M, G, T or nothing behind it"
-
 /** A load that is kept, if nothing speaks against it. */
 struct atlas_cache {
-    struct buffer key;   /**< What the atlas follows from, but for the files.          */
-    struct buffer path;  /**< Of the entry; empty where there is no cache.             */
+    struct cache_store store;
     struct buffer heard; /**< The notes, as options.log hears them.                    */
     struct file_trace trace;
     conus_load_options options; /**< Those to load with: they keep what is heard.        */
     const conus_load_options *given;
-    uint64_t limit; /**< Of all entries, in bytes; 0 = there is no cache. */
-    uint64_t small; /**< CACHE_SMALL */
 };
 
 /** Begins a load of @p path; where @p options do not ask for the cache, and where there is none, it does nothing. End
@@ -51,8 +39,5 @@ void atlas_cache_keep(struct atlas_cache *cache, conus_atlas **atlas);
 
 /** Whether all @p size bytes are the notes of an entry; @p log, unless NULL, hears those ahead of what is none. */
 bool atlas_cache_tell(const uint8_t *notes, size_t size, conus_log log, void *user);
-
-/** What an entry's key calls the path that was loaded; NULL where it is no key. */
-const char *atlas_cache_path_of(const uint8_t *key, size_t size);
 
 #endif

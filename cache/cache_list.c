@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What is in the cache's folder, and an end to it. */
-#include "base/cache_folder.h"
+#include "base/cache/cache_entry.h"
+#include "base/cache/cache_folder.h"
 #include "base/memory.h"
 #include "cache/atlas_cache.h"
-#include "cache/cache_entry.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -45,7 +45,7 @@ static char *copy_path(const void *memory, size_t size)
 {
     struct cache_entry entry;
     bool parsed = cache_entry_parse(&entry, memory, size);
-    const char *path = parsed ? atlas_cache_path_of(entry.key.data, entry.key.size) : NULL;
+    const char *path = parsed ? cache_key_path(entry.key.data, entry.key.size) : NULL;
     return memory_text(path ? path : "", strlen(path ? path : ""));
 }
 
@@ -97,10 +97,10 @@ static conus_status list_folder(conus_cache *cache)
     uint64_t limit;
     conus_status status = cache_folder_path(&cache->folder);
     int folder = !status && cache->folder.size ? cache_folder_open(cache->folder.data, &cache->theirs) : -1;
-    cache->problem = !cache->folder.size          ? "neither XDG_CACHE_HOME nor HOME is an absolute path"
-                     : cache->theirs              ? "others can write to the folder or own it, or it is a link"
-                     : !atlas_cache_limit(&limit) ? "$CONUS_CACHE is not " ATLAS_CACHE_LIMITS
-                                                  : NULL;
+    cache->problem = !cache->folder.size    ? "neither XDG_CACHE_HOME nor HOME is an absolute path"
+                     : cache->theirs        ? "others can write to the folder or own it, or it is a link"
+                     : !cache_limit(&limit) ? "$CONUS_CACHE is not " CACHE_LIMITS
+                                            : NULL;
     for (size_t i = 0; folder >= 0 && !status && i < KINDS; i++) {
         status = list_kind(cache, folder, i);
     }
@@ -135,7 +135,7 @@ const char *conus_cache_problem(const conus_cache *cache)
 uint64_t conus_cache_limit(void)
 {
     uint64_t limit;
-    return atlas_cache_limit(&limit) ? limit : 0;
+    return cache_limit(&limit) ? limit : 0;
 }
 
 size_t conus_cache_count(const conus_cache *cache)

@@ -33,9 +33,8 @@ conus_status conus_atlas_load(conus_atlas **out, const char *path, const conus_l
         return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_load: a result and a path are needed");
     }
     options = options_of(conus_load_options, options);
-    if (options->cache && !atlas_cache_limit(&limit)) {
-        return fail(CONUS_ERROR_ARGUMENT, "$CONUS_CACHE: \"%s\"; allowed is " ATLAS_CACHE_LIMITS,
-                    getenv("CONUS_CACHE"));
+    if (options->cache && !cache_limit(&limit)) {
+        return fail(CONUS_ERROR_ARGUMENT, "$CONUS_CACHE: \"%s\"; allowed is " CACHE_LIMITS, getenv("CONUS_CACHE"));
     }
     atlas_cache_init(&cache, path, options);
     conus_atlas *atlas = atlas_cache_find(&cache);

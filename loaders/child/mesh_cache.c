@@ -3,7 +3,7 @@
 #include "loaders/child/mesh_cache.h"
 
 #include "base/byte_order.h"
-#include "base/cache_folder.h"
+#include "base/cache/cache_folder.h"
 #include "base/folder.h"
 #include "base/memory.h"
 

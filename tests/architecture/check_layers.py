@@ -61,6 +61,7 @@ APPS = {
 }
 LIBRARY = {
     "base": "",
+    "base/cache": "base",
     "base/formats": "base",
     "atlas/surface": "base",
     "atlas/deformation": "base",
@@ -85,7 +86,7 @@ LIBRARY = {
     "loaders/tables": "base base/formats loaders/volumes atlas/labels",
     "loaders/cifti": "base base/formats loaders/volumes loaders/tables atlas/labels",
     "loaders/labels": "base loaders loaders/volumes loaders/volumes/text loaders/tables atlas/labels",
-    "loaders/child": "base atlas/surface atlas",
+    "loaders/child": "base/cache base atlas/surface atlas",
     "loaders/surfaces/foreign": "base base/formats atlas/labels atlas/surface loaders",
     "loaders/surfaces": "base base/formats atlas/labels atlas/surface atlas loaders loaders/tables loaders/cifti"
     " loaders/child loaders/surfaces/foreign",
@@ -122,7 +123,7 @@ LIBRARY = {
     "selection/ends": "base atlas/surface atlas selection/cone selection/measure selection",
     "selection/picture": "base render/image render/colour render/flat selection/measure selection",
     "selection/report": "base atlas poses/programs selection selection/ends selection/study",
-    "cache": "base atlas loaders/scene selection/batch",
+    "cache": "base base/cache atlas loaders/scene selection/batch",
     "selection/batch": "base atlas/tracts atlas poses selection/engine/voxels selection selection/study selection/report",
 }
 RULES = {**LIBRARY, **APPS}

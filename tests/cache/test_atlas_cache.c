@@ -220,7 +220,7 @@ static void the_environment_sets_the_limit(void **state)
     uint64_t limit;
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         setenv("CONUS_CACHE", cases[i].text, 1);
-        assert_int_equal(atlas_cache_limit(&limit), !cases[i].wrong);
+        assert_int_equal(cache_limit(&limit), !cases[i].wrong);
         assert_int_equal(limit, cases[i].limit);
         assert_int_equal(conus_cache_limit(), cases[i].limit);
         conus_status status = conus_atlas_load(&atlas, path, &cached);
@@ -237,7 +237,7 @@ static void the_environment_sets_the_limit(void **state)
     assert_null(atlas->mapped);
     conus_atlas_destroy(atlas);
     unsetenv("CONUS_CACHE");
-    assert_true(atlas_cache_limit(&limit));
+    assert_true(cache_limit(&limit));
     assert_int_equal(limit, UINT64_C(16) << 30);
 }
 

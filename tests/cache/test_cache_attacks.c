@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What is damaged, foreign or exchanged is never taken for right, and what cannot be kept is no error. */
+#include "base/cache/cache_entry.h"
 #include "base/file.h"
 #include "builders/cache_builder.h"
-#include "cache/cache_entry.h"
 #include "test.h"
 
 #include <fcntl.h>

@@ -2,9 +2,9 @@
 /* An entry of the cache of atlases as somebody may have left it there: the input as it is; the input as the parts of an
  * entry whose checksums hold; and that entry with a head that lies about them. The first eight bytes are the sizes of
  * key, notes and trace, and where in the head what byte is written; the parts follow. */
+#include "base/cache/cache_entry.h"
 #include "base/memory.h"
 #include "cache/atlas_cache.h"
-#include "cache/cache_entry.h"
 
 #include <libdeflate.h>
 #include <stdlib.h>
@@ -32,7 +32,7 @@ static void use_parts(const struct cache_entry *entry)
 {
     size_t length = 0;
     struct file_trace trace = {0};
-    const char *path = atlas_cache_path_of(entry->key.data, entry->key.size);
+    const char *path = cache_key_path(entry->key.data, entry->key.size);
     length += path ? strlen(path) : 0;
     (void)atlas_cache_tell(entry->notes.data, entry->notes.size, hear, &length);
     if (file_trace_parse(&trace, entry->trace.data, entry->trace.size)) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The cache of meshes: what is kept is found; what is damaged or open to others is not read. */
-#include "base/cache_folder.h"
+#include "base/cache/cache_folder.h"
 #include "base/memory.h"
 #include "loaders/child/mesh_cache.h"
 #include "test.h"

@@ -58,7 +58,7 @@ conus_atlas *find_in_cache(const char *path, const conus_load_options *options, 
 {
     struct atlas_cache cache;
     atlas_cache_init(&cache, path, options ? options : &caching);
-    cache.small = small;
+    cache.store.small = small;
     conus_atlas *atlas = atlas_cache_find(&cache);
     atlas_cache_finish(&cache);
     return atlas;
@@ -76,7 +76,7 @@ const char *entry_of(const char *path)
     static char entry[8192];
     struct atlas_cache cache;
     atlas_cache_init(&cache, path, &caching);
-    snprintf(entry, sizeof entry, "%s", cache.path.size ? cache.path.data : "");
+    snprintf(entry, sizeof entry, "%s", cache.store.path.size ? cache.store.path.data : "");
     atlas_cache_finish(&cache);
     return entry;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Finds the cache's folder, says whose it is, and removes its oldest entries. */
-#include "base/cache_folder.h"
+#include "base/cache/cache_folder.h"
 
 #include "base/memory.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Writes and checks the bytes of an entry. */
-#include "cache/cache_entry.h"
+#include "base/cache/cache_entry.h"
 
 #include <fcntl.h>
 #include <libdeflate.h>

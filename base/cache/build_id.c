@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Finds the note of the linker in the memory of this process. */
-#include "cache/build_id.h"
+#include "base/cache/build_id.h"
 
 #include <elf.h>
 #include <link.h>

@@ -1,0 +1,327 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Names, believes and writes entries of the cache. */
+#include "base/cache/cache_store.h"
+
+#include "base/cache/build_id.h"
+#include "base/cache/cache_folder.h"
+#include "base/file_trace.h"
+#include "base/memory.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/statvfs.h>
+#include <unistd.h>
+
+#if defined __x86_64__
+#define CPU "x86-64"
+#elif defined __aarch64__
+#define CPU "arm64"
+#else
+#define CPU "other"
+#endif
+
+bool cache_limit(uint64_t *out)
+{
+    static const char units[] = "KMGT";
+    const char *text = getenv("CONUS_CACHE");
+    char *end = NULL;
+    *out = CACHE_LIMIT;
+    if (!text || !*text) {
+        return true;
+    }
+    errno = 0;
+    uint64_t size = strtoull(text, &end, 10);
+    const char *unit = *end ? strchr(units, *end) : NULL;
+    unsigned shift = unit ? 10 * (unsigned)(unit - units + 1) : 0;
+    bool is_size =
+        text[0] >= '0' && text[0] <= '9' && !errno && (!*end || (unit && !end[1])) && size <= UINT64_MAX >> shift;
+    *out = is_size ? size << shift : 0;
+    return is_size || strcmp(text, "off") == 0;
+}
+
+/* ---- Where an entry is ------------------------------------------------------------------------------------------- */
+
+/* A string and its end, with a mark that tells none from an empty one. */
+void cache_key_append(struct buffer *key, const char *text)
+{
+    buffer_append(key, text ? "=" : "-", 1);
+    buffer_append(key, text ? text : "", strlen(text ? text : "") + 1);
+}
+
+bool cache_store_begin(struct cache_store *store, const char *ending, const char *path, bool relative)
+{
+    char build[BUILD_ID_SIZE];
+    char here[PATH_MAX] = "";
+    *store = (struct cache_store){.ending = ending, .small = CACHE_SMALL};
+    if (!cache_limit(&store->limit) || !store->limit || !build_id_find(build)) {
+        return false;
+    }
+    cache_key_append(&store->key, "conus " CONUS_VERSION);
+    cache_key_append(&store->key, build);
+    cache_key_append(&store->key, BYTE_ORDER == LITTLE_ENDIAN ? CPU " little" : CPU " big");
+    cache_key_append(&store->key, relative && getcwd(here, sizeof here) ? here : NULL);
+    cache_key_append(&store->key, path);
+    return true;
+}
+
+void cache_store_name(struct cache_store *store)
+{
+    char name[65];
+    const struct bytes bytes = {(uint8_t *)store->key.data, store->key.size};
+    if (buffer_status(&store->key) || cache_folder_path(&store->path) || !store->path.size) {
+        buffer_clear(&store->path);
+        return;
+    }
+    file_sha256(name, &bytes);
+    buffer_format(&store->path, "/%s%s", name, store->ending);
+    if (buffer_status(&store->path)) {
+        buffer_clear(&store->path);
+    }
+}
+
+void cache_store_finish(struct cache_store *store)
+{
+    buffer_finish(&store->key);
+    buffer_finish(&store->path);
+}
+
+const char *cache_key_path(const uint8_t *key, size_t size)
+{
+    enum { PATH = 4 };
+    const uint8_t *at = key;
+    for (int i = 0; i <= PATH; i++) {
+        const uint8_t *end = memchr(at, 0, size);
+        if (!end || end == at) {
+            return NULL;
+        }
+        if (i < PATH) {
+            size -= (size_t)(end + 1 - at);
+            at = end + 1;
+        }
+    }
+    return (const char *)at + 1;
+}
+
+/* ---- Finding ----------------------------------------------------------------------------------------------------- */
+
+/* The name of the entry in its folder. */
+static const char *name_in_folder(const struct cache_store *store)
+{
+    return strrchr(store->path.data, '/') + 1;
+}
+
+/* The folder, -1 where it is not there, or not ours alone. */
+static int open_folder(const struct cache_store *store)
+{
+    bool theirs;
+    char *end = strrchr(store->path.data, '/');
+    *end = '\0';
+    int folder = cache_folder_open(store->path.data, &theirs);
+    *end = '/';
+    return folder;
+}
+
+static bool map_file(struct cache_mapping *out, int descriptor)
+{
+    struct stat info;
+    if (!cache_is_ours(descriptor, S_IFREG) || fstat(descriptor, &info) || info.st_size <= 0) {
+        return false;
+    }
+    void *memory = mmap(NULL, (size_t)info.st_size, PROT_READ, MAP_SHARED, descriptor, 0);
+    *out = (struct cache_mapping){.memory = memory == MAP_FAILED ? NULL : memory, .size = (size_t)info.st_size};
+    return out->memory;
+}
+
+/* Whether every file and folder is as it was. */
+static bool sources_hold(const struct cache_entry *entry)
+{
+    struct file_trace trace = {0};
+    bool same = file_trace_parse(&trace, entry->trace.data, entry->trace.size) && file_trace_holds(&trace);
+    file_trace_finish(&trace);
+    return same;
+}
+
+/* Writes into the open entry that this run of the kernel has verified it. */
+static void mark_verified(int descriptor, const uint8_t boot[CACHE_BOOT_SIZE])
+{
+    char path[32];
+    snprintf(path, sizeof path, "/proc/self/fd/%d", descriptor);
+    int file = open(path, O_WRONLY | O_CLOEXEC);
+    if (file >= 0) {
+        ssize_t written = pwrite(file, boot, CACHE_BOOT_SIZE, (off_t)cache_entry_boot_at());
+        (void)written; /* else it is verified again */
+        close(file);
+    }
+}
+
+/* Small entries are verified each time, large ones once in each run of the kernel. */
+static bool verify(const struct cache_entry *entry, uint64_t small, int descriptor)
+{
+    uint8_t boot[CACHE_BOOT_SIZE];
+    bool known = cache_boot_find(boot);
+    bool verified = known && memcmp(boot, entry->boot, sizeof boot) == 0;
+    if (verified && entry->packed.size > small) {
+        return true;
+    }
+    if (!cache_entry_is_whole(entry)) {
+        return false;
+    }
+    if (known && !verified) {
+        mark_verified(descriptor, boot);
+    }
+    return true;
+}
+
+/* From the cheapest question to the dearest. */
+static bool may_be_believed(const struct cache_entry *entry, const struct cache_store *store, int descriptor)
+{
+    return entry->key.size == store->key.size && memcmp(entry->key.data, store->key.data, entry->key.size) == 0 &&
+           sources_hold(entry) && verify(entry, store->small, descriptor);
+}
+
+void cache_mapping_finish(struct cache_mapping *mapping)
+{
+    if (mapping->memory) {
+        munmap(mapping->memory, mapping->size);
+    }
+    *mapping = (struct cache_mapping){0};
+}
+
+static bool map_believed(struct cache_mapping *out, const struct cache_store *store, int descriptor)
+{
+    struct cache_mapping mapping = {0};
+    bool believed = map_file(&mapping, descriptor) && cache_entry_parse(&mapping.entry, mapping.memory, mapping.size) &&
+                    may_be_believed(&mapping.entry, store, descriptor);
+    if (!believed) {
+        cache_mapping_finish(&mapping);
+        return false;
+    }
+    futimens(descriptor, NULL); /* used just now */
+    *out = mapping;
+    return true;
+}
+
+bool cache_store_map(struct cache_mapping *out, const struct cache_store *store)
+{
+    int folder = store->path.size ? open_folder(store) : -1;
+    int entry = folder < 0 ? -1 : openat(folder, name_in_folder(store), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+    bool believed = entry >= 0 && map_believed(out, store, entry);
+    if (entry >= 0) {
+        close(entry);
+    }
+    if (folder >= 0) {
+        close(folder);
+    }
+    return believed;
+}
+
+/* ---- Keeping ----------------------------------------------------------------------------------------------------- */
+
+/* A limit on the sizes of files (ulimit -f) ends programs that exceed it. */
+static bool is_allowed(uint64_t size)
+{
+    struct rlimit limit;
+    return getrlimit(RLIMIT_FSIZE, &limit) == 0 && (limit.rlim_cur == RLIM_INFINITY || size <= limit.rlim_cur);
+}
+
+/* Whether the disk has so much, and as much again for others. */
+static bool has_space(int folder, uint64_t size)
+{
+    struct statvfs info;
+    return fstatvfs(folder, &info) == 0 && info.f_frsize && size / info.f_frsize < info.f_bavail / 2;
+}
+
+/* The checksum of what was written, as it is read back. */
+static bool sum_file(uint32_t *out, int file, size_t at, size_t size)
+{
+    enum { CHUNK = 1 << 20 };
+    uint8_t *chunk = memory_raw(CHUNK, 1);
+    uint32_t sum = 0;
+    while (chunk && size) {
+        ssize_t n = pread(file, chunk, size < CHUNK ? size : CHUNK, (off_t)at);
+        if (n <= 0) {
+            break;
+        }
+        sum = cache_crc(sum, chunk, (size_t)n);
+        at += (size_t)n;
+        size -= (size_t)n;
+    }
+    bool whole = chunk && size == 0;
+    memory_free(chunk);
+    *out = sum;
+    return whole;
+}
+
+static bool write_ahead(int file, const struct cache_entry *entry)
+{
+    struct buffer ahead = {0};
+    cache_entry_write(&ahead, entry);
+    bool written = !buffer_status(&ahead) && pwrite(file, ahead.data, ahead.size, 0) == (ssize_t)ahead.size;
+    buffer_finish(&ahead);
+    return written;
+}
+
+/* A large one is on the disk before it has a name: an error of the disk shows here, and a crash leaves no half of it.
+ * Of a small one the checksum is verified each time. */
+static bool write_entry(int file, struct cache_entry *entry, uint64_t small, cache_writer *write, void *user)
+{
+    size_t at = cache_entry_packed_at(entry);
+    size_t size = at + entry->packed.size;
+    return posix_fallocate(file, 0, (off_t)size) == 0 && write(user, file, at) &&
+           sum_file(&entry->packed_crc, file, at, entry->packed.size) && write_ahead(file, entry) &&
+           (entry->packed.size <= small || fdatasync(file) == 0);
+}
+
+/* Under a name of its own at first; an entry like others, should it be left behind. */
+static bool write_and_rename(struct cache_store *store, int folder, struct cache_entry *entry, cache_writer *write,
+                             void *user)
+{
+    struct buffer temporary = {0};
+    buffer_format(&temporary, "%s.XXXXXX%s", store->path.data, store->ending);
+    int file = buffer_status(&temporary) ? -1 : mkostemps(temporary.data, (int)strlen(store->ending), O_CLOEXEC);
+    bool written = file >= 0 && write_entry(file, entry, store->small, write, user);
+    if (file >= 0) {
+        const char *name = strrchr(temporary.data, '/') + 1;
+        written = close(file) == 0 && written;
+        if (!written || renameat(folder, name, folder, name_in_folder(store))) {
+            unlinkat(folder, name, 0);
+            written = false;
+        }
+    }
+    buffer_finish(&temporary);
+    return written;
+}
+
+/* Makes space for an entry: others leave, those unused for longest first. */
+static bool make_space(struct cache_store *store, int folder, uint64_t size)
+{
+    if (size > store->limit || !is_allowed(size) || !has_space(folder, size)) {
+        return false;
+    }
+    char *end = strrchr(store->path.data, '/');
+    *end = '\0';
+    conus_status status = cache_folder_fit(store->path.data, store->ending, store->limit - size);
+    *end = '/';
+    return !status;
+}
+
+bool cache_store_keep(struct cache_store *store, struct cache_entry *entry, cache_writer *write, void *user)
+{
+    int folder = store->path.size && cache_folder_make(store->path.data) ? open_folder(store) : -1;
+    if (folder < 0) {
+        return false;
+    }
+    entry->key = (struct cache_part){(const uint8_t *)store->key.data, store->key.size};
+    cache_boot_find(entry->boot);
+    bool kept = make_space(store, folder, cache_entry_packed_at(entry) + entry->packed.size) &&
+                write_and_rename(store, folder, entry, write, user);
+    close(folder);
+    return kept;
+}

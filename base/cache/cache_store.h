@@ -1,0 +1,63 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * How an entry of the cache is found, believed and written, whatever it holds: the rules are the same for all that is
+ * mapped. A cache that cannot be read or written is an empty one: nothing here is an error of the work that it serves.
+ * docs/architecture.md, "The cache", says when an entry is believed, and why. */
+#ifndef CONUS_BASE_CACHE_CACHE_STORE_H
+#define CONUS_BASE_CACHE_CACHE_STORE_H
+
+#include "base/cache/cache_entry.h"
+
+/** The most that the entries of atlases may have together, in bytes, unless $CONUS_CACHE says otherwise. */
+#define CACHE_LIMIT (UINT64_C(16) << 30)
+
+/** Bytes that may be kept: $CONUS_CACHE, a number with K, M, G or T behind it or none; 0 of "off". False, and 0, where
+ * it is neither. */
+bool cache_limit(uint64_t *out);
+
+/** What $CONUS_CACHE may be, for messages. */
+#define CACHE_LIMITS "off, or a number of bytes with K, M, G, T or nothing behind it"
+
+/** An entry that may be there. */
+struct cache_store {
+    struct buffer key;  /**< What the entry follows from, but for the files. */
+    struct buffer path; /**< Of the entry; empty where there is no cache.    */
+    const char *ending; /**< Of its name: which kind it is of. */
+    uint64_t limit;     /**< Of all entries of its kind, in bytes. */
+    uint64_t small;     /**< CACHE_SMALL */
+};
+
+/** Begins the key of what is made of @p path, with this build and machine, and if @p relative with the folder that
+ * paths are relative to. False where nothing may be kept. End it with cache_store_finish() in either case. */
+bool cache_store_begin(struct cache_store *store, const char *ending, const char *path, bool relative);
+
+/** Appends a string to a key; NULL differs from an empty one. */
+void cache_key_append(struct buffer *key, const char *text);
+
+/** Once the key is whole: gives the entry its path. */
+void cache_store_name(struct cache_store *store);
+void cache_store_finish(struct cache_store *store);
+
+/** The path that cache_store_begin() was given; NULL where it is no key. */
+const char *cache_key_path(const uint8_t *key, size_t size);
+
+/** An entry in memory. */
+struct cache_mapping {
+    void *memory; /**< NULL = none */
+    size_t size;
+    struct cache_entry entry; /**< Its parts, in `memory`. */
+};
+
+/** Maps the entry if it may be believed: it is the user's alone, its key is that of @p store, its files are as they
+ * were, and its checksums hold. What it says beyond that is the caller's to check. */
+bool cache_store_map(struct cache_mapping *out, const struct cache_store *store);
+void cache_mapping_finish(struct cache_mapping *mapping);
+
+/** Writes the packed part of an entry to @p file, from @p at on. */
+typedef bool cache_writer(void *user, int file, size_t at);
+
+/** Writes @p entry, of which notes, trace and packed.size are set; others of its kind leave if that takes space. False
+ * where it was not kept. */
+bool cache_store_keep(struct cache_store *store, struct cache_entry *entry, cache_writer *write, void *user);
+
+#endif
