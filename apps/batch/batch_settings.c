@@ -58,7 +58,7 @@ static const struct option output_options[] = {
     {.name = "summary",
      .type = OPTION_FLAG,
      .offset = FIELD(summary),
-     .help = "one row per pose: the best area or pathway, the runner-up, and by how much"},
+     .help = "one row per pose: the best area, pathway or bundle, the runner-up, and by how much"},
     {.name = "force", .type = OPTION_FLAG, .offset = FIELD(force), .help = "replace FILE or its partial file"},
     {.name = "resume",
      .type = OPTION_FLAG,

@@ -526,7 +526,7 @@ const struct command cmd_info = {
     .operands = {"ATLAS"},
     .description =
         "Shows file, size, orientation and transform of every volume, where the names come from, and the\n"
-        "areas and pathways. ATLAS is a labelled volume: .nii, .hdr/.img, .mgz, .nrrd, .mha, .HEAD or an FSL\n"
+        "areas, pathways and bundles. ATLAS is a labelled volume: .nii, .hdr/.img, .mgz, .nrrd, .mha, .HEAD or an FSL\n"
         "atlas .xml; for a 4-D file, FILE,volume=K chooses volume K from 0; FILE,resolution=25,orientation=asr\n"
         "says where a TIFF stack lies, unless metadata.json beside it does. Or it is a manifest, .atlas.json,\n"
         "that joins the files of a scene; info then checks all that it names. Surfaces, folders of them, and\n"

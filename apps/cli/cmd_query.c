@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* conus query: the areas and pathways in a cone or ball, with the tables, pictures and masks that belong to them. */
+/* conus query: what is in a cone or ball, with the tables, pictures and masks that belong to it. */
 #include "cli/answers/ends.h"
 #include "cli/answers/mask.h"
 #include "cli/answers/streamlines_out.h"
@@ -582,11 +582,11 @@ static int run_query(const void *given, const struct arguments *arguments)
 
 const struct command cmd_query = {
     .name = "query",
-    .summary = "list the areas and pathways in a cone, with shares and contact positions",
+    .summary = "list the areas, pathways and bundles in a cone, with shares and contact positions",
     .operands = {"ATLAS"},
     .form = "(--origin X,Y,Z (--toward X,Y,Z | --direction X,Y,Z) | --pose FILE)",
     .description =
-        "Traces N x N rays from a device's position into the atlas and reports every area and pathway that a\n"
+        "Traces N x N rays from a device's position into the atlas and reports every area, pathway and bundle that a\n"
         "ray hits first: its share of the cone, its pixels, its nearest contact and where it is, in mm.\n"
         "With --layers all it reports all hits in the cone, occluded or not; with --point it reports the\n"
         "objects within --radius mm of a point.",

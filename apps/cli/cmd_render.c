@@ -583,7 +583,7 @@ const struct command cmd_render = {
     .summary = "draw the atlas, a cone in it and the cone's first hits",
     .operands = {"ATLAS"},
     .form = "-o FILE",
-    .description = "Draws the areas and pathways, the context around them, and a cone with its axis, contacts\n"
+    .description = "Draws areas, pathways and bundles, the context around them, and a cone with its axis, contacts\n"
                    "and a legend of its first hits. Needs OpenGL 4.5, in hardware or software.",
     .examples = "  conus render aal.nii.gz -o aal.png --context ch2bet.nii.gz\n"
                 "  conus render aal.nii.gz -o cone.png --origin -90,20,20 --toward 0,-10,10 --angle 20\n"

@@ -19,8 +19,8 @@ const struct command *const commands[] = {&cmd_query,   &cmd_batch,    &cmd_merg
 
 static const struct program program = {
     .name = "conus",
-    .summary = "name the brain areas and pathways in a cone",
-    .description = "Which areas and pathways of the brain lie in the cone of a pointing device?\n\n"
+    .summary = "name the brain areas, pathways and bundles in a cone",
+    .description = "Which areas, pathways and bundles of the brain lie in the cone of a pointing device?\n\n"
                    "Positions are in mm, x right, y anterior, z superior; angles in degrees. Results go to stdout,\n"
                    "messages to stderr. ATLAS is a file or a folder, or the name of one that conus atlases lists.",
     .commands = commands,

@@ -77,7 +77,7 @@ const struct option figure_options[] = {
     {.name = "safe-colours",
      .type = OPTION_FLAG,
      .offset = FIELD(safe_colours),
-     .help = "colours of areas and pathways that people with any colour vision can tell apart"},
+     .help = "colours of areas, pathways and bundles that people with any colour vision can tell apart"},
     {0},
 };
 

@@ -15,8 +15,8 @@ const struct option axis_options[] = {
      .type = OPTION_TEXT,
      .offset = offsetof(struct axis_settings, segments),
      .value = "FILE",
-     .help = "write what the axis passes, in order of depth: a row for each stretch inside an area or pathway, or "
-             "between them"},
+     .help = "write what the axis passes, in order of depth: a row for each stretch inside an area, pathway or "
+             "bundle, or between them"},
     {.name = "order",
      .type = OPTION_CHOICE,
      .offset = offsetof(struct axis_settings, order),

@@ -30,7 +30,7 @@ typedef struct conus_astray {
     uint64_t poses;      /**< Poses counted. */
     conus_oddity inside; /**< A cone's apex is in a voxel of an area or pathway, or, with exact sampling, inside a
                             closed surface; of several such surfaces the object is the smallest. */
-    conus_oddity away;   /**< The cone or cylinder misses the box around all areas and pathways. */
+    conus_oddity away;   /**< The cone or cylinder misses the box around all objects. */
     conus_oddity tiny;   /**< Within 1 mm of 0 in every coordinate, and not at 0. */
 } conus_astray;
 

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /**
  * @file atlas.h
- * An atlas: the volumes, areas and pathways of one brain. This header loads and changes it; atlas_info.h reads it.
+ * An atlas: the volumes, areas, pathways and bundles of one brain. This header loads and changes it; atlas_info.h reads
+ * it.
  */
 #ifndef CONUS_PUBLIC_ATLAS_H
 #define CONUS_PUBLIC_ATLAS_H
@@ -16,7 +17,7 @@
 extern "C" {
 #endif
 
-typedef struct conus_atlas conus_atlas; /**< Volumes, areas and pathways of one brain. */
+typedef struct conus_atlas conus_atlas; /**< Volumes, areas, pathways and bundles of one brain. */
 
 /**
  * Receives what conus_atlas_load() reads next, on the thread that loads, before each file.
@@ -292,8 +293,8 @@ CONUS_API bool conus_atlas_is_hidden(const conus_atlas *atlas, size_t number);
 /** @} */
 
 /**
- * Gives all areas and pathways colours that people with any colour vision can tell apart as well as possible. Renderers
- * that were made before keep the old ones.
+ * Gives all areas, pathways and bundles colours that people with any colour vision can tell apart as well as possible.
+ * Renderers that were made before keep the old ones.
  * @param atlas The atlas.
  * @threads One at a time, while no other thread uses the atlas.
  * @since 0.1
@@ -301,7 +302,7 @@ CONUS_API bool conus_atlas_is_hidden(const conus_atlas *atlas, size_t number);
 CONUS_API void conus_atlas_use_safe_colours(conus_atlas *atlas);
 
 /**
- * Gives all areas and pathways the colours back that they had before conus_atlas_use_safe_colours().
+ * Gives all areas, pathways and bundles the colours back that they had before conus_atlas_use_safe_colours().
  * @param atlas The atlas.
  * @threads One at a time, while no other thread uses the atlas.
  * @since 0.1

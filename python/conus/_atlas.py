@@ -282,7 +282,7 @@ def load(
         Of an atlas of probabilities: from which one on, above 0 to 1, a voxel belongs to an area
         (default: 0.25, or as the manifest says).
     safe_colours
-        Colours of areas and pathways that people with any colour vision can tell apart.
+        Colours of areas, pathways and bundles that people with any colour vision can tell apart.
     cache
         Of a path: keeps the atlas in the user's cache folder and maps it from there the next time, as the
         programs do (``conus cache``; ``$CONUS_CACHE`` may be "off" or a size; else ArgumentError).

@@ -100,11 +100,10 @@ static const struct report_column atlas_column = {"atlas", NULL, "name of the at
 
 static const struct report_column answer_columns[] = {
     {"query", NULL, "query_id of the pose, else its number from 1", .get = get_query},
-    {"kind", NULL,
-     "area, pathway, or unassigned: the part of the cone that hits nothing; error: no answer, and name says why",
+    {"kind", NULL, "area, pathway, bundle, unassigned: the part of the cone that hits nothing, or error: name says why",
      .get = get_kind},
-    {"index", NULL, "the atlas's own label of the area, or the ordinal of the pathway", .get = get_index},
-    {"name", NULL, "name of the area or pathway", .get = get_name},
+    {"index", NULL, "the atlas's own label of the area, or the ordinal of the pathway or bundle", .get = get_index},
+    {"name", NULL, "name of the area, pathway or bundle", .get = get_name},
     {"abbreviation", NULL, "abbreviation in the label table", .get = get_abbreviation},
     {"rank", NULL, "1 is the best score", OF_ROW(RANK, result.rank)},
     {"score", NULL, "value of the ranking named in the settings, higher is better", OF_ROW(NUMBER, result.score)},
@@ -214,7 +213,8 @@ static const struct report_column admission_columns[] = {
     {"x", "mm", "where that is, x", OF_ROW(X, admission.point)},
     {"y", "mm", "the same, y", OF_ROW(Y, admission.point)},
     {"z", "mm", "the same, z", OF_ROW(Z, admission.point)},
-    {"measured", NULL, "what that is: voxel centre, or surface of a mesh; exact either way", .get = get_measured},
+    {"measured", NULL, "what that is: voxel centre, surface of a mesh or streamline; exact any way",
+     .get = get_measured},
 };
 
 static const struct report_column chance_columns[] = {
@@ -260,10 +260,10 @@ static struct cell get_length(const conus_report *report, const struct report_ro
 static const struct report_column segment_columns[] = {
     {"query", NULL, "query_id of the pose, else its number from 1", .get = get_query},
     {"order", NULL, "1 is nearest to the apex", .get = get_place},
-    {"kind", NULL, "what the axis is in: area, pathway, or unassigned: neither; error: no answer, and name says why",
+    {"kind", NULL, "what the axis is in: area, pathway, bundle, or unassigned: none; error: name says why",
      .get = get_kind},
-    {"index", NULL, "the atlas's own label of the area, or the ordinal of the pathway", .get = get_index},
-    {"name", NULL, "name of the area or pathway", .get = get_name},
+    {"index", NULL, "the atlas's own label of the area, or the ordinal of the pathway or bundle", .get = get_index},
+    {"name", NULL, "name of the area, pathway or bundle", .get = get_name},
     {"abbreviation", NULL, "abbreviation in the label table", .get = get_abbreviation},
     {"entry_mm", "mm", "where the axis enters it, from the apex", OF_ROW(NUMBER, segment.entry)},
     {"exit_mm", "mm", "where the axis leaves it, from the apex", OF_ROW(NUMBER, segment.exit)},
@@ -389,7 +389,7 @@ static struct cell get_error(const conus_report *report, const struct report_row
 }
 
 static const struct report_column summary_columns[] = {
-    {"runner_up", NULL, "name of the area or pathway with the second best score", .get = get_runner_up},
+    {"runner_up", NULL, "name of the area, pathway or bundle with the second best score", .get = get_runner_up},
     {"runner_up_index", NULL, "its index", .get = get_runner_up_index},
     {"runner_up_share", NULL, "its share", .get = get_runner_up_share},
     {"margin", NULL, "score of the best less that of the runner-up", .get = get_score_margin},
@@ -399,11 +399,11 @@ static const struct report_column summary_columns[] = {
 
 /* What a table of electrodes gets. */
 static const struct report_column electrode_columns[] = {
-    {"area", NULL, "name of the area or pathway with the best score at the contact, or unassigned", .get = get_name},
+    {"area", NULL, "name of the object with the best score at the contact, or unassigned", .get = get_name},
     {"area_index", NULL, "the atlas's own label of it", .get = get_index},
     {"area_share", NULL, "its part of the ball around the contact, or of the cone", OF_ROW(NUMBER, result.share)},
     {"area_distance_mm", "mm", "how far it is from the contact", OF_ROW(NUMBER, result.distance)},
-    {"runner_up", NULL, "name of the area or pathway with the second best score", .get = get_runner_up},
+    {"runner_up", NULL, "name of the area, pathway or bundle with the second best score", .get = get_runner_up},
     {"runner_up_share", NULL, "its share", .get = get_runner_up_share},
     {"area_error", NULL, "why there is no answer", .get = get_error},
 };

@@ -112,6 +112,13 @@ METHOD='T. Rick, A. von Kapri, T. Kuhlen: GPU Implementation of 3D Object Select
     has 'Voxels of slabs.nii.gz with values of at least 200 blocked the rays.'
     has 'The atlas was nested (file nested.nii.gz, SHA-256 '
     has 'Another atlas, asked by itself, was slabs'
+    conus phantom bundle -o bundle
+    conus query slabs.nii.gz $aim --streamlines bundle/bundle.tck -o lines.tsv
+    cites lines.tsv
+    has 'The areas and bundles in'
+    conus overlap nested.nii.gz slabs.nii.gz --threshold 1 --streamlines bundle/bundle.tck -q -o common.tsv
+    cites common.tsv
+    has 'in common with each area was determined'
     printf '1 0 0 7\n0 1 0 0\n0 0 1 0\n0 0 0 1\n' >right.txt
     conus query slabs.nii.gz $aim --atlas-transform right.txt --hemispheres split -o b.tsv
     cites b.tsv

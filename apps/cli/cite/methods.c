@@ -94,22 +94,36 @@ bool citation_has_rays(const struct citation *citation)
            !is_axis(citation) && !is_whole(citation) && !is_connections(citation);
 }
 
-/* Whether there are pathways among what could be hit. */
-static const char *objects_of(const struct citation *citation, const char *areas, const char *both)
+static bool has_pathways(const json_t *atlas)
 {
-    const json_t *several = json_object_get(citation->sidecar, "Atlases");
-    bool has = false;
-    for (size_t i = 0; i < citation->atlas_count; i++) {
-        const json_t *atlas = several ? json_array_get(several, i) : json_object_get(citation->sidecar, "Atlas");
-        size_t index;
-        const json_t *volume;
-        json_array_foreach(json_object_get(atlas, "volumes"), index, volume)
-        {
-            const char *role = json_string_value(json_object_get(volume, "role"));
-            has = has || (role && strcmp(role, "pathway") == 0);
+    size_t index;
+    const json_t *volume;
+    json_array_foreach(json_object_get(atlas, "volumes"), index, volume)
+    {
+        const char *role = json_string_value(json_object_get(volume, "role"));
+        if (role && strcmp(role, "pathway") == 0) {
+            return true;
         }
     }
-    return has ? both : areas;
+    return false;
+}
+
+enum number { ONE, MANY };
+
+/* What could be hit; bundles only where these are asked about, too. */
+static const char *objects_of(const struct citation *citation, enum number number, bool bundles)
+{
+    static const char *const words[2][2][2] = {
+        [ONE] = {{"area", "area and bundle"}, {"area and pathway", "area, pathway and bundle"}},
+        [MANY] = {{"areas", "areas and bundles"}, {"areas and pathways", "areas, pathways and bundles"}}};
+    const json_t *several = json_object_get(citation->sidecar, "Atlases");
+    bool has[2] = {false, false};
+    for (size_t i = 0; i < citation->atlas_count; i++) {
+        const json_t *atlas = several ? json_array_get(several, i) : json_object_get(citation->sidecar, "Atlas");
+        has[0] = has[0] || has_pathways(atlas);
+        has[1] = has[1] || (bundles && json_array_size(json_object_get(atlas, "tractograms")) > 0);
+    }
+    return words[number][has[0]][has[1]];
 }
 
 /* ---- Poses ------------------------------------------------------------------------------------------------------- */
@@ -401,7 +415,7 @@ static void put_program(FILE *out, const struct citation *citation)
 
 static void put_cone(FILE *out, const struct citation *citation)
 {
-    fprintf(out, "The %s in ", objects_of(citation, "areas", "areas and pathways"));
+    fprintf(out, "The %s in ", objects_of(citation, MANY, true));
     put_shape(out, citation);
     fputs(" were determined for ", out);
     put_poses(out, citation);
@@ -426,7 +440,7 @@ static void put_axis(FILE *out, const struct citation *citation)
     fprintf(out,
             "The %s that the device's axis passes, a straight line from the device's position on, were determined "
             "in order of depth for ",
-            objects_of(citation, "areas", "areas and pathways"));
+            objects_of(citation, MANY, true));
     put_poses(out, citation);
     put_program(out, citation);
     put_range(out, citation);
@@ -443,7 +457,7 @@ static void put_admission(FILE *out, const struct citation *citation)
     fprintf(out,
             "The least full opening angle at which a cone about the device's axis, with its apex at the device's "
             "position, contains a point of each %s was determined, up to %.9g°%s, for ",
-            objects_of(citation, "area", "area and pathway"),
+            objects_of(citation, ONE, true),
             count   ? most
             : angle ? strtod(angle, NULL)
                     : 10,
@@ -513,7 +527,7 @@ static void put_overlap(FILE *out, const struct citation *citation)
     size_t count = json_array_size(queries(citation));
     const char *threshold = option_value(citation, "threshold");
     fprintf(out, "The volume that %s of interest has in common with each %s was determined",
-            count == 1 ? "a region" : "each of several regions", objects_of(citation, "area", "area and pathway"));
+            count == 1 ? "a region" : "each of several regions", objects_of(citation, ONE, false));
     put_program(out, citation);
     if (threshold) {
         fprintf(out, " A region was the voxels with values of at %s %s.", *threshold == '-' ? "most" : "least",

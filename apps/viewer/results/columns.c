@@ -22,10 +22,11 @@ struct column {
 
 static const struct column columns[RESULT_COLUMNS] = {
     [RESULT_RANK] = {"rank", "rank", NULL, "1 is the best score", COUNT, AT(rank), 0, "999", .needs_object = true},
-    [RESULT_NAME] = {"name", "area", NULL, "name of the area or pathway", TEXT_NAME, .widest = ""},
+    [RESULT_NAME] = {"name", "area", NULL, "name of the area, pathway or bundle", TEXT_NAME, .widest = ""},
     [RESULT_ABBREVIATION] = {"abbreviation", "short", NULL, "abbreviation in the label table", TEXT_ABBREVIATION,
                              .widest = "VISpm2/3"},
-    [RESULT_LABEL] = {"index", "label", NULL, "the atlas's own label of the area, or the ordinal of the pathway", LABEL,
+    [RESULT_LABEL] = {"index", "label", NULL,
+                      "the atlas's own label of the area, or the ordinal of the pathway or bundle", LABEL,
                       .widest = "4294967295"},
     [RESULT_SHARE] = {"share", "share", "% of the cone", "its part of the cone's solid angle, by what is hit first",
                       PART, AT(share), 2, "100.00 %", .falls = true},
