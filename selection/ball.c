@@ -65,7 +65,7 @@ static conus_status answer_ball(conus_selection *selection, conus_selector *sele
     const struct score_view view = {.cone = &selection->cone};
     struct ranking share;
     conus_status status = tally_prepare(&selector->tally, selector->atlas->object_count);
-    status = status ? status : census_prepare(&selector->census, selector->atlas);
+    status = status ? status : census_prepare(&selector->census, selector->atlas, selector->labels);
     status = status ? status : near_prepare(&selector->near, selector->atlas);
     status = status ? status : selector_prepare_tracts(selector);
     if (status) {

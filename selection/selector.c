@@ -111,6 +111,7 @@ conus_status conus_selector_create(conus_selector **out, const conus_atlas *atla
     status = status ? status : check_options(&selector->options);
     status = status ? status : set_level(selector, selector->options.level);
     status = status ? status : measure_objects(selector);
+    status = status ? status : census_labels_create(&selector->labels, atlas);
     if (!status) {
         if (selector->options.sampling == CONUS_SAMPLING_SLICES && selector->options.slice_fraction == 0) {
             selector->options.slice_fraction = SLICES_FRACTION;
@@ -147,6 +148,7 @@ conus_status selector_share(conus_selector **out, const conus_selector *selector
                                .level_spec = selector->level_spec,
                                .engine = selector->engine,
                                .axis = selector->axis,
+                               .labels = selector->labels,
                                .tract_index = selector->tract_index,
                                .whole = selector->whole,
                                .inside_only = selector->inside_only,
@@ -214,6 +216,7 @@ void conus_selector_destroy(conus_selector *selector)
             level_destroy(selector->level);
             memory_free(selector->level_spec);
             memory_free(selector->whole);
+            census_labels_destroy(selector->labels, selector->atlas);
         }
         if (selector->owns_axis) {
             engine_destroy(selector->axis);

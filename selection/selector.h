@@ -22,7 +22,8 @@ struct conus_selector {
     struct engine *axis; /**< What follows axes, exactly and on the CPU; NULL until selector_prepare_axis(). */
     bool owns_axis;      /**< It is neither the engine nor another selector's. */
     struct aperture aperture;
-    struct tally tally; /**< Prepared for the atlas's objects. */
+    struct tally tally;           /**< Prepared for the atlas's objects. */
+    struct census_labels *labels; /**< [volume_count], those of all that share them. */
     struct census census;
     struct near near;
     struct tract_index *tract_index; /**< NULL until selector_prepare_tracts(), and without bundles. */

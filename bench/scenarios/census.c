@@ -84,13 +84,15 @@ conus_status bench_census(struct bench *bench)
     static const double angles[] = {5, 20, 60};
     struct scene scene = {.count = bench->options.poses};
     struct way ways[WAYS] = {{.scene = &scene, .take = ask_all}, {.scene = &scene, .take = census_take}};
+    struct census_labels *labels = NULL;
     bench->one_thread = true;
     conus_status status = conus_atlas_load(&scene.atlas, bench->options.atlas, NULL);
     if (!status && !atlas_parcellation(scene.atlas)) {
         status = fail(CONUS_ERROR_DATA, "%s: has no labelled voxels", bench->options.atlas);
     }
+    status = status ? status : census_labels_create(&labels, scene.atlas);
     for (size_t w = 0; w < WAYS && !status; w++) {
-        status = census_prepare(&ways[w].census, scene.atlas);
+        status = census_prepare(&ways[w].census, scene.atlas, labels);
     }
     scene.regions = status ? NULL : memory_zeroed(scene.count, sizeof *scene.regions);
     scene.cones = status ? NULL : memory_zeroed(scene.count, sizeof *scene.cones);
@@ -103,6 +105,7 @@ conus_status bench_census(struct bench *bench)
     }
     memory_free(scene.regions);
     memory_free(scene.cones);
+    census_labels_destroy(labels, scene.atlas);
     conus_atlas_destroy(scene.atlas);
     return status;
 }

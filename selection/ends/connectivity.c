@@ -234,7 +234,7 @@ static conus_status count_all(conus_connection **out, size_t *count, struct conn
 static conus_status build(conus_connectivity *connectivity, conus_selector *selector, const struct region *region)
 {
     struct connecting connecting = {.selector = selector, .region = region};
-    conus_status status = census_prepare(&selector->census, selector->atlas);
+    conus_status status = census_prepare(&selector->census, selector->atlas, selector->labels);
     status = status
                  ? status
                  : area_search_init(&connecting.search, selector->atlas, selector->census.boxes, connectivity->radius);

@@ -15,7 +15,7 @@ struct walk {
     census_row row;
     void *user;
     const struct census_box *box;
-    const struct label_runs *runs; /* in place of labels, or NULL */
+    const struct label_runs *runs; /* in place of labels, for count_runs(); or NULL */
     struct region_rows rows;
     int turn;
 };
@@ -78,8 +78,83 @@ static void fetch_rows(const struct walk *walk, const struct piece *piece)
     }
 }
 
+/* `count` voxels of one object in a row. */
+static void add_run(struct census *census, uint32_t object, const size_t at[3], size_t count)
+{
+    struct census_count *sum = &census->counts[object];
+    if (!sum->voxels && object) {
+        census->touched[census->touched_count++] = object;
+    }
+    sum->voxels += count;
+    sum->index[0] += count * at[0] + count * (count - 1) / 2;
+    sum->index[1] += count * at[1];
+    sum->index[2] += count * at[2];
+}
+
+/* The areas of one parcellation, in a region. */
+struct areas {
+    struct census *census;
+    size_t counted; /* voxels without runs */
+};
+
+/* Voxels of rows of one slice that lie in the region: `first` up to `behind` of row j, in the runs `run` to `last`.
+ * There is room for one more, which is read. */
+struct stretches {
+    size_t count;
+    size_t runs; /* of all */
+    struct stretch {
+        uint32_t first, behind, j, run[2];
+    } of[REGION_ROWS + 1];
+};
+
+/* Takes the rows of which all is sure; the others are walked. */
+static void list_stretches(struct stretches *out, const struct walk *walk, const struct piece *piece)
+{
+    const struct region_cut *cut = &piece->cut;
+    size_t row = piece->j + walk->volume->info.dim[1] * piece->k;
+    out->count = out->runs = 0;
+    for (size_t r = 0; r < piece->count; r++) {
+        struct stretch *stretch = &out->of[out->count];
+        if (cut->maybe[0][r] != cut->sure[0][r] || cut->maybe[1][r] != cut->sure[1][r]) {
+            walk_row(walk, cut, r, piece->j + r, piece->k);
+        } else if (cut->sure[0][r] <= cut->sure[1][r]) {
+            stretch->first = (uint32_t)cut->sure[0][r];
+            stretch->behind = (uint32_t)cut->sure[1][r] + 1;
+            stretch->j = (uint32_t)(piece->j + r);
+            label_runs_between(stretch->run, walk->runs, row + r, stretch->first, stretch->behind - 1);
+            out->runs += stretch->run[1] - stretch->run[0] + 1;
+            out->count++;
+        }
+    }
+    out->of[out->count] = (struct stretch){0};
+}
+
+/* Run after run, whatever row it is in: rows of a few runs would be loops whose end the processor cannot guess. */
+static void count_runs(const struct walk *walk, const struct piece *piece)
+{
+    const struct label_runs *runs = walk->runs;
+    struct census *census = ((const struct areas *)walk->user)->census;
+    struct stretches stretches;
+    list_stretches(&stretches, walk, piece);
+    const struct stretch *stretch = stretches.of;
+    uint32_t run = stretch->run[0];
+    uint32_t i = stretch->first;
+    for (size_t left = stretches.runs; left > 0; left--) {
+        bool ends = run == stretch->run[1];
+        uint32_t next = ends ? stretch->behind : runs->starts[run + 1];
+        add_run(census, runs->objects[run], (const size_t[]){i, stretch->j, piece->k}, next - i);
+        stretch += ends;
+        run = ends ? stretch->run[0] : run + 1;
+        i = ends ? stretch->first : next;
+    }
+}
+
 static void walk_piece(const struct walk *walk, const struct piece *piece)
 {
+    if (walk->runs) {
+        count_runs(walk, piece);
+        return;
+    }
     for (size_t r = 0; r < piece->count; r++) {
         walk_row(walk, &piece->cut, r, piece->j + r, piece->k);
     }
@@ -175,18 +250,34 @@ static struct census_box find_box(const struct volume *volume)
     return box;
 }
 
-conus_status census_prepare(struct census *census, const conus_atlas *atlas)
+conus_status census_labels_create(struct census_labels **out, const conus_atlas *atlas)
+{
+    struct census_labels *labels = memory_zeroed(atlas->volume_count, sizeof *labels);
+    if (!labels) {
+        return CONUS_ERROR_MEMORY;
+    }
+    *out = labels;
+    return CONUS_OK;
+}
+
+void census_labels_destroy(struct census_labels *labels, const conus_atlas *atlas)
+{
+    for (size_t i = 0; labels && i < atlas->volume_count; i++) {
+        label_runs_finish(&labels[i].runs);
+    }
+    memory_free(labels);
+}
+
+conus_status census_prepare(struct census *census, const conus_atlas *atlas, struct census_labels *labels)
 {
     if (census->counts && census->object_count >= atlas->object_count) {
         return CONUS_OK;
     }
-    struct census fresh = {.object_count = atlas->object_count};
+    struct census fresh = {.object_count = atlas->object_count, .labels = labels};
     fresh.counts = memory_zeroed(atlas->object_count + 1, sizeof *fresh.counts);
     fresh.touched = memory_raw(atlas->object_count + 1, sizeof *fresh.touched);
     fresh.boxes = memory_zeroed(atlas->volume_count, sizeof *fresh.boxes);
-    fresh.labels = memory_zeroed(atlas->volume_count, sizeof *fresh.labels);
-    fresh.volume_count = atlas->volume_count;
-    if (!fresh.counts || !fresh.touched || !fresh.boxes || !fresh.labels) {
+    if (!fresh.counts || !fresh.touched || !fresh.boxes) {
         census_finish(&fresh);
         return CONUS_ERROR_MEMORY;
     }
@@ -205,56 +296,14 @@ void census_finish(struct census *census)
     memory_free(census->counts);
     memory_free(census->touched);
     memory_free(census->boxes);
-    for (size_t i = 0; i < census->volume_count && census->labels; i++) {
-        label_runs_finish(&census->labels[i].runs);
-    }
-    memory_free(census->labels);
     *census = (struct census){0};
-}
-
-/* `count` voxels of one object in a row. */
-static void add_run(struct census *census, uint32_t object, const size_t at[3], size_t count)
-{
-    struct census_count *sum = &census->counts[object];
-    if (!sum->voxels && object) {
-        census->touched[census->touched_count++] = object;
-    }
-    sum->voxels += count;
-    sum->index[0] += count * at[0] + count * (count - 1) / 2;
-    sum->index[1] += count * at[1];
-    sum->index[2] += count * at[2];
-}
-
-/* The areas of one parcellation, in a region. */
-struct areas {
-    struct census *census;
-    struct census_labels *labels;
-};
-
-/* From the runs of the whole row. */
-static void add_runs(struct census *census, const struct label_runs *runs, const struct volume *volume,
-                     const size_t at[3], size_t count)
-{
-    size_t row = at[1] + volume->info.dim[1] * at[2];
-    size_t end = runs->rows[row + 1];
-    size_t behind = at[0] + count;
-    size_t run = label_runs_find(runs, row, at[0]);
-    for (size_t i = at[0]; i < behind; run++) {
-        size_t next = run + 1 < end ? smaller(runs->starts[run + 1], behind) : behind;
-        add_run(census, runs->objects[run], (const size_t[]){i, at[1], at[2]}, next - i);
-        i = next;
-    }
 }
 
 static void add_areas(void *user, const struct volume *volume, const size_t at[3], size_t count)
 {
-    const struct areas *areas = user;
-    areas->labels->counted += count;
-    if (areas->labels->runs.rows) {
-        add_runs(areas->census, &areas->labels->runs, volume, at, count);
-        return;
-    }
+    struct areas *areas = user;
     size_t first = at[0] + volume->info.dim[0] * (at[1] + volume->info.dim[1] * at[2]);
+    areas->counted += count;
     for (size_t done = 0; done < count;) {
         uint32_t object = volume_object(volume, first + done);
         size_t run = label_run_length(volume, first + done, count - done);
@@ -293,19 +342,28 @@ static int ascending(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Finds the runs when as many voxels have been counted without as the volume has, which takes about as long. */
+/* The thread that has counted as many voxels without runs, with all others, as the volume has, finds them, which takes
+ * about as long. */
+static void note_counted(struct census_labels *labels, const struct volume *volume, size_t counted)
+{
+    size_t before = atomic_fetch_add(&labels->counted, counted);
+    if (before < volume->voxel_count && before + counted >= volume->voxel_count) {
+        label_runs_init(&labels->runs, volume);
+        atomic_store_explicit(&labels->has_runs, labels->runs.rows != NULL, memory_order_release);
+    }
+}
+
 static void count_areas(struct census *census, const struct region *region, const struct volume *volume,
                         struct census_labels *labels)
 {
-    if (labels->counted >= volume->voxel_count && !labels->tried) {
-        label_runs_init(&labels->runs, volume);
-        labels->tried = true;
-    }
-    struct areas areas = {.census = census, .labels = labels};
+    struct areas areas = {.census = census};
     const struct census_box all = whole_box(volume);
     struct walk walk = {.region = region, .volume = volume, .row = add_areas, .user = &areas, .box = &all};
-    walk.runs = labels->runs.rows ? &labels->runs : NULL;
+    walk.runs = atomic_load_explicit(&labels->has_runs, memory_order_acquire) ? &labels->runs : NULL;
     walk_slices(&walk);
+    if (!walk.runs) {
+        note_counted(labels, volume, areas.counted);
+    }
 }
 
 static void forget(struct census *census)

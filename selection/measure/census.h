@@ -9,6 +9,8 @@
 #include "selection/measure/label_runs.h"
 #include "selection/region/region.h"
 
+#include <stdatomic.h>
+
 /** @p count voxels of @p volume in the region, from indices @p at on along i. */
 typedef void (*census_row)(void *user, const struct volume *volume, const size_t at[3], size_t count);
 
@@ -32,11 +34,11 @@ struct census_count {
     double moment[3];      /**< Sums of value times i, j, k.                                                */
 };
 
-/** How the labels of a parcellation are read. */
+/** How the labels of a parcellation are read, by all threads. */
 struct census_labels {
-    struct label_runs runs; /**< Where there are any.                 */
-    size_t counted;         /**< Voxels that have been, in all regions. */
-    bool tried;             /**< To find the runs.                    */
+    atomic_size_t counted; /**< Voxels that have been, in all regions, without runs. */
+    atomic_bool has_runs;  /**< They were found, and can be read.                    */
+    struct label_runs runs;
 };
 
 /** Counts of all objects, kept between regions, so that a query costs what it holds and not what the atlas has. */
@@ -45,12 +47,17 @@ struct census {
     uint32_t *touched;           /**< Objects with voxels, in ascending order; 0 is not among them.         */
     size_t touched_count;
     struct census_box *boxes; /**< [volume_count] around the voxels of a scalar volume's object: pathways are thin. */
-    struct census_labels *labels; /**< [volume_count] of a parcellation. */
-    size_t object_count, volume_count;
+    struct census_labels *labels; /**< [volume_count] Not owned. */
+    size_t object_count;
 };
 
-/** Reserves capacity for the objects of @p atlas; a zeroed census is ready for it. */
-conus_status census_prepare(struct census *census, const conus_atlas *atlas);
+/** Makes @p out [volume_count], for any number of censuses of @p atlas at once. */
+conus_status census_labels_create(struct census_labels **out, const conus_atlas *atlas);
+void census_labels_destroy(struct census_labels *labels, const conus_atlas *atlas);
+
+/** Reserves capacity for the objects of @p atlas, whose @p labels must live as long; a zeroed census is ready for it.
+ */
+conus_status census_prepare(struct census *census, const conus_atlas *atlas, struct census_labels *labels);
 void census_finish(struct census *census);
 
 /** Forgets the last region's counts and takes those of @p region. The context takes no part. */

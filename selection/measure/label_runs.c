@@ -12,7 +12,7 @@
 enum { VOXELS_PER_RUN = 8 };
 
 /* Compared at once. */
-enum { STARTS = 8, LABELS = 16 };
+enum { LABELS = 16, STARTS = 2 * LABELS };
 
 static size_t smaller(size_t a, size_t b)
 {
@@ -100,23 +100,44 @@ void label_runs_finish(struct label_runs *runs)
     *runs = (struct label_runs){0};
 }
 
-size_t label_runs_find(const struct label_runs *runs, size_t row, size_t i)
-{
-    size_t end = runs->rows[row + 1];
-    size_t run = runs->rows[row];
 #if defined(__SSE2__)
+/* Which of LABELS starts lie behind index i: a bit for each. */
+static unsigned later_starts(const uint16_t *starts, size_t i)
+{
     const __m128i here = _mm_set1_epi16((short)i);
-    for (; run < end; run += STARTS) { /* those past the end are of other rows */
-        __m128i later = _mm_cmpgt_epi16(_mm_loadu_si128((const __m128i *)(runs->starts + run)), here);
-        unsigned bits = (unsigned)_mm_movemask_epi8(later);
-        if (bits) {
-            return smaller(run + (size_t)__builtin_ctz(bits) / 2, end) - 1;
-        }
+    __m128i low = _mm_cmpgt_epi16(_mm_loadu_si128((const __m128i *)starts), here);
+    __m128i high = _mm_cmpgt_epi16(_mm_loadu_si128((const __m128i *)(starts + LABELS / 2)), here);
+    return (unsigned)_mm_movemask_epi8(_mm_packs_epi16(low, high));
+}
+
+/* How many of `count` starts in ascending order are index i or before it, as far as STARTS show. Most rows have fewer
+ * runs, so there is nothing for the processor to guess. */
+static size_t count_starts(const uint16_t *starts, size_t count, size_t i)
+{
+    size_t before = (size_t)__builtin_ctzll(later_starts(starts, i) | later_starts(starts + LABELS, i) << LABELS |
+                                            UINT64_C(1) << STARTS);
+    return smaller(before, count); /* those past the end are of other rows */
+}
+#endif
+
+/* The run that holds index i, of those from `run` on, before `end`. */
+static uint32_t find_run(const struct label_runs *runs, size_t run, size_t end, size_t i)
+{
+#if defined(__SSE2__)
+    size_t here = count_starts(runs->starts + run, end - run, i);
+    for (run += here; here == STARTS && run < end; run += here) {
+        here = count_starts(runs->starts + run, end - run, i);
     }
 #else
     while (run < end && runs->starts[run] <= i) {
         run++;
     }
 #endif
-    return end < run ? end - 1 : run - 1;
+    return (uint32_t)run - 1;
+}
+
+void label_runs_between(uint32_t out[2], const struct label_runs *runs, size_t row, size_t first, size_t last)
+{
+    out[0] = find_run(runs, runs->rows[row], runs->rows[row + 1], first);
+    out[1] = find_run(runs, runs->rows[row], runs->rows[row + 1], last);
 }

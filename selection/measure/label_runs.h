@@ -29,7 +29,7 @@ static inline void label_runs_fetch(const struct label_runs *runs, size_t row)
     __builtin_prefetch(runs->objects + runs->rows[row]);
 }
 
-/** The run that holds index @p i of a row. */
-size_t label_runs_find(const struct label_runs *runs, size_t row, size_t i);
+/** Gives the run that holds index @p first of a row, and the one that holds @p last. */
+void label_runs_between(uint32_t out[2], const struct label_runs *runs, size_t row, size_t first, size_t last);
 
 #endif

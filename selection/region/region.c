@@ -128,20 +128,20 @@ bool region_bounds_plane(double depth[2], const struct region_bounds *bounds, in
 
 bool region_bounds_range(size_t out[2], const struct region_bounds *bounds, int axis, const double depth[2], size_t dim)
 {
-    double low = INFINITY;
-    double high = -INFINITY;
+    double hull[2] = {INFINITY, -INFINITY};
+    double range[2] = {0, (double)dim - 1};
     for (int end = 0; end < 2; end++) {
         double centre = bounds->along[axis].centre[0] + bounds->along[axis].centre[1] * depth[end];
         double reach = SLACK + bounds->along[axis].spread * (bounds->rim[0] + bounds->rim[1] * depth[end]);
-        low = fmin(low, centre - reach);
-        high = fmax(high, centre + reach);
+        hull[0] = centre - reach < hull[0] ? centre - reach : hull[0];
+        hull[1] = centre + reach > hull[1] ? centre + reach : hull[1];
     }
-    low = fmax(ceil(low), 0);
-    high = fmin(floor(high), (double)dim - 1);
-    if (!(low <= high)) {
+    raise_low(range, ceil(hull[0]));
+    lower_high(range, floor(hull[1]));
+    if (!(range[0] <= range[1])) {
         return false;
     }
-    out[0] = (size_t)low;
-    out[1] = (size_t)high;
+    out[0] = (size_t)range[0];
+    out[1] = (size_t)range[1];
     return true;
 }

@@ -12,13 +12,16 @@ enum { SCENES = 60, POINTS = 200 };
 
 static uint32_t find(const conus_atlas *atlas, double radius, double x, double y, double z)
 {
+    struct census_labels *labels;
     struct census census = {0};
     struct area_search search = {0};
-    assert_ok(census_prepare(&census, atlas));
+    assert_ok(census_labels_create(&labels, atlas));
+    assert_ok(census_prepare(&census, atlas, labels));
     assert_ok(area_search_init(&search, atlas, census.boxes, radius));
     uint32_t found = area_at(&search, (const double[]){x, y, z});
     area_search_finish(&search);
     census_finish(&census);
+    census_labels_destroy(labels, atlas);
     return found;
 }
 
