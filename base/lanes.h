@@ -135,6 +135,11 @@ static INLINE truths none(void)
     return 0;
 }
 
+static INLINE truths every(void)
+{
+    return 0xffff;
+}
+
 static INLINE bool any(truths which)
 {
     return which != 0;
@@ -163,11 +168,6 @@ static INLINE bool is_true(truths which, int lane)
 static INLINE truths only(int lane)
 {
     return (truths)(1U << lane);
-}
-
-static INLINE truths both(halves low, halves high)
-{
-    return (truths)(low | (unsigned)high << HALF);
 }
 
 static INLINE halves half_of(truths which, int half)
@@ -229,6 +229,11 @@ static INLINE truths none(void)
     return (truths){0};
 }
 
+static INLINE truths every(void)
+{
+    return (truths){0} - 1;
+}
+
 /* Bit l is lane l's. */
 static INLINE unsigned bits_of(truths which)
 {
@@ -282,20 +287,6 @@ static INLINE truths only(int lane)
     return out;
 }
 
-static INLINE truths both(halves low, halves high)
-{
-#if LANES == 8
-    return __builtin_shufflevector((wholes)low, (wholes)high, 0, 2, 4, 6, 8, 10, 12, 14);
-#else
-    truths out;
-    for (int l = 0; l < HALF; l++) {
-        out[l] = (int32_t)low[l];
-        out[HALF + l] = (int32_t)high[l];
-    }
-    return out;
-#endif
-}
-
 static INLINE halves half_of(truths which, int half)
 {
     halves out;
@@ -345,6 +336,40 @@ static INLINE singles larger(singles a, singles b)
 #else
     return choose(less(b, a), a, b);
 #endif
+}
+
+/* a < b ? a : b */
+static INLINE doubles smaller_doubles(doubles a, doubles b)
+{
+#if defined(__AVX512F__) && LANES == 16
+    return (doubles)_mm512_min_pd((__m512d)a, (__m512d)b);
+#elif defined(__AVX__) && LANES == 8
+    return (doubles)_mm256_min_pd((__m256d)a, (__m256d)b);
+#else
+    return choose_doubles(less_doubles(a, b), a, b);
+#endif
+}
+
+/* a > b ? a : b */
+static INLINE doubles larger_doubles(doubles a, doubles b)
+{
+#if defined(__AVX512F__) && LANES == 16
+    return (doubles)_mm512_max_pd((__m512d)a, (__m512d)b);
+#elif defined(__AVX__) && LANES == 8
+    return (doubles)_mm256_max_pd((__m256d)a, (__m256d)b);
+#else
+    return choose_doubles(less_doubles(b, a), a, b);
+#endif
+}
+
+/* The least of them. */
+static INLINE double least_of_doubles(doubles x)
+{
+    double least = x[0];
+    for (int l = 1; l < HALF; l++) {
+        least = x[l] < least ? x[l] : least;
+    }
+    return least;
 }
 
 /* The square root, of what is not negative. */
@@ -468,17 +493,21 @@ static INLINE singles singles_from_wholes(wholes x)
 #endif
 }
 
-/* Writes HALF singles. */
-static INLINE void store_as_singles(float *out, doubles x)
+/* Side by side. */
+static INLINE singles singles_from_doubles(doubles low, doubles high)
 {
-#if defined(__AVX512F__) && LANES == 16
-    _mm256_storeu_ps(out, _mm512_cvtpd_ps((__m512d)x));
+#if defined(__AVX512DQ__) && LANES == 16
+    __m512 one = _mm512_castps256_ps512(_mm512_cvtpd_ps((__m512d)low));
+    return (singles)_mm512_insertf32x8(one, _mm512_cvtpd_ps((__m512d)high), 1);
 #elif defined(__AVX__) && LANES == 8
-    _mm_storeu_ps(out, _mm256_cvtpd_ps((__m256d)x));
+    return (singles)_mm256_set_m128(_mm256_cvtpd_ps((__m256d)high), _mm256_cvtpd_ps((__m256d)low));
 #else
+    singles out;
     for (int l = 0; l < HALF; l++) {
-        out[l] = (float)x[l];
+        out[l] = (float)low[l];
+        out[HALF + l] = (float)high[l];
     }
+    return out;
 #endif
 }
 

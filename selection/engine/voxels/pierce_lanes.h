@@ -20,8 +20,9 @@ struct events {
 
 struct piercing {
     struct traverse_piercing *all;
-    conus_interval begun[TRAVERSE_BUNDLE];     /* the intervals of its rays that have begun; object 0: none */
-    alignas(64) int32_t kind[TRAVERSE_BUNDLE]; /* what of their codes is not the radius                     */
+    conus_interval begun[TRAVERSE_BUNDLE];          /* the intervals of its rays that have begun; object 0: none */
+    alignas(64) int32_t kind[TRAVERSE_BUNDLE];      /* what of their codes is not the radius                     */
+    alignas(64) double inverse[3][TRAVERSE_BUNDLE]; /* INFINITY where a ray does not move */
     struct events events;
 };
 
@@ -65,19 +66,34 @@ static INLINE conus_status make_room(struct piercing *piercing)
     return piercing->events.count + LANES > EVENTS ? deal_events(piercing) : CONUS_OK;
 }
 
+/* When half a packet's rays came into their cells. */
+static INLINE doubles entry_into_cell(const struct walk *walk, const struct piercing *piercing, size_t slot)
+{
+    doubles t = all_doubles(0);
+    EACH_AXIS
+    for (int a = 0; a < 3; a++) {
+        doubles inverse = doubles_at(piercing->inverse[a] + slot);
+        doubles half = choose_doubles(less_doubles(all_doubles(0), inverse), all_doubles(0.5), all_doubles(-0.5));
+        halves moves = less_doubles(inverse, all_doubles(INFINITY));
+        doubles cell = load_as_doubles(walk->cell[a] + slot) + (double)walk->middle[a];
+        doubles entry = ((cell - half) - walk->bundle->start[a]) * inverse;
+        t = choose_doubles(moves & less_doubles(t, entry), entry, t);
+    }
+    return t;
+}
+
 static INLINE void add_events(const struct walk *walk, struct piercing *piercing, size_t slot, truths changed,
                               truths full)
 {
     const int32_t columns = (int32_t)walk->map->dim[0];
     const int32_t rows = (int32_t)walk->map->dim[1];
     struct events *events = &piercing->events;
-    doubles cell[3];
     wholes x = wholes_from_singles(singles_at(walk->cell[0] + slot)) + walk->middle[0];
     wholes y = wholes_from_singles(singles_at(walk->cell[1] + slot)) + walk->middle[1];
     wholes z = wholes_from_singles(singles_at(walk->cell[2] + slot)) + walk->middle[2];
     wholes voxel = x + columns * (y + rows * z);
-    size_t low = keep_doubles(events->t + events->count, half_of(changed, 0), entry_into_cell(cell, walk, slot));
-    keep_doubles(events->t + events->count + low, half_of(changed, 1), entry_into_cell(cell, walk, slot + HALF));
+    size_t low = keep_doubles(events->t + events->count, half_of(changed, 0), entry_into_cell(walk, piercing, slot));
+    keep_doubles(events->t + events->count + low, half_of(changed, 1), entry_into_cell(walk, piercing, slot + HALF));
     keep_wholes(events->slot + events->count, changed, lane_numbers() + (int32_t)slot);
     events->count +=
         keep_wholes(events->voxel + events->count, changed, choose_wholes(full, voxel, all_wholes(NO_VOXEL)));
@@ -114,6 +130,13 @@ static bool leave_in_double(struct walk *walk, struct piercing *piercing, size_t
     return true;
 }
 
+static INLINE void settle_again(struct walk *walk, size_t slot)
+{
+    const singles cell[3] = {singles_at(walk->cell[0] + slot), singles_at(walk->cell[1] + slot),
+                             singles_at(walk->cell[2] + slot)};
+    settle(walk, slot, cell);
+}
+
 /* Unclear lanes leave the box in double, and are clear again then. */
 static conus_status clear_up(struct walk *walk, struct piercing *piercing, size_t packet, wholes radii)
 {
@@ -125,7 +148,7 @@ static conus_status clear_up(struct walk *walk, struct piercing *piercing, size_
         }
     }
     walk->unclear[packet] = none();
-    settle(walk, packet * LANES);
+    settle_again(walk, packet * LANES);
     return status;
 }
 
@@ -195,9 +218,16 @@ static void deliver_intervals(const struct piercing *piercing, size_t first)
     out->count = kept;
 }
 
-static void piercing_init(struct piercing *piercing, struct traverse_piercing *all)
+static void piercing_init(struct piercing *piercing, const struct walk *walk, struct traverse_piercing *all)
 {
     piercing->all = all;
+    for (size_t slot = 0; slot < walk->bundle->count; slot += HALF) {
+        for (int a = 0; a < 3; a++) {
+            doubles inverse = 1 / doubles_at(walk->exact[a] + slot);
+            halves moves = less_doubles(magnitude_of_doubles(inverse), all_doubles(INFINITY));
+            store_doubles(piercing->inverse[a] + slot, choose_doubles(moves, inverse, all_doubles(INFINITY)));
+        }
+    }
     piercing->events.count = 0;
     for (uint32_t slot = 0; slot < TRAVERSE_BUNDLE; slot++) {
         piercing->begun[slot] = (conus_interval){.pixel = slot};
@@ -212,8 +242,11 @@ conus_status PIERCE(struct traverse_piercing *all, struct traverse_bundle *bundl
     uint8_t under_way[PACKETS];
     size_t first = all->out->count;
     conus_status status = CONUS_OK;
-    walk_init(&walk, all->uniform, bundle);
-    piercing_init(&piercing, all);
+    if (!walk_init(&walk, all->uniform, bundle)) {
+        memset(all->again, 0, sizeof all->again);
+        return CONUS_OK;
+    }
+    piercing_init(&piercing, &walk, all);
     size_t count = enter_all(&walk, under_way);
     put_off_unclear(&walk, all->again);
     while (count > 0 && !status) {

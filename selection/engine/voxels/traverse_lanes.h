@@ -4,29 +4,35 @@
  * LANES and KERNEL (the function's name), includes this once, and is compiled with that set's flags.
  *
  * Positions are single precision, which holds twice as many rays, and only have to tell cells: where a ray is nearer to
- * a face than its error (model.md, Eq. 5), it is said to be unclear and goes to traverse_one() as a whole. The
- * contact's t follows from its cell alone, in double, with the same expressions as there. All packets of LANES rays
- * take a turn after each other, so that one's waiting for memory is another's time. */
+ * a face than its error (model.md, Eq. 5), it is said to be unclear and goes to traverse_one() as a whole. They are
+ * counted from where the first ray may come into the box, which is found in double. The contact's t follows from its
+ * cell alone, in double, with the same expressions as there. All packets of LANES rays take a turn after each other, so
+ * that one's waiting for memory is another's time. */
 #include "base/lanes.h"
 #include "selection/engine/voxels/traverse.h"
 
 #include <math.h>
 #include <stdalign.h>
 
-/* Of the position where a ray comes into the box, which is double, in cells. */
+/* Of the position from which a ray is counted, which is double, in cells. */
 #define DOUBLE_ERROR 1e-6
-/* Of the positions behind it, in units of the largest one; eight roundings and a bit. */
-#define SINGLE_ERROR 0x1p-21
+/* Of the positions behind it, in units of the largest one; 17 roundings. */
+#define SINGLE_ERROR 0x1.1p-20
+/* Rays are counted from where the first of them is so many cells before the box. One that starts closer to it, and
+ * outside, may not come in at all. */
+#define BEFORE_BOX 0.25
 /* A ray is out when it is past the middle of a cell beside the box. Where that is does not matter, as long as it is
  * within that cell and not near its faces: it is empty, and the map has a code for it. */
-#define PAST_BOX 0.75
+#define PAST_BOX 0.75F
 /* A ray is beyond its limit so many cells, along its fastest axis, behind it: farther than the error. What counts is
  * the exact t in deliver(). */
-#define PAST_LIMIT 0.25
+#define PAST_LIMIT 0.25F
 /* The largest error with which what is out and what is not can be told apart, cells. */
-#define SLOW 0.125
-/* Rays at more cells per mm, or at fewer than one by as many, are for double. */
-#define FASTEST 0x1p60
+#define SLOW 0.125F
+/* Rays at more cells per mm, or at fewer than one by as many, are for double; so are those that move more slowly along
+ * an axis, but do. */
+#define FASTEST 0x1p60F
+#define SLOWEST 0x1p-100F
 
 enum { PACKETS = TRAVERSE_BUNDLE / LANES };
 
@@ -34,177 +40,253 @@ enum { PACKETS = TRAVERSE_BUNDLE / LANES };
 struct walk {
     const struct distance_map *map;
     struct traverse_bundle *bundle;
-    double error;                                 /* of positions, cells */
+    double least[3], most[3];                     /* of the directions */
+    double begin;                                 /* mm from the rays' origin: no ray is in the box before */
+    bool starts_inside;                           /* the rays' origin is in the box; then `begin` is 0     */
+    float error;                                  /* of positions, cells */
     int middle[3];                                /* a cell in the box, at which a line of the map begins, */
     const uint8_t *codes;                         /* its code */
-    alignas(64) float origin[3][TRAVERSE_BUNDLE]; /* at t = 0, here the entry into the box */
+    float first[3], last[3];                      /* of the map's box */
+    alignas(64) float origin[3][TRAVERSE_BUNDLE]; /* at t = 0, here `begin` */
     float direction[3][TRAVERSE_BUNDLE];
     float inverse[3][TRAVERSE_BUNDLE];
     float clearance[3][TRAVERSE_BUNDLE]; /* farthest from a cell's middle that is clear after crossing that axis */
     float cell[3][TRAVERSE_BUNDLE];
     float stop[TRAVERSE_BUNDLE];                  /* t at which the ray is out        */
     int32_t at[TRAVERSE_BUNDLE];                  /* of the cell's code, from `codes` */
-    alignas(64) double exact[3][TRAVERSE_BUNDLE]; /* inverse */
+    alignas(64) double exact[3][TRAVERSE_BUNDLE]; /* direction */
     truths live[PACKETS], hit[PACKETS], unclear[PACKETS];
 };
 
-static void walk_init(struct walk *walk, const struct distance_map *map, struct traverse_bundle *bundle)
+/* ---- Into the box ------------------------------------------------------------------------------------------- */
+
+/* The directions, and the least and the most of them. */
+static INLINE void aim(struct walk *walk)
 {
+    const struct traverse_bundle *bundle = walk->bundle;
+    const double *m = bundle->index_from_world;
+    doubles least[3], most[3];
+    EACH_AXIS
+    for (int a = 0; a < 3; a++) {
+        least[a] = all_doubles(INFINITY);
+        most[a] = all_doubles(-INFINITY);
+    }
+    for (size_t slot = 0; slot < bundle->count; slot += HALF) {
+        doubles x = doubles_at(bundle->direction[0] + slot);
+        doubles y = doubles_at(bundle->direction[1] + slot);
+        doubles z = doubles_at(bundle->direction[2] + slot);
+        EACH_AXIS
+        for (int a = 0; a < 3; a++) {
+            doubles direction = m[a] * x + m[4 + a] * y + m[8 + a] * z; /* as mat4_direction() */
+            least[a] = smaller_doubles(direction, least[a]);
+            most[a] = larger_doubles(direction, most[a]);
+            store_doubles(walk->exact[a] + slot, direction);
+        }
+    }
+    EACH_AXIS
+    for (int a = 0; a < 3; a++) {
+        walk->least[a] = least_of_doubles(least[a]);
+        walk->most[a] = -least_of_doubles(-most[a]);
+    }
+}
+
+/* Finds `begin`; false if no ray ever is in the box. */
+static INLINE bool find_begin(struct walk *walk)
+{
+    double begin = 0;
+    walk->starts_inside = true;
+    for (int a = 0; a < 3; a++) {
+        double before = (walk->map->first[a] - 0.5) - walk->bundle->start[a];
+        double behind = (walk->map->last[a] + 0.5) - walk->bundle->start[a];
+        double cell = walk->bundle->start_cell[a];
+        if (before > 0) {
+            begin = fmax(begin, walk->most[a] > 0 ? (before - BEFORE_BOX) / walk->most[a] : INFINITY);
+        } else if (behind < 0) {
+            begin = fmax(begin, walk->least[a] < 0 ? (behind + BEFORE_BOX) / walk->least[a] : INFINITY);
+        }
+        walk->starts_inside = walk->starts_inside && cell >= walk->map->first[a] && cell <= walk->map->last[a];
+    }
+    walk->begin = begin;
+    return begin < INFINITY;
+}
+
+/* Where the singles' origin is, and how good they are. */
+static INLINE void place_middle(struct walk *walk)
+{
+    const struct distance_map *map = walk->map;
     double extent = 0;
-    walk->map = map;
-    walk->bundle = bundle;
     for (int a = 0; a < 3; a++) {
         double middle = floor((map->first[a] + map->last[a]) / 2 / DISTANCE_EDGE) * DISTANCE_EDGE - DISTANCE_MARGIN;
+        double from = walk->bundle->start[a] - middle;
         extent = fmax(extent, fmax(map->last[a] - middle, middle - map->first[a]) + 1);
+        extent = fmax(extent, fmax(from + walk->begin * walk->most[a], -(from + walk->begin * walk->least[a])));
         walk->middle[a] = (int)middle;
+        walk->first[a] = (float)(map->first[a] - middle);
+        walk->last[a] = (float)(map->last[a] - middle);
     }
-    walk->error = extent * SINGLE_ERROR + DOUBLE_ERROR;
+    walk->error = (float)(extent * SINGLE_ERROR + DOUBLE_ERROR);
     walk->codes =
         map->codes + distance_map_at(map, (size_t)walk->middle[0], (size_t)walk->middle[1], (size_t)walk->middle[2]);
 }
 
-/* ---- Into the box ------------------------------------------------------------------------------------------- */
+/* Whether any ray may be in the box. */
+static bool walk_init(struct walk *walk, const struct distance_map *map, struct traverse_bundle *bundle)
+{
+    walk->map = map;
+    walk->bundle = bundle;
+    aim(walk);
+    if (!find_begin(walk)) {
+        return false;
+    }
+    place_middle(walk);
+    return true;
+}
 
-/* Half a packet, as traverse_ray_init() makes rays. */
-struct half {
-    doubles origin[3], direction[3], inverse[3], sign[3];
-    doubles fastest; /* of the magnitudes of the direction */
+/* A packet where its rays are counted from, and its limit there. */
+struct packet {
+    singles origin[3], direction[3], inverse[3], error[3];
+    singles fastest; /* of the magnitudes of the direction, */
+    singles slowest; /* and of those of the inverse         */
+    singles stop;
+    truths clear;
 };
 
-static INLINE void aim(struct half *out, const struct traverse_bundle *bundle, size_t first)
+/* Rays that do not move along an axis are in the middle of their cell, as traverse_ray_init() makes them; those that
+ * nearly do not are for double. */
+static void place_still(const struct walk *walk, size_t slot, int axis, struct packet *packet)
 {
-    const double *m = bundle->index_from_world;
-    doubles world[3];
-    out->fastest = all_doubles(0);
-    EACH_AXIS
-    for (int a = 0; a < 3; a++) {
-        world[a] = doubles_at(bundle->direction[a] + first);
-    }
-    EACH_AXIS
-    for (int a = 0; a < 3; a++) {
-        doubles direction = m[a] * world[0] + m[4 + a] * world[1] + m[8 + a] * world[2]; /* as mat4_direction() */
-        doubles inverse = 1 / direction;
-        halves moves = less_doubles(magnitude_of_doubles(inverse), all_doubles(INFINITY));
-        out->origin[a] = choose_doubles(moves, all_doubles(bundle->start[a]), all_doubles(bundle->start_cell[a]));
-        out->direction[a] = choose_doubles(moves, direction, all_doubles(0));
-        out->inverse[a] = choose_doubles(moves, inverse, all_doubles(INFINITY));
-        out->sign[a] = choose_doubles(moves & less_doubles(direction, all_doubles(0)), all_doubles(-1), all_doubles(1));
-        doubles speed = magnitude_of_doubles(out->direction[a]);
-        out->fastest = choose_doubles(less_doubles(out->fastest, speed), speed, out->fastest);
+    for (int l = 0; l < LANES; l++) {
+        if (walk->exact[axis][slot + (size_t)l] == 0) {
+            packet->origin[axis][l] = (float)(walk->bundle->start_cell[axis] - walk->middle[axis]);
+        } else if (fabsf(packet->direction[axis][l]) < SLOWEST) {
+            packet->clear &= ~only(l);
+        }
     }
 }
 
-/* When the rays come in; 0 if they are in already. */
-static INLINE doubles entry_of(const struct half *rays, const struct distance_map *map)
+static INLINE void place(struct packet *out, const struct walk *walk, size_t slot)
 {
-    doubles t = all_doubles(0);
+    out->fastest = all(0);
+    out->slowest = all(INFINITY);
+    out->clear = every();
     EACH_AXIS
     for (int a = 0; a < 3; a++) {
-        doubles face = choose_doubles(less_doubles(all_doubles(0), rays->sign[a]), all_doubles(map->first[a] - 0.5),
-                                      all_doubles(map->last[a] + 0.5));
-        doubles entry = (face - rays->origin[a]) * rays->inverse[a];
-        t = choose_doubles(less_doubles(t, entry), entry, t);
+        double start = walk->bundle->start[a];
+        double middle = walk->middle[a];
+        doubles low = doubles_at(walk->exact[a] + slot);
+        doubles high = doubles_at(walk->exact[a] + slot + HALF);
+        out->origin[a] =
+            singles_from_doubles((start + walk->begin * low) - middle, (start + walk->begin * high) - middle);
+        out->direction[a] = singles_from_doubles(low, high);
+        out->inverse[a] = 1 / out->direction[a];
+        out->fastest = larger(out->fastest, magnitude(out->direction[a]));
+        out->slowest = smaller(out->slowest, magnitude(out->inverse[a]));
+        if (any(less(magnitude(out->direction[a]), all(SLOWEST)))) {
+            place_still(walk, slot, a, out);
+        }
     }
-    return t;
+    out->clear &= less(out->fastest, all(FASTEST)) & less(all(1 / FASTEST), out->fastest);
+    EACH_AXIS
+    for (int a = 0; a < 3; a++) {
+        out->error[a] = walk->error * (1 + out->fastest * magnitude(out->inverse[a]));
+    }
 }
 
-/* When they are past it or their limit, counted from t. */
-static INLINE doubles stop_of(const struct half *rays, const struct distance_map *map, doubles limit, doubles t)
+/* When the rays are out along an axis. */
+static INLINE singles stop_along(const struct packet *packet, const struct walk *walk, int a)
 {
-    doubles stop = (limit - t) + PAST_LIMIT / rays->fastest;
-    EACH_AXIS
+    singles past =
+        choose(less(packet->inverse[a], all(0)), all(walk->first[a] - PAST_BOX), all(walk->last[a] + PAST_BOX));
+    return (past - packet->origin[a]) * packet->inverse[a];
+}
+
+static INLINE singles limit_of(const struct packet *packet, const struct walk *walk, size_t slot)
+{
+    const double *limit = walk->bundle->limit + slot;
+    singles until = singles_from_doubles(doubles_at(limit) - walk->begin, doubles_at(limit + HALF) - walk->begin);
+    return until + PAST_LIMIT * packet->slowest;
+}
+
+/* Where a ray moves so slowly along an axis that the error in when it crosses a face takes it far along the others, it
+ * must not cross any there until it stops; then it does not move, for singles. Else it is unclear. */
+static void keep_slow(struct packet *packet, const struct walk *walk)
+{
     for (int a = 0; a < 3; a++) {
-        doubles past = choose_doubles(less_doubles(all_doubles(0), rays->sign[a]), all_doubles(map->last[a] + PAST_BOX),
-                                      all_doubles(map->first[a] - PAST_BOX));
-        doubles exit = (past - rays->origin[a]) * rays->inverse[a] - t;
-        stop = choose_doubles(less_doubles(exit, stop), exit, stop);
+        if (any(less(packet->error[a], all(SLOW)))) {
+            singles stop = smaller(packet->stop, stop_along(packet, walk, a));
+            packet->stop = choose(less(packet->error[a], all(SLOW)), stop, packet->stop);
+        }
     }
-    return stop;
+    for (int a = 0; a < 3; a++) {
+        truths fast = less(packet->error[a], all(SLOW));
+        singles x = packet->origin[a];
+        singles way = magnitude(x - nearest(x)) + packet->stop * magnitude(packet->direction[a]);
+        packet->clear &= fast | less(way, all(0.5F - walk->error));
+        packet->inverse[a] = choose(fast, packet->inverse[a], all(INFINITY));
+    }
+}
+
+/* When the rays come in along an axis. */
+static INLINE singles entry_of(const struct packet *packet, const struct walk *walk, int a)
+{
+    singles face = choose(less(packet->inverse[a], all(0)), all(walk->last[a] + 0.5F), all(walk->first[a] - 0.5F));
+    return (face - packet->origin[a]) * packet->inverse[a];
 }
 
 /* Exactly one of three. */
-static INLINE halves one_of_halves(const halves which[3])
+static INLINE truths one_of(const truths which[3])
 {
     return (which[0] ^ which[1] ^ which[2]) & ~(which[0] & which[1] & which[2]);
 }
 
-/* Their cells at t. The axis whose face they cross there is the one that is near a face; with another one near as well,
- * or by chance none, the ray is unclear. */
-static INLINE halves find_cells(doubles cell[3], const struct half *rays, const struct walk *walk, doubles t)
+/* Of the axis whose crossing, of the three in `times`, is at t. */
+static INLINE singles clearance_at(const struct walk *walk, size_t slot, singles t, const singles times[3])
 {
-    halves near[3];
-    halves inside = at_most_doubles(t, all_doubles(0));
+    return choose(
+        equal(t, times[0]), singles_at(walk->clearance[0] + slot),
+        choose(equal(t, times[1]), singles_at(walk->clearance[1] + slot), singles_at(walk->clearance[2] + slot)));
+}
+
+/* The rays' cells where they come in. The axis whose face they cross there is the one that is near a face; with another
+ * one near as well, or by chance none, the ray is unclear. Sets which come in at all. */
+static INLINE truths find_cells(singles cell[3], truths *on, const struct packet *packet, const struct walk *walk,
+                                size_t slot)
+{
+    singles times[3];
+    truths near[3];
     EACH_AXIS
     for (int a = 0; a < 3; a++) {
-        doubles face = choose_doubles(less_doubles(all_doubles(0), rays->sign[a]), all_doubles(walk->map->first[a]),
-                                      all_doubles(walk->map->last[a]));
-        doubles x = rays->origin[a] + t * rays->direction[a];
-        doubles guess = nearest_doubles(x);
-        near[a] = less_doubles(all_doubles(0.5 - DOUBLE_ERROR), magnitude_of_doubles(x - guess));
-        guess = choose_doubles(near[a], face, guess);
-        cell[a] = choose_doubles(inside, all_doubles(walk->bundle->start_cell[a]), guess);
+        times[a] = entry_of(packet, walk, a);
     }
-    return inside | one_of_halves(near);
-}
-
-/* Notes the rays from t on. Where one moves so slowly along an axis that the error in when it crosses a face takes it
- * far along the others, it must not cross any there until it stops; then it does not move, for singles. Else it is
- * unclear. */
-static INLINE halves keep_rays(struct walk *walk, size_t slot, const struct half *rays, doubles t, doubles stop)
-{
-    halves clear =
-        less_doubles(rays->fastest, all_doubles(FASTEST)) & less_doubles(all_doubles(1 / FASTEST), rays->fastest);
+    singles t = larger(larger(times[0], times[1]), times[2]);
+    singles clearance = clearance_at(walk, slot, t, times);
     EACH_AXIS
     for (int a = 0; a < 3; a++) {
-        doubles x = rays->origin[a] + t * rays->direction[a];
-        doubles error = walk->error * (1 + rays->fastest * magnitude_of_doubles(rays->inverse[a]));
-        doubles inverse = rays->inverse[a];
-        halves fast = less_doubles(error, all_doubles(SLOW));
-        if (!all_halves(fast)) {
-            doubles way =
-                magnitude_of_doubles(x - nearest_doubles(x)) + stop * magnitude_of_doubles(rays->direction[a]);
-            halves stays = ~fast & less_doubles(way, all_doubles(0.5 - walk->error));
-            inverse = choose_doubles(stays, all_doubles(INFINITY), inverse);
-            clear &= fast | stays;
-        }
-        store_as_singles(walk->origin[a] + slot, x - (double)walk->middle[a]);
-        store_as_singles(walk->direction[a] + slot, rays->direction[a]);
-        store_as_singles(walk->inverse[a] + slot, inverse);
-        store_as_singles(walk->clearance[a] + slot, 0.5 - error);
-        store_doubles(walk->exact[a] + slot, rays->inverse[a]);
+        singles face = choose(less(packet->inverse[a], all(0)), all(walk->last[a]), all(walk->first[a]));
+        singles x = multiply_add(t, packet->direction[a], packet->origin[a]);
+        singles guess = nearest(x);
+        near[a] = less(clearance, magnitude(x - guess));
+        cell[a] = choose(near[a], face, guess);
     }
-    return clear;
+    *on = less(t, packet->stop) & less(t, all(INFINITY));
+    return one_of(near) & at_most(all(0), t);
 }
 
-/* Brings half a packet into the box. */
-static INLINE void enter(struct walk *walk, size_t slot, halves *live, halves *unclear)
+/* All rays are in one cell of the box. */
+static INLINE truths share_cell(singles cell[3], truths *on, const struct packet *packet, const struct walk *walk)
 {
-    struct half rays;
-    doubles cell[3];
-    aim(&rays, walk->bundle, slot);
-    doubles t = entry_of(&rays, walk->map);
-    doubles stop = stop_of(&rays, walk->map, doubles_at(walk->bundle->limit + slot), t);
-    halves clear = find_cells(cell, &rays, walk, t);
-    halves on = less_doubles(all_doubles(0), stop) & less_doubles(t, all_doubles(INFINITY));
-    clear &= keep_rays(walk, slot, &rays, t, stop);
-    store_as_singles(walk->stop + slot, stop);
-    *live = on & clear;
-    *unclear = on & ~clear;
     EACH_AXIS
-    for (int a = 0; a < 3; a++) { /* rays that missed stay where there are codes */
-        doubles place = choose_doubles(*live, cell[a] - (double)walk->middle[a], all_doubles(0));
-        store_as_singles(walk->cell[a] + slot, place);
+    for (int a = 0; a < 3; a++) {
+        cell[a] = all((float)(walk->bundle->start_cell[a] - walk->middle[a]));
     }
+    *on = less(all(0), packet->stop);
+    return every();
 }
-
-/* ---- From cell to cell -------------------------------------------------------------------------------------- */
 
 /* Notes where the codes of the lanes' cells are, as distance_map_at() says, and has them fetched: neighbours' are
  * mostly in the same lines, so every third will do. */
-static INLINE void settle(struct walk *walk, size_t slot)
+static INLINE void settle(struct walk *walk, size_t slot, const singles cell[3])
 {
-    const singles cell[3] = {singles_at(walk->cell[0] + slot), singles_at(walk->cell[1] + slot),
-                             singles_at(walk->cell[2] + slot)};
     const int32_t columns = (int32_t)walk->map->lines[0];
     const int32_t rows = (int32_t)walk->map->lines[1];
     wholes x = wholes_from_singles(cell[0]);
@@ -217,6 +299,44 @@ static INLINE void settle(struct walk *walk, size_t slot)
         __builtin_prefetch(walk->codes + at[l]);
     }
 }
+
+/* Brings a packet into the box. */
+static INLINE void enter(struct walk *walk, size_t number)
+{
+    size_t slot = number * LANES;
+    struct packet packet;
+    singles cell[3];
+    truths on;
+    place(&packet, walk, slot);
+    packet.stop = limit_of(&packet, walk, slot);
+    truths slow =
+        ~(less(packet.error[0], all(SLOW)) & less(packet.error[1], all(SLOW)) & less(packet.error[2], all(SLOW)));
+    if (any(slow)) {
+        keep_slow(&packet, walk);
+    }
+    EACH_AXIS
+    for (int a = 0; a < 3; a++) {
+        packet.stop = smaller(stop_along(&packet, walk, a), packet.stop);
+        store_singles(walk->origin[a] + slot, packet.origin[a]);
+        store_singles(walk->direction[a] + slot, packet.direction[a]);
+        store_singles(walk->inverse[a] + slot, packet.inverse[a]);
+        store_singles(walk->clearance[a] + slot, 0.5F - packet.error[a]);
+    }
+    store_singles(walk->stop + slot, packet.stop);
+    truths clear =
+        walk->starts_inside ? share_cell(cell, &on, &packet, walk) : find_cells(cell, &on, &packet, walk, slot);
+    walk->live[number] = on & clear & packet.clear;
+    walk->unclear[number] = (on & ~clear) | ~packet.clear;
+    walk->hit[number] = none();
+    EACH_AXIS
+    for (int a = 0; a < 3; a++) { /* rays that missed stay where there are codes */
+        cell[a] = choose(walk->live[number], cell[a], all(0));
+        store_singles(walk->cell[a] + slot, cell[a]);
+    }
+    settle(walk, slot, cell);
+}
+
+/* ---- From cell to cell -------------------------------------------------------------------------------------- */
 
 /* Live lanes leave the boxes around them; `codes` are 1 + the radii of these. Sets what goes on, and what is unclear.
  */
@@ -237,9 +357,7 @@ static INLINE void leave(struct walk *walk, size_t packet, wholes codes, truths 
         times[a] = ((known[a] - with_sign(all(0.5F), inverse[a])) - origin[a]) * inverse[a];
     }
     singles t = smaller(smaller(times[0], times[1]), times[2]);
-    singles clearance = choose(
-        equal(t, times[0]), singles_at(walk->clearance[0] + slot),
-        choose(equal(t, times[1]), singles_at(walk->clearance[1] + slot), singles_at(walk->clearance[2] + slot)));
+    singles clearance = clearance_at(walk, slot, t, times);
     EACH_AXIS
     for (int a = 0; a < 3; a++) {
         singles x = multiply_add(t, singles_at(walk->direction[a] + slot), origin[a]);
@@ -247,16 +365,17 @@ static INLINE void leave(struct walk *walk, size_t packet, wholes codes, truths 
         near[a] = less(clearance, magnitude(x - guess)); /* as in find_cells() */
         known[a] = choose(near[a], known[a], guess);
     }
-    truths clear = (near[0] ^ near[1] ^ near[2]) & ~(near[0] & near[1] & near[2]);
+    truths clear = one_of(near);
     truths on = live & ~at_most(singles_at(walk->stop + slot), t);
     walk->unclear[packet] |= on & ~clear;
     on &= clear;
     walk->live[packet] = on;
     EACH_AXIS
     for (int a = 0; a < 3; a++) {
-        store_singles(walk->cell[a] + slot, choose(on, known[a], cell[a]));
+        cell[a] = choose(on, known[a], cell[a]);
+        store_singles(walk->cell[a] + slot, cell[a]);
     }
-    settle(walk, slot);
+    settle(walk, slot, cell);
 }
 
 /* Lanes that hit an object stop, with their hit set; the others leave the empty box around them. */
@@ -270,40 +389,55 @@ static INLINE void advance(struct walk *walk, size_t packet)
 
 /* ---- What was hit ------------------------------------------------------------------------------------------- */
 
-/* A ray's entry into a cell is its last crossing of a face towards it. Also gives the cells. */
-static INLINE doubles entry_into_cell(doubles cell[3], const struct walk *walk, size_t slot)
-{
-    doubles t = all_doubles(0);
-    EACH_AXIS
-    for (int a = 0; a < 3; a++) {
-        doubles inverse = doubles_at(walk->exact[a] + slot);
-        doubles half = choose_doubles(less_doubles(all_doubles(0), inverse), all_doubles(0.5), all_doubles(-0.5));
-        halves moves = less_doubles(inverse, all_doubles(INFINITY));
-        cell[a] = load_as_doubles(walk->cell[a] + slot) + (double)walk->middle[a];
-        doubles entry = ((cell[a] - half) - walk->bundle->start[a]) * inverse;
-        t = choose_doubles(moves & less_doubles(t, entry), entry, t);
-    }
-    return t;
-}
-
-static INLINE void deliver(const struct walk *walk, size_t slot, halves hit)
+/* What half a packet hit, whose last crossing was of an axis that is 0, 1, or neither. */
+static INLINE void deliver(const struct walk *walk, size_t slot, halves hit, halves is_0, halves is_1)
 {
     struct traverse_bundle *bundle = walk->bundle;
     const size_t *dim = walk->map->dim;
-    doubles cell[3];
-    doubles t = entry_into_cell(cell, walk, slot);
+    doubles cell[3], way[3];
+    EACH_AXIS
+    for (int a = 0; a < 3; a++) {
+        doubles direction = doubles_at(walk->exact[a] + slot);
+        doubles half = choose_doubles(less_doubles(direction, all_doubles(0)), all_doubles(-0.5), all_doubles(0.5));
+        cell[a] = load_as_doubles(walk->cell[a] + slot) + (double)walk->middle[a];
+        way[a] = (cell[a] - half) - bundle->start[a];
+    }
+    doubles direction =
+        choose_doubles(is_0, doubles_at(walk->exact[0] + slot),
+                       choose_doubles(is_1, doubles_at(walk->exact[1] + slot), doubles_at(walk->exact[2] + slot)));
+    doubles t = choose_doubles(is_0, way[0], choose_doubles(is_1, way[1], way[2])) * (1 / direction);
+    t = choose_doubles(less_doubles(all_doubles(0), t), t, all_doubles(0));
     hit &= at_most_doubles(t, doubles_at(bundle->limit + slot));
     longs voxel = longs_from_doubles(cell[0] + (double)dim[0] * (cell[1] + (double)dim[1] * cell[2]));
     store_doubles(bundle->t + slot, choose_doubles(hit, t, all_doubles(INFINITY)));
     store_longs(bundle->voxel + slot, choose_longs(hit, voxel, (longs){0} - 1));
 }
 
+/* A ray's entry into a cell is its last crossing of a face towards it. */
+static INLINE void deliver_packet(const struct walk *walk, size_t packet)
+{
+    size_t slot = packet * LANES;
+    singles times[3];
+    EACH_AXIS
+    for (int a = 0; a < 3; a++) {
+        singles inverse = singles_at(walk->inverse[a] + slot);
+        singles face = singles_at(walk->cell[a] + slot) - with_sign(all(0.5F), inverse);
+        times[a] = (face - singles_at(walk->origin[a] + slot)) * inverse;
+    }
+    singles t = larger(larger(times[0], times[1]), times[2]);
+    truths is_0 = equal(t, times[0]);
+    truths is_1 = equal(t, times[1]);
+    for (int half = 0; half < 2; half++) {
+        deliver(walk, slot + (size_t)half * HALF, half_of(walk->hit[packet], half), half_of(is_0, half),
+                half_of(is_1, half));
+    }
+}
+
 static void deliver_all(const struct walk *walk)
 {
     for (size_t packet = 0; packet * LANES < walk->bundle->count; packet++) {
         size_t slot = packet * LANES;
-        deliver(walk, slot, half_of(walk->hit[packet], 0));
-        deliver(walk, slot + HALF, half_of(walk->hit[packet], 1));
+        deliver_packet(walk, packet);
         for (int l = 0; l < LANES && any(walk->unclear[packet]); l++) {
             if (is_true(walk->unclear[packet], l)) {
                 traverse_bundle_ray(walk->map, walk->bundle, slot + (size_t)l);
@@ -317,24 +451,29 @@ static INLINE size_t enter_all(struct walk *walk, uint8_t under_way[PACKETS])
 {
     size_t count = 0;
     for (size_t packet = 0; packet * LANES < walk->bundle->count; packet++) {
-        halves live[2], unclear[2];
-        enter(walk, packet * LANES, &live[0], &unclear[0]);
-        enter(walk, packet * LANES + HALF, &live[1], &unclear[1]);
-        walk->live[packet] = both(live[0], live[1]);
-        walk->unclear[packet] = both(unclear[0], unclear[1]);
-        walk->hit[packet] = none();
-        settle(walk, packet * LANES);
+        enter(walk, packet);
         under_way[count] = (uint8_t)packet;
         count += any(walk->live[packet]);
     }
     return count;
 }
 
+static void miss_all(struct traverse_bundle *bundle)
+{
+    for (size_t i = 0; i < bundle->count; i++) {
+        bundle->t[i] = INFINITY;
+        bundle->voxel[i] = UINT64_MAX;
+    }
+}
+
 void KERNEL(const struct distance_map *map, struct traverse_bundle *bundle)
 {
     struct walk walk;
     uint8_t under_way[PACKETS];
-    walk_init(&walk, map, bundle);
+    if (!walk_init(&walk, map, bundle)) {
+        miss_all(bundle);
+        return;
+    }
     size_t count = enter_all(&walk, under_way);
     while (count > 0) {
         size_t left = 0;
