@@ -38,6 +38,11 @@ static bool reserve_bytes(struct buffer *buffer, size_t more)
     return true;
 }
 
+static bool has_room(const struct buffer *buffer, size_t more)
+{
+    return !buffer->failed && more < buffer->capacity - buffer->size;
+}
+
 void buffer_append_more(struct buffer *buffer, const void *bytes, size_t size)
 {
     if (!reserve_bytes(buffer, size)) {
@@ -73,14 +78,14 @@ void buffer_format(struct buffer *buffer, const char *format, ...)
 
 void buffer_number(struct buffer *buffer, double value)
 {
-    if (reserve_bytes(buffer, TEXT_NUMBER_SIZE)) {
+    if (has_room(buffer, TEXT_NUMBER_SIZE) || reserve_bytes(buffer, TEXT_NUMBER_SIZE)) {
         buffer->size += text_number_length(buffer->data + buffer->size, value);
     }
 }
 
 void buffer_whole(struct buffer *buffer, uint64_t value)
 {
-    if (reserve_bytes(buffer, TEXT_NUMBER_SIZE)) {
+    if (has_room(buffer, TEXT_NUMBER_SIZE) || reserve_bytes(buffer, TEXT_NUMBER_SIZE)) {
         buffer->size += text_whole(buffer->data + buffer->size, value);
     }
 }

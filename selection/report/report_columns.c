@@ -520,14 +520,14 @@ const char *report_units(const conus_report *report, const struct report_column 
     return is_place ? conus_space_unit(report->frame.space) : column->units;
 }
 
-static bool has_needs(const conus_report *report, const struct report_row *row, unsigned needs)
+unsigned report_needs_met(const conus_report *report, const struct report_row *row)
 {
     bool of_ball = report->queries[row->query].ball > 0;
     unsigned there = of_ball ? NEEDS_CENSUS : NEEDS_RAYS;
     there |= report->selector.layers ? NEEDS_CENSUS : 0;
     there |= row->result.object ? NEEDS_OBJECT : 0;
     there |= row->result.kind == CONUS_KIND_BUNDLE ? NEEDS_BUNDLE : 0;
-    return !(needs & ~there);
+    return there;
 }
 
 /* The value at `place`, which is of the column's type. */
@@ -570,7 +570,7 @@ static struct cell stored_cell(const conus_report *report, enum column_type type
 static struct cell answered_cell(const conus_report *report, const struct report_column *column,
                                  const struct report_row *row)
 {
-    if (column->needs && !has_needs(report, row, column->needs)) {
+    if (column->needs && column->needs & ~report_needs_met(report, row)) {
         return no_cell();
     }
     if (column->get) {

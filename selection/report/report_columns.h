@@ -63,6 +63,9 @@ struct report_columns {
 
 void report_list_columns(struct report_columns *out, const conus_report *report);
 
+/** Which of enum column_needs a row meets. A column that has others is n/a. */
+unsigned report_needs_met(const conus_report *report, const struct report_row *row);
+
 /** The value in a column; n/a in most columns of a query without an answer. */
 struct cell report_cell(const conus_report *report, const struct report_column *column, const struct report_row *row);
 

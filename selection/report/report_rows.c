@@ -29,7 +29,8 @@ void report_write_cell(struct buffer *out, struct cell cell)
 
 /* What stands between the fields of a table, and behind its lines. */
 struct table_marks {
-    const char *separator, *end;
+    char separator[2];
+    const char *end;
 };
 
 static struct table_marks marks_of(const conus_report *report)
@@ -73,15 +74,23 @@ static void write_table_row(struct buffer *out, const conus_report *report, cons
                             const struct report_row *row)
 {
     const struct table_marks marks = marks_of(report);
+    const unsigned there = report_needs_met(report, row);
     for (size_t i = 0; i < columns->count; i++) {
+        if (i > 0) {
+            buffer_append(out, marks.separator, 1);
+        }
+        if (columns->at[i]->needs & ~there) {
+            buffer_append(out, "n/a", 3);
+            continue;
+        }
         struct cell cell = report_cell(report, columns->at[i], row);
         if (cell.type == CELL_TEXT && report->options.format == CONUS_FORMAT_CSV) {
             write_csv_text(out, cell.text);
         } else {
             report_write_cell(out, cell);
         }
-        buffer_text(out, i + 1 < columns->count ? marks.separator : marks.end);
     }
+    buffer_text(out, marks.end);
 }
 
 static void write_area(struct buffer *out, const conus_report *report, uint32_t area)
