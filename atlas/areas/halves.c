@@ -2,8 +2,8 @@
 /* One as a pair: areas on both sides cut at x = 0. */
 #include "atlas/areas/halves.h"
 
+#include "atlas/areas/area_sides.h"
 #include "atlas/areas/pairs.h"
-#include "atlas/areas/sides.h"
 #include "atlas/space.h"
 #include "base/math3.h"
 #include "base/memory.h"
@@ -41,37 +41,15 @@ static void splitting_finish(struct splitting *splitting)
 
 /* ---- Sides ------------------------------------------------------------------------------------------------------ */
 
-/* Of a name like "Left-vessel"; single letters need a counterpart to mean anything. */
-static char side_of_name(const char *name)
-{
-    struct side_word word;
-    for (size_t from = 0; side_word_find(&word, text_from(name), from); from = word.start + word.size) {
-        if (side_word_is_long(&word)) {
-            return word.side;
-        }
-    }
-    return 0;
-}
-
 static conus_status find_sides(struct splitting *splitting)
 {
-    const conus_atlas *atlas = splitting->atlas;
-    uint32_t *right_of = NULL;
-    conus_status status = hemispheres_pair(&right_of, atlas);
-    for (uint32_t number = 1; !status && number <= atlas->area_count; number++) {
-        const conus_object *area = &atlas->objects[number - 1];
-        struct fate *fate = &splitting->fates[number];
-        if (area->hemisphere == 'L' || area->hemisphere == 'R') {
-            fate->side = area->hemisphere;
-        } else if (!area->hemisphere && !fate->side) {
-            fate->side = side_of_name(area->name);
-        }
-        if (right_of[number]) {
-            fate->side = 'L';
-            splitting->fates[right_of[number]].side = 'R';
-        }
+    size_t count = splitting->atlas->area_count;
+    char *sides = memory_zeroed(count + 1, 1);
+    conus_status status = sides ? area_sides_find(sides, splitting->atlas) : CONUS_ERROR_MEMORY;
+    for (size_t number = 1; !status && number <= count; number++) {
+        splitting->fates[number].side = (char)(sides[number] == 'B' ? 0 : sides[number]);
     }
-    memory_free(right_of);
+    memory_free(sides);
     return status;
 }
 

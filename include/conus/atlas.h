@@ -251,6 +251,19 @@ typedef enum conus_hemispheres {
  */
 CONUS_CHECKED conus_status conus_atlas_set_hemispheres(conus_atlas *atlas, conus_hemispheres hemispheres);
 
+/**
+ * Finds out which areas are left and which are right ones. An area has the side that the label table gives it, or that
+ * it has in a pair as #CONUS_HEMISPHERES_MERGED makes one, or that a word in its name says, such as "left" or "rh"; one
+ * that has none is of the side of the nearest area above it in the tree that has one. Where it lies does not count.
+ * @param[out] sides [conus_atlas_object_count() + 1] By number: 'L', 'R', or 0 of areas of both sides or of none that
+ * is known, and of pathways and bundles; entry 0 is 0.
+ * @param atlas The atlas.
+ * @return #CONUS_OK; #CONUS_ERROR_MEMORY.
+ * @threads Any, while none changes the atlas.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_atlas_sides(char *sides, const conus_atlas *atlas);
+
 /** @name Hiding
  * A hidden object is as if it had never been loaded: no ray hits it, no picture shows it, and it blocks nothing. Shown
  * objects keep their numbers, volumes and fractions. Selectors and cutters that were made before must be made anew;
