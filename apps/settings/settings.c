@@ -13,7 +13,7 @@
 static const char *const apertures[] = {"circle", "square", NULL};
 static const char *const engines[] = {"auto", "rays", "gl", NULL};
 static const char *const samplings[] = {"exact", "slices", NULL};
-static const char *const hemispheres[] = {"as-is", "split", "merged", NULL};
+const char *const settings_hemispheres[] = {"as-is", "split", "merged", NULL};
 static const char *const layers[] = {"visible", "all", NULL};
 
 const struct option plain_options[] = {
@@ -79,7 +79,7 @@ const struct option atlas_options[] = {
      .value = "HOW",
      .help =
          "cut areas of both sides in two at x = 0 (split), or report left and right areas of one name as one (merged):",
-     .choices = hemispheres},
+     .choices = settings_hemispheres},
     {.name = "atlas-transform",
      .type = OPTION_LIST,
      .offset = FIELD(atlas_settings, transforms),

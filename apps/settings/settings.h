@@ -60,8 +60,10 @@ struct context_choice {
 extern const struct option context_choice_options[]; /**< context_choice: --context, --context-opacity */
 extern const struct option quiet_options[];          /**< common_settings: --help, --version, --quiet, --verbose */
 extern const struct option plain_options[];          /**< common_settings: --help, --version */
-extern const struct option atlas_options[];          /**< atlas_settings */
-extern const struct option shown_options[];          /**< atlas_settings: --only, --hide */
+/** What --hemispheres may say, in the order of conus_hemispheres; NULL ends it. */
+extern const char *const settings_hemispheres[];
+extern const struct option atlas_options[];      /**< atlas_settings */
+extern const struct option shown_options[];      /**< atlas_settings: --only, --hide */
 extern const struct option more_atlas_options[]; /**< atlas_settings: --atlas; of commands that answer for several */
 extern const struct option aim_options[];        /**< aim_settings: where from and where to */
 extern const struct option angle_options[];      /**< aim_settings: --angle */

@@ -4,6 +4,7 @@
 
 #include "viewer/figures/figure_form.h"
 #include "viewer/hands/hands.h"
+#include "viewer/hemispheres/side.h"
 #include "viewer/keys_look.h"
 #include "viewer/keys_view.h"
 #include "viewer/keys_wand.h"
@@ -192,6 +193,17 @@ static void toggle_layers(struct window *window)
 static void go_deeper(struct window *window)
 {
     question_next_level(window->viewer);
+}
+
+static void change_hemispheres(struct window *window)
+{
+    struct hemispheres *hemispheres = &window->hemispheres;
+    hemispheres_want(hemispheres, window->viewer, (conus_hemispheres)((hemispheres->wanted + 1) % HEMISPHERES_COUNT));
+}
+
+static void show_next_side(struct window *window)
+{
+    side_show_next(window->viewer);
 }
 
 static void change_order(struct window *window)
@@ -397,6 +409,8 @@ static const struct {
     {"8", speed_up, "a SpaceMouse or gamepad moves faster"},
     {"7", slow_down, "slower"},
     {"f7", go_deeper, "areas as parts of larger ones: the next level of the tree, after the last one each by itself"},
+    {"f8", change_hemispheres, "areas as in the file, split left and right, or left and right as one"},
+    {"f9", show_next_side, "both sides, the left one only, the right one only: the other side's areas are hidden"},
     {"y", change_order, "the list by rank, or the nearest first"},
     {"f4", shorten_range, "depth limits: the farther one 1 mm nearer; at first 0 to 50 mm"},
     {"f5", lengthen_range, "the farther one 1 mm deeper"},

@@ -8,6 +8,7 @@
 #include "viewer/hands/hands.h"
 #include "viewer/loader.h"
 #include "viewer/loop.h"
+#include "viewer/reload.h"
 #include "viewer/reopen.h"
 #include "viewer/session/session.h"
 #include "viewer/window/screen.h"
@@ -200,11 +201,12 @@ struct aside {
     struct changes changes;
     char *session_path;
     json_t *opened;
+    struct hemispheres hemispheres;
 };
 
 static struct aside set_aside(struct window *window)
 {
-    struct aside aside = {window->changes, window->session_path, window->opened};
+    struct aside aside = {window->changes, window->session_path, window->opened, window->hemispheres};
     window->changes = (struct changes){.count = 0};
     window->session_path = NULL;
     window->opened = NULL;
@@ -218,6 +220,7 @@ static void bring_back(struct window *window, struct viewer *viewer, struct asid
     window->changes = aside->changes;
     window->session_path = aside->session_path;
     window->opened = aside->opened;
+    window->hemispheres = aside->hemispheres;
     *aside = (struct aside){.opened = NULL};
 }
 
@@ -235,6 +238,9 @@ static bool replace(struct window *window, struct viewer *viewer, const struct a
     struct viewer *before = window->viewer;
     struct aside aside = set_aside(window);
     window->opened = describe(viewer, name, settings);
+    conus_hemispheres how = (conus_hemispheres)settings->atlas.hemispheres;
+    window->hemispheres = (struct hemispheres){
+        .now = how, .wanted = how, .no_cache = settings->atlas.no_cache, .max_memory = settings->atlas.max_memory};
     bool fine = show(window, viewer, settings, why);
     if (!fine) {
         bring_back(window, before, &aside);
@@ -357,6 +363,7 @@ bool open_wanted(struct window *window, const struct view_settings *settings, bo
     struct view_settings used = *settings;
     char why[LOADER_WHY] = "";
     char *path = window->wanted;
+    reload_end(window);
     bool (*press)(struct window *, const char *) = window->press;
     window->wanted = NULL;
     window->press = NULL;
@@ -378,6 +385,7 @@ bool open_wanted(struct window *window, const struct view_settings *settings, bo
 void open_finish(struct window *window)
 {
     struct viewer *viewer = window->viewer;
+    reload_end(window);
     window->press = NULL;
     window_show(window, NULL);
     finish(viewer);

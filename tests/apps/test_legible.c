@@ -205,7 +205,7 @@ static void look_at_all(struct window *window)
     viewer_choose(viewer, 1);
     nothing_is_cut(window, "confirmed");
     viewer_choose(viewer, 3);
-    viewer_pin(viewer, 0, 3, 0.5, 12.3, (double[]){0, 0, 0});
+    viewer_pin(viewer, 0, 3, NULL, 0.5, 12.3, (double[]){0, 0, 0});
     nothing_is_cut(window, "a long name");
     viewer_hide(viewer, 1, true);
     viewer_clear(viewer);

@@ -40,8 +40,9 @@ APPS = {
     "apps/viewer/theme": "",
     "apps/viewer/ui": "apps/viewer/theme",
     "apps/viewer/opening": "apps/common",
+    "apps/viewer/hemispheres": "apps/settings apps/viewer/model",
     "apps/viewer/window": "apps/common apps/viewer/look apps/viewer/model apps/viewer/chosen apps/viewer/devices apps/viewer/second"
-    " apps/viewer/ui apps/viewer/opening apps/viewer/question",
+    " apps/viewer/ui apps/viewer/opening apps/viewer/question apps/viewer/hemispheres",
     "apps/viewer/pointing": "apps/viewer/model",
     "apps/viewer/chosen": "apps/viewer/model",
     "apps/viewer/question": "apps/common apps/options apps/settings apps/viewer/model apps/viewer/study",
@@ -50,14 +51,16 @@ APPS = {
     " apps/viewer/hands apps/viewer/window",
     "apps/viewer/results": "apps/common apps/viewer/model",
     "apps/viewer/panels": "apps/settings apps/viewer/search apps/viewer/figures apps/viewer/pointing apps/viewer/question"
-    " apps/viewer/results apps/viewer/hands apps/viewer/ui apps/viewer/window",
-    "apps/viewer/session": "apps/common apps/viewer/question apps/viewer/results apps/viewer/window",
-    "apps/viewer/script": "apps/common apps/viewer/search apps/viewer/figures apps/viewer/pointing apps/viewer/question"
-    " apps/viewer/results apps/viewer/hands apps/viewer/window apps/viewer/session",
+    " apps/viewer/results apps/viewer/hands apps/viewer/ui apps/viewer/window apps/viewer/hemispheres",
+    "apps/viewer/session": "apps/common apps/viewer/question apps/viewer/results apps/viewer/window"
+    " apps/viewer/hemispheres",
+    "apps/viewer/script": "apps/common apps/settings apps/viewer/search apps/viewer/figures apps/viewer/pointing apps/viewer/question"
+    " apps/viewer/results apps/viewer/hands apps/viewer/window apps/viewer/session apps/viewer/hemispheres",
     # draw.c joins the panes and panels; the window itself knows neither.
     "apps/viewer": "apps/link apps/common apps/settings apps/pages apps/viewer/pointing apps/viewer/hands"
     " apps/viewer/ui apps/viewer/window apps/viewer/panes apps/viewer/panels apps/viewer/session"
-    " apps/viewer/script apps/viewer/opening apps/viewer/figures apps/viewer/question",
+    " apps/viewer/script apps/viewer/opening apps/viewer/figures apps/viewer/question"
+    " apps/viewer/hemispheres",
 }
 LIBRARY = {
     "base": "",

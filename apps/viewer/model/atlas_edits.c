@@ -69,6 +69,24 @@ void viewer_draw(struct viewer *viewer, size_t index)
     viewer->version++;
 }
 
+void viewer_exchange(struct viewer *viewer, struct view_atlas *fresh)
+{
+    rest(viewer);
+    studier_destroy(viewer->study.studier);
+    study_answer_destroy(viewer->study.answer);
+    viewer->study.studier = NULL;
+    viewer->study.answer = NULL;
+    for (size_t i = 0; i < viewer->atlas_count; i++) {
+        struct view_atlas before = viewer->atlases[i];
+        viewer->atlases[i] = fresh[i];
+        viewer->names[i] = fresh[i].name;
+        fresh[i] = before;
+        conus_atlas_destroy(before.atlas);
+        fresh[i].atlas = NULL;
+    }
+    resume(viewer);
+}
+
 /* Anew, for what a renderer is made with. */
 static void repaint(struct viewer *viewer)
 {

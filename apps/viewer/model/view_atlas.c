@@ -14,6 +14,16 @@ static void find_window(struct view_atlas *on)
     }
 }
 
+/* Likewise: it takes names apart. */
+static void find_sides(struct view_atlas *on)
+{
+    on->sides = malloc(on->object_count + 1);
+    if (on->sides && conus_atlas_sides(on->sides, on->atlas)) {
+        free(on->sides);
+        on->sides = NULL;
+    }
+}
+
 bool view_atlas_init(struct view_atlas *out, const struct view_source *source)
 {
     struct view_atlas on = {.atlas = source->atlas,
@@ -27,6 +37,7 @@ bool view_atlas_init(struct view_atlas *out, const struct view_source *source)
         return false;
     }
     on.watch = watch_create(on.atlas);
+    find_sides(&on);
     find_window(&on);
     *out = on;
     return true;
@@ -39,6 +50,7 @@ void view_atlas_finish(struct view_atlas *on)
     shown_finish(&on->shown);
     look_finish(&on->look);
     watch_destroy(on->watch);
+    free(on->sides);
     free(on->made_level);
     free(on->name);
     free(on->path);

@@ -14,6 +14,7 @@ struct view_atlas {
     char *path; /**< As it was given. */
     char *name; /**< Of the column `atlas`; "" where it is the only one. */
     size_t object_count;
+    char *sides;      /**< [object_count + 1] Of conus_atlas_sides(); NULL = without memory. */
     double window[2]; /**< Grey values of the context that the cuts show as black and white, unless the look says
                          others: what air and bright tissue have; both 0 without one. */
     struct look look;

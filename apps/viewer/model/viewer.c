@@ -252,7 +252,7 @@ static double distance_between(const double a[3], const double b[3])
     return sqrt(square);
 }
 
-void viewer_pin(struct viewer *viewer, size_t atlas, uint32_t object, double share, double distance,
+void viewer_pin(struct viewer *viewer, size_t atlas, uint32_t object, const char *name, double share, double distance,
                 const double contact[3])
 {
     if (viewer->pin_count == PIN_LIMIT) {
@@ -261,7 +261,8 @@ void viewer_pin(struct viewer *viewer, size_t atlas, uint32_t object, double sha
     }
     const struct pin *last = viewer->pin_count ? &viewer->pins[viewer->pin_count - 1] : NULL;
     struct pin pin = {.atlas = atlas, .object = object, .share = share, .distance = distance};
-    snprintf(pin.name, sizeof pin.name, "%s", conus_atlas_object(viewer->atlases[atlas].atlas, object)->name);
+    snprintf(pin.name, sizeof pin.name, "%s",
+             name ? name : conus_atlas_object(viewer->atlases[atlas].atlas, object)->name);
     memcpy(pin.contact, contact, sizeof pin.contact);
     pin.apart = last ? distance_between(last->contact, pin.contact) : NAN;
     viewer->pins[viewer->pin_count++] = pin;
@@ -274,7 +275,7 @@ void viewer_confirm(struct viewer *viewer)
         viewer_say(viewer, "nothing in the cone to confirm");
         return;
     }
-    viewer_pin(viewer, (size_t)(viewer->drawn - viewer->atlases), best->object, best->share, best->distance,
+    viewer_pin(viewer, (size_t)(viewer->drawn - viewer->atlases), best->object, NULL, best->share, best->distance,
                best->contact);
     viewer_say(viewer, "confirmed: %s, %.1f mm from the device", viewer->pins[viewer->pin_count - 1].name,
                best->distance);

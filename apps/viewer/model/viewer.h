@@ -29,9 +29,9 @@ enum { PIN_LIMIT = 64, MESSAGE_SIZE_LIMIT = 256 };
 
 /** A confirmed result. */
 struct pin {
-    size_t atlas; /**< Index of the viewer's atlas that was drawn then, in which it is. */
-    uint32_t object;
-    char name[96];
+    size_t atlas;           /**< Index of the viewer's atlas that was drawn then, in which it is. */
+    uint32_t object;        /**< 0 = the atlas has it no longer, since its hemispheres are others. */
+    char name[96];          /**< That it had then. */
     double share, distance; /**< mm from the apex. */
     double contact[3];      /**< World mm; NaN where there was none. */
     double apart;           /**< mm from the pin before it; NaN of the first. */
@@ -144,8 +144,8 @@ void viewer_place(struct viewer *viewer);
 void viewer_reselect(struct viewer *viewer);
 /** Pins the best result in the drawn atlas, or else nothing. */
 void viewer_confirm(struct viewer *viewer);
-/** Pins a result in atlas @p atlas that was confirmed before. */
-void viewer_pin(struct viewer *viewer, size_t atlas, uint32_t object, double share, double distance,
+/** Pins a result in atlas @p atlas that was confirmed before. @p name: of object 0; else NULL. */
+void viewer_pin(struct viewer *viewer, size_t atlas, uint32_t object, const char *name, double share, double distance,
                 const double contact[3]);
 /** The answer in the drawn atlas; NULL = none. */
 const conus_selection *viewer_selection(const struct viewer *viewer);

@@ -16,7 +16,8 @@ struct state {
 
 struct watch {
     const conus_atlas *atlas;
-    struct state *states; /* [count] of volumes and then of other files */
+    struct state *states; /* [count] of volumes and then of other files, as they were looked at last */
+    struct state *first;  /* [count] and at first */
     size_t count;
 };
 
@@ -51,12 +52,13 @@ struct watch *watch_create(const conus_atlas *atlas)
     watch->atlas = atlas;
     watch->count = conus_atlas_volume_count(atlas) + conus_atlas_file_count(atlas);
     watch->states = calloc(watch->count + 1, sizeof *watch->states);
-    if (!watch->states) {
-        free(watch);
+    watch->first = calloc(watch->count + 1, sizeof *watch->first);
+    if (!watch->states || !watch->first) {
+        watch_destroy(watch);
         return NULL;
     }
     for (size_t i = 0; i < watch->count; i++) {
-        watch->states[i] = look_at(path_of(watch, i));
+        watch->states[i] = watch->first[i] = look_at(path_of(watch, i));
     }
     return watch;
 }
@@ -65,8 +67,26 @@ void watch_destroy(struct watch *watch)
 {
     if (watch) {
         free(watch->states);
+        free(watch->first);
         free(watch);
     }
+}
+
+static const char *last_name(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+const char *watch_other(const struct watch *watch)
+{
+    for (size_t i = 0; i < watch->count; i++) {
+        struct state now = look_at(path_of(watch, i));
+        if (!is_same(&now, &watch->first[i])) {
+            return last_name(path_of(watch, i));
+        }
+    }
+    return NULL;
 }
 
 bool watch_look(struct watch *watch, char news[WATCH_NEWS])
@@ -74,13 +94,12 @@ bool watch_look(struct watch *watch, char news[WATCH_NEWS])
     size_t changes = 0;
     for (size_t i = 0; i < watch->count; i++) {
         const char *path = path_of(watch, i);
-        const char *slash = strrchr(path, '/');
         struct state now = look_at(path);
         if (is_same(&now, &watch->states[i])) {
             continue;
         }
         if (changes++ == 0) {
-            snprintf(news, WATCH_NEWS, "%.60s %s disk: what is shown was read before", slash ? slash + 1 : path,
+            snprintf(news, WATCH_NEWS, "%.60s %s disk: what is shown was read before", last_name(path),
                      now.is_there ? "changed on" : "is gone from");
         }
         watch->states[i] = now;

@@ -190,6 +190,7 @@ void panel_areas(struct window *window)
     ui_tip("no area is hidden any more; V, too");
     ui_same_line();
     ui_text("%zu in all", viewer->drawn->object_count);
+    panel_sides(window);
     ui_separator();
     ui_scroll("list", 0);
     if (viewer->drawn->shown.search[0]) {

@@ -10,6 +10,8 @@ void panel_dialog(struct window *window); /**< Likewise. */
 /** Buttons of the keys that everybody needs, in one line. */
 void panel_tools(struct window *window);
 void panel_areas(struct window *window);
+/** Of the areas: hemispheres and sides. */
+void panel_sides(struct window *window);
 /** What a cone hits in an atlas, as a list so many lines high. */
 void panel_list(struct window *window, const struct view_atlas *on, const conus_selection *selection, float lines);
 void panel_second(struct window *window); /**< The second tool. */

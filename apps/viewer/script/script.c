@@ -12,6 +12,7 @@
 #include "viewer/script/script_head.h"
 #include "viewer/script/script_look.h"
 #include "viewer/script/script_second.h"
+#include "viewer/script/script_sides.h"
 #include "viewer/script/script_study.h"
 #include "viewer/script/script_words.h"
 #include "viewer/search/search.h"
@@ -36,7 +37,7 @@ struct script {
     unsigned waiting; /* frames to let pass before the next command */
     unsigned settled; /* frames that the pictures shall still be fine for */
     double until;     /* by clock_ms(): settled, or it fails; or the end of a pause */
-    bool settling, pausing;
+    bool settling, pausing, reloading;
     char *awaited; /* a file that must be there before the next command; NULL = none */
 };
 
@@ -218,46 +219,6 @@ static bool do_choose(struct call *call)
     return object;
 }
 
-static bool do_threshold(struct call *call)
-{
-    return script_threshold(call->window, call->words + 1, call->count);
-}
-
-static bool do_fade(struct call *call)
-{
-    return script_fade(call->window, call->words + 1, call->count);
-}
-
-static bool do_grey(struct call *call)
-{
-    return script_grey(call->window, call->words + 1, call->count);
-}
-
-static bool do_opacity(struct call *call)
-{
-    return script_opacity(call->window, call->words + 1, call->count);
-}
-
-static bool do_haze(struct call *call)
-{
-    return script_haze(call->window, call->words + 1, call->count);
-}
-
-static bool do_preset(struct call *call)
-{
-    return script_preset(call->window, call->words + 1, call->count);
-}
-
-static bool do_streamlines(struct call *call)
-{
-    return script_streamlines(call->window, call->words + 1, call->count);
-}
-
-static bool do_background(struct call *call)
-{
-    return script_background(call->window, call->words + 1, call->count);
-}
-
 static bool do_pointer(struct call *call)
 {
     for (int i = 0; i < POINTER_COUNT; i++) {
@@ -337,16 +298,6 @@ static bool do_picture(struct call *call)
     bool fine = numbers(size, call, 1, 2) && size[0] >= 1 && size[1] >= 1 && size[0] <= PICTURE_LIMIT &&
                 size[1] <= PICTURE_LIMIT;
     return fine && script_picture(call->window, call->words[1], size);
-}
-
-static bool do_sheet(struct call *call)
-{
-    return script_sheet(call->window, call->words + 1, call->count);
-}
-
-static bool do_figure(struct call *call)
-{
-    return script_figure(call->window, call->words + 1, call->count);
 }
 
 static bool do_save(struct call *call)
@@ -454,16 +405,8 @@ static const struct {
     {"crosshair", 3, 3, do_crosshair, "X Y Z", false},
     {"orbit", 2, 2, do_orbit, "AZIMUTH ELEVATION, degrees", false},
     {"zoom", 1, 1, do_zoom, "CLICKS", false},
-    {"fade", 1, 1, do_fade, "PART", false},
     {"search", 0, 1, do_search, "[TEXT]", false},
     {"choose", 1, 1, do_choose, "NAME", false},
-    {"threshold", 2, 2, do_threshold, "PATHWAY VALUE", false},
-    {"grey", 0, 2, do_grey, "[BLACK WHITE], with a context", false},
-    {"opacity", 1, 2, do_opacity, "[AREA] PART, or AREA reset", false},
-    {"haze", 2, 2, do_haze, "PATHWAY solid|own|PRESET", false},
-    {"preset", 0, 1, do_preset, "[NAME]", false},
-    {"streamline-colour", 1, 1, do_streamlines, "bundle|direction|NAME", false},
-    {"background", 1, 1, do_background, "light|white|black|transparent", false},
     {"quiet-status", 0, 0, do_quiet_status, "", true},
     {"wait", 1, 1, do_wait, "FRAMES", true},
     {"pause", 1, 1, do_pause, "SECONDS", true},
@@ -471,8 +414,6 @@ static const struct {
     {"until", 1, 1, do_until, "FILE", true},
     {"screenshot", 1, 1, do_screenshot, "FILE.png", true},
     {"picture", 3, 3, do_picture, "FILE.png WIDTH HEIGHT", false},
-    {"sheet", 2, 3, do_sheet, "pixels|mm WIDTH HEIGHT, dpi N, legend inside|right|below|none, text on|off", false},
-    {"figure", 1, 2, do_figure, "FILE.png [3d|axial|coronal|sagittal]", false},
     {"results", 1, 1, do_results, "FILE.tsv", false},
     {"export", 1, 1, do_export, "FILE.tsv|csv|json", false},
     {"columns", 0, SCRIPT_WORDS - 1, do_columns, "[NAME] ..., columns of conus query's tables", false},
@@ -484,6 +425,28 @@ static const struct {
     {"open", 1, 1, do_open, "FILE.json", false},
 };
 enum { COMMANDS = sizeof commands / sizeof commands[0] };
+
+/* Those that need an atlas, and nothing of the script. */
+static const struct {
+    const char *name;
+    size_t least, most;
+    bool (*use)(struct window *window, char *const *arguments, size_t count);
+    const char *arguments;
+} uses[] = {
+    {"fade", 1, 1, script_fade, "PART"},
+    {"hemispheres", 1, 1, script_hemispheres, "as-is|split|merged"},
+    {"side", 1, 1, script_side, "both|left|right, of an atlas that has sides"},
+    {"threshold", 2, 2, script_threshold, "PATHWAY VALUE"},
+    {"grey", 0, 2, script_grey, "[BLACK WHITE], with a context"},
+    {"opacity", 1, 2, script_opacity, "[AREA] PART, or AREA reset"},
+    {"haze", 2, 2, script_haze, "PATHWAY solid|own|PRESET"},
+    {"preset", 0, 1, script_preset, "[NAME]"},
+    {"streamline-colour", 1, 1, script_streamlines, "bundle|direction|NAME"},
+    {"background", 1, 1, script_background, "light|white|black|transparent"},
+    {"sheet", 2, 3, script_sheet, "pixels|mm WIDTH HEIGHT, dpi N, legend inside|right|below|none, text on|off"},
+    {"figure", 1, 2, script_figure, "FILE.png [3d|axial|coronal|sagittal]"},
+};
+enum { USES = sizeof uses / sizeof uses[0] };
 
 /* ---- Reading ------------------------------------------------------------------------------------------------------
  */
@@ -516,22 +479,38 @@ void script_destroy(struct script *script)
     }
 }
 
+/* False, and said why, where one needs an atlas and there is none. */
+static bool has_atlas(const struct call *call)
+{
+    bool has = call->window->viewer;
+    if (!has) {
+        print_error_line("%s:%u: %s needs an atlas, and none is open", call->script->path, call->script->number,
+                         call->words[0]);
+    }
+    return has;
+}
+
+static bool refuse(const struct call *call, const char *arguments)
+{
+    print_error_line("%s:%u: %s %s is needed, or it could not be done", call->script->path, call->script->number,
+                     call->words[0], arguments);
+    return false;
+}
+
 static bool act(struct call *call)
 {
     for (size_t i = 0; i < COMMANDS; i++) {
         if (strcmp(commands[i].name, call->words[0]) == 0) {
-            if (!commands[i].at_start && !call->window->viewer) {
-                print_error_line("%s:%u: %s needs an atlas, and none is open", call->script->path, call->script->number,
-                                 commands[i].name);
-                return false;
-            }
             bool fits = call->count >= commands[i].least && call->count <= commands[i].most;
-            if (fits && commands[i].act(call)) {
-                return true;
-            }
-            print_error_line("%s:%u: %s %s is needed, or it could not be done", call->script->path,
-                             call->script->number, commands[i].name, commands[i].arguments);
-            return false;
+            return (commands[i].at_start || has_atlas(call)) &&
+                   ((fits && commands[i].act(call)) || refuse(call, commands[i].arguments));
+        }
+    }
+    for (size_t i = 0; i < USES; i++) {
+        if (strcmp(uses[i].name, call->words[0]) == 0) {
+            bool fits = call->count >= uses[i].least && call->count <= uses[i].most;
+            return has_atlas(call) && ((fits && uses[i].use(call->window, call->words + 1, call->count)) ||
+                                       refuse(call, uses[i].arguments));
         }
     }
     print_error_line("%s:%u: unknown command \"%s\"", call->script->path, call->script->number, call->words[0]);
@@ -547,7 +526,9 @@ bool script_waits(struct script *script, const struct window *window)
         script->awaited = NULL;
     }
     bool unsettled = script->settling && !window_is_settled(window) && now < script->until;
-    return script->pausing || script->awaited || unsettled;
+    bool reloads = script->reloading && window->viewer && hemispheres_wait(&window->hemispheres);
+    script->reloading = reloads;
+    return script->pausing || script->awaited || unsettled || reloads;
 }
 
 /* Whether the frame was one to let pass. */
@@ -592,6 +573,7 @@ bool script_step(struct script *script, struct window *window, int *code)
         return fail_line(script, code, "more than 8 words");
     }
     call.count = words ? words - 1 : 0;
+    script->reloading = words && strcmp(call.words[0], "hemispheres") == 0;
     if (words && !act(&call)) {
         *code = EXIT_DATA;
         return true;

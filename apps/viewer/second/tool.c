@@ -110,7 +110,7 @@ void tool_confirm(const struct tool *tool)
         viewer_say(viewer, "nothing in the second tool's cone to confirm");
         return;
     }
-    viewer_pin(viewer, drawn, best->object, best->share, best->distance, best->contact);
+    viewer_pin(viewer, drawn, best->object, NULL, best->share, best->distance, best->contact);
     viewer->version++;
     viewer_say(viewer, "confirmed by the second tool: %s", viewer->pins[viewer->pin_count - 1].name);
 }

@@ -241,6 +241,9 @@ static json_t *pins_of(const struct viewer *viewer)
         if (viewer->atlas_count > 1) {
             json_object_set_new(entry, "atlas", json_integer((json_int_t)pin->atlas + 1));
         }
+        if (!pin->object) {
+            json_object_set_new(entry, "name", json_string(pin->name));
+        }
         json_array_append_new(pins, entry);
     }
     return pins;
@@ -376,8 +379,10 @@ static void read_pins(struct viewer *viewer, const json_t *root)
         for (size_t a = 0; a < 3; a++) {
             contact[a] = number_or_nan(json_array_get(json_object_get(entry, "contact"), a));
         }
-        if (object > 0 && of < viewer->atlas_count && conus_atlas_object(viewer->atlases[of].atlas, (size_t)object)) {
-            viewer_pin(viewer, of, (uint32_t)object, number_or_nan(json_object_get(entry, "share")),
+        const char *name = object ? NULL : json_string_value(json_object_get(entry, "name"));
+        if (of < viewer->atlas_count &&
+            (name || (object > 0 && conus_atlas_object(viewer->atlases[of].atlas, (size_t)object)))) {
+            viewer_pin(viewer, of, (uint32_t)object, name, number_or_nan(json_object_get(entry, "share")),
                        number_or_nan(json_object_get(entry, "distance_mm")), contact);
         }
     }

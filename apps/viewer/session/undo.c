@@ -2,6 +2,7 @@
 /* States are sessions without what is not taken back. */
 #include "viewer/session/undo.h"
 
+#include "viewer/hemispheres/words.h"
 #include "viewer/session/session.h"
 
 #include <jansson.h>
@@ -83,17 +84,68 @@ static bool use(struct window *window, const char *state, char why[SESSION_REASO
     return fine;
 }
 
-void undo_step(struct window *window, int by)
+/* Whether the state is of areas that the atlases have only once they are loaded again, and as what. */
+static bool needs_others(conus_hemispheres *how, const struct window *window, const char *state)
+{
+    json_t *root = json_loads(state, 0, NULL);
+    const json_t *opened = json_object_get(root, "opened");
+    *how = hemispheres_of_words(json_object_get(opened, "options"));
+    json_decref(root);
+    return opened && *how != window->hemispheres.now;
+}
+
+/* The words of the options as they were, too, so that the state is the same one again. */
+static void take_words(struct window *window, const char *state)
+{
+    json_t *root = json_loads(state, 0, NULL);
+    json_t *words = json_object_get(json_object_get(root, "opened"), "options");
+    if (words) {
+        json_object_set(window->opened, "options", words);
+    }
+    json_decref(root);
+}
+
+static void use_aloud(struct window *window, const char *state, int by)
 {
     char why[SESSION_REASON];
+    bool fine = use(window, state, why);
+    viewer_say(window->viewer, "%s", !fine ? why : by < 0 ? "undone" : "done again");
+}
+
+void undo_go_on(struct window *window)
+{
+    const struct hemispheres *hemispheres = &window->hemispheres;
+    if (hemispheres->state) {
+        take_words(window, hemispheres->state);
+        use_aloud(window, hemispheres->state, hemispheres->step);
+    }
+}
+
+void undo_give_up(struct window *window)
+{
+    if (window->hemispheres.state) {
+        changes_step(&window->changes, -window->hemispheres.step);
+    }
+}
+
+void undo_step(struct window *window, int by)
+{
+    conus_hemispheres how;
+    if (hemispheres_wait(&window->hemispheres)) {
+        undo_give_up(window);
+        hemispheres_rest(&window->hemispheres);
+        viewer_say(window->viewer, "the atlas stays as it is: %s", hemispheres_meanings[window->hemispheres.now]);
+        window->viewer->version++;
+        return;
+    }
     window->noted_version = window->viewer->version - 1; /* what has just changed counts, too */
     undo_note(window);
     const char *state = changes_step(&window->changes, by);
     if (!state) {
         viewer_say(window->viewer, by < 0 ? "nothing to undo" : "nothing to do again");
-    } else if (use(window, state, why)) {
-        viewer_say(window->viewer, by < 0 ? "undone" : "done again");
+    } else if (needs_others(&how, window, state)) {
+        hemispheres_want_state(&window->hemispheres, window->viewer, how, strdup(state), by);
     } else {
-        viewer_say(window->viewer, "%s", why);
+        use_aloud(window, state, by);
     }
 }

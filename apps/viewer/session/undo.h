@@ -10,7 +10,12 @@
 /** Notes the state, unless nothing was changed since the last time. To be called where changes are whole: not while a
  * slider is dragged. */
 void undo_note(struct window *window);
-/** Goes a change back (-1) or forth (1), and says so. */
+/** Goes a change back (-1) or forth (1), and says so. Where the atlases are to be loaded again for it, only once they
+ * are (window->hemispheres). While that goes on, it is what is taken back, whichever way it goes. */
 void undo_step(struct window *window, int by);
+/** The atlases are loaded again: goes where that was for, if for that. */
+void undo_go_on(struct window *window);
+/** They are not: stays where it was, if they were loaded for that. */
+void undo_give_up(struct window *window);
 
 #endif

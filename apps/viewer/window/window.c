@@ -83,25 +83,13 @@ static const char *name_of(int key)
     static const struct {
         int key;
         const char *name;
-    } names[] = {{GLFW_KEY_ENTER, "enter"},
-                 {GLFW_KEY_KP_ENTER, "enter"},
-                 {GLFW_KEY_SPACE, "space"},
-                 {GLFW_KEY_TAB, "tab"},
-                 {GLFW_KEY_F1, "f1"},
-                 {GLFW_KEY_F11, "f11"},
-                 {GLFW_KEY_F2, "f2"},
-                 {GLFW_KEY_F3, "f3"},
-                 {GLFW_KEY_F4, "f4"},
-                 {GLFW_KEY_F5, "f5"},
-                 {GLFW_KEY_F7, "f7"},
-                 {GLFW_KEY_UP, "up"},
-                 {GLFW_KEY_DOWN, "down"},
-                 {GLFW_KEY_LEFT, "left"},
-                 {GLFW_KEY_RIGHT, "right"},
-                 {GLFW_KEY_ESCAPE, "escape"},
-                 {GLFW_KEY_F6, "f6"},
-                 {GLFW_KEY_PAGE_UP, "pageup"},
-                 {GLFW_KEY_PAGE_DOWN, "pagedown"}};
+    } names[] = {{GLFW_KEY_ENTER, "enter"}, {GLFW_KEY_KP_ENTER, "enter"}, {GLFW_KEY_SPACE, "space"},
+                 {GLFW_KEY_TAB, "tab"},     {GLFW_KEY_F1, "f1"},          {GLFW_KEY_F11, "f11"},
+                 {GLFW_KEY_F2, "f2"},       {GLFW_KEY_F3, "f3"},          {GLFW_KEY_F4, "f4"},
+                 {GLFW_KEY_F5, "f5"},       {GLFW_KEY_F7, "f7"},          {GLFW_KEY_F8, "f8"},
+                 {GLFW_KEY_F9, "f9"},       {GLFW_KEY_UP, "up"},          {GLFW_KEY_DOWN, "down"},
+                 {GLFW_KEY_LEFT, "left"},   {GLFW_KEY_RIGHT, "right"},    {GLFW_KEY_ESCAPE, "escape"},
+                 {GLFW_KEY_F6, "f6"},       {GLFW_KEY_PAGE_UP, "pageup"}, {GLFW_KEY_PAGE_DOWN, "pagedown"}};
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
         if (names[i].key == key) {
             return names[i].name;
@@ -351,6 +339,7 @@ void window_show(struct window *window, struct viewer *viewer)
                               .press = window->press,
                               .wanted = window->wanted,
                               .opened = window->opened,
+                              .hemispheres = window->hemispheres,
                               .session_waits = window->session_waits,
                               .start = window->start,
                               .dialog = window->dialog,
@@ -543,7 +532,8 @@ bool window_is_settled(const struct window *window)
 {
     const struct viewer *viewer = window->viewer;
     bool has_page = window->start.on || window->dialog.on;
-    bool settled = has_page || window->painted_fine || !window_shows_pane(window, PANE_3D);
+    bool waits = viewer && hemispheres_wait(&window->hemispheres);
+    bool settled = !waits && (has_page || window->painted_fine || !window_shows_pane(window, PANE_3D));
     if (!has_page && studies_is_on(viewer)) {
         settled = settled && !studies_is_old(viewer);
     }

@@ -7,6 +7,7 @@
 #include "viewer/chosen/cells.h"
 #include "viewer/chosen/outline.h"
 #include "viewer/devices/devices.h"
+#include "viewer/hemispheres/wish.h"
 #include "viewer/look/sheet.h"
 #include "viewer/model/source.h"
 #include "viewer/model/times.h"
@@ -78,6 +79,8 @@ struct window {
     bool (*press)(struct window *window, const char *key); /**< What keys do; NULL while an atlas is loaded. */
     char *wanted;                                          /**< Path of what is to be opened next; NULL = none. */
     struct json_t *opened; /**< What a session says of that (opening/session_file.h); NULL = nothing. */
+    struct hemispheres hemispheres;
+    struct reload *reload; /**< Of viewer/reload.h, while the atlases are loaded again; else NULL. */
     char *session_waits;   /**< A session whose atlas was not found: the next atlas is its; NULL = none. */
     struct start start;
     struct dialog dialog; /**< In place of the start page and all panels, while it is on. */

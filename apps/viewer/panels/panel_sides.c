@@ -1,0 +1,49 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* How the atlas has left and right areas, and which of them are shown. */
+#include "viewer/panels/panels.h"
+
+#include "viewer/hemispheres/side.h"
+
+static void choose_hemispheres(struct window *window)
+{
+    struct hemispheres *hemispheres = &window->hemispheres;
+    size_t how = (size_t)hemispheres->wanted;
+    ui_width(window->left.width - 20);
+    if (ui_choose("##hemispheres", &how, hemispheres_meanings, HEMISPHERES_COUNT)) {
+        hemispheres_want(hemispheres, window->viewer, (conus_hemispheres)how);
+    }
+    ui_tip("hemispheres: areas as the file has them; those that lie on both sides cut in two at x = 0 mm; or left and\n"
+           "right ones of one name reported as one (--hemispheres). The atlas is loaded again for it; F8: the next");
+    if (hemispheres_wait(hemispheres)) {
+        ui_text_coloured(theme_texts[THEME_ORANGE], "loading the atlas ...");
+        ui_same_line();
+        if (ui_small_button("cancel")) {
+            hemispheres_want(hemispheres, window->viewer, hemispheres->now);
+        }
+        ui_tip("areas stay as they are");
+    }
+}
+
+static void choose_side(struct window *window)
+{
+    static const char *const sides[SIDE_COUNT] = {"both sides", "left only", "right only"};
+    struct viewer *viewer = window->viewer;
+    size_t side = side_shown(viewer);
+    if (!side_is_known(viewer)) {
+        ui_text("its areas have no sides");
+        ui_tip("no areas are known to be left and right ones, by the label table, by their names, or by a split");
+        return;
+    }
+    ui_width(window->left.width - 20);
+    if (ui_choose("##side", &side, sides, SIDE_COUNT)) {
+        side_show(viewer, (enum side)side);
+    }
+    ui_tip("hides all areas of the other side, so that they are not hit either; those without a side stay.\n"
+           "F9: the next");
+}
+
+void panel_sides(struct window *window)
+{
+    choose_hemispheres(window);
+    choose_side(window);
+}

@@ -1,0 +1,288 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What was done to areas, carried over to an atlas with other hemispheres; one side only. */
+#include "viewer/hemispheres/carry.h"
+#include "viewer/hemispheres/side.h"
+#include "viewer/hemispheres/words.h"
+
+#include "builders/area_rows.h"
+#include "test.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* x from -3.5 to 3.5: Four and Nine lie on both sides, A_L and A_R are a pair. */
+static const size_t dim[3] = {8, 2, 1};
+static const uint32_t labels[16] = {4, 4, 4, 4, 4, 4, 9, 9, 9, 9, 9, 9, 1, 1, 2, 2};
+static const struct area_row rows[] = {{1, "A_L", 20, NULL, 0}, {2, "A_R", 20, NULL, 0}, {4, "Four", 20, NULL, 0},
+                                       {9, "Nine", 0, NULL, 0}, {20, "Top", 0, NULL, 0}, {0}};
+static const struct area_row others[] = {{1, "A_L", 20, NULL, 0}, {2, "A_R", 20, NULL, 0}, {4, "Fourth", 20, NULL, 0},
+                                         {9, "Nine", 0, NULL, 0}, {20, "Top", 0, NULL, 0}, {0}};
+
+static conus_atlas *make(const struct area_row *table, conus_hemispheres how)
+{
+    conus_atlas *atlas = NULL;
+    assert_ok(area_rows_atlas(&atlas, dim, labels, table));
+    assert_ok(area_rows_add_pathway(atlas, "Tract"));
+    assert_ok(conus_atlas_set_hemispheres(atlas, how));
+    return atlas;
+}
+
+static void open_viewer(struct viewer *out, conus_hemispheres how)
+{
+    const struct view_source source = {make(rows, how), "rows.nii", NULL};
+    assert_ok(viewer_create(out, &source, 1, NULL, NULL, NULL));
+}
+
+static void change(struct viewer *viewer, conus_hemispheres before, conus_hemispheres how)
+{
+    conus_atlas *atlas = make(rows, how);
+    assert_true(carry_over(viewer, &atlas, before, how));
+    assert_ptr_equal(viewer->atlases[0].atlas, atlas);
+    assert_ptr_equal(viewer->names[0], viewer->atlases[0].name);
+}
+
+static uint32_t number_of(const struct viewer *viewer, const char *name)
+{
+    uint32_t number = area_rows_number(viewer->drawn->atlas, name);
+    assert_true(number > 0);
+    return number;
+}
+
+/* Names of what is hidden, with commas between; the atlas agrees. */
+static const char *hidden(const struct viewer *viewer)
+{
+    static char text[256];
+    int used = 0;
+    text[0] = '\0';
+    for (uint32_t number = 1; number <= viewer->drawn->object_count; number++) {
+        bool is = viewer->drawn->shown.hidden[number];
+        assert_int_equal(is, conus_atlas_is_hidden(viewer->drawn->atlas, number));
+        if (is) {
+            used += snprintf(text + used, sizeof text - (size_t)used, "%s%s", used ? "," : "",
+                             conus_atlas_object(viewer->drawn->atlas, number)->name);
+        }
+    }
+    return text;
+}
+
+static double opacity(const struct viewer *viewer, const char *name)
+{
+    return viewer->drawn->look.opacity[number_of(viewer, name)];
+}
+
+/* ---- Carried over ------------------------------------------------------------------------------------------------ */
+
+static void halves_are_as_the_whole_was(void **state)
+{
+    struct viewer viewer;
+    (void)state;
+    open_viewer(&viewer, CONUS_HEMISPHERES_AS_IS);
+    viewer_hide(&viewer, number_of(&viewer, "Four"), true);
+    viewer_set_opacity(&viewer, number_of(&viewer, "Nine"), 0.25);
+    viewer_set_opacity(&viewer, 0, 0.5);
+    viewer_set_haze(&viewer, number_of(&viewer, "Tract"), HAZE_OWN);
+    viewer_choose(&viewer, number_of(&viewer, "A_R"));
+    change(&viewer, CONUS_HEMISPHERES_AS_IS, CONUS_HEMISPHERES_SPLIT);
+    assert_string_equal(hidden(&viewer), "Four left,Four right");
+    assert_near(opacity(&viewer, "Nine left"), 0.25, 0);
+    assert_near(opacity(&viewer, "Nine right"), 0.25, 0);
+    assert_true(isnan(opacity(&viewer, "A_R")));
+    assert_near(viewer.drawn->look.opacity[0], 0.5, 0);
+    assert_int_equal(viewer.drawn->look.haze[number_of(&viewer, "Tract")], HAZE_OWN);
+    assert_int_equal(viewer.drawn->shown.chosen, number_of(&viewer, "A_R"));
+    /* and back */
+    change(&viewer, CONUS_HEMISPHERES_SPLIT, CONUS_HEMISPHERES_AS_IS);
+    assert_string_equal(hidden(&viewer), "Four");
+    assert_near(opacity(&viewer, "Nine"), 0.25, 0);
+    viewer_finish(&viewer);
+}
+
+static void a_whole_is_as_both_halves_were(void **state)
+{
+    struct viewer viewer;
+    (void)state;
+    open_viewer(&viewer, CONUS_HEMISPHERES_SPLIT);
+    viewer_hide(&viewer, number_of(&viewer, "Four left"), true); /* one of two */
+    viewer_hide(&viewer, number_of(&viewer, "Nine left"), true);
+    viewer_hide(&viewer, number_of(&viewer, "Nine right"), true);
+    viewer_set_opacity(&viewer, number_of(&viewer, "Four right"), 0.25);
+    viewer_choose(&viewer, number_of(&viewer, "Four right"));
+    change(&viewer, CONUS_HEMISPHERES_SPLIT, CONUS_HEMISPHERES_AS_IS);
+    assert_string_equal(hidden(&viewer), "Nine");
+    assert_true(isnan(opacity(&viewer, "Four")));
+    assert_int_equal(viewer.drawn->shown.chosen, number_of(&viewer, "Four"));
+    change(&viewer, CONUS_HEMISPHERES_AS_IS, CONUS_HEMISPHERES_SPLIT);
+    assert_int_equal(viewer.drawn->shown.chosen, 0); /* of two none is chosen */
+    viewer_finish(&viewer);
+}
+
+/* From split areas at once, where the pair was not one. */
+static void a_pair_is_as_both_areas_were(void **state)
+{
+    struct viewer viewer;
+    (void)state;
+    open_viewer(&viewer, CONUS_HEMISPHERES_SPLIT);
+    viewer_hide(&viewer, number_of(&viewer, "A_L"), true);
+    viewer_set_opacity(&viewer, number_of(&viewer, "A_L"), 0.25);
+    viewer_set_opacity(&viewer, number_of(&viewer, "A_R"), 0.25);
+    change(&viewer, CONUS_HEMISPHERES_SPLIT, CONUS_HEMISPHERES_MERGED);
+    assert_string_equal(hidden(&viewer), "A_L");
+    assert_near(opacity(&viewer, "A"), 0.25, 0);
+    viewer_hide(&viewer, number_of(&viewer, "A_R"), true);
+    change(&viewer, CONUS_HEMISPHERES_MERGED, CONUS_HEMISPHERES_AS_IS);
+    assert_string_equal(hidden(&viewer), "A_L,A_R");
+    change(&viewer, CONUS_HEMISPHERES_AS_IS, CONUS_HEMISPHERES_MERGED);
+    assert_string_equal(hidden(&viewer), "A_L,A_R,A");
+    viewer_finish(&viewer);
+}
+
+static void what_was_confirmed_keeps_its_name(void **state)
+{
+    struct viewer viewer;
+    (void)state;
+    open_viewer(&viewer, CONUS_HEMISPHERES_SPLIT);
+    const double at[3] = {0};
+    viewer_pin(&viewer, 0, number_of(&viewer, "Four left"), NULL, 0.5, 1, at);
+    viewer_pin(&viewer, 0, number_of(&viewer, "A_R"), NULL, 0.5, 1, at);
+    viewer_pin(&viewer, 0, number_of(&viewer, "Tract"), NULL, 0.5, 1, at);
+    change(&viewer, CONUS_HEMISPHERES_SPLIT, CONUS_HEMISPHERES_AS_IS);
+    assert_string_equal(viewer.pins[0].name, "Four left");
+    assert_int_equal(viewer.pins[0].object, 0);
+    assert_int_equal(viewer.pins[1].object, number_of(&viewer, "A_R"));
+    assert_int_equal(viewer.pins[2].object, number_of(&viewer, "Tract"));
+    viewer_finish(&viewer);
+}
+
+/* A pathway's threshold, colours, and an answer that is asked for anew. */
+static void the_rest_goes_on(void **state)
+{
+    struct viewer viewer;
+    (void)state;
+    open_viewer(&viewer, CONUS_HEMISPHERES_AS_IS);
+    uint32_t tract = number_of(&viewer, "Tract");
+    const conus_volume_info *info = view_atlas_pathway(viewer.drawn, tract);
+    double threshold = info->threshold + 0.5 * (info->maximum - info->threshold) + 0.01;
+    viewer_set_threshold(&viewer, tract, threshold);
+    viewer_use_safe_colours(&viewer, true);
+    viewer_aim_along(&viewer, (double[]){-2, -60, 0}, (double[]){0, 1, 0});
+    unsigned before = viewer.cone.answer_number;
+    change(&viewer, CONUS_HEMISPHERES_AS_IS, CONUS_HEMISPHERES_SPLIT);
+    uint8_t rgb[3];
+    conus_atlas *other = make(rows, CONUS_HEMISPHERES_SPLIT);
+    conus_atlas_use_safe_colours(other);
+    viewer_colour(rgb, &viewer, 1);
+    assert_memory_equal(rgb, conus_atlas_object(other, 1)->rgb, 3);
+    conus_atlas_destroy(other);
+    assert_near(view_atlas_pathway(viewer.drawn, number_of(&viewer, "Tract"))->threshold, threshold, 0);
+    assert_true(viewer.cone.answer_number > before);
+    const conus_selection *selection = viewer_selection(&viewer);
+    uint32_t best = conus_selection_result(selection, 0)->object;
+    const char *name = conus_atlas_object(viewer.drawn->atlas, best)->name;
+    assert_true(strcmp(name, "Four left") == 0 || strcmp(name, "Tract") == 0);
+    viewer_finish(&viewer);
+}
+
+static void another_table_is_refused(void **state)
+{
+    struct viewer viewer;
+    conus_atlas *atlas = make(others, CONUS_HEMISPHERES_SPLIT);
+    (void)state;
+    open_viewer(&viewer, CONUS_HEMISPHERES_AS_IS);
+    const conus_atlas *before = viewer.drawn->atlas;
+    assert_false(carry_over(&viewer, &atlas, CONUS_HEMISPHERES_AS_IS, CONUS_HEMISPHERES_SPLIT));
+    assert_string_equal(viewer.message, "the areas have other names or labels than when the atlas was opened");
+    assert_ptr_equal(viewer.drawn->atlas, before);
+    conus_atlas_destroy(atlas);
+    viewer_finish(&viewer);
+}
+
+/* ---- One side ---------------------------------------------------------------------------------------------------- */
+
+static void one_side_is_shown(void **state)
+{
+    struct viewer viewer;
+    (void)state;
+    open_viewer(&viewer, CONUS_HEMISPHERES_SPLIT); /* Top is cut as well */
+    assert_true(side_is_known(&viewer));
+    viewer_hide(&viewer, number_of(&viewer, "A_L"), true);
+    viewer_hide(&viewer, number_of(&viewer, "Tract"), true);
+    assert_int_equal(side_shown(&viewer), SIDE_BOTH);
+    side_show(&viewer, SIDE_LEFT);
+    assert_int_equal(side_shown(&viewer), SIDE_LEFT);
+    assert_string_equal(hidden(&viewer), "A_L,A_R,Four right,Nine right,Top right,Tract");
+    side_show(&viewer, SIDE_RIGHT); /* it was hidden whole; and the left is now */
+    assert_string_equal(hidden(&viewer), "A_L,Four left,Nine left,Top left,Tract");
+    side_show_next(&viewer);
+    assert_int_equal(side_shown(&viewer), SIDE_BOTH);
+    assert_string_equal(hidden(&viewer), "Tract");
+    assert_string_equal(viewer.message, "both sides are shown");
+    viewer_finish(&viewer);
+}
+
+/* Where all areas of both sides are hidden, no side is shown, and any can be. */
+static void hidden_sides_are_shown_again(void **state)
+{
+    struct viewer viewer;
+    (void)state;
+    open_viewer(&viewer, CONUS_HEMISPHERES_SPLIT);
+    viewer_isolate(&viewer, number_of(&viewer, "Tract"));
+    assert_int_equal(side_shown(&viewer), SIDE_COUNT);
+    side_show(&viewer, SIDE_RIGHT);
+    assert_int_equal(side_shown(&viewer), SIDE_RIGHT);
+    viewer_isolate(&viewer, number_of(&viewer, "Tract"));
+    side_show_next(&viewer);
+    assert_int_equal(side_shown(&viewer), SIDE_BOTH);
+    viewer_finish(&viewer);
+}
+
+static void areas_without_sides_stay(void **state)
+{
+    static const struct area_row plain[] = {{1, "One", 0, NULL, 0}, {2, "Two", 0, NULL, 0}, {0}};
+    struct viewer viewer;
+    conus_atlas *atlas = NULL;
+    (void)state;
+    assert_ok(area_rows_atlas(&atlas, dim, labels, plain));
+    const struct view_source source = {atlas, "plain.nii", NULL};
+    assert_ok(viewer_create(&viewer, &source, 1, NULL, NULL, NULL));
+    assert_false(side_is_known(&viewer));
+    side_show_next(&viewer);
+    assert_string_equal(hidden(&viewer), "");
+    assert_string_equal(viewer.message, "no areas are known to be left and right ones; F8 splits them");
+    viewer_finish(&viewer);
+}
+
+/* ---- Words ------------------------------------------------------------------------------------------------------- */
+
+static void words_say_how(void **state)
+{
+    json_t *words = json_pack("[s, s, s]", "--labels=a", "--hemispheres=split", "--atlas=b");
+    (void)state;
+    assert_int_equal(hemispheres_of_words(NULL), CONUS_HEMISPHERES_AS_IS);
+    assert_int_equal(hemispheres_of_words(words), CONUS_HEMISPHERES_SPLIT);
+    assert_true(hemispheres_put_in_words(words, CONUS_HEMISPHERES_MERGED));
+    assert_int_equal(hemispheres_of_words(words), CONUS_HEMISPHERES_MERGED);
+    assert_int_equal(json_array_size(words), 3);
+    assert_true(hemispheres_put_in_words(words, CONUS_HEMISPHERES_AS_IS));
+    assert_int_equal(json_array_size(words), 2);
+    assert_int_equal(hemispheres_of_words(words), CONUS_HEMISPHERES_AS_IS);
+    assert_string_equal(json_string_value(json_array_get(words, 1)), "--atlas=b");
+    json_decref(words);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(halves_are_as_the_whole_was),
+        cmocka_unit_test(a_whole_is_as_both_halves_were),
+        cmocka_unit_test(a_pair_is_as_both_areas_were),
+        cmocka_unit_test(what_was_confirmed_keeps_its_name),
+        cmocka_unit_test(the_rest_goes_on),
+        cmocka_unit_test(another_table_is_refused),
+        cmocka_unit_test(one_side_is_shown),
+        cmocka_unit_test(hidden_sides_are_shown_again),
+        cmocka_unit_test(areas_without_sides_stay),
+        cmocka_unit_test(words_say_how),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
