@@ -448,7 +448,7 @@ static const struct {
     {"ctrl+e", export_list, "export the hits of the cone: conus-DATE-TIME-hits.tsv, .csv or .json, there, too"},
     {"ctrl+p", ask_for_figure, "save 3-D or a cut as a figure: its size, dpi, background, legend and name"},
     {"ctrl+shift+p", copy_figure, "copy the path of the figure that was saved last"},
-    {"ctrl+o", open_file, "open a file: an atlas or a session"},
+    {"ctrl+o", open_file, "open a file: an atlas or a session; or add one: streamlines or an image as context"},
     {"ctrl+n", window_go_to_start, "the start page, for another atlas; Escape comes back"},
     {"ctrl+q", quit, "close the window"},
     {"f6", go_to_panel,

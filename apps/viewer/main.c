@@ -89,7 +89,8 @@ static int run_window(struct window *window, const struct view_settings *setting
     if (path || settings->session) {
         window_want(window, path ? path : settings->session);
     }
-    if (window->wanted && !open_wanted(window, settings, true, started, &failed) && !window->wanted && failed) {
+    if (window_wants(window) && !open_wanted(window, settings, true, started, &failed) && !window_wants(window) &&
+        failed) {
         code = EXIT_DATA;
     }
     while (!(code && script) && loop_run(window, script, &code)) {
@@ -190,7 +191,9 @@ static const struct command cmd_view = {
         "surface under it, or a wand moved by keys; the areas that it hits are named, ranked and highlighted. A click\n"
         "holds it, Escape clears it. Press ? in the window for the keys.\n\n"
         "Without ATLAS the window opens with a page that lists the installed atlases (conus atlases), which can be\n"
-        "searched by name, and what was opened lately. Drop a file or a folder on it, or type a path.",
+        "searched by name, and what was opened lately. Drop a file or a folder on it, or type a path. Drop a "
+        "tractogram\n"
+        "or an image on an atlas that is open: bundles and a context are added to it.",
     .examples =
         "  conus view /usr/share/mricron/templates/aal.nii.gz --context /usr/share/mricron/templates/ch2bet.nii.gz\n"
         "  conus view aal --atlas /usr/share/mricron/templates/brodmann.nii.gz\n",

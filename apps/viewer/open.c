@@ -5,12 +5,15 @@
 #include "common/messages.h"
 #include "settings/atlas_name.h"
 #include "settings/atlas_notes.h"
+#include "viewer/added.h"
 #include "viewer/hands/hands.h"
-#include "viewer/loader.h"
 #include "viewer/loop.h"
+#include "viewer/open_all.h"
+#include "viewer/open_parts.h"
 #include "viewer/reload.h"
 #include "viewer/reopen.h"
 #include "viewer/session/session.h"
+#include "viewer/session/undo.h"
 #include "viewer/window/screen.h"
 
 #include <GLFW/glfw3.h>
@@ -36,6 +39,8 @@ static void draw_progress(const struct window *window, const struct loader_progr
     char text[160];
     snprintf(text, sizeof text, "reading %s   %.1f s", progress->file, seconds);
     ui_draw_text((float[]){bar.x + 3, bar.y - 1.5F * line}, light, text);
+    ui_draw_text((float[]){bar.x + 3, bar.y + line}, light,
+                 window->stops ? "Escape: this file is the last one that is read" : "Escape ends that");
     ui_draw_box(bar, dim, 0);
     bar.width *= (float)progress->part;
     ui_draw_box(bar, full, 0);
@@ -55,8 +60,16 @@ static void draw_loading(struct window *window, struct loader *loader, double se
     glfwSwapBuffers(window->handle);
 }
 
+/* All that keys do meanwhile. */
+static bool press_while_loading(struct window *window, const char *key)
+{
+    bool ends = strcmp(key, "escape") == 0;
+    window->stops = window->stops || ends;
+    return ends;
+}
+
 /* Waits with the window open. False: nobody wants them any more, or `why` has the reason. */
-static bool load(struct window *window, const struct loading *what, struct atlases *out, char why[LOADER_WHY])
+bool open_load(struct window *window, const struct loading *what, struct atlases *out, char why[LOADER_WHY])
 {
     struct loader *loader = NULL;
     double begun = glfwGetTime();
@@ -65,8 +78,10 @@ static bool load(struct window *window, const struct loading *what, struct atlas
         snprintf(why, LOADER_WHY, "not enough memory");
         return false;
     }
+    window->press = press_while_loading;
+    window->stops = false;
     while (!loader_done(loader) && !glfwWindowShouldClose(window->handle)) {
-        if (window->wanted) {
+        if (window_wants(window) || window->stops) {
             loader_cancel(loader);
         }
         draw_loading(window, loader, glfwGetTime() - begun);
@@ -76,7 +91,12 @@ static bool load(struct window *window, const struct loading *what, struct atlas
         loader_cancel(loader);
         glfwHideWindow(window->handle);
     }
-    return loader_finish(loader, out, why);
+    window->press = NULL;
+    bool fine = loader_finish(loader, out, why);
+    if (!fine && !why[0] && window->stops) {
+        snprintf(why, LOADER_WHY, "not read: Escape ended that");
+    }
+    return fine;
 }
 
 /* ---- Opening ----------------------------------------------------------------------------------------------------- */
@@ -185,7 +205,7 @@ static json_t *describe(const struct viewer *viewer, const struct atlas_name *na
 }
 
 /* Those were for another atlas, which may be of another brain, with other names. */
-static void leave_options(struct view_settings *settings)
+void open_leave_options(struct view_settings *settings)
 {
     settings->atlas =
         (struct atlas_settings){.max_memory = settings->atlas.max_memory, .no_cache = settings->atlas.no_cache};
@@ -202,11 +222,12 @@ struct aside {
     char *session_path;
     json_t *opened;
     struct hemispheres hemispheres;
+    struct replay replay;
 };
 
 static struct aside set_aside(struct window *window)
 {
-    struct aside aside = {window->changes, window->session_path, window->opened, window->hemispheres};
+    struct aside aside = {window->changes, window->session_path, window->opened, window->hemispheres, window->replay};
     window->changes = (struct changes){.count = 0};
     window->session_path = NULL;
     window->opened = NULL;
@@ -231,22 +252,58 @@ static void aside_finish(struct aside *aside)
     json_decref(aside->opened);
 }
 
+/* What the user set stays, but for what is of a file that is not there any more. */
+static bool carry(struct window *window, const struct viewer *before, struct aside *aside, const char *session,
+                  char *why)
+{
+    if (!session) {
+        snprintf(why, LOADER_WHY, "not enough memory, or a name that is not UTF-8");
+    }
+    if (!session || !session_parse(window, session, strlen(session), why)) {
+        return false;
+    }
+    added_choose(window->viewer, before);
+    window->replay = aside->replay;
+    window->changes = aside->changes;
+    window->session_path = aside->session_path;
+    aside->changes = (struct changes){.count = 0};
+    aside->session_path = NULL;
+    undo_renew(window);
+    return true;
+}
+
 /* Shows the viewer in place of the one before, which stays where the session does not fit. */
 static bool replace(struct window *window, struct viewer *viewer, const struct atlas_name *name,
                     const struct view_settings *settings, char *why)
 {
     struct viewer *before = window->viewer;
+    char *session = settings->again ? session_text(window) : NULL;
     struct aside aside = set_aside(window);
     window->opened = describe(viewer, name, settings);
     conus_hemispheres how = (conus_hemispheres)settings->atlas.hemispheres;
     window->hemispheres = (struct hemispheres){
         .now = how, .wanted = how, .no_cache = settings->atlas.no_cache, .max_memory = settings->atlas.max_memory};
     bool fine = show(window, viewer, settings, why);
+    fine = fine && (!settings->again || carry(window, before, &aside, session, why));
     if (!fine) {
         bring_back(window, before, &aside);
     }
+    free(session);
     aside_finish(&aside);
     return fine;
+}
+
+/* Streamlines that hardly lie where the areas are: the user asks for them twice. */
+static bool is_doubtful(const struct window *window, const struct atlases *atlases, struct again *again, char *why)
+{
+    const char *note =
+        again && !again->trusts ? added_note(window->viewer->atlases->atlas, atlases->items[0].atlas, "bundle ") : NULL;
+    if (note) {
+        again->doubts = true;
+        snprintf(why, LOADER_WHY, "not added: %s If all is well, add it once more.", note);
+        print_error_line("%s", why);
+    }
+    return note;
 }
 
 /* The viewer has them then. */
@@ -271,14 +328,16 @@ static bool open_path(struct window *window, const char *text, const struct atla
         settings.safe_colours = before->display.safe_colours;
         settings.full_screen = false;
     }
-    if (load(window, &what, &atlases, why)) {
+    if (open_load(window, &what, &atlases, why)) {
         prepare(&atlases, &settings);
-        viewer = find_frame(&frame, window, &atlases, &settings) ? create(&atlases, path, &settings) : NULL;
+        bool goes_on =
+            !is_doubtful(window, &atlases, settings.again, why) && find_frame(&frame, window, &atlases, &settings);
+        viewer = goes_on ? create(&atlases, path, &settings) : NULL;
     }
     if (viewer) {
         viewer->frame = frame;
         hand_over(&atlases);
-    } else if (atlases.count) {
+    } else if (atlases.count && !why[0]) {
         snprintf(why, LOADER_WHY, "%s", error_line());
     }
     atlases_finish(&atlases);
@@ -291,8 +350,8 @@ static bool open_path(struct window *window, const char *text, const struct atla
 }
 
 /* Opens what the user named, a path or an installed atlas, whose path is what is remembered. */
-static bool open_named(struct window *window, const char *text, const struct view_settings *settings, bool remember,
-                       char why[LOADER_WHY])
+bool open_named(struct window *window, const char *text, const struct view_settings *settings, bool remember,
+                char why[LOADER_WHY])
 {
     struct atlas_name name;
     bool fine = atlas_name_find(&name, text) == EXIT_DONE;
@@ -308,6 +367,22 @@ static bool open_named(struct window *window, const char *text, const struct vie
     return fine;
 }
 
+/* What of the files that were added then is not there now, or another. */
+static void say_added(struct window *window, const struct reopening *reopening, const char *session, char *why)
+{
+    const json_t *then = json_object_get(json_object_get(reopening->file.root, "opened"), "added");
+    char name[ADDITIONS_MISSING];
+    if (additions_differ(name, then, json_object_get(window->opened, "added"))) {
+        viewer_say(window->viewer, "the session is of another %s than this: numbers may differ", name);
+    }
+    if (reopening->missing[0]) {
+        const char *slash = strrchr(session, '/');
+        snprintf(why, LOADER_WHY, "%.100s is opened without what is not found: %s", slash ? slash + 1 : session,
+                 reopening->missing);
+        print_error_line("%s", why);
+    }
+}
+
 /* A session, whose atlas is opened unless it is open already; `atlas`: in place of it, or NULL. */
 static bool open_session(struct window *window, const char *session, const char *atlas,
                          const struct view_settings *settings, bool with_options, char why[LOADER_WHY])
@@ -315,7 +390,8 @@ static bool open_session(struct window *window, const char *session, const char 
     struct reopening reopening;
     bool missing;
     bool fine = reopening_prepare(&reopening, session, atlas, settings, with_options, &missing, why);
-    if (fine && !atlas && reopening_is_open(&reopening, window)) {
+    bool was_open = fine && !atlas && reopening_is_open(&reopening, window);
+    if (was_open) {
         fine = session_load(window, session, why);
         window->start.on = window->start.on && !fine;
     } else if (fine) {
@@ -324,6 +400,9 @@ static bool open_session(struct window *window, const char *session, const char 
     if (fine && session_file_differs(&reopening.file, window->viewer->atlases->atlas)) {
         viewer_say(window->viewer, "the session is of another file than this %s: numbers and names may differ",
                    window->viewer->atlases->path);
+    }
+    if (fine && !was_open) {
+        say_added(window, &reopening, session, why);
     }
     if (fine && window->remembers) {
         recent_add(session);
@@ -339,8 +418,8 @@ static bool open_session(struct window *window, const char *session, const char 
 }
 
 /* What is named, a session or an atlas, or the atlas that a session waits for. */
-static bool open_either(struct window *window, const char *path, const struct view_settings *settings,
-                        bool with_options, char why[LOADER_WHY])
+bool open_either(struct window *window, const char *path, const struct view_settings *settings, bool with_options,
+                 char why[LOADER_WHY])
 {
     struct session_file file = {0};
     char *session = NULL;
@@ -362,23 +441,25 @@ bool open_wanted(struct window *window, const struct view_settings *settings, bo
 {
     struct view_settings used = *settings;
     char why[LOADER_WHY] = "";
-    char *path = window->wanted;
+    struct wanted wanted = window->wanted;
     reload_end(window);
     bool (*press)(struct window *, const char *) = window->press;
-    window->wanted = NULL;
+    window->wanted = (struct wanted){.count = 0};
     window->press = NULL;
     if (!with_options) {
-        leave_options(&used);
+        open_leave_options(&used);
     }
-    bool fine = open_either(window, path, &used, with_options, why);
+    bool fine = wanted.words ? open_again(window, wanted.words, &used, why)
+                             : open_all(window, &wanted, &used, with_options, why);
     window->press = press;
-    *failed = why[0] && !window->session_waits; /* for an atlas */
+    *failed = !fine && why[0] && !window->session_waits; /* for an atlas */
     if (fine) {
         times_start(&window->times, begun);
-    } else if (why[0]) {
+    }
+    if (why[0]) {
         window_say(window, why);
     }
-    free(path);
+    wanted_finish(&wanted);
     return fine;
 }
 

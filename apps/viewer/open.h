@@ -6,11 +6,11 @@
 #include "viewer/view_settings.h"
 #include "viewer/window/window.h"
 
-/** Opens what window->wanted names, in place of what is open; @p begun is the clock from which times count. @p
- * with_options, where nothing is open: as all @p settings say. Else without those that are for one atlas: labels,
- * pathways, what is hidden, context, transfer function, session, space. False: window and atlas stay as they were, and
- * it was said why, on stderr and in the window, which *failed tells; or the window was closed, or something else is
- * wanted meanwhile. */
+/** Opens what window->wanted names, in place of what is open, or adds it to that; @p begun is the clock from which
+ * times count. @p with_options, where nothing is open: as all @p settings say. Else without those that are for one
+ * atlas: labels, pathways, what is hidden, context, transfer function, session, space. False: window and atlas stay as
+ * they were, and it was said why, on stderr and in the window, which *failed tells; or the window was closed, or
+ * something else is wanted meanwhile. */
 bool open_wanted(struct window *window, const struct view_settings *settings, bool with_options, double begun,
                  bool *failed);
 /** Loads --poses, in the space of @p frame. Returns the exit code and prints an error unless it is 0. */

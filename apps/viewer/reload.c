@@ -6,6 +6,7 @@
 #include "viewer/hemispheres/carry.h"
 #include "viewer/hemispheres/words.h"
 #include "viewer/loader.h"
+#include "viewer/opening/additions.h"
 #include "viewer/question/question.h"
 #include "viewer/session/undo.h"
 #include "viewer/view_words.h"
@@ -181,16 +182,24 @@ static void check_level(struct viewer *viewer)
     }
 }
 
-static void show(struct window *window, struct atlases *loaded, conus_hemispheres how)
+/* With what was added, whose objects have other numbers now. */
+static bool describe(struct window *window, conus_hemispheres how)
 {
     json_t *words = json_object_get(window->opened, "options");
+    json_t *added = hemispheres_put_in_words(words, how) ? additions_describe(window->viewer->atlases->atlas, words)
+                                                         : NULL;
+    return added && !json_object_set_new(window->opened, "added", added);
+}
+
+static void show(struct window *window, struct atlases *loaded, conus_hemispheres how)
+{
     if (!exchange(window, loaded, how)) {
         char why[MESSAGE_SIZE_LIMIT];
         memcpy(why, window->viewer->message, sizeof why);
         give_up_aloud(window, why);
         return;
     }
-    if (!hemispheres_put_in_words(words, how)) {
+    if (!describe(window, how)) {
         print_error_line("not enough memory");
     }
     window->hemispheres.now = how;

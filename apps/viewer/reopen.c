@@ -54,7 +54,13 @@ bool reopening_prepare(struct reopening *out, const char *session, const char *a
         print_error_line("%s", why);
         return false;
     }
-    if (worded_parse(&out->worded, out->file.options, given, count)) {
+    out->words = additions_find(out->missing, out->file.options,
+                                json_object_get(json_object_get(out->file.root, "opened"), "added"), session);
+    if (!out->words) {
+        snprintf(why, REOPEN_WHY, "%.200s: not enough memory", session);
+        return false;
+    }
+    if (worded_parse(&out->worded, out->words, given, count)) {
         snprintf(why, REOPEN_WHY, "%.200s: opened: options: %.200s", session, error_line());
         return false;
     }
@@ -80,5 +86,6 @@ void reopening_finish(struct reopening *reopening)
     if (reopening->worded.words) {
         worded_finish(&reopening->worded);
     }
+    json_decref(reopening->words);
     session_file_finish(&reopening->file);
 }

@@ -3,6 +3,7 @@
 #ifndef CONUS_VIEWER_REOPEN_H
 #define CONUS_VIEWER_REOPEN_H
 
+#include "viewer/opening/additions.h"
 #include "viewer/opening/session_file.h"
 #include "viewer/view_words.h"
 #include "viewer/window/window.h"
@@ -13,7 +14,9 @@ enum { REOPEN_WHY = 512 };
 struct reopening {
     char path[PATH_MAX]; /**< Of the atlas, or its name. */
     struct session_file file;
-    struct worded worded; /**< Its settings. */
+    struct worded worded;            /**< Its settings. */
+    json_t *words;                   /**< What these are of: the session's, without what is missing. */
+    char missing[ADDITIONS_MISSING]; /**< Files that were added then, and are not found now; "" = none. */
 };
 
 /** Finds what the session @p session is of; @p atlas: a path that somebody named in place of it, or NULL. @p given are

@@ -6,6 +6,12 @@
 #include "settings/settings.h"
 #include "settings/station_settings.h"
 
+/* How an atlas that is open is opened again. */
+struct again {
+    bool trusts; /* bundles may lie where the areas are not: that was said */
+    bool doubts; /* they do, and so it is not opened */
+};
+
 struct view_settings {
     struct atlas_settings atlas;
     struct common_settings common;
@@ -18,6 +24,7 @@ struct view_settings {
     double scale;
     bool hidden, safe_colours, full_screen;
     const struct arguments *arguments; /* no option: that these came from; NULL = from none */
+    struct again *again;               /* likewise: the atlas is open, and is opened with these; NULL = it is another */
 };
 
 #endif

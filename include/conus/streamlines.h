@@ -57,6 +57,16 @@ typedef struct conus_tract_scalar {
 /** The size of the struct that the caller was compiled with. */
 #define CONUS_TRACT_SCALAR_INIT CONUS_INIT_(conus_tract_scalar)
 
+/**
+ * Tells whether a file, or a folder, begins like a tractogram that conus_atlas_add_streamlines() reads. Of VTK's files
+ * those with lines and without polygons are.
+ * @param path The file or folder.
+ * @return True where it is one; false for everything else, also for a file that is not there.
+ * @threads Any.
+ * @since 0.1
+ */
+CONUS_API bool conus_path_is_tractogram(const char *path);
+
 /** Streamlines in memory. */
 typedef struct conus_polylines {
     size_t struct_size;      /**< Its size, as #CONUS_POLYLINES_INIT sets it; 0 = that of this version. */

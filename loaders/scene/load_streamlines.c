@@ -102,6 +102,11 @@ conus_status conus_atlas_add_streamlines(conus_atlas *atlas, const char *path, c
     return status;
 }
 
+bool conus_path_is_tractogram(const char *path)
+{
+    return path && tract_file_is(path);
+}
+
 conus_status streamlines_add_entry(conus_atlas *atlas, const struct manifest_streamlines *entry, const char *path,
                                    struct load_progress *progress)
 {

@@ -60,6 +60,8 @@ static void a_folder_lists_what_can_be_opened(void **state)
     assert_lists(&folder, "");
     folder_finish(&folder);
     assert_true(folder_can_open("x.SURF.GII") && folder_can_open("a.obj.gz") && !folder_can_open("x.gz"));
+    assert_true(folder_can_open("a.trk.gz") && folder_can_open("a.tck") && folder_can_open("a.TRX"));
+    assert_true(folder_can_open("a.tt.gz") && !folder_can_open("a.btt"));
     assert_true(folder_fits("Brodmann.nii", "bro") && !folder_fits("aal", "bro") && folder_fits("aal", ""));
 }
 

@@ -52,7 +52,7 @@ APPS = {
     "apps/viewer/results": "apps/common apps/viewer/model",
     "apps/viewer/panels": "apps/settings apps/viewer/search apps/viewer/figures apps/viewer/pointing apps/viewer/question"
     " apps/viewer/results apps/viewer/hands apps/viewer/ui apps/viewer/window apps/viewer/hemispheres",
-    "apps/viewer/session": "apps/common apps/viewer/question apps/viewer/results apps/viewer/window"
+    "apps/viewer/session": "apps/common apps/viewer/opening apps/viewer/question apps/viewer/results apps/viewer/window"
     " apps/viewer/hemispheres",
     "apps/viewer/script": "apps/common apps/settings apps/viewer/search apps/viewer/figures apps/viewer/pointing apps/viewer/question"
     " apps/viewer/results apps/viewer/hands apps/viewer/window apps/viewer/session apps/viewer/hemispheres",

@@ -13,9 +13,10 @@
 
 bool folder_can_open(const char *name)
 {
-    static const char *const endings[] = {".nii", ".mgz",  ".mgh",  ".nrrd", ".nhdr",  ".mha", ".mhd",  ".img",
-                                          ".hdr", ".head", ".brik", ".tif",  ".tiff",  ".gii", ".obj",  ".ply",
-                                          ".stl", ".off",  ".mz3",  ".vtk",  ".annot", ".vtp", ".json", ".xml"};
+    static const char *const endings[] = {".nii", ".mgz",  ".mgh",  ".nrrd", ".nhdr", ".mha",  ".mhd",
+                                          ".img", ".hdr",  ".head", ".brik", ".tif",  ".tiff", ".gii",
+                                          ".obj", ".ply",  ".stl",  ".off",  ".mz3",  ".vtk",  ".annot",
+                                          ".vtp", ".json", ".xml",  ".trk",  ".tck",  ".trx",  ".tt"};
     char plain[NAME_MAX + 1];
     snprintf(plain, sizeof plain, "%s", name);
     if (path_ends(plain, ".gz")) {

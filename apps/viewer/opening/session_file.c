@@ -5,6 +5,7 @@
 #include "common/messages.h"
 #include "common/output.h"
 #include "common/provenance.h"
+#include "viewer/opening/additions.h"
 
 #include <dirent.h>
 #include <stdio.h>
@@ -22,8 +23,8 @@ json_t *opened_describe(const conus_atlas *atlas, const char *path, json_t *opti
     char folder[PATH_MAX];
     struct stat info;
     const conus_volume_info *volume = conus_atlas_volume(atlas, 0);
-    json_t *opened =
-        json_pack("{s: s, s: o}", "folder", getcwd(folder, sizeof folder) ? folder : "", "options", options);
+    json_t *opened = json_pack("{s: s, s: o, s: o}", "folder", getcwd(folder, sizeof folder) ? folder : "", "added",
+                               additions_describe(atlas, options), "options", options);
     if (opened && volume && paths_equal(volume->path, path) && stat(path, &info) == 0) {
         json_object_set_new(opened, "sha256", json_string(volume->sha256));
         json_object_set_new(opened, "bytes", json_integer(info.st_size));

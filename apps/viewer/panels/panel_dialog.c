@@ -12,7 +12,7 @@ static void draw_line(struct window *window)
 {
     struct dialog *dialog = &window->dialog;
     bool saves = dialog->purpose == DIALOG_SAVE;
-    ui_heading(saves ? "Save the session as" : "Open an atlas or a session");
+    ui_heading(saves ? "Save the session as" : "Open an atlas or a session, or add streamlines or a context");
     ui_width(ui_room());
     if (dialog->takes_keys) {
         ui_take_keys();

@@ -28,7 +28,8 @@ static void draw_field(struct window *window)
     static const char choose[] = "Choose a file";
     static const char formats[] =
         "Volumes (NIfTI, MGH, NRRD, MetaImage, AFNI, TIFF), surfaces, CIFTI labels, FSL's XML, "
-        "folders of surfaces or of BrainGlobe, manifests";
+        "folders of surfaces or of BrainGlobe, manifests. On an atlas that is open: streamlines (.trk, .tck, .trx, "
+        "VTK, .tt.gz), an image as context";
     struct start *start = &window->start;
     float around = 14 * window->scale; /* a button's text, and before it */
     float buttons = ui_text_width(open) + ui_text_width(choose) + 2 * around;

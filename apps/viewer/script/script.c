@@ -8,6 +8,7 @@
 #include "viewer/question/ask.h"
 #include "viewer/results/columns.h"
 #include "viewer/results/export.h"
+#include "viewer/script/script_add.h"
 #include "viewer/script/script_figure.h"
 #include "viewer/script/script_head.h"
 #include "viewer/script/script_look.h"
@@ -143,25 +144,9 @@ static bool do_point(struct call *call)
     return true;
 }
 
-/* What is not an atlas is said on the start page or in the status line, as with the mouse. */
-static bool do_drop(struct call *call)
+static bool do_add(struct call *call)
 {
-    const char *path = call->words[1];
-    window_drop(call->window, 1, &path);
-    return true;
-}
-
-static bool do_type(struct call *call)
-{
-    struct start *start = &call->window->start;
-    if (call->window->dialog.on) {
-        dialog_set(&call->window->dialog, call->words[1]);
-        return true;
-    }
-    size_t size = strlen(call->words[1]) + 1;
-    bool fine = start->on && size <= sizeof start->typed;
-    memcpy(start->typed, call->words[1], fine ? size : 0);
-    return fine;
+    return script_add(call->window, call->words, call->count);
 }
 
 static bool do_screen(struct call *call)
@@ -388,8 +373,12 @@ static const struct {
     bool at_start; /* needs no atlas */
 } commands[] = {
     {"key", 1, 1, do_key, "KEY", true},
-    {"drop", 1, 1, do_drop, "PATH", true},
-    {"type", 1, 1, do_type, "PATH, on the start page or where a file is chosen", true},
+    {"drop", 1, SCRIPT_WORDS - 1, do_add, "PATH...", true},
+    {"type", 1, 1, do_add, "PATH, on the start page or where a file is chosen", true},
+    {"context", 1, 1, do_add, "FILE", false},
+    {"pathway", 1, 1, do_add, "FILE[,threshold=T][,name=S][,volume=K] or FILE,band=LOW:HIGH:NAME", false},
+    {"streamlines", 1, 1, do_add, "FILE[,radius=R][,name=S][,moves]", false},
+    {"take-out", 1, 1, do_add, "FILE that was added", false},
     {"aim", 6, 6, do_aim, "X Y Z TX TY TZ", false},
     {"point", 2, 2, do_point, "RIGHT DOWN, parts of the 3-D pane", false},
     {"screen", 8, 8, do_screen, "X Y Z TX TY TZ WIDTH HEIGHT", false},

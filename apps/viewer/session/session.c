@@ -3,6 +3,7 @@
 #include "viewer/session/session.h"
 
 #include "viewer/session/session_atlases.h"
+#include "viewer/session/session_fit.h"
 #include "viewer/session/session_list.h"
 #include "viewer/session/session_look.h"
 #include "viewer/session/session_second.h"
@@ -539,6 +540,7 @@ static bool read_session(struct window *window, const json_t *root, char why[SES
 static bool use_session(struct window *window, json_t *root, const char *path, const json_error_t *error,
                         char why[SESSION_REASON])
 {
+    session_fit(root, window);
     bool fine =
         root ? read_session(window, root, why) : session_refuse(why, "%s: line %d: %s", path, error->line, error->text);
     json_decref(root);

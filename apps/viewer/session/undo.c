@@ -50,6 +50,23 @@ static char *text_of(const struct window *window)
     return text;
 }
 
+static void note_versions(struct window *window)
+{
+    window->noted_version = window->viewer->version;
+    window->noted_said = window->viewer->said;
+    window->noted_second = window->second.version;
+    window->noted_layout = window->layout;
+}
+
+void undo_renew(struct window *window)
+{
+    char *text = text_of(window);
+    if (text) {
+        note_versions(window);
+        changes_renew(&window->changes, text);
+    }
+}
+
 void undo_note(struct window *window)
 {
     const struct viewer *viewer = window->viewer;
@@ -58,10 +75,7 @@ void undo_note(struct window *window)
                   !layout_is_same(&window->noted_layout, &window->layout);
     if (is_new) {
         char *text = text_of(window);
-        window->noted_version = viewer->version;
-        window->noted_said = viewer->said;
-        window->noted_second = window->second.version;
-        window->noted_layout = window->layout;
+        note_versions(window);
         if (text) {
             changes_add(&window->changes, text);
         }
@@ -94,12 +108,24 @@ static bool needs_others(conus_hemispheres *how, const struct window *window, co
     return opened && *how != window->hemispheres.now;
 }
 
-/* The words of the options as they were, too, so that the state is the same one again. */
+/* But for hemispheres. */
+static bool are_alike(const json_t *words, const json_t *others)
+{
+    json_t *some = json_copy((json_t *)words);
+    json_t *more = json_copy((json_t *)others);
+    bool alike = some && more && hemispheres_put_in_words(some, CONUS_HEMISPHERES_FILE) &&
+                 hemispheres_put_in_words(more, CONUS_HEMISPHERES_FILE) && json_equal(some, more);
+    json_decref(some);
+    json_decref(more);
+    return alike;
+}
+
+/* The words of the options in the order of then, so that the state is the same one again. */
 static void take_words(struct window *window, const char *state)
 {
     json_t *root = json_loads(state, 0, NULL);
     json_t *words = json_object_get(json_object_get(root, "opened"), "options");
-    if (words) {
+    if (are_alike(words, json_object_get(window->opened, "options"))) {
         json_object_set(window->opened, "options", words);
     }
     json_decref(root);

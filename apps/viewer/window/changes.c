@@ -34,6 +34,16 @@ void changes_add(struct changes *changes, char *state)
     changes->states[changes->count++] = state;
 }
 
+void changes_renew(struct changes *changes, char *state)
+{
+    if (!changes->count) {
+        changes_add(changes, state);
+        return;
+    }
+    free(changes->states[changes->at]);
+    changes->states[changes->at] = state;
+}
+
 const char *changes_step(struct changes *changes, int by)
 {
     bool is_there = by < 0 ? changes->at > 0 : changes->at + 1 < changes->count;

@@ -17,6 +17,8 @@ struct changes {
 /** Takes @p state over as the newest, unless it is the one that is there now; what was taken back before it is gone.
  * The oldest goes where there are too many. */
 void changes_add(struct changes *changes, char *state);
+/** Takes @p state over in place of the one that is there now: between both nothing can be taken back. */
+void changes_renew(struct changes *changes, char *state);
 /** Goes back (by -1) or forth (1): the state that is there now, borrowed until the next call; NULL = there is none, and
  * nothing happened. */
 const char *changes_step(struct changes *changes, int by);

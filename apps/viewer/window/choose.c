@@ -1,11 +1,143 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What the window asks the dialog, and does with its answers. */
+/* What is to be opened next, by a drop, the start page or the dialog; and what the window asks that. */
 #include "viewer/window/window.h"
 
+#include <jansson.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+
+/* ---- What is wanted ---------------------------------------------------------------------------------------------- */
+
+bool window_wants(const struct window *window)
+{
+    return window->wanted.count || window->wanted.words;
+}
+
+void wanted_finish(struct wanted *wanted)
+{
+    for (size_t i = 0; i < wanted->count; i++) {
+        free(wanted->paths[i]);
+    }
+    free(wanted->paths);
+    json_decref(wanted->words);
+    *wanted = (struct wanted){.count = 0};
+}
+
+void window_want_all(struct window *window, size_t count, const char *const *paths)
+{
+    bool fine = true;
+    wanted_finish(&window->wanted);
+    window->wanted.paths = calloc(count + 1, sizeof *window->wanted.paths);
+    for (size_t i = 0; i < count && fine; i++) {
+        char *path = window->wanted.paths ? strdup(paths[i]) : NULL;
+        fine = path;
+        if (fine) {
+            window->wanted.paths[window->wanted.count++] = path;
+        }
+    }
+    if (!fine) {
+        wanted_finish(&window->wanted);
+        window_say(window, "not enough memory");
+    }
+}
+
+void window_want(struct window *window, const char *path)
+{
+    window_want_all(window, 1, &path);
+}
+
+void window_want_typed(struct window *window)
+{
+    char path[PATH_MAX];
+    if (start_typed(path, &window->start)) {
+        window_want(window, path);
+    }
+}
+
+void window_want_sample(struct window *window)
+{
+    char path[PATH_MAX];
+    if (start_sample(path)) {
+        window_want(window, path);
+    } else {
+        window_say(window, conus_message());
+    }
+}
+
+/* Whether an atlas may be among them. */
+static bool has_others(size_t count, const char *const *paths)
+{
+    bool has = false;
+    for (size_t i = 0; i < count; i++) {
+        has = has || !conus_path_is_tractogram(paths[i]);
+    }
+    return has;
+}
+
+void window_drop(struct window *window, size_t count, const char *const *paths)
+{
+    bool loses = !window->start.on && window->viewer->pin_count && has_others(count, paths);
+    if (!loses) {
+        window_want_all(window, count, paths);
+        return;
+    }
+    window_go_to_start(window);
+    if (count == 1) {
+        snprintf(window->start.typed, sizeof window->start.typed, "%s", paths[0]);
+    }
+}
+
+/* ---- What is added to the atlas that is open --------------------------------------------------------------------- */
+
+const struct json_t *window_words(struct window *window)
+{
+    const json_t *words = json_object_get(window->opened, "options");
+    if (!words) {
+        window_say(window, "one of the options with which conus was started is not UTF-8: nothing can be added here");
+    }
+    return words;
+}
+
+/* Opens the atlas again with these, which are taken over. */
+static void want_words(struct window *window, json_t *words)
+{
+    if (words) {
+        wanted_finish(&window->wanted);
+        window->wanted.words = words;
+    } else {
+        window_say(window, "not enough memory, or a name that is not UTF-8");
+    }
+}
+
+void window_add(struct window *window, enum addition kind, const char *value)
+{
+    const json_t *words = window_words(window);
+    if (words) {
+        want_words(window, additions_with(words, kind, value));
+    }
+}
+
+void window_take_out(struct window *window, size_t index)
+{
+    const json_t *words = window_words(window);
+    if (words) {
+        want_words(window, additions_without(words, index));
+    }
+}
+
+void window_change(struct window *window, size_t index, enum addition kind, const char *value)
+{
+    const json_t *words = window_words(window);
+    json_t *changed = words ? additions_without(words, index) : NULL;
+    if (changed) {
+        want_words(window, additions_with(changed, kind, value));
+    }
+    json_decref(changed);
+}
+
+/* ---- The dialog -------------------------------------------------------------------------------------------------- */
 
 /* Beside the one that was saved last, or else where one can write, by the atlas's name. */
 static void find_session_path(char path[PATH_MAX], const struct window *window)

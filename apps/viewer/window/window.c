@@ -177,7 +177,7 @@ static void take_drop(GLFWwindow *handle, int count, const char **paths)
     struct window *window = glfwGetWindowUserPointer(handle);
     touch(handle);
     if (window) {
-        window_drop(window, count, paths);
+        window_drop(window, (size_t)count, paths);
     }
 }
 
@@ -315,9 +315,10 @@ void window_close(struct window *window)
 {
     drop_pictures(window);
     devices_finish(&window->devices);
-    free(window->wanted);
+    wanted_finish(&window->wanted);
     free(window->session_path);
     free(window->session_waits);
+    free(window->doubted);
     json_decref(window->opened);
     changes_finish(&window->changes);
     start_finish(&window->start);
@@ -340,6 +341,7 @@ void window_show(struct window *window, struct viewer *viewer)
                               .wanted = window->wanted,
                               .opened = window->opened,
                               .hemispheres = window->hemispheres,
+                              .doubted = window->doubted,
                               .session_waits = window->session_waits,
                               .start = window->start,
                               .dialog = window->dialog,
@@ -369,33 +371,6 @@ void window_show(struct window *window, struct viewer *viewer)
     window_lay_out(window);
 }
 
-void window_want(struct window *window, const char *path)
-{
-    free(window->wanted);
-    window->wanted = strdup(path);
-    if (!window->wanted) {
-        window_say(window, "not enough memory");
-    }
-}
-
-void window_want_typed(struct window *window)
-{
-    char path[PATH_MAX];
-    if (start_typed(path, &window->start)) {
-        window_want(window, path);
-    }
-}
-
-void window_want_sample(struct window *window)
-{
-    char path[PATH_MAX];
-    if (start_sample(path)) {
-        window_want(window, path);
-    } else {
-        window_say(window, conus_message());
-    }
-}
-
 void window_go_to_start(struct window *window)
 {
     struct start *start = &window->start;
@@ -408,20 +383,6 @@ void window_go_to_start(struct window *window)
                  "Another atlas ends the list of what was confirmed (%zu). Escape goes back, where O saves it.", pins);
     }
     start->on = true;
-}
-
-void window_drop(struct window *window, int count, const char *const *paths)
-{
-    char why[START_WHY];
-    if (count != 1) {
-        snprintf(why, sizeof why, "%d files were dropped: drop one, or the folder that they are in", count);
-        window_say(window, why);
-    } else if (!window->start.on && window->viewer->pin_count) {
-        window_go_to_start(window);
-        snprintf(window->start.typed, sizeof window->start.typed, "%s", paths[0]);
-    } else {
-        window_want(window, paths[0]);
-    }
 }
 
 void window_say(struct window *window, const char *text)

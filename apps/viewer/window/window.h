@@ -12,6 +12,7 @@
 #include "viewer/model/source.h"
 #include "viewer/model/times.h"
 #include "viewer/model/viewer.h"
+#include "viewer/opening/additions.h"
 #include "viewer/second/second.h"
 #include "viewer/ui/ui.h"
 #include "viewer/window/changes.h"
@@ -73,17 +74,27 @@ struct figure_form {
     unsigned frames; /**< Until it is written; 0 = none is to be. */
 };
 
+/** What is to be opened next, one of both. */
+struct wanted {
+    char **paths; /**< [count] Atlases, sessions, and what is to be added; 0 = none. */
+    size_t count;
+    struct json_t *words; /**< Options with which the atlas that is open is to be opened again; NULL = none. */
+};
+
 struct window {
     void *handle;                                          /**< GLFWwindow */
     struct viewer *viewer;                                 /**< NULL = there is no atlas. */
     bool (*press)(struct window *window, const char *key); /**< What keys do; NULL while an atlas is loaded. */
-    char *wanted;                                          /**< Path of what is to be opened next; NULL = none. */
+    struct wanted wanted;
     struct json_t *opened; /**< What a session says of that (opening/session_file.h); NULL = nothing. */
     struct hemispheres hemispheres;
     struct reload *reload; /**< Of viewer/reload.h, while the atlases are loaded again; else NULL. */
+    char *doubted;         /**< Options that were not taken, since bundles hardly are in the atlas's space: asked for
+                                once more, they are; NULL = none. */
     char *session_waits;   /**< A session whose atlas was not found: the next atlas is its; NULL = none. */
     struct start start;
     struct dialog dialog; /**< In place of the start page and all panels, while it is on. */
+    bool stops;           /**< What is being loaded is not wanted any more. */
     bool remembers;       /**< What is opened and saved is listed on the start page, also next time. */
     char *saves_as;       /**< Where the session is to be written after the next frame; NULL = nowhere. */
     struct replay replay;
@@ -154,8 +165,23 @@ struct window_options {
 bool window_open(struct window *out, const struct window_options *options);
 /** Shows what @p viewer holds (NULL = the start page), with nothing left of the one before. */
 void window_show(struct window *window, struct viewer *viewer);
-/** Asks for another atlas, or a session and its atlas, in place of what was asked for before. */
+/** Asks for another atlas, a session and its atlas, or something to be added to the atlas that is open, in place of
+ * what was asked for before. */
 void window_want(struct window *window, const char *path);
+/** Likewise for several files: an atlas or a session, and what is to be added to it, in any order. */
+void window_want_all(struct window *window, size_t count, const char *const *paths);
+/** Whether something is asked for. */
+bool window_wants(const struct window *window);
+void wanted_finish(struct wanted *wanted);
+/** Asks for a context, pathway or tractogram to be added to the atlas that is open; @p value is that of the command
+ * line's option. */
+void window_add(struct window *window, enum addition kind, const char *value);
+/** Asks for the atlas without what word @p index of window_words() added to it. */
+void window_take_out(struct window *window, size_t index);
+/** Likewise, and with something else in its place. */
+void window_change(struct window *window, size_t index, enum addition kind, const char *value);
+/** The options with which the atlas was opened, an array of texts; NULL where they are not known, and it was said. */
+const struct json_t *window_words(struct window *window);
 /** Likewise what was typed on the start page, if anything was. */
 void window_want_typed(struct window *window);
 /** Likewise the sample of the start page, if that is the phantom. */
@@ -168,9 +194,9 @@ void window_use_dialog(struct window *window);
 void window_use_folder(struct window *window);
 /** Shows the start page, which says what would be lost with the atlas that is open. */
 void window_go_to_start(struct window *window);
-/** Asks for what was dropped on the window, if it is one thing; where confirmed results would be lost, only once it is
- * opened from the start page. */
-void window_drop(struct window *window, int count, const char *const *paths);
+/** Asks for what was dropped on the window; where another atlas may be among it and confirmed results would be lost,
+ * only once it is opened from the start page. */
+void window_drop(struct window *window, size_t count, const char *const *paths);
 /** Says one line where it is seen: on the start page, or in the status line. */
 void window_say(struct window *window, const char *text);
 /** Where it is now. */

@@ -1,0 +1,255 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Numbers of objects then and now: those of each file that was added belong together, and so do all others. */
+#include "viewer/session/session_fit.h"
+
+#include "viewer/opening/additions.h"
+#include "viewer/session/session_atlases.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- From number to number --------------------------------------------------------------------------------------- */
+
+struct numbers {
+    uint32_t *now; /* [then + 1] 0 = it is not there any more */
+    size_t then, count;
+};
+
+static const json_t *added_of(const json_t *opened)
+{
+    return json_object_get(opened, "added");
+}
+
+static size_t count_objects(const json_t *added)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < json_array_size(added); i++) {
+        count += json_array_size(json_object_get(json_array_get(added, i), "objects"));
+    }
+    return count;
+}
+
+/* Of so many objects those that were not added. */
+static size_t own_count(size_t count, const json_t *added)
+{
+    size_t more = count_objects(added);
+    return count - (more < count ? more : count);
+}
+
+/* Marks what was added; false where a number is none of an object. */
+static bool mark(bool *is_added, size_t count, const json_t *added)
+{
+    for (size_t i = 0; i < json_array_size(added); i++) {
+        const json_t *objects = json_object_get(json_array_get(added, i), "objects");
+        for (size_t k = 0; k < json_array_size(objects); k++) {
+            json_int_t number = json_integer_value(json_array_get(objects, k));
+            if (number < 1 || (uint64_t)number > count) {
+                return false;
+            }
+            is_added[number] = true;
+        }
+    }
+    return true;
+}
+
+/* Objects of the atlas itself, in order; false where there are more or fewer than then: it is another atlas. */
+static bool match_own(struct numbers *numbers, const json_t *then, const json_t *now)
+{
+    bool *old = calloc(numbers->then + 1, sizeof *old);
+    bool *new = calloc(numbers->count + 1, sizeof *new);
+    bool fine = old && new &&mark(old, numbers->then, then) && mark(new, numbers->count, now);
+    size_t next = 1;
+    for (size_t number = 1; number <= numbers->then && fine; number++) {
+        while (!old[number] && next <= numbers->count && new[next]) {
+            next++;
+        }
+        fine = old[number] || next <= numbers->count;
+        numbers->now[number] = old[number] || !fine ? 0 : (uint32_t)next++;
+    }
+    while (fine && next <= numbers->count && new[next]) {
+        next++;
+    }
+    fine = fine && next > numbers->count;
+    free(old);
+    free(new);
+    return fine;
+}
+
+/* Those of a file, where it has as many as then. */
+static void match_file(struct numbers *numbers, const json_t *then, const json_t *now)
+{
+    const json_t *from = json_object_get(then, "objects");
+    const json_t *to = json_object_get(now, "objects");
+    for (size_t i = 0; i < json_array_size(from) && json_array_size(from) == json_array_size(to); i++) {
+        json_int_t number = json_integer_value(json_array_get(from, i));
+        numbers->now[number] = (uint32_t)json_integer_value(json_array_get(to, i));
+    }
+}
+
+/* To be freed; false without memory, or where it is another atlas. */
+static bool find_numbers(struct numbers *out, const json_t *then, const json_t *now)
+{
+    size_t files = json_array_size(then);
+    size_t *match = calloc(files + 1, sizeof *match);
+    out->now = calloc(out->then + 1, sizeof *out->now);
+    bool fine = match && out->now && additions_match(match, then, now) && match_own(out, then, now);
+    for (size_t i = 0; i < files && fine; i++) {
+        if (match[i] != SIZE_MAX) {
+            match_file(out, json_array_get(then, i), json_array_get(now, match[i]));
+        }
+    }
+    free(match);
+    return fine;
+}
+
+/* 0 of a number that is none. */
+static uint32_t number_now(const struct numbers *numbers, const json_t *value)
+{
+    json_int_t number = json_integer_value(value);
+    return number >= 1 && (uint64_t)number <= numbers->then ? numbers->now[number] : 0;
+}
+
+/* ---- What has numbers -------------------------------------------------------------------------------------------- */
+
+static void fit_hidden(json_t *list, const struct numbers *numbers)
+{
+    for (size_t i = json_array_size(list); i-- > 0;) {
+        uint32_t number = number_now(numbers, json_array_get(list, i));
+        if (number) {
+            json_array_set_new(list, i, json_integer(number));
+        } else {
+            json_array_remove(list, i);
+        }
+    }
+}
+
+/* Pairs of a number and something. */
+static void fit_pairs(json_t *list, const struct numbers *numbers)
+{
+    for (size_t i = json_array_size(list); i-- > 0;) {
+        uint32_t number = number_now(numbers, json_array_get(json_array_get(list, i), 0));
+        if (number) {
+            json_array_set_new(json_array_get(list, i), 0, json_integer(number));
+        } else {
+            json_array_remove(list, i);
+        }
+    }
+}
+
+/* Pins in other atlases stay. */
+static void fit_pins(json_t *list, const struct numbers *numbers)
+{
+    for (size_t i = json_array_size(list); i-- > 0;) {
+        json_t *pin = json_array_get(list, i);
+        if (json_integer_value(json_object_get(pin, "atlas")) > 1) {
+            continue;
+        }
+        uint32_t number = number_now(numbers, json_object_get(pin, "object"));
+        if (number) {
+            json_object_set_new(pin, "object", json_integer(number));
+        } else {
+            json_array_remove(list, i);
+        }
+    }
+}
+
+/* As the pathways have them that are there now, but for those that the session knows by name. */
+static json_t *fit_thresholds(const json_t *then, const struct view_atlas *on)
+{
+    json_t *now = session_thresholds(on);
+    for (size_t i = 0; i < json_array_size(now); i++) {
+        for (size_t k = 0; k < json_array_size(then); k++) {
+            json_t *entry = json_array_get(then, k);
+            if (json_equal(json_object_get(entry, "pathway"), json_object_get(json_array_get(now, i), "pathway"))) {
+                json_array_set(now, i, entry);
+            }
+        }
+    }
+    return now;
+}
+
+/* The number by which streamlines were coloured may have gone with them. */
+static void fit_look(json_t *look, const struct numbers *numbers, const struct view_atlas *on)
+{
+    const char *colour = json_string_value(json_object_get(look, "streamline_colour"));
+    fit_pairs(json_object_get(look, "opacities"), numbers);
+    fit_pairs(json_object_get(look, "pathways"), numbers);
+    if (colour && tract_colour_find(on->atlas, colour) == TRACT_COLOUR_LIMIT) {
+        json_object_del(look, "streamline_colour");
+    }
+}
+
+static void fit_objects(json_t *root, const struct numbers *numbers, const struct view_atlas *on)
+{
+    json_t *thresholds = json_object_get(root, "thresholds");
+    json_object_set_new(root, "objects", json_integer((json_int_t)numbers->count));
+    fit_hidden(json_object_get(root, "hidden"), numbers);
+    fit_pins(json_object_get(root, "confirmed"), numbers);
+    fit_look(json_object_get(root, "look"), numbers, on);
+    if (thresholds) {
+        json_object_set_new(root, "thresholds", fit_thresholds(thresholds, on));
+    }
+}
+
+/* ---- The context ------------------------------------------------------------------------------------------------- */
+
+static bool is_context(const json_t *entry)
+{
+    const char *value;
+    const char *word = json_string_value(json_object_get(entry, "option"));
+    return word && addition_of(&value, word) == ADD_CONTEXT;
+}
+
+static size_t count_contexts(const json_t *added)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < json_array_size(added); i++) {
+        count += is_context(json_array_get(added, i));
+    }
+    return count;
+}
+
+static bool has_other_context(const json_t *then, const json_t *now)
+{
+    size_t files = json_array_size(then);
+    size_t *match = calloc(files + 1, sizeof *match);
+    bool other = count_contexts(then) != count_contexts(now);
+    bool fine = match && additions_match(match, then, now);
+    for (size_t i = 0; i < files && fine; i++) {
+        other = other || (is_context(json_array_get(then, i)) && match[i] == SIZE_MAX);
+    }
+    free(match);
+    return other;
+}
+
+/* What was set for the grey values of one says nothing of those of another. */
+static void fit_context(json_t *root)
+{
+    const json_t *further = json_object_get(root, "further_atlases");
+    json_object_del(root, "transfer");
+    json_object_del(root, "preset");
+    json_object_del(json_object_get(root, "look"), "grey");
+    for (size_t i = 0; i < json_array_size(further); i++) {
+        json_object_del(json_object_get(json_array_get(further, i), "look"), "grey");
+    }
+}
+
+void session_fit(json_t *root, const struct window *window)
+{
+    const json_t *then = added_of(json_object_get(root, "opened"));
+    const json_t *now = added_of(window->opened);
+    if (!then || !now || json_equal(then, now)) {
+        return;
+    }
+    const struct view_atlas *on = window->viewer->atlases;
+    struct numbers numbers = {.then = own_count(on->object_count, now) + count_objects(then),
+                              .count = on->object_count};
+    json_int_t objects = json_integer_value(json_object_get(root, "objects"));
+    if ((uint64_t)objects == numbers.then && find_numbers(&numbers, then, now)) {
+        fit_objects(root, &numbers, on);
+    }
+    if (has_other_context(then, now)) {
+        fit_context(root);
+    }
+    free(numbers.now);
+}

@@ -1,0 +1,250 @@
+#!/usr/bin/env bats
+# What is added to an atlas that is open in the window: tractograms, pathways and contexts.
+load helpers
+load window
+
+AIM=$'angle 30\naim 3 4 40 3 4 0'
+
+# Two slabs across y as the atlas; three streamlines on them; an image; a pathway.
+scene() {
+    export XDG_STATE_HOME=$PWD/state XDG_DATA_DIRS=$PWD/data HOME=$PWD/home
+    conus phantom slabs -o . --size 32
+    conus phantom sphere -o . --size 32
+    python3 "$BATS_TEST_DIRNAME/tck.py" two.tck -5,1,9.9 5,1,9.9 -- 0,0,9.9 3,0,9.9 3,4,9.9
+    python3 "$BATS_TEST_DIRNAME/tck.py" more.tck 4,-5,9.9 4,5,9.8
+    image t1 f 16
+}
+
+# image NAME TYPE SIZE: SIZE^3 random numbers in the box of the slabs: B whole ones up to 255, f others.
+image() {
+    python3 -c '
+import random, struct, sys
+random.seed(4)
+name, type, side = sys.argv[1], sys.argv[2], int(sys.argv[3])
+step = 60 / side
+head = bytearray(352)
+struct.pack_into("<i", head, 0, 348)
+struct.pack_into("<8h", head, 40, 3, side, side, side, 1, 1, 1, 1)
+struct.pack_into("<2h", head, 70, *{"B": (2, 8), "f": (16, 32)}[type])
+struct.pack_into("<8f", head, 76, 1, step, step, step, 1, 1, 1, 1)
+struct.pack_into("<f", head, 108, 352)
+struct.pack_into("<h", head, 254, 4)
+struct.pack_into("<12f", head, 280, step, 0, 0, -30, 0, step, 0, -30, 0, 0, step, -30)
+head[344:348] = b"n+1\0"
+values = [random.randrange(256) + (0.5 if type == "f" else 0) for _ in range(side ** 3)]
+open(name + ".nii", "wb").write(bytes(head) + struct.pack("<%d%s" % (side ** 3, type), *values))' "$@"
+}
+
+# queried [OPTION...]: what conus answers for the pose of the tests.
+queried() {
+    conus query slabs.nii.gz "$@" --origin 3,4,40 --toward 3,4,0 --angle 30 --format tsv --quiet
+}
+
+# said [ARGUMENT...] <SCRIPT: as view, and $stderr is what the window says besides.
+said() {
+    cat >script
+    run -0 --separate-stderr timeout $HANG "$CONUS" view "$@" --script script --quiet --size 1000x640
+}
+
+# says TEXT: one line of what the last run said has it.
+says() {
+    [ "$(grep -cF -e "$1" <<<"$stderr")" = 1 ] || { echo "said: $stderr"; echo "wanted: $1"; return 1; }
+}
+
+@test "a tractogram that is dropped, opened, typed or added by a script is asked as by conus query" {
+    need_window
+    scene
+    view slabs.nii.gz <<END
+$AIM
+drop two.tck
+results dropped.tsv
+key ctrl+o
+type $PWD/more.tck
+wait 2
+key enter
+wait 2
+results opened.tsv
+take-out two.tck
+results less.tsv
+key ctrl+n
+type $PWD/two.tck
+key enter
+results typed.tsv
+take-out two.tck
+take-out more.tck
+results none.tsv
+streamlines two.tck,radius=3,name=Arc
+pathway sphere.nii.gz,threshold=0.5
+context t1.nii
+results last.tsv
+save last.json
+END
+    queried --streamlines two.tck | diff dropped.tsv -
+    queried --streamlines two.tck --streamlines more.tck | diff opened.tsv -
+    queried --streamlines more.tck | diff less.tsv -
+    queried --streamlines more.tck --streamlines two.tck | diff typed.tsv -
+    queried | diff none.tsv -
+    queried --pathway sphere.nii.gz,threshold=0.5 --streamlines two.tck,radius=3,name=Arc | diff last.tsv -
+    # each differs from the others, so that nothing is compared with itself
+    [ "$(sha256sum dropped.tsv opened.tsv less.tsv none.tsv last.tsv | cut -d' ' -f1 | sort -u | wc -l)" = 5 ]
+    # what the session knows of each: its word, its file, and its numbers, where pathways come before bundles
+    jq -e --arg here "$PWD" --arg sum "$(sha256sum two.tck | cut -d' ' -f1)" --argjson bytes "$(stat -c %s two.tck)" '
+        .opened.added[0] == {option: "--streamlines=\($here)/two.tck,radius=3,name=Arc", path: "\($here)/two.tck",
+            sha256: $sum, bytes: $bytes, objects: [4]} and
+        .opened.options == ["--streamlines=\($here)/two.tck,radius=3,name=Arc",
+            "--pathway=\($here)/sphere.nii.gz,threshold=0.5", "--context=\($here)/t1.nii"] and
+        [.opened.added[] | .objects] == [[4], [3], []] and all(.opened.added[]; .sha256 | length == 64)' last.json
+}
+
+@test "what the user set stays while files come and go, and can be undone" {
+    need_window
+    scene
+    view slabs.nii.gz <<END
+$AIM
+streamlines two.tck,radius=2
+key enter
+drop more.tck
+choose more
+key h
+opacity more 0.5
+orbit 33 12
+wait 2
+angle 20
+wait 2
+save before.json
+take-out two.tck
+wait 2
+save less.json
+pathway sphere.nii.gz
+wait 2
+save other.json
+key ctrl+z
+wait 2
+save undone.json
+streamlines two.tck
+wait 2
+save back.json
+results back.tsv
+END
+    # more.tck is object 4, then 3, then 4 again behind the pathway
+    [ "$(jq -c '.hidden, .look.opacities, .angle_deg, .objects' before.json | tr '\n' ' ')" = '[4] [[4,0.5]] 20 4 ' ]
+    [ "$(jq -c '.hidden, .look.opacities, .angle_deg, .objects' less.json | tr '\n' ' ')" = '[3] [[3,0.5]] 20 3 ' ]
+    [ "$(jq -c '.hidden, .look.opacities, .angle_deg, .objects' other.json | tr '\n' ' ')" = '[4] [[4,0.5]] 20 4 ' ]
+    # one step: coming and going of files is none
+    [ "$(jq -c '.hidden, .look.opacities, .angle_deg, .objects' undone.json | tr '\n' ' ')" = '[4] [[4,0.5]] 30 4 ' ]
+    [ "$(jq -c '.hidden, .objects' back.json | tr '\n' ' ')" = '[4] 5 ' ]
+    diff <(jq -c .orbit before.json) <(jq -c .orbit back.json)
+    # what was confirmed goes with its file
+    jq -e '[.confirmed[].object] == [3]' before.json
+    jq -e '.confirmed == []' less.json
+    queried --pathway sphere.nii.gz --streamlines more.tck --streamlines two.tck --hide more | diff back.tsv -
+}
+
+@test "several files that are dropped at once are told apart, in any order" {
+    need_window
+    scene
+    for order in 'slabs.nii.gz two.tck t1.nii' 't1.nii slabs.nii.gz two.tck' 'two.tck t1.nii slabs.nii.gz'; do
+        said <<END
+drop $order
+$AIM
+results all.tsv
+save all.json
+END
+        queried --streamlines two.tck | diff all.tsv -
+        jq -e '[.opened.options[] | split("/")[-1]] == ["t1.nii", "two.tck"]' all.json
+    done
+    said slabs.nii.gz <<END
+drop t1.nii two.tck
+save both.json
+END
+    jq -e '[.opened.options[] | split("/")[-1]] == ["t1.nii", "two.tck"]' both.json
+    # of whole numbers, too, and another volume takes its place
+    conus phantom brain -o brain
+    said slabs.nii.gz <<<$'drop t1.nii\ndrop brain/brain-context.nii.gz\nsave grey.json'
+    jq -e '[.opened.options[] | split("/")[-1]] == ["brain-context.nii.gz"]' grey.json
+    conus phantom nested -o .
+    said slabs.nii.gz <<END
+drop nested.nii.gz two.tck slabs.nii.gz
+save same.json
+END
+    check_message 'nested.nii.gz and slabs.nii.gz are two atlases or sessions: open one of them'
+    jq -e '.atlas == "slabs.nii.gz" and .opened.options == []' same.json
+}
+
+@test "what cannot be added leaves the window as it was, with one line" {
+    need_window
+    scene
+    head -c 70 two.tck >cut.tck
+    python3 "$BATS_TEST_DIRNAME/tck.py" far.tck 500,0,0 500,9,0
+    python3 "$BATS_TEST_DIRNAME/tck.py" voxels.tck 0,0,0 9,9,9 20,20,20
+    head -c 400 t1.nii >cut.nii
+    said slabs.nii.gz <<END
+$AIM
+streamlines two.tck
+save first.json
+results first.tsv
+drop cut.tck
+drop two.tck
+drop gone.tck
+drop cut.nii
+streamlines more.tck,name=two
+streamlines more.tck,radius=-1
+streamlines more.tck,moves
+streamlines voxels.tck
+streamlines far.tck
+results last.tsv
+save last.json
+streamlines far.tck
+results far.tsv
+END
+    diff first.tsv last.tsv
+    diff <(jq -S . first.json) <(jq -S . last.json)
+    queried --streamlines two.tck --streamlines far.tck | diff far.tsv -
+    [ "$(wc -l <<<"$stderr")" = 9 ]
+    says 'cut.tck: file: found offset 80, the file has 70 bytes'
+    says 'two.tck: bundle two: another bundle has that name'
+    says 'more.tck: bundle two: another bundle has that name'
+    says 'gone.tck: cannot open'
+    says 'cut.nii: '
+    says 'radius=-1 is not a number above 0'
+    says 'there is no --atlas-transform that could move it'
+    says 'are they voxel indices, not mm? If all is well, add it once more.'
+    says 'none of 2 points is in the box around the areas: is it in their space?'
+    # without an atlas there is nothing to add it to
+    printf 'drop two.tck\nwait 2\n' >script
+    ASAN_OPTIONS=detect_leaks=0 run -0 --separate-stderr timeout $HANG "$CONUS" view --script script --quiet
+    check_message 'two.tck: a tractogram: open the atlas that it belongs to first'
+    printf 'take-out more.tck\n' >script
+    run -3 --separate-stderr timeout $HANG "$CONUS" view slabs.nii.gz --script script --quiet
+    check_message 'take-out FILE that was added is needed'
+}
+
+@test "a session finds what was added, and opens without what is gone" {
+    need_window
+    scene
+    mkdir made
+    (cd made && cp ../slabs.* ../two.tck ../more.tck ../sphere.nii.gz ../t1.nii . &&
+        printf '%s\n' "$AIM" 'drop t1.nii' 'streamlines two.tck,radius=2' 'pathway sphere.nii.gz,threshold=0.5' \
+            'streamlines more.tck' 'choose more' 'key h' 'results made.tsv' 'save made.json' >script &&
+        timeout $HANG "$CONUS" view slabs.nii.gz --script script --quiet --size 1000x640)
+    queried --pathway sphere.nii.gz,threshold=0.5 --streamlines two.tck,radius=2 --streamlines more.tck --hide more |
+        diff made/made.tsv -
+    # elsewhere, and under another name, which its bundle has then
+    mv made moved
+    mv moved/two.tck moved/renamed.tck
+    printf 'results found.tsv\nsave found.json\n' | view moved/made.json
+    sed 's/\tbundle\t1\ttwo\t/\tbundle\t1\trenamed\t/' moved/made.tsv | diff found.tsv -
+    jq -e '[.opened.options[] | split("/")[-1]] ==
+        ["t1.nii", "renamed.tck,radius=2", "sphere.nii.gz,threshold=0.5", "more.tck"] and .hidden == [5]' found.json
+    # more.tck is what was hidden, whatever is gone
+    rm moved/renamed.tck moved/sphere.nii.gz
+    said moved/made.json <<<$'results less.tsv\nsave less.json'
+    check_message 'made.json is opened without what is not found: two.tck, sphere.nii.gz'
+    [ "$(wc -l <<<"$stderr")" = 1 ]
+    queried --streamlines more.tck --hide more | diff less.tsv -
+    jq -e '.hidden == [3] and .objects == 3' less.json
+    # another file in its place is said in the window only
+    python3 "$BATS_TEST_DIRNAME/tck.py" moved/more.tck 4,-5,9.9 4,6,9.8
+    said moved/made.json <<<'results other.tsv'
+    queried --streamlines moved/more.tck --hide more | diff other.tsv -
+}
