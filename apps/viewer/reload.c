@@ -186,8 +186,8 @@ static void check_level(struct viewer *viewer)
 static bool describe(struct window *window, conus_hemispheres how)
 {
     json_t *words = json_object_get(window->opened, "options");
-    json_t *added = hemispheres_put_in_words(words, how) ? additions_describe(window->viewer->atlases->atlas, words)
-                                                         : NULL;
+    json_t *added =
+        hemispheres_put_in_words(words, how) ? additions_describe(window->viewer->atlases->atlas, words) : NULL;
     return added && !json_object_set_new(window->opened, "added", added);
 }
 

@@ -113,8 +113,8 @@ static bool are_alike(const json_t *words, const json_t *others)
 {
     json_t *some = json_copy((json_t *)words);
     json_t *more = json_copy((json_t *)others);
-    bool alike = some && more && hemispheres_put_in_words(some, CONUS_HEMISPHERES_FILE) &&
-                 hemispheres_put_in_words(more, CONUS_HEMISPHERES_FILE) && json_equal(some, more);
+    bool alike = some && more && hemispheres_put_in_words(some, CONUS_HEMISPHERES_AS_IS) &&
+                 hemispheres_put_in_words(more, CONUS_HEMISPHERES_AS_IS) && json_equal(some, more);
     json_decref(some);
     json_decref(more);
     return alike;
