@@ -215,6 +215,11 @@ static void look_at_all(struct window *window)
     snprintf(viewer->drawn->shown.search, sizeof viewer->drawn->shown.search, "nothing of that name");
     nothing_is_cut(window, "a tracker, and nothing found");
     viewer->drawn->shown.search[0] = '\0';
+    viewer->drawn->sides[1] = 'L';
+    viewer->drawn->sides[2] = 'R';
+    window->hemispheres.wanted = CONUS_HEMISPHERES_SPLIT;
+    nothing_is_cut(window, "sides, and loading");
+    window->hemispheres.wanted = CONUS_HEMISPHERES_AS_IS;
     window->show_help = true;
     nothing_is_cut(window, "keys");
     window->show_help = false;

@@ -147,7 +147,7 @@ static void show_pose(struct viewer *viewer)
     conus_frame_from_world(origin, &viewer->frame, origin);
     conus_frame_direction_from_world(along, &viewer->frame, along);
     bool moved = ui_numbers(label, origin, viewer_place_format(viewer));
-    ui_tip("where the cone has its apex; type numbers and press Enter");
+    ui_tip("where the cone has its apex, in the unit of the label beside it; type numbers and press Enter");
     bool turned = ui_numbers("along", along, "%.3f");
     ui_tip("the direction of the cone's axis, of any length; type numbers and press Enter");
     if ((moved || turned) && viewer_to_world(origin, viewer, origin)) {

@@ -38,7 +38,8 @@ static void edit_grey(struct viewer *viewer)
         "the grey value that the cuts show as black, in the image's own unit. In a cut drag with the middle button,\n"
         "or with Ctrl and the left one: up is brighter, right is more contrast; a double click resets");
     changed = ui_slider("white", &white, fmin(black + gap, most), most, "%.6g", false) || changed;
-    ui_tip("the grey value that the cuts show as white; [ and ] change brightness, { and } contrast");
+    ui_tip("the grey value that the cuts show as white, in the image's own unit; [ and ] change brightness, { and }\n"
+           "contrast");
     if (changed && white > black) {
         viewer_set_grey(viewer, black, white);
     }

@@ -4,11 +4,19 @@
 
 #include "viewer/hemispheres/side.h"
 
+#include <math.h>
+
+/* That of the line above, where there is room. */
+static void use_width(const struct window *window)
+{
+    ui_width(fminf(window->left.width - 20, ui_room()));
+}
+
 static void choose_hemispheres(struct window *window)
 {
     struct hemispheres *hemispheres = &window->hemispheres;
     size_t how = (size_t)hemispheres->wanted;
-    ui_width(window->left.width - 20);
+    use_width(window);
     if (ui_choose("##hemispheres", &how, hemispheres_meanings, HEMISPHERES_COUNT)) {
         hemispheres_want(hemispheres, window->viewer, (conus_hemispheres)how);
     }
@@ -34,7 +42,7 @@ static void choose_side(struct window *window)
         ui_tip("no areas are known to be left and right ones, by the label table, by their names, or by a split");
         return;
     }
-    ui_width(window->left.width - 20);
+    use_width(window);
     if (ui_choose("##side", &side, sides, SIDE_COUNT)) {
         side_show(viewer, (enum side)side);
     }

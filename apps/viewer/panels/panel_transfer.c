@@ -129,7 +129,7 @@ static void edit_transfer(struct viewer *viewer)
         viewer_use_transfer(viewer);
     }
     editor->held = held ? editor->held : EDITOR_POINTS;
-    ui_tip("drag the points: right is brighter, up is more opaque");
+    ui_tip("drag the points: right is a brighter grey value, in the image's own unit; up is more opaque, 0 to 1 a mm");
     draw_editor(editor, &box);
 }
 
