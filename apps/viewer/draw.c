@@ -99,6 +99,9 @@ void draw_window(struct window *window)
     if (window->figure.open && window->viewer && !window->start.on) {
         panel_figure(window);
     }
+    if (window->added.open && window->viewer && !window->start.on && !window->dialog.on) {
+        panel_added(window);
+    }
     ui_end();
     tap(window, false);
     window->frame_ms = 1e3 * (glfwGetTime() - begun);

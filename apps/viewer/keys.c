@@ -74,6 +74,8 @@ static void clear(struct window *window)
         window->show_help = false;
     } else if (window->figure.open) {
         window->figure.open = false;
+    } else if (window->added.open) {
+        window->added.open = false;
     } else if (ui_navigates()) {
         window->navigated = 0;
         window->navigates_anew = true;
@@ -326,6 +328,13 @@ static void ask_for_figure(struct window *window)
     figure_form_open(window);
 }
 
+static void list_added(struct window *window)
+{
+    window->figure.open = false;
+    window->added = (struct added_form){
+        .open = !window->added.open, .takes_keys = !window->added.open, .kind = ADD_STREAMLINES, .is_set = true};
+}
+
 static void copy_figure(struct window *window)
 {
     figure_form_copy(window);
@@ -449,6 +458,7 @@ static const struct {
     {"ctrl+p", ask_for_figure, "save 3-D or a cut as a figure: its size, dpi, background, legend and name"},
     {"ctrl+shift+p", copy_figure, "copy the path of the figure that was saved last"},
     {"ctrl+o", open_file, "open a file: an atlas or a session; or add one: streamlines or an image as context"},
+    {"ctrl+l", list_added, "what was added: streamlines, pathways, context; add, change or take out"},
     {"ctrl+n", window_go_to_start, "the start page, for another atlas; Escape comes back"},
     {"ctrl+q", quit, "close the window"},
     {"f6", go_to_panel,
@@ -542,7 +552,8 @@ bool keys_press(struct window *window, const char *key)
     if (window->start.on) {
         return press_at_start(window, key);
     }
-    if (window->figure.open && strcasecmp(key, "escape") != 0 && strncasecmp(key, "ctrl+", 5) != 0) {
+    bool asks = window->figure.open || window->added.open;
+    if (asks && strcasecmp(key, "escape") != 0 && strncasecmp(key, "ctrl+", 5) != 0) {
         return true; /* the question is before the brain: a second Enter confirms nothing */
     }
     for (size_t i = 0; i < KEYS; i++) {

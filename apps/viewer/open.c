@@ -223,11 +223,17 @@ struct aside {
     json_t *opened;
     struct hemispheres hemispheres;
     struct replay replay;
+    bool lists_added; /* the panel of what was added was open */
 };
 
 static struct aside set_aside(struct window *window)
 {
-    struct aside aside = {window->changes, window->session_path, window->opened, window->hemispheres, window->replay};
+    struct aside aside = {.changes = window->changes,
+                          .session_path = window->session_path,
+                          .opened = window->opened,
+                          .hemispheres = window->hemispheres,
+                          .replay = window->replay,
+                          .lists_added = window->added.open};
     window->changes = (struct changes){.count = 0};
     window->session_path = NULL;
     window->opened = NULL;
@@ -242,6 +248,7 @@ static void bring_back(struct window *window, struct viewer *viewer, struct asid
     window->session_path = aside->session_path;
     window->opened = aside->opened;
     window->hemispheres = aside->hemispheres;
+    window->added.open = aside->lists_added;
     *aside = (struct aside){.opened = NULL};
 }
 
@@ -264,6 +271,7 @@ static bool carry(struct window *window, const struct viewer *before, struct asi
     }
     added_choose(window->viewer, before);
     window->replay = aside->replay;
+    window->added.open = aside->lists_added;
     window->changes = aside->changes;
     window->session_path = aside->session_path;
     aside->changes = (struct changes){.count = 0};
@@ -296,8 +304,9 @@ static bool replace(struct window *window, struct viewer *viewer, const struct a
 /* Streamlines that hardly lie where the areas are: the user asks for them twice. */
 static bool is_doubtful(const struct window *window, const struct atlases *atlases, struct again *again, char *why)
 {
-    const char *note =
-        again && !again->trusts ? added_note(window->viewer->atlases->atlas, atlases->items[0].atlas, "bundle ") : NULL;
+    const char *note = window->viewer && again && !again->trusts
+                           ? added_note(window->viewer->atlases->atlas, atlases->items[0].atlas, "bundle ")
+                           : NULL;
     if (note) {
         again->doubts = true;
         snprintf(why, LOADER_WHY, "not added: %s If all is well, add it once more.", note);

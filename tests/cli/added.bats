@@ -96,6 +96,52 @@ END
         [.opened.added[] | .objects] == [[4], [3], []] and all(.opened.added[]; .sha256 | length == 64)' last.json
 }
 
+# enter_line TEXT: types it into the line that has the keys.
+enter_line() {
+    xdotool type --window "$window" "$1"
+    pass
+    xdotool keydown --window "$window" Return
+    pass
+    xdotool keyup --window "$window" Return
+    pass
+}
+
+# click_at X Y: pixels of the window.
+click_at() {
+    xdotool mousemove --window "$window" "$1" "$2"
+    pass
+    xdotool mousedown 1
+    pass
+    xdotool mouseup 1
+    pass
+}
+
+@test "the list of what was added adds, changes and takes out" {
+    scene
+    live slabs.nii.gz
+    tell "$AIM" 'key ctrl+l'
+    pass
+    enter_line "$PWD/two.tck,radius=2"
+    look '.opened.added[0].objects == [3] and (.opened.options[0] | endswith("/two.tck,radius=2"))'
+    # it stays, for the next one
+    tell 'results one.tsv' 'key ctrl+l' 'key ctrl+l'
+    pass
+    enter_line "$PWD/more.tck"
+    look '.objects == 4'
+    tell 'results two.tsv'
+    # the first one's change and take out: the list is 620 x 360 pixels in the middle of 1000 x 640
+    click_at 294 174
+    enter_line ,name=Arc
+    look '[.opened.options[] | split("/")[-1]] == ["more.tck", "two.tck,radius=2,name=Arc"]'
+    tell 'results changed.tsv'
+    click_at 228 174
+    look '[.opened.options[] | split("/")[-1]] == ["two.tck,radius=2,name=Arc"] and .objects == 3'
+    leave
+    queried --streamlines two.tck,radius=2 | diff one.tsv -
+    queried --streamlines two.tck,radius=2 --streamlines more.tck | diff two.tsv -
+    queried --streamlines more.tck --streamlines two.tck,radius=2,name=Arc | diff changed.tsv -
+}
+
 @test "what the user set stays while files come and go, and can be undone" {
     need_window
     scene

@@ -264,7 +264,7 @@ static json_t *find_word(const char *word, const char *path, const json_t *entry
                                       .folder = "",
                                       .sha256 = text_of(entry, "sha256"),
                                       .bytes = (uint64_t)json_integer_value(json_object_get(entry, "bytes"))};
-    return session_file_find(now, &file, session, NULL, 0)
+    return kind < ADDITION_COUNT && session_file_find(now, &file, session, NULL, 0)
                ? json_sprintf("--%s=%s%s", addition_names[kind], now, value + strlen(path))
                : NULL;
 }

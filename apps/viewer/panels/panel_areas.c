@@ -190,6 +190,11 @@ void panel_areas(struct window *window)
     ui_tip("no area is hidden any more; V, too");
     ui_same_line();
     ui_text("%zu in all", viewer->drawn->object_count);
+    ui_same_line();
+    if (ui_button("files")) {
+        window_press(window, "ctrl+l");
+    }
+    ui_tip("streamlines, pathways and context: add one, change it, take it out; Ctrl+L, too");
     panel_sides(window);
     ui_separator();
     ui_scroll("list", 0);

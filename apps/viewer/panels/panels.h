@@ -31,6 +31,7 @@ void panel_look_pathway(struct viewer *viewer, uint32_t pathway); /**< a pathway
 void panel_look_streamlines(struct viewer *viewer);               /**< streamlines, */
 void panel_look_area(struct viewer *viewer, uint32_t object);     /**< an area. */
 void panel_figure(struct window *window);                         /**< Before all others. */
+void panel_added(struct window *window);                          /**< Likewise: what was added to the atlas. */
 void panel_source(struct window *window);
 /** How fast a SpaceMouse or a gamepad moves; nothing of another pointer. */
 void panel_speed(struct window *window, enum pointer pointer);

@@ -74,6 +74,17 @@ struct figure_form {
     unsigned frames; /**< Until it is written; 0 = none is to be. */
 };
 
+enum { ADDED_TEXT = PATH_MAX };
+
+/** The list of what was added to the atlas, and the line for one more. */
+struct added_form {
+    bool open, takes_keys; /**< As of the figure. */
+    size_t kind;           /**< Of what is typed: an enum addition. */
+    size_t changed;        /**< The word of window_words() that what is typed takes the place of, from 1; 0 = none. */
+    char text[ADDED_TEXT]; /**< A file, and keys behind it. */
+    bool is_set;           /**< The text is not what the line has. */
+};
+
 /** What is to be opened next, one of both. */
 struct wanted {
     char **paths; /**< [count] Atlases, sessions, and what is to be added; 0 = none. */
@@ -130,6 +141,7 @@ struct window {
     unsigned shown_head, shown_second;  /**< Likewise. */
     struct sheet sheet;                 /**< Of figures. */
     struct figure_form figure;
+    struct added_form added;
     struct changes changes;             /**< Of states that session/undo.h notes. */
     unsigned noted_version, noted_said; /**< Of the viewer, when it was looked at last for that. */
     unsigned noted_second;              /**< Of the second tool. */

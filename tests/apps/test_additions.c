@@ -1,0 +1,262 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Words that add files to an atlas, and numbers of objects while files come and go. */
+#include "viewer/session/session_fit.h"
+
+#include "test.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- Words ------------------------------------------------------------------------------------------------------- */
+
+static void a_word_is_a_kind_and_a_file(void **state)
+{
+    static const struct {
+        const char *word;
+        enum addition kind;
+        const char *path;
+    } cases[] = {{"--streamlines=/a.trk", ADD_STREAMLINES, "/a.trk"},
+                 {"--streamlines=/a.trk,radius=1,name=S,moves", ADD_STREAMLINES, "/a.trk"},
+                 {"--streamlines=/a, b,moves.trk", ADD_STREAMLINES, "/a, b,moves.trk"},
+                 {"--pathway=/p.nii,volume=3,band=1:2:x", ADD_PATHWAY, "/p.nii"},
+                 {"--pathway=/p,moves", ADD_PATHWAY, "/p,moves"},
+                 {"--context=/t.nii,volume=1", ADD_CONTEXT, "/t.nii"},
+                 {"--context-opacity=0.5", ADDITION_COUNT, ""},
+                 {"--streamlines", ADDITION_COUNT, ""},
+                 {"-pathway=a", ADDITION_COUNT, ""},
+                 {"", ADDITION_COUNT, ""}};
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        const char *value = NULL;
+        char path[PATH_MAX] = "";
+        enum addition kind = addition_of(&value, cases[i].word);
+        assert_int_equal(kind, cases[i].kind);
+        assert_non_null(value);
+        assert_true(kind == ADDITION_COUNT || addition_path(path, kind, value));
+        assert_string_equal(path, cases[i].path);
+    }
+}
+
+static char *dump(json_t *words)
+{
+    char *text = json_dumps(words, JSON_COMPACT);
+    json_decref(words);
+    return text;
+}
+
+static void assert_words(json_t *words, const char *wanted)
+{
+    char *text = dump(words);
+    assert_string_equal(text, wanted);
+    free(text);
+}
+
+static void a_volume_takes_the_place_of_another_as_context(void **state)
+{
+    json_t *words = json_pack("[s, s, s]", "--labels=/l", "--context=/a.nii", "--streamlines=/s.trk,name=x");
+    (void)state;
+    assert_words(additions_with(words, ADD_CONTEXT, "/b.nii"),
+                 "[\"--labels=/l\",\"--streamlines=/s.trk,name=x\",\"--context=/b.nii\"]");
+    assert_words(additions_with(words, ADD_STREAMLINES, "/s.trk"),
+                 "[\"--labels=/l\",\"--context=/a.nii\",\"--streamlines=/s.trk,name=x\",\"--streamlines=/s.trk\"]");
+    assert_words(additions_without(words, 1), "[\"--labels=/l\",\"--streamlines=/s.trk,name=x\"]");
+    assert_int_equal(additions_index(words, "s.trk"), 2);
+    assert_int_equal(additions_index(words, "/a.nii"), 1);
+    assert_int_equal(additions_index(words, "/l"), 3);
+    assert_null(additions_with(words, ADD_CONTEXT, "\xff"));
+    json_decref(words);
+    /* a surface's opacity goes with the last of them */
+    words = json_pack("[s, s]", "--context-opacity=0.5", "--streamlines=/s.trk");
+    assert_words(additions_without(words, 1), "[]");
+    json_decref(words);
+}
+
+/* ---- Numbers ----------------------------------------------------------------------------------------------------- */
+
+enum { OWN = 5, FILES = 6 };
+
+/* A file of the model: which, how many objects, and how often its options were changed. */
+struct file {
+    int name, count, version;
+};
+
+struct model {
+    struct file files[FILES];
+    int count;
+};
+
+/* What each object is: its own number, or file and ordinal. Areas first, then files in their order. */
+static int tag_of(const struct model *model, int number)
+{
+    if (number <= OWN) {
+        return number;
+    }
+    number -= OWN;
+    for (int i = 0; i < model->count; i++) {
+        if (number <= model->files[i].count) {
+            return 100 * (model->files[i].name + 1) + number;
+        }
+        number -= model->files[i].count;
+    }
+    return 0;
+}
+
+static int objects_of(const struct model *model)
+{
+    int count = OWN;
+    for (int i = 0; i < model->count; i++) {
+        count += model->files[i].count;
+    }
+    return count;
+}
+
+static json_t *opened_of(const struct model *model)
+{
+    json_t *added = json_array();
+    int next = OWN;
+    for (int i = 0; i < model->count; i++) {
+        const struct file *file = &model->files[i];
+        json_t *numbers = json_array();
+        for (int k = 0; k < file->count; k++) {
+            json_array_append_new(numbers, json_integer(++next));
+        }
+        json_array_append_new(added,
+                              json_pack("{s: o, s: o, s: o, s: o}", "option",
+                                        json_sprintf("--streamlines=/%d.trk,radius=%d", file->name, file->version),
+                                        "path", json_sprintf("/%d.trk", file->name), "sha256",
+                                        json_sprintf("%064d", file->name), "objects", numbers));
+    }
+    return json_pack("{s: o}", "added", added);
+}
+
+/* A file comes, goes, or has other options, which put it at the end. */
+static void step(struct model *model, uint64_t *seed)
+{
+    int at = (int)test_random(seed, 0, FILES);
+    struct file file = {at, 1 + at % 3, 1};
+    int i = 0;
+    while (i < model->count && model->files[i].name != at) {
+        i++;
+    }
+    if (i < model->count) {
+        bool changes = test_random(seed, 0, 1) < 0.4;
+        file.version = model->files[i].version + 1;
+        model->count--;
+        memmove(&model->files[i], &model->files[i + 1], (size_t)(model->count - i) * sizeof *model->files);
+        if (!changes) {
+            return;
+        }
+    }
+    model->files[model->count++] = file;
+}
+
+/* A session of `then`, in which every second object is hidden; those that are chosen, by their tags. */
+static json_t *session_of(const struct model *then, bool chosen[100 * (FILES + 1) + 4], uint64_t *seed)
+{
+    json_t *hidden = json_array();
+    json_t *opacities = json_array();
+    for (int number = 1; number <= objects_of(then); number++) {
+        int tag = tag_of(then, number);
+        chosen[tag] = test_random(seed, 0, 1) < 0.5;
+        if (chosen[tag]) {
+            json_array_append_new(hidden, json_integer(number));
+            json_array_append_new(opacities, json_pack("[i, f]", number, tag / 1000.0));
+        }
+    }
+    return json_pack("{s: o, s: i, s: o, s: {s: o}}", "opened", opened_of(then), "objects", objects_of(then), "hidden",
+                     hidden, "look", "opacities", opacities);
+}
+
+/* Those that are there still, and no others. */
+static void assert_fits(const json_t *root, const struct model *now, const bool *chosen, const bool *was)
+{
+    const json_t *hidden = json_object_get(root, "hidden");
+    const json_t *opacities = json_object_get(json_object_get(root, "look"), "opacities");
+    size_t wanted = 0;
+    for (int number = 1; number <= objects_of(now); number++) {
+        int tag = tag_of(now, number);
+        wanted += was[tag] && chosen[tag];
+    }
+    assert_int_equal(json_integer_value(json_object_get(root, "objects")), objects_of(now));
+    assert_int_equal(json_array_size(hidden), wanted);
+    assert_int_equal(json_array_size(opacities), wanted);
+    for (size_t i = 0; i < wanted; i++) {
+        const json_t *pair = json_array_get(opacities, i);
+        int tag = tag_of(now, (int)json_integer_value(json_array_get(hidden, i)));
+        assert_true(tag && was[tag] && chosen[tag]);
+        assert_int_equal(tag_of(now, (int)json_integer_value(json_array_get(pair, 0))), tag);
+        assert_near(json_real_value(json_array_get(pair, 1)), tag / 1000.0, 0);
+    }
+}
+
+static void numbers_go_with_their_files(void **state)
+{
+    enum { STEPS = 10000, TAGS = 100 * (FILES + 1) + 4 };
+    struct model now = {.count = 0};
+    uint64_t seed = 41;
+    (void)state;
+    for (int i = 0; i < STEPS; i++) {
+        struct model then = now;
+        bool chosen[TAGS] = {false};
+        bool was[TAGS] = {false};
+        for (int steps = 1 + (int)test_random(&seed, 0, 3); steps > 0; steps--) {
+            step(&now, &seed);
+        }
+        for (int number = 1; number <= objects_of(&then); number++) {
+            was[tag_of(&then, number)] = true;
+        }
+        json_t *root = session_of(&then, chosen, &seed);
+        struct view_atlas atlas = {.object_count = (size_t)objects_of(&now)};
+        struct viewer viewer = {.atlases = &atlas, .atlas_count = 1};
+        struct window window = {.viewer = &viewer, .opened = opened_of(&now)};
+        session_fit(root, &window);
+        assert_fits(root, &now, chosen, was);
+        json_decref(window.opened);
+        json_decref(root);
+    }
+}
+
+/* A session that contradicts itself stays what it is, and is refused by who reads it. */
+static void what_a_session_says_of_files_is_not_trusted(void **state)
+{
+    static const char *const added[] = {
+        "5",
+        "[5]",
+        "[{}]",
+        "[{\"objects\": 5}]",
+        "[{\"objects\": [0]}]",
+        "[{\"option\": \"--streamlines=/0.trk\", \"objects\": [6]}]",
+        "[{\"option\": \"--streamlines=/0.trk\", \"objects\": [9]}]",
+        "[{\"option\": \"--streamlines=/0.trk\", \"path\": \"/0.trk/l\", \"objects\": [-1, 4294967297]}]",
+        "[{\"option\": 5, \"path\": [], \"sha256\": {}, \"objects\": [1, 1, 1, 1, 1, 1]}]"};
+    struct model model = {.files = {{0, 1, 1}}, .count = 1};
+    struct view_atlas atlas = {.object_count = OWN + 1};
+    struct viewer viewer = {.atlases = &atlas, .atlas_count = 1};
+    struct window window = {.viewer = &viewer, .opened = opened_of(&model)};
+    (void)state;
+    for (size_t i = 0; i < sizeof added / sizeof added[0]; i++) {
+        for (int objects = 0; objects <= 2 * OWN; objects++) {
+            json_t *root = json_pack("{s: {s: o}, s: i, s: [i, i]}", "opened", "added",
+                                     json_loads(added[i], JSON_DECODE_ANY, NULL), "objects", objects, "hidden", 1, 6);
+            session_fit(root, &window);
+            const json_t *hidden = json_object_get(root, "hidden");
+            for (size_t k = 0; k < json_array_size(hidden); k++) {
+                json_int_t number = json_integer_value(json_array_get(hidden, k));
+                assert_true(number == 1 || number == 6);
+            }
+            json_decref(root);
+        }
+    }
+    json_decref(window.opened);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_word_is_a_kind_and_a_file),
+        cmocka_unit_test(a_volume_takes_the_place_of_another_as_context),
+        cmocka_unit_test(numbers_go_with_their_files),
+        cmocka_unit_test(what_a_session_says_of_files_is_not_trusted),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
