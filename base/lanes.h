@@ -493,6 +493,28 @@ static INLINE singles singles_from_wholes(wholes x)
 #endif
 }
 
+/* LANES bytes in a row. */
+static INLINE wholes wholes_from_bytes(const uint8_t *bytes)
+{
+#if defined(__AVX2__) && LANES == 8
+    return (wholes)_mm256_cvtepu8_epi32(_mm_loadu_si64(bytes));
+#elif defined(__SSE2__) && LANES == 4
+    __m128i pairs = _mm_unpacklo_epi8(_mm_loadu_si32(bytes), _mm_setzero_si128());
+    return (wholes)_mm_unpacklo_epi16(pairs, _mm_setzero_si128());
+#else
+    wholes out;
+    for (int l = 0; l < LANES; l++) {
+        out[l] = bytes[l];
+    }
+    return out;
+#endif
+}
+
+static INLINE singles singles_from_bytes(const uint8_t *bytes)
+{
+    return singles_from_wholes(wholes_from_bytes(bytes));
+}
+
 /* Side by side. */
 static INLINE singles singles_from_doubles(doubles low, doubles high)
 {

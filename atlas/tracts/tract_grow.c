@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Makes the tree of a tractogram: cuts its streamlines into runs, halves their boxes at the median until a node has
- * few, and puts boxes round them. At most 81 bytes a run are in use on the way. */
-#include "atlas/surface/bvh.h"
+/* Makes the tree of a tractogram: cuts its streamlines into runs, halves them at the median of their middles until a
+ * leaf has few, and puts boxes round them. On the way runs are where their leaves will be, so that no more memory is in
+ * use than in the end. */
 #include "atlas/tracts/tract_node.h"
 #include "atlas/tracts/tractogram.h"
 #include "base/math3.h"
@@ -10,257 +10,405 @@
 /* Far above what rounding makes of a run's thickness, which has to be no less than it is. */
 #define BEND_SLACK 1e-6
 
+/* A run without a place in a leaf yet, as large as it has there. */
+struct item {
+    uint16_t middle[3]; /* of its box, in the cube of a range of items */
+    uint16_t segments;
+    uint32_t point;
+};
+
+_Static_assert(sizeof(struct item) * TRACT_LEAF == sizeof(struct tract_leaf), "runs are where their leaves will be");
+
 /* ---- Runs ------------------------------------------------------------------------------------------------------- */
+
+/* Longer ones where points take less memory, so that the tree takes less, too. */
+static uint64_t run_length(const struct tractogram *tractogram)
+{
+    enum { OF_FLOATS = 3 };
+    return tractogram->halves ? TRACT_RUN : OF_FLOATS;
+}
 
 static uint64_t points_of(const struct tractogram *tractogram, size_t streamline)
 {
     return tractogram->first[streamline + 1] - tractogram->first[streamline];
 }
 
-static size_t runs_of(uint64_t points)
+static size_t runs_of(uint64_t points, uint64_t longest)
 {
-    return (size_t)(points < 2 ? points : (points - 1 + TRACT_RUN - 1) / TRACT_RUN);
+    return (size_t)(points < 2 ? points : (points - 1 + longest - 1) / longest);
 }
 
 static size_t count_runs(const struct tractogram *tractogram)
 {
     size_t count = 0;
     for (size_t s = 0; s < tractogram->streamline_count; s++) {
-        count += runs_of(points_of(tractogram, s));
+        count += runs_of(points_of(tractogram, s), run_length(tractogram));
     }
     return count;
 }
 
 /* Cuts all streamlines from their first points on. */
-static void cut(struct tract_run *out, const struct tractogram *tractogram)
+static void cut(struct item *out, const struct tractogram *tractogram)
 {
+    uint64_t longest = run_length(tractogram);
     for (size_t s = 0; s < tractogram->streamline_count; s++) {
         uint64_t segments = points_of(tractogram, s) - 1; /* wraps where there is no point, and so no run */
-        size_t runs = runs_of(segments + 1);
-        for (size_t r = 0; r < runs; r++) {
-            uint64_t done = r * TRACT_RUN;
+        size_t runs = runs_of(segments + 1, longest);
+        for (uint64_t done = 0; done < runs * longest; done += longest) {
             uint64_t left = segments - done;
-            *out++ = (struct tract_run){tractogram->first[s] + done, (uint32_t)s,
-                                        (uint32_t)(left < TRACT_RUN ? left : TRACT_RUN)};
+            *out++ = (struct item){.segments = (uint16_t)(left < longest ? left : longest),
+                                   .point = (uint32_t)(tractogram->first[s] + done)};
         }
     }
 }
 
-static struct bvh_box box_of_run(const struct tractogram *tractogram, const struct tract_run *run, size_t number)
+static void mark(uint32_t *out, const struct tractogram *tractogram)
 {
-    struct bvh_box box = bvh_box_empty((uint32_t)number);
-    for (uint32_t k = 0; k <= run->segments; k++) {
-        double point[3];
-        tractogram_point(point, tractogram, run->point + k);
-        bvh_box_extend(&box, (float[3]){(float)point[0], (float)point[1], (float)point[2]});
+    uint64_t next = 0;
+    for (size_t s = 0; s < tractogram->streamline_count; s++) {
+        for (; next < tractogram->first[s + 1]; next += TRACT_MARK) {
+            *out++ = (uint32_t)s;
+        }
+    }
+}
+
+/* ---- Boxes ------------------------------------------------------------------------------------------------------ */
+
+struct box {
+    float low[3], high[3];
+};
+
+static struct box no_box(void)
+{
+    return (struct box){{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+}
+
+static inline void extend(struct box *box, const float low[3], const float high[3])
+{
+    for (int a = 0; a < 3; a++) {
+        box->low[a] = low[a] < box->low[a] ? low[a] : box->low[a];
+        box->high[a] = high[a] > box->high[a] ? high[a] : box->high[a];
+    }
+}
+
+/* As it is: floats hold halves. */
+static inline void read_point(float out[3], const struct tractogram *tractogram, uint64_t index)
+{
+    for (uint64_t a = 0; a < 3; a++) {
+        out[a] = tractogram->points ? tractogram->points[3 * index + a]
+                                    : (float)tract_from_half(tractogram->halves[3 * index + a]);
+    }
+}
+
+/* Round the @p count points from @p from on. */
+static inline struct box box_of_points(const struct tractogram *tractogram, uint64_t from, uint64_t count)
+{
+    struct box box = no_box();
+    for (uint64_t i = from; i < from + count; i++) {
+        float point[3];
+        read_point(point, tractogram, i);
+        extend(&box, point, point);
     }
     return box;
 }
 
 /* ---- Order ------------------------------------------------------------------------------------------------------ */
 
-/* Halves runs that are items of one node, down to single nodes above level 0. All items but the last one are full. */
-static void arrange(struct bvh_box *boxes, size_t count)
+static double middle(const struct box *box, int axis)
 {
-    size_t item = 1;
+    return 0.5 * ((double)box->low[axis] + (double)box->high[axis]);
+}
+
+/* Gives all items their middles in a cube that has the box round these. */
+static void frame(struct item *items, size_t count, const struct tractogram *tractogram, const struct box *around)
+{
+    double size = 0;
+    for (int a = 0; a < 3; a++) {
+        size = fmax(size, (double)around->high[a] - (double)around->low[a]);
+    }
+    double scale = size > 0 ? UINT16_MAX / size : 0;
+    for (size_t i = 0; i < count; i++) {
+        struct box box = box_of_points(tractogram, items[i].point, items[i].segments + 1U);
+        for (int a = 0; a < 3; a++) {
+            items[i].middle[a] = (uint16_t)((middle(&box, a) - (double)around->low[a]) * scale);
+        }
+    }
+}
+
+static struct box box_of_middles(const struct item *items, size_t count, const struct tractogram *tractogram)
+{
+    struct box around = no_box();
+    for (size_t i = 0; i < count; i++) {
+        struct box box = box_of_points(tractogram, items[i].point, items[i].segments + 1U);
+        const float at[3] = {(float)middle(&box, 0), (float)middle(&box, 1), (float)middle(&box, 2)};
+        extend(&around, at, at);
+    }
+    return around;
+}
+
+/* The axis along which the middles are farthest apart, and how far. */
+static int longest_axis(unsigned *size, const struct item *items, size_t count)
+{
+    uint16_t low[3] = {UINT16_MAX, UINT16_MAX, UINT16_MAX};
+    uint16_t high[3] = {0};
+    int longest = 0;
+    for (size_t i = 0; i < count; i++) {
+        for (int a = 0; a < 3; a++) {
+            low[a] = items[i].middle[a] < low[a] ? items[i].middle[a] : low[a];
+            high[a] = items[i].middle[a] > high[a] ? items[i].middle[a] : high[a];
+        }
+    }
+    for (int a = 1; a < 3; a++) {
+        longest = high[a] - low[a] > high[longest] - low[longest] ? a : longest;
+    }
+    *size = (unsigned)(high[longest] - low[longest]);
+    return longest;
+}
+
+/* The number at place @p half of the ascending middles: its high byte, then its low one. */
+static unsigned find_median(const struct item *items, size_t count, size_t half, int axis)
+{
+    enum { BYTE = 256 };
+    unsigned found = 0;
+    for (unsigned shift = 8; shift <= 8; shift -= 8) {
+        size_t counts[BYTE] = {0};
+        for (size_t i = 0; i < count; i++) {
+            unsigned at = items[i].middle[axis];
+            counts[at >> shift & (BYTE - 1)] += shift || at >> 8 == found >> 8;
+        }
+        unsigned byte = 0;
+        for (; half >= counts[byte]; byte++) {
+            half -= counts[byte];
+        }
+        found |= byte << shift;
+    }
+    return found;
+}
+
+/* Puts items from @p from on that are below a limit before the others, up to the place @p most. */
+static size_t put_before(struct item *items, size_t from, size_t count, size_t most, int axis, unsigned limit)
+{
+    size_t place = from;
+    for (size_t i = from; i < count && place < most; i++) {
+        struct item item = items[i];
+        items[i] = items[place];
+        items[place] = item;
+        place += item.middle[axis] < limit;
+    }
+    return place;
+}
+
+/* Puts the @p half items with the least middles before the others. */
+static void halve(struct item *items, size_t count, size_t half, int axis)
+{
+    unsigned median = find_median(items, count, half, axis);
+    size_t place = put_before(items, 0, count, count, axis, median);
+    put_before(items, place, count, half, axis, median + 1);
+}
+
+/* Halves runs that are items of one node, down to single leaves. All items but the last one are full. */
+static void arrange(struct item *items, size_t count, const struct tractogram *tractogram)
+{
+    enum { COARSE = 64 };
+    size_t item = TRACT_LEAF;
+    if (count <= item) {
+        return;
+    }
     while (item * TRACT_WIDTH < count) {
         item *= TRACT_WIDTH;
     }
-    if (item > 1) {
-        size_t half = (count + item - 1) / item / 2 * item;
-        struct bvh_box around = bvh_box_around(boxes, count);
-        bvh_halve(boxes, count, half, bvh_box_longest_axis(&around));
-        arrange(boxes, half);
-        arrange(boxes + half, count - half);
+    unsigned size;
+    int axis = longest_axis(&size, items, count);
+    if (size < COARSE) { /* of all middles; these are in a small part */
+        struct box around = box_of_middles(items, count, tractogram);
+        frame(items, count, tractogram, &around);
+        axis = longest_axis(&size, items, count);
     }
+    if (size > 0) {
+        size_t half = (count + item - 1) / item / 2 * item;
+        halve(items, count, half, axis);
+        arrange(items, half, tractogram);
+        arrange(items + half, count - half, tractogram);
+    }
+}
+
+/* ---- Leaves ----------------------------------------------------------------------------------------------------- */
+
+/* From the nearest point of a segment to @p point. */
+static double distance_from_segment(const double point[3], const double a[3], const double b[3])
+{
+    double side[3];
+    double way[3];
+    vec3_sub(side, b, a);
+    vec3_sub(way, point, a);
+    double squared = vec3_dot(side, side);
+    double along = squared > 0 ? vec3_dot(way, side) / squared : 0;
+    vec3_add_scaled(way, way, -(along < 0 ? 0 : along > 1 ? 1 : along), side);
+    return vec3_length(way);
+}
+
+static uint8_t byte_of(double coordinate, double low, double step)
+{
+    double at = step > 0 ? (coordinate - low) / step + 0.5 : 0;
+    return (uint8_t)(at < UINT8_MAX ? at : UINT8_MAX);
+}
+
+/* Gives a run its ends, and how far it is from the segment between them. */
+static double set_ends(struct tract_leaf *leaf, size_t lane, const struct tractogram *tractogram)
+{
+    double ends[2][3];
+    double point[3];
+    double largest = 0;
+    uint32_t segments = tract_leaf_segments(leaf, lane);
+    for (uint32_t e = 0; e < 2; e++) {
+        tractogram_point(point, tractogram, leaf->point[lane] + (uint64_t)e * segments);
+        for (int a = 0; a < 3; a++) {
+            leaf->ends[e][a][lane] = byte_of(point[a], (double)leaf->low[a], (double)leaf->step[a]);
+            ends[e][a] = (double)leaf->low[a] + leaf->ends[e][a][lane] * (double)leaf->step[a];
+        }
+    }
+    for (uint32_t k = 0; k <= segments; k++) {
+        tractogram_point(point, tractogram, leaf->point[lane] + (uint64_t)k);
+        largest = fmax(largest, distance_from_segment(point, ends[0], ends[1]));
+    }
+    return largest * (1 + BEND_SLACK);
+}
+
+static void set_bends(struct tract_leaf *leaf, const double bends[TRACT_LEAF])
+{
+    enum { LARGEST = 255 >> TRACT_SEGMENTS_BITS };
+    double largest = 0;
+    for (size_t lane = 0; lane < leaf->count; lane++) {
+        largest = fmax(largest, bends[lane]);
+    }
+    leaf->thickness = (float)(largest / LARGEST * (1 + BEND_SLACK));
+    for (size_t lane = 0; lane < leaf->count && leaf->thickness > 0; lane++) {
+        double multiple = ceil(bends[lane] / (double)leaf->thickness);
+        leaf->bend[lane] |= (uint8_t)((unsigned)multiple << TRACT_SEGMENTS_BITS);
+    }
+}
+
+/* Makes a leaf of @p count items. Its box. */
+static struct box set_leaf(struct tract_leaf *out, const struct item *items, size_t count,
+                           const struct tractogram *tractogram)
+{
+    struct box around = no_box();
+    double bends[TRACT_LEAF];
+    *out = (struct tract_leaf){.count = (uint32_t)count};
+    for (size_t lane = 0; lane < count; lane++) {
+        struct box box = box_of_points(tractogram, items[lane].point, items[lane].segments + 1U);
+        extend(&around, box.low, box.high);
+        out->point[lane] = items[lane].point;
+        out->bend[lane] = (uint8_t)items[lane].segments;
+    }
+    for (int a = 0; a < 3; a++) {
+        out->low[a] = around.low[a];
+        out->step[a] = (float)(((double)around.high[a] - (double)around.low[a]) / UINT8_MAX);
+    }
+    for (size_t lane = 0; lane < count; lane++) {
+        bends[lane] = set_ends(out, lane, tractogram);
+    }
+    set_bends(out, bends);
+    return around;
+}
+
+/* Or the processor would wait for each run's. */
+static void fetch_points(const struct tractogram *tractogram, const struct item *item)
+{
+    const char *from = tractogram->points ? (const char *)(tractogram->points + 3 * (uint64_t)item->point)
+                                          : (const char *)(tractogram->halves + 3 * (uint64_t)item->point);
+    size_t size = 3 * item->segments * (tractogram->points ? sizeof(float) : sizeof(uint16_t));
+    __builtin_prefetch(from);
+    __builtin_prefetch(from + size);
 }
 
 /* ---- Nodes ------------------------------------------------------------------------------------------------------ */
 
-static float round_up(double thickness)
-{
-    return (float)(thickness * (1 + BEND_SLACK));
-}
-
-/* From the nearest point of a segment to @p point. */
-static void way_from_segment(double out[3], const double point[3], const double a[3], const double b[3])
-{
-    double side[3];
-    vec3_sub(side, b, a);
-    vec3_sub(out, point, a);
-    double squared = vec3_dot(side, side);
-    double along = squared > 0 ? vec3_dot(out, side) / squared : 0;
-    vec3_add_scaled(out, out, -(along < 0 ? 0 : along > 1 ? 1 : along), side);
-}
-
-/* The largest distance of points from a segment, and the mean way from it to them. */
-static double measure_bend(double mean[3], double (*points)[3], size_t count, const double a[3], const double b[3])
-{
-    double largest = 0;
-    memset(mean, 0, 3 * sizeof *mean);
-    for (size_t k = 0; k < count; k++) {
-        double way[3];
-        way_from_segment(way, points[k], a, b);
-        largest = fmax(largest, vec3_length(way));
-        vec3_add_scaled(mean, mean, 1.0 / (double)count, way);
-    }
-    return largest;
-}
-
-static double fine_thickness(double (*points)[3], size_t count)
-{
-    double largest = 0;
-    for (size_t k = 2; k < count; k += 2) {
-        double unused[3];
-        largest = fmax(largest, measure_bend(unused, points + k - 1, 1, points[k - 2], points[k]));
-    }
-    return largest;
-}
-
-static size_t take_points(double (*out)[3], const struct tractogram *tractogram, const struct tract_run *run)
-{
-    for (uint32_t k = 0; k <= run->segments; k++) {
-        tractogram_point(out[k], tractogram, run->point + k);
-    }
-    return run->segments + 1;
-}
-
-/* The segment between the run's ends; or one to which both sides of a run that is bent to one side are as near. */
-static void set_run(struct tract_node *node, size_t lane, const struct tractogram *tractogram,
-                    const struct tract_run *run)
-{
-    static const double shift[] = {0, 0.75}; /* of an arc: its mean is at 2/3 of its height, the middle at 1/2 */
-    double points[TRACT_RUN + 1][3];
-    double mean[3] = {0};
-    double thickness = INFINITY;
-    size_t count = take_points(points, tractogram, run);
-    for (int k = 0; k < 2; k++) {
-        double ends[2][3];
-        double bend[3];
-        for (int a = 0; a < 3; a++) {
-            ends[0][a] = (double)(float)(points[0][a] + shift[k] * mean[a]);
-            ends[1][a] = (double)(float)(points[count - 1][a] + shift[k] * mean[a]);
-        }
-        double largest = measure_bend(bend, points, count, ends[0], ends[1]);
-        for (int a = 0; a < 3 && largest < thickness; a++) {
-            node->a[a][lane] = (float)ends[0][a];
-            node->b[a][lane] = (float)ends[1][a];
-        }
-        thickness = fmin(thickness, largest);
-        memcpy(mean, bend, sizeof mean);
-    }
-    node->thickness[lane] = round_up(thickness);
-    node->fine[lane] = round_up(fine_thickness(points, count));
-}
-
-static void set_box(struct tract_node *node, size_t lane, const struct bvh_box *box)
+static void set_box(struct tract_node *node, size_t lane, const struct box *box)
 {
     for (int a = 0; a < 3; a++) {
-        node->a[a][lane] = box->low[a];
-        node->b[a][lane] = box->high[a];
+        node->low[a][lane] = box->low[a];
+        node->high[a][lane] = box->high[a];
     }
 }
 
-static struct bvh_box box_of_items(const struct tract_node *node, size_t count)
+static struct box box_of_lanes(const struct tract_node *node, size_t count)
 {
-    struct bvh_box box = bvh_box_empty(0);
+    struct box box = no_box();
     for (size_t lane = 0; lane < count; lane++) {
-        bvh_box_extend(&box, (float[3]){node->a[0][lane], node->a[1][lane], node->a[2][lane]});
-        bvh_box_extend(&box, (float[3]){node->b[0][lane], node->b[1][lane], node->b[2][lane]});
+        extend(&box, (float[3]){node->low[0][lane], node->low[1][lane], node->low[2][lane]},
+               (float[3]){node->high[0][lane], node->high[1][lane], node->high[2][lane]});
     }
     return box;
 }
 
-/* The box of an item above level 0. */
-static struct bvh_box box_of_item(const struct tract_tree *tree, const struct tract_levels *levels,
-                                  const struct bvh_box *boxes, unsigned level, size_t item)
+/* Items become leaves one by one. */
+static void fill_leaves(struct tract_tree *tree, const struct item *items, const struct tractogram *tractogram)
 {
-    size_t first = item * TRACT_WIDTH;
-    size_t left = levels->items[level - 1] - first;
-    size_t count = left < TRACT_WIDTH ? left : TRACT_WIDTH;
-    return level == 1 ? bvh_box_around(boxes + first, count)
-                      : box_of_items(&tree->nodes[levels->first[level - 1] + item], count);
-}
-
-/* Or the processor would wait for each run's. */
-static void fetch_points(const struct tractogram *tractogram, const struct tract_run *run)
-{
-    enum { LINE = 64 };
-    const char *from = tractogram->points ? (const char *)(tractogram->points + 3 * run->point)
-                                          : (const char *)(tractogram->halves + 3 * run->point);
-    size_t size = 3 * (run->segments + 1) * (tractogram->points ? sizeof(float) : sizeof(uint16_t));
-    for (size_t at = 0; at < size; at += LINE) {
-        __builtin_prefetch(from + at);
+    for (size_t from = 0; from < tree->run_count; from += TRACT_LEAF) {
+        size_t left = tree->run_count - from;
+        size_t count = left < TRACT_LEAF ? left : TRACT_LEAF;
+        for (size_t i = 0; i < count; i++) {
+            size_t ahead = from + TRACT_LEAF + i;
+            fetch_points(tractogram, &items[ahead < tree->run_count ? ahead : from + i]);
+        }
+        struct item taken[TRACT_LEAF];
+        memcpy(taken, items + from, count * sizeof *taken);
+        size_t number = from / TRACT_LEAF;
+        struct box box = set_leaf(&tree->leaves[number], taken, count, tractogram);
+        set_box(&tree->nodes[number / TRACT_WIDTH], number % TRACT_WIDTH, &box);
     }
 }
 
 /* Level by level: the nodes above the items of each are the items of the next. */
-static void fill_nodes(const struct tract_tree *tree, const struct tract_levels *levels, const struct bvh_box *boxes,
-                       const struct tractogram *tractogram)
+static void fill_nodes(const struct tract_tree *tree, const struct tract_levels *levels)
 {
-    enum { AHEAD = 8 };
-    for (size_t i = 0; i < tree->run_count; i++) {
-        fetch_points(tractogram, &tree->runs[i + AHEAD < tree->run_count ? i + AHEAD : i]);
-        set_run(&tree->nodes[i / TRACT_WIDTH], i % TRACT_WIDTH, tractogram, &tree->runs[i]);
-    }
     for (unsigned level = 1; level < levels->count; level++) {
         for (size_t i = 0; i < levels->items[level]; i++) {
-            struct bvh_box box = box_of_item(tree, levels, boxes, level, i);
+            size_t left = levels->items[level - 1] - i * TRACT_WIDTH;
+            struct box box =
+                box_of_lanes(&tree->nodes[levels->first[level - 1] + i], left < TRACT_WIDTH ? left : TRACT_WIDTH);
             set_box(&tree->nodes[levels->first[level] + i / TRACT_WIDTH], i % TRACT_WIDTH, &box);
         }
     }
 }
 
-/* Makes the boxes of all runs, in the order of the leaves, and puts the runs in that order. */
-static conus_status order_runs(struct bvh_box *boxes, struct tract_run **runs, size_t count,
-                               const struct tractogram *tractogram)
-{
-    struct tract_run *ordered = memory_raw(count, sizeof *ordered);
-    if (!ordered) {
-        return CONUS_ERROR_MEMORY;
-    }
-    cut(*runs, tractogram);
-    for (size_t i = 0; i < count; i++) {
-        boxes[i] = box_of_run(tractogram, &(*runs)[i], i);
-    }
-    arrange(boxes, count);
-    for (size_t i = 0; i < count; i++) {
-        ordered[i] = (*runs)[boxes[i].number];
-    }
-    memory_free(*runs);
-    *runs = ordered;
-    return CONUS_OK;
-}
+/* ---- The tree --------------------------------------------------------------------------------------------------- */
 
-static void keep_bounds(struct tractogram *tractogram, const struct bvh_box *boxes, size_t count)
+static struct box keep_bounds(struct tractogram *tractogram)
 {
-    struct bvh_box around = bvh_box_around(boxes, count);
+    struct box box = box_of_points(tractogram, 0, tractogram->point_count);
     for (int a = 0; a < 3; a++) {
-        tractogram->low[a] = (double)around.low[a];
-        tractogram->high[a] = (double)around.high[a];
+        tractogram->low[a] = (double)box.low[a];
+        tractogram->high[a] = (double)box.high[a];
     }
+    return box;
 }
 
 conus_status tractogram_grow_tree(struct tractogram *tractogram)
 {
-    size_t count = count_runs(tractogram);
-    if (count > UINT32_MAX) {
-        return fail(CONUS_ERROR_MEMORY, "%zu runs of %d segments, at most %u are allowed", count, TRACT_RUN,
-                    UINT32_MAX);
+    if (tractogram->point_count > UINT32_MAX) {
+        return fail(CONUS_ERROR_DATA, "points of streamlines: found %llu, at most %u are allowed",
+                    (unsigned long long)tractogram->point_count, UINT32_MAX);
     }
-    struct tract_levels levels = tract_levels_of(count);
-    struct bvh_box *boxes = memory_raw(count, sizeof *boxes);
-    struct tract_run *runs = memory_raw(count, sizeof *runs);
-    conus_status status = boxes && runs ? order_runs(boxes, &runs, count, tractogram) : CONUS_ERROR_MEMORY;
-    struct tract_node *nodes = status ? NULL : memory_zeroed(levels.node_count, sizeof *nodes);
-    if (!nodes) {
-        memory_free(boxes);
-        memory_free(runs);
+    struct tract_tree tree = {.run_count = count_runs(tractogram)};
+    struct tract_levels levels = tract_levels_of(tree.run_count);
+    tree.node_count = levels.node_count;
+    tree.nodes = memory_zeroed(tree.node_count, sizeof *tree.nodes);
+    tree.leaves = memory_raw(tract_leaf_count(tree.run_count), sizeof *tree.leaves);
+    tree.marks = memory_raw(tract_mark_count(tractogram->point_count), sizeof *tree.marks);
+    if (!tree.nodes || !tree.leaves || !tree.marks) {
+        tract_tree_finish(&tree);
         return CONUS_ERROR_MEMORY;
     }
-    tractogram->tree = (struct tract_tree){nodes, levels.node_count, runs, count};
-    fill_nodes(&tractogram->tree, &levels, boxes, tractogram);
-    keep_bounds(tractogram, boxes, count);
-    memory_free(boxes);
+    struct item *items = (void *)tree.leaves;
+    struct box around = keep_bounds(tractogram);
+    mark(tree.marks, tractogram);
+    cut(items, tractogram);
+    frame(items, tree.run_count, tractogram, &around);
+    arrange(items, tree.run_count, tractogram);
+    fill_leaves(&tree, items, tractogram);
+    fill_nodes(&tree, &levels);
+    tractogram->tree = tree;
     return CONUS_OK;
 }

@@ -2,26 +2,44 @@
 /** @file
  * The layout of a tract_tree, for those who search it with means of their own.
  *
- * An item of level 0 is a run, one of level l + 1 is a node with up to TRACT_WIDTH items of level l. All nodes but the
- * last ones of their levels are full. So item i of a level is lane i % TRACT_WIDTH of the node i / TRACT_WIDTH above
- * it, and no node says where its items are. The nodes above level 0 come first, the root is the last one. */
+ * An item of level 0 is a leaf, one of level l + 1 is a node with up to TRACT_WIDTH items of level l. All nodes and
+ * leaves but the last ones of their levels are full. So item i of a level is lane i % TRACT_WIDTH of the node
+ * i / TRACT_WIDTH above it, and no node says where its items are. The nodes above level 0 come first, the root is the
+ * last one. Run r is lane r % TRACT_LEAF of leaf r / TRACT_LEAF. */
 #ifndef CONUS_ATLAS_TRACTS_TRACT_NODE_H
 #define CONUS_ATLAS_TRACTS_TRACT_NODE_H
 
 #include "atlas/tracts/tract_tree.h"
 
 enum {
-    TRACT_WIDTH = 8,
-    TRACT_WIDTH_BITS = 3,
-    TRACT_LEVELS = 11 /**< 8^11 is more than UINT32_MAX runs */
+    TRACT_WIDTH = 16,
+    TRACT_WIDTH_BITS = 4,
+    TRACT_LEVELS = 8, /**< 16^8 is more than UINT32_MAX leaves */
+    TRACT_LEAF = 32,
+    TRACT_SEGMENTS_BITS = 3 /**< TRACT_RUN is less than 2^3 */
 };
 
-/** Where its items are; 0 in lanes without one. Above level 0 they are in the boxes from a to b, and nothing is thick.
- * A run is no farther than the thickness from the segment from a to b; and of every two of its segments, counted from
- * its beginning, the point between them is no farther than the fine thickness from the line between the outer ones. */
+/** The boxes round its items, from low to high; 0 in lanes without one. */
 struct tract_node {
-    float a[3][TRACT_WIDTH], b[3][TRACT_WIDTH], thickness[TRACT_WIDTH], fine[TRACT_WIDTH];
+    float low[3][TRACT_WIDTH], high[3][TRACT_WIDTH];
 };
+
+/** Runs near each other. Run k is no farther than its thickness from the segment between its ends, which are about
+ * its first and its last point. A coordinate of an end is low + step e. */
+struct tract_leaf {
+    float low[3], step[3];          /**< World mm. */
+    float thickness;                /**< mm; a run has a multiple of it. */
+    uint32_t count;                 /**< Of runs; what follows is 0 in lanes without one. */
+    uint8_t ends[2][3][TRACT_LEAF]; /**< e of the run's first end, and of its last one. */
+    uint8_t bend[TRACT_LEAF];       /**< Multiple of the thickness, and in the lowest bits the segments. */
+    uint32_t point[TRACT_LEAF];     /**< The run's first one, of all points of the tractogram. */
+};
+
+/** How many segments a run of a leaf has. */
+static inline uint32_t tract_leaf_segments(const struct tract_leaf *leaf, size_t lane)
+{
+    return leaf->bend[lane] & ((1U << TRACT_SEGMENTS_BITS) - 1);
+}
 
 /** Where the nodes of a tree are. */
 struct tract_levels {

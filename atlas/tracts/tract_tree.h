@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * A tree of boxes round runs of streamlines' segments. It is small beside the points (a leaf is a run of up to
- * TRACT_RUN segments of one streamline; streamlines of 100 points have 3.7 bytes of it a point), flat, and the same for
- * the same points, so it can be packed and mapped. tract_node.h says how it lies in memory. */
+ * A tree of boxes round runs of streamlines' segments. A leaf has runs of neighbouring streamlines side by side, with
+ * ends in bytes, so that a search reads it at once and few points. The tree is small beside the points (streamlines of
+ * 100 points have 4.4 bytes of it a point, or 2.7 if points are halves), flat, and the same for the same points, so it
+ * can be packed and mapped. tract_node.h says how it lies in memory. */
 #ifndef CONUS_ATLAS_TRACTS_TRACT_TREE_H
 #define CONUS_ATLAS_TRACTS_TRACT_TREE_H
 
@@ -12,7 +13,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { TRACT_RUN = 16 };
+/** Segments of a run at most, and points from one mark to the next. */
+enum { TRACT_RUN = 5, TRACT_MARK = 64 };
 
 /** Neighbouring segments of a streamline: of the points `point` to `point + segments`. Both ends of a run are points,
  * of which runs that follow each other share one. A streamline of one point is a run of no segment. */
@@ -22,6 +24,7 @@ struct tract_run {
     uint32_t segments; /**< 0 to TRACT_RUN */
 };
 
+struct tract_leaf;
 struct tract_node;
 struct tractogram;
 
@@ -29,9 +32,22 @@ struct tractogram;
 struct tract_tree {
     struct tract_node *nodes;
     size_t node_count;
-    struct tract_run *runs; /**< In the order of the tree's leaves. */
+    struct tract_leaf *leaves;
     size_t run_count;
+    uint32_t *marks; /**< [tract_mark_count()] Streamline of every TRACT_MARK-th point, from the first one on. */
 };
+
+/** Frees what it has. */
+void tract_tree_finish(struct tract_tree *tree);
+
+/** How many leaves have @p run_count runs. */
+size_t tract_leaf_count(size_t run_count);
+
+/** How many marks there are for @p point_count points. */
+size_t tract_mark_count(uint64_t point_count);
+
+/** Run @p number, below the tree's run_count, in the order of the leaves. */
+struct tract_run tract_run_at(const struct tractogram *tractogram, size_t number);
 
 /** What a box, its border included, has to do with what is looked for. */
 enum tract_answer { TRACT_OUTSIDE, TRACT_PERHAPS, TRACT_INSIDE };
@@ -40,8 +56,9 @@ typedef enum tract_answer (*tract_box_test)(void *user, const double low[3], con
 /** A run whose box is not outside; @p inside: the test has said so of a box around it. */
 typedef void (*tract_visit)(void *user, const struct tract_run *run, bool inside);
 
-/** Calls @p visit for all runs in boxes that @p test does not call outside, in the order of the leaves. Boxes are
- * those round the polylines, those of single runs a little larger; who asks for capsules grows them by the radius. */
-void tract_tree_walk(const struct tract_tree *tree, tract_box_test test, tract_visit visit, void *user);
+/** Calls @p visit for all runs of @p tractogram in boxes that @p test does not call outside, in the order of the
+ * leaves. Boxes are those round the polylines, those of single runs a little larger; who asks for capsules grows them
+ * by the radius. */
+void tract_tree_walk(const struct tractogram *tractogram, tract_box_test test, tract_visit visit, void *user);
 
 #endif

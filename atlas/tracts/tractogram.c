@@ -13,8 +13,7 @@ static void finish_points(struct tractogram *tractogram)
 {
     memory_free(tractogram->points);
     memory_free(tractogram->halves);
-    memory_free(tractogram->tree.nodes);
-    memory_free(tractogram->tree.runs);
+    tract_tree_finish(&tractogram->tree);
 }
 
 static void finish_others(struct tractogram *tractogram)
@@ -66,9 +65,14 @@ double tract_from_half(uint16_t half)
 
 uint32_t tractogram_streamline_of(const struct tractogram *tractogram, uint64_t index)
 {
-    size_t low = 0;
+    const uint32_t *marks = tractogram->tree.marks;
+    size_t mark = (size_t)(index / TRACT_MARK);
+    size_t low = marks ? marks[mark] : 0;
     size_t high = tractogram->streamline_count;
     assert(index < tractogram->point_count);
+    if (marks && mark + 1 < tract_mark_count(tractogram->point_count)) {
+        high = (size_t)marks[mark + 1] + 1;
+    }
     while (high - low > 1) { /* first[low] <= index < first[high] */
         size_t middle = low + (high - low) / 2;
         *(tractogram->first[middle] <= index ? &low : &high) = middle;
@@ -185,11 +189,22 @@ conus_status tractogram_check(const struct tractogram *tractogram, struct notes 
     return status ? status : note_short(tractogram, notes);
 }
 
-static bool is_run_of(const struct tract_run *run, const struct tractogram *tractogram)
+static bool has_point(const struct tractogram *tractogram, uint32_t streamline, uint64_t point)
 {
-    return run->streamline < tractogram->streamline_count && run->segments <= TRACT_RUN &&
-           run->point >= tractogram->first[run->streamline] && run->point < tractogram->first[run->streamline + 1] &&
-           run->segments < tractogram->first[run->streamline + 1] - run->point;
+    return streamline < tractogram->streamline_count && tractogram->first[streamline] <= point &&
+           point < tractogram->first[streamline + 1];
+}
+
+static bool are_runs_of(const struct tract_leaf *leaf, size_t count, const struct tractogram *tractogram)
+{
+    bool sound = leaf->count == count;
+    for (size_t lane = 0; lane < count && sound; lane++) {
+        uint64_t point = leaf->point[lane];
+        uint32_t segments = tract_leaf_segments(leaf, lane);
+        sound = segments <= TRACT_RUN && point < tractogram->point_count &&
+                has_point(tractogram, tractogram_streamline_of(tractogram, point), point + segments);
+    }
+    return sound;
 }
 
 bool tractogram_leads_nowhere_else(const struct tractogram *tractogram)
@@ -197,8 +212,12 @@ bool tractogram_leads_nowhere_else(const struct tractogram *tractogram)
     const struct tract_tree *tree = &tractogram->tree;
     bool sound = !check_first(tractogram) && tree->run_count <= UINT32_MAX &&
                  tree->node_count == tract_levels_of(tree->run_count).node_count;
-    for (size_t i = 0; i < tree->run_count && sound; i++) {
-        sound = is_run_of(&tree->runs[i], tractogram);
+    for (size_t i = 0; i < tract_mark_count(tractogram->point_count) && sound; i++) {
+        sound = has_point(tractogram, tree->marks[i], i * TRACT_MARK);
+    }
+    for (size_t i = 0; i < tree->run_count && sound; i += TRACT_LEAF) {
+        size_t left = tree->run_count - i;
+        sound = are_runs_of(&tree->leaves[i / TRACT_LEAF], left < TRACT_LEAF ? left : TRACT_LEAF, tractogram);
     }
     for (size_t i = 0; i < tractogram->group_count && sound; i++) {
         sound = !check_group(&tractogram->groups[i], tractogram->streamline_count);

@@ -156,7 +156,8 @@ static void walk_all(void *data)
 
 static json_t *facts(const struct tractogram *tractogram, double build)
 {
-    double tree = (double)tractogram->tree.run_count * sizeof(struct tract_run);
+    double tree = (double)tract_leaf_count(tractogram->tree.run_count) * sizeof(struct tract_leaf);
+    tree += (double)tract_mark_count(tractogram->point_count) * sizeof *tractogram->tree.marks;
     tree += (double)tractogram->tree.node_count * sizeof(struct tract_node);
     return json_pack("{s:I, s:f, s:f}", "streamlines", (json_int_t)tractogram->streamline_count, "build_ms",
                      1000 * build, "tree_bytes_per_point", tree / (double)tractogram->point_count);

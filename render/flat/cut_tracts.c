@@ -167,6 +167,6 @@ void cut_find_streamlines(struct cut *cut, const struct cut_view *view)
                               .tractogram = tractogram,
                               .objects = cut->streamlines[i]};
         init_axes(&frame, &view->place);
-        tract_tree_walk(&tractogram->tree, test_box, draw_run, &frame);
+        tract_tree_walk(tractogram, test_box, draw_run, &frame);
     }
 }

@@ -31,7 +31,7 @@ static uint64_t layout_of_structures(void)
                             sizeof(conus_object),        sizeof(struct object_place), sizeof(struct mesh),
                             sizeof(struct distance_map), sizeof(struct hidden_run),   sizeof(struct warp),
                             sizeof(struct tractogram),   sizeof(struct tract_scalar), sizeof(struct tract_node),
-                            sizeof(struct tract_run)};
+                            sizeof(struct tract_leaf)};
     uint64_t layout = 0;
     for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
         layout = 1000003 * layout + sizes[i];

@@ -19,7 +19,8 @@ static struct tractogram bare_tractogram(const struct tractogram *tractogram)
     bare.scalars = NULL;
     bare.groups = NULL;
     bare.tree.nodes = NULL;
-    bare.tree.runs = NULL;
+    bare.tree.leaves = NULL;
+    bare.tree.marks = NULL;
     bare.has_borrowed_points = true;
     bare.is_borrowed = true;
     return bare;
@@ -98,13 +99,14 @@ static void pass_arrays(struct pack_walk *walk, struct tractogram *tractogram)
     pack_array(walk, &tractogram->halves, tractogram->point_count, 3 * sizeof *tractogram->halves);
     pack_array(walk, &tractogram->first, tractogram->streamline_count + 1, sizeof *tractogram->first);
     pack_array(walk, &tree->nodes, tree->node_count, sizeof *tree->nodes);
-    pack_array(walk, &tree->runs, tree->run_count, sizeof *tree->runs);
+    pack_array(walk, &tree->leaves, tract_leaf_count(tree->run_count), sizeof *tree->leaves);
+    pack_array(walk, &tree->marks, tract_mark_count(tractogram->point_count), sizeof *tree->marks);
 }
 
 static bool has_arrays(const struct tractogram *tractogram)
 {
     const struct tract_tree *tree = &tractogram->tree;
-    return tractogram->first && (tree->runs || !tree->run_count) && (tree->nodes || !tree->node_count) &&
+    return tractogram->first && (tree->leaves || !tree->run_count) && (tree->marks || !tractogram->point_count) && (tree->nodes || !tree->node_count) &&
            (tractogram->points || tractogram->halves || !tractogram->point_count);
 }
 

@@ -117,7 +117,7 @@ void tract_census_walk(const struct tractogram *tractogram, const struct region 
                        void *user)
 {
     struct walk walk = {.tractogram = tractogram, .region = region, .visit = visit, .user = user};
-    tract_tree_walk(&tractogram->tree, test_box, visit_run, &walk);
+    tract_tree_walk(tractogram, test_box, visit_run, &walk);
 }
 
 /* ---- Lists -------------------------------------------------------------------------------------------------- */

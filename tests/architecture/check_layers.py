@@ -68,7 +68,7 @@ LIBRARY = {
     "base/formats": "base",
     "atlas/surface": "base",
     "atlas/deformation": "base",
-    "atlas/tracts": "base atlas/surface",
+    "atlas/tracts": "base",
     "atlas/labels": "base",
     "atlas": "base atlas/surface atlas/deformation atlas/tracts atlas/labels",
     "atlas/areas": "base atlas/labels atlas",

@@ -33,32 +33,31 @@ static struct tractogram random_walks(uint64_t *random, size_t streamlines, unsi
     return (struct tractogram){.points = points, .point_count = count, .first = first, .streamline_count = streamlines};
 }
 
-static void finish_tree(struct tractogram *tractogram)
-{
-    memory_free(tractogram->tree.nodes);
-    memory_free(tractogram->tree.runs);
-    tractogram->tree = (struct tract_tree){0};
-}
-
 /* ---- Runs ------------------------------------------------------------------------------------------------------- */
 
-/* Every segment is in one run, every single point is one, and a run begins 16 segments after that before it. */
+/* [point_count] The number of the run that begins at a point. */
+static size_t numbers[POINTS];
+
+/* Every segment is in one run, every single point is one, and a run begins 3 segments after that before it, or 5 where
+ * points are halves. */
 static void check_runs(const struct tractogram *tractogram)
 {
     static unsigned char seen[POINTS];
+    const uint64_t longest = tractogram->halves ? 5 : 3;
     size_t segments = 0;
     size_t wanted = 0;
     memset(seen, 0, sizeof seen);
     for (size_t r = 0; r < tractogram->tree.run_count; r++) {
-        const struct tract_run *run = &tractogram->tree.runs[r];
-        uint64_t begin = tractogram->first[run->streamline];
-        uint64_t end = tractogram->first[run->streamline + 1];
-        assert_true(run->point >= begin && run->point + run->segments < end);
-        assert_int_equal((run->point - begin) % TRACT_RUN, 0);
-        assert_true(run->segments == TRACT_RUN || run->point + run->segments + 1 == end);
-        assert_true(run->segments > 0 || begin + 1 == end);
-        assert_int_equal(seen[run->point]++, 0);
-        segments += run->segments;
+        struct tract_run run = tract_run_at(tractogram, r);
+        uint64_t begin = tractogram->first[run.streamline];
+        uint64_t end = tractogram->first[run.streamline + 1];
+        assert_true(run.point >= begin && run.point + run.segments < end);
+        assert_int_equal((run.point - begin) % longest, 0);
+        assert_true(run.segments == longest || run.point + run.segments + 1 == end);
+        assert_true(run.segments > 0 || begin + 1 == end);
+        assert_int_equal(seen[run.point]++, 0);
+        numbers[run.point] = r;
+        segments += run.segments;
     }
     for (size_t s = 0; s < tractogram->streamline_count; s++) {
         uint64_t count = tractogram->first[s + 1] - tractogram->first[s];
@@ -66,6 +65,18 @@ static void check_runs(const struct tractogram *tractogram)
         assert_true(count != 1 || seen[tractogram->first[s]]);
     }
     assert_int_equal(segments, wanted);
+}
+
+/* The streamline of a point is found with marks as it is without them. */
+static void check_marks(const struct tractogram *tractogram)
+{
+    struct tractogram bare = *tractogram;
+    bare.tree.marks = NULL;
+    for (uint64_t i = 0; i < tractogram->point_count; i++) {
+        uint32_t streamline = tractogram_streamline_of(tractogram, i);
+        assert_true(first[streamline] <= i && i < first[streamline + 1]);
+        assert_int_equal(streamline, tractogram_streamline_of(&bare, i));
+    }
 }
 
 /* ---- Walks ------------------------------------------------------------------------------------------------------ */
@@ -109,25 +120,46 @@ static enum tract_answer compare(void *user, const double low[3], const double h
     return answer;
 }
 
+static struct bounds bounds_of_run(const struct tractogram *tractogram, size_t number)
+{
+    struct tract_run run = tract_run_at(tractogram, number);
+    return bounds_of(tractogram, run.point, run.point + run.segments + 1);
+}
+
 static enum tract_answer compare_run(struct walk *walk, size_t number)
 {
-    const struct tract_run *run = &walk->tractogram->tree.runs[number];
-    struct bounds bounds = bounds_of(walk->tractogram, run->point, run->point + run->segments + 1);
+    struct bounds bounds = bounds_of_run(walk->tractogram, number);
     return compare(walk, bounds.low, bounds.high);
 }
 
-/* The box round the run's ends, larger by how far its points are at most from its first one: no box is larger. */
+static double size_of(const struct bounds *bounds)
+{
+    double sum = 0;
+    for (int a = 0; a < 3; a++) {
+        sum += bounds->high[a] - bounds->low[a];
+    }
+    return sum;
+}
+
+/* No box is larger than that round the run's points, grown. A byte moves each end by at most a step, 1/255 of the
+ * leaf's size. So points are no farther from the segment between the ends than the run's size and two steps. That is
+ * rounded up by at most 1/31 of what is the largest such distance in the leaf, which is no more than its size. */
 static enum tract_answer compare_loosely(struct walk *walk, size_t number)
 {
-    const struct tract_run *run = &walk->tractogram->tree.runs[number];
-    struct bounds bounds = bounds_of(walk->tractogram, run->point, run->point + run->segments + 1);
-    double bend = 0;
-    for (int a = 0; a < 3; a++) {
-        bend += bounds.high[a] - bounds.low[a];
+    size_t leaf = number / TRACT_LEAF * TRACT_LEAF;
+    struct bounds bounds = bounds_of_run(walk->tractogram, number);
+    struct bounds around = bounds;
+    for (size_t r = leaf; r < leaf + TRACT_LEAF && r < walk->tractogram->tree.run_count; r++) {
+        struct bounds other = bounds_of_run(walk->tractogram, r);
+        for (int a = 0; a < 3; a++) {
+            around.low[a] = fmin(around.low[a], other.low[a]);
+            around.high[a] = fmax(around.high[a], other.high[a]);
+        }
     }
+    double more = size_of(&bounds) + size_of(&around) * (3 / 255.0 + 1.01 / 31) + 1e-5;
     for (int a = 0; a < 3; a++) {
-        bounds.low[a] -= bend;
-        bounds.high[a] += bend;
+        bounds.low[a] -= more;
+        bounds.high[a] += more;
     }
     return compare(walk, bounds.low, bounds.high);
 }
@@ -135,7 +167,9 @@ static enum tract_answer compare_loosely(struct walk *walk, size_t number)
 static void take(void *user, const struct tract_run *run, bool inside)
 {
     struct walk *walk = user;
-    size_t number = (size_t)(run - walk->tractogram->tree.runs);
+    size_t number = numbers[run->point];
+    struct tract_run same = tract_run_at(walk->tractogram, number);
+    assert_true(same.point == run->point && same.segments == run->segments && same.streamline == run->streamline);
     assert_true(number >= walk->next);
     for (; walk->next < number; walk->next++) {
         assert_int_equal(compare_run(walk, walk->next), TRACT_OUTSIDE);
@@ -150,7 +184,7 @@ static void take(void *user, const struct tract_run *run, bool inside)
 static size_t check_walk(const struct tractogram *tractogram, const struct bounds *wanted)
 {
     struct walk walk = {.tractogram = tractogram, .wanted = *wanted};
-    tract_tree_walk(&tractogram->tree, compare, take, &walk);
+    tract_tree_walk(tractogram, compare, take, &walk);
     for (; walk.next < tractogram->tree.run_count; walk.next++) {
         assert_int_equal(compare_run(&walk, walk.next), TRACT_OUTSIDE);
     }
@@ -159,16 +193,22 @@ static size_t check_walk(const struct tractogram *tractogram, const struct bound
 
 /* ---- Capsules --------------------------------------------------------------------------------------------------- */
 
+static double coordinate_of(const struct tract_leaf *leaf, size_t lane, int end, int axis)
+{
+    return (double)leaf->low[axis] + (double)leaf->step[axis] * leaf->ends[end][axis][lane];
+}
+
 /* Of a point from 257 points of a lane's segment; that is at most half a step more than from the segment. */
-static double distance_from(const struct tract_node *node, size_t lane, const double point[3], double *step)
+static double distance_from(const struct tract_leaf *leaf, size_t lane, const double point[3], double *step)
 {
     double least = INFINITY;
     for (int i = 0; i <= 256; i++) {
         double sum = 0;
         *step = 0;
         for (int a = 0; a < 3; a++) {
-            double side = (double)node->b[a][lane] - (double)node->a[a][lane];
-            double away = (double)node->a[a][lane] + i / 256.0 * side - point[a];
+            double from = coordinate_of(leaf, lane, 0, a);
+            double side = coordinate_of(leaf, lane, 1, a) - from;
+            double away = from + i / 256.0 * side - point[a];
             sum += away * away;
             *step += side * side;
         }
@@ -178,41 +218,24 @@ static double distance_from(const struct tract_node *node, size_t lane, const do
     return least;
 }
 
-/* Of every second point from the line between its neighbours, by the height of the triangle: twice its area (Heron's
- * formula) divided by its base; the sides are shorter where the height is outside. */
-static void check_fine(const struct tractogram *tractogram, const struct tract_node *node, size_t lane,
-                       const struct tract_run *run)
-{
-    for (uint32_t k = 2; k <= run->segments; k += 2) {
-        double p[3][3];
-        double side[3];
-        for (uint64_t i = 0; i < 3; i++) {
-            tractogram_point(p[i], tractogram, run->point + k - i);
-        }
-        for (int i = 0; i < 3; i++) {
-            const double *q = p[(i + 1) % 3];
-            side[i] = hypot(hypot(p[i][0] - q[0], p[i][1] - q[1]), p[i][2] - q[2]);
-        }
-        double half = (side[0] + side[1] + side[2]) / 2;
-        double area = sqrt(fmax(half * (half - side[0]) * (half - side[1]) * (half - side[2]), 0));
-        double height = side[2] > 0 ? 2 * area / side[2] : 0;
-        assert_true((double)node->fine[lane] >= height - 1e-5);
-    }
-}
-
-/* Runs are in the capsules of level 0. */
+/* Runs are no farther than their thickness from the segments between their ends, and these are no farther than a step
+ * from where they should be. */
 static void check_capsules(const struct tractogram *tractogram)
 {
     for (size_t r = 0; r < tractogram->tree.run_count; r++) {
-        const struct tract_node *node = &tractogram->tree.nodes[r / TRACT_WIDTH];
-        const struct tract_run *run = &tractogram->tree.runs[r];
-        check_fine(tractogram, node, r % TRACT_WIDTH, run);
-        for (uint32_t k = 0; k <= run->segments; k++) {
+        const struct tract_leaf *leaf = &tractogram->tree.leaves[r / TRACT_LEAF];
+        const size_t lane = r % TRACT_LEAF;
+        const struct tract_run run = tract_run_at(tractogram, r);
+        for (uint32_t k = 0; k <= run.segments; k++) {
             double step;
             double point[3];
-            tractogram_point(point, tractogram, run->point + k);
-            double away = distance_from(node, r % TRACT_WIDTH, point, &step);
-            assert_true(away <= (double)node->thickness[r % TRACT_WIDTH] + step / 2);
+            tractogram_point(point, tractogram, run.point + k);
+            double away = distance_from(leaf, lane, point, &step);
+            assert_true(away <= (double)leaf->thickness * (leaf->bend[lane] >> TRACT_SEGMENTS_BITS) + step / 2);
+            for (int a = 0; a < 3 && (k == 0 || k == run.segments); a++) {
+                double off = fabs(coordinate_of(leaf, lane, k > 0, a) - point[a]);
+                assert_true(off <= 0.51 * (double)leaf->step[a]);
+            }
         }
     }
 }
@@ -250,9 +273,10 @@ static void a_walk_finds_what_a_loop_finds(void **state)
             assert_true(tractogram.low[a] == bounds.low[a] && tractogram.high[a] == bounds.high[a]);
         }
         check_runs(&tractogram);
+        check_marks(&tractogram);
         check_capsules(&tractogram);
         check_walks(&random, &tractogram);
-        finish_tree(&tractogram);
+        tract_tree_finish(&tractogram.tree);
     }
 }
 
@@ -268,36 +292,85 @@ static void equal_points_make_a_tree(void **state)
         assert_ok(tractogram_grow_tree(&tractogram));
         assert_true(tractogram.high[1] == (far ? 1e9 : 0.0));
         check_runs(&tractogram);
+        check_marks(&tractogram);
         check_capsules(&tractogram);
         check_walks(&random, &tractogram);
-        finish_tree(&tractogram);
+        tract_tree_finish(&tractogram.tree);
     }
 }
 
-/* The same points give the same tree, in half precision, too. */
+/* Points of one octave, as near as halves come. */
+static struct tractogram as_halves(uint64_t *random, const struct tractogram *tractogram)
+{
+    struct tractogram out = *tractogram;
+    for (uint64_t i = 0; i < 3 * out.point_count; i++) {
+        halves[i] = (uint16_t)test_random(random, 0x4000, 0x5000);
+    }
+    out.points = NULL;
+    out.halves = halves;
+    return out;
+}
+
+/* The same points give the same tree. In half precision its runs are longer, and it has every segment, too. */
 static void a_tree_follows_from_the_points(void **state)
 {
     (void)state;
     uint64_t random = 3;
-    struct tractogram once = random_walks(&random, 500, 40);
-    for (uint64_t i = 0; i < 3 * once.point_count; i++) {
-        halves[i] = (uint16_t)test_random(&random, 0x4000, 0x5000);
-        points[i] = (float)tract_from_half(halves[i]);
+    const struct tractogram floats = random_walks(&random, 500, 40);
+    const struct tractogram both[] = {floats, as_halves(&random, &floats)};
+    for (int i = 0; i < 2; i++) {
+        struct tractogram once = both[i];
+        struct tractogram again = both[i];
+        assert_ok(tractogram_grow_tree(&once));
+        assert_ok(tractogram_grow_tree(&again));
+        check_runs(&once);
+        check_marks(&once);
+        check_capsules(&once);
+        check_walks(&random, &once);
+        assert_int_equal(once.tree.node_count, again.tree.node_count);
+        assert_int_equal(once.tree.run_count, again.tree.run_count);
+        assert_memory_equal(once.tree.nodes, again.tree.nodes, once.tree.node_count * sizeof(struct tract_node));
+        assert_memory_equal(once.tree.leaves, again.tree.leaves,
+                            tract_leaf_count(once.tree.run_count) * sizeof(struct tract_leaf));
+        tract_tree_finish(&once.tree);
+        tract_tree_finish(&again.tree);
     }
-    struct tractogram again = once;
-    again.points = NULL;
-    again.halves = halves;
-    assert_ok(tractogram_grow_tree(&once));
-    assert_ok(tractogram_grow_tree(&again));
-    assert_int_equal(once.tree.node_count, again.tree.node_count);
-    assert_int_equal(once.tree.run_count, again.tree.run_count);
-    assert_memory_equal(once.tree.nodes, again.tree.nodes, once.tree.node_count * sizeof(struct tract_node));
-    assert_memory_equal(once.tree.runs, again.tree.runs, once.tree.run_count * sizeof(struct tract_run));
-    finish_tree(&once);
-    finish_tree(&again);
 }
 
-/* Streamlines of 100 points have 7 runs. Half of the 12 bytes of a point are allowed. */
+/* Walks of up to 20 mm in a cube of 120 mm: 300 leaves have about a quarter of its edge each. One point so far away
+ * that all others are at one place beside it leaves them so. Only the lowest node that it is in, of 16 leaves, has runs
+ * from anywhere. */
+static void a_point_far_away_spoils_no_order(void **state)
+{
+    (void)state;
+    uint64_t random = 5;
+    struct tractogram tractogram = random_walks(&random, 2900, 20);
+    size_t large = 0;
+    points[0] = 1e9F;
+    assert_ok(tractogram_grow_tree(&tractogram));
+    assert_in_range(tract_leaf_count(tractogram.tree.run_count), 250, 500);
+    for (size_t i = 0; i < tract_leaf_count(tractogram.tree.run_count); i++) {
+        const struct tract_leaf *leaf = &tractogram.tree.leaves[i];
+        large += 255 * leaf->step[0] > 60 || 255 * leaf->step[1] > 60 || 255 * leaf->step[2] > 60;
+    }
+    assert_in_range(large, 1, 16);
+    tract_tree_finish(&tractogram.tree);
+}
+
+static void check_size(struct tractogram *tractogram, size_t runs, size_t leaves, size_t nodes)
+{
+    assert_ok(tractogram_grow_tree(tractogram));
+    assert_int_equal(tractogram->tree.run_count, runs);
+    assert_int_equal(tract_leaf_count(runs), leaves);
+    assert_int_equal(tractogram->tree.node_count, nodes);
+    size_t bytes = leaves * sizeof(struct tract_leaf) + nodes * sizeof(struct tract_node);
+    bytes += tract_mark_count(tractogram->point_count) * sizeof *tractogram->tree.marks;
+    size_t point = tractogram->points ? 3 * sizeof(float) : 3 * sizeof(uint16_t);
+    assert_true(2 * bytes <= point * tractogram->point_count);
+    tract_tree_finish(&tractogram->tree);
+}
+
+/* Streamlines of 100 points have 33 runs, or 20 where points are halves. Half of what the points take is allowed. */
 static void a_tree_is_small(void **state)
 {
     (void)state;
@@ -307,20 +380,25 @@ static void a_tree_is_small(void **state)
     }
     struct tractogram tractogram = {.points = points, .first = first, .streamline_count = COUNT};
     tractogram.point_count = first[COUNT];
-    assert_ok(tractogram_grow_tree(&tractogram));
-    assert_int_equal(tractogram.tree.run_count, 7 * COUNT);
-    assert_int_equal(tractogram.tree.node_count, 525 + 66 + 9 + 2 + 1);
-    size_t bytes = tractogram.tree.run_count * sizeof(struct tract_run);
-    bytes += tractogram.tree.node_count * sizeof(struct tract_node);
-    assert_true(bytes <= 6 * (size_t)tractogram.point_count);
-    finish_tree(&tractogram);
+    check_size(&tractogram, 33 * (size_t)COUNT, 619, 39 + 3 + 1);
+    tractogram.points = NULL;
+    tractogram.halves = halves;
+    check_size(&tractogram, 20 * (size_t)COUNT, 375, 24 + 2 + 1);
+}
+
+static void too_many_points_are_refused(void **state)
+{
+    (void)state;
+    struct tractogram tractogram = {.points = points, .first = first, .point_count = (uint64_t)UINT32_MAX + 1};
+    assert_fails(tractogram_grow_tree(&tractogram), CONUS_ERROR_DATA);
+    assert_null(tractogram.tree.leaves);
 }
 
 static conus_status grow(void *data)
 {
     struct tractogram tractogram = *(const struct tractogram *)data;
     conus_status status = tractogram_grow_tree(&tractogram);
-    finish_tree(&tractogram);
+    tract_tree_finish(&tractogram.tree);
     return status;
 }
 
@@ -335,8 +413,9 @@ static void every_allocation_may_fail(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_walk_finds_what_a_loop_finds), cmocka_unit_test(equal_points_make_a_tree),
-        cmocka_unit_test(a_tree_follows_from_the_points), cmocka_unit_test(a_tree_is_small),
+        cmocka_unit_test(a_walk_finds_what_a_loop_finds),   cmocka_unit_test(equal_points_make_a_tree),
+        cmocka_unit_test(a_tree_follows_from_the_points),   cmocka_unit_test(a_tree_is_small),
+        cmocka_unit_test(a_point_far_away_spoils_no_order), cmocka_unit_test(too_many_points_are_refused),
         cmocka_unit_test(every_allocation_may_fail),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -128,13 +128,14 @@ conus_status tract_rays_create_with(struct tract_rays **out, tract_search_next *
     return CONUS_OK;
 }
 
-/* The objects that a streamline is in. */
-static const uint32_t *objects_of(size_t *count, const struct scene *scene, uint32_t streamline)
+/* The objects that the streamline of a point is in. */
+static const uint32_t *objects_of(size_t *count, const struct scene *scene, uint64_t point)
 {
     if (scene->of_all) {
         *count = 1;
         return &scene->of_all;
     }
+    uint32_t streamline = tractogram_streamline_of(scene->tractogram, point);
     *count = scene->first[streamline + 1] - scene->first[streamline];
     return scene->objects + scene->first[streamline];
 }
@@ -155,7 +156,7 @@ static struct ray ray_of(const struct scene *scene, const struct tract_bundle *b
 }
 
 /* Where the ray is in the capsule of segment @p k of a run, clipped to what is before the apex; false = nowhere. */
-static bool settle(double interval[2], const struct ray *ray, const struct tract_run *run, uint32_t k)
+static bool settle(double interval[2], const struct ray *ray, const struct tract_found *run, uint32_t k)
 {
     const struct tractogram *tractogram = ray->scene->tractogram;
     double a[3];
@@ -185,14 +186,15 @@ static void walk_ray(const struct tract_rays *rays, const struct scene *scene, s
     struct ray ray = ray_of(scene, bundle, index);
     struct tract_search search;
     tract_search_init(&search, scene->tractogram, ray.origin, ray.direction);
+    search.has_bound = scene->of_all != 0;
     for (struct tract_found found; rays->next(&found, &search, bundle->t[index]);) {
         size_t count;
-        const uint32_t *objects = objects_of(&count, scene, found.run->streamline);
-        for (uint32_t bits = count ? found.segments : 0; bits; bits &= bits - 1) {
+        const uint32_t *objects = objects_of(&count, scene, found.point);
+        for (uint32_t bits = count ? found.hit : 0; bits; bits &= bits - 1) {
             uint32_t k = (uint32_t)__builtin_ctz(bits);
             double interval[2];
-            if (settle(interval, &ray, found.run, k)) {
-                offer(bundle, index, interval[0], objects[0], found.run->point + k);
+            if (settle(interval, &ray, &found, k)) {
+                offer(bundle, index, interval[0], objects[0], found.point + k);
             }
         }
     }
@@ -242,11 +244,11 @@ static void join(struct layers *layers, size_t first)
 }
 
 /* Appends a segment's interval for each object of its streamline. */
-static conus_status add_segment(struct layers *out, const struct ray *ray, const struct tract_run *run, uint32_t k,
+static conus_status add_segment(struct layers *out, const struct ray *ray, const struct tract_found *run, uint32_t k,
                                 size_t pixel)
 {
     size_t count;
-    const uint32_t *objects = objects_of(&count, ray->scene, run->streamline);
+    const uint32_t *objects = objects_of(&count, ray->scene, run->point);
     conus_status status = CONUS_OK;
     double interval[2];
     if (count && settle(interval, ray, run, k)) {
@@ -264,8 +266,8 @@ static conus_status pierce_ray(const struct tract_rays *rays, const struct ray *
     struct tract_search search;
     tract_search_init(&search, ray->scene->tractogram, ray->origin, ray->direction);
     for (struct tract_found found; !status && rays->next(&found, &search, INFINITY);) {
-        for (uint32_t bits = found.segments; bits && !status; bits &= bits - 1) {
-            status = add_segment(out, ray, found.run, (uint32_t)__builtin_ctz(bits), pixel);
+        for (uint32_t bits = found.hit; bits && !status; bits &= bits - 1) {
+            status = add_segment(out, ray, &found, (uint32_t)__builtin_ctz(bits), pixel);
         }
     }
     return status;

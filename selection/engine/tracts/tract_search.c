@@ -3,6 +3,7 @@
 #include "selection/engine/tracts/tract_search.h"
 
 #include "base/math3.h"
+#include "base/processor.h"
 
 /* A ray that moves by less than this of a mm per mm along an axis does not, as far as boxes are concerned. */
 #define STILL 1e-20
@@ -36,6 +37,10 @@ void tract_search_init(struct tract_search *out, const struct tractogram *tracto
     out->tractogram = tractogram;
     out->levels = tract_levels_of(tractogram->tree.run_count);
     out->waiting = 0;
+    out->aside = 0;
+    out->ready = 0;
+    out->has_bound = false;
+    out->bound = INFINITY;
     if (!out->levels.count) {
         return;
     }
@@ -55,7 +60,7 @@ void tract_search_init(struct tract_search *out, const struct tractogram *tracto
         out->inverse[a] = (float)(fabs(direction[a]) > STILL ? 1 / direction[a] : 1 / STILL);
     }
     /* The root is the one item above all levels. */
-    out->visits[out->waiting++] = (struct tract_visit){-out->slack, out->levels.count, 0};
+    out->visits[out->waiting++] = (struct tract_visit){-out->slack, out->levels.count + 1, 0};
 }
 
 tract_search_next tract_search_next_plain;
@@ -66,7 +71,7 @@ tract_search_next tract_search_next_avx2;
 tract_search_next *tract_search_kernel(size_t index)
 {
 #if defined(__x86_64__)
-    if (index == 0 && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) {
+    if (index == 0 && processor_has_avx2()) {
         return tract_search_next_avx2;
     }
 #endif

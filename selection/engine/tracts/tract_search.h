@@ -13,12 +13,13 @@
 
 /** Segments of one run. */
 struct tract_found {
-    const struct tract_run *run;
-    uint32_t segments; /**< Bit k: that from point run->point + k on. A run of no segment has bit 0, its point. */
+    uint64_t point;    /**< The run's first one. */
+    uint32_t segments; /**< Of the run; 0 = its point alone. */
+    uint32_t hit;      /**< Bit k: the segment from point + k on, or the point alone. */
 };
 
-/** What waits in a search: each level leaves fewer than TRACT_WIDTH items behind. */
-enum { TRACT_WAITING = TRACT_WIDTH * TRACT_LEVELS };
+/** What waits in a search: each level leaves fewer than TRACT_WIDTH items behind. And runs that are put aside. */
+enum { TRACT_WAITING = TRACT_WIDTH * TRACT_LEVELS, TRACT_ASIDE = 4 * TRACT_LEAF };
 
 /** A search on its way. */
 struct tract_search {
@@ -29,12 +30,14 @@ struct tract_search {
     float direction[3];  /**< Unit length. */
     float inverse[3];    /**< 1 / direction, finite. */
     float radius, slack; /**< mm; the slack is no part of the radius. */
-    size_t waiting;
+    bool has_bound;      /**< Only the first hit is asked for, and any streamline may be it. */
+    float bound;         /**< mm from the search's origin: with a bound the first hit is no farther. */
+    size_t waiting, aside, ready, next;
     struct tract_visit {
         float enter;    /**< mm from the search's origin: the ray is not in the item before. */
-        uint32_t level; /**< Of the item. */
+        uint32_t level; /**< That above the item's, so that of runs is 0. */
         size_t item;
-    } visits[TRACT_WAITING]; /**< Those that wait, the last one first. */
+    } visits[TRACT_WAITING], runs[TRACT_ASIDE]; /**< Those that wait, the last one first. */
 };
 
 /** Begins a search along the ray from @p origin; @p tractogram must outlive it. */

@@ -2,6 +2,7 @@
 /* Tractograms in a packed atlas: they come out as they went in, are not copied, and no damage leads out of them. */
 #include "atlas/bundles.h"
 #include "atlas/placement.h"
+#include "atlas/tracts/tract_node.h"
 #include "base/memory.h"
 #include "selection/batch/atlas_pack.h"
 #include "test.h"
@@ -149,7 +150,9 @@ static void assert_same(const conus_atlas *packed, const conus_atlas *attached, 
         assert_lent(a->halves, b->halves, POINTS * 3 * sizeof *a->halves, block);
         assert_lent(a->first, b->first, sizeof first, block);
         assert_int_equal(a->tree.run_count, b->tree.run_count);
-        assert_lent(a->tree.runs, b->tree.runs, a->tree.run_count * sizeof *a->tree.runs, block);
+        assert_lent(a->tree.leaves, b->tree.leaves, tract_leaf_count(a->tree.run_count) * sizeof *a->tree.leaves,
+                    block);
+        assert_lent(a->tree.marks, b->tree.marks, tract_mark_count(POINTS) * sizeof *a->tree.marks, block);
         assert_int_equal(a->tree.node_count, b->tree.node_count);
         assert_true(b->tree.nodes && b->radius == 0.75);
         assert_memory_equal(a->low, b->low, sizeof a->low);
@@ -244,19 +247,24 @@ static void damaged_arrays_are_refused(void **state)
         assert_refused(&block);
         one->first[i] = right;
     }
-    for (size_t i = 0; i < runs; i++) {
-        struct tract_run *run = &one->tree.runs[i];
-        struct tract_run right = *run;
-        const struct tract_run wrong[] = {{POINTS, right.streamline, right.segments},
-                                          {right.point, STREAMLINES, right.segments},
-                                          {right.point, right.streamline, TRACT_RUN + 1},
-                                          {right.point, right.streamline, right.segments + 1}};
-        for (size_t k = 0; k < sizeof wrong / sizeof wrong[0]; k++) {
-            *run = wrong[k];
-            assert_refused(&block);
-        }
-        *run = right;
+    struct tract_leaf *leaf = one->tree.leaves;
+    for (size_t i = 0; i < runs; i++) { /* all of them end where their streamline does, or are as long as may be */
+        const uint32_t point = leaf->point[i];
+        leaf->point[i] = POINTS;
+        assert_refused(&block);
+        leaf->point[i] = point;
+        leaf->bend[i]++;
+        assert_refused(&block);
+        leaf->bend[i]--;
     }
+    leaf->count++;
+    assert_refused(&block);
+    leaf->count--;
+    one->tree.marks[0]++;
+    assert_refused(&block);
+    one->tree.marks[0] = STREAMLINES;
+    assert_refused(&block);
+    one->tree.marks[0] = 1; /* again: the first streamline has no point */
     one->groups[0].members[2] = STREAMLINES;
     assert_refused(&block);
     one->groups[0].members[2] = 4; /* again */

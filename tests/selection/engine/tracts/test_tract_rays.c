@@ -81,13 +81,6 @@ static void choose_objects(uint64_t *random)
     }
 }
 
-static void finish_tree(void)
-{
-    memory_free(scene.tractogram.tree.nodes);
-    memory_free(scene.tractogram.tree.runs);
-    scene.tractogram.tree = (struct tract_tree){0};
-}
-
 static bool is_in(const struct tract_object *object, uint32_t streamline)
 {
     bool found = !object->group;
@@ -314,7 +307,7 @@ static void rays_find_what_a_loop_finds(void **state)
         choose_objects(&random);
         assert_ok(tractogram_grow_tree(&scene.tractogram));
         compare_scene(&counts, &random, scenes[i].size);
-        finish_tree();
+        tract_tree_finish(&scene.tractogram.tree);
     }
     print_message("%zu hits, %zu intervals\n", counts.hits, counts.intervals);
     assert_true(counts.hits > 500 && counts.intervals > 1500);
@@ -333,7 +326,7 @@ static void halves_are_hit_as_their_floats(void **state)
     assert_ok(tractogram_grow_tree(&scene.tractogram));
     compare_scene(&counts, &random, 10);
     assert_true(counts.hits > 50);
-    finish_tree();
+    tract_tree_finish(&scene.tractogram.tree);
 }
 
 /* A straight streamline along x from 0 to 10 of radius 1, and one across it. Seen from -z the two are equally near
@@ -380,7 +373,7 @@ static void equally_near_ones_have_an_order(void **state)
         assert_true(bundle.point[0] == cases[i].point);
         tract_rays_destroy(rays);
     }
-    finish_tree();
+    tract_tree_finish(&scene.tractogram.tree);
 }
 
 /* Balls of radius 1 round (0, 0, 0), (0, 0, 2) and (0, 0, 5), seen from 7 mm before the first: from 6 to 8 mm, from 8
@@ -411,7 +404,7 @@ static void what_touches_is_one_interval(void **state)
     assert_true(layers.intervals[0].pixel == 9 && layers.intervals[0].object == 4);
     layers_finish(&layers);
     tract_rays_destroy(rays);
-    finish_tree();
+    tract_tree_finish(&scene.tractogram.tree);
 }
 
 static conus_status create_and_pierce(void *data)
@@ -441,7 +434,7 @@ static void every_allocation_may_fail(void **state)
     assert_ok(tractogram_grow_tree(&scene.tractogram));
     struct tract_bundle bundle = random_rays(&random, origin, 10, 30);
     test_every_allocation(create_and_pierce, &bundle);
-    finish_tree();
+    tract_tree_finish(&scene.tractogram.tree);
 }
 
 int main(void)
