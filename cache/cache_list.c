@@ -22,7 +22,7 @@ struct conus_cache {
 
 static const struct {
     const char *ending, *kind;
-} kinds[] = {{ATLAS_CACHE_ENDING, "atlas"}, {".mesh", "surfaces"}};
+} kinds[] = {{ATLAS_CACHE_ENDING, "atlas"}, {".index", "index"}, {".mesh", "surfaces"}};
 
 enum { KINDS = sizeof kinds / sizeof kinds[0] };
 
@@ -68,9 +68,9 @@ static char *path_of(int folder, const char *name)
 
 static conus_status add_entry(conus_cache *cache, int folder, const struct cache_item *item, const char *kind)
 {
-    bool is_atlas = kind == kinds[0].kind;
+    bool has_key = kind != kinds[KINDS - 1].kind;
     char *file = memory_text(item->name, strlen(item->name));
-    char *path = is_atlas ? path_of(folder, item->name) : memory_text("", 0);
+    char *path = has_key ? path_of(folder, item->name) : memory_text("", 0);
     if (!file || !path ||
         !memory_reserve(&cache->entries, &cache->capacity, cache->count + 1, sizeof *cache->entries)) {
         memory_free(file);

@@ -4,8 +4,6 @@
 #include "base/options.h"
 #include "cache/atlas_cache.h"
 
-#include <stdlib.h>
-
 /* Whoever counts files hears of one. */
 static conus_status report(const char *path, const conus_load_options *options)
 {
@@ -28,17 +26,17 @@ static conus_status load_and_keep(conus_atlas **out, struct atlas_cache *cache, 
 conus_status conus_atlas_load(conus_atlas **out, const char *path, const conus_load_options *options)
 {
     struct atlas_cache cache;
-    uint64_t limit;
     if (!out || !path) {
         return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_load: a result and a path are needed");
     }
     options = options_of(conus_load_options, options);
-    if (options->cache && !cache_limit(&limit)) {
-        return fail(CONUS_ERROR_ARGUMENT, "$CONUS_CACHE: \"%s\"; allowed is " CACHE_LIMITS, getenv("CONUS_CACHE"));
+    conus_status status = options->cache ? cache_check_limit() : CONUS_OK;
+    if (status) {
+        return status;
     }
     atlas_cache_init(&cache, path, options);
     conus_atlas *atlas = atlas_cache_find(&cache);
-    conus_status status = atlas ? report(path, options) : load_and_keep(&atlas, &cache, path);
+    status = atlas ? report(path, options) : load_and_keep(&atlas, &cache, path);
     atlas_cache_finish(&cache);
     if (status) {
         conus_atlas_destroy(atlas);

@@ -15,13 +15,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-static int add_pathway(conus_atlas *atlas, const struct pathway_option *pathway, uint64_t max_memory)
+static int add_pathway(conus_atlas *atlas, const struct pathway_option *pathway, const struct atlas_settings *settings)
 {
     const conus_pathway_options options = {.threshold = pathway->threshold,
                                            .name = pathway->name,
-                                           .max_memory = max_memory,
+                                           .max_memory = settings->max_memory,
                                            .bands = pathway->bands,
-                                           .band_count = pathway->band_count};
+                                           .band_count = pathway->band_count,
+                                           .cache = !settings->no_cache};
     conus_status status = conus_atlas_add_pathway(atlas, pathway->path, &options);
     return status ? print_status(status) : EXIT_DONE;
 }
@@ -81,7 +82,7 @@ static int add_pathways(conus_atlas *atlas, const struct pathway_option *pathway
     for (size_t i = 0; !code && i < settings->pathways.count; i++) {
         if (pathways[i].given) {
             bool goes_on = begin_file(progress, pathways[i].given);
-            code = goes_on ? add_pathway(atlas, &pathways[i], settings->max_memory) : EXIT_DATA;
+            code = goes_on ? add_pathway(atlas, &pathways[i], settings) : EXIT_DATA;
         }
     }
     return code;
@@ -244,7 +245,8 @@ int settings_load_atlas(conus_atlas **out, const char *path, const struct atlas_
 
 int settings_load_context(conus_atlas *atlas, const char *path, double blocks, const struct atlas_settings *settings)
 {
-    const conus_context_options options = {.block_threshold = blocks, .max_memory = settings->max_memory};
+    const conus_context_options options = {
+        .block_threshold = blocks, .max_memory = settings->max_memory, .cache = !settings->no_cache};
     conus_status status = path ? conus_atlas_set_context(atlas, path, &options) : CONUS_OK;
     return status ? print_status(status) : EXIT_DONE;
 }
@@ -288,7 +290,8 @@ int context_choice_load(conus_atlas *atlas, const struct context_choice *choice,
     for (size_t i = 0; i < choice->files.count && !code; i++) {
         const char *path = choice->files.items[i];
         const conus_context_options options = {.opacity = conus_context_is_surface(path) ? choice->opacity : 0,
-                                               .max_memory = settings->max_memory};
+                                               .max_memory = settings->max_memory,
+                                               .cache = !settings->no_cache};
         conus_status status = conus_atlas_set_context(atlas, path, &options);
         code = status ? print_status(status) : EXIT_DONE;
     }

@@ -46,6 +46,14 @@ bool cache_limit(uint64_t *out)
     return is_size || strcmp(text, "off") == 0;
 }
 
+conus_status cache_check_limit(void)
+{
+    uint64_t limit;
+    return cache_limit(&limit)
+               ? CONUS_OK
+               : fail(CONUS_ERROR_ARGUMENT, "$CONUS_CACHE: \"%s\"; allowed is " CACHE_LIMITS, getenv("CONUS_CACHE"));
+}
+
 /* ---- Where an entry is ------------------------------------------------------------------------------------------- */
 
 /* A string and its end, with a mark that tells none from an empty one. */

@@ -18,6 +18,9 @@ bool cache_limit(uint64_t *out);
 /** What $CONUS_CACHE may be, for messages. */
 #define CACHE_LIMITS "off, or a number of bytes with K, M, G, T or nothing behind it"
 
+/** CONUS_ERROR_ARGUMENT where it is not. */
+conus_status cache_check_limit(void);
+
 /** An entry that may be there. */
 struct cache_store {
     struct buffer key;  /**< What the entry follows from, but for the files. */

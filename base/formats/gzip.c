@@ -2,6 +2,7 @@
 /* Unpacks and packs gzip, through zlib. */
 #include "base/formats/gzip.h"
 
+#include "base/formats/gzip_index.h"
 #include "base/memory.h"
 
 #include <libdeflate.h>
@@ -20,8 +21,10 @@ struct stream {
     uint64_t from;
     size_t count;
     uint8_t *kept;
-    bool ended; /* after the last member */
-    bool zlib;  /* which has no members */
+    struct gzip_indexer *indexer; /* NULL = none */
+    const uint8_t *packed;        /* all packed bytes */
+    bool ended;                   /* after the last member */
+    bool zlib;                    /* which has no members */
     uint8_t scratch[SCRATCH_SIZE];
 };
 
@@ -70,10 +73,28 @@ static void next_member(struct stream *stream)
 {
     const uint8_t *next = stream->z.next_in;
     size_t size = stream->z.avail_in + stream->rest_size; /* both lie in the same file, one behind the other */
+    if (stream->indexer) {
+        gzip_indexer_end_member(stream->indexer, (uint64_t)(next - stream->packed));
+    }
     stream->rest = next;
     stream->rest_size = size;
     stream->z.avail_in = 0;
     stream->ended = stream->zlib || !gzip_is(next, size) || inflateReset(&stream->z) != Z_OK;
+}
+
+/* Inflates into the space that was aimed at, and tells the indexer. */
+static int inflate_once(struct stream *stream, size_t space_left)
+{
+    struct gzip_indexer *indexer = stream->indexer;
+    const uint8_t *out = stream->z.next_out;
+    int code = inflate(&stream->z, indexer ? Z_BLOCK : Z_NO_FLUSH);
+    size_t got = space_left - stream->z.avail_out;
+    stream->position += got;
+    if (indexer) {
+        gzip_indexer_add(indexer, out, got);
+        gzip_indexer_stop(indexer, &stream->z, stream->position, (uint64_t)(stream->z.next_in - stream->packed));
+    }
+    return code;
 }
 
 /* Inflates until `until` bytes are unpacked, the stream ends or the packed bytes are used up. */
@@ -82,14 +103,13 @@ static conus_status inflate_until(struct stream *stream, uint64_t until)
     while (!stream->ended && stream->position < until) {
         feed_input(stream);
         size_t space_left = aim_output(stream, until - stream->position);
-        int code = inflate(&stream->z, Z_NO_FLUSH);
-        size_t got = space_left - stream->z.avail_out;
-        stream->position += got;
+        uint64_t before = stream->position;
+        int code = inflate_once(stream, space_left);
         if (code == Z_STREAM_END) {
             next_member(stream);
         } else if (code == Z_MEM_ERROR) {
             return fail(CONUS_ERROR_MEMORY, "gzip: no memory to unpack");
-        } else if (code == Z_BUF_ERROR && !got) {
+        } else if (code == Z_BUF_ERROR && stream->position == before) {
             return CONUS_OK;
         } else if (code != Z_OK && code != Z_BUF_ERROR) {
             return fail(CONUS_ERROR_DATA, "gzip: damaged near unpacked byte %llu (%s), an intact file is needed",
@@ -105,6 +125,7 @@ static conus_status stream_open(struct stream **out, const uint8_t *data, size_t
     if (!stream) {
         return CONUS_ERROR_MEMORY;
     }
+    stream->packed = data;
     stream->rest = data;
     stream->rest_size = size;
     stream->zlib = zlib;
@@ -198,6 +219,7 @@ static conus_status unpack_in_pieces(uint8_t *kept, struct gzip_range *range, co
     stream->kept = kept;
     stream->from = range->from;
     stream->count = range->count;
+    stream->indexer = range->indexer;
     status = finish_range(stream, range);
     stream_close(stream);
     return status;
@@ -227,6 +249,7 @@ static conus_status unpack_in_slabs(struct gzip_range *range, const uint8_t *dat
     conus_status status = slab ? stream_open(&stream, data, size, range->zlib) : CONUS_ERROR_MEMORY;
     if (!status) {
         stream->kept = slab;
+        stream->indexer = range->indexer;
         status = give_slabs(stream, range);
         status = status ? status : finish_range(stream, range);
         stream_close(stream);
@@ -253,7 +276,7 @@ conus_status gzip_unpack(struct bytes *out, struct gzip_range *range, const uint
     if (!bytes.data) {
         return CONUS_ERROR_MEMORY;
     }
-    if (whole && unpack_at_once(bytes.data, needed, data, size, range->zlib)) {
+    if (whole && !range->indexer && unpack_at_once(bytes.data, needed, data, size, range->zlib)) {
         memmove(bytes.data, bytes.data + range->from, range->count);
     } else {
         conus_status status = unpack_in_pieces(bytes.data, range, data, size);

@@ -29,16 +29,19 @@ typedef conus_status gzip_sink(void *user, const uint8_t *data, size_t size);
 
 enum { GZIP_SLAB = 1 << 18 };
 
+struct gzip_indexer;
+
 /** Which unpacked bytes to keep, and what was found behind them. */
 struct gzip_range {
-    uint64_t from;   /**< First byte to keep.                                                        */
-    size_t count;    /**< Bytes to keep.                                                             */
-    uint64_t total;  /**< Bytes that the stream must hold at least; from + count or more.            */
-    bool zlib;       /**< It is one stream of zlib (RFC 1950), not gzip.                             */
-    gzip_sink *sink; /**< Where they go, slab by slab; NULL = they are kept.                         */
-    void *user;      /**< Of the sink.                                                               */
-    uint64_t extra;  /**< Out: bytes after `total`.                                                  */
-    size_t junk;     /**< Out: bytes after the last gzip member, other than zeros at the very end.   */
+    uint64_t from;                /**< First byte to keep.                                                        */
+    size_t count;                 /**< Bytes to keep.                                                             */
+    uint64_t total;               /**< Bytes that the stream must hold at least; from + count or more.            */
+    bool zlib;                    /**< It is one stream of zlib (RFC 1950), not gzip.                             */
+    gzip_sink *sink;              /**< Where they go, slab by slab; NULL = they are kept.                         */
+    void *user;                   /**< Of the sink.                                                               */
+    struct gzip_indexer *indexer; /**< Gets all that is unpacked, and where; NULL = none (gzip_index.h). */
+    uint64_t extra;               /**< Out: bytes after `total`.                                                  */
+    size_t junk;                  /**< Out: bytes after the last gzip member, other than zeros at the very end.   */
 };
 
 enum { GZIP_EXTRA_LIMIT = 1 << 20 }; /**< More bytes than this after `total` are refused. */

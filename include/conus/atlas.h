@@ -44,7 +44,7 @@ typedef struct conus_load_options {
     double probability; /**< From which probability on a voxel belongs to an area of probabilities, above 0 to 1, in
                            place of 0.25 and of a manifest's; 0 = those. */
     bool cache; /**< Keeps the atlas in the user's cache folder, and takes it from there the next time: see conus_cache.
-                 */
+                   Of one volume of a packed 4-D file, where its volumes lie is kept, too. */
 } conus_load_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -104,6 +104,8 @@ typedef struct conus_pathway_options {
     const conus_band *bands; /**< [band_count] Each band is a pathway of its own; they have no value in common. With
                                 them, threshold is 0 and name NULL. Copied. */
     size_t band_count;       /**< Up to 4096; 0 = one pathway, by the threshold. */
+    bool cache;              /**< Of one volume of a packed 4-D file: keeps where its volumes lie in the user's cache
+                                folder, and takes it from there the next time: see cache.h. */
 } conus_pathway_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -145,6 +147,7 @@ typedef struct conus_context_options {
     conus_log log;          /**< As conus_load_options.log. */
     void *log_user;         /**< Passed to @p log. */
     double opacity;         /**< Of a surface, above 0 to 1; 0 = 0.25. Of a volume the transfer function says it. */
+    bool cache;             /**< As conus_pathway_options.cache. */
 } conus_context_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */

@@ -234,7 +234,7 @@ conus_status conus_atlas_add_pathway(conus_atlas *atlas, const char *path, const
     options = options_of(conus_pathway_options, options);
     const struct note_sink sink = {options->log, options->log_user, path};
     struct notes notes = {.sink = &sink};
-    conus_status status = volume_file_open(&file, path, options->max_memory, &notes);
+    conus_status status = volume_file_open_cached(&file, path, options->max_memory, options->cache, &notes);
     status = status ? status : pathway_add(atlas, &file, options, &notes);
     notes_finish(&notes);
     volume_file_finish(&file);

@@ -190,9 +190,9 @@ conus_status parcellation_read(struct parcellation *out, const char *path, const
         return is_cifti ? is_cifti : read_cifti(out, path, options);
     }
     bool markup = file_first_character(path) == '<';
-    conus_status status =
-        markup ? load_markup(out, path, options->max_memory, needed)
-               : volume_file_open_labels(&out->file, &out->labels, path, options->max_memory, needed, &out->notes);
+    conus_status status = markup
+                              ? load_markup(out, path, options->max_memory, needed)
+                              : volume_file_open_labels(&out->file, &out->labels, path, options, needed, &out->notes);
     status = status ? status : file_sums_move(&out->read, &out->file.read);
     status = status ? status : read_names(out, options->labels, markup);
     out->file.info.role = CONUS_ROLE_PARCELLATION;

@@ -72,7 +72,7 @@ static conus_status set_volume(conus_atlas *atlas, const char *path, const conus
                                struct notes *notes)
 {
     struct volume_file file = {0};
-    conus_status status = volume_file_open(&file, path, options->max_memory, notes);
+    conus_status status = volume_file_open_cached(&file, path, options->max_memory, options->cache, notes);
     status = status ? status : context_set(atlas, &file, options, notes);
     volume_file_finish(&file);
     return status;

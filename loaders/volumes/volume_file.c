@@ -8,6 +8,7 @@
 #include "loaders/file_kind.h"
 #include "loaders/volumes/mgh.h"
 #include "loaders/volumes/nifti.h"
+#include "loaders/volumes/stored/stored_file.h"
 #include "loaders/volumes/tiff_volume.h"
 #include "loaders/volumes/volume_pair.h"
 #include "loaders/volumes/volume_selector.h"
@@ -25,49 +26,6 @@ enum {
     UNPACKED_AT_ONCE = 1 << 24 /* of labels */
 };
 
-/* A file of which some bytes are wanted, packed or not. */
-struct stored {
-    char *path;
-    struct bytes bytes;
-    bool packed;
-};
-
-static void stored_finish(struct stored *stored)
-{
-    memory_free(stored->path);
-    bytes_finish(&stored->bytes);
-    *stored = (struct stored){0};
-}
-
-static conus_status stored_read(struct stored *out, const char *path, uint64_t limit)
-{
-    struct stored stored = {.path = memory_text(path, strlen(path))};
-    conus_status status = stored.path ? file_read_allowed(&stored.bytes, path, limit) : CONUS_ERROR_MEMORY;
-    if (status) {
-        stored_finish(&stored);
-        return status;
-    }
-    stored.packed = gzip_is(stored.bytes.data, stored.bytes.size);
-    *out = stored;
-    return CONUS_OK;
-}
-
-/* The first `limit` unpacked bytes, or fewer. */
-static conus_status stored_head(struct bytes *out, const struct stored *stored, size_t limit)
-{
-    if (stored->packed) {
-        return gzip_head(out, stored->bytes.data, stored->bytes.size, limit);
-    }
-    size_t size = stored->bytes.size < limit ? stored->bytes.size : limit;
-    uint8_t *copy = memory_raw(size, 1);
-    if (!copy) {
-        return CONUS_ERROR_MEMORY;
-    }
-    memcpy(copy, stored->bytes.data, size);
-    *out = (struct bytes){copy, size};
-    return CONUS_OK;
-}
-
 static conus_status note_rest(const struct gzip_range *range, bool footer, struct notes *notes)
 {
     conus_status status = CONUS_OK;
@@ -82,7 +40,8 @@ static conus_status note_rest(const struct gzip_range *range, bool footer, struc
 
 /* ---- Pairs ------------------------------------------------------------------------------------------------------- */
 
-static conus_status read_other_half(struct stored *out, const char *path, size_t at, const char *ext, uint64_t limit)
+static conus_status read_other_half(struct stored *out, const char *path, size_t at, const char *ext, uint64_t limit,
+                                    enum stored_use use)
 {
     char *other = volume_pair_other(path, at, ext);
     if (!other) {
@@ -90,7 +49,7 @@ static conus_status read_other_half(struct stored *out, const char *path, size_t
     }
     conus_status status;
     if (file_exists(other)) {
-        status = stored_read(out, other, limit);
+        status = stored_open(out, other, limit, use);
     } else {
         status = fail(CONUS_ERROR_IO, "%s: the other half of the pair is missing: %.*s%s or %.*s%s.gz", path, (int)at,
                       path, ext, (int)at, path, ext);
@@ -110,8 +69,9 @@ struct opening {
     uint64_t limit;
     const char *needed; /* in the place where the file stands; NULL: default_needed */
     struct volume_selector selector;
-    bool all;         /* volumes are kept, not only the chosen one */
-    struct tiff tiff; /* of a TIFF stack, else no pages */
+    bool all;            /* volumes are kept, not only the chosen one */
+    enum stored_use use; /* of an index of packed voxels */
+    struct tiff tiff;    /* of a TIFF stack, else no pages */
     struct file_sums read;
     struct label_reader *labels; /* gets packed voxels slab by slab if that takes less memory; NULL: they are kept */
     struct volume_file like;     /* what the labels are read as, without voxels */
@@ -185,7 +145,7 @@ static conus_status is_image_half(bool *out, size_t *at, const struct stored *st
 
 static conus_status open_by_image(struct opening *o, size_t at)
 {
-    conus_status status = read_other_half(&o->pair_header, o->voxels.path, at, "hdr", o->limit);
+    conus_status status = read_other_half(&o->pair_header, o->voxels.path, at, "hdr", o->limit, STORED_PLAIN);
     if (!status) {
         status = read_header(o, &o->pair_header);
     }
@@ -204,7 +164,7 @@ static conus_status open_text_data(struct opening *o)
     if (!status && path) {
         o->pair_header = o->voxels;
         o->voxels = (struct stored){0};
-        status = stored_read(&o->voxels, path, o->limit);
+        status = stored_open(&o->voxels, path, o->limit, STORED_PLAIN);
         o->voxels.packed = o->voxels.packed && !o->header.text->file; /* else its header says how they are packed */
     }
     memory_free(path);
@@ -227,13 +187,13 @@ static conus_status open_by_header(struct opening *o)
     }
     o->pair_header = o->voxels;
     o->voxels = (struct stored){0};
-    return read_other_half(&o->voxels, o->pair_header.path, at, "img", o->limit);
+    return read_other_half(&o->voxels, o->pair_header.path, at, "img", o->limit, o->use);
 }
 
 /* By the voxels of an AFNI data set, whose header is `head`. */
 static conus_status open_by_brik(struct opening *o, const char *head)
 {
-    conus_status status = stored_read(&o->pair_header, head, o->limit);
+    conus_status status = stored_open(&o->pair_header, head, o->limit, STORED_PLAIN);
     status = status ? status : read_header(o, &o->pair_header);
     if (!status && !(o->header.text && o->header.text->brik)) {
         return fail(CONUS_ERROR_DATA, "%s: content: a .HEAD beside a .BRIK must be the header of an AFNI data set",
@@ -267,7 +227,7 @@ static conus_status open_files(struct opening *o, const char *path)
     bool image = false;
     size_t at = 0;
     char *head = NULL;
-    conus_status status = stored_read(&o->voxels, path, o->limit);
+    conus_status status = stored_open(&o->voxels, path, o->limit, o->use);
     status = status ? status : volume_text_head_path(&head, path);
     if (head) {
         status = status ? status : refuse_place(o);
@@ -386,6 +346,12 @@ static conus_status aim_at_labels(struct gzip_range *range, struct opening *o, c
     return label_reader_init(o->labels, &o->like, &(struct bytes){0});
 }
 
+/* Whether one volume of many is unpacked. */
+static bool is_worth_index(const struct opening *o, uint64_t total)
+{
+    return !o->all && o->header.info.volume_count > 1 && total > UNPACKED_AT_ONCE;
+}
+
 /* Moves the voxels out of what is stored, whose packed bytes are gone afterwards. */
 static conus_status take_voxels(struct volume_file *file, struct opening *o)
 {
@@ -397,11 +363,11 @@ static conus_status take_voxels(struct volume_file *file, struct opening *o)
                                .count = header->volume_size * (o->all ? header->info.volume_count : 1),
                                .total = header->offset + header->info.volume_count * header->volume_size};
     conus_status status = aim_at_labels(&range, o, file);
-    status = status           ? status
-             : scattered      ? tiff_unpack(out, &o->tiff)
-             : header->text   ? volume_text_voxels(out, &range, header, &stored->bytes, stored->packed, o->all)
-             : stored->packed ? gzip_unpack(out, &range, stored->bytes.data, stored->bytes.size)
-                              : gzip_keep(out, &range, &stored->bytes);
+    status = status      ? status
+             : scattered ? tiff_unpack(out, &o->tiff)
+             : header->text
+                 ? volume_text_voxels(out, &range, header, &stored->bytes, stored->packed, o->all)
+                 : stored_range(out, &range, stored, is_worth_index(o, range.total) ? file->info.sha256 : NULL);
     if (!status && o->all) {
         file->voxels =
             (struct bytes){file->series.data + header->info.volume * header->volume_size, header->volume_size};
@@ -420,6 +386,15 @@ static conus_status take_around(struct volume_file *file, const struct opening *
     return status ? status : take_extensions(file, &o->header);
 }
 
+static void take_sum(char out[65], const struct opening *o, const struct bytes *ahead)
+{
+    if (o->voxels.index) {
+        memcpy(out, o->voxels.index->index.sha256, 65);
+    } else {
+        volume_text_sha256(out, ahead, &o->voxels.bytes);
+    }
+}
+
 /* Everything into `file`, which the caller finishes on failure. */
 static conus_status take_all(struct volume_file *file, struct opening *o)
 {
@@ -434,8 +409,7 @@ static conus_status take_all(struct volume_file *file, struct opening *o)
     file->swapped = o->header.swapped;
     file->intent_code = o->header.intent_code;
     describe_format(&file->info, &o->header, o->voxels.packed);
-    volume_text_sha256(file->info.sha256, named == first && first != &o->voxels ? &first->bytes : NULL,
-                       &o->voxels.bytes);
+    take_sum(file->info.sha256, o, named == first && first != &o->voxels ? &first->bytes : NULL);
     file->max_memory = o->limit;
     status = file_sums_move(&file->read, &o->read);
     status = status ? status : take_voxels(file, o);
@@ -451,15 +425,38 @@ static conus_status take_all(struct volume_file *file, struct opening *o)
     return CONUS_OK;
 }
 
-/* Opens what `o` asks for, and finishes it. */
-static conus_status open_wanted(struct volume_file *out, const char *path, struct opening *o, struct notes *notes)
+static conus_status open_once(struct volume_file *file, const char *path, struct opening *o)
 {
-    struct volume_file file = {0};
     conus_status status = open_files(o, path);
     if (!status && (status = choose_volume(o))) {
         fail_in(status, path);
     }
-    status = status ? status : take_all(&file, o);
+    return status ? status : take_all(file, o);
+}
+
+/* Makes `o` as it was before open_once(), but for its index. */
+static void forget_index(struct opening *o)
+{
+    struct opening again = {.limit = o->limit, .needed = o->needed, .selector = o->selector, .labels = o->labels};
+    o->selector = (struct volume_selector){0};
+    opening_finish(o);
+    *o = again;
+    if (o->labels) {
+        label_reader_finish(o->labels);
+    }
+}
+
+/* Opens what `o` asks for, and finishes it. An index that leads to an error is as if it were not there. */
+static conus_status open_wanted(struct volume_file *out, const char *path, struct opening *o, struct notes *notes)
+{
+    struct volume_file file = {0};
+    conus_status status = open_once(&file, path, o);
+    if (status && o->voxels.index) {
+        volume_file_finish(&file);
+        forget_index(o);
+        o->use = STORED_KEEP;
+        status = open_once(&file, path, o);
+    }
     conus_status moved = notes_move_in(notes, &o->notes, file.path ? file.path : path); /* also where it failed */
     status = status ? status : moved;
     if (status) {
@@ -504,21 +501,38 @@ conus_status volume_file_header(conus_volume_info *out, const char *path)
     return status;
 }
 
+static conus_status open_selected(struct volume_file *out, const char *path, struct opening *opening,
+                                  struct notes *notes)
+{
+    conus_status status = volume_selector_parse(&opening->selector, path);
+    opening->use = opening->selector.chosen ? opening->use : STORED_PLAIN;
+    return status ? status : open_wanted(out, opening->selector.path, opening, notes);
+}
+
 conus_status volume_file_open(struct volume_file *out, const char *path, uint64_t max_memory, struct notes *notes)
 {
     struct opening opening = {.limit = max_memory ? max_memory : DEFAULT_MEMORY};
-    conus_status status = volume_selector_parse(&opening.selector, path);
-    return status ? status : open_wanted(out, opening.selector.path, &opening, notes);
+    return open_selected(out, path, &opening, notes);
+}
+
+conus_status volume_file_open_cached(struct volume_file *out, const char *path, uint64_t max_memory, bool cache,
+                                     struct notes *notes)
+{
+    struct opening opening = {.limit = max_memory ? max_memory : DEFAULT_MEMORY,
+                              .use = cache ? STORED_INDEX : STORED_PLAIN};
+    return open_selected(out, path, &opening, notes);
 }
 
 conus_status volume_file_open_labels(struct volume_file *out, struct label_voxels *labels, const char *path,
-                                     uint64_t max_memory, const char *needed, struct notes *notes)
+                                     const conus_load_options *options, const char *needed, struct notes *notes)
 {
     struct label_reader reader = {0};
     struct volume_file file = {0};
-    struct opening opening = {.limit = max_memory ? max_memory : DEFAULT_MEMORY, .needed = needed, .labels = &reader};
-    conus_status status = volume_selector_parse(&opening.selector, path);
-    status = status ? status : open_wanted(&file, opening.selector.path, &opening, notes);
+    struct opening opening = {.limit = options->max_memory ? options->max_memory : DEFAULT_MEMORY,
+                              .needed = needed,
+                              .labels = &reader,
+                              .use = options->cache ? STORED_INDEX : STORED_PLAIN};
+    conus_status status = open_selected(&file, path, &opening, notes);
     if (!status) {
         status = file.voxels.data ? volume_file_take_labels(labels, &file) : label_reader_end(labels, &reader, &file);
     }

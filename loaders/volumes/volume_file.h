@@ -42,14 +42,19 @@ struct volume_file {
  * @p notes. Errors carry path, field, value found and what is allowed. */
 conus_status volume_file_open(struct volume_file *out, const char *path, uint64_t max_memory, struct notes *notes);
 
+/** The same. If @p cache, one of many volumes of a packed file is found by an index of it in the user's cache folder,
+ * which is put there when there is none. */
+conus_status volume_file_open_cached(struct volume_file *out, const char *path, uint64_t max_memory, bool cache,
+                                     struct notes *notes);
+
 struct label_voxels;
 
-/** Likewise, where other files than volumes would do as well, as @p needed says in words; gives its labels, whose
- * places in @p labels take the place of its voxels: @p out has none. Packed ones of more than 2 bytes never lie in
- * memory together if they are many. A volume with other values than labels is CONUS_ERROR_DATA, as of
- * volume_file_labels(). */
+/** Likewise, by max_memory and cache of @p options, where other files than volumes would do as well, as @p needed says
+ * in words; gives its labels, whose places in @p labels take the place of its voxels: @p out has none. Packed ones of
+ * more than 2 bytes never lie in memory together if they are many. A volume with other values than labels is
+ * CONUS_ERROR_DATA, as of volume_file_labels(). */
 conus_status volume_file_open_labels(struct volume_file *out, struct label_voxels *labels, const char *path,
-                                     uint64_t max_memory, const char *needed, struct notes *notes);
+                                     const conus_load_options *options, const char *needed, struct notes *notes);
 
 /** Reads only the header of @p path: dimensions, transform, datatype; out->path is NULL. */
 conus_status volume_file_header(conus_volume_info *out, const char *path);

@@ -286,6 +286,7 @@ def load(
     cache
         Of a path: keeps the atlas in the user's cache folder and maps it from there the next time, as the
         programs do (``conus cache``; ``$CONUS_CACHE`` may be "off" or a size; else ArgumentError).
+        Of each packed 4-D file of which one volume is taken: keeps where its volumes lie, too.
         Answers are the same.
 
     Returns
@@ -326,10 +327,10 @@ def load(
     if isinstance(pathways, (str, bytes, os.PathLike)):
         raise ArgumentError("pathways: a path, wanted is a list")
     for pathway in pathways:
-        _add_pathway(raw, pathway, max_memory)
+        _add_pathway(raw, pathway, max_memory, flag("cache", cache))
     for tractogram in still:
         _add_streamlines(raw, tractogram, max_memory)
-    _set_contexts(raw, context, context_blocks, context_opacity, max_memory)
+    _set_contexts(raw, context, context_blocks, context_opacity, max_memory, flag("cache", cache))
     if only is not None or hide is not None:
         check(lib.conus_atlas_show(raw, optional(utf8, "only", only), optional(utf8, "hide", hide)))
     if flag("safe_colours", safe_colours):
@@ -386,10 +387,10 @@ def _bands_of(options: Any, bands: Mapping[str, Any]) -> Any:
     return entries, alive
 
 
-def _add_pathway(atlas: Any, pathway: Any, max_memory: int) -> None:
+def _add_pathway(atlas: Any, pathway: Any, max_memory: int, cache: bool) -> None:
     source, values = pathway if isinstance(pathway, tuple) else (pathway, 0)
     options = ffi.new("conus_pathway_options *")
-    options.max_memory = max_memory
+    options.max_memory, options.cache = max_memory, cache
     if isinstance(values, Mapping):
         _bands = _bands_of(options, values)
     else:
@@ -422,9 +423,10 @@ def _add_streamlines(atlas: Any, given: Any, max_memory: int) -> None:
         state.check(lib.conus_atlas_add_polylines(atlas, polylines, options))
 
 
-def _set_context(atlas: Any, source: Any, blocks: float, opacity: float, max_memory: int) -> None:
+def _set_context(atlas: Any, source: Any, blocks: float, opacity: float, max_memory: int, cache: bool) -> None:
     options = ffi.new("conus_context_options *")
     options.block_threshold, options.opacity, options.max_memory = blocks, opacity, max_memory
+    options.cache = cache
     state = _Callback()
     _handle = state.hear(options)
     if hasattr(source, "dataobj"):
@@ -438,7 +440,7 @@ def _is_surface(source: Any) -> bool:
     return not hasattr(source, "dataobj") and bool(lib.conus_context_is_surface(path_of("context", source)))
 
 
-def _set_contexts(atlas: Any, context: Any, blocks: float, opacity: float, max_memory: int) -> None:
+def _set_contexts(atlas: Any, context: Any, blocks: float, opacity: float, max_memory: int, cache: bool) -> None:
     sources = list(context) if isinstance(context, (list, tuple)) else [] if context is None else [context]
     surfaces = [_is_surface(source) for source in sources]
     if blocks and surfaces.count(False) == 0:
@@ -449,7 +451,7 @@ def _set_contexts(atlas: Any, context: Any, blocks: float, opacity: float, max_m
         raise ArgumentError("context: several volumes, wanted is at most one")
     blocks, opacity = real("context_blocks", blocks), real("context_opacity", opacity)
     for source, surface in zip(sources, surfaces):
-        _set_context(atlas, source, 0 if surface else blocks, opacity if surface else 0, max_memory)
+        _set_context(atlas, source, 0 if surface else blocks, opacity if surface else 0, max_memory, cache)
 
 
 def _region(source: Any, threshold: float, max_memory: int) -> Any:

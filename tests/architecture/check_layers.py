@@ -84,8 +84,8 @@ LIBRARY = {
     "loaders/brainglobe": "base base/formats",
     "loaders/tracts": "base base/formats atlas/tracts loaders loaders/surfaces/foreign",
     "loaders/volumes/text": "base base/formats atlas/labels atlas",
-    "loaders/volumes": "base base/formats atlas/labels atlas loaders loaders/tiff loaders/brainglobe"
-    " loaders/volumes/text",
+    "loaders/volumes": "base base/formats atlas/labels atlas loaders/volumes/stored loaders loaders/tiff"
+    " loaders/brainglobe loaders/volumes/text",
     "loaders/tables": "base base/formats loaders/volumes atlas/labels",
     "loaders/cifti": "base base/formats loaders/volumes loaders/tables atlas/labels",
     "loaders/labels": "base loaders loaders/volumes loaders/volumes/text loaders/tables atlas/labels",

@@ -107,3 +107,58 @@ is_kept() {
         query phantom/sphere.nii.gz "${AIM[@]}"
     run -0 "$CONUS" query phantom/sphere.nii.gz "${AIM[@]}" --no-cache
 }
+
+# Three volumes of 192^3 voxels, with a block that moves: 21 MB, which pack to little.
+make_series() {
+    /usr/bin/python3 - "$1" <<'END'
+import gzip, struct, sys
+edge, count = 192, 3
+head = bytearray(352)
+struct.pack_into("<i", head, 0, 348)
+struct.pack_into("<8h", head, 40, 4, edge, edge, edge, count, 1, 1, 1)
+struct.pack_into("<2h", head, 70, 2, 8)
+struct.pack_into("<8f", head, 76, 1, 1, 1, 1, 1, 1, 1, 1)
+struct.pack_into("<2f", head, 108, 352, 1)
+struct.pack_into("<2h", head, 252, 0, 1)
+for row in range(3):
+    struct.pack_into("<4f", head, 280 + 16 * row, *[float(row == k) for k in range(3)], -96)
+head[344:348] = b"n+1\0"
+with gzip.open(sys.argv[1], "wb", 1) as file:
+    file.write(head)
+    for volume in range(count):
+        row = bytes(80) + bytes([volume + 1]) * 30 + bytes(edge - 110)
+        block, none = row * edge, bytes(edge * edge)
+        file.write(none * 80 + block * (20 + 10 * volume) + none * (edge - 100 - 10 * volume))
+END
+}
+
+has_index() {
+    "$CONUS" query "$@" > /dev/null
+    "$CONUS" cache list --format tsv | cut -f 1 | grep -qx index
+}
+
+@test "one volume of a packed 4-D file is the same by its index; as atlas, pathway and context" {
+    own_cache
+    make_series series.nii.gz
+    wait_until $$ has_index series.nii.gz,volume=0 "${AIM[@]}" --quiet
+    [ "$("$CONUS" cache list --format tsv | grep '^index' | cut -f 4)" = "$PWD/series.nii.gz" ]
+    for volume in 0 2; do
+        "$CONUS" query series.nii.gz,volume=$volume "${AIM[@]}" --format json > with 2> notes-with
+        CONUS_CACHE=off "$CONUS" query series.nii.gz,volume=$volume "${AIM[@]}" --format json > without \
+            2> notes-without
+        cmp with without
+        cmp notes-with notes-without
+        grep -q '"index": '$((volume + 1)) with
+    done
+    local pathway=series.nii.gz,volume=1,threshold=2 context=series.nii.gz,volume=2
+    "$CONUS" query series.nii.gz,volume=0 "${AIM[@]}" --pathway "$pathway" --context "$context" --context-blocks 3 > with
+    CONUS_CACHE=off "$CONUS" query series.nii.gz,volume=0 "${AIM[@]}" --pathway "$pathway" --context "$context" \
+        --context-blocks 3 > without
+    cmp with without
+    "$CONUS" cache clear
+    "$CONUS" query series.nii.gz,volume=0 "${AIM[@]}" --pathway "$pathway" --no-cache > /dev/null
+    [ "$("$CONUS" cache list --format tsv | wc -l)" = 1 ]
+    # By a pathway alone, too.
+    "$CONUS" phantom sphere -o phantom
+    wait_until $$ has_index phantom/sphere.nii.gz "${AIM[@]}" --pathway "$pathway" --quiet
+}

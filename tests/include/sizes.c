@@ -10,8 +10,8 @@
 #define SIZE(type, size) static_assert(sizeof(type) == (size), "callers are compiled with this size of " #type)
 
 SIZE(conus_load_options, 80);
-SIZE(conus_pathway_options, 64);
-SIZE(conus_context_options, 48);
+SIZE(conus_pathway_options, 72);
+SIZE(conus_context_options, 56);
 SIZE(conus_transform_options, 56);
 SIZE(conus_pose_options, 56);
 SIZE(conus_selector_options, 96);

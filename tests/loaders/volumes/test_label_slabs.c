@@ -60,7 +60,8 @@ static const char *cut_file(const struct bytes *bytes, size_t size)
 static conus_status open_slabs(struct volume_file *file, struct label_voxels *labels, const char *path, uint64_t limit,
                                struct notes *notes)
 {
-    return volume_file_open_labels(file, labels, path, limit, needed, notes);
+    const conus_load_options options = {.max_memory = limit};
+    return volume_file_open_labels(file, labels, path, &options, needed, notes);
 }
 
 static void labels_and_notes_are_those_of_all_voxels_at_once(void **state)

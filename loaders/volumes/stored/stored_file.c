@@ -1,0 +1,121 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Opens a file whole or by its index, and gives bytes of it. */
+#include "loaders/volumes/stored/stored_file.h"
+
+#include "base/memory.h"
+
+#include <string.h>
+
+void stored_finish(struct stored *stored)
+{
+    memory_free(stored->path);
+    bytes_finish(&stored->bytes);
+    if (stored->index) {
+        kept_index_finish(stored->index);
+    }
+    if (stored->keeper) {
+        index_keeper_finish(stored->keeper);
+    }
+    memory_free(stored->index);
+    memory_free(stored->keeper);
+    *stored = (struct stored){0};
+}
+
+/* Takes the index if there is one; who may not read so large a file is told so where it is read. */
+static void find_index(struct stored *stored, uint64_t limit)
+{
+    struct kept_index kept;
+    if (!kept_index_open(&kept, stored->path)) {
+        return;
+    }
+    stored->index = kept.before.size <= limit ? memory_copy(&kept, 1, sizeof kept) : NULL;
+    if (!stored->index) {
+        kept_index_finish(&kept);
+    }
+    stored->packed = stored->index;
+}
+
+static conus_status read_whole(struct stored *stored, uint64_t limit, enum stored_use use)
+{
+    if (use != STORED_PLAIN) {
+        stored->keeper = memory_raw(1, sizeof *stored->keeper);
+        if (!stored->keeper) {
+            return CONUS_ERROR_MEMORY;
+        }
+        index_keeper_begin(stored->keeper, stored->path);
+    }
+    conus_status status = file_read_allowed(&stored->bytes, stored->path, limit);
+    stored->packed = !status && gzip_is(stored->bytes.data, stored->bytes.size);
+    return status;
+}
+
+conus_status stored_open(struct stored *out, const char *path, uint64_t limit, enum stored_use use)
+{
+    struct stored stored = {.path = memory_text(path, strlen(path))};
+    conus_status status = use == STORED_PLAIN ? CONUS_OK : cache_check_limit();
+    status = status || stored.path ? status : CONUS_ERROR_MEMORY;
+    if (!status && use == STORED_INDEX) {
+        find_index(&stored, limit);
+    }
+    status = status || stored.index ? status : read_whole(&stored, limit, use);
+    if (status) {
+        stored_finish(&stored);
+        return status;
+    }
+    *out = stored;
+    return CONUS_OK;
+}
+
+conus_status stored_head(struct bytes *out, const struct stored *stored, size_t limit)
+{
+    if (stored->index) {
+        return gzip_index_head(out, &stored->index->index, limit, stored->index->descriptor);
+    }
+    if (stored->packed) {
+        return gzip_head(out, stored->bytes.data, stored->bytes.size, limit);
+    }
+    size_t size = stored->bytes.size < limit ? stored->bytes.size : limit;
+    uint8_t *copy = memory_raw(size, 1);
+    if (!copy) {
+        return CONUS_ERROR_MEMORY;
+    }
+    memcpy(copy, stored->bytes.data, size);
+    *out = (struct bytes){copy, size};
+    return CONUS_OK;
+}
+
+static conus_status follow_index(struct bytes *out, struct gzip_range *range, const struct kept_index *kept)
+{
+    conus_status status = gzip_index_unpack(out, range, &kept->index, kept->descriptor);
+    if (!status && !kept_index_holds(kept)) {
+        bytes_finish(out);
+        status = fail(CONUS_ERROR_IO, FILE_CHANGED);
+    }
+    return status;
+}
+
+static conus_status unpack_and_keep(struct bytes *out, struct gzip_range *range, struct stored *stored,
+                                    const char *sha256)
+{
+    struct index_keeper *keeper = stored->keeper;
+    struct gzip_index whole = {0};
+    gzip_indexer_init(&keeper->indexer, range->total);
+    range->indexer = &keeper->indexer;
+    conus_status status = gzip_unpack(out, range, stored->bytes.data, stored->bytes.size);
+    range->indexer = NULL;
+    if (!status && keeper->trace.count && keeper->trace.items[0].state.size == stored->bytes.size) {
+        whole.unpacked = range->total + range->extra;
+        whole.junk = range->junk;
+        memcpy(whole.sha256, sha256, sizeof whole.sha256);
+        index_keeper_keep(keeper, &whole);
+    }
+    return status;
+}
+
+conus_status stored_range(struct bytes *out, struct gzip_range *range, struct stored *stored, const char *sha256)
+{
+    return stored->index              ? follow_index(out, range, stored->index)
+           : !stored->packed          ? gzip_keep(out, range, &stored->bytes)
+           : sha256 && stored->keeper ? unpack_and_keep(out, range, stored, sha256)
+                                      : gzip_unpack(out, range, stored->bytes.data, stored->bytes.size);
+}

@@ -1,0 +1,233 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* One volume of a packed 4-D file, by the index that was kept: the same as without. */
+#include "base/memory.h"
+#include "builders/nifti_builder.h"
+#include "builders/series_builder.h"
+#include "loaders/volumes/stored/stored_file.h"
+#include "loaders/volumes/volume_values.h"
+#include "test.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+/* ---- What it is for ---------------------------------------------------------------------------------------------- */
+
+static void assert_same_as_without(const char *path, size_t volume)
+{
+    struct volume_file with = {0};
+    struct volume_file without = {0};
+    assert_ok(series_open(&with, path, volume, true));
+    assert_ok(series_open(&without, path, volume, false));
+    series_assert(&with, volume);
+    series_assert(&without, volume);
+    assert_string_equal(with.info.sha256, without.info.sha256);
+    assert_string_equal(with.info.format, without.info.format);
+    assert_int_equal(with.info.volume, without.info.volume);
+    assert_int_equal(with.info.volume_count, SERIES_COUNT);
+    assert_int_equal(with.head.size, without.head.size);
+    assert_memory_equal(with.head.data, without.head.data, with.head.size);
+    volume_file_finish(&with);
+    volume_file_finish(&without);
+}
+
+static void a_volume_is_found_by_the_index(void **state)
+{
+    (void)state;
+    const size_t members[] = {SIZE_MAX, 65280 /* as bgzip makes them */, 3000000};
+    for (size_t i = 0; i < 3; i++) {
+        char path[8192];
+        snprintf(path, sizeof path, "%s", i ? series_make("members.nii.gz", 0, members[i]) : series_path());
+        assert_ok(conus_cache_clear());
+        assert_false(series_opens_by_index(path, 3));
+        series_index(path, true);
+        assert_true(series_opens_by_index(path, 0));
+        assert_true(series_opens_by_index(path, 7));
+        assert_true(series_opens_by_index(path, SERIES_COUNT - 1));
+        assert_same_as_without(path, 12);
+    }
+}
+
+static void errors_are_those_of_the_file(void **state)
+{
+    (void)state;
+    struct volume_file file = {0};
+    struct notes notes = {0};
+    series_need_index();
+    assert_fails(series_open(&file, series_path(), SERIES_COUNT, true), CONUS_ERROR_ARGUMENT);
+    assert_non_null(strstr(conus_message(), "volume: found 17, allowed are 0 to 16"));
+    assert_fails(volume_file_open_cached(&file, series_path(), 0, true, &notes), CONUS_ERROR_ARGUMENT);
+    char chosen[8300];
+    snprintf(chosen, sizeof chosen, "%s,volume=2", series_path());
+    assert_fails(volume_file_open_cached(&file, chosen, SERIES_MEMORY, true, &notes), CONUS_ERROR_MEMORY);
+    assert_non_null(strstr(conus_message(), "allowed are 5242880 (--max-memory)")); /* the packed file is larger */
+    notes_finish(&notes);
+}
+
+static void without_being_asked_for_there_is_none(void **state)
+{
+    (void)state;
+    struct volume_file file = {0};
+    assert_ok(conus_cache_clear());
+    assert_ok(series_open(&file, series_path(), 1, false));
+    volume_file_finish(&file);
+    assert_string_equal(series_entry(), "");
+    series_need_index();
+    test_limit_allocations(SERIES_MEMORY);
+    conus_status status = series_open(&file, series_path(), 1, false);
+    test_limit_allocations(0);
+    assert_int_equal(status, CONUS_ERROR_MEMORY);
+    setenv("CONUS_CACHE", "off", 1);
+    assert_false(series_opens_by_index(series_path(), 1));
+    setenv("CONUS_CACHE", "12x", 1);
+    assert_fails(series_open(&file, series_path(), 1, true), CONUS_ERROR_ARGUMENT);
+    assert_non_null(strstr(conus_message(), "12x"));
+    assert_ok(series_open(&file, series_path(), 1, false));
+    volume_file_finish(&file);
+    unsetenv("CONUS_CACHE");
+    assert_true(series_opens_by_index(series_path(), 1));
+}
+
+static void the_list_names_it(void **state)
+{
+    (void)state;
+    conus_cache *cache = NULL;
+    char real[8192];
+    assert_ok(conus_cache_clear());
+    series_need_index();
+    assert_ok(conus_cache_create(&cache));
+    assert_int_equal(conus_cache_count(cache), 1);
+    const conus_cache_entry *entry = conus_cache_entry_at(cache, 0);
+    assert_string_equal(entry->kind, "index");
+    assert_non_null(realpath(series_path(), real));
+    assert_string_equal(entry->path, real);
+    assert_true(entry->size < 1 << 20); /* 17 points, each at most 32 KiB */
+    conus_cache_destroy(cache);
+    assert_ok(conus_cache_clear());
+    assert_false(series_is_indexed(series_path()));
+}
+
+/* ---- Labels, which go to a sink ---------------------------------------------------------------------------------- */
+
+enum { WIDE_EDGE = 162, WIDE = WIDE_EDGE * WIDE_EDGE * WIDE_EDGE };
+
+static uint32_t wide_voxel(size_t volume, size_t i)
+{
+    return (uint32_t)(i % 97 * (i / 5000 % 600) + volume);
+}
+
+static const char *make_wide(void)
+{
+    static const int64_t dim[3] = {WIDE_EDGE, WIDE_EDGE, WIDE_EDGE};
+    struct nifti_builder builder;
+    struct buffer packed = {0};
+    nifti_begin(&builder, 1, false, 768 /* uint32 */, dim);
+    nifti_set(&builder, "dim", 0, 4);
+    nifti_set(&builder, "dim", 4, 2);
+    for (size_t k = 0; k < 2; k++) {
+        uint32_t *voxels = malloc(WIDE * sizeof *voxels);
+        for (size_t i = 0; i < WIDE; i++) {
+            voxels[i] = wide_voxel(k, i);
+        }
+        buffer_append(&builder.bytes, voxels, WIDE * sizeof *voxels);
+        free(voxels);
+    }
+    append_fast_gzip(&packed, builder.bytes.data, builder.bytes.size);
+    const char *path = write_bytes("wide.nii.gz", &packed);
+    buffer_finish(&builder.bytes);
+    buffer_finish(&packed);
+    return path;
+}
+
+static void assert_labels(const char *path)
+{
+    char chosen[8300];
+    struct volume_file file = {0};
+    struct label_voxels labels = {0};
+    struct notes notes = {0};
+    const conus_load_options options = {.cache = true};
+    size_t wrong = 0;
+    snprintf(chosen, sizeof chosen, "%s,volume=1", path);
+    assert_ok(volume_file_open_labels(&file, &labels, chosen, &options, "a volume", &notes));
+    assert_int_equal(labels.count, WIDE);
+    for (size_t i = 0; i < WIDE; i++) {
+        wrong += label_voxels_at(&labels, i) != wide_voxel(1, i);
+    }
+    assert_int_equal(wrong, 0);
+    label_voxels_finish(&labels);
+    volume_file_finish(&file);
+    notes_finish(&notes);
+}
+
+/* An index that is found out in the middle: the labels that were read so far do not count. */
+static void labels_begin_again_without_an_index_that_lies(void **state)
+{
+    (void)state;
+    char path[8192];
+    struct bytes bytes = {0};
+    struct cache_entry parts;
+    snprintf(path, sizeof path, "%s", make_wide());
+    assert_ok(conus_cache_clear());
+    struct stored stored = {0};
+    struct gzip_range range = {.from = SERIES_HEAD, .count = 1, .total = SERIES_HEAD + (size_t)WIDE * 8};
+    char sum[65];
+    struct bytes out = {0};
+    assert_ok(stored_open(&stored, path, UINT64_MAX, STORED_KEEP));
+    stored.keeper->trace.begun.tv_sec += 2 * TRACE_REST_ELSEWHERE_SECONDS;
+    file_sha256(sum, &stored.bytes);
+    assert_ok(stored_range(&out, &range, &stored, sum));
+    bytes_finish(&out);
+    stored_finish(&stored);
+    assert_true(series_is_indexed(path));
+    assert_labels(path);
+    char *entry = strdup(series_entry());
+    assert_ok(file_read(&bytes, entry, UINT64_MAX));
+    assert_true(cache_entry_parse(&parts, bytes.data, bytes.size));
+    uint8_t *index = memory_copy(parts.packed.data, parts.packed.size, 1);
+    struct gzip_index parsed;
+    assert_true(gzip_index_parse(&parsed, index, parts.packed.size));
+    ((struct gzip_point *)(void *)(index + SERIES_POINTS_AT))[parsed.count - 2].sum ^=
+        1; /* of the last spans but one */
+    memset(index + SERIES_TRAILER_AT, 0, 8);
+    series_forge(entry, &bytes, index);
+    assert_true(series_is_indexed(path));
+    assert_labels(path);
+    memory_free(index);
+    bytes_finish(&bytes);
+    free(entry);
+}
+
+static conus_status attempt(void *path)
+{
+    struct volume_file file = {0};
+    conus_status status = series_open(&file, path, 4, true);
+    if (!status) {
+        series_assert(&file, 4);
+    }
+    volume_file_finish(&file);
+    return status;
+}
+
+static void every_failing_allocation(void **state)
+{
+    (void)state;
+    series_need_index();
+    test_every_allocation(attempt, (void *)series_path());
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_volume_is_found_by_the_index),
+        cmocka_unit_test(errors_are_those_of_the_file),
+        cmocka_unit_test(without_being_asked_for_there_is_none),
+        cmocka_unit_test(the_list_names_it),
+        cmocka_unit_test(labels_begin_again_without_an_index_that_lies),
+        cmocka_unit_test(every_failing_allocation),
+    };
+    umask(022);
+    unsetenv("CONUS_CACHE");
+    test_own_cache();
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,185 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Makes a packed 4-D file, its index, and opens volumes of it. */
+#include "builders/series_builder.h"
+
+#include "builders/nifti_builder.h"
+#include "loaders/volumes/stored/stored_file.h"
+#include "test.h"
+
+#include <fcntl.h>
+#include <libdeflate.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+uint8_t series_voxel(size_t volume, size_t i)
+{
+    uint64_t mixed = (i ^ volume << 32) * UINT64_C(0x9e3779b97f4a7c15);
+    mixed = (mixed ^ mixed >> 29) * UINT64_C(0xbf58476d1ce4e5b9);
+    return (uint8_t)((mixed >> 40) % 50);
+}
+
+void append_fast_gzip(struct buffer *out, const char *data, size_t size)
+{
+    struct libdeflate_compressor *compressor = libdeflate_alloc_compressor(1);
+    size_t most = libdeflate_gzip_compress_bound(compressor, size);
+    char *packed = malloc(most);
+    size_t used = libdeflate_gzip_compress(compressor, data, size, packed, most);
+    assert_true(used > 0);
+    buffer_append(out, packed, used);
+    free(packed);
+    libdeflate_free_compressor(compressor);
+}
+
+static void fill_volumes(struct buffer *out, size_t first)
+{
+    for (size_t k = 0; k < SERIES_COUNT; k++) {
+        uint8_t *voxels = malloc(SERIES_VOLUME);
+        for (size_t i = 0; i < SERIES_VOLUME; i++) {
+            voxels[i] = series_voxel(first + k, i);
+        }
+        buffer_append(out, voxels, SERIES_VOLUME);
+        free(voxels);
+    }
+}
+
+const char *series_make(const char *name, size_t first, size_t member)
+{
+    static const int64_t dim[3] = {SERIES_EDGE, SERIES_EDGE, SERIES_PLANES};
+    struct nifti_builder builder;
+    struct buffer packed = {0};
+    nifti_begin(&builder, 1, false, 2 /* uint8 */, dim);
+    nifti_set(&builder, "dim", 0, 4);
+    nifti_set(&builder, "dim", 4, SERIES_COUNT);
+    assert_int_equal(builder.bytes.size, SERIES_HEAD);
+    fill_volumes(&builder.bytes, first);
+    for (size_t at = 0; at < builder.bytes.size; at += member) {
+        size_t left = builder.bytes.size - at;
+        append_fast_gzip(&packed, builder.bytes.data + at, left < member ? left : member);
+    }
+    const char *path = write_bytes(name, &packed);
+    buffer_finish(&builder.bytes);
+    buffer_finish(&packed);
+    return path;
+}
+
+const char *series_path(void)
+{
+    static char path[8192];
+    if (!path[0]) {
+        snprintf(path, sizeof path, "%s", series_make("series.nii.gz", 0, SIZE_MAX));
+    }
+    return path;
+}
+
+conus_status series_open(struct volume_file *out, const char *path, size_t volume, bool cache)
+{
+    char chosen[8300];
+    struct notes notes = {0};
+    snprintf(chosen, sizeof chosen, "%s,volume=%zu", path, volume);
+    conus_status status = volume_file_open_cached(out, chosen, 0, cache, &notes);
+    assert_true(status || notes.count == 0);
+    notes_finish(&notes);
+    return status;
+}
+
+void series_assert(const struct volume_file *file, size_t number)
+{
+    size_t wrong = 0;
+    assert_int_equal(file->voxels.size, SERIES_VOLUME);
+    for (size_t i = 0; i < SERIES_VOLUME; i++) {
+        wrong += file->voxels.data[i] != series_voxel(number, i);
+    }
+    assert_int_equal(wrong, 0);
+}
+
+bool series_opens_by_index(const char *path, size_t volume)
+{
+    struct volume_file file = {0};
+    test_limit_allocations(SERIES_MEMORY);
+    conus_status status = series_open(&file, path, volume, true);
+    test_limit_allocations(0);
+    assert_true(!status || status == CONUS_ERROR_MEMORY);
+    if (!status) {
+        series_assert(&file, volume);
+    }
+    volume_file_finish(&file);
+    return !status;
+}
+
+void series_assert_opens(const char *path, size_t volume, size_t first)
+{
+    struct volume_file file = {0};
+    assert_ok(series_open(&file, path, volume, true));
+    series_assert(&file, first + volume);
+    volume_file_finish(&file);
+}
+
+void series_index(const char *path, bool rested)
+{
+    struct stored stored = {0};
+    struct bytes out = {0};
+    char sum[65];
+    struct gzip_range range = {
+        .from = SERIES_HEAD, .count = 10, .total = SERIES_HEAD + (size_t)SERIES_COUNT * SERIES_VOLUME};
+    assert_ok(stored_open(&stored, path, UINT64_MAX, STORED_KEEP));
+    stored.keeper->trace.begun.tv_sec += rested ? 2 * TRACE_REST_ELSEWHERE_SECONDS : 0;
+    file_sha256(sum, &stored.bytes);
+    assert_ok(stored_range(&out, &range, &stored, sum));
+    bytes_finish(&out);
+    stored_finish(&stored);
+}
+
+bool series_is_indexed(const char *path)
+{
+    struct kept_index kept;
+    bool found = kept_index_open(&kept, path);
+    if (found) {
+        kept_index_finish(&kept);
+    }
+    return found;
+}
+
+const char *series_entry(void)
+{
+    static char path[8192];
+    conus_cache *cache = NULL;
+    path[0] = '\0';
+    assert_ok(conus_cache_create(&cache));
+    for (size_t i = 0; i < conus_cache_count(cache); i++) {
+        const conus_cache_entry *entry = conus_cache_entry_at(cache, i);
+        if (strcmp(entry->kind, "index") == 0) {
+            snprintf(path, sizeof path, "%s/%s", conus_cache_folder(cache), entry->file);
+        }
+    }
+    conus_cache_destroy(cache);
+    return path;
+}
+
+void series_need_index(void)
+{
+    if (!series_is_indexed(series_path())) {
+        series_index(series_path(), true);
+    }
+}
+
+void overwrite_file(const char *path, const void *data, size_t size)
+{
+    int file = open(path, O_WRONLY | O_TRUNC | O_CLOEXEC);
+    assert_true(file >= 0);
+    assert_true(file_write_fully(file, data, size));
+    close(file);
+}
+
+void series_forge(const char *entry, const struct bytes *bytes, const uint8_t *packed)
+{
+    struct cache_entry parts;
+    struct buffer forged = {0};
+    assert_true(cache_entry_parse(&parts, bytes->data, bytes->size));
+    parts.packed_crc = cache_crc(0, packed, parts.packed.size);
+    cache_entry_write(&forged, &parts);
+    buffer_append(&forged, packed, parts.packed.size);
+    overwrite_file(entry, forged.data, forged.size);
+    buffer_finish(&forged);
+}

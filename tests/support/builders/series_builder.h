@@ -1,0 +1,61 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file A packed 4-D file that is large enough for an index, and the index in the user's cache folder. */
+#ifndef CONUS_TESTS_SUPPORT_BUILDERS_SERIES_BUILDER_H
+#define CONUS_TESTS_SUPPORT_BUILDERS_SERIES_BUILDER_H
+
+#include "base/buffer.h"
+#include "loaders/volumes/volume_file.h"
+
+/** 17 volumes of 1 MiB, whose noise packs to about 0.8 of it: SERIES_MEMORY holds a volume, but not the packed file. */
+enum {
+    SERIES_EDGE = 128,
+    SERIES_PLANES = 64,
+    SERIES_COUNT = 17,
+    SERIES_VOLUME = SERIES_EDGE * SERIES_EDGE * SERIES_PLANES,
+    SERIES_HEAD = 352,
+    SERIES_MEMORY = 5 << 20,
+    SERIES_TRAILER_AT = 24, /**< In the bytes of an index: where the file's checksum is, and */
+    SERIES_POINTS_AT = 120  /**< ... the points. */
+};
+
+/** Voxel @p i of volume @p volume. */
+uint8_t series_voxel(size_t volume, size_t i);
+
+/** Writes the file whose volume k is series_voxel(@p first + k), in members of @p member unpacked bytes. */
+const char *series_make(const char *name, size_t first, size_t member);
+
+/** That from volume 0 in one member, made once: for who only reads it. */
+const char *series_path(void);
+
+/** Opens a volume; there are no notes. */
+conus_status series_open(struct volume_file *out, const char *path, size_t volume, bool cache);
+void series_assert(const struct volume_file *file, size_t number);
+
+/** Opens a volume from volume 0 on, which must be right, with no memory for all of the file: whether that succeeds. */
+bool series_opens_by_index(const char *path, size_t volume);
+
+/** Opens volume @p volume with memory enough: whatever its index is, it is series_voxel(@p first + @p volume). */
+void series_assert_opens(const char *path, size_t volume, size_t first);
+
+/** Unpacks the file, which is as if at rest for long if @p rested, and keeps its index. */
+void series_index(const char *path, bool rested);
+
+/** Whether there is one that is believed. */
+bool series_is_indexed(const char *path);
+
+/** Makes that of series_path() unless it is there. */
+void series_need_index(void);
+
+/** The path of the only index in the cache, "" where there is none; static. */
+const char *series_entry(void);
+
+/** Bytes in the place of those of the file, which stays the same file. */
+void overwrite_file(const char *path, const void *data, size_t size);
+
+/** Writes the entry of @p bytes with @p packed in the place of its index, so that its own checksums hold. */
+void series_forge(const char *entry, const struct bytes *bytes, const uint8_t *packed);
+
+/** Appends a gzip member, packed fast. */
+void append_fast_gzip(struct buffer *out, const char *data, size_t size);
+
+#endif
