@@ -21,9 +21,8 @@
 static const uint64_t DEFAULT_MEMORY = UINT64_C(8) << 30;
 static const char default_needed[] = "a volume (NIfTI, MGH, NRRD, MetaImage, AFNI or TIFF)";
 enum {
-    HEAD_LIMIT = 1 << 26,      /* of the header file of a pair */
-    HEADER_READ = 1 << 16,     /* of a file of which the header alone is wanted; packed, it takes less */
-    UNPACKED_AT_ONCE = 1 << 24 /* of labels */
+    HEAD_LIMIT = 1 << 26, /* of the header file of a pair */
+    HEADER_READ = 1 << 16 /* of a file of which the header alone is wanted; packed, it takes less */
 };
 
 static conus_status note_rest(const struct gzip_range *range, bool footer, struct notes *notes)
@@ -222,12 +221,18 @@ static conus_status refuse_place(const struct opening *o)
                  : CONUS_OK;
 }
 
+static bool has_fixed_header(const uint8_t *data, size_t size)
+{
+    return nifti_has_magic(data, size) || mgh_is(data, size);
+}
+
 static conus_status open_files(struct opening *o, const char *path)
 {
     bool image = false;
     size_t at = 0;
     char *head = NULL;
-    conus_status status = stored_open(&o->voxels, path, o->limit, o->use);
+    conus_status status = o->labels ? stored_open_slabs(&o->voxels, path, o->limit, o->use, has_fixed_header)
+                                    : stored_open(&o->voxels, path, o->limit, o->use);
     status = status ? status : volume_text_head_path(&head, path);
     if (head) {
         status = status ? status : refuse_place(o);
@@ -335,7 +340,8 @@ static conus_status aim_at_labels(struct gzip_range *range, struct opening *o, c
     const struct volume_header *header = &o->header;
     bool is_packed = header->text ? volume_text_is_packed(header, o->voxels.packed) : o->voxels.packed;
     bool is_wide = volume_datatype_size(header->datatype) > sizeof(uint16_t);
-    if (!o->labels || o->all || o->tiff.pages || !is_packed || !is_wide || header->volume_size <= UNPACKED_AT_ONCE) {
+    bool in_slabs = o->voxels.plain || (is_packed && is_wide);
+    if (!o->labels || o->all || o->tiff.pages || !in_slabs || header->volume_size <= STORED_LARGE) {
         return CONUS_OK;
     }
     o->like = *file;
@@ -349,7 +355,7 @@ static conus_status aim_at_labels(struct gzip_range *range, struct opening *o, c
 /* Whether one volume of many is unpacked. */
 static bool is_worth_index(const struct opening *o, uint64_t total)
 {
-    return !o->all && o->header.info.volume_count > 1 && total > UNPACKED_AT_ONCE;
+    return !o->all && o->header.info.volume_count > 1 && total > STORED_LARGE;
 }
 
 /* Moves the voxels out of what is stored, whose packed bytes are gone afterwards. */
@@ -386,15 +392,6 @@ static conus_status take_around(struct volume_file *file, const struct opening *
     return status ? status : take_extensions(file, &o->header);
 }
 
-static void take_sum(char out[65], const struct opening *o, const struct bytes *ahead)
-{
-    if (o->voxels.index) {
-        memcpy(out, o->voxels.index->index.sha256, 65);
-    } else {
-        volume_text_sha256(out, ahead, &o->voxels.bytes);
-    }
-}
-
 /* Everything into `file`, which the caller finishes on failure. */
 static conus_status take_all(struct volume_file *file, struct opening *o)
 {
@@ -409,13 +406,17 @@ static conus_status take_all(struct volume_file *file, struct opening *o)
     file->swapped = o->header.swapped;
     file->intent_code = o->header.intent_code;
     describe_format(&file->info, &o->header, o->voxels.packed);
-    take_sum(file->info.sha256, o, named == first && first != &o->voxels ? &first->bytes : NULL);
+    if (!stored_known_sum(file->info.sha256, &o->voxels)) {
+        volume_text_sha256(file->info.sha256, named == first && first != &o->voxels ? &first->bytes : NULL,
+                           &o->voxels.bytes);
+    }
     file->max_memory = o->limit;
     status = file_sums_move(&file->read, &o->read);
     status = status ? status : take_voxels(file, o);
     if (status) {
         return fail_in(status, o->voxels.path);
     }
+    (void)stored_known_sum(file->info.sha256, &o->voxels); /* of a plain file, which was read now */
     file->path = named->path;
     named->path = NULL;
     file->info.path = file->path;
@@ -511,8 +512,7 @@ static conus_status open_selected(struct volume_file *out, const char *path, str
 
 conus_status volume_file_open(struct volume_file *out, const char *path, uint64_t max_memory, struct notes *notes)
 {
-    struct opening opening = {.limit = max_memory ? max_memory : DEFAULT_MEMORY};
-    return open_selected(out, path, &opening, notes);
+    return volume_file_open_cached(out, path, max_memory, false, notes);
 }
 
 conus_status volume_file_open_cached(struct volume_file *out, const char *path, uint64_t max_memory, bool cache,

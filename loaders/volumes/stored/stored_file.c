@@ -16,7 +16,11 @@ void stored_finish(struct stored *stored)
     if (stored->keeper) {
         index_keeper_finish(stored->keeper);
     }
+    if (stored->plain) {
+        plain_file_finish(stored->plain);
+    }
     memory_free(stored->index);
+    memory_free(stored->plain);
     memory_free(stored->keeper);
     *stored = (struct stored){0};
 }
@@ -66,10 +70,31 @@ conus_status stored_open(struct stored *out, const char *path, uint64_t limit, e
     return CONUS_OK;
 }
 
+conus_status stored_open_slabs(struct stored *out, const char *path, uint64_t limit, enum stored_use use,
+                               plain_file_test *test)
+{
+    struct plain_file plain;
+    if (!plain_file_open(&plain, path, STORED_LARGE, limit, test)) {
+        return stored_open(out, path, limit, use);
+    }
+    struct stored stored = {.path = memory_text(path, strlen(path)), .plain = memory_copy(&plain, 1, sizeof plain)};
+    if (!stored.path || !stored.plain) {
+        plain_file_finish(&plain);
+        memory_free(stored.path);
+        memory_free(stored.plain);
+        return CONUS_ERROR_MEMORY;
+    }
+    *out = stored;
+    return CONUS_OK;
+}
+
 conus_status stored_head(struct bytes *out, const struct stored *stored, size_t limit)
 {
     if (stored->index) {
         return gzip_index_head(out, &stored->index->index, limit, stored->index->descriptor);
+    }
+    if (stored->plain) {
+        return plain_file_head(out, stored->plain, limit);
     }
     if (stored->packed) {
         return gzip_head(out, stored->bytes.data, stored->bytes.size, limit);
@@ -82,6 +107,15 @@ conus_status stored_head(struct bytes *out, const struct stored *stored, size_t 
     memcpy(copy, stored->bytes.data, size);
     *out = (struct bytes){copy, size};
     return CONUS_OK;
+}
+
+bool stored_known_sum(char out[65], const struct stored *stored)
+{
+    const char *sum = stored->index ? stored->index->index.sha256 : stored->plain ? stored->plain->sha256 : NULL;
+    if (sum) {
+        memcpy(out, sum, sizeof stored->plain->sha256);
+    }
+    return sum;
 }
 
 static conus_status follow_index(struct bytes *out, struct gzip_range *range, const struct kept_index *kept)
@@ -115,6 +149,7 @@ static conus_status unpack_and_keep(struct bytes *out, struct gzip_range *range,
 conus_status stored_range(struct bytes *out, struct gzip_range *range, struct stored *stored, const char *sha256)
 {
     return stored->index              ? follow_index(out, range, stored->index)
+           : stored->plain            ? plain_file_range(out, range, stored->plain)
            : !stored->packed          ? gzip_keep(out, range, &stored->bytes)
            : sha256 && stored->keeper ? unpack_and_keep(out, range, stored, sha256)
                                       : gzip_unpack(out, range, stored->bytes.data, stored->bytes.size);

@@ -117,7 +117,7 @@ static uint32_t wide_voxel(size_t volume, size_t i)
     return (uint32_t)(i % 97 * (i / 5000 % 600) + volume);
 }
 
-static const char *make_wide(void)
+static const char *make_wide(bool is_packed)
 {
     static const int64_t dim[3] = {WIDE_EDGE, WIDE_EDGE, WIDE_EDGE};
     struct nifti_builder builder;
@@ -133,8 +133,10 @@ static const char *make_wide(void)
         buffer_append(&builder.bytes, voxels, WIDE * sizeof *voxels);
         free(voxels);
     }
-    append_fast_gzip(&packed, builder.bytes.data, builder.bytes.size);
-    const char *path = write_bytes("wide.nii.gz", &packed);
+    if (is_packed) {
+        append_fast_gzip(&packed, builder.bytes.data, builder.bytes.size);
+    }
+    const char *path = is_packed ? write_bytes("wide.nii.gz", &packed) : write_bytes("wide.nii", &builder.bytes);
     buffer_finish(&builder.bytes);
     buffer_finish(&packed);
     return path;
@@ -167,7 +169,7 @@ static void labels_begin_again_without_an_index_that_lies(void **state)
     char path[8192];
     struct bytes bytes = {0};
     struct cache_entry parts;
-    snprintf(path, sizeof path, "%s", make_wide());
+    snprintf(path, sizeof path, "%s", make_wide(true));
     assert_ok(conus_cache_clear());
     struct stored stored = {0};
     struct gzip_range range = {.from = SERIES_HEAD, .count = 1, .total = SERIES_HEAD + (size_t)WIDE * 8};
@@ -198,6 +200,17 @@ static void labels_begin_again_without_an_index_that_lies(void **state)
     free(entry);
 }
 
+/* One volume of a file that is not packed: there is no index, nor is all of it in memory. */
+static void a_volume_of_a_plain_file_is_read_alone(void **state)
+{
+    (void)state;
+    char path[8192];
+    snprintf(path, sizeof path, "%s", make_wide(false));
+    test_limit_allocations((size_t)WIDE * 4 - 1); /* less than the volume, as it is stored */
+    assert_labels(path);
+    test_limit_allocations(0);
+}
+
 static conus_status attempt(void *path)
 {
     struct volume_file file = {0};
@@ -224,6 +237,7 @@ int main(void)
         cmocka_unit_test(without_being_asked_for_there_is_none),
         cmocka_unit_test(the_list_names_it),
         cmocka_unit_test(labels_begin_again_without_an_index_that_lies),
+        cmocka_unit_test(a_volume_of_a_plain_file_is_read_alone),
         cmocka_unit_test(every_failing_allocation),
     };
     umask(022);

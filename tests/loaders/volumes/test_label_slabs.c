@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Labels of a large, packed volume, read slab by slab, against the voxels unpacked at once. */
+/* Labels of a large volume, packed or not, read slab by slab, against all voxels at once. */
 #include "base/byte_order.h"
 #include "base/memory.h"
 #include "builders/nifti_builder.h"
@@ -139,6 +139,28 @@ static void what_is_wrong_is_said_as_of_all_voxels_at_once(void **state)
     buffer_finish(&b.bytes);
 }
 
+static void what_is_wrong_in_a_plain_file_is_said_alike(void **state)
+{
+    (void)state;
+    struct nifti_builder b;
+    build(&b, NI * NJ + 3, 0);
+    assert_refused_alike(write_bytes("slabs.nii", &b.bytes), "voxel (3, 0, 1): found 100.5 (stored 0.25, scale 2");
+    b.bytes.size -= 5;
+    assert_refused_alike(write_bytes("short.nii", &b.bytes), "voxels: the file has 17640571 bytes, the header asks");
+    buffer_finish(&b.bytes);
+}
+
+/* The file is larger than what may be read. */
+static void the_limit_holds_for_a_plain_file(void **state)
+{
+    struct volume_file file;
+    struct label_voxels labels = {0};
+    struct notes notes = {0};
+    assert_fails(open_slabs(&file, &labels, *state, 8 * COUNT, &notes), CONUS_ERROR_MEMORY);
+    assert_non_null(strstr(conus_message(), "(--max-memory)"));
+    notes_finish(&notes);
+}
+
 static conus_status open_and_finish(void *path)
 {
     struct volume_file file;
@@ -174,12 +196,30 @@ static int write_whole(void **state)
     return 0;
 }
 
+static int write_plain(void **state)
+{
+    static char path[300];
+    struct nifti_builder b;
+    build(&b, COUNT, 3);
+    snprintf(path, sizeof path, "%s", write_bytes("whole.nii", &b.bytes));
+    buffer_finish(&b.bytes);
+    *state = path;
+    return 0;
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
+    const struct CMUnitTest packed[] = {
         cmocka_unit_test(labels_and_notes_are_those_of_all_voxels_at_once),
         cmocka_unit_test(what_is_wrong_is_said_as_of_all_voxels_at_once),
         cmocka_unit_test(every_failing_allocation),
     };
-    return cmocka_run_group_tests_name("label_slabs", tests, write_whole, NULL);
+    const struct CMUnitTest plain[] = {
+        cmocka_unit_test(labels_and_notes_are_those_of_all_voxels_at_once),
+        cmocka_unit_test(what_is_wrong_in_a_plain_file_is_said_alike),
+        cmocka_unit_test(the_limit_holds_for_a_plain_file),
+        cmocka_unit_test(every_failing_allocation),
+    };
+    int failed = cmocka_run_group_tests_name("packed", packed, write_whole, NULL);
+    return failed + cmocka_run_group_tests_name("plain", plain, write_plain, NULL);
 }
