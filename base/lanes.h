@@ -565,17 +565,16 @@ static INLINE size_t keep_wholes(int32_t *out, truths which, wholes x)
 #endif
 }
 
-/* The same of half as many doubles. */
-static INLINE size_t keep_doubles(double *out, halves which, doubles x)
+static INLINE size_t keep_singles(float *out, truths which, singles x)
 {
 #if defined(__AVX512F__) && LANES == 16
-    _mm512_storeu_pd(out, _mm512_maskz_compress_pd(which, (__m512d)x));
+    _mm512_storeu_ps(out, _mm512_maskz_compress_ps(which, (__m512)x));
     return (size_t)__builtin_popcount(which);
 #else
     size_t count = 0;
-    for (int l = 0; l < HALF; l++) {
+    for (int l = 0; l < LANES; l++) {
         out[count] = x[l];
-        count += which[l] != 0;
+        count += is_true(which, l);
     }
     return count;
 #endif
@@ -586,6 +585,20 @@ static INLINE longs longs_from_doubles(doubles x)
 {
     longs one = (longs)all_doubles(0x1p52); /* numbers from 2^52 to 2^53 hold their offset in the low bits */
     return (longs)(x + 0x1p52) ^ one;
+}
+
+/* HALF doubles from anywhere. */
+static INLINE doubles doubles_from(const double *from, const int32_t *at)
+{
+#if defined(__AVX512F__) && LANES == 16
+    return (doubles)_mm512_i32gather_pd(_mm256_loadu_si256((const __m256i *)at), from, 8);
+#else
+    doubles out;
+    for (int l = 0; l < HALF; l++) {
+        out[l] = from[at[l]];
+    }
+    return out;
+#endif
 }
 
 /* The bytes at LANES offsets. */

@@ -10,12 +10,13 @@
 
 enum { EVENTS = 1024, FETCHED_AHEAD = 24, NO_VOXEL = -1 };
 
-/* Where rays come into voxels, in the order in which each ray does; lanes behind the last one are written, too. */
+/* Where rays come into cells, in the order in which each ray does; lanes behind the last one are written, too. */
 struct events {
     size_t count;
     int32_t slot[EVENTS + LANES];
-    int32_t voxel[EVENTS + LANES]; /* NO_VOXEL: nothing there */
-    double t[EVENTS + LANES];
+    int32_t voxel[EVENTS + LANES]; /* NO_VOXEL: nothing there      */
+    float cell[3][EVENTS + LANES]; /* as in struct walk            */
+    double t[EVENTS + LANES];      /* find_times()                 */
 };
 
 struct piercing {
@@ -40,12 +41,43 @@ static INLINE void change_object(struct piercing *piercing, size_t slot, double 
     begun->voxel = object ? (uint64_t)voxel : 0;
 }
 
+/* Rays' entries into cells: the last crossing of a face towards each. */
+static INLINE doubles entry_into_cell(const struct walk *walk, const doubles cell[3], const doubles inverse[3])
+{
+    doubles t = all_doubles(0);
+    EACH_AXIS
+    for (int a = 0; a < 3; a++) {
+        doubles half = choose_doubles(less_doubles(all_doubles(0), inverse[a]), all_doubles(0.5), all_doubles(-0.5));
+        halves moves = less_doubles(inverse[a], all_doubles(INFINITY));
+        doubles entry = ((cell[a] - half) - walk->bundle->start[a]) * inverse[a];
+        t = choose_doubles(moves & less_doubles(t, entry), entry, t);
+    }
+    return t;
+}
+
+/* When rays come into the cells of the events: side by side, whatever ray they are of. */
+static void find_times(struct piercing *piercing, const struct walk *walk)
+{
+    struct events *events = &piercing->events;
+    store_wholes(events->slot + events->count, all_wholes(0)); /* of a ray, too */
+    for (size_t i = 0; i < events->count; i += HALF) {
+        doubles cell[3], inverse[3];
+        EACH_AXIS
+        for (int a = 0; a < 3; a++) {
+            cell[a] = load_as_doubles(events->cell[a] + i) + (double)walk->middle[a];
+            inverse[a] = doubles_from(piercing->inverse[a], events->slot + i);
+        }
+        store_doubles(events->t + i, entry_into_cell(walk, cell, inverse));
+    }
+}
+
 /* Gives the events to their rays. */
-static conus_status deal_events(struct piercing *piercing)
+static conus_status deal_events(struct piercing *piercing, const struct walk *walk)
 {
     const struct volume *volume = piercing->all->volume;
     struct events *events = &piercing->events;
     conus_status status = layers_reserve(piercing->all->out, events->count + 1);
+    find_times(piercing, walk);
     for (size_t i = 0; i < events->count && !status; i++) {
         int32_t voxel = events->voxel[i];
         size_t slot = (size_t)events->slot[i];
@@ -61,25 +93,9 @@ static conus_status deal_events(struct piercing *piercing)
 }
 
 /* There is room for a packet's events, always. */
-static INLINE conus_status make_room(struct piercing *piercing)
+static INLINE conus_status make_room(struct piercing *piercing, const struct walk *walk)
 {
-    return piercing->events.count + LANES > EVENTS ? deal_events(piercing) : CONUS_OK;
-}
-
-/* When half a packet's rays came into their cells. */
-static INLINE doubles entry_into_cell(const struct walk *walk, const struct piercing *piercing, size_t slot)
-{
-    doubles t = all_doubles(0);
-    EACH_AXIS
-    for (int a = 0; a < 3; a++) {
-        doubles inverse = doubles_at(piercing->inverse[a] + slot);
-        doubles half = choose_doubles(less_doubles(all_doubles(0), inverse), all_doubles(0.5), all_doubles(-0.5));
-        halves moves = less_doubles(inverse, all_doubles(INFINITY));
-        doubles cell = load_as_doubles(walk->cell[a] + slot) + (double)walk->middle[a];
-        doubles entry = ((cell - half) - walk->bundle->start[a]) * inverse;
-        t = choose_doubles(moves & less_doubles(t, entry), entry, t);
-    }
-    return t;
+    return piercing->events.count + LANES > EVENTS ? deal_events(piercing, walk) : CONUS_OK;
 }
 
 static INLINE void add_events(const struct walk *walk, struct piercing *piercing, size_t slot, truths changed,
@@ -92,19 +108,25 @@ static INLINE void add_events(const struct walk *walk, struct piercing *piercing
     wholes y = wholes_from_singles(singles_at(walk->cell[1] + slot)) + walk->middle[1];
     wholes z = wholes_from_singles(singles_at(walk->cell[2] + slot)) + walk->middle[2];
     wholes voxel = x + columns * (y + rows * z);
-    size_t low = keep_doubles(events->t + events->count, half_of(changed, 0), entry_into_cell(walk, piercing, slot));
-    keep_doubles(events->t + events->count + low, half_of(changed, 1), entry_into_cell(walk, piercing, slot + HALF));
+    EACH_AXIS
+    for (int a = 0; a < 3; a++) {
+        keep_singles(events->cell[a] + events->count, changed, singles_at(walk->cell[a] + slot));
+    }
     keep_wholes(events->slot + events->count, changed, lane_numbers() + (int32_t)slot);
     events->count +=
         keep_wholes(events->voxel + events->count, changed, choose_wholes(full, voxel, all_wholes(NO_VOXEL)));
 }
 
-static void add_end(struct piercing *piercing, size_t slot, double t)
+/* The ray comes into a cell that is out of the box. */
+static void add_end(struct piercing *piercing, const struct walk *walk, size_t slot, const double cell[3])
 {
     struct events *events = &piercing->events;
     events->slot[events->count] = (int32_t)slot;
     events->voxel[events->count] = NO_VOXEL;
-    events->t[events->count++] = t;
+    for (int a = 0; a < 3; a++) {
+        events->cell[a][events->count] = (float)(cell[a] - walk->middle[a]);
+    }
+    events->count++;
 }
 
 static void cell_of(double cell[3], const struct walk *walk, size_t slot)
@@ -121,7 +143,7 @@ static bool leave_in_double(struct walk *walk, struct piercing *piercing, size_t
     struct traverse_place at;
     cell_of(at.cell, walk, slot);
     if (!traverse_skip(walk->map, &ray, radius, &at)) {
-        add_end(piercing, slot, at.t);
+        add_end(piercing, walk, slot, at.cell);
         return false;
     }
     for (int a = 0; a < 3; a++) {
@@ -140,7 +162,7 @@ static INLINE void settle_again(struct walk *walk, size_t slot)
 /* Unclear lanes leave the box in double, and are clear again then. */
 static conus_status clear_up(struct walk *walk, struct piercing *piercing, size_t packet, wholes radii)
 {
-    conus_status status = make_room(piercing);
+    conus_status status = make_room(piercing, walk);
     for (int l = 0; l < LANES && !status; l++) {
         if (is_true(walk->unclear[packet], l) &&
             leave_in_double(walk, piercing, packet * LANES + (size_t)l, radii[l] - 1)) {
@@ -166,7 +188,7 @@ static INLINE conus_status pierce_on(struct walk *walk, struct piercing *piercin
     truths changed = walk->live[packet] & ~same;
     conus_status status = CONUS_OK;
     if (any(changed)) {
-        status = make_room(piercing);
+        status = make_room(piercing, walk);
         add_events(walk, piercing, slot, changed, full);
         store_wholes(piercing->kind + slot, kind);
     }
@@ -259,7 +281,7 @@ conus_status PIERCE(struct traverse_piercing *all, struct traverse_bundle *bundl
         }
         count = left;
     }
-    status = status ? status : deal_events(&piercing);
+    status = status ? status : deal_events(&piercing, &walk);
     deliver_intervals(&piercing, first);
     return status;
 }
