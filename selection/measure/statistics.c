@@ -172,28 +172,25 @@ static double volume_between(const struct cone *cone, double from, double to)
     return cone->radius > 0 ? to - from : (to * to * to - from * from * from) / 3;
 }
 
-/* Adds the run that has come to its end, in one piece: however it is cut into objects that are reported as one, its
- * length has the same bits. */
-static void end_run(struct tallied *object, const conus_interval *next)
-{
-    object->length += object->last_exit - object->run_entry;
-    object->run_entry = object->last_exit = next->entry;
-}
-
-/* Intervals of a pixel come by entry, so what they add to their union is what reaches beyond the last exit. */
+/* Intervals of a pixel come by entry, so what they add to their union is what reaches beyond the last exit. A run that
+ * has come to its end is added in one piece: however it is cut into objects that are reported as one, its length has
+ * the same bits. There is no branch where rays go in and out of an object as they like. */
 static void add_interval(struct tallied *object, const conus_interval *interval, const struct cone *cone, double weight)
 {
     bool is_next_pixel = object->last_pixel != interval->pixel;
-    if (is_next_pixel || interval->entry > object->last_exit) {
-        end_run(object, interval);
-    }
+    bool is_next_run = is_next_pixel | (interval->entry > object->last_exit);
+    const double *begins[] = {&object->run_entry, &interval->entry};
+    const double *reaches[] = {&object->last_exit, &interval->entry};
+    double last_exit = *reaches[is_next_run];
+    object->length += is_next_run * (object->last_exit - object->run_entry);
+    object->run_entry = *begins[is_next_run];
     object->pierced += is_next_pixel;
     object->last_pixel = interval->pixel;
     object->entry = interval->entry < object->entry ? interval->entry : object->entry; /* quicker than fmin() */
     object->exit = interval->exit > object->exit ? interval->exit : object->exit;
-    if (interval->exit > object->last_exit) {
-        object->volume += weight > 0 ? weight * volume_between(cone, object->last_exit, interval->exit) : 0;
-        object->last_exit = interval->exit;
+    object->last_exit = interval->exit > last_exit ? interval->exit : last_exit;
+    if (weight > 0 && interval->exit > last_exit) {
+        object->volume += weight * volume_between(cone, last_exit, interval->exit);
     }
 }
 
