@@ -177,8 +177,8 @@ double mesh_crossing(int *side, const struct mesh *mesh, size_t triangle, const 
         copy_corner(p[k], mesh, triangle, k);
         vec3_sub(p[k], p[k], origin);
         double reach = vec3_dot(p[k], direction) * per_length;
-        nearest = fmin(nearest, reach);
-        farthest = fmax(farthest, reach);
+        nearest = nearest < reach ? nearest : reach; /* quicker than fmin() */
+        farthest = farthest > reach ? farthest : reach;
     }
     vec3_sub(p[1], p[1], p[0]);
     vec3_sub(p[2], p[2], p[0]);
@@ -186,7 +186,8 @@ double mesh_crossing(int *side, const struct mesh *mesh, size_t triangle, const 
     double slope = vec3_dot(normal, direction);
     double t = vec3_dot(normal, p[0]) / slope;
     *side = (slope < 0) - (slope > 0);
-    return fmin(fmax(t, nearest), farthest); /* nearest, where the ray runs in the plane and t is no number */
+    t = t > nearest ? t : nearest; /* nearest, where the ray runs in the plane and t is no number */
+    return t < farthest ? t : farthest;
 }
 
 /* A ray, seen along itself: corners of triangles are moved along it into the plane of the two axes that it follows
