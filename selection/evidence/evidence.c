@@ -11,13 +11,13 @@ conus_status evidence_init(struct evidence *out, uint32_t resolution)
 {
     size_t pixels = (size_t)resolution * resolution;
     struct evidence evidence = {.resolution = resolution};
-    evidence.object = memory_raw(pixels, sizeof *evidence.object);
-    evidence.distance = memory_raw(pixels, sizeof *evidence.distance);
-    evidence.voxel = memory_raw(pixels, sizeof *evidence.voxel);
-    if (!evidence.object || !evidence.distance || !evidence.voxel) {
-        evidence_finish(&evidence);
+    evidence.distance =
+        memory_raw(pixels, sizeof *evidence.distance + sizeof *evidence.voxel + sizeof *evidence.object);
+    if (!evidence.distance) {
         return CONUS_ERROR_MEMORY;
     }
+    evidence.voxel = (uint64_t *)(void *)(evidence.distance + pixels);
+    evidence.object = (uint32_t *)(void *)(evidence.voxel + pixels);
     evidence_clear(&evidence);
     *out = evidence;
     return CONUS_OK;
@@ -25,9 +25,7 @@ conus_status evidence_init(struct evidence *out, uint32_t resolution)
 
 void evidence_finish(struct evidence *evidence)
 {
-    memory_free(evidence->object);
     memory_free(evidence->distance);
-    memory_free(evidence->voxel);
     *evidence = (struct evidence){0};
 }
 

@@ -9,7 +9,8 @@
 
 #define EVIDENCE_NO_VOXEL UINT64_MAX
 
-/** n*n pixels, row-major, row 0 at the device's bottom (v = -1). Pixels outside the aperture are filled too. */
+/** n*n pixels, row-major, row 0 at the device's bottom (v = -1). Pixels outside the aperture are filled too. All are in
+ * the memory that `distance` begins. */
 struct evidence {
     uint32_t resolution;
     uint32_t *object; /**< Object hit first; 0 = none.                                                          */

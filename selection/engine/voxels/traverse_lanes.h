@@ -90,6 +90,12 @@ static INLINE void aim(struct walk *walk)
     }
 }
 
+/* a > b ? a : b, without a call. */
+static INLINE double larger_of(double a, double b)
+{
+    return a > b ? a : b;
+}
+
 /* Finds `begin`; false if no ray ever is in the box. */
 static INLINE bool find_begin(struct walk *walk)
 {
@@ -100,9 +106,9 @@ static INLINE bool find_begin(struct walk *walk)
         double behind = (walk->map->last[a] + 0.5) - walk->bundle->start[a];
         double cell = walk->bundle->start_cell[a];
         if (before > 0) {
-            begin = fmax(begin, walk->most[a] > 0 ? (before - BEFORE_BOX) / walk->most[a] : INFINITY);
+            begin = larger_of(begin, walk->most[a] > 0 ? (before - BEFORE_BOX) / walk->most[a] : INFINITY);
         } else if (behind < 0) {
-            begin = fmax(begin, walk->least[a] < 0 ? (behind + BEFORE_BOX) / walk->least[a] : INFINITY);
+            begin = larger_of(begin, walk->least[a] < 0 ? (behind + BEFORE_BOX) / walk->least[a] : INFINITY);
         }
         walk->starts_inside = walk->starts_inside && cell >= walk->map->first[a] && cell <= walk->map->last[a];
     }
@@ -118,8 +124,9 @@ static INLINE void place_middle(struct walk *walk)
     for (int a = 0; a < 3; a++) {
         double middle = floor((map->first[a] + map->last[a]) / 2 / DISTANCE_EDGE) * DISTANCE_EDGE - DISTANCE_MARGIN;
         double from = walk->bundle->start[a] - middle;
-        extent = fmax(extent, fmax(map->last[a] - middle, middle - map->first[a]) + 1);
-        extent = fmax(extent, fmax(from + walk->begin * walk->most[a], -(from + walk->begin * walk->least[a])));
+        extent = larger_of(extent, larger_of(map->last[a] - middle, middle - map->first[a]) + 1);
+        extent =
+            larger_of(extent, larger_of(from + walk->begin * walk->most[a], -(from + walk->begin * walk->least[a])));
         walk->middle[a] = (int)middle;
         walk->first[a] = (float)(map->first[a] - middle);
         walk->last[a] = (float)(map->last[a] - middle);
