@@ -5,6 +5,9 @@
 #include "base/math3.h"
 #include "base/memory.h"
 
+#include <math.h>
+#include <string.h>
+
 /* A trilinear sample reaches half a voxel outside its brick; one and a half more forgive a float's rounding. */
 enum { BORDER = 2, MARGIN = 3 };
 
@@ -47,31 +50,67 @@ static void encode_gradient(uint8_t *texel, const double m[16], const double per
     }
 }
 
-/* Central differences of `density`, one byte per voxel, at voxel `v`, one-sided at the border. */
-static void difference(double out[3], const uint8_t *density, const size_t dim[3], const size_t at[3], size_t v)
+/* Two neighbours of each voxel of a row along an axis, and how many voxels apart they are: one at the border. */
+struct pair {
+    const uint8_t *below, *above;
+    size_t apart;
+};
+
+/* Of the row that begins at `row`, which is number `at` of `dim` along an axis in which rows are `stride` apart. */
+static struct pair pair_of_rows(const uint8_t *row, size_t at, size_t dim, size_t stride)
 {
-    const size_t stride[3] = {1, dim[0], dim[0] * dim[1]};
-    for (int a = 0; a < 3; a++) {
-        size_t below = at[a] > 0;
-        size_t above = at[a] + 1 < dim[a];
-        int change = density[v + above * stride[a]] - density[v - below * stride[a]];
-        out[a] = above + below ? change / (double)(above + below) : 0;
+    size_t below = at > 0;
+    size_t above = at + 1 < dim;
+    return (struct pair){.below = row - below * stride, .above = row + above * stride, .apart = above + below};
+}
+
+static uint64_t eight_at(const uint8_t *bytes)
+{
+    uint64_t eight;
+    memcpy(&eight, bytes, sizeof eight);
+    return eight;
+}
+
+/* Whether eight voxels from `i` on, none of them at the border of the row, have no gradient. */
+static bool are_flat(const uint8_t *row, const struct pair *y, const struct pair *z, size_t i)
+{
+    return eight_at(row + i - 1) == eight_at(row + i + 1) && eight_at(y->below + i) == eight_at(y->above + i) &&
+           eight_at(z->below + i) == eight_at(z->above + i);
+}
+
+static double difference(const struct pair *pair, size_t i)
+{
+    return pair->apart ? (pair->above[i] - pair->below[i]) / (double)pair->apart : 0;
+}
+
+/* Central differences of `row`, one byte per voxel, one-sided at the border. */
+static void differentiate_row(uint8_t *texel, const uint8_t *row, size_t count, const struct pair *y,
+                              const struct pair *z, const double voxel_from_world[16])
+{
+    enum { AT_ONCE = 8, FLAT = 128 };
+    for (size_t i = 0; i < count; i++) {
+        if (i > 0 && i + AT_ONCE < count && are_flat(row, y, z, i)) {
+            for (size_t k = 0; k < AT_ONCE; k++) {
+                memset(texel + 4 * (i + k), FLAT, 3);
+            }
+            i += AT_ONCE - 1;
+            continue;
+        }
+        const struct pair x = pair_of_rows(row, i, count, 1);
+        const double g[3] = {difference(&x, i), difference(y, i), difference(z, i)};
+        encode_gradient(texel + 4 * i, voxel_from_world, g);
     }
 }
 
 static void differentiate(struct field *field, const uint8_t *density, const double voxel_from_world[16])
 {
     const size_t *dim = field->dim;
-    uint8_t *texel = field->texels;
-    size_t at[3];
-    size_t v = 0;
-    for (at[2] = 0; at[2] < dim[2]; at[2]++) {
-        for (at[1] = 0; at[1] < dim[1]; at[1]++) {
-            for (at[0] = 0; at[0] < dim[0]; at[0]++, v++, texel += 4) {
-                double g[3];
-                difference(g, density, dim, at, v);
-                encode_gradient(texel, voxel_from_world, g);
-            }
+    for (size_t k = 0; k < dim[2]; k++) {
+        for (size_t j = 0; j < dim[1]; j++) {
+            size_t first = dim[0] * (j + dim[1] * k);
+            const struct pair y = pair_of_rows(density + first, j, dim[1], dim[0]);
+            const struct pair z = pair_of_rows(density + first, k, dim[2], dim[0] * dim[1]);
+            differentiate_row(field->texels + 4 * first, density + first, dim[0], &y, &z, voxel_from_world);
         }
     }
 }
@@ -91,39 +130,79 @@ static void find_reach(size_t *first, size_t *end, size_t b, size_t dim)
     *end = low + BRICKS_EDGE + BORDER < dim ? low + BRICKS_EDGE + BORDER : dim;
 }
 
-static void range_of_brick(struct field *field, const size_t b[3], size_t index)
+/* The least and the most of each column of rows. */
+struct columns {
+    uint8_t *low, *high;
+};
+
+static void add_row(const struct columns *columns, const uint8_t *row, size_t count)
 {
-    size_t first[3], end[3];
-    for (int a = 0; a < 3; a++) {
-        find_reach(&first[a], &end[a], b[a], field->dim[a]);
+    uint8_t *low = columns->low;
+    uint8_t *high = columns->high;
+    for (size_t i = 0; i < count; i++) {
+        low[i] = row[i] < low[i] ? row[i] : low[i];
+        high[i] = row[i] > high[i] ? row[i] : high[i];
     }
-    uint8_t low = UINT8_MAX;
-    uint8_t high = 0;
-    for (size_t k = first[2]; k < end[2]; k++) {
-        for (size_t j = first[1]; j < end[1]; j++) {
-            const uint8_t *row = field->texels + 4 * (field->dim[0] * (j + field->dim[1] * k)) + 3;
-            for (size_t i = first[0]; i < end[0]; i++) {
-                uint8_t value = row[4 * i];
-                low = value < low ? value : low;
-                high = value > high ? value : high;
-            }
-        }
-    }
-    field->low[index] = low;
-    field->high[index] = high;
 }
 
-static void find_ranges(struct field *field)
+/* The ranges of a row of bricks, from that of each column of the voxels that bear on them. */
+static void find_row_ranges(struct field *field, const struct columns *columns, size_t index)
 {
-    size_t index = 0;
-    size_t b[3];
-    for (b[2] = 0; b[2] < field->brick_dim[2]; b[2]++) {
-        for (b[1] = 0; b[1] < field->brick_dim[1]; b[1]++) {
-            for (b[0] = 0; b[0] < field->brick_dim[0]; b[0]++) {
-                range_of_brick(field, b, index++);
-            }
+    for (size_t b = 0; b < field->brick_dim[0]; b++) {
+        size_t first, end;
+        uint8_t low = UINT8_MAX;
+        uint8_t high = 0;
+        find_reach(&first, &end, b, field->dim[0]);
+        for (size_t i = first; i < end; i++) {
+            low = columns->low[i] < low ? columns->low[i] : low;
+            high = columns->high[i] > high ? columns->high[i] : high;
+        }
+        field->low[index + b] = low;
+        field->high[index + b] = high;
+    }
+}
+
+/* Of all rows of voxels that bear on the row of bricks (b[1], b[2]). */
+static void find_columns(const struct columns *out, const uint8_t *values, const size_t dim[3], const size_t b[3])
+{
+    size_t first[3], end[3];
+    memset(out->low, UINT8_MAX, dim[0]);
+    memset(out->high, 0, dim[0]);
+    for (int a = 1; a < 3; a++) {
+        find_reach(&first[a], &end[a], b[a], dim[a]);
+    }
+    for (size_t k = first[2]; k < end[2]; k++) {
+        for (size_t j = first[1]; j < end[1]; j++) {
+            add_row(out, values + dim[0] * (j + dim[1] * k), dim[0]);
         }
     }
+}
+
+/* Of `values`, one byte per voxel. */
+static conus_status find_ranges(struct field *field, const uint8_t *values)
+{
+    const size_t *dim = field->dim;
+    uint8_t *memory = memory_raw(dim[0], 2);
+    size_t b[3] = {0};
+    if (!memory) {
+        return CONUS_ERROR_MEMORY;
+    }
+    const struct columns columns = {memory, memory + dim[0]};
+    for (b[2] = 0; b[2] < field->brick_dim[2]; b[2]++) {
+        for (b[1] = 0; b[1] < field->brick_dim[1]; b[1]++) {
+            find_columns(&columns, values, dim, b);
+            find_row_ranges(field, &columns, field->brick_dim[0] * (b[1] + field->brick_dim[1] * b[2]));
+        }
+    }
+    memory_free(memory);
+    return CONUS_OK;
+}
+
+static uint8_t level_of(double part)
+{
+    part = part > 0 ? part : 0; /* quicker than fmax() */
+    part = part < 1 ? part : 1;
+    return (uint8_t)lrint(part * (FIELD_LEVELS - 1));
 }
 
 conus_status field_of_values(struct field *out, const struct volume *volume, double low, double high)
@@ -131,38 +210,80 @@ conus_status field_of_values(struct field *out, const struct volume *volume, dou
     struct field field = {0};
     uint8_t *density = memory_raw(volume->voxel_count, 1);
     conus_status status = density ? start_field(&field, volume) : CONUS_ERROR_MEMORY;
+    if (!status) {
+        for (size_t v = 0; v < volume->voxel_count; v++) {
+            density[v] = level_of(((double)volume->values[v] - low) / (high - low));
+        }
+        store_density(&field, density, volume->voxel_count);
+        differentiate(&field, density, volume->voxel_from_world);
+        status = find_ranges(&field, density);
+    }
+    memory_free(density);
     if (status) {
-        memory_free(density);
         field_finish(&field);
         return status;
     }
-    for (size_t v = 0; v < volume->voxel_count; v++) {
-        double part = ((double)volume->values[v] - low) / (high - low);
-        density[v] = (uint8_t)lrint(fmin(fmax(part, 0), 1) * (FIELD_LEVELS - 1));
-    }
-    differentiate(&field, density, volume->voxel_from_world);
-    store_density(&field, density, volume->voxel_count);
-    memory_free(density);
-    find_ranges(&field);
     *out = field;
     return CONUS_OK;
 }
 
-/* One pass of the binomial filter 1 4 6 4 1 along the axis of `stride`, the border held. */
-static void blur_axis(uint8_t *out, const uint8_t *in, const size_t dim[3], int axis)
+static uint8_t blurred(int far_before, int before, int here, int after, int far_after)
 {
-    const size_t stride[3] = {1, dim[0], dim[0] * dim[1]};
-    const size_t step = stride[axis];
-    size_t at[3];
-    size_t v = 0;
-    for (at[2] = 0; at[2] < dim[2]; at[2]++) {
-        for (at[1] = 0; at[1] < dim[1]; at[1]++) {
-            for (at[0] = 0; at[0] < dim[0]; at[0]++, v++) {
-                size_t before = at[axis] < 2 ? at[axis] : 2;
-                size_t after = dim[axis] - 1 - at[axis] < 2 ? dim[axis] - 1 - at[axis] : 2;
-                int near = in[v - (before > 0) * step] + in[v + (after > 0) * step];
-                int far = in[v - before * step] + in[v + after * step];
-                out[v] = (uint8_t)((6 * in[v] + 4 * near + far + 8) / 16);
+    return (uint8_t)((6 * here + 4 * (before + after) + far_before + far_after + 8) / 16);
+}
+
+/* The voxel or row `n` places from the second before that at `at`, the border held. */
+static size_t place_near(size_t at, size_t n, size_t dim)
+{
+    size_t place = at + n < 2 ? 0 : at + n - 2;
+    return place < dim ? place : dim - 1;
+}
+
+/* Blurs across five rows. */
+static void blur_rows(uint8_t *restrict out, const uint8_t *const rows[5], size_t count)
+{
+    const uint8_t *a = rows[0];
+    const uint8_t *b = rows[1];
+    const uint8_t *c = rows[2];
+    const uint8_t *d = rows[3];
+    const uint8_t *e = rows[4];
+    for (size_t i = 0; i < count; i++) {
+        out[i] = blurred(a[i], b[i], c[i], d[i], e[i]);
+    }
+}
+
+static void blur_within_row(uint8_t *restrict out, const uint8_t *in, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        if (i == 2 && count > 4) {
+            const uint8_t *const shifted[] = {in, in + 1, in + 2, in + 3, in + 4};
+            blur_rows(out + 2, shifted, count - 4);
+            i = count - 2;
+        }
+        int five[5];
+        for (size_t n = 0; n < 5; n++) {
+            five[n] = in[place_near(i, n, count)];
+        }
+        out[i] = blurred(five[0], five[1], five[2], five[3], five[4]);
+    }
+}
+
+/* One pass of the binomial filter 1 4 6 4 1 along an axis, the border held. */
+static void blur_axis(uint8_t *restrict out, const uint8_t *in, const size_t dim[3], int axis)
+{
+    for (size_t k = 0; k < dim[2]; k++) {
+        for (size_t j = 0; j < dim[1]; j++) {
+            uint8_t *row = out + dim[0] * (j + dim[1] * k);
+            const uint8_t *rows[5];
+            for (size_t n = 0; n < 5; n++) {
+                size_t y = axis == 1 ? place_near(j, n, dim[1]) : j;
+                size_t z = axis == 2 ? place_near(k, n, dim[2]) : k;
+                rows[n] = in + dim[0] * (y + dim[1] * z);
+            }
+            if (axis == 0) {
+                blur_within_row(row, rows[2], dim[0]);
+            } else {
+                blur_rows(row, rows, dim[0]);
             }
         }
     }
@@ -177,7 +298,8 @@ static void blur(uint8_t *density, uint8_t *other, const struct field *field)
     memcpy(density, other, field->dim[0] * field->dim[1] * field->dim[2]);
 }
 
-static void store_occupancy(struct field *field, const uint8_t *density, const struct volume *volume)
+/* Gives the same as `out`, too. */
+static void store_occupancy(struct field *field, uint8_t *out, const uint8_t *density, const struct volume *volume)
 {
     for (size_t v = 0; v < volume->voxel_count; v++) {
         int value = density[v];
@@ -186,7 +308,7 @@ static void store_occupancy(struct field *field, const uint8_t *density, const s
         } else {
             value = value < FIELD_SURFACE - MARGIN ? value : FIELD_SURFACE - MARGIN;
         }
-        field->texels[4 * v + 3] = (uint8_t)value;
+        field->texels[4 * v + 3] = out[v] = (uint8_t)value;
     }
 }
 
@@ -201,10 +323,12 @@ conus_status field_of_objects(struct field *out, const struct volume *volume)
             density[v] = volume_object(volume, v) ? FIELD_LEVELS - 1 : 0;
         }
         blur(density, other, &field);
-        store_occupancy(&field, density, volume);
+        store_occupancy(&field, other, density, volume);
+        status = find_ranges(&field, other);
+    }
+    if (!status) {
         blur(density, other, &field);
         differentiate(&field, density, volume->voxel_from_world);
-        find_ranges(&field);
         *out = field;
     } else {
         field_finish(&field);
