@@ -7,6 +7,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <sys/resource.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -24,9 +25,19 @@ static double clock_ms(clockid_t clock)
     return (double)now.tv_sec * 1e3 + (double)now.tv_nsec * 1e-6;
 }
 
-/* Milliseconds: of this thread's CPU time or of the wall clock. */
+static double ms_of(const struct timeval *time)
+{
+    return (double)time->tv_sec * 1e3 + (double)time->tv_usec * 1e-3;
+}
+
+/* Milliseconds: of the CPU time of processes that ended or of this thread, or of the wall clock. */
 static double now_ms(const struct bench *bench)
 {
+    struct rusage usage;
+    if (bench->children) {
+        getrusage(RUSAGE_CHILDREN, &usage);
+        return ms_of(&usage.ru_utime) + ms_of(&usage.ru_stime);
+    }
     return clock_ms(bench->one_thread ? CLOCK_THREAD_CPUTIME_ID : CLOCK_MONOTONIC);
 }
 
@@ -90,12 +101,13 @@ static double summarise(struct bench_variant *variant, const struct times *times
     variant->min_ms = times->warm[0];
     variant->p90_ms = times->warm[(rounds - 1) * 9 / 10];
     variant->cold_ms = times->has_cold ? median(times->cold, rounds) : (double)NAN;
-    return (times->warm[(rounds - 1) * 3 / 4] - times->warm[(rounds - 1) / 4]) / variant->median_ms;
+    double spread = times->warm[(rounds - 1) * 3 / 4] - times->warm[(rounds - 1) / 4];
+    return variant->median_ms > 0 ? spread / variant->median_ms : 0;
 }
 
 static const char *clock_name(const struct bench *bench)
 {
-    return bench->one_thread ? "CPU time of one thread" : "wall";
+    return bench->children ? "CPU time of processes" : bench->one_thread ? "CPU time of one thread" : "wall";
 }
 
 static void print_run(const char *scenario, const struct bench_variant *variant)

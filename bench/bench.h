@@ -34,6 +34,7 @@ struct bench {
     const char *note; /**< What a reader of the figures must know; NULL = nothing. A literal. */
     bool one_thread;  /**< Set by a scenario whose variants all run on the calling thread: then its CPU
                            time is taken, which other programs on the machine hardly disturb.        */
+    bool children;    /**< Its variants are processes: the CPU time of those that ended is taken.    */
 };
 
 /** Something to time. */
@@ -101,6 +102,7 @@ conus_status bench_python(struct bench *bench);
 conus_status bench_accuracy(struct bench *bench);
 conus_status bench_bonsai(struct bench *bench);
 conus_status bench_colour(struct bench *bench);
+conus_status bench_growth(struct bench *bench);
 conus_status bench_hand(struct bench *bench);
 conus_status bench_volume(struct bench *bench);
 conus_status bench_volume_gl(struct bench *bench);

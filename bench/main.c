@@ -61,6 +61,8 @@ static const struct bench_scenario scenarios[] = {
     {"startup", "loading an atlas, making selectors, and the whole of conus query", bench_startup, 1, 15, 15},
     {"open", "the atlas enlarged three times along each axis: conus query on it, and its memory per voxel", bench_open,
      1, 3, 15},
+    {"growth", "how the cost grows with objects, voxels, labels, poses, pixels, angle, ranks and streamlines",
+     bench_growth, 64, 3, 10},
     {"hand", "a trembling hand: how often --poses trials select the area that was meant", bench_hand, 64, 0, 0},
 };
 
@@ -72,7 +74,7 @@ static void print_help(void)
     for (size_t i = 0; i < SCENARIO_COUNT; i++) {
         printf("  %-12s %s\n", scenarios[i].name, scenarios[i].description);
     }
-    puts("  all          one after the other, each in a process of its own, with numbers that fit into 15 minutes\n"
+    puts("  all          one after the other, each in a process of its own, with numbers that fit into 20 minutes\n"
          "\noptions:\n"
          "  --atlas FILE   labelled volume, or a manifest (default " DEFAULT_ATLAS ")\n"
          "  --context FILE volume around the areas in pictures (default " DEFAULT_CONTEXT ")\n"

@@ -2,12 +2,15 @@
 /* What the scenarios of conus-bench share: which runs count, when a ratio is null, and that one scenario's failure is
  * its own. No time is asserted. */
 #include "bench/all.h"
+#include "bench/growth/exponent.h"
 #include "bench/report.h"
 #include "test.h"
 
 #include <math.h>
 #include <signal.h>
 #include <stdio.h>
+#include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
 
 static struct bench make_bench(void)
@@ -231,6 +234,61 @@ static void what_one_scenario_does_is_its_own(void **state)
     finish_bench(&bench);
 }
 
+/* ---- Growth ---------------------------------------------------------------------------------------------------- */
+
+/* In the logarithms to base 10 the bent curve has the points (0, 0), (1, 0), (2, 1), with means 1 and 1/3; so its slope
+ * is (-1 * -1/3 + 0 + 1 * 2/3) / (1 + 0 + 1) = 1/2. */
+static void an_exponent_is_the_slope_of_the_logarithms(void **state)
+{
+    (void)state;
+    const double x[] = {2, 8, 50, 1000};
+    const double bent_x[] = {1, 10, 100};
+    const double bent[] = {1, 1, 10};
+    const double same[] = {3, 3, 3};
+    double root[4];
+    double square[4];
+    for (int i = 0; i < 4; i++) {
+        root[i] = 7 * sqrt(x[i]);
+        square[i] = 0.1 / (x[i] * x[i]);
+    }
+    assert_true(fabs(growth_exponent(x, root, 4) - 0.5) < 1e-12);
+    assert_true(fabs(growth_exponent(x, square, 4) + 2) < 1e-12);
+    assert_true(fabs(growth_exponent(bent_x, bent, 3) - 0.5) < 1e-12);
+    assert_true(fabs(growth_exponent(bent_x, same, 3)) < 1e-12);
+    assert_true(isnan(growth_exponent(same, bent, 3)));
+    assert_true(isnan(growth_exponent(x, root, 1)));
+    assert_true(isnan(growth_exponent(x, root, 0)));
+}
+
+/* A process that ends once it has taken 10 ms of its own. */
+static void run_process(void *data)
+{
+    (void)data;
+    int how = 0;
+    pid_t pid = fork();
+    if (pid == 0) {
+        while (clock() < CLOCKS_PER_SEC / 100) {
+        }
+        _exit(0);
+    }
+    assert_true(pid > 0 && waitpid(pid, &how, 0) == pid);
+}
+
+static void time_of_processes_is_theirs(void **state)
+{
+    (void)state;
+    struct bench bench = make_bench();
+    struct counts counts = {0};
+    struct bench_variant variants[] = {{.name = "none", .run = run_variant, .data = &counts, .equal = true},
+                                       {.name = "one", .run = run_process, .equal = true}};
+    bench.children = true;
+    assert_ok(bench_measure(&bench, "test", variants, 2, 1, 0));
+    assert_true(variants[0].median_ms == 0);
+    assert_true(variants[1].median_ms >= 9); /* with what a clock rounds */
+    assert_string_equal(json_string_value(run_at(&bench, 0, "clock")), "CPU time of processes");
+    finish_bench(&bench);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -240,6 +298,8 @@ int main(void)
         cmocka_unit_test(a_check_finds_what_differs_and_what_is_null),
         cmocka_unit_test(what_is_held_is_compared),
         cmocka_unit_test(what_one_scenario_does_is_its_own),
+        cmocka_unit_test(an_exponent_is_the_slope_of_the_logarithms),
+        cmocka_unit_test(time_of_processes_is_theirs),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

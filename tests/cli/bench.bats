@@ -48,6 +48,17 @@ bench() {
     jq -e '.runs[0] | .count == 3 and .repeats == 2 and .scenario == "volume"' one.json
 }
 
+@test "growth: every curve has its points, slopes and exponent" {
+    run -0 bench growth --check --json growth.json
+    jq -e '[.runs[] | .curve] | unique == ["angle", "angle_tori", "labels", "labels_layers", "objects", "objects_own",
+        "pixels", "poses", "streamlines", "voxels", "voxels_layers", "voxels_open"]' growth.json
+    # An exponent of two points is their slope; a curve's lies between its least and its greatest.
+    jq -e '.ratios as $ratios | [.runs | group_by(.curve)[] | . as $points | [$points[1:][] | .slope]
+        | length >= 2 and $ratios["growth_\($points[0].curve)"] >= min - 1e-4 and $ratios["growth_\($points[0].curve)"] <= max + 1e-4] | all' growth.json
+    jq -e '[.runs[] | select(.curve == "labels") | .x] | . == (sort | unique)' growth.json
+    jq -e '[.runs[] | .equal] | all' growth.json
+}
+
 @test "command lines as people mistype them" {
     for wrong in "" "volumes" "volume census" "volume --poses 0" "volume --angle 180" "volume --seconds -1" \
         "volume --angles 5" "volume --json"; do
@@ -74,6 +85,10 @@ bench() {
     [[ "$output" == *'| `dda_over_simd` | the answers differ |  |  |'* ]]
     [[ "$output" == *"Left out: colour: no file"* ]]
     [[ "$output" == *"| 1000 tori, gl engine | 500 µs (250 µs) |"* ]]
+    jq '.ratios.growth_objects = 0.5 | .runs = [(100, 10000) as $x | {scenario: "growth", curve: "objects", variant: "objects, \($x)",
+        x: $x, angle_deg: 5, median_ms: ($x | sqrt), min_ms: 1, slope: 0.5, equal: true}]' some.json >growth.json
+    run -0 "$scripts/bench-tables" growth.json growth
+    [[ "$output" == *'| `objects` | 100: 10 ms (1 ms) | 1e4: 100 ms (1 ms) | 0.5 | 0.5 to 1e4 |'* ]]
     command -v gnuplot >/dev/null || skip "there is no gnuplot"
     run -0 "$scripts/bench-figures" some.json figures
     for name in torus share objects; do
@@ -81,6 +96,10 @@ bench() {
     done
     [[ "$output" == *"bench-bonsai.svg: left out, nothing was measured"* ]]
     [ ! -e figures/bench-bonsai.svg ]
+    [[ "$output" == *"bench-growth.svg: left out, nothing was measured"* ]]
+    run -0 "$scripts/bench-figures" growth.json figures
+    grep -q "Objects (tori)" figures/bench-growth.svg
+    not grep -q "Streamlines" figures/bench-growth.svg
     jq '.settings.check = true' some.json >check.json
     run -1 "$scripts/bench-figures" check.json figures
     [[ "$output" == *"is of a check"* ]]
