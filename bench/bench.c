@@ -10,6 +10,9 @@
 #include <sys/resource.h>
 #include <time.h>
 #include <unistd.h>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 /* Milliseconds from which on it makes no difference what a run found in the caches. */
 #define LONG_RUN 250.0
@@ -49,6 +52,28 @@ void bench_draw_on_this_thread(void)
 double bench_wall(void)
 {
     return clock_ms(CLOCK_MONOTONIC) / 1e3;
+}
+
+double bench_cpu(void)
+{
+    return clock_ms(CLOCK_PROCESS_CPUTIME_ID) / 1e3;
+}
+
+double bench_resident(void)
+{
+    char line[128];
+    char *resident = NULL; /* the second number, pages */
+    FILE *file = fopen("/proc/self/statm", "re");
+#ifdef __GLIBC__
+    malloc_trim(0); /* what was freed does not count */
+#endif
+    if (file && fgets(line, sizeof line, file)) {
+        (void)strtoull(line, &resident, 10);
+    }
+    if (file) {
+        (void)fclose(file);
+    }
+    return resident ? (double)strtoull(resident, NULL, 10) * (double)sysconf(_SC_PAGESIZE) : 0;
 }
 
 double bench_random(uint64_t *state, double low, double high)

@@ -77,6 +77,13 @@ void bench_draw_on_this_thread(void);
 /** Seconds of the wall clock. */
 double bench_wall(void);
 
+/** Seconds of processor time, of all threads of this process. */
+double bench_cpu(void);
+
+/** Bytes of this process that lie in memory now, without what it has freed where the C library gives that back; 0 where
+ * the system does not tell. */
+double bench_resident(void);
+
 /** A deterministic generator (SplitMix64); uniform in [low, high). */
 double bench_random(uint64_t *state, double low, double high);
 
@@ -121,5 +128,6 @@ conus_status bench_layers(struct bench *bench);
 conus_status bench_peers_mesh(struct bench *bench);
 conus_status bench_peers_volume(struct bench *bench);
 conus_status bench_peers_colour(struct bench *bench);
+conus_status bench_peers_streamlines(struct bench *bench);
 
 #endif

@@ -53,6 +53,8 @@ static const struct bench_scenario scenarios[] = {
      bench_peers_volume, 8, 5, 20},
     {"peers_colour", "a picture of a volume: VTK's volume mappers against the colour pass", bench_peers_colour, 1, 3,
      20},
+    {"peers_streamlines", "256 rays into tubes of streamlines: VTK's locators beside the search along streamlines",
+     bench_peers_streamlines, 4, 5, 20},
     {"bonsai", "frames of 1 to 45 volumes of 256^3 bytes, without and with a selection in each, as the paper has it",
      bench_bonsai, 1, 3, 20},
     {"brain", "frames of the brain phantom, surfaces and volumes, without and with a selection in each",
