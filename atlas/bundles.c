@@ -145,7 +145,9 @@ static conus_status settle_group_name(conus_atlas *atlas, struct tractogram *tra
 static conus_status check_name(const conus_atlas *atlas, const char *name, const char *path)
 {
     const char *other = taken_by(atlas, name);
-    return other ? fail(CONUS_ERROR_ARGUMENT, "%s: bundle %s: another %s has that name", path, name, other) : CONUS_OK;
+    return other ? fail(CONUS_ERROR_ARGUMENT, "%s: bundle %s: another %s has that name; name= gives it one of its own",
+                        path, name, other)
+                 : CONUS_OK;
 }
 
 /* Of the tractogram that comes next. */

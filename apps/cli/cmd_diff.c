@@ -68,10 +68,12 @@ static const char *cell_named(const struct results *results, size_t row, const c
 
 static void put_row(struct comparison *diff, const char *what, const struct results *results, size_t row)
 {
-    static const char *const more[] = {"name", "pathway", "i", "j", "k"};
+    static const char *const more[] = {"name", "pathway", "i", "j", "k", "bundle", "end_a", "end_b"};
     const char *atlas = cell_named(results, row, "atlas");
+    const char *index = cell_named(results, row, "index");
     fprintf(diff->out, "%-8s  query %s%s%s: %s %s", what, cell_named(results, row, "query"), atlas ? ", " : "",
-            atlas ? atlas : "", cell_named(results, row, "kind"), cell_named(results, row, "index"));
+            atlas ? atlas : "", cell_named(results, row, "kind"),
+            index ? index : cell_named(results, row, "bundle_index"));
     for (size_t i = 0; i < sizeof more / sizeof more[0]; i++) {
         const char *cell = cell_named(results, row, more[i]);
         fprintf(diff->out, "%s%s", cell ? " " : "", cell ? cell : "");

@@ -3,9 +3,11 @@
 #include "loaders/tracts/trx.h"
 
 #include "base/byte_order.h"
+#include "base/formats/gzip.h"
 #include "base/formats/json_text.h"
 #include "base/memory.h"
 #include "base/order.h"
+#include "loaders/file_kind.h"
 #include "loaders/tracts/trx_files.h"
 
 #include <math.h>
@@ -554,7 +556,23 @@ bool trx_is_named(const char *path)
     return file_is_folder(path) || path_ends_in(path, ".trx");
 }
 
+/* A zip has its table at the end, which gzip would have to unpack first. */
+static conus_status refuse_gzip(const char *path)
+{
+    struct bytes head = {0};
+    conus_status status = file_read_head(&head, path, FILE_KIND_HEAD);
+    if (!status && gzip_is(head.data, head.size)) {
+        status = fail(CONUS_ERROR_UNSUPPORTED, "%s: a TRX inside gzip: a TRX is packed itself; unpack the gzip", path);
+    }
+    bytes_finish(&head);
+    return status;
+}
+
 conus_status trx_read(struct tractogram *out, const char *path, uint64_t max_memory, struct notes *notes)
 {
-    return (file_is_folder(path) ? read_folder : read_archive)(out, path, max_memory, notes);
+    if (file_is_folder(path)) {
+        return read_folder(out, path, max_memory, notes);
+    }
+    conus_status status = refuse_gzip(path);
+    return status ? status : read_archive(out, path, max_memory, notes);
 }

@@ -27,12 +27,28 @@ const char *table_name(const conus_report *report, uint32_t object)
     return named ? named->name : TABLE_NOTHING;
 }
 
+/* Whether an area has the name of a pathway or bundle, or the other way round: no two pathways and bundles share one.
+ */
+static bool has_namesake(const conus_atlas *atlas, const conus_object *object)
+{
+    bool found = false;
+    bool is_area = object->kind == CONUS_KIND_AREA;
+    size_t first = is_area ? atlas->area_count : 0;
+    size_t end = is_area ? atlas->object_count : atlas->area_count;
+    for (size_t i = first; i < end && !found; i++) {
+        found = strcmp(atlas->objects[i].name, object->name) == 0;
+    }
+    return found;
+}
+
 const char *table_label(char out[TABLE_LABEL_SIZE], const conus_report *report, uint32_t object)
 {
     const conus_object *labelled = conus_atlas_object(report->atlas, object);
     out[0] = '\0';
     if (labelled) {
-        snprintf(out, TABLE_LABEL_SIZE, "%u", labelled->label);
+        bool is_named_alike = has_namesake(report->atlas, labelled);
+        snprintf(out, TABLE_LABEL_SIZE, "%s%s%u", is_named_alike ? atlas_kind_word(labelled->kind) : "",
+                 is_named_alike ? " " : "", labelled->label);
     }
     return out;
 }
@@ -193,6 +209,31 @@ static void write_number(struct buffer *out, int width, int digits, double value
     }
 }
 
+/* Tables are wide enough: beside bundles no column of means that all are "-". */
+static bool has_means(const conus_report *report)
+{
+    bool found = !atlas_has_bundles(report->atlas);
+    for (size_t i = 0; i < report->atlas->volume_count && !found; i++) {
+        conus_role role = report->atlas->volumes[i].info.role;
+        found = role != CONUS_ROLE_PARCELLATION && role != CONUS_ROLE_CONTEXT;
+    }
+    return found;
+}
+
+static void write_mean_header(struct buffer *out, const conus_report *report, const char *words)
+{
+    if (has_means(report)) {
+        buffer_format(out, "  %9s", words);
+    }
+}
+
+static void write_mean(struct buffer *out, const conus_report *report, const conus_result *result)
+{
+    if (has_means(report)) {
+        write_number(out, 9, 4, result->mean_value, "");
+    }
+}
+
 static void write_visible_result(struct buffer *out, const conus_report *report, const conus_result *result, int width)
 {
     write_label(out, report, result, width);
@@ -218,25 +259,24 @@ static void write_visible_header(struct buffer *out, const conus_report *report,
                   conus_space_unit(report->frame.space));
 }
 
-/* What bundles have behind other columns, where there are bundles; then the line's end. */
+/* What bundles have behind other columns, where there are bundles; then the line's end. Where along the bundle that is,
+ * TSV and JSON have. */
 static void end_result(struct buffer *out, const conus_result *result)
 {
     char counts[48];
     if (result->kind == CONUS_KIND_BUNDLE) {
         snprintf(counts, sizeof counts, "%llu of %llu", (unsigned long long)result->streamlines,
                  (unsigned long long)result->streamlines_total);
-        buffer_format(out, "  %18s", counts);
+        buffer_format(out, "  %15s", counts);
         write_number(out, 9, 1, result->length, "");
-        write_number(out, 6, 2, result->along, "");
     }
     buffer_text(out, "\n");
 }
 
-static void end_header(struct buffer *out, const conus_report *report, const char *streamlines, const char *length,
-                       const char *along)
+static void end_header(struct buffer *out, const conus_report *report, const char *streamlines, const char *length)
 {
     if (atlas_has_bundles(report->atlas)) {
-        buffer_format(out, "  %18s  %9s  %6s", streamlines, length, along);
+        buffer_format(out, "  %15s  %9s", streamlines, length);
     }
     buffer_text(out, "\n");
 }
@@ -251,20 +291,21 @@ static void write_layers_result(struct buffer *out, const conus_report *report, 
         write_number(out, 7, 2, result->path, "");
         write_number(out, 9, 1, result->volume, "");
         write_number(out, 6, 2, 100 * result->fraction, " %");
-        write_number(out, 9, 4, result->mean_value, "");
+        write_mean(out, report, result);
     }
     end_result(out, result);
 }
 
 static void write_layers_header(struct buffer *out, const conus_report *report, int width)
 {
-    static const char form[] = "%4s  %-*s  %10s  %8s  %6s  %7s  %8s  %8s  %7s  %9s  %8s  %9s";
+    static const char form[] = "%4s  %-*s  %10s  %8s  %6s  %7s  %8s  %8s  %7s  %9s  %8s";
     buffer_format(out, form, "rank", width, "name", "label", "share", "pixels", "pixels", "enters", "leaves", "inside",
-                  "volume", "of whole", "mean");
-    end_header(out, report, "streamlines", "length", "along");
-    buffer_format(out, form, "", width, "", "", "of cone", "seen", "pierced", "mm", "mm", "mm", "mm^3", "area",
-                  "value");
-    end_header(out, report, "in the cone", "mm", "bundle");
+                  "volume", "of whole");
+    write_mean_header(out, report, "mean");
+    end_header(out, report, "streamlines", "length");
+    buffer_format(out, form, "", width, "", "", "of cone", "seen", "pierced", "mm", "mm", "mm", "mm^3", "area");
+    write_mean_header(out, report, "value");
+    end_header(out, report, "in the cone", "mm");
 }
 
 void table_write_error(struct buffer *out, const struct report_query *query, bool more)
@@ -283,7 +324,7 @@ static void write_ball_result(struct buffer *out, const conus_report *report, co
     write_number(out, 9, 1, result->volume, "");
     if (result->object) {
         write_number(out, 6, 2, 100 * result->fraction, " %");
-        write_number(out, 9, 4, result->mean_value, "");
+        write_mean(out, report, result);
         write_number(out, 8, 2, result->distance, "");
         write_number(out, 8, table_digits(report), contact[0], "");
         write_number(out, 7, table_digits(report), contact[1], "");
@@ -295,13 +336,15 @@ static void write_ball_result(struct buffer *out, const conus_report *report, co
 static void write_ball_header(struct buffer *out, const conus_report *report, int width)
 {
     char axes[TABLE_AXES_SIZE];
-    static const char form[] = "%4s  %-*s  %10s  %8s  %8s  %9s  %8s  %9s  %8s  %26s";
-    buffer_format(out, form, "rank", width, "name", "label", "share", "voxels", "volume", "of whole", "mean",
-                  "distance", table_axes(axes, report, "nearest point"));
-    end_header(out, report, "streamlines", "length", "along");
-    buffer_format(out, form, "", width, "", "", "of ball", "", "mm^3", "area", "value", "mm",
-                  conus_space_unit(report->frame.space));
-    end_header(out, report, "in the ball", "mm", "bundle");
+    static const char form[] = "%4s  %-*s  %10s  %8s  %8s  %9s  %8s";
+    buffer_format(out, form, "rank", width, "name", "label", "share", "voxels", "volume", "of whole");
+    write_mean_header(out, report, "mean");
+    buffer_format(out, "  %8s  %26s", "distance", table_axes(axes, report, "nearest point"));
+    end_header(out, report, "streamlines", "length");
+    buffer_format(out, form, "", width, "", "", "of ball", "", "mm^3", "area");
+    write_mean_header(out, report, "value");
+    buffer_format(out, "  %8s  %26s", "mm", conus_space_unit(report->frame.space));
+    end_header(out, report, "in the ball", "mm");
 }
 
 /* The table of one kind of query. */

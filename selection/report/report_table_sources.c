@@ -214,7 +214,7 @@ static void write_bundles(struct buffer *out, const conus_atlas *atlas)
     }
     buffer_text(out, ": ");
     buffer_whole(out, streamlines);
-    buffer_text(out, " streamlines of radius ");
+    buffer_text(out, streamlines == 1 ? " streamline of radius " : " streamlines of radius ");
     write_radii(out, atlas);
     buffer_text(out, " mm in ");
     if (atlas->tractogram_count > 1) {

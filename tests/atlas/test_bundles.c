@@ -93,7 +93,7 @@ static void test_two_bundles_of_one_name_are_refused(void **state)
     struct tractogram two = three_streamlines();
     assert_ok(atlas_add_tractogram(atlas, &one, "three"));
     assert_fails(atlas_add_tractogram(atlas, &two, "three"), CONUS_ERROR_ARGUMENT);
-    assert_string_equal(conus_message(), "three.tck: bundle three: another bundle has that name");
+    assert_string_equal(conus_message(), "three.tck: bundle three: another bundle has that name; name= gives it one of its own");
     assert_int_equal(conus_atlas_object_count(atlas), 1);
     tractogram_finish(&two);
     conus_atlas_destroy(atlas);
@@ -122,7 +122,7 @@ static void test_groups_of_one_name_are_told_apart_by_their_tractogram(void **st
     assert_string_equal(conus_atlas_note(atlas, 0), "three.tck: group ends: the bundle is called two ends, since "
                                                     "another bundle has that name");
     assert_fails(atlas_add_tractogram(atlas, &again, "two"), CONUS_ERROR_ARGUMENT);
-    assert_string_equal(conus_message(), "three.tck: bundle two: another bundle has that name");
+    assert_string_equal(conus_message(), "three.tck: bundle two: another bundle has that name; name= gives it one of its own");
     assert_int_equal(conus_atlas_object_count(atlas), 4);
     assert_int_equal(conus_atlas_note_count(atlas), 1);
     tractogram_finish(&again);

@@ -41,6 +41,20 @@ result() {
     has "1 rows the same, 0 changed, 1 removed, 1 added"
 }
 
+@test "connections are rows of a bundle and two ends" {
+    printf 'query\tkind\tbundle\tend_a\tend_b\tstreamlines\tbundle_index\tend_a_index\tend_b_index\n' >a.tsv
+    printf '1\tbundle\tArc\tA\tB\t%s\t1\t11\t12\n1\tbundle\tArc\tA\tunassigned\t%s\t1\t11\tn/a\n' 7 5 >>a.tsv
+    answers diff a.tsv a.tsv
+    [ "$output" = "2 rows the same, 0 changed, 0 removed, 0 added" ]
+    sed 's/B\t7/B\t8/; s/unassigned/C/; s,n/a,13,' a.tsv >b.tsv
+    run -1 conus diff a.tsv b.tsv
+    [ "${lines[0]}" = "changed   query 1: bundle 1 Arc A B: streamlines 7 -> 8" ]
+    [ "${lines[1]}" = "removed   query 1: bundle 1 Arc A unassigned" ]
+    [ "${lines[2]}" = "added     query 1: bundle 1 Arc A C" ]
+    { cat a.tsv; tail -1 a.tsv; } >b.tsv
+    fails 3 'b.tsv:4: the same query, kind and index as another line' diff a.tsv b.tsv
+}
+
 @test "what is no result is refused" {
     result >a.tsv
     fails 3 'none.tsv: cannot open: No such file or directory' diff a.tsv none.tsv

@@ -71,7 +71,7 @@ assert (bundle["kind"], bundle["streamlines"], bundle["length_mm"]) == ("bundle"
     [ "$(cell kind 3)/$(cell index 3)" = pathway/1 ]
     [ "$(cell kind 4)/$(cell index 4)/$(cell name 4)" = bundle/1/two ]
     [ "$(cell kind 5)/$(cell index 5)/$(cell name 5)/$(cell streamlines 5)" = bundle/2/more/1 ]
-    fails 2 'bundle two: another bundle has that name' info slabs.nii.gz --streamlines two.tck \
+    fails 2 'bundle two: another bundle has that name; name= gives it one of its own' info slabs.nii.gz --streamlines two.tck \
         --streamlines more.tck,name=two
 }
 
@@ -85,12 +85,34 @@ assert (bundle["kind"], bundle["streamlines"], bundle["length_mm"]) == ("bundle"
     answers query slabs.nii.gz $AIM --streamlines two.tck,radius=0.25 --streamlines more.tck
     [ "${lines[-1]}" = '2 bundles: 3 streamlines of radius 0.25 to 0.5 mm in 2 files' ]
     # shellcheck disable=SC2086
+    answers query slabs.nii.gz $AIM --streamlines more.tck
+    [ "${lines[-1]}" = 'bundle more: 1 streamline of radius 0.5 mm in more.tck' ]
+    # shellcheck disable=SC2086
     answers query slabs.nii.gz $AIM --streamlines two.tck -o rows.tsv
     [ "$(python3 -c '
 import json
 (tract,) = json.load(open("rows.json"))["Atlas"]["tractograms"]
 print(tract["path"], tract["streamlines"], tract["radius_mm"], tract["sha256"])')" = \
         "two.tck 2 0.5 $(sha256sum two.tck | cut -d' ' -f1)" ]
+}
+
+# From above: the streamline at y = 4 lies in the slab from 3 to 6 mm.
+@test "a bundle with the name of an area is told from it by the label" {
+    scene
+    tck more.tck -1,4,0 1,4,0
+    answers query slabs.nii.gz --origin 0,4,100 --toward 0,4,0 --angle 2 --layers all \
+        --streamlines "more.tck,name=Slab anterior"
+    grep -Eq '^ +1  Slab anterior +area 1 ' <<<"$output"
+    grep -Eq '^ +2  Slab anterior +bundle 1 ' <<<"$output"
+    answers query slabs.nii.gz --origin 0,4,100 --toward 0,4,0 --angle 2 --layers all --streamlines more.tck
+    grep -Eq '^ +1  Slab anterior +1 ' <<<"$output"
+    grep -Eq '^ +2  more +1 ' <<<"$output"
+}
+
+@test "a TRX inside gzip is refused with a word" {
+    scene
+    printf 'PK\3\4' | gzip >lines.trx.gz
+    fails 3 'lines.trx.gz: a TRX inside gzip' info slabs.nii.gz --streamlines lines.trx.gz
 }
 
 @test "bundles are hidden like areas, and then no line tells of them" {
@@ -375,8 +397,8 @@ TUBE='--origin 0,0,100 --direction 0,0,-1 --radius 5 --layers all --streamlines 
     [ "$(table_cell score)" = 0.666666667 ]
     # shellcheck disable=SC2086
     answers query slabs.nii.gz $TUBE --format table
-    has 'streamlines     length   along'
-    has '2 of 3       18.0    0.50'
+    has 'streamlines     length'
+    has '2 of 3       18.0'
     conus query slabs.nii.gz --point 0,4,0 --radius 5 --streamlines lines.tck --only lines --format tsv -q >rows.tsv
     [ "$(table_cell streamlines)/$(table_cell distance_mm)/$(table_cell near_y)" = 2/1/3 ]
 }

@@ -10,8 +10,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const key_names[RESULTS_KEYS] = {"query", "kind", "index", "atlas", "i", "j", "k", "order"};
-enum { NEEDED_KEYS = 3, ATLAS_KEY = 3, COLUMN_LIMIT = 1000 };
+static const char *const key_names[RESULTS_KEYS] = {"query",       "kind",  "index", "atlas",        "i",
+                                                    "j",           "k",     "order", "bundle_index", "end_a_index",
+                                                    "end_b_index", "end_a", "end_b"};
+enum { INDEX_KEY = 2, NEEDED_KEYS = 3, ATLAS_KEY = 3, COLUMN_LIMIT = 1000 };
 
 const char *results_cell(const struct results *results, size_t row, size_t column)
 {
@@ -217,9 +219,10 @@ static int check_columns(struct results *results, const char *path)
     }
     for (size_t i = 0; i < RESULTS_KEYS; i++) {
         size_t column;
+        bool other = i == INDEX_KEY && results_column(results, "bundle_index", &column);
         if (results_column(results, key_names[i], &column)) {
             results->keys[i] = &results->cells[column];
-        } else if (i < NEEDED_KEYS) {
+        } else if (i < NEEDED_KEYS && !other) {
             print_error_line("%s: no column \"%s\": not a TSV or CSV result of conus", path, key_names[i]);
             return EXIT_DATA;
         }

@@ -7,14 +7,14 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { RESULTS_KEYS = 8 };
+enum { RESULTS_KEYS = 13 };
 
 struct results {
     char *bytes;        /**< What the cells point into. */
     const char **cells; /**< The header's, then each row's, `columns` at a time. */
     size_t columns, rows;
     char separator;                  /**< Tab or comma. */
-    const char **keys[RESULTS_KEYS]; /**< Header cells of query, kind, index, atlas, i, j, k, order; NULL = none. */
+    const char **keys[RESULTS_KEYS]; /**< Header cells of query, kind and the others of results_find(); NULL = none. */
     size_t *order;                   /**< Rows, sorted by their keys. */
 };
 
@@ -30,8 +30,9 @@ const char *results_cell(const struct results *results, size_t row, size_t colum
 /** Index of the column @p name; false if there is none. */
 bool results_column(const struct results *results, const char *name, size_t *column);
 
-/** Row of @p results with the same key (query, kind, index, the atlas of several, i, j, k of a list of voxels, and the
- * order of segments) as @p row of @p other; false if there is none. A row that names its atlas is none that does not.
+/** Row of @p results with the same key (query, kind, index, the atlas of several, i, j, k of a list of voxels, the
+ * order of segments, bundle_index and the areas of connections) as @p row of @p other; false if there is none. A row
+ * that names its atlas is none that does not.
  */
 bool results_find(const struct results *results, const struct results *other, size_t row, size_t *found);
 

@@ -35,8 +35,8 @@ static void write_tip(char tip[TIP_SIZE], const conus_object *object)
         snprintf(tip + used, TIP_SIZE - (size_t)used, ", %.0f mm\u00b3", object->volume_mm3);
     }
     if (object->kind == CONUS_KIND_BUNDLE) {
-        snprintf(tip + used, TIP_SIZE - (size_t)used, ", %llu streamlines, %.0f mm long together",
-                 (unsigned long long)object->streamlines, object->length_mm);
+        snprintf(tip + used, TIP_SIZE - (size_t)used, ", %llu streamline%s, %.0f mm long together",
+                 (unsigned long long)object->streamlines, object->streamlines == 1 ? "" : "s", object->length_mm);
     }
 }
 

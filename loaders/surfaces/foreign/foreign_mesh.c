@@ -41,9 +41,10 @@ conus_status foreign_add_corner(struct foreign_mesh *mesh, int64_t index)
 {
     struct corners *face = &mesh->face;
     if (index < 0 || (uint64_t)index >= mesh->vertex_count) {
-        return mesh->vertex_count ? fail(CONUS_ERROR_DATA, "face %zu: vertex index %lld, allowed are 0 to %zu",
+        const char *what = foreign_cell_word(mesh);
+        return mesh->vertex_count ? fail(CONUS_ERROR_DATA, "%s %zu: vertex index %lld, allowed are 0 to %zu", what,
                                          mesh->face_count, (long long)index, mesh->vertex_count - 1)
-                                  : fail(CONUS_ERROR_DATA, "face %zu: vertex index %lld, there are no vertices",
+                                  : fail(CONUS_ERROR_DATA, "%s %zu: vertex index %lld, there are no vertices", what,
                                          mesh->face_count, (long long)index);
     }
     if (!memory_reserve(&face->indices, &face->capacity, face->count + 1, sizeof *face->indices)) {
@@ -79,8 +80,8 @@ conus_status foreign_end_polygon(struct foreign_mesh *mesh)
     size_t count = mesh->face.count;
     conus_status status = CONUS_OK;
     if (count > POLYGON_LIMIT) {
-        return fail(CONUS_ERROR_UNSUPPORTED, "face %zu: a polygon of %zu corners, allowed are up to %d",
-                    mesh->face_count, count, POLYGON_LIMIT);
+        return fail(CONUS_ERROR_UNSUPPORTED, "%s %zu: a polygon of %zu corners, allowed are up to %d",
+                    foreign_cell_word(mesh), mesh->face_count, count, POLYGON_LIMIT);
     }
     if (count > 3) {
         status = polygon_cut(mesh, at, count);

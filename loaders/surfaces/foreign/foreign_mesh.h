@@ -38,6 +38,12 @@ conus_status foreign_reserve_vertices(struct foreign_mesh *mesh, size_t count);
 /** Appends a vertex. */
 conus_status foreign_add_vertex(struct foreign_mesh *mesh, const float position[3]);
 
+/** What messages call what is under way, number face_count. Lines come first where they are wanted. */
+static inline const char *foreign_cell_word(const struct foreign_mesh *mesh)
+{
+    return mesh->lines ? "line or face" : "face";
+}
+
 /** Appends a corner to the face that is being read. CONUS_ERROR_DATA where @p index is no vertex yet. */
 conus_status foreign_add_corner(struct foreign_mesh *mesh, int64_t index);
 

@@ -372,8 +372,9 @@ static conus_status add_corner(struct vtp *vtp, size_t first, int64_t index)
 {
     bool fits = index >= 0 && (uint64_t)index < vtp->points;
     return fits ? foreign_add_corner(vtp->mesh, (int64_t)first + index)
-                : fail(CONUS_ERROR_DATA, "face %zu: vertex index %lld, the piece has %llu vertices",
-                       vtp->mesh->face_count, (long long)index, (unsigned long long)vtp->points);
+                : fail(CONUS_ERROR_DATA, "%s %zu: vertex index %lld, the piece has %llu vertices",
+                       foreign_cell_word(vtp->mesh), vtp->mesh->face_count, (long long)index,
+                       (unsigned long long)vtp->points);
 }
 
 static conus_status end_cell(struct foreign_mesh *mesh, enum use use)

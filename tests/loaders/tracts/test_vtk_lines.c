@@ -288,7 +288,7 @@ static void refused(void **state)
 {
     (void)state;
     assert_refused(HEAD("3.0", "ASCII") POINTS "POLYGONS 1 4 3 0 1 2\n", CONUS_ERROR_DATA, "a surface and no lines");
-    assert_refused(HEAD("3.0", "ASCII") POINTS "LINES 1 3 2 0 4\n", CONUS_ERROR_DATA, "vertex index 4");
+    assert_refused(HEAD("3.0", "ASCII") POINTS "LINES 1 3 2 0 4\n", CONUS_ERROR_DATA, "line or face 0: vertex index 4");
     assert_refused(HEAD("3.0", "ASCII") POINTS "LINES 1 4 2 0 1 1\n", CONUS_ERROR_DATA, "1 numbers more");
     assert_refused(LINES "POINT_DATA 3\nSCALARS a float\n1 2 3\n", CONUS_ERROR_DATA, "a: 3 numbers, 4 times 1");
     assert_refused(LINES "CELL_DATA 3\nSCALARS a float\n1 2 3\n", CONUS_ERROR_DATA, "a: of 3 cells, there are 2");

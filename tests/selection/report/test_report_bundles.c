@@ -75,18 +75,19 @@ static void json_has_them(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* Where the nearest point is along the bundle TSV has, and means only where something has values. */
 static void people_read_them(void **state)
 {
     (void)state;
     conus_atlas *atlas = tract_lines_atlas();
     char *text = report_of(atlas, CONUS_FORMAT_TABLE, 0);
-    assert_has(text, "        streamlines     length   along\n");
-    assert_has(text, "        in the cone         mm  bundle\n");
-    assert_has(text, "              2 of 3       18.0    0.50\n");
+    assert_has(text, "  of whole      streamlines     length\n");
+    assert_has(text, "      area      in the cone         mm\n");
+    assert_has(text, "           2 of 3       18.0\n");
     free(text);
     text = report_of(atlas, CONUS_FORMAT_TABLE, 5); /* 2 * 3 and 2 sqrt(25 - 1) mm, the nearest 1 mm away */
-    assert_has(text, "        in the ball         mm  bundle\n");
-    assert_has(text, "              2 of 3       15.8    0.30\n");
+    assert_has(text, "      in the ball         mm\n");
+    assert_has(text, "           2 of 3       15.8\n");
     free(text);
     conus_atlas_destroy(atlas);
 }
