@@ -298,7 +298,7 @@ class Renderer:
         skipping : bool
             Skip empty space: the same picture, quicker.
         draft : bool
-            Leave edges rough: quicker.
+            Leave edges rough, and many streamlines out where there are many: quicker.
         view : str
             Without a camera, the side from which the atlas is seen: "cone", "left", "right", "front",
             "back", "top" or "bottom".

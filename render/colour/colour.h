@@ -62,6 +62,7 @@ struct colour_view {
     uint32_t width, height;
     uint32_t slices; /**< N of Eq. 7; 0 = default.                                       */
     bool no_skipping;
+    bool draft;                     /**< Fewer streamlines: see tube_layer.h. */
     double shift[2];                /**< Of the rays from the pixels' centres, in pixels, right and up.         */
     const double *world_from_cone;  /**< NULL = no cone; else its apex and frame, looking down -z.      */
     double cone_slope, cone_radius; /**< Tangent of half its angle; mm about the apex, 0 unless a cylinder. */

@@ -320,7 +320,7 @@ static void draw_tubes(const struct tube_layer *tubes, const struct mesh_layer_v
     float shift[2];
     find_rows(rows, view);
     find_shift(shift, view);
-    tube_layer_draw(tubes, view->camera->world_from_camera + 12, rows, shift, view->width, view->height);
+    tube_layer_draw(tubes, view->camera->world_from_camera + 12, rows, shift, view->width, view->height, view->draft);
 }
 
 /* The listed parts with a program of theirs, and of a picture (NULL = no) the streamlines. */

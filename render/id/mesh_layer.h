@@ -30,6 +30,7 @@ struct mesh_layer_view {
     uint32_t width, height;
     double shift[2];      /**< Of the rays from the pixels' centres, in pixels, right and up. */
     const float *opacity; /**< Of meshes, by number, from 0 on; NULL = all 1. What is 0 is not drawn. */
+    bool draft;           /**< Fewer streamlines: see tube_layer.h. */
 };
 
 /** Draws into textures of its own; its framebuffer stays bound. */

@@ -11,10 +11,14 @@
 
 #define TUBE_BALL 0x20000000U /* as in tube.vert.glsl */
 
-/* The instances of a tractogram: one for each point that is drawn. */
+/* Streamlines are taken in so many turns, a prime, so that no order of a file repeats with them; each turn begins a
+ * golden section of them behind the one before. */
+enum { TURNS = 67, SECTION = 41 };
+
+/* The instances of a tractogram: one for each point that is drawn, those of a draft first. */
 struct range {
     GLint first;
-    GLsizei count;
+    GLsizei count, draft;
     float radius;
 };
 
@@ -82,19 +86,36 @@ static conus_status keep_streamline(struct tube_layer *layer, size_t *capacity, 
     return CONUS_OK;
 }
 
-/* Those of every step-th streamline. CONUS_ERROR_MEMORY. */
+/* Those of every step-th streamline, each turn of every TURNS-th of these: however many come first, they are of
+ * streamlines from everywhere in the file. CONUS_ERROR_MEMORY. */
+static conus_status keep_tractogram(struct tube_layer *layer, size_t *capacity, const struct tractogram *tractogram)
+{
+    conus_status status = CONUS_OK;
+    for (size_t turn = 0; turn < TURNS; turn++) {
+        size_t k = turn * SECTION % TURNS * layer->step;
+        for (; k < tractogram->streamline_count && !status; k += TURNS * layer->step) {
+            status = keep_streamline(layer, capacity, tractogram, k);
+        }
+    }
+    return status;
+}
+
+/* A draft has the same part of each tractogram. */
 static conus_status keep_points(struct tube_layer *layer)
 {
     size_t capacity = 0;
     conus_status status = CONUS_OK;
-    for (size_t i = 0; i < layer->range_count; i++) {
+    for (size_t i = 0; i < layer->range_count && !status; i++) {
         const struct tractogram *tractogram = &layer->atlas->tractograms[i];
         size_t before = layer->point_count;
-        for (size_t k = 0; k < tractogram->streamline_count && !status; k += layer->step) {
-            status = keep_streamline(layer, &capacity, tractogram, k);
-        }
-        layer->ranges[i] =
-            (struct range){(GLint)before, (GLsizei)(layer->point_count - before), (float)tractogram->radius};
+        status = keep_tractogram(layer, &capacity, tractogram);
+        layer->ranges[i] = (struct range){.first = (GLint)before,
+                                          .count = (GLsizei)(layer->point_count - before),
+                                          .radius = (float)tractogram->radius};
+    }
+    double part = fmin(1, TUBE_DRAFT_LIMIT / fmax(1, (double)layer->point_count));
+    for (size_t i = 0; i < layer->range_count; i++) {
+        layer->ranges[i].draft = (GLsizei)ceil(part * layer->ranges[i].count);
     }
     return status;
 }
@@ -242,11 +263,8 @@ static conus_status paint_tractogram(uint32_t *paints, const struct tube_layer *
         return CONUS_ERROR_MEMORY;
     }
     bundles_find_objects(objects, layer->atlas, tractogram);
-    uint32_t k = 0;
     for (size_t n = (size_t)range->first; n < (size_t)range->first + (size_t)range->count; n++) {
-        while (layer->kept[n] >= tractogram->first[k + 1]) {
-            k++;
-        }
+        uint32_t k = tractogram_streamline_of(tractogram, layer->kept[n]);
         uint32_t paint = paint_point(colouring, tractogram, k, layer->kept[n], objects[k]);
         paints[n] = paint && is_pale && is_pale[k] ? paint | TUBE_PALE : paint;
     }
@@ -288,7 +306,7 @@ static void invert_rows(float out[9], const double rows[9])
 }
 
 void tube_layer_draw(const struct tube_layer *layer, const double eye[3], const double camera_from_world[9],
-                     const float shift[2], uint32_t width, uint32_t height)
+                     const float shift[2], uint32_t width, uint32_t height, bool draft)
 {
     static const GLuint strip = 4;
     float inverse[9];
@@ -303,6 +321,7 @@ void tube_layer_draw(const struct tube_layer *layer, const double eye[3], const 
     for (size_t i = 0; i < layer->range_count; i++) {
         const struct range *range = &layer->ranges[i];
         glUniform1f(layer->radius, range->radius);
-        glDrawArraysInstancedBaseInstance(GL_TRIANGLE_STRIP, 0, strip, range->count, (GLuint)range->first);
+        glDrawArraysInstancedBaseInstance(GL_TRIANGLE_STRIP, 0, strip, draft ? range->draft : range->count,
+                                          (GLuint)range->first);
     }
 }

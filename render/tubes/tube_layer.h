@@ -2,7 +2,8 @@
 /** @file
  * The streamlines of an atlas as a camera sees them: tubes round their segments, found pixel by pixel in closed form
  * (Eq. 18), where they are straight several at once. Of more than TUBE_POINT_LIMIT points every k-th streamline is
- * drawn. Needs a current context. */
+ * drawn; a draft draws fewer: of more than TUBE_DRAFT_LIMIT points about so many, of streamlines from everywhere. Needs
+ * a current context. */
 #ifndef CONUS_RENDER_TUBES_TUBE_LAYER_H
 #define CONUS_RENDER_TUBES_TUBE_LAYER_H
 
@@ -11,7 +12,7 @@
 
 #include <epoxy/gl.h>
 
-enum { TUBE_POINT_LIMIT = 1000000 };
+enum { TUBE_POINT_LIMIT = 1000000, TUBE_DRAFT_LIMIT = 20000 };
 
 struct tube_layer;
 
@@ -31,6 +32,6 @@ size_t tube_layer_step(const struct tube_layer *layer);
 /** Draws into the framebuffer that is bound, as mesh.frag.glsl does, behind what is there; depths are reversed. @p
  * camera_from_world is as in mesh.vert.glsl, by rows; @p shift in halves of the picture. */
 void tube_layer_draw(const struct tube_layer *layer, const double eye[3], const double camera_from_world[9],
-                     const float shift[2], uint32_t width, uint32_t height);
+                     const float shift[2], uint32_t width, uint32_t height, bool draft);
 
 #endif

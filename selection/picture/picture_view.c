@@ -448,6 +448,7 @@ static conus_status draw(struct picture *picture, conus_renderer *renderer)
     view->height = picture->drawing[1];
     view->slices = picture->options.slices;
     view->no_skipping = picture->options.no_skipping;
+    view->draft = picture->options.draft;
     view->fade = picture->options.fade;
     view->opacity = picture->opacity;
     view->line_width = 0.012 * picture->radius;

@@ -110,21 +110,27 @@ struct layer_picture {
     uint32_t object[WIDTH * HEIGHT];
 };
 
-static void draw(struct layer_picture *out, const conus_atlas *atlas, const struct camera *camera,
-                 const double shift[2], const struct tube_colouring *colouring, const bool *const *is_pale)
+static void draw_view(struct layer_picture *out, const conus_atlas *atlas, const struct mesh_layer_view *view,
+                      const struct tube_colouring *colouring, const bool *const *is_pale)
 {
     struct test_gl gl;
     test_gl_enter(&gl);
-    uint64_t memory = 1 << 20;
+    uint64_t memory = 1 << 24;
     struct mesh_layer *layer = NULL;
-    const struct mesh_layer_view view = {camera, WIDTH, HEIGHT, {shift[0], shift[1]}, NULL};
     assert_ok(mesh_layer_create(&layer, atlas, &memory));
     assert_ok(mesh_layer_update(layer, atlas, colouring, is_pale));
-    assert_ok(mesh_layer_draw(layer, &view));
+    assert_ok(mesh_layer_draw(layer, view));
     glGetTextureImage(mesh_layer_surface(layer), 0, GL_RGBA, GL_FLOAT, sizeof out->surface, out->surface);
     glGetTextureImage(mesh_layer_object(layer), 0, GL_RED_INTEGER, GL_UNSIGNED_INT, sizeof out->object, out->object);
     mesh_layer_destroy(layer);
     test_gl_leave(&gl);
+}
+
+static void draw(struct layer_picture *out, const conus_atlas *atlas, const struct camera *camera,
+                 const double shift[2], const struct tube_colouring *colouring, const bool *const *is_pale)
+{
+    const struct mesh_layer_view view = {camera, WIDTH, HEIGHT, {shift[0], shift[1]}, NULL, false};
+    draw_view(out, atlas, &view, colouring, is_pale);
 }
 
 static void find_ray(double ray[3], const struct camera *camera, int x, int y, const double shift[2])
@@ -301,10 +307,73 @@ static void a_picture_shows_a_bundle_in_its_colour(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* ---- Drafts ------------------------------------------------------------------------------------------------------ */
+
+enum { ACROSS = 250, DOTS = ACROSS * ACROSS };
+
+/* Streamlines along y, seen as dots: each a square's middle of a grid, in rows, of so many points 0.1 mm apart and not
+ * in line, so that all are drawn. */
+static struct tractogram dots(size_t points_each)
+{
+    struct tractogram made = {.path = memory_text("dots", 4),
+                              .points = memory_zeroed(DOTS * points_each, 3 * sizeof(float)),
+                              .first = memory_zeroed(DOTS + 1, sizeof(uint64_t)),
+                              .point_count = DOTS * points_each,
+                              .streamline_count = DOTS,
+                              .radius = 0.03};
+    assert_true(made.path && made.points && made.first);
+    for (size_t k = 0; k < DOTS; k++) {
+        for (size_t i = 0; i < points_each; i++) {
+            size_t row = k / ACROSS;
+            float *p = &made.points[3 * (k * points_each + i)];
+            p[0] = (float)((double)(k % ACROSS) - (ACROSS - 1) / 2.0) * 0.16F;
+            p[1] = 0.1F * (float)i;
+            p[2] = (float)((double)row - (ACROSS - 1) / 2.0) * 0.16F + (i % 2 ? 0.02F : 0);
+        }
+        made.first[k + 1] = (k + 1) * points_each;
+    }
+    return made;
+}
+
+/* Pixels with a dot, of each quarter of the picture and of all. */
+static size_t count_dots(size_t quarters[4], const conus_atlas *atlas, bool draft)
+{
+    static struct layer_picture picture;
+    size_t sum = 0;
+    struct camera camera = picture_camera((double[]){0, 1, 0}, 200, radians_from_degrees(12));
+    const struct mesh_layer_view view = {&camera, WIDTH, HEIGHT, {0, 0}, NULL, draft};
+    draw_view(&picture, atlas, &view, &(const struct tube_colouring){0}, NULL);
+    memset(quarters, 0, 4 * sizeof *quarters);
+    for (int i = 0; i < WIDTH * HEIGHT; i++) {
+        quarters[(i % WIDTH >= WIDTH / 2) + 2 * (i / WIDTH >= HEIGHT / 2)] += picture.object[i] != 0;
+        sum += picture.object[i] != 0;
+    }
+    return sum;
+}
+
+/* 62,500 streamlines of 3 points are 187,500, of which a draft has 20,000: of 10.7 %. They hardly cover each other, so
+ * that so many pixels have a dot, too; each quarter of the picture has a fourth. */
+static void a_draft_has_some_from_everywhere(void **state)
+{
+    (void)state;
+    size_t all[4];
+    size_t some[4];
+    conus_atlas *atlas = atlas_of(dots(3));
+    double full = (double)count_dots(all, atlas, false);
+    double draft = (double)count_dots(some, atlas, true);
+    assert_true(full > 1000);
+    assert_near(draft / full, 20000.0 / 187500, 0.2 * 20000 / 187500);
+    for (int q = 0; q < 4; q++) {
+        assert_near((double)some[q], draft / 4, 0.2 * draft / 4);
+    }
+    conus_atlas_destroy(atlas);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_pixel_has_the_nearest_capsule),
+        cmocka_unit_test(a_draft_has_some_from_everywhere),
         cmocka_unit_test(directions_are_red_green_and_blue),
         cmocka_unit_test(numbers_span_the_colours_and_pale_ones_are_pale),
         cmocka_unit_test(colours_of_numbers_grow_lighter),
