@@ -1,141 +1,59 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus connect: which areas the streamlines of bundles connect, all of them, without a pose. */
-#include "cli/answers/answer_format.h"
 #include "cli/answers/ends.h"
 #include "cli/commands.h"
+#include "cli/survey.h"
 #include "common/messages.h"
-#include "common/output.h"
-#include "settings/atlas_notes.h"
 
 #include <stdlib.h>
 
 struct connect_settings {
-    struct atlas_settings atlas;
-    struct common_settings common;
-    struct answer_settings answer;
+    struct survey_settings survey; /* first */
     struct ends_settings ends;
-    struct engine_settings engine; /* level only */
-};
-
-#define FIELD(member) offsetof(struct connect_settings, member)
-
-static const struct option level_options[] = {
-    {.name = "level",
-     .type = OPTION_TEXT,
-     .offset = FIELD(engine.level),
-     .value = "LEVEL",
-     .help = "report areas at this depth of the area tree (1 = its roots), or as these areas: names, @FILE"},
-    {0},
 };
 
 static const struct option_group groups[] = {
-    {"What is connected", atlas_options, FIELD(atlas)},
-    {"", shown_options, FIELD(atlas)},
-    {"", level_options, 0},
-    {"", more_atlas_options, FIELD(atlas)},
-    {"What is written", format_options, FIELD(answer)},
-    {"", answer_output_options, FIELD(answer)},
-    {"", connectivity_options, FIELD(ends)},
-    {"", quiet_options, FIELD(common)},
+    {"What is connected", atlas_options, SURVEY_FIELD(atlas)},
+    SURVEY_ATLAS_GROUPS,
+    SURVEY_OUTPUT_GROUPS,
+    {"", connectivity_options, offsetof(struct connect_settings, ends)},
+    {"", quiet_options, SURVEY_FIELD(common)},
     {0},
-};
-
-/* What answers for one atlas. */
-struct answerer {
-    conus_selector *selector;
-    conus_report *report; /* the first one's has the others' joined */
 };
 
 /* An answer under way. */
 struct connect {
     const struct connect_settings *settings;
-    const struct arguments *arguments;
-    conus_format format;
-    char *command_line;
-    char *sidecar; /* path; NULL = none */
-    struct atlases atlases;
-    struct answerer *answerers; /* [atlases.count] */
+    struct survey survey;
     struct matrix_file matrix;
 };
 
-static void connect_finish(struct connect *connect)
-{
-    for (size_t i = 0; connect->answerers && i < connect->atlases.count; i++) {
-        conus_report_destroy(connect->answerers[i].report);
-        conus_selector_destroy(connect->answerers[i].selector);
-    }
-    matrix_file_finish(&connect->matrix);
-    free(connect->answerers);
-    atlases_finish(&connect->atlases);
-    free(connect->command_line);
-    free(connect->sidecar);
-}
-
-static conus_report_options report_options(const struct connect *connect, size_t index)
-{
-    return (conus_report_options){.rows = CONUS_ROWS_CONNECTIONS,
-                                  .format = connect->format,
-                                  .command = connect->command_line,
-                                  .atlas = connect->atlases.items[index].name};
-}
-
-/* --level is of the first atlas. */
-static conus_status start_answerer(struct connect *connect, size_t index)
-{
-    struct answerer *answerer = &connect->answerers[index];
-    const conus_selector_options selector = {.level = index ? NULL : connect->settings->engine.level,
-                                             .engine = CONUS_ENGINE_RAYS};
-    const conus_report_options report = report_options(connect, index);
-    conus_status status = conus_selector_create(&answerer->selector, connect->atlases.items[index].atlas, &selector);
-    status = status ? status : conus_report_create(&answerer->report, answerer->selector, &report);
-    return status || !index ? status : conus_report_join(connect->answerers[0].report, answerer->report);
-}
+static const conus_report_options rows = {.rows = CONUS_ROWS_CONNECTIONS};
 
 static int add_answer(struct connect *connect, size_t index)
 {
-    const conus_connectivity_options options = ends_options_of(&connect->settings->ends, connect->arguments);
-    const conus_report_options report = report_options(connect, index);
-    struct answerer *answerer = &connect->answerers[index];
+    const conus_connectivity_options options = ends_options_of(&connect->settings->ends, connect->survey.arguments);
+    const conus_report_options report = survey_report_options(&connect->survey, &rows, index);
+    struct surveyor *surveyor = &connect->survey.surveyors[index];
     conus_connectivity *connectivity = NULL;
-    conus_status status = conus_connectivity_create(&connectivity, answerer->selector, NULL, &options);
-    status = status ? status : conus_report_add_connections(answerer->report, "1", connectivity);
+    conus_status status = conus_connectivity_create(&connectivity, surveyor->selector, NULL, &options);
+    status = status ? status : conus_report_add_connections(surveyor->report, "1", connectivity);
     if (status) {
         conus_connectivity_destroy(connectivity);
         return print_status(status);
     }
-    return matrix_file_take(&connect->matrix, answerer->selector, &report, "1", connectivity);
-}
-
-static int load_atlases(struct connect *connect)
-{
-    struct atlases *atlases = &connect->atlases;
-    conus_status status = CONUS_OK;
-    int code = atlases_load(atlases, connect->arguments->operands[0], &connect->settings->atlas);
-    if (code) {
-        return code;
-    }
-    connect->answerers = calloc(atlases->count, sizeof *connect->answerers);
-    if (!connect->answerers) {
-        print_error_line("not enough memory");
-        return EXIT_DATA;
-    }
-    for (size_t i = 0; i < atlases->count && !status; i++) {
-        status = start_answerer(connect, i);
-    }
-    return status ? print_status(status) : EXIT_DONE;
+    return matrix_file_take(&connect->matrix, surveyor->selector, &report, "1", connectivity);
 }
 
 /* Whether no output is a file that is read, or another output. */
 static bool check_outputs(const struct connect *connect)
 {
-    const char *output = connect->settings->answer.output;
-    const char *const outputs[] = {output_is_stdout(output) ? NULL : output, connect->sidecar, connect->matrix.path};
+    const char *output = connect->settings->survey.answer.output;
+    const char *const outputs[] = {output_is_stdout(output) ? NULL : output, connect->survey.sidecar,
+                                   connect->matrix.path};
     static const char *const names[] = {"--output", "the .json beside --output", "--connectivity"};
-    const struct input inputs[] = {{"the label table", connect->settings->atlas.labels},
-                                   {"the list of areas", settings_level_file(&connect->settings->engine)},
-                                   {0}};
     for (size_t i = 0; i < 3; i++) {
-        const char *input = outputs[i] ? atlases_input(&connect->atlases, inputs, outputs[i]) : NULL;
+        const char *input = outputs[i] ? survey_input(&connect->survey, outputs[i]) : NULL;
         if (input) {
             print_error_line("%s would overwrite %s %s", names[i], input, outputs[i]);
             return false;
@@ -152,43 +70,37 @@ static bool check_outputs(const struct connect *connect)
 
 static int answer(struct connect *connect)
 {
-    const struct connect_settings *settings = connect->settings;
-    int code = load_atlases(connect);
-    if (!code && (!check_outputs(connect) || !ends_check_atlases(&connect->atlases))) {
+    struct survey *survey = &connect->survey;
+    struct provenance provenance = {0};
+    int code = survey_load(survey);
+    code = code ? code : survey_start(survey, &rows);
+    if (!code && (!check_outputs(connect) || !ends_check_atlases(&survey->atlases))) {
         return EXIT_USAGE;
     }
-    for (size_t i = 0; !code && i < connect->atlases.count; i++) {
+    for (size_t i = 0; !code && i < survey->atlases.count; i++) {
         code = add_answer(connect, i);
     }
     if (code) {
         return code;
     }
-    atlases_say_notes(&connect->atlases, &settings->common);
-    atlases_say_spaces(&connect->atlases, &settings->common);
-    struct provenance provenance = {0};
-    provenance_add_input(&provenance, settings_level_file(&settings->engine));
+    survey_describe(survey, &provenance);
     code = matrix_file_write(&connect->matrix, &provenance);
     provenance_add_output(&provenance, "connectivity", connect->matrix.path, NULL, 0);
-    return code ? code
-                : answer_write(connect->answerers[0].report, settings->answer.output, connect->sidecar, &provenance);
+    return code ? code : survey_write(survey, &provenance);
 }
 
 static int run_connect(const void *given, const struct arguments *arguments)
 {
     const struct connect_settings *settings = given;
-    struct connect connect = {.settings = settings, .arguments = arguments};
-    if (!ends_check(&settings->ends, arguments) || !answer_format(&connect.format, arguments, &settings->answer)) {
+    struct connect connect = {.settings = settings};
+    if (!ends_check(&settings->ends, arguments)) {
         return EXIT_USAGE;
     }
-    connect.command_line = arguments_text(arguments);
-    if (!connect.command_line) {
-        print_error_line("not enough memory");
-        return EXIT_DATA;
-    }
-    int code = answer_sidecar(&connect.sidecar, connect.format, &settings->answer);
+    int code = survey_init(&connect.survey, &settings->survey, arguments);
     code = code ? code : matrix_file_init(&connect.matrix, settings->ends.connectivity);
     code = code ? code : answer(&connect);
-    connect_finish(&connect);
+    matrix_file_finish(&connect.matrix);
+    survey_finish(&connect.survey);
     return code;
 }
 

@@ -1,0 +1,76 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * The scaffold of overlap and connect, which ask atlases about something else than a pose: the settings that the two
+ * share, and the steps from the command line to a report and its files. */
+#ifndef CONUS_CLI_SURVEY_H
+#define CONUS_CLI_SURVEY_H
+
+#include "cli/answers/answer_format.h"
+#include "common/output.h"
+#include "settings/atlases.h"
+
+/** What the settings of the commands begin with. */
+struct survey_settings {
+    struct atlas_settings atlas;
+    struct common_settings common;
+    struct answer_settings answer;
+    struct engine_settings engine; /**< level only */
+};
+
+/** --level, of settings that begin so. */
+extern const struct option survey_level_options[];
+
+#define SURVEY_FIELD(member) offsetof(struct survey_settings, member)
+/** Groups of what is asked, after their own first one. */
+#define SURVEY_ATLAS_GROUPS                                                                                            \
+    {"", shown_options, SURVEY_FIELD(atlas)}, {"", survey_level_options, 0},                                           \
+    {                                                                                                                  \
+        "", more_atlas_options, SURVEY_FIELD(atlas)                                                                    \
+    }
+#define SURVEY_OUTPUT_GROUPS                                                                                           \
+    {"What is written", format_options, SURVEY_FIELD(answer)},                                                         \
+    {                                                                                                                  \
+        "", answer_output_options, SURVEY_FIELD(answer)                                                                \
+    }
+
+/** What answers for one atlas. */
+struct surveyor {
+    conus_selector *selector;
+    conus_report *report; /**< The first one's has the others' joined. */
+};
+
+/** An answer under way. */
+struct survey {
+    const struct survey_settings *settings;
+    const struct arguments *arguments;
+    conus_format format;
+    char *command_line;
+    char *sidecar; /**< Path; NULL = none. */
+    struct atlases atlases;
+    struct surveyor *surveyors; /**< [atlases.count] */
+};
+
+/** Finds format, command line and sidecar. Returns the exit code and prints an error unless it is 0, as those below do.
+ * End it with survey_finish() even then. */
+int survey_init(struct survey *out, const struct survey_settings *settings, const struct arguments *arguments);
+void survey_finish(struct survey *survey);
+
+/** Loads ATLAS and those of --atlas. */
+int survey_load(struct survey *survey);
+
+/** What the report about atlas @p index is made with: @p rows with its format, command and name. */
+conus_report_options survey_report_options(const struct survey *survey, const conus_report_options *rows, size_t index);
+
+/** Makes selectors and reports; --level is of the first atlas. */
+int survey_start(struct survey *survey, const conus_report_options *rows);
+
+/** The file that is read of all atlases and settings that @p path would overwrite, in words; NULL = none. */
+const char *survey_input(const struct survey *survey, const char *path);
+
+/** Says what there is to note about the atlases, and adds what settings read to @p provenance. */
+void survey_describe(const struct survey *survey, struct provenance *provenance);
+
+/** Writes the answer and its sidecar. */
+int survey_write(const struct survey *survey, const struct provenance *provenance);
+
+#endif
