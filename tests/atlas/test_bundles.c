@@ -5,6 +5,7 @@
 #include "base/math3.h"
 #include "base/memory.h"
 #include "test.h"
+#include "tract_scene.h"
 
 #include <string.h>
 
@@ -14,23 +15,7 @@ static const uint64_t first[] = {0, 3, 4, 6};
 
 static struct tractogram three_streamlines(void)
 {
-    struct tractogram made = {.path = memory_text("three.tck", 9),
-                              .points = memory_copy(corners, 18, sizeof *corners),
-                              .first = memory_copy(first, 4, sizeof *first),
-                              .point_count = 6,
-                              .streamline_count = 3,
-                              .radius = 0.5};
-    assert_true(made.path && made.points && made.first);
-    return made;
-}
-
-static void add_group(struct tractogram *to, const char *name, const uint32_t *members, size_t count)
-{
-    to->groups = memory_resize(to->groups, to->group_count + 1, sizeof *to->groups);
-    assert_non_null(to->groups);
-    to->groups[to->group_count++] = (struct tract_group){.name = memory_text(name, strlen(name)),
-                                                         .members = memory_copy(members, count, sizeof *members),
-                                                         .count = count};
+    return tract_of("three.tck", corners, first, 3, 0.5);
 }
 
 static conus_atlas *empty_atlas(void)
@@ -68,8 +53,8 @@ static void test_groups_are_bundles_and_what_is_in_none_is_the_last(void **state
     static const uint32_t last[] = {2};
     conus_atlas *atlas = empty_atlas();
     struct tractogram tractogram = three_streamlines();
-    add_group(&tractogram, "ends", ends, 2);
-    add_group(&tractogram, "last", last, 1);
+    tract_add_group(&tractogram, "ends", ends, 2);
+    tract_add_group(&tractogram, "last", last, 1);
     assert_ok(atlas_add_tractogram(atlas, &tractogram, "rest"));
     assert_int_equal(conus_atlas_object_count(atlas), 3);
     static const char *const names[] = {"ends", "last", "rest"};
@@ -93,7 +78,8 @@ static void test_two_bundles_of_one_name_are_refused(void **state)
     struct tractogram two = three_streamlines();
     assert_ok(atlas_add_tractogram(atlas, &one, "three"));
     assert_fails(atlas_add_tractogram(atlas, &two, "three"), CONUS_ERROR_ARGUMENT);
-    assert_string_equal(conus_message(), "three.tck: bundle three: another bundle has that name; name= gives it one of its own");
+    assert_string_equal(conus_message(),
+                        "three.tck: bundle three: another bundle has that name; name= gives it one of its own");
     assert_int_equal(conus_atlas_object_count(atlas), 1);
     tractogram_finish(&two);
     conus_atlas_destroy(atlas);
@@ -109,9 +95,9 @@ static void test_groups_of_one_name_are_told_apart_by_their_tractogram(void **st
     struct tractogram one = three_streamlines();
     struct tractogram two = three_streamlines();
     struct tractogram again = three_streamlines();
-    add_group(&one, "ends", ends, 2);
-    add_group(&two, "ends", ends, 2);
-    add_group(&again, "other", ends, 2);
+    tract_add_group(&one, "ends", ends, 2);
+    tract_add_group(&two, "ends", ends, 2);
+    tract_add_group(&again, "other", ends, 2);
     assert_ok(atlas_add_tractogram(atlas, &one, "one"));
     assert_int_equal(conus_atlas_note_count(atlas), 0);
     assert_ok(atlas_add_tractogram(atlas, &two, "two"));
@@ -122,7 +108,8 @@ static void test_groups_of_one_name_are_told_apart_by_their_tractogram(void **st
     assert_string_equal(conus_atlas_note(atlas, 0), "three.tck: group ends: the bundle is called two ends, since "
                                                     "another bundle has that name");
     assert_fails(atlas_add_tractogram(atlas, &again, "two"), CONUS_ERROR_ARGUMENT);
-    assert_string_equal(conus_message(), "three.tck: bundle two: another bundle has that name; name= gives it one of its own");
+    assert_string_equal(conus_message(),
+                        "three.tck: bundle two: another bundle has that name; name= gives it one of its own");
     assert_int_equal(conus_atlas_object_count(atlas), 4);
     assert_int_equal(conus_atlas_note_count(atlas), 1);
     tractogram_finish(&again);
@@ -173,7 +160,7 @@ static void test_a_bundle_is_hidden_by_its_name(void **state)
     conus_atlas *atlas = empty_atlas();
     struct buffer hidden = {0};
     struct tractogram tractogram = three_streamlines();
-    add_group(&tractogram, "ends", ends, 2);
+    tract_add_group(&tractogram, "ends", ends, 2);
     assert_ok(atlas_add_tractogram(atlas, &tractogram, "rest"));
     assert_true(atlas_has_bundles(atlas));
     assert_ok(conus_atlas_show(atlas, NULL, "rest"));

@@ -6,6 +6,7 @@
 #include "base/math3.h"
 #include "base/memory.h"
 #include "test.h"
+#include "tract_scene.h"
 
 #include <math.h>
 #include <string.h>
@@ -61,17 +62,9 @@ static const uint64_t first[STREAMLINES + 1] = {0, 3, 5, 5, 9};
 static struct tractogram make_tractogram(void)
 {
     static const uint32_t members[] = {0, 1, 3};
-    struct tractogram made = {.path = memory_text("t.trk", 5),
-                              .format = "test",
-                              .points = memory_copy(near_points, 3 * POINTS, sizeof(float)),
-                              .first = memory_copy(first, STREAMLINES + 1, sizeof *first),
-                              .point_count = POINTS,
-                              .streamline_count = STREAMLINES,
-                              .scalars = memory_zeroed(2, sizeof *made.scalars),
-                              .scalar_count = 2,
-                              .groups = memory_zeroed(1, sizeof *made.groups),
-                              .group_count = 1,
-                              .radius = 0.5};
+    struct tractogram made = tract_of("t.trk", near_points, first, STREAMLINES, 0.5);
+    made.scalars = memory_zeroed(2, sizeof *made.scalars);
+    made.scalar_count = 2;
     made.scalars[0] = (struct tract_scalar){
         .name = memory_text("at", 2), .per_point = true, .components = 2, .values = memory_raw(POINTS, 8)};
     made.scalars[1] =
@@ -82,8 +75,7 @@ static struct tractogram make_tractogram(void)
     for (int k = 0; k < STREAMLINES; k++) {
         made.scalars[1].values[k] = (float)k;
     }
-    made.groups[0] = (struct tract_group){
-        .name = memory_text("some", 4), .members = memory_copy(members, 3, sizeof *members), .count = 3};
+    tract_add_group(&made, "some", members, 3);
     return made;
 }
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Makes tractograms, streamline by streamline. */
+/* Makes tractograms, of arrays or streamline by streamline. */
 #include "tract_scene.h"
 
 #include "atlas/bundles.h"
@@ -7,6 +7,19 @@
 #include "test.h"
 
 #include <string.h>
+
+struct tractogram tract_of(const char *path, const float *points, const uint64_t *first, size_t streamlines,
+                           double radius)
+{
+    struct tractogram made = {.path = memory_text(path, strlen(path)),
+                              .points = memory_copy(points, 3 * first[streamlines], sizeof *points),
+                              .first = memory_copy(first, streamlines + 1, sizeof *first),
+                              .point_count = first[streamlines],
+                              .streamline_count = streamlines,
+                              .radius = radius};
+    assert_true(made.path && made.points && made.first);
+    return made;
+}
 
 void tract_begin(struct tract_builder *builder)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Tractograms for tests, and an atlas of four streamlines. */
+/** @file Tractograms for tests, and an atlas of four streamlines. What they allocate is their owner's to free. */
 #ifndef CONUS_TESTS_SUPPORT_TRACT_SCENE_H
 #define CONUS_TESTS_SUPPORT_TRACT_SCENE_H
 
@@ -10,6 +10,10 @@ struct tract_builder {
     struct tractogram made;
     size_t point_capacity, first_capacity;
 };
+
+/** A tractogram of copies: points first[k] to first[k + 1] - 1 are streamline k. */
+struct tractogram tract_of(const char *path, const float *points, const uint64_t *first, size_t streamlines,
+                           double radius);
 
 void tract_begin(struct tract_builder *builder);
 void tract_add_point(struct tract_builder *builder, const double point[3]);

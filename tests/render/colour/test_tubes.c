@@ -8,6 +8,7 @@
 #include "render/id/mesh_layer.h"
 #include "test.h"
 #include "test_gl.h"
+#include "tract_scene.h"
 
 #include <string.h>
 
@@ -188,14 +189,7 @@ static struct tractogram three_axes(void)
 {
     static const float points[] = {-9, 0, -8, 9, 0, -8, 15, -9, 0, 15, 9, 0, -15, 0, -5, -15, 0, 9};
     static const uint64_t first[] = {0, 2, 4, 6};
-    struct tractogram made = {.path = memory_text("axes", 4),
-                              .points = memory_copy(points, 18, sizeof *points),
-                              .first = memory_copy(first, 4, sizeof *first),
-                              .point_count = 6,
-                              .streamline_count = 3,
-                              .radius = RADIUS};
-    assert_true(made.path && made.points && made.first);
-    return made;
+    return tract_of("axes", points, first, 3, RADIUS);
 }
 
 /* What covers the world point, as seen along y. */

@@ -5,23 +5,11 @@
 #include "base/memory.h"
 #include "render/flat/cut.h"
 #include "test.h"
+#include "tract_scene.h"
 
 #include <string.h>
 
 enum { WIDTH = 150, HEIGHT = 110, PIXELS = WIDTH * HEIGHT };
-
-static struct tractogram tractogram_of(const float *points, size_t count, double radius)
-{
-    struct tractogram made = {.path = memory_text("made", 4),
-                              .points = memory_copy(points, 3 * count, sizeof *points),
-                              .first = memory_zeroed(2, sizeof(uint64_t)),
-                              .point_count = count,
-                              .streamline_count = 1,
-                              .radius = radius};
-    assert_true(made.path && made.points && made.first);
-    made.first[1] = count;
-    return made;
-}
 
 static conus_atlas *empty_atlas(void)
 {
@@ -32,7 +20,7 @@ static conus_atlas *empty_atlas(void)
 
 static void add(conus_atlas *atlas, const char *name, const float *points, size_t count, double radius)
 {
-    struct tractogram tractogram = tractogram_of(points, count, radius);
+    struct tractogram tractogram = tract_of("made", points, (const uint64_t[]){0, count}, 1, radius);
     assert_ok(atlas_add_tractogram(atlas, &tractogram, name));
 }
 

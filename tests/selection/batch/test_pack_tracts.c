@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "selection/batch/atlas_pack.h"
 #include "test.h"
+#include "tract_scene.h"
 
 #include <string.h>
 #include <sys/mman.h>
@@ -32,13 +33,6 @@ static void add_scalar(struct tractogram *to, const char *name, bool per_point, 
     }
     to->scalars = memory_resize(to->scalars, to->scalar_count + 1, sizeof *to->scalars);
     to->scalars[to->scalar_count++] = scalar;
-}
-
-static void add_group(struct tractogram *to, const char *name, const uint32_t *members, size_t count)
-{
-    to->groups = memory_resize(to->groups, to->group_count + 1, sizeof *to->groups);
-    to->groups[to->group_count++] = (struct tract_group){
-        .name = copy_text(name), .members = memory_copy(members, count, sizeof *members), .count = count};
 }
 
 static struct tractogram make_tractogram(bool halves)
@@ -76,8 +70,8 @@ static conus_atlas *make_atlas(void)
     add_scalar(&halves, "FA", true, 1);
     add_scalar(&halves, "colour", true, 3);
     add_scalar(&halves, "weight", false, 1);
-    add_group(&halves, "few", few, 3);
-    add_group(&halves, "one", one, 1);
+    tract_add_group(&halves, "few", few, 3);
+    tract_add_group(&halves, "one", one, 1);
     assert_ok(atlas_create_empty(&atlas, "none"));
     assert_ok(atlas_add_tractogram(atlas, &floats, "all"));
     assert_ok(atlas_add_tractogram(atlas, &halves, "rest"));

@@ -5,6 +5,7 @@
 #include "base/memory.h"
 #include "scene.h"
 #include "test.h"
+#include "tract_scene.h"
 
 #include <math.h>
 #include <string.h>
@@ -25,23 +26,7 @@ static const uint64_t first[LINES + 1] = {0, 2, 4, 8, 10, 11, 11, 13, 14};
 
 static struct tractogram all_lines(void)
 {
-    struct tractogram made = {.path = memory_text("lines.tck", 9),
-                              .points = memory_copy(corners, 3 * POINTS, sizeof *corners),
-                              .first = memory_copy(first, LINES + 1, sizeof *first),
-                              .point_count = POINTS,
-                              .streamline_count = LINES,
-                              .radius = 0.5};
-    assert_true(made.path && made.points && made.first);
-    return made;
-}
-
-static void add_group(struct tractogram *to, const char *name, const uint32_t *members, size_t count)
-{
-    to->groups = memory_resize(to->groups, to->group_count + 1, sizeof *to->groups);
-    assert_non_null(to->groups);
-    to->groups[to->group_count++] = (struct tract_group){.name = memory_text(name, strlen(name)),
-                                                         .members = memory_copy(members, count, sizeof *members),
-                                                         .count = count};
+    return tract_of("lines.tck", corners, first, LINES, 0.5);
 }
 
 static conus_atlas *three_areas(void)
@@ -122,8 +107,8 @@ static conus_atlas *with_groups(void)
     static const uint32_t two[] = {0, 3};
     conus_atlas *atlas = three_areas();
     struct tractogram lines = all_lines();
-    add_group(&lines, "one", one, 1);
-    add_group(&lines, "two", two, 2);
+    tract_add_group(&lines, "one", one, 1);
+    tract_add_group(&lines, "two", two, 2);
     assert_ok(atlas_add_tractogram(atlas, &lines, "rest"));
     return atlas;
 }

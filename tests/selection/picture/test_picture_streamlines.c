@@ -6,6 +6,7 @@
 #include "render/image/image.h"
 #include "test.h"
 #include "test_gl.h"
+#include "tract_scene.h"
 
 #include <string.h>
 
@@ -16,14 +17,8 @@ static conus_atlas *two_streamlines(void)
 {
     static const float points[] = {0, -15, -20, 0, -15, 20, 0, 15, -20, 0, 15, 20};
     static const uint64_t first[] = {0, 2, 4};
-    struct tractogram made = {.path = memory_text("two", 3),
-                              .points = memory_copy(points, 12, sizeof *points),
-                              .first = memory_copy(first, 3, sizeof *first),
-                              .point_count = 4,
-                              .streamline_count = 2,
-                              .radius = 3};
+    struct tractogram made = tract_of("two", points, first, 2, 3);
     conus_atlas *atlas = NULL;
-    assert_true(made.path && made.points && made.first);
     assert_ok(atlas_create_empty(&atlas, "none"));
     assert_ok(atlas_add_tractogram(atlas, &made, "two"));
     memcpy(atlas->objects[0].rgb, (const uint8_t[]){255, 0, 0}, 3);
