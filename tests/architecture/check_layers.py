@@ -84,12 +84,13 @@ LIBRARY = {
     "loaders/brainglobe": "base base/formats",
     "loaders/tracts": "base base/formats atlas/tracts loaders loaders/surfaces/foreign",
     "loaders/volumes/text": "base base/formats atlas/labels atlas",
+    "loaders/volumes/stored": "base base/cache base/formats",
     "loaders/volumes": "base base/formats atlas/labels atlas loaders/volumes/stored loaders loaders/tiff"
     " loaders/brainglobe loaders/volumes/text",
     "loaders/tables": "base base/formats loaders/volumes atlas/labels",
     "loaders/cifti": "base base/formats loaders/volumes loaders/tables atlas/labels",
     "loaders/labels": "base loaders loaders/volumes loaders/volumes/text loaders/tables atlas/labels",
-    "loaders/child": "base/cache base atlas/surface atlas",
+    "loaders/child": "base base/cache atlas/surface atlas",
     "loaders/surfaces/foreign": "base base/formats atlas/labels atlas/surface loaders",
     "loaders/surfaces": "base base/formats atlas/labels atlas/surface atlas loaders loaders/tables loaders/cifti"
     " loaders/child loaders/surfaces/foreign",
