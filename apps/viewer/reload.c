@@ -36,7 +36,6 @@ static void reload_destroy(struct reload *reload)
 /* Nothing comes of it, and one line says why. */
 static void give_up(struct window *window, const char *why)
 {
-    undo_give_up(window);
     hemispheres_rest(&window->hemispheres);
     viewer_say(window->viewer, "%s", why);
     window->viewer->version++;
@@ -254,7 +253,6 @@ void reload_end(struct window *window)
 {
     if (window->reload) {
         drop(window->reload);
-        undo_give_up(window);
         hemispheres_rest(&window->hemispheres);
         end(window);
     }

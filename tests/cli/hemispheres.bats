@@ -130,8 +130,19 @@ key f8
 key f8
 settle
 save 3d.json
+key ctrl+z
+settle
+key ctrl+z
+settle
+key ctrl+z
+key f8
+settle
+wait 1
+key ctrl+z
+settle
+save 2d.json
 END
-    for pair in '1 1b' '2 2b' '2 2c' '3 3b' '3 3c'; do
+    for pair in '1 1b' '2 2b' '2 2c' '3 3b' '3 3c' '2 2d'; do
         # shellcheck disable=SC2086 # two words
         set -- $pair
         diff "$1.json" "$2.json"

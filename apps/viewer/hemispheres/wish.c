@@ -14,6 +14,7 @@ bool hemispheres_wait(const struct hemispheres *hemispheres)
 
 void hemispheres_rest(struct hemispheres *hemispheres)
 {
+    hemispheres->owed -= hemispheres->state ? hemispheres->step : 0;
     free(hemispheres->state);
     hemispheres->state = NULL;
     hemispheres->wanted = hemispheres->now;

@@ -16,6 +16,7 @@ struct hemispheres {
     bool no_cache;       /**< likewise. */
     char *state;         /**< That undo shall bring back with them (session/undo.h); NULL = none. */
     int step;            /**< By which undo got there. */
+    int owed;            /**< The step that undo has to take because nothing came of that. */
 };
 
 /** Whether they are to be loaded again, or that goes on. */
@@ -25,7 +26,7 @@ void hemispheres_want(struct hemispheres *hemispheres, struct viewer *viewer, co
 /** Likewise with a state to go back to, which is taken over. */
 void hemispheres_want_state(struct hemispheres *hemispheres, struct viewer *viewer, conus_hemispheres how, char *state,
                             int step);
-/** Nothing is wanted but what is now. */
+/** Nothing is wanted but what is now; a state that is left comes to nothing. */
 void hemispheres_rest(struct hemispheres *hemispheres);
 
 #endif

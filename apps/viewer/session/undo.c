@@ -67,9 +67,19 @@ void undo_renew(struct window *window)
     }
 }
 
+/* Back to where it was before atlases should have been loaded again. */
+static void pay_step(struct window *window)
+{
+    if (window->hemispheres.owed) {
+        changes_step(&window->changes, window->hemispheres.owed);
+        window->hemispheres.owed = 0;
+    }
+}
+
 void undo_note(struct window *window)
 {
     const struct viewer *viewer = window->viewer;
+    pay_step(window);
     bool is_new = window->noted_version != viewer->version || window->noted_said != viewer->said ||
                   window->noted_second != window->second.version || !window->changes.count ||
                   !layout_is_same(&window->noted_layout, &window->layout);
@@ -140,17 +150,12 @@ static void use_aloud(struct window *window, const char *state, int by)
 
 void undo_go_on(struct window *window)
 {
-    const struct hemispheres *hemispheres = &window->hemispheres;
+    struct hemispheres *hemispheres = &window->hemispheres;
     if (hemispheres->state) {
         take_words(window, hemispheres->state);
         use_aloud(window, hemispheres->state, hemispheres->step);
-    }
-}
-
-void undo_give_up(struct window *window)
-{
-    if (window->hemispheres.state) {
-        changes_step(&window->changes, -window->hemispheres.step);
+        free(hemispheres->state);
+        hemispheres->state = NULL;
     }
 }
 
@@ -158,7 +163,6 @@ void undo_step(struct window *window, int by)
 {
     conus_hemispheres how;
     if (hemispheres_wait(&window->hemispheres)) {
-        undo_give_up(window);
         hemispheres_rest(&window->hemispheres);
         viewer_say(window->viewer, "the atlas stays as it is: %s", hemispheres_meanings[window->hemispheres.now]);
         window->viewer->version++;

@@ -17,7 +17,5 @@ void undo_renew(struct window *window);
 void undo_step(struct window *window, int by);
 /** The atlases are loaded again: goes where that was for, if for that. */
 void undo_go_on(struct window *window);
-/** They are not: stays where it was, if they were loaded for that. */
-void undo_give_up(struct window *window);
 
 #endif
