@@ -304,15 +304,19 @@ static bool replace(struct window *window, struct viewer *viewer, const struct a
 /* Streamlines that hardly lie where the areas are: the user asks for them twice. */
 static bool is_doubtful(const struct window *window, const struct atlases *atlases, struct again *again, char *why)
 {
-    const char *note = window->viewer && again && !again->trusts
-                           ? added_note(window->viewer->atlases->atlas, atlases->items[0].atlas, "bundle ")
-                           : NULL;
-    if (note) {
-        again->doubts = true;
-        snprintf(why, LOADER_WHY, "not added: %s If all is well, add it once more.", note);
+    if (!again || !window->viewer) {
+        return false;
+    }
+    const conus_atlas *before = window->viewer->atlases->atlas;
+    const char *doubt = added_note(before, atlases->items[0].atlas, "bundle ");
+    const char *note = added_note(before, atlases->items[0].atlas, "");
+    snprintf(again->note, sizeof again->note, "%s", note ? note : "");
+    again->doubts = doubt && !again->trusts;
+    if (again->doubts) {
+        snprintf(why, LOADER_WHY, "not added: %s If all is well, add it once more.", doubt);
         print_error_line("%s", why);
     }
-    return note;
+    return again->doubts;
 }
 
 /* The viewer has them then. */

@@ -44,6 +44,8 @@ bool open_again(struct window *window, const json_t *words, const struct view_se
     window->doubted = again.doubts ? text : NULL;
     if (fine) {
         added_news(why, LOADER_WHY, then, words);
+        size_t used = strlen(why);
+        snprintf(why + used, LOADER_WHY - used, "%s%s", again.note[0] ? "; " : "", again.note);
     }
     if (!again.doubts) {
         free(text);
@@ -85,9 +87,9 @@ static bool is_atlas(struct window *window, const char *path, const struct view_
     return is;
 }
 
-static bool refuse_second(const char *atlas, const char *other, char why[LOADER_WHY])
+static bool refuse_second(const char *one, const char *other, const char *kind, char why[LOADER_WHY])
 {
-    snprintf(why, LOADER_WHY, "%.200s and %.200s are two atlases or sessions: open one of them", atlas, other);
+    snprintf(why, LOADER_WHY, "%.200s and %.200s are two %s: open one of them", one, other, kind);
     print_error_line("%s", why);
     return false;
 }
@@ -104,9 +106,10 @@ static bool find_atlas(struct sorted *sorted, struct window *window, const struc
         bool image;
         const char *path = sorted->images[i];
         if (is_atlas(window, path, settings, &image, why)) {
-            fine = !atlas || refuse_second(atlas, path, why);
+            fine = !atlas || refuse_second(atlas, path, "atlases or sessions", why);
             atlas = path;
-        } else if ((fine = image)) {
+        } else {
+            fine = image && (!sorted->image_count || refuse_second(sorted->images[0], path, "images", why));
             sorted->images[sorted->image_count++] = path;
         }
     }

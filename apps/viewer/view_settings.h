@@ -8,8 +8,9 @@
 
 /* How an atlas that is open is opened again. */
 struct again {
-    bool trusts; /* bundles may lie where the areas are not: that was said */
-    bool doubts; /* they do, and so it is not opened */
+    bool trusts;    /* bundles may lie where the areas are not: that was said */
+    bool doubts;    /* they do, and so it is not opened */
+    char note[256]; /* the first that the atlas did not have before; "" = there is none */
 };
 
 struct view_settings {

@@ -189,7 +189,7 @@ END
 @test "several files that are dropped at once are told apart, in any order" {
     need_window
     scene
-    for order in 'slabs.nii.gz two.tck t1.nii' 't1.nii slabs.nii.gz two.tck' 'two.tck t1.nii slabs.nii.gz'; do
+    for order in 't1.nii slabs.nii.gz two.tck' 'two.tck slabs.nii.gz t1.nii'; do
         said <<END
 drop $order
 $AIM
@@ -211,9 +211,11 @@ END
     conus phantom nested -o .
     said slabs.nii.gz <<END
 drop nested.nii.gz two.tck slabs.nii.gz
+drop t1.nii two.tck brain/brain-context.nii.gz
 save same.json
 END
-    check_message 'nested.nii.gz and slabs.nii.gz are two atlases or sessions: open one of them'
+    says 'nested.nii.gz and slabs.nii.gz are two atlases or sessions: open one of them'
+    says 't1.nii and brain/brain-context.nii.gz are two images: open one of them'
     jq -e '.atlas == "slabs.nii.gz" and .opened.options == []' same.json
 }
 
@@ -293,4 +295,24 @@ END
     python3 "$BATS_TEST_DIRNAME/tck.py" moved/more.tck 4,-5,9.9 4,6,9.8
     said moved/made.json <<<'results other.tsv'
     queried --streamlines moved/more.tck --hide more | diff other.tsv -
+}
+
+@test "escape ends the reading of a tractogram, and the atlas stays" {
+    scene
+    hold_file slabs.nii.gz
+    touch released # for the first time
+    live slabs.nii.gz 2>said
+    tell "$AIM" 'save before.json'
+    look true
+    rm begun released
+    drop "$PWD/two.tck" # the atlas is read again before it
+    wait_until "$child" test -e begun
+    xdotool key --window "$window" Escape
+    touch released
+    tell 'save after.json' 'results after.tsv'
+    look '.opened.options == []'
+    leave
+    diff before.json after.json
+    queried | diff after.tsv -
+    [ ! -s said ]
 }

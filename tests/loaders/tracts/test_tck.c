@@ -99,7 +99,7 @@ static void numbers_of_both_sizes_and_orders(void **state)
         begin(&bytes, words);
         append_triples(&bytes, three[0], 7, i / 2 > 1, i / 2 & 1);
         const char *path = (i & 1 ? write_packed : write_bytes)("x.tck", &bytes);
-        assert_true(tract_file_is(path));
+        assert_true(tract_file_is(path) && conus_path_is_tractogram(path));
         assert_ok(tract_file_read(&out, path, 0, &notes));
         assert_int_equal(notes.count, 1); /* short streamlines; no count is no lie */
         assert_three(&out);
@@ -256,7 +256,8 @@ static void what_is_no_tractogram_is_said(void **state)
     assert_non_null(strstr(conus_message(), "surface.tck: this is an STL surface"));
     assert_non_null(
         strstr(conus_message(), "needed is a tractogram: TrackVis, MRtrix, DSI Studio, TRX or polylines of VTK"));
-    assert_false(tract_file_is(test_scratch("none.tck")));
+    assert_false(tract_file_is(test_scratch("none.tck")) || conus_path_is_tractogram(test_scratch("none.tck")));
+    assert_false(conus_path_is_tractogram(NULL));
     assert_fails(tract_file_read(&out, test_scratch("none.tck"), 0, &notes), CONUS_ERROR_IO);
     test_folder("folder.tck");
     assert_false(tract_file_is(test_in("")));
