@@ -90,6 +90,15 @@ static void fetch_points(const struct tractogram *tractogram, const struct tract
     points += 3 * size * leaf->point[lane];
     __builtin_prefetch(points);
     __builtin_prefetch(points + 3 * size * tract_leaf_segments(leaf, lane));
+    __builtin_prefetch(&tractogram->tree.marks[leaf->point[lane] / TRACT_MARK]);
+}
+
+static void fetch_leaf(const struct tractogram *tractogram, size_t number)
+{
+    const struct tract_leaf *leaf = &tractogram->tree.leaves[number];
+    for (size_t lane = 0; lane < leaf->count; lane++) {
+        fetch_points(tractogram, leaf, lane);
+    }
 }
 
 static void walk_leaf(const struct walk *walk, size_t number, bool inside)
@@ -102,6 +111,7 @@ static void walk_leaf(const struct walk *walk, size_t number, bool inside)
         enum tract_answer answer = inside ? TRACT_INSIDE : ask_run(walk, leaf, lane);
         if (answer != TRACT_OUTSIDE) {
             fetch_points(walk->tractogram, leaf, lane);
+            __builtin_prefetch(&walk->tractogram->first[walk->tractogram->tree.marks[leaf->point[lane] / TRACT_MARK]]);
             answers[count] = answer;
             lanes[count++] = lane;
         }
@@ -130,6 +140,9 @@ void tract_tree_walk(const struct tractogram *tractogram, tract_box_test test, t
         }
         size_t end = leaf + ((size_t)1 << TRACT_WIDTH_BITS * level);
         for (; leaf < end && leaf < leaf_count && answer != TRACT_OUTSIDE; leaf++) {
+            if (answer == TRACT_INSIDE && leaf + 1 < end && leaf + 1 < leaf_count) {
+                fetch_leaf(tractogram, leaf + 1);
+            }
             walk_leaf(&walk, leaf, answer == TRACT_INSIDE);
         }
         leaf = end;

@@ -22,9 +22,9 @@ static void carry(struct tract_part *part)
 
 static void add_length(struct tract_part *part, double mm)
 {
-    double whole = floor(mm);
+    int64_t whole = (int64_t)mm; /* of what is not negative; conversions with a sign are the fast ones */
     part->whole_mm += (uint64_t)whole;
-    part->parts += (uint64_t)((mm - whole) * PARTS + 0.5);
+    part->parts += (uint64_t)(int64_t)((mm - (double)whole) * PARTS + 0.5);
     carry(part);
 }
 
