@@ -333,8 +333,8 @@ static void describe_format(conus_volume_info *info, const struct volume_header 
              packed ? ", gzip" : volume_text_encoding(header), big ? ", big-endian" : ", little-endian");
 }
 
-/* Makes the reader of labels the sink where a label takes more bytes than its place, and the volume is large: else they
- * are unpacked at once, which is faster, and labels take their place. */
+/* Makes the reader of labels the sink where the volume is large, and lies in a plain file or has labels that take more
+ * bytes than their places: else they are unpacked at once, which is faster, and labels take their place. */
 static conus_status aim_at_labels(struct gzip_range *range, struct opening *o, const struct volume_file *file)
 {
     const struct volume_header *header = &o->header;

@@ -50,8 +50,9 @@ conus_status volume_file_open_cached(struct volume_file *out, const char *path, 
 struct label_voxels;
 
 /** Likewise, by max_memory and cache of @p options, where other files than volumes would do as well, as @p needed says
- * in words; gives its labels, whose places in @p labels take the place of its voxels: @p out has none. Packed ones of
- * more than 2 bytes never lie in memory together if they are many. A volume with other values than labels is
+ * in words; gives its labels, whose places in @p labels take the place of its voxels: @p out has none. Those of a
+ * NIfTI or MGH file that is not packed, and packed ones of more than 2 bytes, never lie in memory together if they are
+ * many. A volume with other values than labels is
  * CONUS_ERROR_DATA, as of volume_file_labels(). */
 conus_status volume_file_open_labels(struct volume_file *out, struct label_voxels *labels, const char *path,
                                      const conus_load_options *options, const char *needed, struct notes *notes);

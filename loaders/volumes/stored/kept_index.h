@@ -37,7 +37,7 @@ struct index_keeper {
     struct file_trace trace;  /**< Of the packed file, since before it was read; empty if nothing is to be kept. */
 };
 
-/** Before @p path is read, which unpacks to @p total bytes. */
+/** Before @p path is read. The indexer is the caller's to begin, once it is known how much there is to unpack. */
 void index_keeper_begin(struct index_keeper *out, const char *path);
 void index_keeper_finish(struct index_keeper *keeper);
 
