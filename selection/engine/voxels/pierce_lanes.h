@@ -28,13 +28,12 @@ struct piercing {
 };
 
 /* The ray comes into a voxel of `object`: ends the interval that it has begun and begins that one's. There is memory.
- */
+ * The exit goes there only: a copy of what was just written in pieces would have to wait for it. */
 static INLINE void change_object(struct piercing *piercing, size_t slot, double t, uint32_t object, int32_t voxel)
 {
     struct layers *out = piercing->all->out;
     conus_interval *begun = &piercing->begun[slot];
-    begun->exit = t;
-    out->intervals[out->count] = *begun;
+    out->intervals[out->count] = (conus_interval){begun->pixel, begun->object, begun->entry, t, begun->voxel};
     out->count += begun->object != 0;
     begun->object = object;
     begun->entry = t;
