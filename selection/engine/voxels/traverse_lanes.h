@@ -29,10 +29,8 @@
 #define PAST_LIMIT 0.25F
 /* The largest error with which what is out and what is not can be told apart, cells. */
 #define SLOW 0.125F
-/* Rays at more cells per mm, or at fewer than one by as many, are for double; so are those that move more slowly along
- * an axis, but do. */
+/* Rays at more cells per mm, or at fewer than one by as many, are for double. */
 #define FASTEST 0x1p60F
-#define SLOWEST 0x1p-100F
 
 enum { PACKETS = TRAVERSE_BUNDLE / LANES };
 
@@ -158,24 +156,10 @@ struct packet {
     truths clear;
 };
 
-/* Rays that do not move along an axis are in the middle of their cell, as traverse_ray_init() makes them; those that
- * nearly do not are for double. */
-static void place_still(const struct walk *walk, size_t slot, int axis, struct packet *packet)
-{
-    for (int l = 0; l < LANES; l++) {
-        if (walk->exact[axis][slot + (size_t)l] == 0) {
-            packet->origin[axis][l] = (float)(walk->bundle->start_cell[axis] - walk->middle[axis]);
-        } else if (fabsf(packet->direction[axis][l]) < SLOWEST) {
-            packet->clear &= ~only(l);
-        }
-    }
-}
-
 static INLINE void place(struct packet *out, const struct walk *walk, size_t slot)
 {
     out->fastest = all(0);
     out->slowest = all(INFINITY);
-    out->clear = every();
     EACH_AXIS
     for (int a = 0; a < 3; a++) {
         double start = walk->bundle->start[a];
@@ -188,11 +172,8 @@ static INLINE void place(struct packet *out, const struct walk *walk, size_t slo
         out->inverse[a] = 1 / out->direction[a];
         out->fastest = larger(out->fastest, magnitude(out->direction[a]));
         out->slowest = smaller(out->slowest, magnitude(out->inverse[a]));
-        if (any(less(magnitude(out->direction[a]), all(SLOWEST)))) {
-            place_still(walk, slot, a, out);
-        }
     }
-    out->clear &= less(out->fastest, all(FASTEST)) & less(all(1 / FASTEST), out->fastest);
+    out->clear = less(out->fastest, all(FASTEST)) & less(all(1 / FASTEST), out->fastest);
     EACH_AXIS
     for (int a = 0; a < 3; a++) {
         out->error[a] = walk->error * (1 + out->fastest * magnitude(out->inverse[a]));
