@@ -3,6 +3,7 @@
 #include "atlas/atlas.h"
 #include "base/memory.h"
 #include "mesh_scene.h"
+#include "packed_block.h"
 #include "scene.h"
 #include "selection/engine/engine_rays.h"
 #include "selection/engine/voxels/distance_map.h"
@@ -11,25 +12,12 @@
 #include <string.h>
 #include <sys/mman.h>
 
-/* A packed atlas in pages that cannot be written to. */
-struct block {
-    uint8_t *memory;
-    size_t size;
-};
-
+/* In pages that cannot be written to. */
 static struct block pack(const conus_atlas *atlas)
 {
-    struct block block = {.size = conus_atlas_packed_size(atlas)};
-    block.memory = mmap(NULL, block.size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-    assert_ptr_not_equal(block.memory, MAP_FAILED);
-    assert_ok(conus_atlas_pack(block.memory, block.size, atlas));
+    struct block block = block_pack(atlas);
     mprotect(block.memory, block.size, PROT_READ);
     return block;
-}
-
-static void drop(struct block block)
-{
-    munmap(block.memory, block.size);
 }
 
 static bool lies_in(const void *array, const struct block *block)
@@ -157,7 +145,7 @@ static void what_is_attached_is_what_was_packed(void **state)
         }
         conus_atlas_destroy(atlas);
         conus_atlas_destroy(attached);
-        drop(block);
+        block_drop(block);
     }
 }
 
@@ -198,7 +186,7 @@ static void an_attached_atlas_answers_as_the_packed_one(void **state)
         assert_same_answers(atlas, attached, &random);
         conus_atlas_destroy(atlas);
         conus_atlas_destroy(attached);
-        drop(block);
+        block_drop(block);
     }
 }
 
@@ -222,8 +210,8 @@ static void packing_it_again_gives_the_same(void **state)
     assert_same_answers(first, attached, &random);
     conus_atlas_destroy(first);
     conus_atlas_destroy(attached);
-    drop(block);
-    drop(again);
+    block_drop(block);
+    block_drop(again);
 }
 
 /* Packed before the change or after it: the block stays as it is (writing to it would be a segmentation fault). */
@@ -246,7 +234,7 @@ static void changes_are_made_to_copies(void **state)
         assert_same_answers(atlas, attached, &random);
         conus_atlas_destroy(atlas);
         conus_atlas_destroy(attached);
-        drop(block);
+        block_drop(block);
     }
 }
 
@@ -273,7 +261,7 @@ static void the_box_is_that_of_the_voxels(void **state)
     assert_same_bounds(atlas, attached);
     memory_free(hidden);
     conus_atlas_destroy(attached);
-    drop(block);
+    block_drop(block);
     conus_atlas_destroy(atlas);
 }
 
@@ -299,7 +287,7 @@ static void an_attached_atlas_can_grow(void **state)
     assert_same(atlas, attached);
     conus_atlas_destroy(atlas);
     conus_atlas_destroy(attached);
-    drop(block);
+    block_drop(block);
 }
 
 static void surfaces_around_the_areas_are_left_out(void **state)
@@ -320,7 +308,7 @@ static void surfaces_around_the_areas_are_left_out(void **state)
     assert_same(atlas, attached);
     conus_atlas_destroy(attached);
     conus_atlas_destroy(atlas);
-    drop(block);
+    block_drop(block);
 }
 
 static void what_is_no_packed_atlas_is_refused(void **state)
@@ -349,7 +337,7 @@ static void what_is_no_packed_atlas_is_refused(void **state)
     assert_fails(conus_atlas_pack(block.memory, block.size - 1, atlas), CONUS_ERROR_ARGUMENT);
     assert_fails(conus_atlas_pack(block.memory + 8, block.size + 64, atlas), CONUS_ERROR_ARGUMENT);
     conus_atlas_destroy(atlas);
-    drop(block);
+    block_drop(block);
 }
 
 /* Every byte of the head with every other value; and numbers near the largest there is in each eight bytes, which wrap
@@ -384,7 +372,7 @@ static void a_damaged_head_is_refused(void **state)
     assert_ok(conus_atlas_attach(&attached, block.memory, block.size));
     conus_atlas_destroy(attached);
     conus_atlas_destroy(atlas);
-    drop(block);
+    block_drop(block);
 }
 
 struct attempt {
@@ -418,7 +406,7 @@ static void both_survive_every_failing_allocation(void **state)
     mprotect(attempt.block.memory, attempt.block.size, PROT_READ | PROT_WRITE);
     test_every_allocation(try_packing, &attempt);
     conus_atlas_destroy(attempt.atlas);
-    drop(attempt.block);
+    block_drop(attempt.block);
 }
 
 int main(void)

@@ -4,12 +4,12 @@
 #include "atlas/placement.h"
 #include "atlas/tracts/tract_node.h"
 #include "base/memory.h"
+#include "packed_block.h"
 #include "selection/batch/atlas_pack.h"
 #include "test.h"
 #include "tract_scene.h"
 
 #include <string.h>
-#include <sys/mman.h>
 #include <unistd.h>
 #include <zlib.h>
 
@@ -79,27 +79,6 @@ static conus_atlas *make_atlas(void)
     return atlas;
 }
 
-struct block {
-    uint8_t *memory;
-    size_t size;
-};
-
-static struct block pack(const conus_atlas *atlas)
-{
-    struct block block = {.size = conus_atlas_packed_size(atlas)};
-    block.memory = mmap(NULL, block.size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-    assert_ptr_not_equal(block.memory, MAP_FAILED);
-    assert_ok(conus_atlas_pack(block.memory, block.size, atlas));
-    return block;
-}
-
-static conus_atlas *attach(const struct block *block)
-{
-    conus_atlas *attached = NULL;
-    assert_ok(conus_atlas_attach(&attached, block->memory, block->size));
-    return attached;
-}
-
 /* Equal, and in the block; NULL where there is none. */
 static void assert_lent(const void *packed, const void *attached, size_t size, const struct block *block)
 {
@@ -165,25 +144,25 @@ static void what_is_attached_is_what_was_packed(void **state)
 {
     (void)state;
     conus_atlas *atlas = make_atlas();
-    struct block block = pack(atlas);
-    conus_atlas *attached = attach(&block);
+    struct block block = block_pack(atlas);
+    conus_atlas *attached = block_attach(&block);
     assert_same(atlas, attached, &block);
-    struct block again = pack(attached);
+    struct block again = block_pack(attached);
     assert_int_equal(block.size, again.size);
-    conus_atlas *second = attach(&again);
+    conus_atlas *second = block_attach(&again);
     assert_same(atlas, second, &again);
     conus_atlas_destroy(second);
     conus_atlas_destroy(attached);
     conus_atlas_destroy(atlas);
-    munmap(again.memory, again.size);
-    munmap(block.memory, block.size);
+    block_drop(again);
+    block_drop(block);
 }
 
 static void a_file_has_the_same_bytes(void **state)
 {
     (void)state;
     conus_atlas *atlas = make_atlas();
-    struct block block = pack(atlas);
+    struct block block = block_pack(atlas);
     int file = memfd_create("packed", 0);
     assert_ok(atlas_pack_write(file, 128, atlas));
     assert_int_equal(ftruncate(file, (off_t)(128 + block.size)), 0);
@@ -193,7 +172,7 @@ static void a_file_has_the_same_bytes(void **state)
     memory_free(bytes);
     close(file);
     conus_atlas_destroy(atlas);
-    munmap(block.memory, block.size);
+    block_drop(block);
 }
 
 /* The block stays as it is: writing to it would be a segmentation fault. */
@@ -202,9 +181,9 @@ static void moving_it_changes_copies(void **state)
     (void)state;
     static const double aside[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, -8, 0, 1};
     conus_atlas *atlas = make_atlas();
-    struct block block = pack(atlas);
+    struct block block = block_pack(atlas);
     mprotect(block.memory, block.size, PROT_READ);
-    conus_atlas *attached = attach(&block);
+    conus_atlas *attached = block_attach(&block);
     assert_ok(conus_atlas_move(attached, aside));
     for (size_t i = 0; i < 2; i++) {
         double points[2][3];
@@ -214,7 +193,7 @@ static void moving_it_changes_copies(void **state)
     }
     conus_atlas_destroy(attached);
     conus_atlas_destroy(atlas);
-    munmap(block.memory, block.size);
+    block_drop(block);
 }
 
 /* ---- Damage ------------------------------------------------------------------------------------------------------ */
@@ -231,8 +210,8 @@ static void damaged_arrays_are_refused(void **state)
 {
     (void)state;
     conus_atlas *atlas = make_atlas();
-    struct block block = pack(atlas);
-    conus_atlas *attached = attach(&block);
+    struct block block = block_pack(atlas);
+    conus_atlas *attached = block_attach(&block);
     struct tractogram *one = &attached->tractograms[1];
     size_t runs = one->tree.run_count;
     for (size_t i = 0; i <= STREAMLINES; i++) {
@@ -265,9 +244,9 @@ static void damaged_arrays_are_refused(void **state)
     assert_refused(&block);
     one->groups[0].members[2] = 6;
     conus_atlas_destroy(attached);
-    conus_atlas_destroy(attach(&block));
+    conus_atlas_destroy(block_attach(&block));
     conus_atlas_destroy(atlas);
-    munmap(block.memory, block.size);
+    block_drop(block);
 }
 
 static void fit_checksum(struct block *block)
@@ -285,7 +264,7 @@ static void damage_with_a_fitting_checksum_does_no_harm(void **state)
     (void)state;
     enum { HEAD = 56, SMALL_END_AT = 40 };
     conus_atlas *atlas = make_atlas();
-    struct block block = pack(atlas);
+    struct block block = block_pack(atlas);
     uint64_t small_end;
     size_t refused = 0;
     memcpy(&small_end, block.memory + SMALL_END_AT, sizeof small_end);
@@ -304,7 +283,7 @@ static void damage_with_a_fitting_checksum_does_no_harm(void **state)
     }
     assert_in_range(refused, 50, small_end - HEAD);
     conus_atlas_destroy(atlas);
-    munmap(block.memory, block.size);
+    block_drop(block);
 }
 
 static conus_status try_attaching(void *data)
@@ -320,10 +299,10 @@ static void attaching_survives_every_failing_allocation(void **state)
 {
     (void)state;
     conus_atlas *atlas = make_atlas();
-    struct block block = pack(atlas);
+    struct block block = block_pack(atlas);
     test_every_allocation(try_attaching, &block);
     conus_atlas_destroy(atlas);
-    munmap(block.memory, block.size);
+    block_drop(block);
 }
 
 int main(void)
