@@ -10,6 +10,7 @@
 #include "tract_scene.h"
 
 #include <string.h>
+#include <sys/mman.h>
 #include <unistd.h>
 #include <zlib.h>
 
