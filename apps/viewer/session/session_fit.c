@@ -136,12 +136,13 @@ static void fit_pairs(json_t *list, const struct numbers *numbers)
     }
 }
 
-/* Pins in other atlases stay. */
+/* Pins in other atlases stay, and so do those of areas that are gone, which have a name. */
 static void fit_pins(json_t *list, const struct numbers *numbers)
 {
     for (size_t i = json_array_size(list); i-- > 0;) {
         json_t *pin = json_array_get(list, i);
-        if (json_integer_value(json_object_get(pin, "atlas")) > 1) {
+        bool has_number = json_integer_value(json_object_get(pin, "object")) != 0;
+        if (json_integer_value(json_object_get(pin, "atlas")) > 1 || !has_number) {
             continue;
         }
         uint32_t number = number_now(numbers, json_object_get(pin, "object"));
