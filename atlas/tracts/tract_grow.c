@@ -293,7 +293,7 @@ static struct box set_leaf(struct tract_leaf *out, const struct item *items, siz
                            const struct tractogram *tractogram)
 {
     struct box around = no_box();
-    double bends[TRACT_LEAF];
+    double bends[TRACT_LEAF] = {0};
     *out = (struct tract_leaf){.count = (uint32_t)count};
     for (size_t lane = 0; lane < count; lane++) {
         struct box box = box_of_points(tractogram, items[lane].point, items[lane].segments + 1U);

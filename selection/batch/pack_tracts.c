@@ -106,8 +106,8 @@ static void pass_arrays(struct pack_walk *walk, struct tractogram *tractogram)
 static bool has_arrays(const struct tractogram *tractogram)
 {
     const struct tract_tree *tree = &tractogram->tree;
-    return tractogram->first && (tree->leaves || !tree->run_count) && (tree->marks || !tractogram->point_count) && (tree->nodes || !tree->node_count) &&
-           (tractogram->points || tractogram->halves || !tractogram->point_count);
+    return tractogram->first && (tree->leaves || !tree->run_count) && (tree->marks || !tractogram->point_count) &&
+           (tree->nodes || !tree->node_count) && (tractogram->points || tractogram->halves || !tractogram->point_count);
 }
 
 /* Into a tractogram of zeros when attaching, which has at every moment what tractogram_finish() may end. */

@@ -32,12 +32,14 @@ struct tract_search {
     float radius, slack; /**< mm; the slack is no part of the radius. */
     bool has_bound;      /**< Only the first hit is asked for, and any streamline may be it. */
     float bound;         /**< mm from the search's origin: with a bound the first hit is no farther. */
-    size_t waiting, aside, ready, next;
+    size_t waiting;
+    size_t aside;       /**< Runs that are put aside; once they are sorted out,    */
+    size_t ready, next; /**< so many are ready, and those from the next one are left. */
     struct tract_visit {
         float enter;    /**< mm from the search's origin: the ray is not in the item before. */
-        uint32_t level; /**< That above the item's, so that of runs is 0. */
+        uint32_t level; /**< 0 a run, 1 a leaf, l + 1 an item of level l. */
         size_t item;
-    } visits[TRACT_WAITING], runs[TRACT_ASIDE]; /**< Those that wait, the last one first. */
+    } visits[TRACT_WAITING], runs[TRACT_ASIDE]; /**< Of those that wait the last one comes first. */
 };
 
 /** Begins a search along the ray from @p origin; @p tractogram must outlive it. */
