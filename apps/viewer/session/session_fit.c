@@ -55,23 +55,23 @@ static bool mark(bool *is_added, size_t count, const json_t *added)
 /* Objects of the atlas itself, in order; false where there are more or fewer than then: it is another atlas. */
 static bool match_own(struct numbers *numbers, const json_t *then, const json_t *now)
 {
-    bool *old = calloc(numbers->then + 1, sizeof *old);
-    bool *new = calloc(numbers->count + 1, sizeof *new);
-    bool fine = old && new &&mark(old, numbers->then, then) && mark(new, numbers->count, now);
+    bool *was_added = calloc(numbers->then + 1, sizeof *was_added);
+    bool *is_added = calloc(numbers->count + 1, sizeof *is_added);
+    bool fine = was_added && is_added && mark(was_added, numbers->then, then) && mark(is_added, numbers->count, now);
     size_t next = 1;
     for (size_t number = 1; number <= numbers->then && fine; number++) {
-        while (!old[number] && next <= numbers->count && new[next]) {
+        while (!was_added[number] && next <= numbers->count && is_added[next]) {
             next++;
         }
-        fine = old[number] || next <= numbers->count;
-        numbers->now[number] = old[number] || !fine ? 0 : (uint32_t)next++;
+        fine = was_added[number] || next <= numbers->count;
+        numbers->now[number] = was_added[number] || !fine ? 0 : (uint32_t)next++;
     }
-    while (fine && next <= numbers->count && new[next]) {
+    while (fine && next <= numbers->count && is_added[next]) {
         next++;
     }
     fine = fine && next > numbers->count;
-    free(old);
-    free(new);
+    free(was_added);
+    free(is_added);
     return fine;
 }
 
