@@ -269,8 +269,7 @@ bool gzip_index_fits(const struct gzip_index *index, int descriptor)
         sum = crc32_combine(sum, index->points[i].sum, (z_off_t)(span_end(index, i) - index->points[i].unpacked));
     }
     return pread(descriptor, stored, sizeof stored, (off_t)index->trailer) == (ssize_t)sizeof stored &&
-           order_u32(stored, SWAPPED) == sum &&
-           order_u32(stored + 4, SWAPPED) == (uint32_t)index->unpacked;
+           order_u32(stored, SWAPPED) == sum && order_u32(stored + 4, SWAPPED) == (uint32_t)index->unpacked;
 }
 
 /* At the end of a span: whether it was what it should be. */
