@@ -105,6 +105,7 @@ conus_status conus_selector_create(conus_selector **out, const conus_atlas *atla
         return CONUS_ERROR_MEMORY;
     }
     selector->atlas = atlas;
+    selector->volume_count = atlas->volume_count;
     selector->options = *options_of(conus_selector_options, options);
     selector->options.resolution = selector->options.resolution ? selector->options.resolution : DEFAULT_RESOLUTION;
     conus_status status = selector_prepare_ranking(selector);
@@ -216,7 +217,7 @@ void conus_selector_destroy(conus_selector *selector)
             level_destroy(selector->level);
             memory_free(selector->level_spec);
             memory_free(selector->whole);
-            census_labels_destroy(selector->labels, selector->atlas);
+            census_labels_destroy(selector->labels, selector->volume_count);
         }
         if (selector->owns_axis) {
             engine_destroy(selector->axis);

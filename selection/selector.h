@@ -23,6 +23,7 @@ struct conus_selector {
     bool owns_axis;      /**< It is neither the engine nor another selector's. */
     struct aperture aperture;
     struct tally tally;           /**< Prepared for the atlas's objects. */
+    size_t volume_count;          /**< Of the atlas, which may be gone before the selector. */
     struct census_labels *labels; /**< [volume_count], those of all that share them. */
     struct census census;
     struct near near;

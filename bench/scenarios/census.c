@@ -105,7 +105,7 @@ conus_status bench_census(struct bench *bench)
     }
     memory_free(scene.regions);
     memory_free(scene.cones);
-    census_labels_destroy(labels, scene.atlas);
+    census_labels_destroy(labels, scene.atlas ? scene.atlas->volume_count : 0);
     conus_atlas_destroy(scene.atlas);
     return status;
 }

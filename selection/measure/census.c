@@ -260,9 +260,9 @@ conus_status census_labels_create(struct census_labels **out, const conus_atlas 
     return CONUS_OK;
 }
 
-void census_labels_destroy(struct census_labels *labels, const conus_atlas *atlas)
+void census_labels_destroy(struct census_labels *labels, size_t count)
 {
-    for (size_t i = 0; labels && i < atlas->volume_count; i++) {
+    for (size_t i = 0; labels && i < count; i++) {
         label_runs_finish(&labels[i].runs);
     }
     memory_free(labels);

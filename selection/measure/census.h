@@ -53,7 +53,8 @@ struct census {
 
 /** Makes @p out [volume_count], for any number of censuses of @p atlas at once. */
 conus_status census_labels_create(struct census_labels **out, const conus_atlas *atlas);
-void census_labels_destroy(struct census_labels *labels, const conus_atlas *atlas);
+/** The atlas may be gone; it had @p count volumes. */
+void census_labels_destroy(struct census_labels *labels, size_t count);
 
 /** Reserves capacity for the objects of @p atlas, whose @p labels must live as long; a zeroed census is ready for it.
  */

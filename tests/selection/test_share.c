@@ -94,6 +94,20 @@ static void threads_answer_as_one(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* Python's collector destroys what is in a circle in any order. */
+static void destroying_needs_no_atlas(void **state)
+{
+    (void)state;
+    const conus_selector_options options = {.layers = CONUS_LAYERS_ALL};
+    conus_atlas *atlas = make_board();
+    struct answers all = {0};
+    assert_int_equal(conus_selector_create(&all.selector, atlas, &options), CONUS_OK);
+    ask_all(&all);
+    assert_int_equal(all.status, CONUS_OK);
+    conus_atlas_destroy(atlas);
+    conus_selector_destroy(all.selector);
+}
+
 static void gl_is_of_one_thread(void **state)
 {
     (void)state;
@@ -116,6 +130,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(threads_answer_as_one),
+        cmocka_unit_test(destroying_needs_no_atlas),
         cmocka_unit_test(gl_is_of_one_thread),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
