@@ -21,7 +21,7 @@ static uint32_t find(const conus_atlas *atlas, double radius, double x, double y
     uint32_t found = area_at(&search, (const double[]){x, y, z});
     area_search_finish(&search);
     census_finish(&census);
-    census_labels_destroy(labels, atlas);
+    census_labels_destroy(labels, atlas->volume_count);
     return found;
 }
 

@@ -340,11 +340,11 @@ static void test_runs_count_alike(void **unused)
             assert_memory_equal(by_runs.counts[object].index, fresh.counts[object].index, sizeof fresh.counts->index);
         }
         census_finish(&fresh);
-        census_labels_destroy(unread, atlas);
+        census_labels_destroy(unread, atlas->volume_count);
     }
     assert_non_null(labels[0].runs.rows);
     census_finish(&by_runs);
-    census_labels_destroy(labels, atlas);
+    census_labels_destroy(labels, atlas->volume_count);
     conus_atlas_destroy(atlas);
 }
 
