@@ -251,9 +251,10 @@ void reload_step(struct window *window)
 
 void reload_end(struct window *window)
 {
+    hemispheres_rest(&window->hemispheres);
+    undo_pay(window);
     if (window->reload) {
         drop(window->reload);
-        hemispheres_rest(&window->hemispheres);
         end(window);
     }
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What is taken back and done again, without a window. */
+#include "viewer/reload.h"
 #include "viewer/session/session.h"
 #include "viewer/session/undo.h"
 
@@ -235,12 +236,83 @@ static void views_and_what_moves_by_itself_stay(void **state)
     close_window(&window);
 }
 
+/* As the window is opened again with a file that has no objects here. */
+static void add_file(struct window *window)
+{
+    static const char word[] = "--streamlines=/nowhere/two.tck";
+    json_decref(window->opened);
+    window->opened = json_pack("{s: [s], s: [{s: s, s: s, s: []}]}", "options", word, "added", "option", word, "path",
+                               "/nowhere/two.tck", "objects");
+    assert_non_null(window->opened);
+    undo_renew(window);
+}
+
+/* That a file is added is no change, so it is in none's way. */
+static void changes_before_a_file_was_added_are_all_taken_back(void **state)
+{
+    struct viewer viewer;
+    struct window window;
+    (void)state;
+    window_scene_open(&window, &viewer);
+    window.opened = json_pack("{s: [], s: []}", "options", "added");
+    undo_note(&window);
+    for (int i = 0; i < 3; i++) {
+        set_angle(&window, 12 + i);
+    }
+    add_file(&window);
+    for (int i = 0; i < 3; i++) {
+        undo_step(&window, -1);
+        assert_near(viewer.cone.angle, i == 2 ? 5 : 13 - i, 1e-12);
+        undo_note(&window); /* as after each frame */
+    }
+    undo_step(&window, -1);
+    assert_string_equal(viewer.message, "nothing to undo");
+    for (int i = 0; i < 3; i++) {
+        undo_step(&window, 1);
+        assert_near(viewer.cone.angle, 12 + i, 1e-12);
+        undo_note(&window);
+    }
+    json_decref(window.opened);
+    close_window(&window);
+}
+
+/* Files are added while the atlas is loaded again for a state, which ends that. */
+static void a_state_that_is_not_reached_stays(void **state)
+{
+    struct viewer viewer;
+    struct window window;
+    (void)state;
+    window_scene_open(&window, &viewer);
+    window.opened = json_pack("{s: [], s: []}", "options", "added");
+    undo_note(&window);
+    set_angle(&window, 12);
+    json_object_set_new(window.opened, "options", json_pack("[s]", "--hemispheres=split"));
+    window.hemispheres.now = window.hemispheres.wanted = CONUS_HEMISPHERES_SPLIT;
+    set_angle(&window, 13);
+    size_t at = window.changes.at;
+    undo_step(&window, -1);
+    assert_true(hemispheres_wait(&window.hemispheres));
+    assert_int_equal(window.changes.at, at - 1);
+    reload_end(&window);
+    assert_false(hemispheres_wait(&window.hemispheres));
+    assert_int_equal(window.changes.at, at);
+    undo_renew(&window);
+    assert_non_null(strstr(window.changes.states[at - 1], "\"angle_deg\":12"));
+    json_decref(window.opened);
+    close_window(&window);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_history_goes_back_and_forth),       cmocka_unit_test(the_oldest_states_go),
-        cmocka_unit_test(each_change_is_taken_back),           cmocka_unit_test(without_a_device_there_is_no_answer),
-        cmocka_unit_test(views_and_what_moves_by_itself_stay), cmocka_unit_test(borders_are_put_back),
+        cmocka_unit_test(a_history_goes_back_and_forth),
+        cmocka_unit_test(the_oldest_states_go),
+        cmocka_unit_test(each_change_is_taken_back),
+        cmocka_unit_test(without_a_device_there_is_no_answer),
+        cmocka_unit_test(views_and_what_moves_by_itself_stay),
+        cmocka_unit_test(borders_are_put_back),
+        cmocka_unit_test(changes_before_a_file_was_added_are_all_taken_back),
+        cmocka_unit_test(a_state_that_is_not_reached_stays),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -67,8 +67,7 @@ void undo_renew(struct window *window)
     }
 }
 
-/* Back to where it was before atlases should have been loaded again. */
-static void pay_step(struct window *window)
+void undo_pay(struct window *window)
 {
     if (window->hemispheres.owed) {
         changes_step(&window->changes, window->hemispheres.owed);
@@ -79,7 +78,7 @@ static void pay_step(struct window *window)
 void undo_note(struct window *window)
 {
     const struct viewer *viewer = window->viewer;
-    pay_step(window);
+    undo_pay(window);
     bool is_new = window->noted_version != viewer->version || window->noted_said != viewer->said ||
                   window->noted_second != window->second.version || !window->changes.count ||
                   !layout_is_same(&window->noted_layout, &window->layout);
@@ -146,6 +145,9 @@ static void use_aloud(struct window *window, const char *state, int by)
     char why[SESSION_REASON];
     bool fine = use(window, state, why);
     viewer_say(window->viewer, "%s", !fine ? why : by < 0 ? "undone" : "done again");
+    if (fine) { /* other files may be added now than then, which is no change */
+        undo_renew(window);
+    }
 }
 
 void undo_go_on(struct window *window)
