@@ -117,35 +117,12 @@ static bool needs_others(conus_hemispheres *how, const struct window *window, co
     return opened && *how != window->hemispheres.now;
 }
 
-/* But for hemispheres. */
-static bool are_alike(const json_t *words, const json_t *others)
-{
-    json_t *some = json_copy((json_t *)words);
-    json_t *more = json_copy((json_t *)others);
-    bool alike = some && more && hemispheres_put_in_words(some, CONUS_HEMISPHERES_AS_IS) &&
-                 hemispheres_put_in_words(more, CONUS_HEMISPHERES_AS_IS) && json_equal(some, more);
-    json_decref(some);
-    json_decref(more);
-    return alike;
-}
-
-/* The words of the options in the order of then, so that the state is the same one again. */
-static void take_words(struct window *window, const char *state)
-{
-    json_t *root = json_loads(state, 0, NULL);
-    json_t *words = json_object_get(json_object_get(root, "opened"), "options");
-    if (are_alike(words, json_object_get(window->opened, "options"))) {
-        json_object_set(window->opened, "options", words);
-    }
-    json_decref(root);
-}
-
 static void use_aloud(struct window *window, const char *state, int by)
 {
     char why[SESSION_REASON];
     bool fine = use(window, state, why);
     viewer_say(window->viewer, "%s", !fine ? why : by < 0 ? "undone" : "done again");
-    if (fine) { /* other files may be added now than then, which is no change */
+    if (fine) { /* other files may be added now than then, or options be in another order, which is no change */
         undo_renew(window);
     }
 }
@@ -154,7 +131,6 @@ void undo_go_on(struct window *window)
 {
     struct hemispheres *hemispheres = &window->hemispheres;
     if (hemispheres->state) {
-        take_words(window, hemispheres->state);
         use_aloud(window, hemispheres->state, hemispheres->step);
         free(hemispheres->state);
         hemispheres->state = NULL;
