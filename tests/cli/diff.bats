@@ -55,6 +55,15 @@ result() {
     fails 3 'b.tsv:4: the same query, kind and index as another line' diff a.tsv b.tsv
 }
 
+@test "lists of different things are refused" {
+    result >a.tsv
+    printf 'query\tkind\tbundle\tbundle_index\tend_a\tend_a_index\tend_b\tend_b_index\n' >b.tsv
+    printf '1\tarea\tArc\t1\tA\t11\tB\t12\n' >>b.tsv
+    fails 2 'a.tsv and b.tsv are lists of different things: one has a column "index", the other has none' diff a.tsv b.tsv
+    sed '1s/$/\ti\tj\tk/; 2,$s/$/\t1\t2\t3/' a.tsv >c.tsv
+    fails 2 'one has a column "i", the other has none' diff c.tsv a.tsv
+}
+
 @test "what is no result is refused" {
     result >a.tsv
     fails 3 'none.tsv: cannot open: No such file or directory' diff a.tsv none.tsv
