@@ -2,7 +2,8 @@
 """Tractograms: streamlines for an atlas, and what it tells of them."""
 from __future__ import annotations
 
-from typing import Any, Iterable, Mapping, NamedTuple
+from collections.abc import Iterable, Mapping
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -62,6 +63,8 @@ def _of_nibabel(tractogram: Any) -> tuple[Array, list[int], list[tuple[str, bool
 
 def _of_arrays(source: Iterable[Any]) -> tuple[Array, list[int], list[tuple[str, bool, Array]]]:
     """Points and lengths of arrays, each a streamline."""
+    if not isinstance(source, Iterable):
+        raise ArgumentError(f"streamlines: {source!r}, wanted are paths, tractograms of nibabel or lists of arrays")
     arrays = [np.asarray(points, "f8") for points in source]
     for number, points in enumerate(arrays):
         if points.ndim != 2 or points.shape[1] != 3:

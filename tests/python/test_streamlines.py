@@ -80,6 +80,7 @@ def test_no_streamline_at_all():
 @pytest.mark.parametrize("bad, message", [
     ([np.zeros((4, 2))], r"number 0 \(from 0\) has the shape \(4, 2\)"),
     ({"radius": 1}, "wanted are source"),
+    (3, "3, wanted are paths"),
     ({"source": LINES, "width": 1}, "wanted are source"),
     ({"source": LINES, "radius": -1}, "radius -1 mm, allowed is above 0 to 100"),
     ({"source": LINES, "radius": "thin"}, "radius"),
