@@ -493,7 +493,7 @@ bool window_is_settled(const struct window *window)
 {
     const struct viewer *viewer = window->viewer;
     bool has_page = window->start.on || window->dialog.on;
-    bool waits = viewer && hemispheres_wait(&window->hemispheres);
+    bool waits = hemispheres_wait(&window->hemispheres);
     bool settled = !waits && (has_page || window->painted_fine || !window_shows_pane(window, PANE_3D));
     if (!has_page && studies_is_on(viewer)) {
         settled = settled && !studies_is_old(viewer);
