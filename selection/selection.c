@@ -173,7 +173,8 @@ conus_status selections_trace(conus_selection *const *selections, size_t count, 
 
 static conus_status count_voxels(const conus_selection *selection, conus_selector *selector)
 {
-    conus_status status = selection->has_layers ? census_prepare(&selector->census, selector->atlas, selector->labels) : CONUS_OK;
+    conus_status status =
+        selection->has_layers ? census_prepare(&selector->census, selector->atlas, selector->labels) : CONUS_OK;
     if (!status && selection->has_layers) {
         census_take(&selector->census, selector->atlas, &selection->region);
     }

@@ -184,7 +184,9 @@ static void walk_slices(struct walk *walk)
     struct piece pieces[2];
     struct region_bounds bounds;
     size_t slices[2];
-    pieces[0].count = pieces[1].count = 0;
+    for (size_t i = 0; i < 2; i++) {
+        pieces[i].j = pieces[i].k = pieces[i].count = 0;
+    }
     region_rows_init(&walk->rows, walk->region, volume);
     region_bounds_init(&bounds, walk->region, volume);
     if (bounds.depth[0] > bounds.depth[1] || box->last[0] < box->first[0] ||
