@@ -994,6 +994,16 @@ is_at() {
     check_message 'none.nii'
 }
 
+@test "actions at random do no harm" {
+    need_window
+    conus phantom u-shape -o .
+    conus phantom bundle -o .
+    /usr/bin/python3 "${BATS_TEST_DIRNAME:?}"/random_actions 80 5 bundle.tck >script
+    run -0 --separate-stderr timeout $HANG "$CONUS" view u-shape.nii.gz --script script --quiet --size 320x240
+    # Once a file is asked for twice, its points do not have to be near the areas; nothing else may be said.
+    not grep -vE 'not added: bundle|not as when it was opened|hemispheres: merged' <<<"$stderr"
+}
+
 @test "any size while it draws, pictures and the gl engine beside its own context" {
     need_window
     conus phantom nested -o .

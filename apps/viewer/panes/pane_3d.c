@@ -97,12 +97,14 @@ bool pane_3d_place(float out[2], const struct window *window, const double world
 static void draw_name(const struct window *window, const float at[2], float y, const char *name)
 {
     const struct ui_box *box = &window->panes[PANE_3D];
+    char shown[PANE_NAME];
     float gap = 18;
-    float width = ui_text_width(name) + 6;
+    ui_shorten(shown, sizeof shown, name, box->width - 14);
+    float width = ui_text_width(shown) + 6;
     bool fits = at[0] + gap + width <= box->x + box->width;
     float x = fits ? at[0] + gap : fmaxf(at[0] - gap - width, box->x + 4);
     ui_draw_line(at, (float[]){fits ? x - 2 : fminf(x + width - 4, at[0]), y + ui_line() * 0.575F}, light, 1);
-    ui_draw_text((float[]){x, y}, light, name);
+    ui_draw_text((float[]){x, y}, light, shown);
 }
 
 /* The names of the best results beside their contacts, one below the other where they would overlap. */

@@ -79,10 +79,12 @@ void pane_chosen_name(const struct window *window)
 
 void pane_name(const struct ui_box *box, float x, float y, const char *name)
 {
-    float width = ui_text_width(name);
+    char shown[PANE_NAME];
+    ui_shorten(shown, sizeof shown, name, box->width - 14);
+    float width = ui_text_width(shown);
     const float at[2] = {fmaxf(fminf(x - width / 2, box->x + box->width - width - 6), box->x + 6),
                          fmaxf(y - 1.2F * ui_line(), box->y + 1.7F * ui_line())}; /* below the title */
-    ui_draw_text(at, theme_texts[THEME_AMBER], name);
+    ui_draw_text(at, theme_texts[THEME_AMBER], shown);
 }
 
 void pane_chosen(struct window *window)

@@ -113,9 +113,12 @@ static void draw_best(const struct window *window)
     float at[2];
     if (best && best->object && best->pixels && pane_3d_place(at, window, best->contact)) {
         ui_draw_circle(at, 4, second_colour, 1.5F);
-        at[0] += 10;
+        const struct ui_box *box = &window->panes[PANE_3D];
+        char shown[PANE_NAME];
+        ui_shorten(shown, sizeof shown, conus_atlas_object(viewer->drawn->atlas, best->object)->name, box->width - 14);
+        at[0] = fminf(at[0] + 10, box->x + box->width - ui_text_width(shown) - 6);
         at[1] -= ui_line();
-        ui_draw_text(at, second_colour, conus_atlas_object(viewer->drawn->atlas, best->object)->name);
+        ui_draw_text(at, second_colour, shown);
     }
 }
 

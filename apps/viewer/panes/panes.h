@@ -18,6 +18,7 @@ void pane_grey_show(const struct window *window, const struct ui_box *box);
 /** The chosen area over the picture of the 3-D pane, whatever lies before it. */
 void pane_chosen(struct window *window);
 void pane_chosen_name(const struct window *window); /**< And its name. */
+enum { PANE_NAME = 512 /**< Bytes of a name in a pane, in which it ends with "..." where it is too long. */ };
 /** The name of the chosen area above a place in a pane. */
 void pane_name(const struct ui_box *box, float x, float y, const char *name);
 /** Where a flat pane looks: world mm, unit vectors. */

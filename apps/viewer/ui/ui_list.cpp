@@ -6,6 +6,7 @@
 
 #include <imgui.h>
 
+#include <cstdio>
 #include <cstring>
 #include <string>
 
@@ -118,6 +119,11 @@ bool ui_row_cut(const char *label, bool selected, const char *tip)
     bool pressed = ImGui::Selectable(shown.c_str(), selected);
     ui_tip((is_cut ? std::string(label) + "\n" + tip : std::string(tip)).c_str());
     return pressed;
+}
+
+void ui_shorten(char *out, size_t size, const char *text, float width)
+{
+    std::snprintf(out, size, "%s", cut_to(text, width).c_str());
 }
 
 void ui_text_cut(const char *text, float width)
