@@ -3,6 +3,7 @@
 #include "viewer/open_all.h"
 
 #include "common/messages.h"
+#include "common/output.h"
 #include "viewer/added.h"
 #include "viewer/open_parts.h"
 #include "viewer/opening/session_file.h"
@@ -120,6 +121,18 @@ static bool find_atlas(struct sorted *sorted, struct window *window, const struc
     return fine;
 }
 
+/* Where no atlas is open yet, only files that are named so are read here, on the window's thread: while the loader
+ * reads the others, the window can be closed. */
+static bool is_tractogram(const struct window *window, const char *path)
+{
+    static const char *const ends[] = {".trk", ".trk.gz", ".tck", ".tck.gz", ".trx", ".tt.gz"};
+    bool is_looked_at = window->viewer;
+    for (size_t i = 0; i < sizeof ends / sizeof ends[0]; i++) {
+        is_looked_at = is_looked_at || path_ends(path, ends[i]);
+    }
+    return is_looked_at && conus_path_is_tractogram(path);
+}
+
 static bool sort(struct sorted *out, struct window *window, const struct wanted *wanted,
                  const struct view_settings *settings, char why[LOADER_WHY])
 {
@@ -131,7 +144,7 @@ static bool sort(struct sorted *out, struct window *window, const struct wanted 
     }
     for (size_t i = 0; i < wanted->count; i++) {
         const char *path = wanted->paths[i];
-        if (conus_path_is_tractogram(path)) {
+        if (is_tractogram(window, path)) {
             out->tractograms[out->tractogram_count++] = path;
         } else {
             out->images[out->image_count++] = path;

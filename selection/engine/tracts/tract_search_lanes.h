@@ -213,7 +213,8 @@ static INLINE void find_entries(float enter[TRACT_LEAF], struct tract_search *se
 
 /* ---- Segments --------------------------------------------------------------------------------------------------- */
 
-enum { POINTS = LANES < 8 ? 8 : LANES }; /* more than TRACT_RUN */
+enum { POINTS = 8 }; /* more than TRACT_RUN */
+_Static_assert(POINTS % LANES == 0, "segments are settled LANES at a time");
 
 /* The points of a run, axis by axis; the last one is repeated. */
 static INLINE void take_points(float out[3][POINTS + 1], const struct tractogram *tractogram,
