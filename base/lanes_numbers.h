@@ -251,34 +251,37 @@ static INLINE doubles load_as_doubles(const float *in)
 }
 
 /* Writes those of `which` side by side, and anything behind them: LANES numbers in all. Gives how many they are. */
-static INLINE size_t keep_wholes(int32_t *out, truths which, wholes x)
+static INLINE size_t keep_singles(float *out, truths which, singles x)
 {
 #if defined(__AVX512F__) && LANES == 16
-    _mm512_storeu_si512(out, _mm512_maskz_compress_epi32(which, (__m512i)x));
+    _mm512_storeu_ps(out, _mm512_maskz_compress_ps(which, (__m512)x));
     return (size_t)__builtin_popcount(which);
+#elif defined(__AVX__) && LANES == 8
+    static const int32_t order[16][4] = {
+        /* of four, those of which a bit is set come first */
+        {0, 0, 0, 0}, {0, 0, 0, 0}, {1, 0, 0, 0}, {0, 1, 0, 0}, {2, 0, 0, 0}, {0, 2, 0, 0}, {1, 2, 0, 0}, {0, 1, 2, 0},
+        {3, 0, 0, 0}, {0, 3, 0, 0}, {1, 3, 0, 0}, {0, 1, 3, 0}, {2, 3, 0, 0}, {0, 2, 3, 0}, {1, 2, 3, 0}, {0, 1, 2, 3}};
+    const unsigned bits = bits_of(which);
+    const size_t low = (size_t)__builtin_popcount(bits & 15);
+    const __m128i low_order = _mm_loadu_si128((const __m128i *)order[bits & 15]);
+    const __m128i high_order = _mm_loadu_si128((const __m128i *)order[bits >> 4]);
+    _mm_storeu_ps(out, _mm_permutevar_ps(_mm256_castps256_ps128((__m256)x), low_order));
+    _mm_storeu_ps(out + low, _mm_permutevar_ps(_mm256_extractf128_ps((__m256)x, 1), high_order));
+    return low + (size_t)__builtin_popcount(bits >> 4);
 #else
     size_t count = 0;
     for (int l = 0; l < LANES; l++) {
-        out[count] = x[l];
+        float one = x[l];
+        memcpy(out + count, &one, sizeof one); /* may be a whole number's place */
         count += is_true(which, l);
     }
     return count;
 #endif
 }
 
-static INLINE size_t keep_singles(float *out, truths which, singles x)
+static INLINE size_t keep_wholes(int32_t *out, truths which, wholes x)
 {
-#if defined(__AVX512F__) && LANES == 16
-    _mm512_storeu_ps(out, _mm512_maskz_compress_ps(which, (__m512)x));
-    return (size_t)__builtin_popcount(which);
-#else
-    size_t count = 0;
-    for (int l = 0; l < LANES; l++) {
-        out[count] = x[l];
-        count += is_true(which, l);
-    }
-    return count;
-#endif
+    return keep_singles((float *)out, which, (singles)x);
 }
 
 /* Whole numbers from 0 to 2^52. */
