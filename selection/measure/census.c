@@ -8,6 +8,9 @@
 
 #include <stdlib.h>
 
+/* As voxels are stored. */
+static const int STORED[3] = {0, 1, 2};
+
 /* One volume's rows against one region. */
 struct walk {
     const struct region *region;
@@ -16,35 +19,37 @@ struct walk {
     void *user;
     const struct census_box *box;
     const struct label_runs *runs; /* in place of labels, for count_runs(); or NULL */
+    const int *axes;               /* along which rows are, come after each other in a slice, and slices do */
     struct region_rows rows;
     int turn;
 };
 
-/* Asks for each of the voxels at[0] to `last` of a row. */
-static void ask(const struct walk *walk, size_t at[3], size_t last)
+/* Asks for each of the voxels `first` up to `behind` of the row of the voxel `at`. */
+static void ask(const struct walk *walk, const size_t at[3], uint64_t first, uint64_t behind)
 {
-    for (; at[0] <= last; at[0]++) {
-        double p[3] = {(double)at[0], (double)at[1], (double)at[2]};
+    size_t voxel[3] = {at[0], at[1], at[2]};
+    for (; first < behind; first++) {
+        voxel[walk->axes[0]] = (size_t)first;
+        double p[3] = {(double)voxel[0], (double)voxel[1], (double)voxel[2]};
         mat4_point(p, walk->volume->info.world_from_voxel, p);
         if (region_has(walk->region, p)) {
-            walk->row(walk->user, walk->volume, at, 1);
+            walk->row(walk->user, walk->volume, voxel, 1);
         }
     }
 }
 
-/* Row `r` of those that were cut. */
+/* Row `r` of those that were cut, stored in a row. */
 static void walk_row(const struct walk *walk, const struct region_cut *cut, size_t r, size_t j, size_t k)
 {
-    size_t at[3] = {(size_t)cut->maybe[0][r], j, k};
-    size_t sure[2] = {(size_t)cut->sure[0][r], (size_t)cut->sure[1][r]};
-    if (sure[0] <= sure[1]) {
-        if (at[0] < sure[0]) {
-            ask(walk, at, sure[0] - 1);
-        }
-        walk->row(walk->user, walk->volume, at, sure[1] - sure[0] + 1);
-        at[0] = sure[1] + 1;
+    size_t at[3] = {(size_t)cut->sure[0][r], j, k};
+    uint64_t behind = cut->maybe[1][r] + 1;
+    if (cut->sure[0][r] <= cut->sure[1][r]) {
+        ask(walk, at, cut->maybe[0][r], cut->sure[0][r]);
+        walk->row(walk->user, walk->volume, at, (size_t)(cut->sure[1][r] - cut->sure[0][r] + 1));
+        ask(walk, at, cut->sure[1][r] + 1, behind);
+    } else {
+        ask(walk, at, cut->maybe[0][r], behind);
     }
-    ask(walk, at, (size_t)cut->maybe[1][r]);
 }
 
 static size_t larger(size_t a, size_t b)
@@ -68,7 +73,7 @@ static void fetch_rows(const struct walk *walk, const struct piece *piece)
 {
     const size_t *dim = walk->volume->info.dim;
     for (size_t r = 0; r < piece->count && volume_can_be_hit(walk->volume); r++) {
-        size_t row = piece->j + r + dim[1] * piece->k;
+        size_t row = piece->j + r + dim[walk->axes[1]] * piece->k;
         if (walk->runs) {
             label_runs_fetch(walk->runs, row);
         } else {
@@ -78,17 +83,17 @@ static void fetch_rows(const struct walk *walk, const struct piece *piece)
     }
 }
 
-/* `count` voxels of one object in a row. */
-static void add_run(struct census *census, uint32_t object, const size_t at[3], size_t count)
+/* `count` voxels of one object in a row along axes[0]; `at` is where they begin along each of the axes. */
+static void add_run(struct census *census, uint32_t object, const int axes[3], const size_t at[3], size_t count)
 {
     struct census_count *sum = &census->counts[object];
     if (!sum->voxels && object) {
         census->touched[census->touched_count++] = object;
     }
     sum->voxels += count;
-    sum->index[0] += count * at[0] + count * (count - 1) / 2;
-    sum->index[1] += count * at[1];
-    sum->index[2] += count * at[2];
+    sum->index[axes[0]] += count * at[0] + count * (count - 1) / 2;
+    sum->index[axes[1]] += count * at[1];
+    sum->index[axes[2]] += count * at[2];
 }
 
 /* The areas of one parcellation, in a region. */
@@ -107,17 +112,30 @@ struct stretches {
     } of[REGION_ROWS + 1];
 };
 
-/* Takes the rows of which all is sure; the others are walked. */
+/* Asks for the voxels of a row of which it is not sure whether they are in the region. */
+static void ask_unsure(const struct walk *walk, const struct piece *piece, size_t r)
+{
+    const struct region_cut *cut = &piece->cut;
+    bool is_none_sure = cut->sure[0][r] > cut->sure[1][r];
+    size_t at[3] = {0};
+    at[walk->axes[1]] = piece->j + r;
+    at[walk->axes[2]] = piece->k;
+    ask(walk, at, cut->maybe[0][r], is_none_sure ? cut->maybe[1][r] + 1 : cut->sure[0][r]);
+    ask(walk, at, is_none_sure ? cut->maybe[1][r] + 1 : cut->sure[1][r] + 1, cut->maybe[1][r] + 1);
+}
+
+/* Takes what is sure. */
 static void list_stretches(struct stretches *out, const struct walk *walk, const struct piece *piece)
 {
     const struct region_cut *cut = &piece->cut;
-    size_t row = piece->j + walk->volume->info.dim[1] * piece->k;
+    size_t row = piece->j + walk->volume->info.dim[walk->axes[1]] * piece->k;
     out->count = out->runs = 0;
     for (size_t r = 0; r < piece->count; r++) {
         struct stretch *stretch = &out->of[out->count];
         if (cut->maybe[0][r] != cut->sure[0][r] || cut->maybe[1][r] != cut->sure[1][r]) {
-            walk_row(walk, cut, r, piece->j + r, piece->k);
-        } else if (cut->sure[0][r] <= cut->sure[1][r]) {
+            ask_unsure(walk, piece, r);
+        }
+        if (cut->sure[0][r] <= cut->sure[1][r]) {
             stretch->first = (uint32_t)cut->sure[0][r];
             stretch->behind = (uint32_t)cut->sure[1][r] + 1;
             stretch->j = (uint32_t)(piece->j + r);
@@ -142,7 +160,7 @@ static void count_runs(const struct walk *walk, const struct piece *piece)
     for (size_t left = stretches.runs; left > 0; left--) {
         bool ends = run == stretch->run[1];
         uint32_t next = ends ? stretch->behind : runs->starts[run + 1];
-        add_run(census, runs->objects[run], (const size_t[]){i, stretch->j, piece->k}, next - i);
+        add_run(census, runs->objects[run], walk->axes, (const size_t[]){i, stretch->j, piece->k}, next - i);
         stretch += ends;
         run = ends ? stretch->run[0] : run + 1;
         i = ends ? stretch->first : next;
@@ -163,7 +181,7 @@ static void walk_piece(const struct walk *walk, const struct piece *piece)
 /* Cuts the rows of a slice, and walks those that were cut before: two pieces take turns. */
 static void cut_slice(struct walk *walk, struct piece pieces[2], size_t first, size_t last, size_t k)
 {
-    const size_t limit[2] = {walk->box->first[0], walk->box->last[0]};
+    const size_t limit[2] = {walk->box->first[walk->axes[0]], walk->box->last[walk->axes[0]]};
     region_rows_place(&walk->rows, k);
     for (size_t j = first; j <= last; j += REGION_ROWS) {
         struct piece *piece = &pieces[walk->turn];
@@ -181,24 +199,27 @@ static void walk_slices(struct walk *walk)
 {
     const struct volume *volume = walk->volume;
     const struct census_box *box = walk->box;
+    const size_t *dim = volume->info.dim;
+    const int in_slice = walk->axes[1];
+    const int across = walk->axes[2];
     struct piece pieces[2];
     struct region_bounds bounds;
     size_t slices[2];
     for (size_t i = 0; i < 2; i++) {
         pieces[i].j = pieces[i].k = pieces[i].count = 0;
     }
-    region_rows_init(&walk->rows, walk->region, volume);
+    region_rows_init(&walk->rows, walk->region, volume, walk->axes);
     region_bounds_init(&bounds, walk->region, volume);
     if (bounds.depth[0] > bounds.depth[1] || box->last[0] < box->first[0] ||
-        !region_bounds_range(slices, &bounds, 2, bounds.depth, volume->info.dim[2])) {
+        !region_bounds_range(slices, &bounds, across, bounds.depth, dim[across])) {
         return;
     }
-    for (size_t k = larger(slices[0], box->first[2]); k <= smaller(slices[1], box->last[2]); k++) {
+    for (size_t k = larger(slices[0], box->first[across]); k <= smaller(slices[1], box->last[across]); k++) {
         double depth[2] = {bounds.depth[0], bounds.depth[1]};
         size_t rows[2];
-        if (region_bounds_plane(depth, &bounds, 2, (double)k) &&
-            region_bounds_range(rows, &bounds, 1, depth, volume->info.dim[1])) {
-            cut_slice(walk, pieces, larger(rows[0], box->first[1]), smaller(rows[1], box->last[1]), k);
+        if (region_bounds_plane(depth, &bounds, across, (double)k) &&
+            region_bounds_range(rows, &bounds, in_slice, depth, dim[in_slice])) {
+            cut_slice(walk, pieces, larger(rows[0], box->first[in_slice]), smaller(rows[1], box->last[in_slice]), k);
         }
     }
     walk_piece(walk, &pieces[!walk->turn]);
@@ -207,7 +228,7 @@ static void walk_slices(struct walk *walk)
 void census_walk_box(const struct region *region, const struct volume *volume, const struct census_box *box,
                      census_row row, void *user)
 {
-    struct walk walk = {.region = region, .volume = volume, .row = row, .user = user, .box = box};
+    struct walk walk = {.region = region, .volume = volume, .row = row, .user = user, .box = box, .axes = STORED};
     walk_slices(&walk);
 }
 
@@ -265,7 +286,9 @@ conus_status census_labels_create(struct census_labels **out, const conus_atlas 
 void census_labels_destroy(struct census_labels *labels, size_t count)
 {
     for (size_t i = 0; labels && i < count; i++) {
-        label_runs_finish(&labels[i].runs);
+        for (int a = 0; a < 3; a++) {
+            label_runs_finish(&labels[i].runs[a]);
+        }
     }
     memory_free(labels);
 }
@@ -309,7 +332,7 @@ static void add_areas(void *user, const struct volume *volume, const size_t at[3
     for (size_t done = 0; done < count;) {
         uint32_t object = volume_object(volume, first + done);
         size_t run = label_run_length(volume, first + done, count - done);
-        add_run(areas->census, object, (const size_t[]){at[0] + done, at[1], at[2]}, run);
+        add_run(areas->census, object, STORED, (const size_t[]){at[0] + done, at[1], at[2]}, run);
         done += run;
     }
 }
@@ -331,7 +354,7 @@ static void add_values(void *user, const struct volume *volume, const size_t at[
         uint32_t object = volume_object(volume, first + i);
         if (object) {
             const size_t voxel[3] = {at[0] + i, at[1], at[2]};
-            add_run(census, object, voxel, 1);
+            add_run(census, object, STORED, voxel, 1);
             add_value(&census->counts[object], (double)volume->values[first + i], voxel);
         }
     }
@@ -350,9 +373,29 @@ static void note_counted(struct census_labels *labels, const struct volume *volu
 {
     size_t before = atomic_fetch_add(&labels->counted, counted);
     if (before < volume->voxel_count && before + counted >= volume->voxel_count) {
-        label_runs_init(&labels->runs, volume);
-        atomic_store_explicit(&labels->has_runs, labels->runs.rows != NULL, memory_order_release);
+        for (int a = 0; a < 3; a++) {
+            label_runs_init(&labels->runs[a], volume, a);
+        }
+        atomic_store_explicit(&labels->has_runs, true, memory_order_release);
     }
+}
+
+/* The runs along the axis of which the region's own has most, since that takes the fewest rows; NULL where there are
+ * none. */
+static const struct label_runs *choose_runs(struct census_labels *labels, const struct volume *volume,
+                                            const struct region *region)
+{
+    const struct label_runs *chosen = NULL;
+    double most = -1;
+    double along[3];
+    mat4_direction(along, volume->voxel_from_world, region->axis);
+    for (int a = 0; a < 3 && atomic_load_explicit(&labels->has_runs, memory_order_acquire); a++) {
+        if (labels->runs[a].rows && fabs(along[a]) > most) {
+            most = fabs(along[a]);
+            chosen = &labels->runs[a];
+        }
+    }
+    return chosen;
 }
 
 static void count_areas(struct census *census, const struct region *region, const struct volume *volume,
@@ -361,7 +404,8 @@ static void count_areas(struct census *census, const struct region *region, cons
     struct areas areas = {.census = census};
     const struct census_box all = whole_box(volume);
     struct walk walk = {.region = region, .volume = volume, .row = add_areas, .user = &areas, .box = &all};
-    walk.runs = atomic_load_explicit(&labels->has_runs, memory_order_acquire) ? &labels->runs : NULL;
+    walk.runs = choose_runs(labels, volume, region);
+    walk.axes = walk.runs ? walk.runs->axes : STORED;
     walk_slices(&walk);
     if (!walk.runs) {
         note_counted(labels, volume, areas.counted);

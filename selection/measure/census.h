@@ -36,9 +36,9 @@ struct census_count {
 
 /** How the labels of a parcellation are read, by all threads. */
 struct census_labels {
-    atomic_size_t counted; /**< Voxels that have been, in all regions, without runs. */
-    atomic_bool has_runs;  /**< They were found, and can be read.                    */
-    struct label_runs runs;
+    atomic_size_t counted;     /**< Voxels that have been, in all regions, without runs. */
+    atomic_bool has_runs;      /**< They were found, and can be read.                    */
+    struct label_runs runs[3]; /**< Along each axis; some may have none. */
 };
 
 /** Counts of all objects, kept between regions, so that a query costs what it holds and not what the atlas has. */

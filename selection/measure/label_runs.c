@@ -4,6 +4,8 @@
 
 #include "base/memory.h"
 
+#include <string.h>
+
 #if defined(__SSE2__)
 #include <emmintrin.h>
 #endif
@@ -48,48 +50,115 @@ size_t label_run_length(const struct volume *volume, size_t first, size_t count)
     return smaller(run, count);
 }
 
-/* Gives the number of runs, and writes them where `out` has memory for them. */
-static size_t list_runs(const struct label_runs *out, const struct volume *volume)
+/* Where the voxels of a line along i are in rows along an axis. */
+struct line {
+    const uint16_t *objects; /* [count] */
+    size_t count, first;     /* `first` of them begin their rows                        */
+    ptrdiff_t before;        /* from a voxel to the one before it in its row            */
+    size_t row, next_row;    /* of the line's first voxel, and by how much the next's is larger */
+    uint16_t at, next;       /* the first voxel's index in its row, and by how much the next's is larger */
+};
+
+static struct line line_at(const struct label_runs *runs, const struct volume *volume, size_t j, size_t k)
 {
     const size_t *dim = volume->info.dim;
-    size_t count = 0;
-    for (size_t row = 0; row < dim[1] * dim[2]; row++) {
-        if (out) {
-            out->rows[row] = (uint32_t)count;
-        }
-        for (size_t i = 0; i < dim[0]; count++) {
-            if (out) {
-                out->starts[count] = (uint16_t)i;
-                out->objects[count] = volume->objects16[row * dim[0] + i];
-            }
-            i += label_run_length(volume, row * dim[0] + i, dim[0] - i);
-        }
-    }
-    if (out) {
-        out->rows[dim[1] * dim[2]] = (uint32_t)count;
-    }
-    return count;
+    const size_t index[3] = {0, j, k};
+    const size_t strides[3] = {1, dim[0], dim[0] * dim[1]};
+    const int *axes = runs->axes;
+    bool is_row = axes[0] == 0;
+    return (struct line){.objects = volume->objects16 + dim[0] * (j + dim[1] * k),
+                         .count = dim[0],
+                         .first = is_row               ? 1
+                                  : index[axes[0]] > 0 ? 0
+                                                       : dim[0],
+                         .before = -(ptrdiff_t)strides[axes[0]],
+                         .row = index[axes[1]] + dim[axes[1]] * index[axes[2]],
+                         .next_row = !is_row,
+                         .at = (uint16_t)index[axes[0]],
+                         .next = is_row};
 }
 
-void label_runs_init(struct label_runs *out, const struct volume *volume)
+/* The first voxel from number i on that is of another object than the one before it in its row; the line's count where
+ * there is none. */
+static size_t next_start(const struct line *line, size_t i)
+{
+    const uint16_t *here = line->objects;
+    uint64_t words[2] = {0, 0};
+    for (; i >= line->first && i + 4 <= line->count && words[0] == words[1]; i += 4) {
+        memcpy(&words[0], here + i, sizeof words[0]);
+        memcpy(&words[1], here + i + line->before, sizeof words[1]);
+    }
+    i -= words[0] == words[1] ? 0 : 4;
+    while (i < line->count && i >= line->first && here[i] == here[(ptrdiff_t)i + line->before]) {
+        i++;
+    }
+    return i;
+}
+
+/* Counts the line's runs in the row behind each's own. */
+static void count_runs_of(struct label_runs *runs, const struct line *line)
+{
+    for (size_t i = next_start(line, 0); i < line->count; i = next_start(line, i + 1)) {
+        runs->rows[line->row + i * line->next_row + 1]++;
+    }
+}
+
+/* Puts down the line's runs; rows[] becomes one past the row's last so far. */
+static void write_runs_of(struct label_runs *runs, const struct line *line)
+{
+    for (size_t i = next_start(line, 0); i < line->count; i = next_start(line, i + 1)) {
+        uint32_t run = runs->rows[line->row + i * line->next_row]++;
+        runs->starts[run] = (uint16_t)(line->at + i * line->next);
+        runs->objects[run] = line->objects[i];
+    }
+}
+
+static void for_lines(struct label_runs *runs, const struct volume *volume,
+                      void (*take)(struct label_runs *runs, const struct line *line))
+{
+    for (size_t k = 0; k < volume->info.dim[2]; k++) {
+        for (size_t j = 0; j < volume->info.dim[1]; j++) {
+            struct line line = line_at(runs, volume, j, k);
+            take(runs, &line);
+        }
+    }
+}
+
+/* With the number of each row's runs in the place behind it; gives that of all. */
+static size_t add_up(uint32_t *rows, size_t count)
+{
+    size_t total = 0;
+    for (size_t row = 1; row <= count; row++) {
+        total += rows[row];
+        rows[row] = (uint32_t)total;
+    }
+    return total;
+}
+
+void label_runs_init(struct label_runs *out, const struct volume *volume, int axis)
 {
     const size_t *dim = volume->info.dim;
-    *out = (struct label_runs){0};
-    if (!volume->objects16 || dim[0] > INT16_MAX) { /* indices are compared as signed ones */
+    *out = (struct label_runs){.axes = {axis, axis == 0, axis == 2 ? 1 : 2}};
+    size_t row_count = dim[out->axes[1]] * dim[out->axes[2]];
+    if (!volume->objects16 || dim[axis] > INT16_MAX) { /* indices are compared as signed ones */
         return;
     }
-    size_t count = list_runs(NULL, volume);
-    if (count > volume->voxel_count / VOXELS_PER_RUN || count > UINT32_MAX) {
+    out->rows = memory_zeroed(row_count + 1, sizeof *out->rows);
+    if (!out->rows) {
         return;
     }
-    out->rows = memory_raw(dim[1] * dim[2] + 1, sizeof *out->rows);
-    out->starts = memory_zeroed(count + STARTS, sizeof *out->starts);
-    out->objects = memory_raw(count, sizeof *out->objects);
-    if (!out->rows || !out->starts || !out->objects) {
+    for_lines(out, volume, count_runs_of);
+    size_t count = add_up(out->rows, row_count);
+    bool is_small = count <= volume->voxel_count / VOXELS_PER_RUN && count <= UINT32_MAX;
+    out->starts = is_small ? memory_zeroed(count + STARTS, sizeof *out->starts) : NULL;
+    out->objects = is_small ? memory_raw(count, sizeof *out->objects) : NULL;
+    if (!out->starts || !out->objects) {
         label_runs_finish(out);
         return;
     }
-    (void)list_runs(out, volume);
+    for_lines(out, volume, write_runs_of);
+    memmove(out->rows + 1, out->rows, row_count * sizeof *out->rows);
+    out->rows[0] = 0;
 }
 
 void label_runs_finish(struct label_runs *runs)
@@ -139,5 +208,5 @@ static uint32_t find_run(const struct label_runs *runs, size_t run, size_t end, 
 void label_runs_between(uint32_t out[2], const struct label_runs *runs, size_t row, size_t first, size_t last)
 {
     out[0] = find_run(runs, runs->rows[row], runs->rows[row + 1], first);
-    out[1] = find_run(runs, runs->rows[row], runs->rows[row + 1], last);
+    out[1] = find_run(runs, out[0], runs->rows[row + 1], last);
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * The rows of a parcellation as runs of voxels of one object each. They take a small part of its labels' memory, so
- * that more of them stays near the processor. */
+ * The rows of a parcellation, along whichever axis, as runs of voxels of one object each. They take a small part of its
+ * labels' memory, so that more of them stays near the processor. */
 #ifndef CONUS_SELECTION_MEASURE_LABEL_RUNS_H
 #define CONUS_SELECTION_MEASURE_LABEL_RUNS_H
 
@@ -9,14 +9,16 @@
 
 /** A zeroed one has no runs. */
 struct label_runs {
-    uint32_t *rows;    /**< [dim[1] dim[2] + 1] the first run of each row, and one past the last of all; NULL = none. */
-    uint16_t *starts;  /**< [runs] the index along i at which it begins; more than the last may be read. */
+    int axes[3];       /**< That of the rows; then those along which row comes after row, and slice after slice. */
+    uint32_t *rows;    /**< [dim[axes[1]] dim[axes[2]] + 1] the first run of each row, and one past the last of all;
+                            NULL = none. */
+    uint16_t *starts;  /**< [runs] the index along axes[0] at which it begins; more than the last may be read. */
     uint16_t *objects; /**< [runs] */
 };
 
-/** Finds the runs of @p volume, which must not change from now on. There are none where they would take more than half
- * a byte a voxel, beside 4 a row, where indices or objects have more than 16 bits, or for want of memory. */
-void label_runs_init(struct label_runs *out, const struct volume *volume);
+/** Finds the runs of @p volume along @p axis; it must not change from now on. There are none where they would take more
+ * than half a byte a voxel, beside 4 a row, where indices or objects have more than 16 bits, or for want of memory. */
+void label_runs_init(struct label_runs *out, const struct volume *volume, int axis);
 void label_runs_finish(struct label_runs *runs);
 
 /** How many of @p count voxels in a row, from the linear index @p first on, are of the object of the first. */

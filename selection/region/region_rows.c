@@ -50,13 +50,15 @@ region_rows_cutter *region_rows_kernel(size_t index)
     return index < sizeof kernels / sizeof kernels[0] - fastest ? kernels[fastest + index] : NULL;
 }
 
-void region_rows_init(struct region_rows *out, const struct region *region, const struct volume *volume)
+void region_rows_init(struct region_rows *out, const struct region *region, const struct volume *volume,
+                      const int axes[3])
 {
     const double *m = volume->info.world_from_voxel;
     *out = (struct region_rows){.region = region, .world_from_voxel = m, .cut = region_rows_kernel(0)};
+    out->across_slices = axes[2];
     out->margin = DOUBT * size_of_numbers(region, volume);
-    see(&out->row, 1, region, m);
-    see(&out->column, 1, region, m + 4);
+    see(&out->row, 1, region, m + 4 * (ptrdiff_t)axes[0]);
+    see(&out->column, 1, region, m + 4 * (ptrdiff_t)axes[1]);
     out->curve = out->row.width[1] * out->row.width[1] - vec3_dot(out->row.across[1], out->row.across[1]);
     out->per_depth = 1 / out->row.depth[1];
     out->per_width = 1 / out->row.width[1];
@@ -65,7 +67,8 @@ void region_rows_init(struct region_rows *out, const struct region *region, cons
 
 void region_rows_place(struct region_rows *rows, size_t k)
 {
-    double v[3] = {0, 0, (double)k};
+    double v[3] = {0, 0, 0};
+    v[rows->across_slices] = (double)k;
     mat4_point(v, rows->world_from_voxel, v);
     vec3_sub(v, v, rows->region->origin);
     see(&rows->row, 0, rows->region, v);

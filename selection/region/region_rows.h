@@ -17,7 +17,7 @@ struct region_line {
 
 enum { REGION_ROWS = 64 };
 
-/** First and last index along i, of each row; [0] above [1] where there is none. */
+/** First and last index along its axis, of each row; [0] above [1] where there is none. */
 struct region_cut {
     uint64_t maybe[2][REGION_ROWS]; /**< Voxels that may be in the region: none beyond them is. */
     uint64_t sure[2][REGION_ROWS];  /**< Those among them that are.                             */
@@ -25,7 +25,7 @@ struct region_cut {
 
 struct region_rows;
 
-/** Cuts @p count rows from @p j on, at most REGION_ROWS, to the indices @p limit[0] to @p limit[1]. */
+/** Cuts @p count rows from number @p j on, at most REGION_ROWS, to the indices @p limit[0] to @p limit[1]. */
 typedef void region_rows_cutter(struct region_cut *out, const struct region_rows *rows, size_t j, size_t count,
                                 const size_t limit[2]);
 
@@ -34,15 +34,18 @@ struct region_rows {
     region_rows_cutter *cut; /**< The fastest. */
     const struct region *region;
     const double *world_from_voxel;
+    int across_slices;                      /**< The axis along which a slice comes after the other. */
     double margin;                          /**< mm: nearer to the region's border than that is doubt. */
-    struct region_line row;                 /**< From the slice's first voxel along i, and             */
-    struct region_line column;              /**< along j.                                              */
+    struct region_line row;                 /**< From the slice's first voxel along the rows, and      */
+    struct region_line column;              /**< from row to row.                                      */
     double curve;                           /**< Of the rows: width[1]^2 - |across[1]|^2.                  */
     double per_depth, per_width, per_curve; /**< 1 / row.depth[1], 1 / row.width[1], 1 / curve.            */
 };
 
-/** For the rows of @p volume; region_rows_place() must follow. */
-void region_rows_init(struct region_rows *out, const struct region *region, const struct volume *volume);
+/** For the rows of @p volume along its axis @p axes[0], those along axes[1] being a slice; region_rows_place() must
+ * follow. */
+void region_rows_init(struct region_rows *out, const struct region *region, const struct volume *volume,
+                      const int axes[3]);
 
 /** Goes to slice @p k. */
 void region_rows_place(struct region_rows *rows, size_t k);
