@@ -182,7 +182,6 @@ static void walk_piece(const struct walk *walk, const struct piece *piece)
 static void cut_slice(struct walk *walk, struct piece pieces[2], size_t first, size_t last, size_t k)
 {
     const size_t limit[2] = {walk->box->first[walk->axes[0]], walk->box->last[walk->axes[0]]};
-    region_rows_place(&walk->rows, k);
     for (size_t j = first; j <= last; j += REGION_ROWS) {
         struct piece *piece = &pieces[walk->turn];
         walk->turn = !walk->turn;
@@ -219,7 +218,12 @@ static void walk_slices(struct walk *walk)
         size_t rows[2];
         if (region_bounds_plane(depth, &bounds, across, (double)k) &&
             region_bounds_range(rows, &bounds, in_slice, depth, dim[in_slice])) {
-            cut_slice(walk, pieces, larger(rows[0], box->first[in_slice]), smaller(rows[1], box->last[in_slice]), k);
+            rows[0] = larger(rows[0], box->first[in_slice]);
+            rows[1] = smaller(rows[1], box->last[in_slice]);
+            region_rows_place(&walk->rows, k);
+            if (region_rows_narrow(rows, &walk->rows)) {
+                cut_slice(walk, pieces, rows[0], rows[1], k);
+            }
         }
     }
     walk_piece(walk, &pieces[!walk->turn]);

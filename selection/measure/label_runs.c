@@ -14,7 +14,7 @@
 enum { VOXELS_PER_RUN = 8 };
 
 /* Compared at once. */
-enum { LABELS = 16, STARTS = 2 * LABELS };
+enum { LABELS = 16 };
 
 static size_t smaller(size_t a, size_t b)
 {
@@ -150,7 +150,7 @@ void label_runs_init(struct label_runs *out, const struct volume *volume, int ax
     for_lines(out, volume, count_runs_of);
     size_t count = add_up(out->rows, row_count);
     bool is_small = count <= volume->voxel_count / VOXELS_PER_RUN && count <= UINT32_MAX;
-    out->starts = is_small ? memory_zeroed(count + STARTS, sizeof *out->starts) : NULL;
+    out->starts = is_small ? memory_zeroed(count + LABELS, sizeof *out->starts) : NULL;
     out->objects = is_small ? memory_raw(count, sizeof *out->objects) : NULL;
     if (!out->starts || !out->objects) {
         label_runs_finish(out);
@@ -179,12 +179,11 @@ static unsigned later_starts(const uint16_t *starts, size_t i)
     return (unsigned)_mm_movemask_epi8(_mm_packs_epi16(low, high));
 }
 
-/* How many of `count` starts in ascending order are index i or before it, as far as STARTS show. Most rows have fewer
+/* How many of `count` starts in ascending order are index i or before it, as far as LABELS show. Most rows have fewer
  * runs, so there is nothing for the processor to guess. */
 static size_t count_starts(const uint16_t *starts, size_t count, size_t i)
 {
-    size_t before = (size_t)__builtin_ctzll(later_starts(starts, i) | later_starts(starts + LABELS, i) << LABELS |
-                                            UINT64_C(1) << STARTS);
+    size_t before = (size_t)__builtin_ctz(later_starts(starts, i) | 1U << LABELS);
     return smaller(before, count); /* those past the end are of other rows */
 }
 #endif
@@ -194,7 +193,7 @@ static uint32_t find_run(const struct label_runs *runs, size_t run, size_t end, 
 {
 #if defined(__SSE2__)
     size_t here = count_starts(runs->starts + run, end - run, i);
-    for (run += here; here == STARTS && run < end; run += here) {
+    for (run += here; here == LABELS && run < end; run += here) {
         here = count_starts(runs->starts + run, end - run, i);
     }
 #else

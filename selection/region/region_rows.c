@@ -5,6 +5,10 @@
 #include "base/math3.h"
 #include "base/processor.h"
 
+/* So much of its terms is added to a discriminant, and so many rows to a range: far more than what is rounded. */
+static const double WIDER = 1e-9;
+static const double MORE_ROWS = 0.01;
+
 /* Distance from a border, as a part of the numbers' size, from which on a cut and region_has() agree. */
 static const double DOUBT = 4e-7;
 
@@ -73,4 +77,44 @@ void region_rows_place(struct region_rows *rows, size_t k)
     vec3_sub(v, v, rows->region->origin);
     see(&rows->row, 0, rows->region, v);
     rows->row.width[0] += rows->region->radius;
+}
+
+/* Row s meets the region's double cone where d[0] + d[1] s + d[2] s^2 is 0 or more: the discriminant of what
+ * region_rows_lanes.h solves for each row. */
+static void discriminant_of_rows(double d[3], const struct region_rows *rows)
+{
+    const struct region_line *row = &rows->row;
+    const double w[2] = {row->width[0] + 2 * rows->margin, rows->column.width[1]};
+    double b[2] = {w[0] * row->width[1], w[1] * row->width[1]};
+    double c[3] = {w[0] * w[0], 2 * w[0] * w[1], w[1] * w[1]};
+    for (int i = 0; i < 3; i++) {
+        const double x[2] = {row->across[0][i], rows->column.across[1][i]};
+        b[0] -= x[0] * row->across[1][i];
+        b[1] -= x[1] * row->across[1][i];
+        c[0] -= x[0] * x[0];
+        c[1] -= 2 * x[0] * x[1];
+        c[2] -= x[1] * x[1];
+    }
+    d[0] = b[0] * b[0] - rows->curve * c[0];
+    d[1] = 2 * b[0] * b[1] - rows->curve * c[1];
+    d[2] = b[1] * b[1] - rows->curve * c[2];
+}
+
+bool region_rows_narrow(size_t range[2], const struct region_rows *rows)
+{
+    double d[3];
+    discriminant_of_rows(d, rows);
+    if (rows->region->square || !(rows->curve < 0) || !(d[2] < 0)) {
+        return true; /* the rows that meet it are not between two */
+    }
+    double both = d[1] * d[1] - 4 * d[2] * d[0] + WIDER * (d[1] * d[1] + fabs(4 * d[2] * d[0]));
+    double root = sqrt(fmax(both, 0));
+    double first = ceil((root - d[1]) / (2 * d[2]) - MORE_ROWS);
+    double last = floor((-root - d[1]) / (2 * d[2]) + MORE_ROWS);
+    if (both < 0 || first > (double)range[1] || last < (double)range[0]) {
+        return false;
+    }
+    range[0] = first > (double)range[0] ? (size_t)first : range[0];
+    range[1] = last < (double)range[1] ? (size_t)last : range[1];
+    return range[0] <= range[1];
 }

@@ -50,6 +50,10 @@ void region_rows_init(struct region_rows *out, const struct region *region, cons
 /** Goes to slice @p k. */
 void region_rows_place(struct region_rows *rows, size_t k);
 
+/** Keeps of the rows @p range [0] to @p range [1] of the slice those that may have a voxel in the region: the others
+ * have none. False where none may. */
+bool region_rows_narrow(size_t range[2], const struct region_rows *rows);
+
 /* By instruction set, all of them from region_rows_lanes.h, with the same bits. */
 region_rows_cutter region_rows_cut_avx512, region_rows_cut_avx2, region_rows_cut_plain;
 
