@@ -2,6 +2,7 @@
 /* Makes a selection: traces its cone, counts what the cone holds, and gathers the results. */
 #include "selection/selection.h"
 
+#include "atlas/bundles.h"
 #include "base/math3.h"
 #include "base/memory.h"
 #include "selection/rank.h"
@@ -73,7 +74,7 @@ static conus_status find_first(conus_selection *selection, struct engine *engine
     if (status) {
         return status;
     }
-    layers_first(first, &selection->layers);
+    (void)layers_first(first, &selection->layers);
     status = engine->functions->trace(engine, &hit, &selection->cone);
     for (size_t p = 0; p < (size_t)hit.resolution * hit.resolution && !status; p++) {
         if (hit.distance[p] == first->distance[p]) {
@@ -85,8 +86,8 @@ static conus_status find_first(conus_selection *selection, struct engine *engine
     return status;
 }
 
-/* All layers, and with a range what is first of what is in it. */
-static conus_status list_layers(conus_selection *selection, struct engine *engine)
+/* All layers, and with a range, or where nothing was traced, what is first of them. */
+static conus_status list_layers(conus_selection *selection, struct engine *engine, bool is_traced)
 {
     struct layers *layers = &selection->layers;
     size_t pixels = (size_t)selection->cone.resolution * selection->cone.resolution;
@@ -96,6 +97,8 @@ static conus_status list_layers(conus_selection *selection, struct engine *engin
         layers_clip(layers, &selection->cone);
         move_entries(selection);
         status = find_first(selection, engine);
+    } else if (!status && !is_traced && !layers_first(&selection->evidence, layers)) {
+        status = engine->functions->trace(engine, &selection->evidence, &selection->cone);
     }
     layers_drop_blockers(layers);
     return status;
@@ -148,6 +151,13 @@ static void drop_wanted(conus_selection *const *selections, size_t count)
     }
 }
 
+/* Rays hit first in a volume what their first interval is in, unless several begin there. In a mesh they may begin. */
+static bool layers_show_first(const conus_selection *selection, const conus_selector *selector)
+{
+    return selection->has_layers && selector->options.engine != CONUS_ENGINE_GL && !atlas_has_meshes(selector->atlas) &&
+           !atlas_has_bundles(selector->atlas);
+}
+
 conus_status selections_trace(conus_selection *const *selections, size_t count, conus_selector *selector)
 {
     struct engine *engine = selector->engine;
@@ -157,11 +167,12 @@ conus_status selections_trace(conus_selection *const *selections, size_t count, 
     conus_status status = together && !has_range ? trace_together(selections, count, engine) : CONUS_OK;
     for (size_t i = 0; i < count && !status; i++) {
         conus_selection *selection = selections[i];
-        if (selection && !has_range && !together) {
+        bool is_traced = selection && !has_range && (together || !layers_show_first(selection, selector));
+        if (is_traced && !together) {
             status = engine->functions->trace(engine, &selection->evidence, &selection->cone);
         }
         if (selection && !status && (selection->has_layers || has_range)) {
-            status = list_layers(selection, engine);
+            status = list_layers(selection, engine, is_traced);
         }
         if (selection && !status) {
             evidence_drop_blocked(&selection->evidence);

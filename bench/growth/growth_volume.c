@@ -62,7 +62,7 @@ static conus_status compare_layers(struct work *work)
         layers_clear(&layers);
         status = engine->functions->pierce(engine, &layers, &work->cones[i]);
         status = status ? status : layers_sort(&layers, pixels);
-        layers_first(first, &layers);
+        (void)layers_first(first, &layers);
         for (size_t p = 0; p < pixels; p++) {
             work->layers_equal &= first->object[p] == hits->object[p] && first->distance[p] == hits->distance[p];
         }

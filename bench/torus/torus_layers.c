@@ -17,7 +17,7 @@ static size_t count_other_firsts(const struct layer_way *layers, const struct la
     for (size_t i = 0; i < layers->cone_count; i++) {
         const struct evidence *seen = &visible->visible[i];
         struct evidence *first = &layers->visible[i];
-        layers_first(first, &layers->all_hits[i]);
+        (void)layers_first(first, &layers->all_hits[i]);
         for (size_t p = 0; p < TORUS_PIXELS; p++) {
             bool same = first->object[p] == seen->object[p] && first->voxel[p] == seen->voxel[p];
             count += !same || first->distance[p] != seen->distance[p];

@@ -133,15 +133,23 @@ void layers_clip(struct layers *layers, const struct cone *cone)
     layers->count = kept;
 }
 
-void layers_first(struct evidence *out, const struct layers *layers)
+bool layers_first(struct evidence *out, const struct layers *layers)
 {
+    bool is_certain = true;
+    const conus_interval *first = NULL; /* of the pixel */
     evidence_clear(out);
-    for (size_t i = layers->count; i > 0; i--) {
-        const conus_interval *interval = &layers->intervals[i - 1];
-        out->object[interval->pixel] = interval->object;
-        out->distance[interval->pixel] = interval->entry;
-        out->voxel[interval->pixel] = interval->voxel;
+    for (size_t i = 0; i < layers->count; i++) {
+        const conus_interval *interval = &layers->intervals[i];
+        if (!first || first->pixel != interval->pixel) {
+            first = interval;
+            out->object[interval->pixel] = interval->object;
+            out->distance[interval->pixel] = interval->entry;
+            out->voxel[interval->pixel] = interval->voxel;
+        } else if (interval->entry == first->entry) {
+            is_certain = false;
+        }
     }
+    return is_certain;
 }
 
 /* Takes intervals first to end of one pixel to @p kept on; last[] is where the last interval of each object went, + 1.

@@ -36,8 +36,9 @@ conus_status layers_sort(struct layers *layers, size_t pixels);
  * them so. */
 void layers_clip(struct layers *layers, const struct cone *cone);
 
-/** What each pixel hit first, from sorted layers: the visible part of the evidence. */
-void layers_first(struct evidence *out, const struct layers *layers);
+/** What each pixel hit first, from sorted layers: the visible part of the evidence. Gives whether it is certain: of no
+ * pixel do several intervals begin where the first does. */
+bool layers_first(struct evidence *out, const struct layers *layers);
 
 /** Gives every interval the object as which its own is reported, by @p group [@p object_count + 1]; intervals of a
  * pixel that then have one object and touch or overlap become one. Needs sorted layers without blockers and leaves them
