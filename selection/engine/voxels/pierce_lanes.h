@@ -10,6 +10,8 @@
 
 enum { EVENTS = 1024, FETCHED_AHEAD = 24, NO_VOXEL = -1 };
 
+static const uint32_t NO_PIXEL = UINT32_MAX;
+
 /* Where rays come into cells, in the order in which each ray does; lanes behind the last one are written, too. */
 struct events {
     size_t count;
@@ -224,16 +226,13 @@ static void put_off_unclear(struct walk *walk, bool again[TRAVERSE_BUNDLE])
     }
 }
 
-/* Drops the intervals, from number `first` on, of rays that only fill a packet, and gives the others their pixels. */
-static void deliver_intervals(const struct piercing *piercing, size_t first)
+/* Drops the intervals, from number `first` on, of rays that only fill a packet. */
+static void drop_fillers(struct layers *out, size_t first)
 {
-    struct layers *out = piercing->all->out;
     size_t kept = first;
     for (size_t i = first; i < out->count; i++) {
-        uint32_t slot = out->intervals[i].pixel;
-        if (slot < piercing->all->count) {
-            out->intervals[kept] = out->intervals[i];
-            out->intervals[kept++].pixel = (uint32_t)piercing->all->pixel[slot];
+        if (out->intervals[i].pixel != NO_PIXEL) {
+            out->intervals[kept++] = out->intervals[i];
         }
     }
     out->count = kept;
@@ -251,7 +250,7 @@ static void piercing_init(struct piercing *piercing, const struct walk *walk, st
     }
     piercing->events.count = 0;
     for (uint32_t slot = 0; slot < TRAVERSE_BUNDLE; slot++) {
-        piercing->begun[slot] = (conus_interval){.pixel = slot};
+        piercing->begun[slot] = (conus_interval){.pixel = slot < all->count ? (uint32_t)all->pixel[slot] : NO_PIXEL};
         piercing->kind[slot] = UNIFORM_EMPTY;
     }
 }
@@ -281,6 +280,8 @@ conus_status PIERCE(struct traverse_piercing *all, struct traverse_bundle *bundl
         count = left;
     }
     status = status ? status : deal_events(&piercing, &walk);
-    deliver_intervals(&piercing, first);
+    if (bundle->count > all->count) {
+        drop_fillers(all->out, first);
+    }
     return status;
 }
