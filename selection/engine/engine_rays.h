@@ -5,6 +5,7 @@
 #define CONUS_SELECTION_ENGINE_ENGINE_RAYS_H
 
 #include "selection/engine/engine.h"
+#include "selection/engine/tracts/tract_rays.h"
 #include "selection/engine/voxels/traverse.h"
 
 /** engine_rays_create() with @p kernel, which this machine must support. */
@@ -16,6 +17,9 @@ conus_status engine_rays_create_for_meshes(struct engine **out, const conus_atla
 
 /** One that knows only the bundles. */
 conus_status engine_rays_create_for_bundles(struct engine **out, const conus_atlas *atlas);
+
+/** What finds the bundles of a rays engine; NULL if it has none. */
+const struct tract_rays *engine_rays_tracts(const struct engine *engine);
 
 /** trace() of a rays engine, but behind what @p out has already: it keeps what is nearer. */
 conus_status engine_rays_trace_on(struct engine *engine, struct evidence *out, const struct cone *cone);

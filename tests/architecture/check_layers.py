@@ -109,7 +109,7 @@ LIBRARY = {
     "loaders/arrays": "base atlas atlas/areas loaders/maps loaders/volumes loaders/plan loaders/scene",
     "render/gl": "base",
     "render/tubes": "base atlas render/gl",
-    "render/id": "base atlas/surface atlas render/gl render/tubes",
+    "render/id": "base atlas/surface atlas/tracts atlas render/gl render/tubes",
     "render/image": "base",
     "render/colour": "base atlas render/gl render/id render/image",
     "render/flat": "base atlas render/image render/colour",

@@ -170,33 +170,40 @@ static bool settle(double interval[2], const struct ray *ray, const struct tract
     return true;
 }
 
-static void offer(struct tract_bundle *bundle, size_t index, double t, uint32_t object, uint64_t point)
+static void offer(const struct tract_hit *hit, double t, uint32_t object, uint64_t point)
 {
-    bool is_lower = object < bundle->object[index] || (object == bundle->object[index] && point < bundle->point[index]);
-    if (t < bundle->t[index] || (t == bundle->t[index] && is_lower)) {
-        bundle->t[index] = t;
-        bundle->object[index] = object;
-        bundle->point[index] = point;
+    bool is_lower = object < *hit->object || (object == *hit->object && point < *hit->point);
+    if (t < *hit->t || (t == *hit->t && is_lower)) {
+        *hit->t = t;
+        *hit->object = object;
+        *hit->point = point;
+    }
+}
+
+/* Offers those segments of a run that may be hit. */
+static void offer_run(const struct tract_hit *hit, const struct ray *ray, const struct tract_found *run)
+{
+    size_t count;
+    const uint32_t *objects = objects_of(&count, ray->scene, run->point);
+    for (uint32_t bits = count ? run->hit : 0; bits; bits &= bits - 1) {
+        uint32_t k = (uint32_t)__builtin_ctz(bits);
+        double interval[2];
+        if (settle(interval, ray, run, k)) {
+            offer(hit, interval[0], objects[0], run->point + k);
+        }
     }
 }
 
 static void walk_ray(const struct tract_rays *rays, const struct scene *scene, struct tract_bundle *bundle,
                      size_t index)
 {
+    const struct tract_hit hit = {&bundle->object[index], &bundle->t[index], &bundle->point[index]};
     struct ray ray = ray_of(scene, bundle, index);
     struct tract_search search;
     tract_search_init(&search, scene->tractogram, ray.origin, ray.direction);
     search.has_bound = scene->of_all != 0;
     for (struct tract_found found; rays->next(&found, &search, bundle->t[index]);) {
-        size_t count;
-        const uint32_t *objects = objects_of(&count, scene, found.point);
-        for (uint32_t bits = count ? found.hit : 0; bits; bits &= bits - 1) {
-            uint32_t k = (uint32_t)__builtin_ctz(bits);
-            double interval[2];
-            if (settle(interval, &ray, &found, k)) {
-                offer(bundle, index, interval[0], objects[0], found.point + k);
-            }
-        }
+        offer_run(&hit, &ray, &found);
     }
 }
 
@@ -215,6 +222,9 @@ static int compare(const void *a, const void *b)
 {
     const conus_interval *one = a;
     const conus_interval *other = b;
+    if (one->pixel != other->pixel) {
+        return one->pixel < other->pixel ? -1 : 1;
+    }
     if (one->object != other->object) {
         return one->object < other->object ? -1 : 1;
     }
@@ -224,8 +234,7 @@ static int compare(const void *a, const void *b)
     return one->voxel < other->voxel ? -1 : one->voxel > other->voxel;
 }
 
-/* From @p first on, those of an object that overlap or touch become one. */
-static void join(struct layers *layers, size_t first)
+void tract_rays_join(struct layers *layers, size_t first)
 {
     size_t kept = first;
     if (layers->count > first) {
@@ -234,7 +243,8 @@ static void join(struct layers *layers, size_t first)
     for (size_t i = first; i < layers->count; i++) {
         conus_interval interval = layers->intervals[i];
         conus_interval *last = kept > first ? &layers->intervals[kept - 1] : NULL;
-        if (last && last->object == interval.object && interval.entry <= last->exit) {
+        bool is_same = last && last->pixel == interval.pixel && last->object == interval.object;
+        if (is_same && interval.entry <= last->exit) {
             last->exit = fmax(last->exit, interval.exit);
         } else {
             layers->intervals[kept++] = interval;
@@ -243,16 +253,17 @@ static void join(struct layers *layers, size_t first)
     layers->count = kept;
 }
 
-/* Appends a segment's interval for each object of its streamline. */
-static conus_status add_segment(struct layers *out, const struct ray *ray, const struct tract_found *run, uint32_t k,
-                                size_t pixel)
+/* Appends the interval of each segment of a run that may be hit, for each object of its streamline. */
+static conus_status add_run(struct layers *out, const struct ray *ray, const struct tract_found *run, size_t pixel)
 {
     size_t count;
     const uint32_t *objects = objects_of(&count, ray->scene, run->point);
     conus_status status = CONUS_OK;
-    double interval[2];
-    if (count && settle(interval, ray, run, k)) {
-        for (size_t i = 0; i < count && !status; i++) {
+    for (uint32_t bits = count ? run->hit : 0; bits && !status; bits &= bits - 1) {
+        uint32_t k = (uint32_t)__builtin_ctz(bits);
+        double interval[2];
+        bool is_hit = settle(interval, ray, run, k);
+        for (size_t i = 0; i < count && is_hit && !status; i++) {
             conus_interval added = {(uint32_t)pixel, objects[i], interval[0], interval[1], run->point + k};
             status = layers_add(out, &added);
         }
@@ -266,9 +277,7 @@ static conus_status pierce_ray(const struct tract_rays *rays, const struct ray *
     struct tract_search search;
     tract_search_init(&search, ray->scene->tractogram, ray->origin, ray->direction);
     for (struct tract_found found; !status && rays->next(&found, &search, INFINITY);) {
-        for (uint32_t bits = found.hit; bits && !status; bits &= bits - 1) {
-            status = add_segment(out, ray, &found, (uint32_t)__builtin_ctz(bits), pixel);
-        }
+        status = add_run(out, ray, &found, pixel);
     }
     return status;
 }
@@ -283,7 +292,55 @@ conus_status tract_rays_pierce(const struct tract_rays *rays, const struct tract
             struct ray ray = ray_of(&rays->scenes[i], bundle, index);
             status = pierce_ray(rays, &ray, out, pixel[index]);
         }
-        join(out, first);
+        tract_rays_join(out, first);
     }
     return status;
+}
+
+/* ---- Runs that others found ------------------------------------------------------------------------------------- */
+
+size_t tract_rays_scenes(const struct tract_rays *rays)
+{
+    return rays->scene_count;
+}
+
+const struct tractogram *tract_rays_tractogram(const struct tract_rays *rays, size_t scene)
+{
+    return rays->scenes[scene].tractogram;
+}
+
+bool tract_rays_has(const struct tract_rays *rays, size_t scene, uint32_t streamline)
+{
+    const struct scene *from = &rays->scenes[scene];
+    return from->of_all || from->first[streamline] < from->first[streamline + 1];
+}
+
+/* All segments of a run may be hit. */
+static struct tract_found whole_run(const struct tractogram *tractogram, size_t number)
+{
+    const struct tract_leaf *leaf = &tractogram->tree.leaves[number / TRACT_LEAF];
+    uint32_t segments = tract_leaf_segments(leaf, number % TRACT_LEAF);
+    return (struct tract_found){leaf->point[number % TRACT_LEAF], segments, (1U << (segments ? segments : 1)) - 1};
+}
+
+static struct ray ray_from(const struct tract_rays *rays, size_t scene, const double origin[3],
+                           const double direction[3])
+{
+    return (struct ray){&rays->scenes[scene], origin, {direction[0], direction[1], direction[2]}};
+}
+
+void tract_rays_offer(const struct tract_rays *rays, const struct tract_hit *hit, size_t scene, size_t run,
+                      const double origin[3], const double direction[3])
+{
+    struct ray ray = ray_from(rays, scene, origin, direction);
+    struct tract_found found = whole_run(ray.scene->tractogram, run);
+    offer_run(hit, &ray, &found);
+}
+
+conus_status tract_rays_add(const struct tract_rays *rays, struct layers *out, size_t pixel, size_t scene, size_t run,
+                            const double origin[3], const double direction[3])
+{
+    struct ray ray = ray_from(rays, scene, origin, direction);
+    struct tract_found found = whole_run(ray.scene->tractogram, run);
+    return add_run(out, &ray, &found, pixel);
 }

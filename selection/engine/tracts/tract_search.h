@@ -6,10 +6,7 @@
 #define CONUS_SELECTION_ENGINE_TRACTS_TRACT_SEARCH_H
 
 #include "atlas/tracts/tract_node.h"
-#include "atlas/tracts/tractogram.h"
-
-/** Of the largest coordinate, and of the radius: far above what single precision moves anything by. */
-#define TRACT_SLACK 1e-5
+#include "atlas/tracts/tract_start.h"
 
 /** Segments of one run. */
 struct tract_found {
@@ -25,13 +22,9 @@ enum { TRACT_WAITING = TRACT_WIDTH * TRACT_LEVELS, TRACT_ASIDE = 4 * TRACT_LEAF 
 struct tract_search {
     const struct tractogram *tractogram;
     struct tract_levels levels;
-    double start;        /**< mm from the ray's origin to where the search begins, at the border of the tractogram. */
-    float origin[3];     /**< That place. */
-    float direction[3];  /**< Unit length. */
-    float inverse[3];    /**< 1 / direction, finite. */
-    float radius, slack; /**< mm; the slack is no part of the radius. */
-    bool has_bound;      /**< Only the first hit is asked for, and any streamline may be it. */
-    float bound;         /**< mm from the search's origin: with a bound the first hit is no farther. */
+    struct tract_start from;
+    bool has_bound; /**< Only the first hit is asked for, and any streamline may be it. */
+    float bound;    /**< mm from the search's origin: with a bound the first hit is no farther. */
     size_t waiting;
     size_t aside;       /**< Runs that are put aside; once they are sorted out,    */
     size_t ready, next; /**< so many are ready, and those from the next one are left. */

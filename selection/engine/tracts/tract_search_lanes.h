@@ -17,10 +17,10 @@ struct ray {
 
 static INLINE struct ray ray_of(const struct tract_search *search, float limit)
 {
-    struct ray ray = {.slack = all(search->slack), .limit = all(limit)};
+    struct ray ray = {.slack = all(search->from.slack), .limit = all(limit)};
     for (int a = 0; a < 3; a++) {
-        ray.origin[a] = all(search->origin[a]);
-        ray.direction[a] = all(search->direction[a]);
+        ray.origin[a] = all(search->from.origin[a]);
+        ray.direction[a] = all(search->from.direction[a]);
     }
     return ray;
 }
@@ -31,19 +31,19 @@ static INLINE struct ray ray_of(const struct tract_search *search, float limit)
 static INLINE unsigned boxes_hit(float enter[TRACT_WIDTH], const struct tract_search *search,
                                  const struct tract_node *node, float limit)
 {
-    float grown = search->radius + search->slack;
+    float grown = search->from.radius + search->from.slack;
     unsigned bits = 0;
     for (int first = 0; first < TRACT_WIDTH; first += LANES) {
-        singles in = all(-search->slack);
+        singles in = all(-search->from.slack);
         singles out = all(limit);
         for (int a = 0; a < 3; a++) {
-            bool back = search->inverse[a] < 0;
+            bool back = search->from.inverse[a] < 0;
             singles near = singles_at((back ? node->high[a] : node->low[a]) + first);
             singles far = singles_at((back ? node->low[a] : node->high[a]) + first);
-            singles inverse = all(search->inverse[a]);
+            singles inverse = all(search->from.inverse[a]);
             float more = back ? -grown : grown;
-            in = larger(in, (near - all(search->origin[a] + more)) * inverse);
-            out = smaller(out, (far - all(search->origin[a] - more)) * inverse);
+            in = larger(in, (near - all(search->from.origin[a] + more)) * inverse);
+            out = smaller(out, (far - all(search->from.origin[a] - more)) * inverse);
         }
         store_singles(enter + first, in);
         bits |= bits_of(at_most(in, out)) << first;
@@ -172,7 +172,8 @@ static INLINE void take_near(struct runs *out, const struct tract_search *search
     for (uint32_t first = 0; first < TRACT_LEAF; first += LANES) {
         singles thickness;
         struct seen seen = see_runs(&thickness, ray, leaf, leaf->ends, leaf->bend, first);
-        bits |= (uint32_t)bits_of(is_near(ray, &seen, all(search->radius + 2 * search->slack) + thickness)) << first;
+        bits |= (uint32_t)bits_of(is_near(ray, &seen, all(search->from.radius + 2 * search->from.slack) + thickness))
+                << first;
     }
     out->count = 0;
     for (bits &= 0xffffffffU >> (TRACT_LEAF - leaf->count); bits; bits &= bits - 1) {
@@ -200,11 +201,12 @@ static INLINE void find_entries(float enter[TRACT_LEAF], struct tract_search *se
                                 const struct tract_leaf *leaf, const struct runs *runs)
 {
     singles sure = all(search->bound);
-    singles inner = all(search->radius - 2 * search->slack - half_diagonal(leaf));
+    singles inner = all(search->from.radius - 2 * search->from.slack - half_diagonal(leaf));
     for (uint32_t first = 0; first < runs->count; first += LANES) {
         singles thickness;
         struct seen seen = see_runs(&thickness, ray, leaf, runs->ends, runs->bend, first);
-        store_singles(enter + first, may_enter(ray, &seen, all(search->radius + 2 * search->slack) + thickness));
+        store_singles(enter + first,
+                      may_enter(ray, &seen, all(search->from.radius + 2 * search->from.slack) + thickness));
         truths is_run = less(singles_from_wholes(lane_numbers() + (int32_t)first), all((float)runs->count));
         sure = smaller(choose(is_run, must_enter(ray, &seen, inner - thickness), all(INFINITY)), sure);
     }
@@ -244,10 +246,10 @@ static INLINE uint32_t segments_hit(struct tract_search *search, const struct tr
             b[k] = singles_at(points[k] + first + 1);
         }
         struct seen seen = see(&ray, a, b);
-        singles radius = all(search->radius + 2 * search->slack);
+        singles radius = all(search->from.radius + 2 * search->from.slack);
         truths hit = both_truths(is_near(&ray, &seen, radius), at_most(may_enter(&ray, &seen, radius), ray.limit));
         bits |= bits_of(hit) << first;
-        sure = smaller(sure, must_enter(&ray, &seen, all(search->radius - 2 * search->slack)));
+        sure = smaller(sure, must_enter(&ray, &seen, all(search->from.radius - 2 * search->from.slack)));
     }
     search->bound = search->has_bound ? least(smaller(sure, all(search->bound))) : search->bound;
     uint32_t count = run->segments ? run->segments : 1;
@@ -372,7 +374,7 @@ tract_search_next KERNEL;
 
 bool KERNEL(struct tract_found *out, struct tract_search *search, double limit)
 {
-    float reach = (float)((limit - search->start) * (1 + TRACT_SLACK)) + search->slack;
+    float reach = tract_start_reach(limit, search->from.along, search->from.slack);
     while (search->waiting || search->aside || search->ready) {
         float far = reach < search->bound ? reach : search->bound;
         if (search->ready) {

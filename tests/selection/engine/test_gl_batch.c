@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Batches by the gl engine, which looks at a block of cones at once: byte for byte those of the rays engine, whatever
  * is in a block; and with meshes, whose edges are the driver's, those of the gl engine one by one. */
+#include "atlas/bundles.h"
 #include "atlas/space.h"
 #include "base/buffer.h"
 #include "base/file.h"
@@ -9,6 +10,7 @@
 #include "mesh_scene.h"
 #include "scene.h"
 #include "test.h"
+#include "tract_scene.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -142,13 +144,30 @@ static void a_real_atlas_gives_the_same_rows(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Three soups of triangles, a ball, and voxels among them. */
+static void add_streamlines(conus_atlas *atlas, uint64_t *random)
+{
+    enum { STREAMLINES = 20, POINTS = 12 };
+    struct tract_builder builder;
+    tract_begin(&builder);
+    for (int s = 0; s < STREAMLINES; s++) {
+        double at[3] = {test_random(random, -12, 12), test_random(random, -12, 12), test_random(random, -12, 12)};
+        for (int i = 0; i < POINTS; i++) {
+            at[i % 3] += test_random(random, -2, 2);
+            tract_add_point(&builder, at);
+        }
+        tract_end_streamline(&builder);
+    }
+    assert_ok(atlas_add_tractogram(atlas, &builder.made, "walks"));
+}
+
+/* Three soups of triangles, a ball, and voxels and streamlines among them. */
 static conus_atlas *mixed_atlas(uint64_t *random)
 {
     conus_atlas *atlas = scene_atlas(random, 20, 0);
     struct mesh ball = mesh_scene_sphere((double[]){4, 0, 0}, 9, 40, 60);
     mesh_scene_add_soups(atlas, random);
     mesh_scene_add(atlas, &ball);
+    add_streamlines(atlas, random);
     return atlas;
 }
 

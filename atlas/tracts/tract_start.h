@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * Where a search along a ray in a tractogram begins, in single precision, and how much larger everything is then taken
+ * to be, so that no segment is lost. Processor and GPU search from there (Eq. 18). */
+#ifndef CONUS_ATLAS_TRACTS_TRACT_START_H
+#define CONUS_ATLAS_TRACTS_TRACT_START_H
+
+#include "atlas/tracts/tractogram.h"
+
+/** Of the largest coordinate, and of the radius: far above what single precision moves anything by. */
+#define TRACT_SLACK 1e-5
+
+struct tract_start {
+    double along;        /**< mm from the ray's origin to where the search begins, at the border of the tractogram. */
+    float origin[3];     /**< That place. */
+    float direction[3];  /**< Unit length. */
+    float inverse[3];    /**< 1 / direction, finite. */
+    float radius, slack; /**< mm; the slack is no part of the radius. */
+};
+
+/** Where the ray from @p origin comes to the box round all capsules; false where it never does: then only radius and
+ * slack are set, and nothing at all of a tractogram without a point. */
+bool tract_start_find(struct tract_start *out, const struct tractogram *tractogram, const double origin[3],
+                      const double direction[3]);
+
+/** What is @p limit mm from the ray's origin is no farther than this from a start with so much slack, and @p along. */
+static inline float tract_start_reach(double limit, double along, float slack)
+{
+    return (float)((limit - along) * (1 + TRACT_SLACK)) + slack;
+}
+
+#endif

@@ -1,0 +1,531 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Draws batches of leaves, and hands on the runs that the driver proposes. */
+#include "render/id/tract_pass.h"
+
+#include "atlas/tracts/tract_start.h"
+#include "base/math3.h"
+#include "base/memory.h"
+#include "render/gl/context.h"
+#include "render/gl/program.h"
+#include "render/gl/shader_list.h"
+#include "render/gl/shaders.h"
+#include "render/gl/target.h"
+
+enum { LEAF_UNIT, RAY_UNIT };
+enum { NEAREST_BUFFER, HIT_BUFFER };
+/* A run is a box of two triangles, whose corners are its vertices. */
+enum { BOX_CORNERS = 4, BOX_INDICES = 6, RAY_TEXELS = 2, FIRST_HITS = 4096 };
+/* Runs that are drawn before those behind them are left out. On a GPU each batch is waited for. */
+enum { BATCH = 16384, SOFTWARE_BATCH = 1024 };
+/* Looks are under way side by side as long as they have no more pixels, and what culls them takes no more bytes. */
+enum { SLOT_LIMIT = 256, SLOT_PIXELS = 1 << 18, SLOT_MEMORY = 1 << 28 };
+
+/* Of the vertices' numbers, which are signed. */
+static const size_t leaf_limit = INT32_MAX / (BOX_CORNERS * TRACT_LEAF);
+
+/* Less slack than this counts as this, so that its square is a number; 0 stands for a pixel without a ray. */
+static const float least_slack = 1e-18F;
+
+/* A query under way. */
+struct slot {
+    const struct tract_query *query;
+    struct mesh_cull *cull;
+    const uint32_t *batch; /* leaves by cluster, borrowed from cull */
+    size_t count;
+    size_t place; /* of its pixels among those of all slots */
+    float slack;  /* the most that a ray of it has */
+};
+
+/* A tractogram on the device. */
+struct scene {
+    const struct tractogram *tractogram;
+    struct clusters clusters;
+    struct slot *slots; /* [SLOT_LIMIT], the first slot_count have a cull */
+    size_t slot_count;
+    GLuint leaf_buffer, leaves;
+};
+
+/* A ray in the texture of rays. */
+struct ray_texels {
+    float origin[3], slack, direction[3], unused;
+};
+
+struct tract_pass {
+    size_t scene_count, batch;
+    GLuint program, vertices, index_buffer, nearest_buffer, ray_buffer, rays;
+    GLint apex, device_from_world, parallel, width, radius, slack, resolution, first_pixel, pixels, has_bound;
+    struct target target; /* without pixels: what is drawn goes to the list */
+    struct shader_list hits;
+    struct ray_texels *texels; /* [pixel_capacity] of all slots' pixels */
+    double *along;             /* likewise: how far along its ray each search begins */
+    float *nearest;            /* likewise: how far it gets */
+    size_t pixel_capacity;
+    GLsizei *draw_counts; /* [draw_capacity] */
+    const void **draw_offsets;
+    GLint *draw_bases;
+    size_t draw_capacity;
+    struct scene scenes[];
+};
+
+/* One call of tract_pass_render() in one scene. */
+struct look {
+    struct tract_pass *pass;
+    size_t source;
+    const struct tract_query *queries;
+    const struct tract_query *next, *end; /* those that are still to be begun */
+    size_t slots;                         /* that are under way */
+    struct slot *slot_at[SLOT_LIMIT];     /* by place */
+    size_t pixels, all_pixels;            /* of a query, and of all slots */
+    tract_pass_take take;
+    void *user;
+};
+
+/* ---- Creation ------------------------------------------------------------------------------------------------- */
+
+static conus_status create_program(struct tract_pass *pass)
+{
+    static const struct program_define defines[] = {
+        {"LEAF_UNIT", LEAF_UNIT},   {"RAY_UNIT", RAY_UNIT},    {"NEAREST_BUFFER", NEAREST_BUFFER},
+        {"HIT_BUFFER", HIT_BUFFER}, {"LEAF_RUNS", TRACT_LEAF}, {"LEAF_TEXELS", TRACT_LEAF_TEXELS},
+        {"SHOWN", TRACT_SHOWN}};
+    const struct program_source source = {.vertex = {"tract_id.vert.glsl", shader_tract_id_vert},
+                                          .fragment = {"tract_id.frag.glsl", shader_tract_id_frag},
+                                          .defines = defines,
+                                          .define_count = sizeof defines / sizeof defines[0]};
+    conus_status status = program_create(&pass->program, &source);
+    if (!status) {
+        pass->apex = program_uniform(pass->program, "apex");
+        pass->device_from_world = program_uniform(pass->program, "device_from_world");
+        pass->parallel = program_uniform(pass->program, "parallel");
+        pass->width = program_uniform(pass->program, "width");
+        pass->radius = program_uniform(pass->program, "radius");
+        pass->slack = program_uniform(pass->program, "slack");
+        pass->resolution = program_uniform(pass->program, "resolution");
+        pass->first_pixel = program_uniform(pass->program, "first_pixel");
+        pass->pixels = program_uniform(pass->program, "pixels");
+        pass->has_bound = program_uniform(pass->program, "has_bound");
+    }
+    return status;
+}
+
+/* The boxes of a leaf: of every one its two triangles. */
+static void create_indices(struct tract_pass *pass)
+{
+    static const uint16_t box[BOX_INDICES] = {0, 1, 2, 2, 1, 3};
+    uint16_t indices[TRACT_LEAF * BOX_INDICES];
+    for (unsigned i = 0; i < TRACT_LEAF * BOX_INDICES; i++) {
+        indices[i] = (uint16_t)(box[i % BOX_INDICES] + i / BOX_INDICES * BOX_CORNERS);
+    }
+    glCreateBuffers(1, &pass->index_buffer);
+    glNamedBufferStorage(pass->index_buffer, sizeof indices, indices, 0);
+    glCreateVertexArrays(1, &pass->vertices);
+    glVertexArrayElementBuffer(pass->vertices, pass->index_buffer);
+}
+
+static conus_status upload_leaves(struct scene *scene, const struct tract_source *source)
+{
+    enum { AT_ONCE = 256 };
+    size_t leaves = tract_leaf_count(source->tractogram->tree.run_count);
+    uint32_t(*texels)[TRACT_LEAF_TEXELS][4] = memory_raw(AT_ONCE, sizeof *texels);
+    if (!texels) {
+        return CONUS_ERROR_MEMORY;
+    }
+    glCreateBuffers(1, &scene->leaf_buffer);
+    glNamedBufferStorage(scene->leaf_buffer, (GLsizeiptr)tract_texels_size(source->tractogram), NULL,
+                         GL_DYNAMIC_STORAGE_BIT);
+    for (size_t first = 0, count; first < leaves; first += count) {
+        count = leaves - first < AT_ONCE ? leaves - first : AT_ONCE;
+        for (size_t i = 0; i < count; i++) {
+            tract_texels_fill(texels[i], source, first + i);
+        }
+        glNamedBufferSubData(scene->leaf_buffer, (GLintptr)(first * sizeof *texels),
+                             (GLsizeiptr)(count * sizeof *texels), texels);
+    }
+    memory_free(texels);
+    glCreateTextures(GL_TEXTURE_BUFFER, 1, &scene->leaves);
+    glTextureBuffer(scene->leaves, GL_RGBA32UI, scene->leaf_buffer);
+    return gl_check("streamlines");
+}
+
+/* Makes slots for @p wanted queries, or as many as may be. */
+static conus_status make_slots(struct scene *scene, size_t wanted, size_t scenes)
+{
+    size_t fitting = SLOT_MEMORY / scenes / mesh_cull_size(&scene->clusters);
+    size_t limit = fitting < 1 ? 1 : fitting < SLOT_LIMIT ? fitting : SLOT_LIMIT;
+    conus_status status = CONUS_OK;
+    while (scene->slot_count < wanted && scene->slot_count < limit && !status) {
+        status = mesh_cull_create(&scene->slots[scene->slot_count].cull, &scene->clusters);
+        scene->slot_count += !status;
+    }
+    return status;
+}
+
+static conus_status create_scene(struct tract_pass *pass, const struct tract_source *source)
+{
+    struct scene *scene = &pass->scenes[pass->scene_count++];
+    scene->tractogram = source->tractogram;
+    scene->slots = memory_zeroed(SLOT_LIMIT, sizeof *scene->slots);
+    conus_status status = scene->slots ? CONUS_OK : CONUS_ERROR_MEMORY;
+    status = status ? status : tract_clusters_init(&scene->clusters, source);
+    return status ? status : upload_leaves(scene, source);
+}
+
+bool tract_pass_fits(const struct tract_source *sources, size_t count, uint64_t memory_left)
+{
+    GLint texels = 0;
+    uint64_t size = 0;
+    bool fits = true;
+    glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &texels);
+    for (size_t i = 0; i < count; i++) {
+        size_t leaves = tract_leaf_count(sources[i].tractogram->tree.run_count);
+        fits = fits && leaves > 0 && leaves <= leaf_limit && leaves <= (size_t)texels / TRACT_LEAF_TEXELS;
+        size += tract_texels_size(sources[i].tractogram);
+    }
+    return fits && size <= memory_left;
+}
+
+conus_status tract_pass_create(struct tract_pass **out, const struct tract_source *sources, size_t count,
+                               uint64_t *memory_left)
+{
+    struct tract_pass *pass = memory_zeroed(1, sizeof *pass + count * sizeof pass->scenes[0]);
+    if (!pass) {
+        return CONUS_ERROR_MEMORY;
+    }
+    pass->batch = gl_is_software() ? SOFTWARE_BATCH : BATCH;
+    conus_status status = shader_list_init(&pass->hits, 3 * sizeof(uint32_t), FIRST_HITS);
+    status = status ? status : create_program(pass);
+    if (!status) {
+        create_indices(pass);
+    }
+    for (size_t i = 0; i < count && !status; i++) {
+        status = create_scene(pass, &sources[i]);
+        *memory_left -= status ? 0 : tract_texels_size(sources[i].tractogram);
+    }
+    if (status) {
+        tract_pass_destroy(pass);
+        return status;
+    }
+    *out = pass;
+    return CONUS_OK;
+}
+
+static void destroy_scene(struct scene *scene)
+{
+    glDeleteTextures(1, &scene->leaves);
+    glDeleteBuffers(1, &scene->leaf_buffer);
+    for (size_t i = 0; i < scene->slot_count; i++) {
+        mesh_cull_destroy(scene->slots[i].cull);
+    }
+    memory_free(scene->slots);
+    clusters_finish(&scene->clusters);
+}
+
+void tract_pass_destroy(struct tract_pass *pass)
+{
+    if (!pass) {
+        return;
+    }
+    const GLuint buffers[] = {pass->index_buffer, pass->nearest_buffer, pass->ray_buffer};
+    for (size_t i = 0; i < pass->scene_count; i++) {
+        destroy_scene(&pass->scenes[i]);
+    }
+    glDeleteTextures(1, &pass->rays);
+    glDeleteBuffers(3, buffers);
+    glDeleteVertexArrays(1, &pass->vertices);
+    glDeleteProgram(pass->program);
+    target_finish(&pass->target);
+    shader_list_finish(&pass->hits);
+    memory_free(pass->texels);
+    memory_free(pass->along);
+    memory_free(pass->nearest);
+    memory_free(pass->draw_counts);
+    memory_free((void *)pass->draw_offsets);
+    memory_free(pass->draw_bases);
+    memory_free(pass);
+}
+
+/* ---- Pixels --------------------------------------------------------------------------------------------------- */
+
+static conus_status resize(struct tract_pass *pass, uint32_t resolution)
+{
+    if (pass->target.width == resolution) {
+        return CONUS_OK;
+    }
+    target_finish(&pass->target);
+    return target_init(&pass->target, resolution, resolution, NULL, 0);
+}
+
+/* Makes room for that many pixels of all slots together. */
+static conus_status reserve_pixels(struct tract_pass *pass, size_t pixels)
+{
+    if (pass->pixel_capacity >= pixels) {
+        return CONUS_OK;
+    }
+    pass->pixel_capacity = 0;
+    memory_free(pass->texels);
+    memory_free(pass->along);
+    memory_free(pass->nearest);
+    pass->texels = memory_raw(pixels, sizeof *pass->texels);
+    pass->along = memory_raw(pixels, sizeof *pass->along);
+    pass->nearest = memory_raw(pixels, sizeof *pass->nearest);
+    if (!pass->texels || !pass->along || !pass->nearest) {
+        return CONUS_ERROR_MEMORY;
+    }
+    pass->pixel_capacity = pixels;
+    if (!pass->rays) {
+        glCreateBuffers(1, &pass->nearest_buffer);
+        glCreateBuffers(1, &pass->ray_buffer);
+        glCreateTextures(GL_TEXTURE_BUFFER, 1, &pass->rays);
+    }
+    glNamedBufferData(pass->nearest_buffer, (GLsizeiptr)(pixels * sizeof *pass->nearest), NULL, GL_STREAM_DRAW);
+    glNamedBufferData(pass->ray_buffer, (GLsizeiptr)(pixels * sizeof *pass->texels), NULL, GL_STREAM_DRAW);
+    glTextureBuffer(pass->rays, GL_RGBA32F, pass->ray_buffer);
+    return gl_check("rays of streamlines");
+}
+
+/* The query's rays, from where each of them comes to the scene. */
+static void aim(const struct look *look, struct slot *slot)
+{
+    const struct tract_pass *pass = look->pass;
+    size_t first = slot->place * look->pixels;
+    slot->slack = least_slack;
+    for (size_t i = 0; i < look->pixels; i++) {
+        struct ray_texels *texels = &pass->texels[first + i];
+        struct tract_start start;
+        *texels = (struct ray_texels){.slack = 0};
+        pass->along[first + i] = 0;
+        if ((!slot->query->wanted || slot->query->wanted[i]) &&
+            tract_start_find(&start, pass->scenes[look->source].tractogram, slot->query->origins[i],
+                             slot->query->directions[i])) {
+            memcpy(texels->origin, start.origin, sizeof start.origin);
+            memcpy(texels->direction, start.direction, sizeof start.direction);
+            texels->slack = start.slack > least_slack ? start.slack : least_slack;
+            pass->along[first + i] = start.along;
+            slot->slack = texels->slack > slot->slack ? texels->slack : slot->slack;
+        }
+    }
+    glNamedBufferSubData(pass->ray_buffer, (GLintptr)(first * sizeof *pass->texels),
+                         (GLsizeiptr)(look->pixels * sizeof *pass->texels), pass->texels + first);
+}
+
+/* How far along the search of a pixel, number `at` of all, what it is looking for can be. */
+static float reach_of(const struct tract_pass *pass, const struct slot *slot, size_t at, size_t pixel)
+{
+    if (!slot->query->distances) {
+        return INFINITY;
+    }
+    float reach = tract_start_reach(slot->query->distances[pixel], pass->along[at], pass->texels[at].slack);
+    return reach > 0 ? reach : 0; /* the driver compares bits */
+}
+
+static void set_nearest(const struct look *look, const struct slot *slot)
+{
+    const struct tract_pass *pass = look->pass;
+    size_t first = slot->place * look->pixels;
+    for (size_t i = 0; i < look->pixels; i++) {
+        pass->nearest[first + i] = reach_of(pass, slot, first + i, i);
+    }
+    glNamedBufferSubData(pass->nearest_buffer, (GLintptr)(first * sizeof *pass->nearest),
+                         (GLsizeiptr)(look->pixels * sizeof *pass->nearest), pass->nearest + first);
+}
+
+/* ---- Slots ---------------------------------------------------------------------------------------------------- */
+
+/* Gives the slot its query's next batch, or the first one of the next query; false when there is none. */
+static bool feed(struct look *look, struct slot *slot)
+{
+    slot->count = 0;
+    while (!slot->count && (slot->query || look->next < look->end)) {
+        bool begins = !slot->query;
+        if (begins) {
+            slot->query = look->next++;
+            mesh_cull_begin(slot->cull, &slot->query->view);
+        }
+        mesh_cull_hide(slot->cull, slot->query->distances);
+        slot->count = mesh_cull_batch(&slot->batch, slot->cull, look->pass->batch);
+        if (slot->count && begins) {
+            aim(look, slot);
+        }
+        slot->query = slot->count ? slot->query : NULL;
+    }
+    return slot->count > 0;
+}
+
+/* Feeds the slots: those that are under way come to be the first ones. */
+static void feed_all(struct look *look)
+{
+    struct slot *slots = look->pass->scenes[look->source].slots;
+    for (size_t i = 0; i < look->slots;) {
+        if (feed(look, &slots[i])) {
+            look->slot_at[slots[i].place] = &slots[i];
+            set_nearest(look, &slots[i]);
+            i++;
+        } else {
+            struct slot idle = slots[i];
+            slots[i] = slots[--look->slots];
+            slots[look->slots] = idle;
+        }
+    }
+}
+
+static conus_status begin_slots(struct look *look)
+{
+    struct tract_pass *pass = look->pass;
+    struct scene *scene = &pass->scenes[look->source];
+    size_t count = (size_t)(look->end - look->next);
+    size_t most = SLOT_PIXELS / look->pixels > 1 ? SLOT_PIXELS / look->pixels : 1;
+    conus_status status = make_slots(scene, count < most ? count : most, pass->scene_count);
+    look->slots = count < scene->slot_count ? count : scene->slot_count;
+    look->slots = look->slots < most ? look->slots : most;
+    for (size_t i = 0; i < look->slots; i++) { /* whatever a query that failed left behind */
+        scene->slots[i].query = NULL;
+        scene->slots[i].place = i;
+    }
+    look->all_pixels = look->slots * look->pixels;
+    return status ? status : reserve_pixels(pass, look->all_pixels);
+}
+
+/* ---- Rounds --------------------------------------------------------------------------------------------------- */
+
+static conus_status reserve_draws(struct tract_pass *pass, size_t count)
+{
+    if (pass->draw_capacity >= count) {
+        return CONUS_OK;
+    }
+    pass->draw_capacity = 0;
+    memory_free(pass->draw_counts);
+    memory_free((void *)pass->draw_offsets);
+    memory_free(pass->draw_bases);
+    pass->draw_counts = memory_raw(count, sizeof *pass->draw_counts);
+    pass->draw_offsets = memory_zeroed(count, sizeof *pass->draw_offsets); /* all begin with the first index */
+    pass->draw_bases = memory_raw(count, sizeof *pass->draw_bases);
+    if (!pass->draw_counts || !pass->draw_offsets || !pass->draw_bases) {
+        return CONUS_ERROR_MEMORY;
+    }
+    pass->draw_capacity = count;
+    return CONUS_OK;
+}
+
+static void set_view(const struct look *look, const struct slot *slot)
+{
+    const struct tract_pass *pass = look->pass;
+    const struct mesh_view *view = &slot->query->view;
+    const double *m = view->world_from_device;
+    bool parallel = view->radius > 0;
+    double rows[9];
+    for (int a = 0; a < 3; a++) {
+        rows[a] = m[a];
+        rows[3 + a] = m[4 + a];
+        rows[6 + a] = -m[8 + a];
+    }
+    glUniform3dv(pass->apex, 1, m + 12);
+    glUniformMatrix3dv(pass->device_from_world, 1, GL_TRUE, rows);
+    glUniform1i(pass->parallel, parallel);
+    glUniform1f(pass->width, (float)(parallel ? view->radius : view->slope));
+    glUniform1f(pass->slack, slot->slack);
+    glUniform1i(pass->resolution, (GLint)view->resolution);
+    glUniform1i(pass->first_pixel, (GLint)(slot->place * look->pixels));
+    glUniform1i(pass->has_bound, slot->query->distances != NULL);
+}
+
+static conus_status draw_slot(const struct look *look, const struct slot *slot)
+{
+    struct tract_pass *pass = look->pass;
+    const struct clusters *clusters = &pass->scenes[look->source].clusters;
+    conus_status status = reserve_draws(pass, slot->count);
+    for (size_t i = 0; i < slot->count && !status; i++) {
+        const struct cluster *leaf = &clusters->cluster[slot->batch[i]];
+        pass->draw_counts[i] = (GLsizei)(leaf->count * BOX_INDICES);
+        pass->draw_bases[i] = (GLint)(leaf->first * TRACT_LEAF * BOX_CORNERS);
+    }
+    if (!status) {
+        set_view(look, slot);
+        glMultiDrawElementsBaseVertex(GL_TRIANGLES, pass->draw_counts, GL_UNSIGNED_SHORT, pass->draw_offsets,
+                                      (GLsizei)slot->count, pass->draw_bases);
+    }
+    return status;
+}
+
+static conus_status draw_round(void *user, uint32_t first, uint32_t end)
+{
+    const struct look *look = user;
+    const struct tract_pass *pass = look->pass;
+    const struct scene *scene = &pass->scenes[look->source];
+    conus_status status = CONUS_OK;
+    target_bind(&pass->target);
+    glUseProgram(pass->program);
+    glUniform1f(pass->radius, (float)scene->tractogram->radius);
+    glUniform2i(pass->pixels, (GLint)first, (GLint)end);
+    glBindTextureUnit(LEAF_UNIT, scene->leaves);
+    glBindTextureUnit(RAY_UNIT, pass->rays);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, NEAREST_BUFFER, pass->nearest_buffer);
+    glBindVertexArray(pass->vertices);
+    for (size_t i = 0; i < look->slots && !status; i++) {
+        status = draw_slot(look, &scene->slots[i]);
+    }
+    return status ? status : gl_check("pass of streamlines");
+}
+
+/* Leaves out what a hit that is known by now is before. */
+static conus_status take_hits(void *user, const void *records, uint32_t count)
+{
+    const struct look *look = user;
+    const uint32_t(*record)[3] = (const uint32_t(*)[3])records;
+    conus_status status = CONUS_OK;
+    for (uint32_t i = 0; i < count && !status; i++) {
+        size_t at = record[i][0];
+        const struct slot *slot = look->slot_at[at / look->pixels];
+        uint32_t pixel = (uint32_t)(at % look->pixels);
+        float enter;
+        memcpy(&enter, &record[i][2], sizeof enter);
+        if (!(enter > reach_of(look->pass, slot, at, pixel))) {
+            const struct tract_proposal proposal = {(size_t)(slot->query - look->queries), pixel, look->source,
+                                                    record[i][1]};
+            status = look->take(look->user, &proposal);
+        }
+    }
+    return status;
+}
+
+static uint32_t most_runs(const struct look *look)
+{
+    const struct scene *scene = &look->pass->scenes[look->source];
+    size_t most = 0;
+    for (size_t i = 0; i < look->slots; i++) {
+        most = scene->slots[i].count > most ? scene->slots[i].count : most;
+    }
+    return (uint32_t)(most * TRACT_LEAF);
+}
+
+static conus_status take_round(struct look *look)
+{
+    const struct shader_list_job job = {.binding = HIT_BUFFER,
+                                        .draw = draw_round,
+                                        .take = take_hits,
+                                        .user = look,
+                                        .pixels = (uint32_t)look->all_pixels,
+                                        .per_pixel = most_runs(look)};
+    return shader_list_collect(&look->pass->hits, &job);
+}
+
+conus_status tract_pass_render(struct tract_pass *pass, const struct tract_query *queries, size_t count,
+                               tract_pass_take take, void *user)
+{
+    conus_status status = count ? resize(pass, queries->view.resolution) : CONUS_OK;
+    for (size_t source = 0; source < pass->scene_count && count && !status; source++) {
+        size_t resolution = queries->view.resolution;
+        struct look look = {.pass = pass,
+                            .source = source,
+                            .queries = queries,
+                            .next = queries,
+                            .end = queries + count,
+                            .pixels = resolution * resolution,
+                            .take = take,
+                            .user = user};
+        status = begin_slots(&look);
+        while (!status && (feed_all(&look), look.slots)) {
+            status = take_round(&look);
+        }
+    }
+    return status;
+}

@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * The streamline pass (Eq. 18): which runs of segments the ray of each pixel of n x n buffers may hit. Needs a current
+ * context throughout.
+ *
+ * Leaves of the tree are drawn front to back in batches (mesh_cull.h). Each of their runs is a box on the screen round
+ * all that it can cover; the driver notes in which pixels the ray may hit it, in single precision with the slack of
+ * tract_start.h, and no farther away than the ray gets for sure. So what it proposes holds all that is hit first; the
+ * caller settles it in double, before the next batch.
+ */
+#ifndef CONUS_RENDER_ID_TRACT_PASS_H
+#define CONUS_RENDER_ID_TRACT_PASS_H
+
+#include "render/id/mesh_cull.h"
+#include "render/id/tract_clusters.h"
+
+struct tract_pass;
+
+/** One view, and the rays of its pixels; bottom row first, [n n] each. */
+struct tract_query {
+    struct mesh_view view;
+    const double (*origins)[3];    /**< In the world.              */
+    const double (*directions)[3]; /**< Unit vectors in the world. */
+    const bool *wanted;            /**< Pixels that are asked for; NULL = all. */
+    const double *distances; /**< How far the rays get, mm, INFINITY = no limit: as it is when it is looked at. What
+                                  is not wanted should have 0. NULL = whatever any ray hits is asked for. */
+};
+
+/** A run that the ray of a pixel may hit. */
+struct tract_proposal {
+    size_t query;   /**< Of the caller's. */
+    uint32_t pixel; /**< Of its buffer.   */
+    size_t source;
+    size_t run; /**< As in tract_run_at(). */
+};
+
+/** Takes proposals, those of near leaves before those of far ones. */
+typedef conus_status (*tract_pass_take)(void *user, const struct tract_proposal *proposal);
+
+/** Whether the driver takes as many, and they take no more of its memory than @p memory_left. */
+bool tract_pass_fits(const struct tract_source *sources, size_t count, uint64_t memory_left);
+
+/** Uploads the runs of tractograms, which must outlive the pass; @p sources is copied, but `shown` need not live on.
+ * Takes their size on the device off @p memory_left; they must fit. */
+conus_status tract_pass_create(struct tract_pass **out, const struct tract_source *sources, size_t count,
+                               uint64_t *memory_left);
+/** NULL is fine. */
+void tract_pass_destroy(struct tract_pass *pass);
+
+/** Hands to @p take what the rays of @p count queries, all of one resolution, may hit. Of what lies behind what a query
+ * has in `distances`, and of what for sure is no first hit, most is left out. */
+conus_status tract_pass_render(struct tract_pass *pass, const struct tract_query *queries, size_t count,
+                               tract_pass_take take, void *user);
+
+#endif
