@@ -32,22 +32,38 @@ conus_status colour_program_create(GLuint *out, const struct program_shader *ver
 static const struct program_shader screen = {.file = "screen.vert.glsl", .text = shader_screen_vert};
 static const struct program_shader tile = {.file = "tile.vert.glsl", .text = shader_tile_vert};
 
+conus_status colour_fields_start(struct colour_fields *out, const conus_atlas *atlas, const struct transfer *transfer)
+{
+    *out = (struct colour_fields){.objects = colour_objects_task(atlas)};
+    conus_status status = colour_context_task(&out->context, atlas_context(atlas), transfer);
+    if (!status) {
+        field_task_start(&out->objects);
+        field_task_start(&out->context);
+    }
+    return status;
+}
+
+void colour_fields_end(struct colour_fields *fields)
+{
+    field_task_end(&fields->objects);
+    field_task_end(&fields->context);
+}
+
 conus_status colour_pass_init(struct colour_pass *out, const conus_atlas *atlas, const struct transfer *transfer,
-                              struct haze_choice *hazy, uint64_t max_memory)
+                              struct haze_choice *hazy, struct colour_fields *fields, uint64_t max_memory)
 {
     struct colour_pass pass = {.hazy = *hazy};
-    const struct volume *context = atlas_context(atlas);
     conus_status status = colour_program_create(&pass.program, &screen, COLOUR_RAYS);
     status = status ? status : colour_program_create(&pass.tile_program, &tile, COLOUR_RAYS);
     if (!status) {
         status = colour_upload_palette(&pass, atlas);
     }
     if (!status) {
-        status = colour_upload_objects(&pass, atlas, &pass.hazy, &max_memory);
+        status = colour_upload_objects(&pass, atlas, &pass.hazy, &fields->objects, &max_memory);
         pass.object_points = pass.content_count;
     }
-    if (!status && context) {
-        status = colour_upload_context(&pass, context, transfer, &max_memory);
+    if (!status && fields->context.volume) {
+        status = colour_upload_context(&pass, &fields->context, transfer, &max_memory);
     }
     if (!status) {
         status = colour_upload_meshes(&pass, atlas, &max_memory);
@@ -118,7 +134,8 @@ static conus_status exchange_content(struct colour_pass *pass, const struct colo
 conus_status colour_pass_update(struct colour_pass *pass, const conus_atlas *atlas, uint64_t max_memory)
 {
     struct colour_pass fresh = {.drawn = pass->drawn};
-    conus_status status = colour_upload_objects(&fresh, atlas, &pass->hazy, &max_memory);
+    struct field_task task = colour_objects_task(atlas);
+    conus_status status = colour_upload_objects(&fresh, atlas, &pass->hazy, &task, &max_memory);
     status = status ? status : exchange_content(pass, &fresh);
     if (!status) {
         struct colour_pass old = {.areas = pass->areas, .objects = pass->objects, .haze = pass->haze};
@@ -185,9 +202,10 @@ conus_status colour_pass_set_transfer(struct colour_pass *pass, const conus_atla
                                       const struct transfer *transfer, uint64_t max_memory)
 {
     struct colour_pass fresh = {0};
-    const struct volume *context = atlas_context(atlas);
-    conus_status status = context ? colour_upload_context(&fresh, context, transfer, &max_memory) : CONUS_OK;
-    if (!status && context) {
+    struct field_task task = {0};
+    conus_status status = colour_context_task(&task, atlas_context(atlas), transfer);
+    status = status || !task.volume ? status : colour_upload_context(&fresh, &task, transfer, &max_memory);
+    if (!status && task.volume) {
         struct colour_pass old = {.context = pass->context, .transfer = pass->transfer};
         pass->context = fresh.context;
         pass->transfer = fresh.transfer;

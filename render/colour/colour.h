@@ -9,6 +9,7 @@
 
 #include "atlas/atlas.h"
 #include "render/colour/emphasis.h"
+#include "render/colour/field_task.h"
 #include "render/colour/haze.h"
 #include "render/colour/transfer.h"
 #include "render/gl/camera.h"
@@ -76,9 +77,19 @@ struct colour_view {
     const float *opacity;    /**< [object_count + 1] of surfaces, 0 to 1, by number; NULL = all 1. */
 };
 
-/** Takes @p hazy over, on success. */
+/** The fields that a pass of one atlas begins with. */
+struct colour_fields {
+    struct field_task objects, context;
+};
+
+/** Begins to make them on threads of their own, which read the atlas until colour_fields_end(). Needs no GL.
+ * CONUS_ERROR_MEMORY. */
+conus_status colour_fields_start(struct colour_fields *out, const conus_atlas *atlas, const struct transfer *transfer);
+void colour_fields_end(struct colour_fields *fields);
+
+/** Takes @p hazy over, on success, and waits for @p fields. */
 conus_status colour_pass_init(struct colour_pass *out, const conus_atlas *atlas, const struct transfer *transfer,
-                              struct haze_choice *hazy, uint64_t max_memory);
+                              struct haze_choice *hazy, struct colour_fields *fields, uint64_t max_memory);
 void colour_pass_finish(struct colour_pass *pass);
 
 /** Compiles what @p view needs, which must come before it is drawn. */

@@ -13,7 +13,7 @@
 
 #include <string.h>
 
-enum { MESH_POINTS = 100000 };
+enum { MESH_POINTS = 100000, SLAB_VOXELS = 1 << 17 };
 
 static void place_volume(struct colour_volume *out, const struct volume *volume)
 {
@@ -87,6 +87,23 @@ conus_status colour_add_corners(struct colour_pass *pass, const struct colour_vo
     return CONUS_OK;
 }
 
+/* Texels are made a few slices at a time, which stay in the processor's cache. */
+static conus_status upload_texels(GLuint *out, const struct field *field, uint64_t *memory_left)
+{
+    size_t slice = field->dim[0] * field->dim[1];
+    size_t step = SLAB_VOXELS / slice + 1;
+    uint8_t *texels = memory_raw(step * slice, 4);
+    conus_status status =
+        texels ? volume_texture_create(out, VOLUME_TEXTURE_BYTE4, field->dim, NULL, memory_left) : CONUS_ERROR_MEMORY;
+    for (size_t first = 0; first < field->dim[2] && !status; first += step) {
+        size_t count = field->dim[2] - first < step ? field->dim[2] - first : step;
+        field_texels(texels, field, first, count);
+        volume_texture_fill(*out, VOLUME_TEXTURE_BYTE4, field->dim, first, count, texels);
+    }
+    memory_free(texels);
+    return status ? status : gl_check("volume texture");
+}
+
 /* Uploads a field and the distances to the bricks with densities that `visible` names. */
 static conus_status upload_field(struct colour_pass *pass, struct colour_volume *out, const struct volume *volume,
                                  const struct field *field, const bool *visible, uint64_t *memory_left)
@@ -98,7 +115,7 @@ static conus_status upload_field(struct colour_pass *pass, struct colour_volume 
         status = add_content(pass, &bricks, out);
     }
     if (!status) {
-        status = volume_texture_create(&out->field, VOLUME_TEXTURE_BYTE4, field->dim, field->texels, memory_left);
+        status = upload_texels(&out->field, field, memory_left);
     }
     if (!status) {
         status = volume_texture_create(&out->empty, VOLUME_TEXTURE_UINT8, bricks.dim, bricks.distance, memory_left);
@@ -107,14 +124,16 @@ static conus_status upload_field(struct colour_pass *pass, struct colour_volume 
     return status;
 }
 
-static conus_status upload_areas(struct colour_pass *pass, const struct volume *volume, uint64_t *memory_left)
+/* `task` is of the volume. */
+static conus_status upload_areas(struct colour_pass *pass, struct field_task *task, uint64_t *memory_left)
 {
     bool visible[COLOUR_TABLE_ENTRIES];
     for (size_t i = 0; i < COLOUR_TABLE_ENTRIES; i++) {
         visible[i] = i > (FIELD_SURFACE - 1) * TABLE_PER_LEVEL;
     }
+    const struct volume *volume = task->volume;
     struct field field = {0};
-    conus_status status = field_of_objects(&field, volume);
+    conus_status status = field_task_take(&field, task);
     if (!status) {
         status = upload_field(pass, &pass->areas, volume, &field, visible, memory_left);
     }
@@ -151,16 +170,27 @@ static conus_status upload_haze(struct colour_pass *pass, const conus_atlas *atl
 }
 
 /* All opaque areas would hide pathways and bundles: where there are any, they are drawn with only some areas. */
-conus_status colour_upload_objects(struct colour_pass *pass, const conus_atlas *atlas, const struct haze_choice *hazy,
-                                   uint64_t *memory_left)
+static bool is_joint(const conus_atlas *atlas)
 {
-    size_t grids = atlas_parcellation_count(atlas);
-    if (!pathways_first(atlas) && (!grids || (grids == 1 && !pathways_shown(atlas)))) {
-        return grids ? upload_areas(pass, &atlas->volumes[0], memory_left) : CONUS_OK;
+    return pathways_first(atlas) || atlas_parcellation_count(atlas) > 1 ||
+           (atlas_parcellation_count(atlas) && pathways_shown(atlas));
+}
+
+struct field_task colour_objects_task(const conus_atlas *atlas)
+{
+    bool one = atlas_parcellation_count(atlas) && !is_joint(atlas);
+    return (struct field_task){.volume = one ? &atlas->volumes[0] : NULL};
+}
+
+conus_status colour_upload_objects(struct colour_pass *pass, const conus_atlas *atlas, const struct haze_choice *hazy,
+                                   struct field_task *task, uint64_t *memory_left)
+{
+    if (!is_joint(atlas)) {
+        return task->volume ? upload_areas(pass, task, memory_left) : CONUS_OK;
     }
     struct volume joint = {0};
     conus_status status = pathways_join(&joint, atlas, pass->drawn, hazy);
-    status = status ? status : upload_areas(pass, &joint, memory_left);
+    status = status ? status : upload_areas(pass, &(struct field_task){.volume = &joint}, memory_left);
     volume_finish(&joint);
     return status ? status : upload_haze(pass, atlas, hazy, memory_left);
 }
@@ -242,8 +272,18 @@ static GLuint table_texture(const float *table)
     return texture;
 }
 
-conus_status colour_upload_context(struct colour_pass *pass, const struct volume *volume,
-                                   const struct transfer *transfer, uint64_t *memory_left)
+conus_status colour_context_task(struct field_task *out, const struct volume *volume, const struct transfer *transfer)
+{
+    struct field_task task = {.volume = volume, .is_values = true};
+    conus_status status = volume ? transfer_span(&task.low, &task.high, transfer, volume) : CONUS_OK;
+    if (!status) {
+        *out = task;
+    }
+    return status;
+}
+
+conus_status colour_upload_context(struct colour_pass *pass, struct field_task *task, const struct transfer *transfer,
+                                   uint64_t *memory_left)
 {
     float table[COLOUR_TABLE_ENTRIES * 4];
     bool visible[COLOUR_TABLE_ENTRIES];
@@ -252,13 +292,9 @@ conus_status colour_upload_context(struct colour_pass *pass, const struct volume
         visible[i] = table[4 * i + 3] > 0;
     }
     struct field field = {0};
-    double low, high;
-    conus_status status = transfer_span(&low, &high, transfer, volume);
+    conus_status status = field_task_take(&field, task);
     if (!status) {
-        status = field_of_values(&field, volume, low, high);
-    }
-    if (!status) {
-        status = upload_field(pass, &pass->context, volume, &field, visible, memory_left);
+        status = upload_field(pass, &pass->context, task->volume, &field, visible, memory_left);
     }
     if (!status) {
         pass->transfer = table_texture(table);

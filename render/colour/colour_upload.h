@@ -5,7 +5,7 @@
 #define CONUS_RENDER_COLOUR_COLOUR_UPLOAD_H
 
 #include "render/colour/colour.h"
-#include "render/colour/field.h"
+#include "render/colour/field_task.h"
 
 enum {
     TABLE_PER_LEVEL = 4, /**< Entries of the transfer table for each step between neighbouring densities. */
@@ -15,14 +15,21 @@ enum {
 /** Creates the buffers and the tables by object number. */
 conus_status colour_upload_palette(struct colour_pass *pass, const conus_atlas *atlas);
 
-/** Uploads the parcellation. In an atlas with pathways the areas would hide them: then it uploads the pathways, those
- * in
+/** The field that colour_upload_objects() needs; of nothing, where that depends on what is drawn. */
+struct field_task colour_objects_task(const conus_atlas *atlas);
+
+/** The one that colour_upload_context() needs; @p volume may be NULL. CONUS_ERROR_MEMORY. */
+conus_status colour_context_task(struct field_task *out, const struct volume *volume, const struct transfer *transfer);
+
+/** Uploads the parcellation, whose field @p task makes. In an atlas with pathways the areas would hide them: then it
+ * uploads the pathways, those in
  * @p hazy as haze, and only the areas in pass->drawn (NULL = none). */
 conus_status colour_upload_objects(struct colour_pass *pass, const conus_atlas *atlas, const struct haze_choice *hazy,
-                                   uint64_t *memory_left);
+                                   struct field_task *task, uint64_t *memory_left);
 
-conus_status colour_upload_context(struct colour_pass *pass, const struct volume *volume,
-                                   const struct transfer *transfer, uint64_t *memory_left);
+/** Uploads the context that @p task is of. */
+conus_status colour_upload_context(struct colour_pass *pass, struct field_task *task, const struct transfer *transfer,
+                                   uint64_t *memory_left);
 
 conus_status colour_upload_meshes(struct colour_pass *pass, const conus_atlas *atlas, uint64_t *memory_left);
 

@@ -13,7 +13,8 @@ enum { BORDER = 2, MARGIN = 3 };
 
 void field_finish(struct field *field)
 {
-    memory_free(field->texels);
+    memory_free(field->density);
+    memory_free(field->slopes);
     memory_free(field->low);
     memory_free(field->high);
     *field = (struct field){0};
@@ -30,25 +31,29 @@ static conus_status start_field(struct field *field, const struct volume *volume
         field->dim[a] = volume->info.dim[a];
         field->brick_dim[a] = (volume->info.dim[a] + BRICKS_EDGE - 1) / BRICKS_EDGE;
     }
-    field->texels = memory_raw(volume->voxel_count, 4);
+    memcpy(field->voxel_from_world, volume->voxel_from_world, sizeof field->voxel_from_world);
+    field->density = memory_raw(volume->voxel_count, 1);
     field->low = memory_raw(brick_count(field), 1);
     field->high = memory_raw(brick_count(field), 1);
-    return field->texels && field->low && field->high ? CONUS_OK : CONUS_ERROR_MEMORY;
+    return field->density && field->low && field->high ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
-/* Gradient in world axes and per mm, from central differences per voxel: the transpose of voxel_from_world's linear
- * part. Full density is 255. */
-static void encode_gradient(uint8_t *texel, const double m[16], const double per_voxel[3])
+/* To the nearest whole number, of two the even one, as lrint() does, but many side by side; of less than 2^31. */
+static inline int32_t rounded(double x)
 {
-    double g[3];
-    for (int a = 0; a < 3; a++) {
-        g[a] = vec3_dot(m + 4 * (ptrdiff_t)a, per_voxel) / (FIELD_LEVELS - 1);
-    }
-    double scale = 127 / (vec3_length(g) + FIELD_SOFTNESS);
-    for (int a = 0; a < 3; a++) {
-        texel[a] = (uint8_t)lrint(128 + g[a] * scale);
-    }
+    const double shift = 0x1.8p52; /* doubles there are whole numbers */
+    return (int32_t)(x + shift - shift);
 }
+
+/* ---- Gradients -------------------------------------------------------------------------------------------------- */
+
+/* Voxels of a row whose changes are found together, and those that become texels side by side. */
+enum { STRETCH = 64, AT_ONCE = 8, FLAT = 128 };
+
+/* Twice the change per voxel along each axis, by central differences, one-sided at the border. */
+struct changes {
+    int16_t twice[3][STRETCH];
+};
 
 /* Two neighbours of each voxel of a row along an axis, and how many voxels apart they are: one at the border. */
 struct pair {
@@ -64,63 +69,134 @@ static struct pair pair_of_rows(const uint8_t *row, size_t at, size_t dim, size_
     return (struct pair){.below = row - below * stride, .above = row + above * stride, .apart = above + below};
 }
 
-static uint64_t eight_at(const uint8_t *bytes)
+static void subtract(int16_t *restrict out, const uint8_t *above, const uint8_t *below, size_t count, int weight)
 {
-    uint64_t eight;
-    memcpy(&eight, bytes, sizeof eight);
-    return eight;
-}
-
-/* Whether eight voxels from `i` on, none of them at the border of the row, have no gradient. */
-static bool are_flat(const uint8_t *row, const struct pair *y, const struct pair *z, size_t i)
-{
-    return eight_at(row + i - 1) == eight_at(row + i + 1) && eight_at(y->below + i) == eight_at(y->above + i) &&
-           eight_at(z->below + i) == eight_at(z->above + i);
-}
-
-static double difference(const struct pair *pair, size_t i)
-{
-    return pair->apart ? (pair->above[i] - pair->below[i]) / (double)pair->apart : 0;
-}
-
-/* Central differences of `row`, one byte per voxel, one-sided at the border. */
-static void differentiate_row(uint8_t *texel, const uint8_t *row, size_t count, const struct pair *y,
-                              const struct pair *z, const double voxel_from_world[16])
-{
-    enum { AT_ONCE = 8, FLAT = 128 };
     for (size_t i = 0; i < count; i++) {
-        if (i > 0 && i + AT_ONCE < count && are_flat(row, y, z, i)) {
-            for (size_t k = 0; k < AT_ONCE; k++) {
-                memset(texel + 4 * (i + k), FLAT, 3);
-            }
-            i += AT_ONCE - 1;
-            continue;
-        }
-        const struct pair x = pair_of_rows(row, i, count, 1);
-        const double g[3] = {difference(&x, i), difference(y, i), difference(z, i)};
-        encode_gradient(texel + 4 * i, voxel_from_world, g);
+        out[i] = (int16_t)((above[i] - below[i]) * weight);
     }
 }
 
-static void differentiate(struct field *field, const uint8_t *density, const double voxel_from_world[16])
+/* Of `count` voxels from `first` on of a row along the axis x, which has `dim`. */
+static void subtract_along_row(int16_t *out, const uint8_t *row, size_t first, size_t count, size_t dim)
+{
+    for (size_t i = 0; i < count; i++) {
+        size_t at = first + i;
+        if (at == 0 || at + 1 == dim) {
+            out[i] = (int16_t)(dim > 1 ? 2 * (at ? row[at] - row[at - 1] : row[1] - row[0]) : 0);
+        } else { /* up to the border, or the last of them */
+            size_t inner = (dim - 1 - at < count - i ? dim - 1 - at : count - i);
+            subtract(out + i, row + at + 1, row + at - 1, inner, 1);
+            i += inner - 1;
+        }
+    }
+}
+
+/* Of what lies behind `count` voxels up to a multiple of AT_ONCE. */
+static void leave_flat(struct changes *changes, size_t count)
+{
+    for (size_t a = 0; a < 3 && count % AT_ONCE; a++) {
+        memset(changes->twice[a] + count, 0, (AT_ONCE - count % AT_ONCE) * sizeof *changes->twice[a]);
+    }
+}
+
+static void subtract_rows(int16_t *out, const struct pair *rows, size_t first, size_t count)
+{
+    subtract(out, rows->above + first, rows->below + first, count, rows->apart == 1 ? 2 : 1);
+}
+
+/* Whether AT_ONCE voxels from `i` on have no gradient. */
+static bool are_flat(const struct changes *changes, size_t i)
+{
+    uint64_t any = 0;
+    for (size_t a = 0; a < 3; a++) {
+        uint64_t twice[2];
+        memcpy(twice, changes->twice[a] + i, sizeof twice);
+        any |= twice[0] | twice[1];
+    }
+    return !any;
+}
+
+/* Gradients in world axes and per mm, from twice the changes per voxel: `m` has half the transpose of
+ * voxel_from_world's linear part, of densities from 0 to 1. */
+static void encode_gradients(int32_t out[3][AT_ONCE], const double m[9], const struct changes *changes, size_t i)
+{
+    for (size_t k = 0; k < AT_ONCE; k++) {
+        double change[3] = {changes->twice[0][i + k], changes->twice[1][i + k], changes->twice[2][i + k]};
+        double x = m[0] * change[0] + m[1] * change[1] + m[2] * change[2];
+        double y = m[3] * change[0] + m[4] * change[1] + m[5] * change[2];
+        double z = m[6] * change[0] + m[7] * change[1] + m[8] * change[2];
+        double scale = 127 / (sqrt(x * x + y * y + z * z) + FIELD_SOFTNESS);
+        out[0][k] = rounded(FLAT + x * scale);
+        out[1][k] = rounded(FLAT + y * scale);
+        out[2][k] = rounded(FLAT + z * scale);
+    }
+}
+
+/* AT_ONCE texels, each as one number of four bytes. */
+static void fill_texels(uint8_t *texels, const int32_t code[3][AT_ONCE], const uint8_t *density)
+{
+    uint32_t words[AT_ONCE];
+    for (size_t k = 0; k < AT_ONCE; k++) {
+        uint32_t low = (uint32_t)code[0][k] | (uint32_t)code[1][k] << 8;
+        words[k] = low | (uint32_t)code[2][k] << 16 | (uint32_t)density[k] << 24;
+    }
+    for (size_t k = 0; k < AT_ONCE && __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__; k++) {
+        words[k] = __builtin_bswap32(words[k]);
+    }
+    memcpy(texels, words, sizeof words);
+}
+
+static void fill_stretch(uint8_t *texel, const struct changes *changes, const uint8_t *density, size_t count,
+                         const double m[9])
+{
+    for (size_t i = 0; i < count; i += AT_ONCE) {
+        int32_t code[3][AT_ONCE];
+        uint8_t eight[4 * AT_ONCE];
+        uint8_t behind[AT_ONCE] = {0};
+        bool whole = i + AT_ONCE <= count;
+        if (are_flat(changes, i)) {
+            for (size_t k = 0; k < AT_ONCE; k++) {
+                code[0][k] = code[1][k] = code[2][k] = FLAT;
+            }
+        } else {
+            encode_gradients(code, m, changes, i);
+        }
+        if (!whole) {
+            memcpy(behind, density + i, count - i);
+        }
+        fill_texels(eight, (const int32_t(*)[AT_ONCE])code, whole ? density + i : behind);
+        memcpy(texel + 4 * i, eight, 4 * (whole ? AT_ONCE : count - i));
+    }
+}
+
+void field_texels(uint8_t *out, const struct field *field, size_t first, size_t count)
 {
     const size_t *dim = field->dim;
-    for (size_t k = 0; k < dim[2]; k++) {
+    const uint8_t *slopes = field->slopes ? field->slopes : field->density;
+    double m[9];
+    for (size_t n = 0; n < 9; n++) {
+        m[n] = 0.5 * field->voxel_from_world[4 * (n / 3) + n % 3] / (FIELD_LEVELS - 1);
+    }
+    for (size_t k = first; k < first + count; k++) {
         for (size_t j = 0; j < dim[1]; j++) {
-            size_t first = dim[0] * (j + dim[1] * k);
-            const struct pair y = pair_of_rows(density + first, j, dim[1], dim[0]);
-            const struct pair z = pair_of_rows(density + first, k, dim[2], dim[0] * dim[1]);
-            differentiate_row(field->texels + 4 * first, density + first, dim[0], &y, &z, voxel_from_world);
+            size_t at = dim[0] * (j + dim[1] * k);
+            uint8_t *texel = out + 4 * (at - first * dim[0] * dim[1]);
+            const struct pair y = pair_of_rows(slopes + at, j, dim[1], dim[0]);
+            const struct pair z = pair_of_rows(slopes + at, k, dim[2], dim[0] * dim[1]);
+            for (size_t i = 0; i < dim[0]; i += STRETCH) {
+                struct changes changes;
+                size_t n = dim[0] - i < STRETCH ? dim[0] - i : STRETCH;
+                leave_flat(&changes, n);
+                subtract_along_row(changes.twice[0], slopes + at, i, n, dim[0]);
+                subtract_rows(changes.twice[1], &y, i, n);
+                subtract_rows(changes.twice[2], &z, i, n);
+                fill_stretch(texel + 4 * i, &changes, field->density + at + i, n, m);
+            }
         }
     }
 }
 
-static void store_density(struct field *field, const uint8_t *density, size_t count)
-{
-    for (size_t v = 0; v < count; v++) {
-        field->texels[4 * v + 3] = density[v];
-    }
-}
+/* ---- Ranges ----------------------------------------------------------------------------------------------------- */
 
 /* First and one past the last voxel that bear on brick `b` of an axis. */
 static void find_reach(size_t *first, size_t *end, size_t b, size_t dim)
@@ -178,8 +254,7 @@ static void find_columns(const struct columns *out, const uint8_t *values, const
     }
 }
 
-/* Of `values`, one byte per voxel. */
-static conus_status find_ranges(struct field *field, const uint8_t *values)
+static conus_status find_ranges(struct field *field)
 {
     const size_t *dim = field->dim;
     uint8_t *memory = memory_raw(dim[0], 2);
@@ -190,7 +265,7 @@ static conus_status find_ranges(struct field *field, const uint8_t *values)
     const struct columns columns = {memory, memory + dim[0]};
     for (b[2] = 0; b[2] < field->brick_dim[2]; b[2]++) {
         for (b[1] = 0; b[1] < field->brick_dim[1]; b[1]++) {
-            find_columns(&columns, values, dim, b);
+            find_columns(&columns, field->density, dim, b);
             find_row_ranges(field, &columns, field->brick_dim[0] * (b[1] + field->brick_dim[1] * b[2]));
         }
     }
@@ -198,27 +273,26 @@ static conus_status find_ranges(struct field *field, const uint8_t *values)
     return CONUS_OK;
 }
 
-static uint8_t level_of(double part)
+/* ---- Densities -------------------------------------------------------------------------------------------------- */
+
+static inline uint8_t level_of(double part)
 {
     part = part > 0 ? part : 0; /* quicker than fmax() */
     part = part < 1 ? part : 1;
-    return (uint8_t)lrint(part * (FIELD_LEVELS - 1));
+    return (uint8_t)rounded(part * (FIELD_LEVELS - 1));
 }
 
 conus_status field_of_values(struct field *out, const struct volume *volume, double low, double high)
 {
     struct field field = {0};
-    uint8_t *density = memory_raw(volume->voxel_count, 1);
-    conus_status status = density ? start_field(&field, volume) : CONUS_ERROR_MEMORY;
+    conus_status status = start_field(&field, volume);
     if (!status) {
+        const double span = high - low;
         for (size_t v = 0; v < volume->voxel_count; v++) {
-            density[v] = level_of(((double)volume->values[v] - low) / (high - low));
+            field.density[v] = level_of(((double)volume->values[v] - low) / span);
         }
-        store_density(&field, density, volume->voxel_count);
-        differentiate(&field, density, volume->voxel_from_world);
-        status = find_ranges(&field, density);
+        status = find_ranges(&field);
     }
-    memory_free(density);
     if (status) {
         field_finish(&field);
         return status;
@@ -289,53 +363,63 @@ static void blur_axis(uint8_t *restrict out, const uint8_t *in, const size_t dim
     }
 }
 
-/* Blurs `density` in all three directions; `other` is scratch memory of the same size. */
-static void blur(uint8_t *density, uint8_t *other, const struct field *field)
+/* Blurs `in`, which becomes scratch memory, in all three directions. */
+static void blur(uint8_t *out, uint8_t *in, const size_t dim[3])
 {
-    blur_axis(other, density, field->dim, 0);
-    blur_axis(density, other, field->dim, 1);
-    blur_axis(other, density, field->dim, 2);
-    memcpy(density, other, field->dim[0] * field->dim[1] * field->dim[2]);
+    blur_axis(out, in, dim, 0);
+    blur_axis(in, out, dim, 1);
+    blur_axis(out, in, dim, 2);
 }
 
-/* Gives the same as `out`, too. */
-static void store_occupancy(struct field *field, uint8_t *out, const uint8_t *density, const struct volume *volume)
+/* 255 for voxels of any object, else 0. */
+static void find_occupied(uint8_t *restrict out, const struct volume *volume)
 {
-    for (size_t v = 0; v < volume->voxel_count; v++) {
-        int value = density[v];
-        if (volume_object(volume, v)) {
-            value = value > FIELD_SURFACE + MARGIN ? value : FIELD_SURFACE + MARGIN;
-        } else {
-            value = value < FIELD_SURFACE - MARGIN ? value : FIELD_SURFACE - MARGIN;
-        }
-        field->texels[4 * v + 3] = out[v] = (uint8_t)value;
+    const uint16_t *narrow = volume->objects16;
+    const uint32_t *wide = narrow ? NULL : volume->objects32;
+    size_t count = volume->voxel_count;
+    for (size_t v = 0; narrow && v < count; v++) {
+        out[v] = narrow[v] ? UINT8_MAX : 0;
+    }
+    for (size_t v = 0; wide && v < count; v++) {
+        out[v] = wide[v] ? UINT8_MAX : 0;
+    }
+}
+
+/* `out` has 255 where there is an object, else 0, and gets `blurred`, held on its side of the surface. */
+static void hold_sides(uint8_t *restrict out, const uint8_t *restrict blurred, size_t count)
+{
+    const uint8_t least = FIELD_SURFACE + MARGIN;
+    const uint8_t most = FIELD_SURFACE - MARGIN;
+    for (size_t v = 0; v < count; v++) {
+        uint8_t inside = blurred[v] > least ? blurred[v] : least;
+        uint8_t outside = blurred[v] < most ? blurred[v] : most;
+        out[v] = out[v] ? inside : outside;
     }
 }
 
 conus_status field_of_objects(struct field *out, const struct volume *volume)
 {
     struct field field = {0};
-    uint8_t *density = memory_raw(volume->voxel_count, 1);
-    uint8_t *other = memory_raw(volume->voxel_count, 1);
-    conus_status status = density && other ? start_field(&field, volume) : CONUS_ERROR_MEMORY;
+    size_t count = volume->voxel_count;
+    uint8_t *once = memory_raw(count, 1);
+    conus_status status = once ? start_field(&field, volume) : CONUS_ERROR_MEMORY;
+    field.slopes = status ? NULL : memory_raw(count, 1);
+    status = status || field.slopes ? status : CONUS_ERROR_MEMORY;
     if (!status) {
-        for (size_t v = 0; v < volume->voxel_count; v++) {
-            density[v] = volume_object(volume, v) ? FIELD_LEVELS - 1 : 0;
-        }
-        blur(density, other, &field);
-        store_occupancy(&field, other, density, volume);
-        status = find_ranges(&field, other);
+        find_occupied(field.slopes, volume);
+        memcpy(field.density, field.slopes, count);
+        blur(once, field.slopes, field.dim);
+        hold_sides(field.density, once, count);
+        blur(field.slopes, once, field.dim);
+        status = find_ranges(&field);
     }
-    if (!status) {
-        blur(density, other, &field);
-        differentiate(&field, density, volume->voxel_from_world);
-        *out = field;
-    } else {
+    memory_free(once);
+    if (status) {
         field_finish(&field);
+        return status;
     }
-    memory_free(density);
-    memory_free(other);
-    return status;
+    *out = field;
+    return CONUS_OK;
 }
 
 conus_status field_bricks(struct bricks *out, const struct field *field, const bool *visible, size_t per_level)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * What the colour pass samples of a volume: per voxel a density and its gradient in four bytes, and per brick of 8^3
- * voxels the range of densities, from which the empty space around the ray follows. */
+ * What the colour pass samples of a volume: per voxel a density and its gradient, four bytes as the pass reads them,
+ * and per brick of 8^3 voxels the range of densities, from which the empty space around the ray follows. */
 #ifndef CONUS_RENDER_COLOUR_FIELD_H
 #define CONUS_RENDER_COLOUR_FIELD_H
 
@@ -14,7 +14,9 @@ enum {
 
 struct field {
     size_t dim[3];
-    uint8_t *texels; /**< [voxels][4]: gradient in world axes (128 = 0) as g / (|g| + FIELD_SOFTNESS), density.     */
+    uint8_t *density; /**< [voxels] */
+    uint8_t *slopes;  /**< [voxels] what the gradients are of; NULL = the density. */
+    double voxel_from_world[16];
     size_t brick_dim[3];
     uint8_t *low, *high; /**< [bricks] range of the densities that a trilinear sample in the brick, or up to one
                               voxel outside it, can take.                                                         */
@@ -32,6 +34,10 @@ conus_status field_of_values(struct field *out, const struct volume *volume, dou
 conus_status field_of_objects(struct field *out, const struct volume *volume);
 
 void field_finish(struct field *field);
+
+/** The texels of @p count slices from @p first on: @p out gets [count * voxels of a slice][4], the gradient in world
+ * axes (128 = 0) as g / (|g| + FIELD_SOFTNESS), and the density. */
+void field_texels(uint8_t *out, const struct field *field, size_t first, size_t count);
 
 /** Bricks and their distances to the next one with a density that @p visible names. It has @p per_level entries for
  * each step between densities and one for the last: entry i is density i / per_level. @p out is the caller's to finish.

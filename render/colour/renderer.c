@@ -25,17 +25,22 @@ static conus_status make_absolute(struct transfer *transfer, const struct volume
     return status;
 }
 
-/* With the renderer's context current. */
-static conus_status create_passes(conus_renderer *renderer, const conus_renderer_options *options)
+static conus_status choose_transfer(conus_renderer *renderer, const conus_renderer_options *options)
 {
     const char *own = renderer->atlas->transfer ? renderer->atlas->transfer : "brain";
     conus_status status = transfer_load(&renderer->transfer, options->transfer ? options->transfer : own);
-    status = status ? status : make_absolute(&renderer->transfer, atlas_context(renderer->atlas));
+    return status ? status : make_absolute(&renderer->transfer, atlas_context(renderer->atlas));
+}
+
+/* With the renderer's context current. */
+static conus_status create_passes(conus_renderer *renderer, const conus_renderer_options *options,
+                                  struct colour_fields *fields)
+{
     struct haze_choice hazy = {0};
-    status = status ? status : haze_choose(&hazy, renderer->atlas, options);
-    status =
-        status ? status
-               : colour_pass_init(&renderer->colour, renderer->atlas, &renderer->transfer, &hazy, renderer->max_memory);
+    conus_status status = haze_choose(&hazy, renderer->atlas, options);
+    status = status ? status
+                    : colour_pass_init(&renderer->colour, renderer->atlas, &renderer->transfer, &hazy, fields,
+                                       renderer->max_memory);
     haze_choice_finish(&hazy);
     struct tube_colouring streamlines = {0};
     status = status ? status : tube_colouring_choose(&streamlines, renderer->atlas, options->streamline_colour);
@@ -56,15 +61,19 @@ conus_status conus_renderer_create(conus_renderer **out, const conus_atlas *atla
     renderer->max_memory = options->max_memory ? options->max_memory : DEFAULT_MEMORY;
     renderer->log = options->log;
     renderer->log_user = options->log_user;
-    conus_status status = gl_context_create(&renderer->context, options->log, options->log_user);
+    struct colour_fields fields = {0};
     struct gl_current previous;
+    conus_status status = choose_transfer(renderer, options);
+    status = status ? status : colour_fields_start(&fields, atlas, &renderer->transfer);
+    status = status ? status : gl_context_create(&renderer->context, options->log, options->log_user);
     if (!status) {
         status = gl_context_use(renderer->context, &previous);
     }
     if (!status) {
-        status = create_passes(renderer, options);
+        status = create_passes(renderer, options, &fields);
         gl_current_restore(&previous);
     }
+    colour_fields_end(&fields);
     if (status) {
         conus_renderer_destroy(renderer);
         return status;

@@ -39,6 +39,15 @@ static conus_status check_size(const size_t dim[3], size_t texel, uint64_t memor
     return CONUS_OK;
 }
 
+void volume_texture_fill(GLuint texture, enum volume_texture_kind kind, const size_t dim[3], size_t first, size_t count,
+                         const void *voxels)
+{
+    const struct format *format = &formats[kind];
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+    glTextureSubImage3D(texture, 0, 0, 0, (GLint)first, (GLsizei)dim[0], (GLsizei)dim[1], (GLsizei)count,
+                        format->layout, format->type, voxels);
+}
+
 conus_status volume_texture_create(GLuint *out, enum volume_texture_kind kind, const size_t dim[3], const void *voxels,
                                    uint64_t *memory_left)
 {
@@ -52,8 +61,9 @@ conus_status volume_texture_create(GLuint *out, enum volume_texture_kind kind, c
     GLsizei width = (GLsizei)dim[0], height = (GLsizei)dim[1], depth = (GLsizei)dim[2];
     glCreateTextures(GL_TEXTURE_3D, 1, &texture);
     glTextureStorage3D(texture, 1, format->internal, width, height, depth);
-    glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-    glTextureSubImage3D(texture, 0, 0, 0, 0, width, height, depth, format->layout, format->type, voxels);
+    if (voxels) {
+        volume_texture_fill(texture, kind, dim, 0, dim[2], voxels);
+    }
     glTextureParameteri(texture, GL_TEXTURE_MIN_FILTER, format->filter);
     glTextureParameteri(texture, GL_TEXTURE_MAG_FILTER, format->filter);
     glTextureParameteri(texture, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
