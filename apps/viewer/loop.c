@@ -8,7 +8,6 @@
 #include "viewer/figures/figure_form.h"
 #include "viewer/hands/hands.h"
 #include "viewer/question/studies.h"
-#include "viewer/reload.h"
 #include "viewer/session/keep.h"
 #include "viewer/session/undo.h"
 #include "viewer/window/title.h"
@@ -124,8 +123,7 @@ static void note_changes(struct window *window)
 {
     struct ui_mouse mouse = ui_mouse_now();
     bool widens = window->devices.heard[FIRST_HAND].widen > 0 || window->devices.heard[SECOND_HAND].widen > 0;
-    bool waits = hemispheres_wait(&window->hemispheres); /* undo is between two states then */
-    if (window->viewer && !widens && !waits && !mouse.down[0] && !mouse.down[1] && !mouse.down[2] && !ui_wants_keys()) {
+    if (window->viewer && !widens && !mouse.down[0] && !mouse.down[1] && !mouse.down[2] && !ui_wants_keys()) {
         undo_note(window);
     }
 }
@@ -155,7 +153,6 @@ static void serve_viewer(struct window *window)
     }
     watch_files(window);
     replay_step(&window->replay, window->viewer, glfwGetTime());
-    reload_step(window);
     studies_step(window->viewer);
 }
 

@@ -3,10 +3,10 @@
 #include "common/messages.h"
 #include "pages/pages.h"
 #include "settings/atlases.h"
-#include "viewer/keys.h"
+#include "viewer/keys/keys.h"
+#include "viewer/loading/open.h"
+#include "viewer/loading/view_words.h"
 #include "viewer/loop.h"
-#include "viewer/open.h"
-#include "viewer/view_words.h"
 
 #include <GLFW/glfw3.h>
 
@@ -85,6 +85,7 @@ static int run_window(struct window *window, const struct view_settings *setting
     later.session = NULL; /* it is for the first, or waits for its atlas */
     start_look(&window->start);
     window->press = keys_press;
+    window->wake = loop_wake;
     window->remembers = !script;
     if (path || settings->session) {
         window_want(window, path ? path : settings->session);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What was done to areas, carried over to an atlas with other hemispheres; one side only. */
-#include "viewer/hemispheres/carry.h"
 #include "viewer/hemispheres/side.h"
 #include "viewer/hemispheres/words.h"
+#include "viewer/loading/carry.h"
 
 #include "builders/area_rows.h"
 #include "test.h"
@@ -37,7 +37,9 @@ static void open_viewer(struct viewer *out, conus_hemispheres how)
 static void change(struct viewer *viewer, conus_hemispheres before, conus_hemispheres how)
 {
     conus_atlas *atlas = make(rows, how);
-    assert_true(carry_over(viewer, &atlas, before, how));
+    char why[64];
+    const struct carried now = {&atlas, before, how, NULL};
+    assert_true(carry_over(viewer, &now, why, sizeof why));
     assert_ptr_equal(viewer->atlases[0].atlas, atlas);
     assert_ptr_equal(viewer->names[0], viewer->atlases[0].name);
 }
@@ -190,8 +192,10 @@ static void another_table_is_refused(void **state)
     (void)state;
     open_viewer(&viewer, CONUS_HEMISPHERES_AS_IS);
     const conus_atlas *before = viewer.drawn->atlas;
-    assert_false(carry_over(&viewer, &atlas, CONUS_HEMISPHERES_AS_IS, CONUS_HEMISPHERES_SPLIT));
-    assert_string_equal(viewer.message, "the areas have other names or labels than when the atlas was opened");
+    char why[128];
+    const struct carried now = {&atlas, CONUS_HEMISPHERES_AS_IS, CONUS_HEMISPHERES_SPLIT, NULL};
+    assert_false(carry_over(&viewer, &now, why, sizeof why));
+    assert_string_equal(why, "the areas have other names or labels than when the atlas was opened");
     assert_ptr_equal(viewer.drawn->atlas, before);
     conus_atlas_destroy(atlas);
     viewer_finish(&viewer);
@@ -257,16 +261,18 @@ static void areas_without_sides_stay(void **state)
 static void words_say_how(void **state)
 {
     json_t *words = json_pack("[s, s, s]", "--labels=a", "--hemispheres=split", "--atlas=b");
+    json_t *merged = hemispheres_put_in_words(words, CONUS_HEMISPHERES_MERGED);
+    json_t *plain = hemispheres_put_in_words(merged, CONUS_HEMISPHERES_AS_IS);
     (void)state;
     assert_int_equal(hemispheres_of_words(NULL), CONUS_HEMISPHERES_AS_IS);
     assert_int_equal(hemispheres_of_words(words), CONUS_HEMISPHERES_SPLIT);
-    assert_true(hemispheres_put_in_words(words, CONUS_HEMISPHERES_MERGED));
-    assert_int_equal(hemispheres_of_words(words), CONUS_HEMISPHERES_MERGED);
-    assert_int_equal(json_array_size(words), 3);
-    assert_true(hemispheres_put_in_words(words, CONUS_HEMISPHERES_AS_IS));
-    assert_int_equal(json_array_size(words), 2);
-    assert_int_equal(hemispheres_of_words(words), CONUS_HEMISPHERES_AS_IS);
-    assert_string_equal(json_string_value(json_array_get(words, 1)), "--atlas=b");
+    assert_int_equal(hemispheres_of_words(merged), CONUS_HEMISPHERES_MERGED);
+    assert_int_equal(json_array_size(merged), 3);
+    assert_int_equal(json_array_size(plain), 2);
+    assert_int_equal(hemispheres_of_words(plain), CONUS_HEMISPHERES_AS_IS);
+    assert_string_equal(json_string_value(json_array_get(plain, 1)), "--atlas=b");
+    json_decref(plain);
+    json_decref(merged);
     json_decref(words);
 }
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* How the window asks, and studies, without a window. */
-#include "viewer/keys.h"
-#include "viewer/keys_wand.h"
+#include "viewer/keys/keys.h"
+#include "viewer/keys/keys_wand.h"
 #include "viewer/question/question.h"
 #include "viewer/question/studies.h"
 #include "viewer/session/session.h"

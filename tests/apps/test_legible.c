@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Whether what the window says can be read: contrast of its colours, and texts that are cut, at usual sizes. */
-#include "viewer/keys.h"
+#include "viewer/keys/keys.h"
 #include "viewer/panels/panels.h"
 #include "viewer/results/columns.h"
 #include "viewer/ui/ui_audit.h"
@@ -217,9 +217,7 @@ static void look_at_all(struct window *window)
     viewer->drawn->shown.search[0] = '\0';
     viewer->drawn->sides[1] = 'L';
     viewer->drawn->sides[2] = 'R';
-    window->hemispheres.wanted = CONUS_HEMISPHERES_SPLIT;
-    nothing_is_cut(window, "sides, and loading");
-    window->hemispheres.wanted = CONUS_HEMISPHERES_AS_IS;
+    nothing_is_cut(window, "sides");
     window->show_help = true;
     nothing_is_cut(window, "keys");
     window->show_help = false;

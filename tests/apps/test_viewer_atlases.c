@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Several atlases in the window, without a window: all are asked the same, one of them is drawn. */
-#include "viewer/loader.h"
+#include "viewer/loading/loader.h"
 #include "viewer/model/picker.h"
 #include "viewer/session/session.h"
 #include "viewer/window/hover.h"
@@ -334,7 +334,7 @@ static bool load_besides(struct atlases *out, const char *first, const char *mor
     const struct atlas_settings settings = {.more = {&further, 1}};
     const char *files[] = {paths[2]};
     const struct context_choice choice = {.files = {files, context ? 1 : 0}};
-    const struct loading what = {paths[0], &settings, &choice, wake_nobody};
+    const struct loading what = {.path = paths[0], .settings = &settings, .context = &choice, .wake = wake_nobody};
     struct loader *loader = NULL;
     snprintf(paths[0], sizeof paths[0], "%s", test_in(first));
     snprintf(paths[1], sizeof paths[1], "%s", test_in(more));

@@ -180,9 +180,11 @@ END
     [ "$(jq -c '.hidden, .look.opacities, .angle_deg, .objects' undone.json | tr '\n' ' ')" = '[4] [[4,0.5]] 30 4 ' ]
     [ "$(jq -c '.hidden, .objects' back.json | tr '\n' ' ')" = '[4] 5 ' ]
     diff <(jq -c .orbit before.json) <(jq -c .orbit back.json)
-    # what was confirmed goes with its file
+    # what was confirmed keeps its name where its file is gone, also in a state of before that
     jq -e '[.confirmed[].object] == [3]' before.json
-    jq -e '.confirmed == []' less.json
+    for file in less other undone; do
+        jq -e '[.confirmed[] | [.object, .name]] == [[0, "two"]]' $file.json
+    done
     queried --pathway sphere.nii.gz --streamlines more.tck --streamlines two.tck --hide more | diff back.tsv -
 }
 
@@ -311,8 +313,16 @@ END
     touch released
     tell 'save after.json' 'results after.tsv'
     look '.opened.options == []'
-    leave
     diff before.json after.json
     queried | diff after.tsv -
+    # what is dropped is looked at while the window does what it is told
+    rm begun released
+    drop "$PWD/slabs.nii.gz"
+    wait_until "$child" test -e begun
+    close_window "$window"
+    is_hidden() { ! find_window; }
+    wait_until "$child" is_hidden
+    touch released
+    leave
     [ ! -s said ]
 }

@@ -4,7 +4,7 @@
 #ifndef CONUS_VIEWER_CHOSEN_CELLS_H
 #define CONUS_VIEWER_CHOSEN_CELLS_H
 
-#include "viewer/model/sight.h"
+#include "viewer/sight/sight.h"
 
 /** Cubes that have an object's place at their middle, and a neighbour that has not. */
 struct cells {

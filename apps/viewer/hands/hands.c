@@ -192,11 +192,6 @@ void hands_notice(struct notice *out, const struct window *window, enum hand han
     if (!out->is_trouble) {
         find_trouble(out, &window->devices.heard[hand], has_pose, pointer >= POINT_BY_SPACEMOUSE);
     }
-    if (hemispheres_wait(&window->hemispheres) && !out->is_old) {
-        *out = (struct notice){.text = has_pose ? "OLD ANSWER: the atlas is loaded again" : "the atlas is loaded again",
-                               .is_trouble = true,
-                               .is_old = has_pose};
-    }
     if (!out->text && is_held && (hand == SECOND_HAND || pointer >= POINT_BY_TRACKER)) {
         out->text = hand == SECOND_HAND ? "held: B lets it move again" : "held: Space lets it move again";
     }

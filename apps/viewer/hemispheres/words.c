@@ -6,6 +6,9 @@
 
 #include <string.h>
 
+const char *const hemispheres_meanings[HEMISPHERES_COUNT] = {"areas as in the file", "split left and right",
+                                                             "left and right as one"};
+
 static const char option[] = "--hemispheres=";
 
 /* What is behind the equals sign; NULL of another word. */
@@ -27,12 +30,17 @@ conus_hemispheres hemispheres_of_words(const json_t *words)
     return how;
 }
 
-bool hemispheres_put_in_words(json_t *words, conus_hemispheres how)
+json_t *hemispheres_put_in_words(const json_t *given, conus_hemispheres how)
 {
+    json_t *words = json_copy((json_t *)given);
     for (size_t i = json_array_size(words); i-- > 0;) {
         if (value_of(json_array_get(words, i))) {
             json_array_remove(words, i);
         }
     }
-    return !how || !json_array_append_new(words, json_sprintf("%s%s", option, settings_hemispheres[how]));
+    if (how && json_array_append_new(words, json_sprintf("%s%s", option, settings_hemispheres[how]))) {
+        json_decref(words);
+        words = NULL;
+    }
+    return words;
 }

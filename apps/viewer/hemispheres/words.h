@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file --hemispheres among the words of options that a session keeps (viewer/view_words.h). */
+/** @file --hemispheres among the words of options that a session keeps (viewer/loading/view_words.h). */
 #ifndef CONUS_VIEWER_HEMISPHERES_WORDS_H
 #define CONUS_VIEWER_HEMISPHERES_WORDS_H
 
@@ -7,9 +7,13 @@
 
 #include <jansson.h>
 
+enum { HEMISPHERES_COUNT = CONUS_HEMISPHERES_MERGED + 1 };
+/** What each means, for people. */
+extern const char *const hemispheres_meanings[HEMISPHERES_COUNT];
+
 /** What they say of it; NULL is no words. */
 conus_hemispheres hemispheres_of_words(const json_t *words);
-/** Makes them say this; false without memory. */
-bool hemispheres_put_in_words(json_t *words, conus_hemispheres how);
+/** A copy of them that says this; NULL without memory. */
+json_t *hemispheres_put_in_words(const json_t *words, conus_hemispheres how);
 
 #endif

@@ -49,6 +49,15 @@ static void resume(struct viewer *viewer)
     viewer_reselect(viewer);
 }
 
+/* What was edited for another context says nothing of this one. */
+static void forget_transfer(struct viewer *viewer, const struct view_atlas *before, const struct view_atlas *next)
+{
+    if (!view_atlas_shares_context(before, next)) {
+        viewer->transfer_editor.edited = false;
+        viewer->preset = NULL;
+    }
+}
+
 void viewer_draw(struct viewer *viewer, size_t index)
 {
     const struct view_atlas *before = viewer->drawn;
@@ -59,10 +68,7 @@ void viewer_draw(struct viewer *viewer, size_t index)
     painter_destroy(viewer->painter);
     viewer->painter = NULL;
     viewer->drawn = next;
-    if (!view_atlas_shares_context(before, next)) {
-        viewer->transfer_editor.edited = false;
-        viewer->preset = NULL;
-    }
+    forget_transfer(viewer, before, next);
     start_painter(viewer);
     viewer->atlas_number++;
     viewer->cone.answer_number++;
@@ -71,6 +77,7 @@ void viewer_draw(struct viewer *viewer, size_t index)
 
 void viewer_exchange(struct viewer *viewer, struct view_atlas *fresh)
 {
+    forget_transfer(viewer, viewer->drawn, &fresh[viewer->drawn - viewer->atlases]);
     rest(viewer);
     studier_destroy(viewer->study.studier);
     study_answer_destroy(viewer->study.answer);
@@ -84,6 +91,7 @@ void viewer_exchange(struct viewer *viewer, struct view_atlas *fresh)
         conus_atlas_destroy(before.atlas);
         fresh[i].atlas = NULL;
     }
+    viewer_find_ball(viewer);
     resume(viewer);
 }
 

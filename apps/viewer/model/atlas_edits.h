@@ -35,7 +35,8 @@ struct atlas_edits {
 };
 
 /** Shows what is @p fresh, [atlas_count], in place of the viewer's atlases, which end: the same ones, otherwise divided
- * into areas. Cone and views stay, and all are asked again. Then @p fresh is to be ended by view_atlas_finish(). */
+ * into areas, or with other pathways, bundles and contexts. Cone and views stay, and all are asked again. Then @p fresh
+ * is to be ended by view_atlas_finish(). */
 void viewer_exchange(struct viewer *viewer, struct view_atlas *fresh);
 
 /** Draws atlas @p index of the viewer from now on; cone, answers and views stay. Points of the transfer function that

@@ -8,7 +8,7 @@
 
 #include "viewer/look/look.h"
 #include "viewer/model/answer.h"
-#include "viewer/model/sight.h"
+#include "viewer/sight/sight.h"
 
 struct painter;
 

@@ -24,8 +24,7 @@ void viewer_say(struct viewer *viewer, const char *format, ...)
 
 /* ---- Creation --------------------------------------------------------------------------------------------------- */
 
-/* Around all of them: what is seen stays where it is when another one is drawn. */
-static void find_ball(struct viewer *viewer)
+void viewer_find_ball(struct viewer *viewer)
 {
     double low[3] = {INFINITY, INFINITY, INFINITY};
     double high[3] = {-INFINITY, -INFINITY, -INFINITY};
@@ -83,7 +82,7 @@ conus_status viewer_create(struct viewer *out, const struct view_source *sources
         free(viewer.transfer);
         return CONUS_ERROR_MEMORY;
     }
-    find_ball(&viewer);
+    viewer_find_ball(&viewer);
     memcpy(viewer.crosshair, viewer.centre, sizeof viewer.crosshair);
     orbit_look_at(&viewer.orbit, viewer.centre, viewer.radius);
     *out = viewer;

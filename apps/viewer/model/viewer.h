@@ -7,10 +7,10 @@
 #define CONUS_VIEWER_MODEL_VIEWER_H
 
 #include "viewer/model/atlas_edits.h"
-#include "viewer/model/head.h"
-#include "viewer/model/orbit.h"
 #include "viewer/model/painter.h"
 #include "viewer/model/view_atlas.h"
+#include "viewer/sight/head.h"
+#include "viewer/sight/orbit.h"
 #include "viewer/study/studier.h"
 
 enum pointer {
@@ -115,6 +115,8 @@ struct viewer {
 conus_status viewer_create(struct viewer *out, const struct view_source *sources, size_t count, const char *transfer,
                            conus_log log, void (*wake)(void));
 void viewer_finish(struct viewer *viewer);
+/** Finds the ball around all atlases anew: what is seen stays where it is when another one is drawn. */
+void viewer_find_ball(struct viewer *viewer);
 
 /** Puts one line into the status line. */
 void viewer_say(struct viewer *viewer, const char *format, ...) __attribute__((format(printf, 2, 3)));

@@ -21,11 +21,15 @@ struct watch {
     size_t count;
 };
 
-static const char *path_of(const struct watch *watch, size_t index)
+static size_t count_files(const conus_atlas *atlas)
 {
-    size_t volumes = conus_atlas_volume_count(watch->atlas);
-    return index < volumes ? conus_atlas_volume(watch->atlas, index)->path
-                           : conus_atlas_file(watch->atlas, index - volumes);
+    return conus_atlas_volume_count(atlas) + conus_atlas_file_count(atlas);
+}
+
+static const char *path_of(const conus_atlas *atlas, size_t index)
+{
+    size_t volumes = conus_atlas_volume_count(atlas);
+    return index < volumes ? conus_atlas_volume(atlas, index)->path : conus_atlas_file(atlas, index - volumes);
 }
 
 static struct state look_at(const char *path)
@@ -50,7 +54,7 @@ struct watch *watch_create(const conus_atlas *atlas)
         return NULL;
     }
     watch->atlas = atlas;
-    watch->count = conus_atlas_volume_count(atlas) + conus_atlas_file_count(atlas);
+    watch->count = count_files(atlas);
     watch->states = calloc(watch->count + 1, sizeof *watch->states);
     watch->first = calloc(watch->count + 1, sizeof *watch->first);
     if (!watch->states || !watch->first) {
@@ -58,7 +62,7 @@ struct watch *watch_create(const conus_atlas *atlas)
         return NULL;
     }
     for (size_t i = 0; i < watch->count; i++) {
-        watch->states[i] = watch->first[i] = look_at(path_of(watch, i));
+        watch->states[i] = watch->first[i] = look_at(path_of(watch->atlas, i));
     }
     return watch;
 }
@@ -78,12 +82,24 @@ static const char *last_name(const char *path)
     return slash ? slash + 1 : path;
 }
 
-const char *watch_other(const struct watch *watch)
+/* By its name: paths may be absolute now. */
+static bool has_file(const conus_atlas *atlas, const char *name)
+{
+    for (size_t i = 0; i < count_files(atlas); i++) {
+        if (strcmp(last_name(path_of(atlas, i)), name) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+const char *watch_other(const struct watch *watch, const conus_atlas *now)
 {
     for (size_t i = 0; i < watch->count; i++) {
-        struct state now = look_at(path_of(watch, i));
-        if (!is_same(&now, &watch->first[i])) {
-            return last_name(path_of(watch, i));
+        const char *path = path_of(watch->atlas, i);
+        struct state is = look_at(path);
+        if (!is_same(&is, &watch->first[i]) && has_file(now, last_name(path))) {
+            return last_name(path);
         }
     }
     return NULL;
@@ -93,7 +109,7 @@ bool watch_look(struct watch *watch, char news[WATCH_NEWS])
 {
     size_t changes = 0;
     for (size_t i = 0; i < watch->count; i++) {
-        const char *path = path_of(watch, i);
+        const char *path = path_of(watch->atlas, i);
         struct state now = look_at(path);
         if (is_same(&now, &watch->states[i])) {
             continue;

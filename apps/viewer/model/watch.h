@@ -15,7 +15,7 @@ struct watch *watch_create(const conus_atlas *atlas);
 void watch_destroy(struct watch *watch);
 /** Looks again. True: one changed, went away or came back since the last look, as @p news says in a line. */
 bool watch_look(struct watch *watch, char news[WATCH_NEWS]);
-/** The name of a file that is another one than when the watch began, or gone; NULL = all are as they were. */
-const char *watch_other(const struct watch *watch);
+/** The name of a file that @p now has, too, and that is another one than when the watch began; NULL = there is none. */
+const char *watch_other(const struct watch *watch, const conus_atlas *now);
 
 #endif

@@ -14,22 +14,13 @@ static void use_width(const struct window *window)
 
 static void choose_hemispheres(struct window *window)
 {
-    struct hemispheres *hemispheres = &window->hemispheres;
-    size_t how = (size_t)hemispheres->wanted;
+    size_t how = (size_t)window->hemispheres;
     use_width(window);
     if (ui_choose("##hemispheres", &how, hemispheres_meanings, HEMISPHERES_COUNT)) {
-        hemispheres_want(hemispheres, window->viewer, (conus_hemispheres)how);
+        window_want_hemispheres(window, (conus_hemispheres)how, 0);
     }
     ui_tip("hemispheres: areas as the file has them; those that lie on both sides cut in two at x = 0 mm; or left and\n"
            "right ones of one name reported as one (--hemispheres). The atlas is loaded again for it; F8: the next");
-    if (hemispheres_wait(hemispheres)) {
-        ui_text_coloured(theme_texts[THEME_ORANGE], "loading the atlas ...");
-        ui_same_line();
-        if (ui_small_button("cancel")) {
-            hemispheres_want(hemispheres, window->viewer, hemispheres->now);
-        }
-        ui_tip("areas stay as they are");
-    }
 }
 
 static void choose_side(struct window *window)

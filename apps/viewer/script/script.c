@@ -38,7 +38,7 @@ struct script {
     unsigned waiting; /* frames to let pass before the next command */
     unsigned settled; /* frames that the pictures shall still be fine for */
     double until;     /* by clock_ms(): settled, or it fails; or the end of a pause */
-    bool settling, pausing, reloading;
+    bool settling, pausing;
     char *awaited; /* a file that must be there before the next command; NULL = none */
 };
 
@@ -515,9 +515,7 @@ bool script_waits(struct script *script, const struct window *window)
         script->awaited = NULL;
     }
     bool unsettled = script->settling && !window_is_settled(window) && now < script->until;
-    bool reloads = script->reloading && window->viewer && hemispheres_wait(&window->hemispheres);
-    script->reloading = reloads;
-    return script->pausing || script->awaited || unsettled || reloads;
+    return script->pausing || script->awaited || unsettled;
 }
 
 /* Whether the frame was one to let pass. */
@@ -562,7 +560,6 @@ bool script_step(struct script *script, struct window *window, int *code)
         return fail_line(script, code, "more than 8 words");
     }
     call.count = words ? words - 1 : 0;
-    script->reloading = words && strcmp(call.words[0], "hemispheres") == 0;
     if (words && !act(&call)) {
         *code = EXIT_DATA;
         return true;

@@ -11,7 +11,7 @@ bool script_hemispheres(struct window *window, char *const *arguments, size_t co
 {
     for (size_t how = 0; count && settings_hemispheres[how]; how++) {
         if (strcmp(settings_hemispheres[how], arguments[0]) == 0) {
-            hemispheres_want(&window->hemispheres, window->viewer, (conus_hemispheres)how);
+            window_want_hemispheres(window, (conus_hemispheres)how, 0);
             return true;
         }
     }

@@ -239,11 +239,9 @@ static json_t *pins_of(const struct viewer *viewer)
                                   number_or_null(pin->share), "distance_mm", number_or_null(pin->distance), "contact",
                                   number_or_null(pin->contact[0]), number_or_null(pin->contact[1]),
                                   number_or_null(pin->contact[2]));
+        json_object_set_new(entry, "name", json_string(pin->name)); /* left out where it was cut within a letter */
         if (viewer->atlas_count > 1) {
             json_object_set_new(entry, "atlas", json_integer((json_int_t)pin->atlas + 1));
-        }
-        if (!pin->object) {
-            json_object_set_new(entry, "name", json_string(pin->name));
         }
         json_array_append_new(pins, entry);
     }

@@ -136,7 +136,7 @@ static void fit_pairs(json_t *list, const struct numbers *numbers)
     }
 }
 
-/* Pins in other atlases stay, and so do those of areas that are gone, which have a name. */
+/* Pins in other atlases stay; those of what is gone are names only, unless an older session does not say them. */
 static void fit_pins(json_t *list, const struct numbers *numbers)
 {
     for (size_t i = json_array_size(list); i-- > 0;) {
@@ -146,7 +146,7 @@ static void fit_pins(json_t *list, const struct numbers *numbers)
             continue;
         }
         uint32_t number = number_now(numbers, json_object_get(pin, "object"));
-        if (number) {
+        if (number || json_object_get(pin, "name")) {
             json_object_set_new(pin, "object", json_integer(number));
         } else {
             json_array_remove(list, i);

@@ -67,18 +67,9 @@ void undo_renew(struct window *window)
     }
 }
 
-void undo_pay(struct window *window)
-{
-    if (window->hemispheres.owed) {
-        changes_step(&window->changes, window->hemispheres.owed);
-        window->hemispheres.owed = 0;
-    }
-}
-
 void undo_note(struct window *window)
 {
     const struct viewer *viewer = window->viewer;
-    undo_pay(window);
     bool is_new = window->noted_version != viewer->version || window->noted_said != viewer->said ||
                   window->noted_second != window->second.version || !window->changes.count ||
                   !layout_is_same(&window->noted_layout, &window->layout);
@@ -114,7 +105,7 @@ static bool needs_others(conus_hemispheres *how, const struct window *window, co
     const json_t *opened = json_object_get(root, "opened");
     *how = hemispheres_of_words(json_object_get(opened, "options"));
     json_decref(root);
-    return opened && *how != window->hemispheres.now;
+    return opened && *how != window->hemispheres;
 }
 
 static void use_aloud(struct window *window, const char *state, int by)
@@ -127,32 +118,25 @@ static void use_aloud(struct window *window, const char *state, int by)
     }
 }
 
-void undo_go_on(struct window *window)
+void undo_go_on(struct window *window, int by)
 {
-    struct hemispheres *hemispheres = &window->hemispheres;
-    if (hemispheres->state) {
-        use_aloud(window, hemispheres->state, hemispheres->step);
-        free(hemispheres->state);
-        hemispheres->state = NULL;
+    const char *state = changes_step(&window->changes, by);
+    if (state) {
+        use_aloud(window, state, by);
     }
 }
 
 void undo_step(struct window *window, int by)
 {
     conus_hemispheres how;
-    if (hemispheres_wait(&window->hemispheres)) {
-        hemispheres_rest(&window->hemispheres);
-        viewer_say(window->viewer, "the atlas stays as it is: %s", hemispheres_meanings[window->hemispheres.now]);
-        window->viewer->version++;
-        return;
-    }
     window->noted_version = window->viewer->version - 1; /* what has just changed counts, too */
     undo_note(window);
     const char *state = changes_step(&window->changes, by);
     if (!state) {
         viewer_say(window->viewer, by < 0 ? "nothing to undo" : "nothing to do again");
     } else if (needs_others(&how, window, state)) {
-        hemispheres_want_state(&window->hemispheres, window->viewer, how, strdup(state), by);
+        changes_step(&window->changes, -by);
+        window_want_hemispheres(window, how, by);
     } else {
         use_aloud(window, state, by);
     }

@@ -12,12 +12,10 @@
 void undo_note(struct window *window);
 /** The state is as it was noted last, though the atlas is not: that is no change to be taken back. */
 void undo_renew(struct window *window);
-/** Goes back to where it was before atlases should have been loaded again, if they are not to be any more. */
-void undo_pay(struct window *window);
-/** Goes a change back (-1) or forth (1), and says so. Where the atlases are to be loaded again for it, only once they
- * are (window->hemispheres). While that goes on, it is what is taken back, whichever way it goes. */
+/** Goes a change back (-1) or forth (1), and says so. Where the atlases are to be opened again for it, only once they
+ * are (window->wanted). */
 void undo_step(struct window *window, int by);
-/** The atlases are loaded again: goes where that was for, if for that. */
-void undo_go_on(struct window *window);
+/** They are: goes there. */
+void undo_go_on(struct window *window, int by);
 
 #endif

@@ -66,26 +66,17 @@ void window_want_sample(struct window *window)
     }
 }
 
-/* Whether an atlas may be among them. */
-static bool has_others(size_t count, const char *const *paths)
-{
-    bool has = false;
-    for (size_t i = 0; i < count; i++) {
-        has = has || !conus_path_is_tractogram(paths[i]);
-    }
-    return has;
-}
-
 void window_drop(struct window *window, size_t count, const char *const *paths)
 {
-    bool loses = !window->start.on && window->viewer->pin_count && has_others(count, paths);
-    if (!loses) {
-        window_want_all(window, count, paths);
-        return;
-    }
+    window_want_all(window, count, paths);
+    window->wanted.asks = !window->start.on && window->viewer->pin_count;
+}
+
+void window_ask(struct window *window, const struct wanted *wanted)
+{
     window_go_to_start(window);
-    if (count == 1) {
-        snprintf(window->start.typed, sizeof window->start.typed, "%s", paths[0]);
+    if (wanted->count == 1) {
+        snprintf(window->start.typed, sizeof window->start.typed, "%s", wanted->paths[0]);
     }
 }
 
@@ -95,7 +86,7 @@ const struct json_t *window_words(struct window *window)
 {
     const json_t *words = json_object_get(window->opened, "options");
     if (!words) {
-        window_say(window, "one of the options with which conus was started is not UTF-8: nothing can be added here");
+        window_say(window, "one of the options with which conus was started is not UTF-8: the atlas stays as it is");
     }
     return words;
 }
@@ -135,6 +126,17 @@ void window_change(struct window *window, size_t index, enum addition kind, cons
         want_words(window, additions_with(changed, kind, value));
     }
     json_decref(changed);
+}
+
+void window_want_hemispheres(struct window *window, conus_hemispheres how, int step)
+{
+    const json_t *words = window_words(window);
+    if (words && how != window->hemispheres) {
+        want_words(window, hemispheres_put_in_words(words, how));
+        window->wanted.step = step;
+    } else if (words) {
+        viewer_say(window->viewer, "%s", hemispheres_meanings[how]);
+    }
 }
 
 /* ---- The dialog -------------------------------------------------------------------------------------------------- */

@@ -340,6 +340,7 @@ void window_show(struct window *window, struct viewer *viewer)
                               .press = window->press,
                               .wanted = window->wanted,
                               .opened = window->opened,
+                              .wake = window->wake,
                               .hemispheres = window->hemispheres,
                               .doubted = window->doubted,
                               .session_waits = window->session_waits,
@@ -493,8 +494,7 @@ bool window_is_settled(const struct window *window)
 {
     const struct viewer *viewer = window->viewer;
     bool has_page = window->start.on || window->dialog.on;
-    bool waits = hemispheres_wait(&window->hemispheres);
-    bool settled = !waits && (has_page || window->painted_fine || !window_shows_pane(window, PANE_3D));
+    bool settled = has_page || window->painted_fine || !window_shows_pane(window, PANE_3D);
     if (!has_page && studies_is_on(viewer)) {
         settled = settled && !studies_is_old(viewer);
     }

@@ -7,7 +7,7 @@
 #include "viewer/chosen/cells.h"
 #include "viewer/chosen/outline.h"
 #include "viewer/devices/devices.h"
-#include "viewer/hemispheres/wish.h"
+#include "viewer/hemispheres/words.h"
 #include "viewer/look/sheet.h"
 #include "viewer/model/source.h"
 #include "viewer/model/times.h"
@@ -89,7 +89,9 @@ struct added_form {
 struct wanted {
     char **paths; /**< [count] Atlases, sessions, and what is to be added; 0 = none. */
     size_t count;
+    bool asks;            /**< Where an atlas may be among them, the user is asked first. */
     struct json_t *words; /**< Options with which the atlas that is open is to be opened again; NULL = none. */
+    int step;             /**< By which undo goes then (session/undo.h). */
 };
 
 struct window {
@@ -98,11 +100,11 @@ struct window {
     bool (*press)(struct window *window, const char *key); /**< What keys do; NULL while an atlas is loaded. */
     struct wanted wanted;
     struct json_t *opened; /**< What a session says of that (opening/session_file.h); NULL = nothing. */
-    struct hemispheres hemispheres;
-    struct reload *reload; /**< Of viewer/reload.h, while the atlases are loaded again; else NULL. */
-    char *doubted;         /**< Options that were not taken, since bundles hardly are in the atlas's space: asked for
-                                once more, they are; NULL = none. */
-    char *session_waits;   /**< A session whose atlas was not found: the next atlas is its; NULL = none. */
+    void (*wake)(void);    /**< Makes the window's loop look again, from any thread. */
+    conus_hemispheres hemispheres;
+    char *doubted;       /**< Options that were not taken, since bundles hardly are in the atlas's space: asked for
+                              once more, they are; NULL = none. */
+    char *session_waits; /**< A session whose atlas was not found: the next atlas is its; NULL = none. */
     struct start start;
     struct dialog dialog; /**< In place of the start page and all panels, while it is on. */
     bool stops;           /**< What is being loaded is not wanted any more. */
@@ -194,6 +196,9 @@ void window_take_out(struct window *window, size_t index);
 void window_change(struct window *window, size_t index, enum addition kind, const char *value);
 /** The options with which the atlas was opened, an array of texts; NULL where they are not known, and it was said. */
 const struct json_t *window_words(struct window *window);
+/** Asks for the atlas with other hemispheres, for which undo goes @p step (0 = it does not), or says that it has them.
+ */
+void window_want_hemispheres(struct window *window, conus_hemispheres how, int step);
 /** Likewise what was typed on the start page, if anything was. */
 void window_want_typed(struct window *window);
 /** Likewise the sample of the start page, if that is the phantom. */
@@ -209,6 +214,8 @@ void window_go_to_start(struct window *window);
 /** Asks for what was dropped on the window; where another atlas may be among it and confirmed results would be lost,
  * only once it is opened from the start page. */
 void window_drop(struct window *window, size_t count, const char *const *paths);
+/** Shows that start page, for files that were dropped. */
+void window_ask(struct window *window, const struct wanted *wanted);
 /** Says one line where it is seen: on the start page, or in the status line. */
 void window_say(struct window *window, const char *text);
 /** Where it is now. */

@@ -1,0 +1,101 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Draws the page, and waits for the loader's thread. */
+#include "viewer/loading/waiting.h"
+
+#include "common/messages.h"
+
+#include <GLFW/glfw3.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static const double progress_s = 0.1; /* between two looks at how far it is */
+static const double patience_s = 0.2; /* what is open is seen for so long: what is ready then needs no page */
+
+/* What is read, and a bar of the files that are. */
+static void draw_progress(const struct window *window, const struct loader_progress *progress, double seconds)
+{
+    static const ui_colour light = {235, 235, 240, 255};
+    static const ui_colour dim = {255, 255, 255, 25};
+    static const ui_colour full = {66, 150, 250, 255};
+    float line = ui_line();
+    float wide = fminf(420 * window->scale, 0.8F * (float)window->width);
+    struct ui_box bar = {((float)window->width - wide) / 2, (float)window->height / 2, wide, 0.4F * line};
+    char text[160];
+    snprintf(text, sizeof text, "reading %s   %.1f s", progress->file, seconds);
+    ui_draw_text((float[]){bar.x + 3, bar.y - 1.5F * line}, light, text);
+    ui_draw_text((float[]){bar.x + 3, bar.y + line}, light,
+                 window->stops ? "Escape: this file is the last one that is read" : "Escape ends that");
+    ui_draw_box(bar, dim, 0);
+    bar.width *= (float)progress->part;
+    ui_draw_box(bar, full, 0);
+}
+
+static void draw_page(struct window *window, struct loader *loader, double seconds)
+{
+    struct loader_progress progress;
+    loader_ask(loader, &progress);
+    window_lay_out(window);
+    window_clear(window);
+    ui_begin();
+    ui_panel("loading", (struct ui_box){0, 0, (float)window->width, (float)window->height}, UI_PLAIN);
+    draw_progress(window, &progress, seconds);
+    ui_panel_end();
+    ui_end();
+    glfwSwapBuffers(window->handle);
+}
+
+/* All that keys do meanwhile. */
+static bool press_while_loading(struct window *window, const char *key)
+{
+    bool ends = strcmp(key, "escape") == 0;
+    window->stops = window->stops || ends;
+    return ends;
+}
+
+/* Until it is done, or the window is closed. */
+static void wait_for(struct loader *loader, struct window *window)
+{
+    double begun = glfwGetTime();
+    while (!loader_done(loader) && !glfwWindowShouldClose(window->handle)) {
+        double seconds = glfwGetTime() - begun;
+        if (window_wants(window) || window->stops) {
+            loader_cancel(loader);
+        }
+        if (!window->viewer || seconds >= patience_s) {
+            draw_page(window, loader, seconds);
+        }
+        glfwWaitEventsTimeout(progress_s);
+    }
+    if (glfwWindowShouldClose(window->handle)) { /* the file that is being read is read to its end */
+        loader_cancel(loader);
+        glfwHideWindow(window->handle);
+    }
+}
+
+bool wait_load(struct window *window, const struct loading *what, struct atlases *out, char why[LOADER_WHY])
+{
+    struct loader *loader = NULL;
+    if (!loader_start(&loader, what)) {
+        print_error_line("not enough memory");
+        snprintf(why, LOADER_WHY, "not enough memory");
+        return false;
+    }
+    bool (*press)(struct window *, const char *) = window->press;
+    window->press = press_while_loading;
+    window->stops = false;
+    wait_for(loader, window);
+    window->press = press;
+    bool fine = loader_finish(loader, out, why);
+    if (!fine && !why[0] && window->stops) {
+        snprintf(why, LOADER_WHY, "not read: Escape ended that");
+    }
+    return fine;
+}
+
+bool wait_look(struct window *window, const char *path, void (*look)(void *user), void *user, char why[LOADER_WHY])
+{
+    struct atlases none;
+    return wait_load(window, &(struct loading){.path = path, .look = look, .user = user, .wake = glfwPostEmptyEvent},
+                     &none, why);
+}
