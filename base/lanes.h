@@ -108,6 +108,11 @@ static INLINE truths is_zero(wholes a)
     return _mm512_testn_epi32_mask((__m512i)a, (__m512i)a);
 }
 
+static INLINE truths is_positive(wholes a)
+{
+    return _mm512_cmpgt_epi32_mask((__m512i)a, _mm512_setzero_si512());
+}
+
 static INLINE singles choose(truths which, singles yes, singles no)
 {
     return (singles)_mm512_mask_blend_ps(which, (__m512)no, (__m512)yes);
@@ -196,6 +201,11 @@ static INLINE truths equal(singles a, singles b)
 static INLINE truths is_zero(wholes a)
 {
     return (truths)(a == 0);
+}
+
+static INLINE truths is_positive(wholes a)
+{
+    return (truths)(a > 0);
 }
 
 static INLINE singles choose(truths which, singles yes, singles no)

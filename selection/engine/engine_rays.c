@@ -9,6 +9,7 @@
 #include "selection/cone/aperture.h"
 #include "selection/engine/tracts/tract_rays.h"
 #include "selection/engine/triangles/mesh_rays.h"
+#include "selection/engine/voxels/labelled_map.h"
 
 #include <stdatomic.h>
 #include <stdio.h>
@@ -19,11 +20,15 @@ enum { BLOCK = APERTURE_BLOCK };
 /* Uniform maps are made when so many rays have listed their intervals without: AAL's takes about as long as these. */
 enum { RAYS_WITHOUT_UNIFORM = 1 << 13 };
 
+/* Labelled ones are when so many have been traced: AAL's takes about as long as half of these. */
+enum { RAYS_WITHOUT_LABELS = 1 << 19 };
+
 struct target {
     const struct volume *volume;
-    struct distance_map map;     /* exact sampling                                */
-    struct distance_map uniform; /* with has_uniform; no codes: go on without one */
-    uint32_t slices;             /* sampled slices                                */
+    struct distance_map map;      /* exact sampling                                */
+    struct distance_map uniform;  /* with has_uniform; no codes: go on without one */
+    struct distance_map labelled; /* with has_labelled; the same                  */
+    uint32_t slices;              /* sampled slices                                */
 };
 
 struct rays_engine {
@@ -35,6 +40,8 @@ struct rays_engine {
     struct mesh_intervals intervals; /* empty: what a query begins with */
     atomic_size_t pierced;           /* rays that have listed their intervals */
     atomic_bool has_uniform;         /* the targets' uniform maps are there: several threads may be here */
+    atomic_size_t traced;            /* rays that have found what is first */
+    atomic_bool has_labelled;        /* the labelled maps are there */
     size_t target_count;
     struct target targets[];
 };
@@ -53,6 +60,7 @@ static void destroy(struct engine *engine)
     for (size_t i = 0; i < rays->target_count; i++) {
         distance_map_finish(&rays->targets[i].map);
         distance_map_finish(&rays->targets[i].uniform);
+        distance_map_finish(&rays->targets[i].labelled);
     }
     mesh_rays_destroy(rays->meshes);
     tract_rays_destroy(rays->tracts);
@@ -60,12 +68,11 @@ static void destroy(struct engine *engine)
 }
 
 /* Nearest first; of equally near ones the object with the lower number. */
-static void keep_nearer(struct evidence *out, size_t pixel, const struct volume *volume, double t, uint64_t voxel)
+static void keep_nearer(struct evidence *out, size_t pixel, double t, uint64_t voxel, uint32_t object)
 {
     if (voxel == UINT64_MAX || t > out->distance[pixel]) {
         return;
     }
-    uint32_t object = volume_object(volume, (size_t)voxel);
     if (t < out->distance[pixel] || object < out->object[pixel]) {
         out->object[pixel] = object;
         out->distance[pixel] = t;
@@ -142,7 +149,7 @@ static struct traverse_contact sample_slices(const struct volume *volume, const 
         }
         size_t voxel = inside ? (size_t)cell[0] + dim[0] * ((size_t)cell[1] + dim[1] * (size_t)cell[2]) : 0;
         if (inside && volume_object(volume, voxel)) {
-            return (struct traverse_contact){.t = t, .voxel = voxel};
+            return (struct traverse_contact){.t = t, .voxel = voxel, .object = volume_object(volume, voxel)};
         }
     }
     return (struct traverse_contact){.t = INFINITY, .voxel = UINT64_MAX};
@@ -165,6 +172,7 @@ static void walk_slices(const struct target *target, struct traverse_bundle *bun
         struct traverse_contact contact = sample_slices(volume, &slices, origin, direction, per_depth);
         bundle->t[ray] = contact.t;
         bundle->voxel[ray] = contact.voxel;
+        bundle->object[ray] = contact.object;
     }
 }
 
@@ -172,21 +180,20 @@ static void trace_volumes(const struct rays_engine *engine, struct evidence *out
                           struct block *block)
 {
     struct traverse_bundle *bundle = &block->bundle;
+    bool has_labelled = atomic_load_explicit(&engine->has_labelled, memory_order_acquire);
     for (size_t i = 0; i < engine->target_count; i++) {
         const struct target *target = &engine->targets[i];
+        const struct distance_map *map = has_labelled && target->labelled.codes ? &target->labelled : &target->map;
         for (size_t ray = 0; ray < bundle->count; ray++) {
             bundle->limit[ray] = i ? out->distance[block->pixel[ray]] : INFINITY;
         }
         if (engine->sampling == CONUS_SAMPLING_SLICES) {
             walk_slices(target, bundle, cone);
         } else {
-            traverse_bundle_walk(engine->kernel, &target->map, target->volume, bundle);
-        }
-        for (size_t ray = 0; ray < bundle->count; ray++) { /* or each would be waited for in turn */
-            volume_fetch(target->volume, bundle->voxel[ray]);
+            traverse_bundle_walk(engine->kernel, map, target->volume, bundle);
         }
         for (size_t ray = 0; ray < bundle->count; ray++) {
-            keep_nearer(out, block->pixel[ray], target->volume, bundle->t[ray], bundle->voxel[ray]);
+            keep_nearer(out, block->pixel[ray], bundle->t[ray], bundle->voxel[ray], bundle->object[ray]);
         }
     }
 }
@@ -288,10 +295,29 @@ conus_status engine_rays_trace_on(struct engine *engine, struct evidence *out, c
     return for_blocks((const struct rays_engine *)engine, out, cone, trace_block);
 }
 
+/* The thread that reaches the limit makes the labelled maps; a volume that can have none goes on without. */
+static void count_traced(struct rays_engine *engine, size_t rays)
+{
+    if (engine->sampling != CONUS_SAMPLING_EXACT || atomic_load_explicit(&engine->has_labelled, memory_order_acquire)) {
+        return;
+    }
+    size_t before = atomic_fetch_add(&engine->traced, rays);
+    if (before >= RAYS_WITHOUT_LABELS || before + rays < RAYS_WITHOUT_LABELS) {
+        return;
+    }
+    for (size_t t = 0; t < engine->target_count; t++) {
+        struct target *target = &engine->targets[t];
+        labelled_map_init(&target->labelled, target->volume, &target->map);
+    }
+    atomic_store_explicit(&engine->has_labelled, true, memory_order_release);
+}
+
 static conus_status trace(struct engine *engine, struct evidence *out, const struct cone *cone)
 {
     evidence_clear(out);
-    return engine_rays_trace_on(engine, out, cone);
+    conus_status status = engine_rays_trace_on(engine, out, cone);
+    count_traced((struct rays_engine *)engine, (size_t)cone->resolution * cone->resolution);
+    return status;
 }
 
 /* The thread that reaches the limit makes the uniform maps. A volume that is too large, or for whose map there is no

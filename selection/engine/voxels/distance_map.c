@@ -472,8 +472,7 @@ static conus_status make_map(struct distance_map *out, const struct volume *volu
     struct distance_map map;
     size_t size = set_dimensions(&map, volume);
     map.block = memory_raw(size / DISTANCE_LINE + 1, DISTANCE_LINE);
-    map.codes = (uint8_t *)(((uintptr_t)map.block + DISTANCE_LINE - 1) / DISTANCE_LINE *
-                            DISTANCE_LINE); /* on the processor's lines */
+    map.codes = distance_map_on_lines(map.block);
     conus_status status = map.block ? fill_codes(&map, volume, mark) : CONUS_ERROR_MEMORY;
     if (status) {
         distance_map_finish(&map);

@@ -5,7 +5,9 @@
  * One byte per voxel, its code: 0 where the voxel holds an object; else 1 + r, where all voxels of the grid that differ
  * from it by at most r in every index hold none. There is a margin of empty voxels around the grid, with codes of their
  * own. Bytes lie in lines of 4 x 4 x 4, the size of the processor's, so that neighbours share them whatever the
- * direction of a ray. */
+ * direction of a ray.
+ *
+ * In a labelled map (labelled_map.h) the voxels that hold an object have several codes, which say what object it is. */
 #ifndef CONUS_SELECTION_ENGINE_VOXELS_DISTANCE_MAP_H
 #define CONUS_SELECTION_ENGINE_VOXELS_DISTANCE_MAP_H
 
@@ -21,6 +23,8 @@ struct distance_map {
     double last[3];  /**< and highest index; below the lowest if none.   */
     uint8_t *codes;  /**< [distance_map_codes()], in                          */
     void *block;     /**< this memory; NULL if they are not the map's own. */
+    uint32_t shift;  /**< Codes of empty voxels are higher by so many; the others are up to it. */
+    uint32_t least;  /**< The object whose voxels have code 0; 0: the map is not labelled.      */
 };
 
 /** @p volume must have objects. Uses its distance map, if it has one, for as long as the volume has it. */
@@ -57,6 +61,12 @@ conus_status distance_map_write(void *memory, const struct volume *volume);
 static inline size_t distance_map_codes(const struct distance_map *map)
 {
     return map->lines[0] * map->lines[1] * map->lines[2] * DISTANCE_LINE;
+}
+
+/** The first of the processor's lines in a block of memory. */
+static inline uint8_t *distance_map_on_lines(void *block)
+{
+    return (uint8_t *)(((uintptr_t)block + DISTANCE_LINE - 1) / DISTANCE_LINE * DISTANCE_LINE);
 }
 
 /** Position of voxel (i, j, k) among the codes; those of the margin in front are (size_t)-DISTANCE_MARGIN. */

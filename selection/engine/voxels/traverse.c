@@ -142,9 +142,10 @@ struct traverse_contact traverse_one(const struct distance_map *map, const struc
     struct traverse_place at;
     bool inside = traverse_enter(map, ray, &at);
     while (inside && at.t <= limit) {
-        uint8_t code = traverse_code(map, &at);
-        if (!code) {
-            return (struct traverse_contact){.t = at.t, .voxel = traverse_voxel(map, &at)};
+        int code = traverse_code(map, &at);
+        if (code <= 0) {
+            uint32_t object = map->least + map->shift + (uint32_t)code;
+            return (struct traverse_contact){.t = at.t, .voxel = traverse_voxel(map, &at), .object = object};
         }
         inside = traverse_skip(map, ray, code - 1, &at);
     }
@@ -166,6 +167,7 @@ void traverse_bundle_ray(const struct distance_map *map, struct traverse_bundle 
     struct traverse_contact contact = traverse_one(map, &ray, bundle->limit[i]);
     bundle->t[i] = contact.t;
     bundle->voxel[i] = contact.voxel;
+    bundle->object[i] = contact.object;
 }
 
 static void walk_one_by_one(const struct distance_map *map, struct traverse_bundle *bundle)
@@ -235,6 +237,17 @@ static bool aim_at_volume(struct traverse_bundle *bundle, const struct distance_
     return is_near;
 }
 
+/* Sets what object each hit is. */
+static void find_objects(struct traverse_bundle *bundle, const struct volume *volume)
+{
+    for (size_t i = 0; i < bundle->count; i++) { /* or each would be waited for in turn */
+        volume_fetch(volume, bundle->voxel[i]);
+    }
+    for (size_t i = 0; i < bundle->count; i++) {
+        bundle->object[i] = bundle->voxel[i] == UINT64_MAX ? 0 : volume_object(volume, bundle->voxel[i]);
+    }
+}
+
 void traverse_bundle_walk(const struct traverse_kernel *kernel, const struct distance_map *map,
                           const struct volume *volume, struct traverse_bundle *bundle)
 {
@@ -246,6 +259,9 @@ void traverse_bundle_walk(const struct traverse_kernel *kernel, const struct dis
         walk_one_by_one(map, bundle);
     }
     bundle->count = count;
+    if (!map->least) {
+        find_objects(bundle, volume);
+    }
 }
 
 conus_status traverse_bundle_pierce(const struct traverse_kernel *kernel, const struct distance_map *map,

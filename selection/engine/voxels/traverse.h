@@ -29,11 +29,11 @@ struct traverse_place {
     double t;
 };
 
-/** The map's code there. */
-static inline uint8_t traverse_code(const struct distance_map *map, const struct traverse_place *place)
+/** 1 + the radius of the empty box there; at most 0 where an object is. */
+static inline int traverse_code(const struct distance_map *map, const struct traverse_place *place)
 {
     const double *cell = place->cell;
-    return map->codes[distance_map_at(map, (size_t)cell[0], (size_t)cell[1], (size_t)cell[2])];
+    return map->codes[distance_map_at(map, (size_t)cell[0], (size_t)cell[1], (size_t)cell[2])] - (int)map->shift;
 }
 
 /** The voxel there, its linear index. */
@@ -45,8 +45,9 @@ static inline size_t traverse_voxel(const struct distance_map *map, const struct
 
 /** The first voxel with an object. */
 struct traverse_contact {
-    double t;       /**< mm to the entry into its cell; 0 if the ray starts in it; INFINITY = none. */
-    uint64_t voxel; /**< Linear index i + dim0 (j + dim1 k); UINT64_MAX = none.                     */
+    double t;        /**< mm to the entry into its cell; 0 if the ray starts in it; INFINITY = none. */
+    uint64_t voxel;  /**< Linear index i + dim0 (j + dim1 k); UINT64_MAX = none.                     */
+    uint32_t object; /**< Of a hit by a labelled map: what is there.                                 */
 };
 
 /** Index of the cell [i - 1/2, i + 1/2) that holds @p x. */
@@ -89,12 +90,13 @@ struct traverse_bundle {
     double start_cell[3];                  /**< its cell: traverse_bundle_walk() sets all three.             */
     alignas(64) double t[TRAVERSE_BUNDLE]; /**< Out: as in struct traverse_contact.                      */
     uint64_t voxel[TRAVERSE_BUNDLE];
+    uint32_t object[TRAVERSE_BUNDLE]; /**< Out: what is there, of hits.                                 */
 };
 
 /** Ray @p i in index space. */
 struct traverse_ray traverse_bundle_at(const struct traverse_bundle *bundle, size_t i);
 
-/** Walks ray @p i alone. */
+/** Walks ray @p i alone. Sets the object only by a labelled map. */
 void traverse_bundle_ray(const struct distance_map *map, struct traverse_bundle *bundle, size_t i);
 
 /** All intervals of a bundle's rays: what a kernel lists at once. */
@@ -112,6 +114,7 @@ struct traverse_piercing {
 struct traverse_kernel {
     const char *name; /**< "avx512" */
     bool (*is_supported)(void);
+    /** Sets the objects only by a labelled map. */
     void (*walk)(const struct distance_map *map, struct traverse_bundle *bundle);
     /** NULL where there is none: then rays are pierced one by one. */
     conus_status (*pierce)(struct traverse_piercing *piercing, struct traverse_bundle *bundle);
@@ -135,7 +138,7 @@ const struct traverse_kernel *traverse_best_kernel(void);
 conus_status traverse_bundle_pierce(const struct traverse_kernel *kernel, const struct distance_map *map,
                                     struct traverse_piercing *piercing, struct traverse_bundle *bundle);
 
-/** Walks the rays through @p volume, whose map @p map is. */
+/** Walks the rays through @p volume, whose map @p map is, labelled or not. */
 void traverse_bundle_walk(const struct traverse_kernel *kernel, const struct distance_map *map,
                           const struct volume *volume, struct traverse_bundle *bundle);
 

@@ -369,8 +369,8 @@ static INLINE void leave(struct walk *walk, size_t packet, wholes codes, truths 
 /* Lanes that hit an object stop, with their hit set; the others leave the empty box around them. */
 static INLINE void advance(struct walk *walk, size_t packet)
 {
-    wholes codes = bytes_at(walk->codes, walk->at + packet * LANES);
-    truths met = is_zero(codes);
+    wholes codes = bytes_at(walk->codes, walk->at + packet * LANES) - (int32_t)walk->map->shift;
+    truths met = ~is_positive(codes);
     walk->hit[packet] |= walk->live[packet] & met;
     leave(walk, packet, codes, walk->live[packet] & ~met);
 }
@@ -413,6 +413,8 @@ static INLINE void deliver_packet(const struct walk *walk, size_t packet)
         times[a] = (face - singles_at(walk->origin[a] + slot)) * inverse;
     }
     singles t = larger(larger(times[0], times[1]), times[2]);
+    wholes object = bytes_at(walk->codes, walk->at + slot) + (int32_t)walk->map->least;
+    store_wholes((int32_t *)walk->bundle->object + slot, object); /* of a map that is labelled, or it is not asked */
     truths is_0 = equal(t, times[0]);
     truths is_1 = equal(t, times[1]);
     for (int half = 0; half < 2; half++) {

@@ -25,7 +25,7 @@ conus_status traverse_pierce(struct layers *out, const struct distance_map *map,
     struct traverse_place at;
     bool inside = traverse_enter(map, ray, &at);
     while (inside && !status) {
-        uint8_t code = traverse_code(map, &at);
+        int code = traverse_code(map, &at);
         size_t voxel = traverse_voxel(map, &at);
         uint32_t object = code ? 0 : volume_object(volume, voxel);
         if (object != interval.object) {

@@ -4,6 +4,7 @@
 #include "base/math3.h"
 #include "base/memory.h"
 #include "oracle_traversal.h"
+#include "selection/engine/voxels/labelled_map.h"
 #include "selection/engine/voxels/traverse.h"
 #include "test.h"
 
@@ -186,6 +187,7 @@ static size_t walk_and_compare(struct traverse_bundle *bundle, const struct dist
             bool hit = wanted[i].object && wanted[i].distance <= bundle->limit[i];
             double t = hit ? wanted[i].distance : INFINITY;
             uint64_t voxel = hit ? wanted[i].voxel : UINT64_MAX;
+            assert_true(!hit || bundle->object[i] == wanted[i].object);
             if (bundle->t[i] != t || bundle->voxel[i] != voxel || signbit(bundle->t[i])) {
                 fail_msg("%s, ray %zu to %.17g mm: voxel %lld at %.17g mm; wanted %lld at %.17g",
                          traverse_kernel(k)->name, i, bundle->limit[i], (long long)bundle->voxel[i], bundle->t[i],
@@ -292,18 +294,44 @@ static size_t compare_intervals(uint64_t *random, const struct distance_map *map
 
 /* ---- Tests -------------------------------------------------------------------------------------------------- */
 
+/* Numbers from anywhere on, as many as a labelled map has codes for or more. Returns whether it has. */
+static bool name_objects(struct volume *volume, uint64_t *random)
+{
+    static const size_t widths[] = {1, 2, 100, LABELLED_OBJECTS, LABELLED_OBJECTS + 1, 3000};
+    size_t width = widths[any_of(random, sizeof widths / sizeof widths[0])];
+    size_t first = 1 + any_of(random, 1000);
+    size_t least = SIZE_MAX;
+    size_t most = 0;
+    for (size_t v = 0; v < volume->voxel_count; v++) {
+        if (volume->objects16[v]) {
+            size_t object = first + (any_of(random, 4) ? any_of(random, width) : any_of(random, 2) * (width - 1));
+            volume->objects16[v] = (uint16_t)object;
+            least = object < least ? object : least;
+            most = object > most ? object : most;
+        }
+    }
+    return least <= most && most - least < LABELLED_OBJECTS;
+}
+
 static size_t compare_scenes(uint64_t random, int scenes, double scale)
 {
     size_t hits = 0;
+    size_t labelled_scenes = 0;
     for (int scene = 0; scene < scenes; scene++) {
         struct volume volume;
         struct distance_map map;
+        struct distance_map labelled = {0};
         make_volume(&volume, &map, &random, scale);
+        bool has_labelled = name_objects(&volume, &random);
+        assert_int_equal(labelled_map_init(&labelled, &volume, &map), has_labelled);
+        labelled_scenes += has_labelled;
         for (int bundle = 0; bundle < 5; bundle++) {
-            hits += compare_bundle(&random, &map, &volume);
+            hits += compare_bundle(&random, has_labelled && bundle < 3 ? &labelled : &map, &volume);
         }
+        distance_map_finish(&labelled);
         end_volume(&volume, &map);
     }
+    assert_true(labelled_scenes > 5 && labelled_scenes + 5 < (size_t)scenes);
     return hits;
 }
 

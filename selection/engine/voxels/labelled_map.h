@@ -1,0 +1,19 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * A distance map whose codes say what object a voxel holds, so that a ray that hits something need not look for it in
+ * the volume, in memory that is far away. The objects of AAL have codes 0 to 115, and a code of 116 + r is an empty
+ * voxel with r empty ones around it. */
+#ifndef CONUS_SELECTION_ENGINE_VOXELS_LABELLED_MAP_H
+#define CONUS_SELECTION_ENGINE_VOXELS_LABELLED_MAP_H
+
+#include "selection/engine/voxels/distance_map.h"
+
+/** So many codes, or fewer, are of objects; the others tell distances, of which larger ones are cut. */
+enum { LABELLED_OBJECTS = 192 };
+
+/** Makes the labelled map of a volume whose distance map @p map is. False without memory, and where the volume has no
+ * objects or their numbers are LABELLED_OBJECTS apart or more; then @p out is as before. It takes a byte a voxel,
+ * unless there is one object: then it has the codes of @p map, which must outlive it. */
+bool labelled_map_init(struct distance_map *out, const struct volume *volume, const struct distance_map *map);
+
+#endif
