@@ -367,6 +367,19 @@ const char *atlas_kind_word(conus_kind kind)
     return known ? words[kind] : "unassigned";
 }
 
+const char *conus_atlas_kind_word(const conus_atlas *atlas, size_t number)
+{
+    const conus_object *object = conus_atlas_object(atlas, number);
+    bool is_area = object && object->kind == CONUS_KIND_AREA;
+    size_t end = !object ? 0 : is_area ? atlas->object_count : atlas->area_count;
+    for (size_t i = is_area ? atlas->area_count : 0; i < end; i++) {
+        if (strcmp(atlas->objects[i].name, object->name) == 0) {
+            return atlas_kind_word(object->kind);
+        }
+    }
+    return "";
+}
+
 size_t conus_atlas_volume_count(const conus_atlas *atlas)
 {
     return atlas ? atlas->volume_count : 0;

@@ -2,6 +2,7 @@
 /* The legend of a picture: its rows, the place that it takes, and the corner of the drawing where it hides least. */
 #include "selection/picture/picture.h"
 
+#include "base/buffer.h"
 #include "base/math3.h"
 #include "base/memory.h"
 #include "render/colour/pathways.h"
@@ -31,6 +32,8 @@ struct picture_legend {
     struct legend legend;
     struct legend_row *rows;
     struct cells *cells;
+    struct buffer *names; /* [name_count] of what shares its name */
+    size_t name_count;
     char subtitle[TEXT_SIZE], words[TEXT_SIZE], more[TEXT_SIZE], colours[COLOUR_ROWS][TEXT_SIZE];
     double at[2], size[2]; /* pixels of the image */
 };
@@ -49,6 +52,20 @@ bool picture_has_legend(const struct picture *picture)
 
 /* ---- Rows ------------------------------------------------------------------------------------------------------- */
 
+/* With its kind where another kind has that name; without memory, too, the name alone. */
+static const char *name_of(struct picture_legend *legend, const conus_atlas *atlas, uint32_t number)
+{
+    const char *name = atlas->objects[number - 1].name;
+    const char *word = conus_atlas_kind_word(atlas, number);
+    struct buffer *whole = &legend->names[legend->name_count];
+    if (!word[0]) {
+        return name;
+    }
+    buffer_format(whole, "%s %s", word, name);
+    legend->name_count++;
+    return whole->failed ? name : whole->data;
+}
+
 /* Its colour in the picture: of haze that of values in its upper part, which show most. */
 static void set_chip(struct legend_row *row, const struct picture *picture, uint32_t number)
 {
@@ -64,9 +81,11 @@ static void set_chip(struct legend_row *row, const struct picture *picture, uint
     }
 }
 
-static void fill_row(struct legend_row *row, struct cells *cells, const struct picture *picture,
+static void fill_row(struct picture_legend *out, size_t index, const struct picture *picture,
                      const conus_result *result)
 {
+    struct legend_row *row = &out->rows[index];
+    struct cells *cells = &out->cells[index];
     bool is_behind = result->object && !result->pixels;
     snprintf(cells->share, sizeof cells->share, "%.1f %%", 100 * result->share);
     snprintf(cells->distance, sizeof cells->distance, "%.1f mm", is_behind ? result->entry : result->distance);
@@ -74,7 +93,7 @@ static void fill_row(struct legend_row *row, struct cells *cells, const struct p
     row->hollow = !result->object;
     row->name = "unassigned";
     if (result->object) {
-        row->name = picture->atlas->objects[result->object - 1].name;
+        row->name = name_of(out, picture->atlas, result->object);
         set_chip(row, picture, result->object);
         row->detail[1] = cells->distance;
     }
@@ -93,28 +112,29 @@ static bool leaves_out(const struct picture *picture)
 
 /* What of an atlas with pathways or bundles the picture shows beside what is hit: those that are not, each while they
  * are few, and that the other areas are left out. */
-static size_t add_pathways(struct legend_row rows[PATHWAY_ROWS], char words[TEXT_SIZE], const struct picture *picture)
+static size_t add_pathways(struct picture_legend *out, struct legend_row rows[PATHWAY_ROWS],
+                           const struct picture *picture)
 {
     const conus_atlas *atlas = picture->atlas;
     size_t count = 0;
     size_t others = 0;
     size_t bundles = 0;
     for (size_t number = atlas->area_count + 1; number <= atlas->object_count; number++) {
-        const conus_object *pathway = &atlas->objects[number - 1];
         if (!conus_atlas_is_hidden(atlas, number) && picture->emphasis[number] == EMPHASIS_PALE) {
-            bundles += pathway->kind == CONUS_KIND_BUNDLE;
+            bundles += atlas->objects[number - 1].kind == CONUS_KIND_BUNDLE;
             if (others++ < PATHWAY_ROWS - 1) {
-                rows[count++] = (struct legend_row){.name = pathway->name, .detail = {"not hit"}};
+                rows[count++] =
+                    (struct legend_row){.name = name_of(out, atlas, (uint32_t)number), .detail = {"not hit"}};
                 set_chip(&rows[count - 1], picture, (uint32_t)number);
             }
         }
     }
     if (others > count) {
-        snprintf(words, TEXT_SIZE, "%zu %s", others,
+        snprintf(out->words, TEXT_SIZE, "%zu %s", others,
                  !bundles            ? "pathways"
                  : bundles == others ? "bundles"
                                      : "pathways and bundles");
-        rows[0] = (struct legend_row){.name = words, .hollow = true, .detail = {"not hit"}};
+        rows[0] = (struct legend_row){.name = out->words, .hollow = true, .detail = {"not hit"}};
         count = 1;
     }
     if ((pathways_first(atlas) || pathways_shown(atlas)) && atlas_parcellation_count(atlas) && leaves_out(picture)) {
@@ -187,11 +207,11 @@ static void fill_rows(struct picture_legend *out, const struct picture *picture)
     for (size_t i = 0; i < conus_selection_count(selection); i++) {
         const conus_result *result = conus_selection_result(selection, i);
         if (picture_lists(result) || result->pierced) {
-            fill_row(&out->rows[count], &out->cells[count], picture, result);
+            fill_row(out, count, picture, result);
             count++;
         }
     }
-    count += add_pathways(out->rows + count, out->words, picture);
+    count += add_pathways(out, out->rows + count, picture);
     size_t tail = add_colours(out->rows + count, out->colours, picture);
     picture_describe_cone(out->subtitle, &selection->cone, picture->options.frame);
     out->legend = (struct legend){.title = selection->has_layers ? "Hits of the cone" : "First hits of the cone",
@@ -279,6 +299,10 @@ static void place_outside(struct picture_legend *legend, struct picture *picture
 static void legend_destroy(struct picture_legend *legend)
 {
     if (legend) {
+        for (size_t i = 0; i < legend->name_count; i++) {
+            buffer_finish(&legend->names[i]);
+        }
+        memory_free(legend->names);
         memory_free(legend->rows);
         memory_free(legend->cells);
         memory_free(legend);
@@ -298,8 +322,9 @@ conus_status picture_legend_init(struct picture *picture)
     if (legend) {
         legend->rows = memory_zeroed(results + PATHWAY_ROWS + COLOUR_ROWS, sizeof *legend->rows);
         legend->cells = memory_zeroed(results + 1, sizeof *legend->cells);
+        legend->names = memory_zeroed(results + PATHWAY_ROWS, sizeof *legend->names);
     }
-    if (!legend || !legend->rows || !legend->cells) {
+    if (!legend || !legend->rows || !legend->cells || !legend->names) {
         legend_destroy(legend);
         return CONUS_ERROR_MEMORY;
     }

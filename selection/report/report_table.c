@@ -27,28 +27,13 @@ const char *table_name(const conus_report *report, uint32_t object)
     return named ? named->name : TABLE_NOTHING;
 }
 
-/* Whether an area has the name of a pathway or bundle, or the other way round: no two pathways and bundles share one.
- */
-static bool has_namesake(const conus_atlas *atlas, const conus_object *object)
-{
-    bool found = false;
-    bool is_area = object->kind == CONUS_KIND_AREA;
-    size_t first = is_area ? atlas->area_count : 0;
-    size_t end = is_area ? atlas->object_count : atlas->area_count;
-    for (size_t i = first; i < end && !found; i++) {
-        found = strcmp(atlas->objects[i].name, object->name) == 0;
-    }
-    return found;
-}
-
 const char *table_label(char out[TABLE_LABEL_SIZE], const conus_report *report, uint32_t object)
 {
     const conus_object *labelled = conus_atlas_object(report->atlas, object);
     out[0] = '\0';
     if (labelled) {
-        bool is_named_alike = has_namesake(report->atlas, labelled);
-        snprintf(out, TABLE_LABEL_SIZE, "%s%s%u", is_named_alike ? atlas_kind_word(labelled->kind) : "",
-                 is_named_alike ? " " : "", labelled->label);
+        const char *word = conus_atlas_kind_word(report->atlas, object);
+        snprintf(out, TABLE_LABEL_SIZE, "%s%s%u", word, word[0] ? " " : "", labelled->label);
     }
     return out;
 }

@@ -2,6 +2,7 @@
 /* An atlas of the window: its making, its question and its end. */
 #include "viewer/model/view_atlas.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -24,6 +25,14 @@ static void find_sides(struct view_atlas *on)
     }
 }
 
+static void find_kinds(struct view_atlas *on)
+{
+    on->kinds = calloc(on->object_count + 1, sizeof(const char *));
+    for (size_t number = 0; on->kinds && number <= on->object_count; number++) {
+        on->kinds[number] = conus_atlas_kind_word(on->atlas, number);
+    }
+}
+
 bool view_atlas_init(struct view_atlas *out, const struct view_source *source)
 {
     struct view_atlas on = {.atlas = source->atlas,
@@ -38,6 +47,7 @@ bool view_atlas_init(struct view_atlas *out, const struct view_source *source)
     }
     on.watch = watch_create(on.atlas);
     find_sides(&on);
+    find_kinds(&on);
     find_window(&on);
     *out = on;
     return true;
@@ -51,6 +61,7 @@ void view_atlas_finish(struct view_atlas *on)
     look_finish(&on->look);
     watch_destroy(on->watch);
     free(on->sides);
+    free((void *)on->kinds);
     free(on->made_level);
     free(on->name);
     free(on->path);
@@ -120,6 +131,16 @@ void view_atlas_forget(struct view_atlas *on)
 const conus_selection *view_atlas_selection(const struct view_atlas *on)
 {
     return answer_selection(on->answer);
+}
+
+const char *view_atlas_title(char out[VIEW_ATLAS_TITLE], const struct view_atlas *on, size_t number)
+{
+    const char *name = conus_atlas_object(on->atlas, number)->name;
+    if (!on->kinds || !on->kinds[number][0]) {
+        return name;
+    }
+    snprintf(out, VIEW_ATLAS_TITLE, "%s %s", on->kinds[number], name); /* so that where it is cut, they differ */
+    return out;
 }
 
 size_t view_atlas_context(const struct view_atlas *on)

@@ -15,6 +15,7 @@ struct view_atlas {
     char *name; /**< Of the column `atlas`; "" where it is the only one. */
     size_t object_count;
     char *sides;      /**< [object_count + 1] Of conus_atlas_sides(); NULL = without memory. */
+    const char **kinds; /**< [object_count + 1] Of conus_atlas_kind_word(); NULL = without memory. */
     double window[2]; /**< Grey values of the context that the cuts show as black and white, unless the look says
                          others: what air and bright tissue have; both 0 without one. */
     struct look look;
@@ -57,6 +58,9 @@ size_t view_atlas_context(const struct view_atlas *on);
 const double *view_atlas_grey(const struct view_atlas *on);
 /** Whether the same file is the context of both, or none is. */
 bool view_atlas_shares_context(const struct view_atlas *a, const struct view_atlas *b);
+enum { VIEW_ATLAS_TITLE = 256 };
+/** How lists and pictures call object @p number: its name, behind its kind where another kind has that name. */
+const char *view_atlas_title(char out[VIEW_ATLAS_TITLE], const struct view_atlas *on, size_t number);
 /** The volume of a pathway from a threshold on; NULL of another object. */
 const conus_volume_info *view_atlas_pathway(const struct view_atlas *on, uint32_t object);
 

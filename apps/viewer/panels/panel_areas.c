@@ -75,8 +75,10 @@ static void draw_area(struct window *window, uint32_t number)
     struct viewer *viewer = window->viewer;
     const conus_object *object = conus_atlas_object(viewer->drawn->atlas, number);
     enum shown shown = viewer_shown(viewer, number);
-    char name[256];
+    char name[VIEW_ATLAS_TITLE + 16];
+    char buffer[VIEW_ATLAS_TITLE];
     char tip[TIP_SIZE];
+    const char *title = view_atlas_title(buffer, viewer->drawn, number);
     write_tip(tip, object);
     ui_id(number);
     ui_dim(shown == SHOWN_NOT ? theme_pale : shown == SHOWN_IN_PART ? (1 + theme_pale) / 2 : 1);
@@ -84,13 +86,13 @@ static void draw_area(struct window *window, uint32_t number)
     ui_same_line();
     if (viewer->drawn->shown.chosen == number) {
         scroll_to(window, number);
-        snprintf(name, sizeof name, "%s%s", object->name, shown == SHOWN_IN_PART ? " (in part)" : "");
+        snprintf(name, sizeof name, "%s%s", title, shown == SHOWN_IN_PART ? " (in part)" : "");
         ui_tint(theme_texts[THEME_AMBER]);
         ui_text_cut(name, ui_room() - buttons_width(window));
         ui_tint_end();
         draw_buttons(viewer, number);
         panel_look_area(viewer, number);
-    } else if (ui_row_cut(object->name, false, tip)) {
+    } else if (ui_row_cut(title, false, tip)) {
         viewer_choose(viewer, number);
     }
     ui_dim_end();

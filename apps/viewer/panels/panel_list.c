@@ -75,6 +75,7 @@ static float width_of(const struct window *window, size_t column)
 static void draw_name(struct viewer *viewer, const struct view_atlas *on, const conus_result *result)
 {
     char tip[256] = "";
+    char title[VIEW_ATLAS_TITLE];
     char place[VIEWER_PLACE_TEXT];
     const conus_object *object = conus_atlas_object(on->atlas, result->object);
     if (!object) {
@@ -90,7 +91,8 @@ static void draw_name(struct viewer *viewer, const struct view_atlas *on, const 
         ui_chip("colour", colour_of(viewer, on, result->object));
         ui_same_line();
     }
-    if (ui_row_cut(object->name, on == viewer->drawn && on->shown.chosen == result->object, tip)) {
+    if (ui_row_cut(view_atlas_title(title, on, result->object),
+                   on == viewer->drawn && on->shown.chosen == result->object, tip)) {
         click(viewer, on, result);
     }
 }

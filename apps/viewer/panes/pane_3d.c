@@ -114,6 +114,7 @@ static void draw_names(const struct window *window)
     size_t count = conus_selection_count(selection);
     float line = 1.15F * ui_line();
     float taken[NAMES_SHOWN];
+    char title[VIEW_ATLAS_TITLE];
     size_t shown = 0;
     for (size_t i = 0; i < count && shown < NAMES_SHOWN; i++) {
         const conus_result *result = conus_selection_result(selection, i);
@@ -125,7 +126,7 @@ static void draw_names(const struct window *window)
             }
             taken[shown++] = y;
             ui_draw_circle(at, 4, light, 1.5F);
-            draw_name(window, at, y, conus_atlas_object(window->viewer->drawn->atlas, result->object)->name);
+            draw_name(window, at, y, view_atlas_title(title, window->viewer->drawn, result->object));
         }
     }
 }

@@ -3,6 +3,7 @@
 #include "render/image/image.h"
 #include "render/image/image_srgb.h"
 
+#include "builders/area_rows.h"
 #include "test.h"
 
 #include <math.h>
@@ -130,6 +131,44 @@ static size_t width_of_ball(const conus_image *image, size_t width)
     return count;
 }
 
+/* With the legend below, of an area and a pathway of these names, both of which the cone hits. */
+static conus_image *sheet_of(const char *area, const char *pathway)
+{
+    static const uint32_t labels[8] = {1, 1, 1, 1, 1, 1, 1, 1};
+    const struct area_row rows[] = {{1, area, 0, NULL, 0}, {0}};
+    conus_atlas *atlas = NULL;
+    conus_selector *selector = NULL;
+    conus_selection *selection = NULL;
+    conus_image *image = NULL;
+    conus_pose pose;
+    assert_ok(area_rows_atlas(&atlas, (const size_t[]){2, 2, 2}, labels, rows));
+    assert_ok(area_rows_add_pathway(atlas, pathway));
+    assert_ok(conus_pose_along(&pose, (double[]){0, 0, 9}, (double[]){0, 0, -1}, NULL));
+    assert_ok(conus_selector_create(&selector, atlas, &(conus_selector_options){.layers = CONUS_LAYERS_ALL}));
+    assert_ok(conus_select(&selection, selector, &pose, 0.01));
+    assert_int_equal(conus_selection_count(selection), 3); /* and what hits nothing */
+    const conus_cut_view view = {.mm_per_pixel = 0.5, .width = WIDTH, .height = HEIGHT, .selection = selection};
+    assert_ok(conus_cut_image(&image, atlas, &view, &(conus_view){.legend = CONUS_LEGEND_BELOW}));
+    conus_selection_destroy(selection);
+    conus_selector_destroy(selector);
+    conus_atlas_destroy(atlas);
+    return image;
+}
+
+/* As the label says it in tables. */
+static void a_legend_tells_namesakes_apart(void **state)
+{
+    conus_image *alike = sheet_of("Ball", "Ball");
+    conus_image *told = sheet_of("area Ball", "pathway Ball");
+    (void)state;
+    size_t size = conus_image_width(told) * conus_image_height(told) * sizeof(float);
+    assert_int_equal(conus_image_width(alike), conus_image_width(told));
+    assert_int_equal(conus_image_height(alike), conus_image_height(told));
+    assert_memory_equal(conus_image_floats(alike, "G"), conus_image_floats(told, "G"), size);
+    conus_image_destroy(alike);
+    conus_image_destroy(told);
+}
+
 static void a_legend_has_its_place(void **state)
 {
     conus_atlas *atlas = load();
@@ -219,9 +258,10 @@ static void every_allocation_may_fail(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(without_text_it_is_the_cut),    cmocka_unit_test(letters_stand_where_the_axes_are),
-        cmocka_unit_test(the_bar_is_as_long_as_it_says), cmocka_unit_test(a_legend_has_its_place),
-        cmocka_unit_test(what_cannot_be_is_refused),     cmocka_unit_test(every_allocation_may_fail),
+        cmocka_unit_test(without_text_it_is_the_cut),     cmocka_unit_test(letters_stand_where_the_axes_are),
+        cmocka_unit_test(the_bar_is_as_long_as_it_says),  cmocka_unit_test(a_legend_has_its_place),
+        cmocka_unit_test(a_legend_tells_namesakes_apart), cmocka_unit_test(what_cannot_be_is_refused),
+        cmocka_unit_test(every_allocation_may_fail),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
