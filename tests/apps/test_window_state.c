@@ -310,6 +310,36 @@ static void what_is_typed_finds_an_installed_atlas(void **state)
     start_finish(&start);
 }
 
+/* slabs are the same in both folders, nested is not. */
+static void an_atlas_in_two_places_is_offered_once(void **state)
+{
+    struct start start = {.on = true};
+    char here[512];
+    char folders[2][1200];
+    char both[2402];
+    const conus_phantom_options smaller = {.size = 16};
+    size_t twins = 0;
+    (void)state;
+    assert_non_null(getcwd(here, sizeof here));
+    for (size_t i = 0; i < 2; i++) {
+        snprintf(folders[i], sizeof folders[i], "%s/%s", here, test_scratch(i ? "second" : "first"));
+        assert_ok(conus_phantom_write("slabs", folders[i], NULL));
+        assert_ok(conus_phantom_write("nested", folders[i], i ? &smaller : NULL));
+    }
+    snprintf(both, sizeof both, "%s:%s", folders[0], folders[1]);
+    setenv("CONUS_ATLAS_PATH", both, 1);
+    setenv("XDG_DATA_DIRS", "/none", 1);
+    start_look(&start);
+    for (size_t i = 0; i < conus_catalogue_count(start.catalogue); i++) {
+        const conus_installed *atlas = conus_catalogue_atlas(start.catalogue, i);
+        bool is = installed_is_twin(start.catalogue, i);
+        assert_true(!is || (strcmp(atlas->name, "slabs") == 0 && strstr(atlas->path, "second")));
+        twins += is;
+    }
+    assert_int_equal(twins, 1);
+    start_finish(&start);
+}
+
 /* Where a file of this folder hides the name, the source is said, too. */
 static void an_atlas_of_the_list_is_opened_and_no_file_of_its_name(void **state)
 {
@@ -375,6 +405,7 @@ int main(void)
         cmocka_unit_test(what_is_opened_comes_first),
         cmocka_unit_test(the_start_page_shows_no_escapes),
         cmocka_unit_test(what_is_typed_finds_an_installed_atlas),
+        cmocka_unit_test(an_atlas_in_two_places_is_offered_once),
         cmocka_unit_test(an_atlas_of_the_list_is_opened_and_no_file_of_its_name),
         cmocka_unit_test(where_nothing_was_typed_the_arrows_choose),
         cmocka_unit_test(without_an_atlas_a_phantom_is_the_sample),

@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
+#include <sys/stat.h>
 
 static const char gaps[] = "-_.+ :";
 
@@ -38,6 +39,31 @@ bool installed_fits(const conus_installed *atlas, const char *text)
     return fits;
 }
 
+static const char *name_of(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+bool installed_is_same_file(const char *a, const char *b)
+{
+    struct stat infos[2];
+    return strcmp(a, b) == 0 || (strcmp(name_of(a), name_of(b)) == 0 && stat(a, &infos[0]) == 0 &&
+                                 stat(b, &infos[1]) == 0 && infos[0].st_size == infos[1].st_size);
+}
+
+bool installed_is_twin(const conus_catalogue *catalogue, size_t index)
+{
+    const conus_installed *atlas = conus_catalogue_atlas(catalogue, index);
+    bool is = false;
+    for (size_t i = 0; i < index && !is; i++) {
+        const conus_installed *other = conus_catalogue_atlas(catalogue, i);
+        is = strcmp(other->name, atlas->name) == 0 && strcmp(other->kind, atlas->kind) == 0 &&
+             installed_is_same_file(other->path, atlas->path);
+    }
+    return is;
+}
+
 /* Whether `words` means this one and no other. */
 static bool means(const conus_catalogue *catalogue, const char *words, const conus_installed *atlas)
 {
@@ -67,7 +93,7 @@ size_t installed_next(const conus_catalogue *catalogue, const char *text, size_t
     size_t count = conus_catalogue_count(catalogue);
     const size_t step = by > 0 ? 1 : SIZE_MAX; /* which is one back; before 0 is SIZE_MAX, too */
     for (size_t i = index + step; i < count; i += step) {
-        if (installed_fits(conus_catalogue_atlas(catalogue, i), text)) {
+        if (installed_fits(conus_catalogue_atlas(catalogue, i), text) && !installed_is_twin(catalogue, i)) {
             return i;
         }
     }

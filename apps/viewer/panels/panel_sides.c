@@ -20,7 +20,7 @@ static void choose_hemispheres(struct window *window)
         window_want_hemispheres(window, (conus_hemispheres)how, 0);
     }
     ui_tip("hemispheres: areas as the file has them; those that lie on both sides cut in two at x = 0 mm; or left and\n"
-           "right ones of one name reported as one (--hemispheres). The atlas is loaded again for it; F8: the next");
+           "right ones of one name reported as one (--hemispheres). The atlas is opened again for it; F8: the next");
 }
 
 static void choose_side(struct window *window)
@@ -43,6 +43,7 @@ static void choose_side(struct window *window)
 
 void panel_sides(struct window *window)
 {
+    ui_text_coloured(theme_texts[THEME_HINT], "left and right");
     choose_hemispheres(window);
     choose_side(window);
 }

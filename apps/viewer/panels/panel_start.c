@@ -178,7 +178,9 @@ static void draw_catalogue(struct window *window, float height)
     draw_list_title("Installed on this computer");
     ui_scroll("installed", fmaxf(height - 1.5F * ui_line(), 0));
     for (size_t i = 0; i < conus_catalogue_count(start->catalogue); i++) {
-        if (installed_fits(conus_catalogue_atlas(start->catalogue, i), words)) {
+        bool is_named = i == picked; /* as "mricron:aal" */
+        bool fits = installed_fits(conus_catalogue_atlas(start->catalogue, i), words);
+        if (fits && (is_named || !installed_is_twin(start->catalogue, i))) {
             draw_installed(window, i, i == picked);
             fitting++;
         }

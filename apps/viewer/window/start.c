@@ -13,7 +13,7 @@
 static bool is_recent(const struct start *start, const char *path)
 {
     for (size_t i = 0; i < start->recent.count; i++) {
-        if (strcmp(start->recent.paths[i], path) == 0) {
+        if (installed_is_same_file(start->recent.paths[i], path)) {
             return true;
         }
     }
