@@ -108,7 +108,8 @@ static int add_region(struct overlap *overlap, const char *path)
     const struct overlap_settings *settings = overlap->settings;
     const conus_roi_options options = {.threshold = settings->threshold,
                                        .max_memory = settings->survey.atlas.max_memory,
-                                       .log = settings->survey.common.quiet ? NULL : log_note};
+                                       .log = settings->survey.common.quiet ? NULL : log_note,
+                                       .cache = !settings->survey.atlas.no_cache};
     conus_roi *roi = NULL;
     conus_status status = conus_roi_load(&roi, path, &options);
     int code = status ? print_status(status) : check_region(overlap, roi) ? EXIT_DONE : EXIT_USAGE;

@@ -17,7 +17,7 @@ enum { WINDOW_LEVEL = 6, GZIP = 16 + MAX_WBITS, RAW = -MAX_WBITS, TRAILER = 8, L
 
 /* Ahead of the points, which are ahead of the windows. */
 struct index_head {
-    uint64_t unpacked, packed, junk, trailer, count, windows_size;
+    uint64_t unpacked, packed, junk, trailer, begin, zlib, count, windows_size;
     char sha256[72];
 };
 
@@ -80,7 +80,7 @@ static void append_point(struct gzip_indexer *indexer, z_stream *z, uint64_t unp
 {
     struct gzip_point *last = last_point(indexer);
     struct gzip_point point = {.unpacked = unpacked,
-                               .packed = packed,
+                               .packed = indexer->begin + packed,
                                .bits = (uint32_t)z->data_type & LAST_BITS,
                                .window = (uint32_t)indexer->windows.size};
     if (last) {
@@ -105,7 +105,7 @@ void gzip_indexer_stop(struct gzip_indexer *indexer, struct z_stream_s *z, uint6
 void gzip_indexer_end_member(struct gzip_indexer *indexer, uint64_t packed)
 {
     indexer->members++;
-    indexer->members_end = packed;
+    indexer->members_end = indexer->begin + packed;
 }
 
 bool gzip_indexer_write(struct buffer *out, struct gzip_indexer *indexer, const struct gzip_index *whole)
@@ -114,7 +114,9 @@ bool gzip_indexer_write(struct buffer *out, struct gzip_indexer *indexer, const 
     struct index_head head = {.unpacked = whole->unpacked,
                               .packed = whole->packed,
                               .junk = whole->junk,
-                              .trailer = indexer->members == 1 ? indexer->members_end - TRAILER : 0,
+                              .trailer = indexer->members == 1 && !indexer->zlib ? indexer->members_end - TRAILER : 0,
+                              .begin = indexer->begin,
+                              .zlib = indexer->zlib,
                               .count = points->size / sizeof(struct gzip_point),
                               .windows_size = indexer->windows.size};
     memcpy(head.sha256, whole->sha256, sizeof whole->sha256);
@@ -150,7 +152,7 @@ bool gzip_index_parse(struct gzip_index *out, const uint8_t *data, size_t size)
     size -= sizeof head;
     if (head.count > size / sizeof(struct gzip_point) || head.windows_size > size ||
         head.count * sizeof(struct gzip_point) + head.windows_size != size || !head.count ||
-        head.trailer > head.packed ||
+        head.trailer > head.packed || head.begin > head.packed || head.zlib > 1 ||
         memchr(head.sha256, 0, sizeof head.sha256) != head.sha256 + sizeof out->sha256 - 1) {
         return false;
     }
@@ -158,6 +160,8 @@ bool gzip_index_parse(struct gzip_index *out, const uint8_t *data, size_t size)
                                .packed = head.packed,
                                .junk = head.junk,
                                .trailer = head.trailer,
+                               .begin = head.begin,
+                               .zlib = head.zlib,
                                .points = (const void *)(data + sizeof head),
                                .count = (size_t)head.count,
                                .windows_size = (size_t)head.windows_size};
@@ -224,6 +228,9 @@ static conus_status skip_trailer(struct follower *follower)
 
 static conus_status next_member(struct follower *follower)
 {
+    if (follower->index->zlib) {
+        return follower->z.avail_out ? fail_lie() : CONUS_OK;
+    }
     conus_status status = follower->raw ? skip_trailer(follower) : CONUS_OK;
     follower->raw = false;
     return status || inflateReset2(&follower->z, GZIP) == Z_OK ? status : fail_lie();

@@ -32,7 +32,9 @@ struct gzip_index {
     uint64_t unpacked;               /**< Bytes of the whole file, unpacked and                                       */
     uint64_t packed;                 /**< ... packed,                                                                 */
     uint64_t junk;                   /**< ... and as gzip_range.junk.                                                 */
-    uint64_t trailer;                /**< ... before the checksum of the only member; 0 = there are several.    */
+    uint64_t trailer;                /**< ... before the checksum of the only member; 0 = there are several, or zlib. */
+    uint64_t begin;                  /**< ... before the stream: 0 = the file is packed as a whole.           */
+    bool zlib;                       /**< The stream is zlib's (RFC 1950), not gzip.                                  */
     char sha256[65];                 /**< Of the packed file, in hexadecimal.                                         */
     const struct gzip_point *points; /**< [count], by `unpacked`; the first one is at 0.                */
     size_t count;
@@ -44,7 +46,7 @@ struct gzip_index {
 bool gzip_index_parse(struct gzip_index *out, const uint8_t *data, size_t size);
 
 /** Whether the file's own checksum and size are those that the spans have together. True where there are several
- * members, whose checksums stand in many places. */
+ * members, whose checksums stand in many places, and of zlib, whose checksum is another. */
 bool gzip_index_fits(const struct gzip_index *index, int descriptor);
 
 /** Unpacks the bytes of @p range, as gzip_unpack() does and with the same results, from the open file of the index.
@@ -62,6 +64,8 @@ struct z_stream_s;
 /** Makes an index while a file is unpacked. */
 struct gzip_indexer {
     uint64_t spacing; /**< Bytes of a span, at least. */
+    uint64_t begin;   /**< Where the stream begins in its file: the caller's to set, as zlib. */
+    bool zlib;
     struct buffer points, windows;
     uint32_t sum;         /**< Of the last span so far. */
     size_t members;       /**< That have ended. */
@@ -77,11 +81,11 @@ void gzip_indexer_finish(struct gzip_indexer *indexer);
 /** @p size bytes were unpacked. */
 void gzip_indexer_add(struct gzip_indexer *indexer, const uint8_t *data, size_t size);
 
-/** inflate() returned from Z_BLOCK, with @p unpacked and @p packed bytes of the files behind it: a point, if a block
+/** inflate() returned from Z_BLOCK, with @p unpacked and @p packed bytes of the stream behind it: a point, if a block
  * begins here, and the last point is far enough. */
 void gzip_indexer_stop(struct gzip_indexer *indexer, struct z_stream_s *z, uint64_t unpacked, uint64_t packed);
 
-/** A member ended, with @p packed bytes of the file behind it. */
+/** A member ended, with @p packed bytes of the stream behind it. */
 void gzip_indexer_end_member(struct gzip_indexer *indexer, uint64_t packed);
 
 /** Appends the index, of whose parts @p whole has unpacked, packed, junk and sha256. False where there is none, or none

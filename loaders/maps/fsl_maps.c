@@ -20,11 +20,12 @@ static double voxel_mm3(const struct volume_file *file)
 }
 
 /* Takes the image `path` if its voxels are smaller than those of the one that is there. */
-static conus_status consider_image(struct fsl_maps *maps, conus_atlas *atlas, const char *path, uint64_t max_memory)
+static conus_status consider_image(struct fsl_maps *maps, conus_atlas *atlas, const char *path,
+                                   const conus_load_options *options)
 {
     struct volume_file file = {0};
     struct notes notes = {0};
-    conus_status status = volume_file_open_series(&file, path, max_memory, &notes);
+    conus_status status = volume_file_open_series(&file, path, options, &notes);
     if (!status && (!maps->image.path || voxel_mm3(&file) < voxel_mm3(&maps->image))) {
         volume_file_finish(&maps->image);
         notes_finish(&maps->notes);
@@ -40,14 +41,15 @@ static conus_status consider_image(struct fsl_maps *maps, conus_atlas *atlas, co
     return status;
 }
 
-static conus_status choose_image(struct fsl_maps *maps, conus_atlas *atlas, const char *xml, uint64_t max_memory)
+static conus_status choose_image(struct fsl_maps *maps, conus_atlas *atlas, const char *xml,
+                                 const conus_load_options *options)
 {
     conus_status status = CONUS_OK;
     for (size_t i = 0; !status && i < maps->atlas.image_count; i++) {
         char *path = NULL;
         const char *image = maps->atlas.images[i].image;
         status = image ? fsl_image_find(&path, xml, image) : CONUS_OK;
-        status = !status && path ? consider_image(maps, atlas, path, max_memory) : status;
+        status = !status && path ? consider_image(maps, atlas, path, options) : status;
         memory_free(path);
     }
     if (!status && !maps->image.path) {
@@ -76,12 +78,12 @@ static conus_status read_xml(struct fsl_maps *maps, conus_atlas *atlas, const ch
 }
 
 conus_status fsl_maps_open(struct fsl_maps *out, conus_atlas *atlas, const char *xml, const char *image,
-                           uint64_t max_memory)
+                           const conus_load_options *options)
 {
     struct fsl_maps maps = {0};
     conus_status status = read_xml(&maps, atlas, xml);
     if (!status) {
-        status = image ? consider_image(&maps, atlas, image, max_memory) : choose_image(&maps, atlas, xml, max_memory);
+        status = image ? consider_image(&maps, atlas, image, options) : choose_image(&maps, atlas, xml, options);
     }
     if (!status && maps.atlas.labels.count > maps.image.info.volume_count) {
         status = fail(CONUS_ERROR_DATA, "fsl: %s has %zu labels, %s has %zu volumes", path_base(xml),

@@ -16,7 +16,7 @@ struct fsl_maps {
 /** Reads the atlas @p xml and opens @p image, or the finest of its images where that is NULL. @p atlas gets the XML as
  * one of its files, and notes about it. Errors begin with "fsl: ". */
 conus_status fsl_maps_open(struct fsl_maps *out, conus_atlas *atlas, const char *xml, const char *image,
-                           uint64_t max_memory);
+                           const conus_load_options *options);
 void fsl_maps_finish(struct fsl_maps *maps);
 
 #endif

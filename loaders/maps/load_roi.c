@@ -28,7 +28,7 @@ conus_status conus_roi_load(conus_roi **out, const char *path, const conus_roi_o
     options = options_of(conus_roi_options, options);
     const struct note_sink sink = {options->log, options->log_user, path};
     struct notes notes = {.sink = &sink};
-    conus_status status = volume_file_open(&file, path, options->max_memory, &notes);
+    conus_status status = volume_file_open_cached(&file, path, options->max_memory, options->cache, &notes);
     status = status ? status : roi_of_volume(out, &file, options->threshold, &notes);
     notes_finish(&notes);
     volume_file_finish(&file);

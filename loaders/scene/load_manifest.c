@@ -232,7 +232,7 @@ static conus_status add_named_volumes(struct loading *loading, const struct mani
     struct notes notes = {.sink = &loading->progress->sink};
     char *path = file_beside(loading->path, pathway->source.file);
     conus_status status = path ? load_progress_at(loading->progress, path) : CONUS_ERROR_MEMORY;
-    status = status ? status : volume_file_open_series(&file, path, loading->options->max_memory, &notes);
+    status = status ? status : volume_file_open_series(&file, path, loading->options, &notes);
     if (!status && file.info.volume_count != pathway->name_count) {
         status = fail(CONUS_ERROR_DATA, "names: has %zu entries, %s has %zu volumes: they must be as many",
                       pathway->name_count, pathway->source.file, file.info.volume_count);
@@ -254,7 +254,7 @@ static conus_status open_fsl(struct fsl_maps *out, struct loading *loading, cons
     char *image = entry->source.file ? file_beside(loading->path, entry->source.file) : NULL;
     conus_status status = xml && (image || !entry->source.file) ? CONUS_OK : CONUS_ERROR_MEMORY;
     status = status ? status : load_progress_at(loading->progress, xml);
-    status = status ? status : fsl_maps_open(out, loading->atlas, xml, image, loading->options->max_memory);
+    status = status ? status : fsl_maps_open(out, loading->atlas, xml, image, loading->options);
     if (!status) {
         status = load_progress_at(loading->progress, out->image.path);
         status = status ? status : notes_move(&loading->atlas->notes, &out->notes);
@@ -358,7 +358,7 @@ static conus_status add_file_areas(struct loading *loading, const struct manifes
     struct label_table labels = {0};
     char *path = file_beside(loading->path, entry->source.file);
     conus_status status = path ? load_progress_at(loading->progress, path) : CONUS_ERROR_MEMORY;
-    status = status ? status : volume_file_open_series(&file, path, loading->options->max_memory, &notes);
+    status = status ? status : volume_file_open_series(&file, path, loading->options, &notes);
     if (loading->maps) {
         status = status ? status : named_maps_check(&file, loading->options->probability, &notes);
         status = status ? status : add_labelled(loading, entry, &file, &loading->maps->table, &notes);
@@ -412,7 +412,7 @@ static conus_status open_series(struct loading *loading, const char *name, struc
     close_series(loading);
     char *path = file_beside(loading->path, name);
     conus_status status = path ? load_progress_at(loading->progress, path) : CONUS_ERROR_MEMORY;
-    status = status ? status : volume_file_open_series(&loading->series, path, loading->options->max_memory, notes);
+    status = status ? status : volume_file_open_series(&loading->series, path, loading->options, notes);
     loading->series_name = status ? NULL : name;
     memory_free(path);
     return status;

@@ -249,7 +249,7 @@ static conus_status is_probable(bool *out, const struct manifest_draft *draft, c
     char *path = manifest_draft_path(draft, name);
     conus_status status = path ? named_maps_find(&maps, path, &options) : CONUS_ERROR_MEMORY;
     bool named = !status && maps.table.count;
-    status = named ? volume_file_open_series(&file, path, options.max_memory, &maps.notes) : status;
+    status = named ? volume_file_open_series(&file, path, &options, &maps.notes) : status;
     named = named && !status && maps.table.count == file.info.volume_count; /* none is the background's */
     status = named ? named_maps_check(&file, 0, &maps.notes) : status;
     *out = named && !status;

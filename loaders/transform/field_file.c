@@ -339,8 +339,9 @@ conus_status field_file_read(struct deformation *out, conus_volume_info *grid, c
     struct deformation field = {0};
     struct notes found = {0};
     enum field_kind kind = FIELD_VECTORS;
+    const conus_load_options alike = {.max_memory = options->max_memory};
     conus_status status = find_kind(&kind, path, options);
-    status = status ? status : volume_file_open_series(&file, path, options->max_memory, notes);
+    status = status ? status : volume_file_open_series(&file, path, &alike, notes);
     if (status) {
         return status;
     }

@@ -48,7 +48,7 @@ static conus_status read_other_half(struct stored *out, const char *path, size_t
     }
     conus_status status;
     if (file_exists(other)) {
-        status = stored_open(out, other, limit, use);
+        status = stored_open(out, other, limit, use, NULL);
     } else {
         status = fail(CONUS_ERROR_IO, "%s: the other half of the pair is missing: %.*s%s or %.*s%s.gz", path, (int)at,
                       path, ext, (int)at, path, ext);
@@ -87,17 +87,6 @@ static void opening_finish(struct opening *opening)
     volume_selector_finish(&opening->selector);
 }
 
-static conus_status parse_text(struct volume_header *out, const struct stored *stored, struct notes *notes)
-{
-    struct bytes head = stored->bytes;
-    conus_status status = stored->packed ? stored_head(&head, stored, VOLUME_TEXT_HEAD) : CONUS_OK;
-    if (!status) {
-        status = volume_text_parse(out, &head, notes);
-        bytes_finish(stored->packed ? &head : &(struct bytes){0});
-    }
-    return status;
-}
-
 static conus_status parse_head(struct volume_header *out, const struct stored *stored, const char *needed,
                                struct notes *notes)
 {
@@ -108,7 +97,7 @@ static conus_status parse_head(struct volume_header *out, const struct stored *s
     }
     status = nifti_is(head.data, head.size) ? nifti_header_parse(out, head.data, head.size, notes)
              : mgh_is(head.data, head.size) ? mgh_header_parse(out, head.data, head.size, notes)
-             : volume_text_is(&head)        ? parse_text(out, stored, notes)
+             : volume_text_is(&head)        ? volume_text_parse_stored(out, stored, notes)
              : stored->packed && tiff_is(head.data, head.size)
                  ? fail(CONUS_ERROR_UNSUPPORTED, "content: TIFF packed with gzip: unpack it")
              : head.size || !stored->packed
@@ -155,6 +144,13 @@ static conus_status open_by_image(struct opening *o, size_t at)
     return status;
 }
 
+/* The voxels of a header of text that was read. A header whose bytes are not at hand has no index. */
+static conus_status open_beside_header(struct opening *o, const char *path)
+{
+    const struct bytes *header = &o->pair_header.bytes;
+    return stored_open(&o->voxels, path, o->limit, header->data ? o->use : STORED_PLAIN, header);
+}
+
 /* The voxels of a header of text, if they lie in another file. */
 static conus_status open_text_data(struct opening *o)
 {
@@ -163,7 +159,7 @@ static conus_status open_text_data(struct opening *o)
     if (!status && path) {
         o->pair_header = o->voxels;
         o->voxels = (struct stored){0};
-        status = stored_open(&o->voxels, path, o->limit, STORED_PLAIN);
+        status = open_beside_header(o, path);
         o->voxels.packed = o->voxels.packed && !o->header.text->file; /* else its header says how they are packed */
     }
     memory_free(path);
@@ -190,15 +186,15 @@ static conus_status open_by_header(struct opening *o)
 }
 
 /* By the voxels of an AFNI data set, whose header is `head`. */
-static conus_status open_by_brik(struct opening *o, const char *head)
+static conus_status open_by_brik(struct opening *o, const char *path, const char *head)
 {
-    conus_status status = stored_open(&o->pair_header, head, o->limit, STORED_PLAIN);
+    conus_status status = stored_open(&o->pair_header, head, o->limit, STORED_PLAIN, NULL);
     status = status ? status : read_header(o, &o->pair_header);
     if (!status && !(o->header.text && o->header.text->brik)) {
         return fail(CONUS_ERROR_DATA, "%s: content: a .HEAD beside a .BRIK must be the header of an AFNI data set",
                     head);
     }
-    return status;
+    return status ? status : open_beside_header(o, path);
 }
 
 static conus_status open_tiff(struct opening *o)
@@ -212,12 +208,12 @@ static conus_status open_tiff(struct opening *o)
 }
 
 /* Formats that say where their voxels lie are not told so. */
-static conus_status refuse_place(const struct opening *o)
+static conus_status refuse_place(const struct opening *o, const char *path)
 {
     const struct brainglobe_metadata *place = &o->selector.place;
     bool given = place->orientation[0] || place->resolution[0] > 0;
-    return given ? fail(CONUS_ERROR_ARGUMENT, "%s: %s is for TIFF stacks, this file says itself where it lies",
-                        o->voxels.path, place->orientation[0] ? "orientation" : "resolution")
+    return given ? fail(CONUS_ERROR_ARGUMENT, "%s: %s is for TIFF stacks, this file says itself where it lies", path,
+                        place->orientation[0] ? "orientation" : "resolution")
                  : CONUS_OK;
 }
 
@@ -231,19 +227,20 @@ static conus_status open_files(struct opening *o, const char *path)
     bool image = false;
     size_t at = 0;
     char *head = NULL;
-    conus_status status = o->labels ? stored_open_slabs(&o->voxels, path, o->limit, o->use, has_fixed_header)
-                                    : stored_open(&o->voxels, path, o->limit, o->use);
-    status = status ? status : volume_text_head_path(&head, path);
+    conus_status status = volume_text_head_path(&head, path);
     if (head) {
-        status = status ? status : refuse_place(o);
-        status = status ? status : open_by_brik(o, head);
+        status = refuse_place(o, path);
+        status = status ? status : open_by_brik(o, path, head);
         memory_free(head);
         return status;
     }
+    status = status      ? status
+             : o->labels ? stored_open_slabs(&o->voxels, path, o->limit, o->use, has_fixed_header)
+                         : stored_open(&o->voxels, path, o->limit, o->use, NULL);
     if (!status && tiff_is(o->voxels.bytes.data, o->voxels.bytes.size)) {
         return open_tiff(o);
     }
-    status = status ? status : refuse_place(o);
+    status = status ? status : refuse_place(o, path);
     if (!status) {
         status = is_image_half(&image, &at, &o->voxels);
     }
@@ -368,12 +365,12 @@ static conus_status take_voxels(struct volume_file *file, struct opening *o)
     struct gzip_range range = {.from = header->offset + (o->all ? 0 : header->info.volume * header->volume_size),
                                .count = header->volume_size * (o->all ? header->info.volume_count : 1),
                                .total = header->offset + header->info.volume_count * header->volume_size};
+    const char *sha256 = is_worth_index(o, range.total) ? file->info.sha256 : NULL;
     conus_status status = aim_at_labels(&range, o, file);
-    status = status      ? status
-             : scattered ? tiff_unpack(out, &o->tiff)
-             : header->text
-                 ? volume_text_voxels(out, &range, header, &stored->bytes, stored->packed, o->all)
-                 : stored_range(out, &range, stored, is_worth_index(o, range.total) ? file->info.sha256 : NULL);
+    status = status         ? status
+             : scattered    ? tiff_unpack(out, &o->tiff)
+             : header->text ? volume_text_voxels(out, &range, header, stored, o->all, sha256)
+                            : stored_range(out, &range, stored, sha256);
     if (!status && o->all) {
         file->voxels =
             (struct bytes){file->series.data + header->info.volume * header->volume_size, header->volume_size};
@@ -411,6 +408,7 @@ static conus_status take_all(struct volume_file *file, struct opening *o)
                            &o->voxels.bytes);
     }
     file->max_memory = o->limit;
+    file->cache = o->use != STORED_PLAIN;
     status = file_sums_move(&file->read, &o->read);
     status = status ? status : take_voxels(file, o);
     if (status) {
@@ -545,10 +543,13 @@ conus_status volume_file_open_labels(struct volume_file *out, struct label_voxel
     return status;
 }
 
-conus_status volume_file_open_series(struct volume_file *out, const char *path, uint64_t max_memory,
+conus_status volume_file_open_series(struct volume_file *out, const char *path, const conus_load_options *options,
                                      struct notes *notes)
 {
-    struct opening opening = {.limit = max_memory ? max_memory : DEFAULT_MEMORY, .selector.chosen = true, .all = true};
+    struct opening opening = {.limit = options->max_memory ? options->max_memory : DEFAULT_MEMORY,
+                              .selector.chosen = true,
+                              .all = true,
+                              .use = options->cache ? STORED_INDEX : STORED_PLAIN};
     return open_wanted(out, path, &opening, notes);
 }
 
@@ -557,7 +558,9 @@ static conus_status reopen_volume(struct volume_file *file, size_t volume)
 {
     struct volume_file other = {0};
     struct notes notes = {0};
-    struct opening opening = {.limit = file->max_memory, .selector = {.chosen = true, .volume = volume}};
+    struct opening opening = {.limit = file->max_memory,
+                              .selector = {.chosen = true, .volume = volume},
+                              .use = file->cache ? STORED_INDEX : STORED_PLAIN};
     conus_status status = open_wanted(&other, file->path, &opening, &notes);
     notes_finish(&notes);
     if (!status) {

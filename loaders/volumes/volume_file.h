@@ -32,6 +32,7 @@ struct volume_file {
     struct text_volume *text; /**< Of a format whose header is text: names, scales; else NULL, of which        */
     const char *title;        /**< ... the chosen volume's name; NULL if it has none.                          */
     uint64_t max_memory;
+    bool cache;            /**< Whether volumes that are read later may use and make an index. */
     struct file_sums read; /**< What its place follows from: metadata.json of a TIFF stack. */
 };
 
@@ -65,9 +66,9 @@ conus_status volume_file_header(conus_volume_info *out, const char *path);
 conus_status volume_file_peek(struct volume_header *out, struct bytes *head, const char *path);
 
 /** Reads @p path as above, but takes it whole for a name: volume 0, and the others for volume_file_select(). They are
- * unpacked together and kept, unless that takes more than @p max_memory (0 = 8 GiB): then each is read when selected.
- */
-conus_status volume_file_open_series(struct volume_file *out, const char *path, uint64_t max_memory,
+ * unpacked together and kept, unless that takes more than max_memory of @p options: then each is read when selected,
+ * with its cache by an index. */
+conus_status volume_file_open_series(struct volume_file *out, const char *path, const conus_load_options *options,
                                      struct notes *notes);
 
 /** Makes @p volume, from 0, the chosen one, as if the file had been opened with it. A failure leaves @p file as it was;

@@ -77,6 +77,36 @@ conus_status volume_text_parse(struct volume_header *out, const struct bytes *he
     return status;
 }
 
+/* Reads the header in the first `limit` bytes of what must be unpacked, or read, for it. */
+static conus_status parse_text_of(struct volume_header *out, const struct stored *stored, size_t limit,
+                                  struct notes *notes)
+{
+    struct bytes head = {0};
+    conus_status status = stored_head(&head, stored, limit);
+    status = status ? status : volume_text_parse(out, &head, notes);
+    if (!status && limit < VOLUME_TEXT_HEAD && head.size == limit && out->text->header_size == limit) {
+        volume_text_finish(&out->text); /* there may be more of it */
+        status = CONUS_ERROR_DATA;
+    }
+    bytes_finish(&head);
+    return status;
+}
+
+conus_status volume_text_parse_stored(struct volume_header *out, const struct stored *stored, struct notes *notes)
+{
+    enum { MOST = 1 << 16 }; /* headers are smaller */
+    struct notes found = {0};
+    if (!stored->packed && !stored->index) {
+        return volume_text_parse(out, &stored->bytes, notes);
+    }
+    conus_status status = parse_text_of(out, stored, MOST, &found);
+    if (!status) {
+        return notes_move(notes, &found);
+    }
+    notes_finish(&found);
+    return parse_text_of(out, stored, VOLUME_TEXT_HEAD, notes);
+}
+
 /* Length of `path` without the ending "HEAD", or "BRIK" perhaps with ".gz"; 0 if it has another. */
 static size_t dataset_length(const char *path, const char *ending)
 {
@@ -150,11 +180,14 @@ const char *volume_text_encoding(const struct volume_header *header)
 }
 
 conus_status volume_text_voxels(struct bytes *out, struct gzip_range *range, const struct volume_header *header,
-                                struct bytes *stored, bool packed, bool all)
+                                struct stored *stored, bool all, const char *sha256)
 {
-    struct text_range wanted = {.volume_size = header->volume_size, .volume = header->info.volume, .all = all};
-    wanted.stored = *range;
-    conus_status status = text_voxels_read(out, &wanted, header->text, stored, packed);
+    struct text_range wanted = {.volume_size = header->volume_size,
+                                .volume = header->info.volume,
+                                .all = all,
+                                .sha256 = header->text->interleaved ? NULL : sha256,
+                                .stored = *range};
+    conus_status status = text_voxels_read(out, &wanted, header->text, stored);
     *range = wanted.stored;
     return status;
 }

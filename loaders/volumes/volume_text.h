@@ -3,8 +3,8 @@
 #ifndef CONUS_LOADERS_VOLUMES_VOLUME_TEXT_H
 #define CONUS_LOADERS_VOLUMES_VOLUME_TEXT_H
 
-#include "base/formats/gzip.h"
 #include "base/notes.h"
+#include "loaders/volumes/stored/stored_file.h"
 #include "loaders/volumes/text/header_text.h"
 #include "loaders/volumes/text/text_volume.h"
 #include "loaders/volumes/volume_file.h"
@@ -19,6 +19,9 @@ bool volume_text_is(const struct bytes *head);
 
 /** Reads the header at the start of @p head. out->text is the caller's to finish. */
 conus_status volume_text_parse(struct volume_header *out, const struct bytes *head, struct notes *notes);
+
+/** The same of a file, packed or not. */
+conus_status volume_text_parse_stored(struct volume_header *out, const struct stored *stored, struct notes *notes);
 
 /** Finishes and frees *text, which may be NULL. */
 void volume_text_finish(struct text_volume **text);
@@ -40,10 +43,10 @@ bool volume_text_is_packed(const struct volume_header *header, bool packed);
 /** ", gzip", ", text" or "": how the voxels are stored. */
 const char *volume_text_encoding(const struct volume_header *header);
 
-/** Reads the chosen volume, or @p all, out of the bytes of their file; @p range has the sink, if any, and gets what is
- * behind them. */
+/** Reads the chosen volume, or @p all, out of their file; @p range has the sink, if any, and gets what is behind them.
+ * @p sha256 as for stored_range(), but where volumes are interleaved it makes no index. */
 conus_status volume_text_voxels(struct bytes *out, struct gzip_range *range, const struct volume_header *header,
-                                struct bytes *stored, bool packed, bool all);
+                                struct stored *stored, bool all, const char *sha256);
 
 /** The label table inside the header, which may be empty. */
 struct text volume_text_table(const struct text_volume *text);

@@ -87,7 +87,7 @@ LIBRARY = {
     "loaders/tiff": "base",
     "loaders/brainglobe": "base base/formats",
     "loaders/tracts": "base base/formats atlas/tracts loaders loaders/surfaces/foreign",
-    "loaders/volumes/text": "base base/formats atlas/labels atlas",
+    "loaders/volumes/text": "base base/formats atlas/labels atlas loaders/volumes/stored",
     "loaders/volumes/stored": "base base/cache base/formats",
     "loaders/volumes": "base base/formats atlas/labels atlas loaders/volumes/stored loaders loaders/tiff"
     " loaders/brainglobe loaders/volumes/text",

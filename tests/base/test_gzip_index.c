@@ -349,7 +349,7 @@ static void every_prefix_and_byte(void **state)
 static void parts_that_contradict_are_refused(void **state)
 {
     (void)state;
-    enum { HEAD_COUNT = 32, HEAD_WINDOWS = 40, POINTS = 120 };
+    enum { HEAD_BEGIN = 32, HEAD_ZLIB = 40, HEAD_COUNT = 48, HEAD_WINDOWS = 56, POINTS = 136 };
     struct indexed indexed;
     struct gzip_index index;
     pack(&indexed, 0);
@@ -363,6 +363,12 @@ static void parts_that_contradict_are_refused(void **state)
         assert_false(gzip_index_parse(&index, bytes, indexed.bytes.size));
         memcpy(bytes, indexed.bytes.data, indexed.bytes.size);
     }
+    memcpy(bytes + HEAD_BEGIN, &huge[1], 8);
+    assert_false(gzip_index_parse(&index, bytes, indexed.bytes.size));
+    memcpy(bytes, indexed.bytes.data, indexed.bytes.size);
+    bytes[HEAD_ZLIB] = 2;
+    assert_false(gzip_index_parse(&index, bytes, indexed.bytes.size));
+    bytes[HEAD_ZLIB] = 0;
     struct gzip_point *points = (void *)(bytes + POINTS);
     assert_int_equal(points[0].unpacked, 0);
     const struct gzip_point wrong[] = {

@@ -18,11 +18,11 @@ static inline void fuzz_text_voxels(const struct volume_header *header, const ui
         return;
     }
     for (int all = 0; all < 2; all++) {
-        struct bytes stored = {memory_copy(data, size, 1), size};
+        struct stored stored = {.bytes = {memory_copy(data, size, 1), size}};
         struct gzip_range range = {0};
-        status[all] =
-            stored.data ? volume_text_voxels(&found[all], &range, header, &stored, false, all) : CONUS_ERROR_MEMORY;
-        bytes_finish(&stored);
+        status[all] = stored.bytes.data ? volume_text_voxels(&found[all], &range, header, &stored, all, NULL)
+                                        : CONUS_ERROR_MEMORY;
+        stored_finish(&stored);
     }
     if (status[0] != status[1] && !status[0] + !status[1] == 1 && status[0] != CONUS_ERROR_MEMORY &&
         status[1] != CONUS_ERROR_MEMORY) {

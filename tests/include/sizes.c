@@ -29,7 +29,7 @@ SIZE(conus_mesh_options, 80);
 SIZE(conus_phantom_options, 56);
 SIZE(conus_manifest_options, 32);
 SIZE(conus_catalogue_options, 24);
-SIZE(conus_roi_options, 40);
+SIZE(conus_roi_options, 48);
 SIZE(conus_connectivity_options, 16);
 
 SIZE(conus_voxels, 216);

@@ -12,10 +12,15 @@
 #include <unistd.h>
 
 /* The entry of `path`, whose name does not depend on how the file is called; without a path where nothing is kept. */
-static void find_store(struct cache_store *out, const char *real)
+static void find_store(struct cache_store *out, const char *real, const struct bytes *header)
 {
+    char sum[65] = "";
     if (cache_store_begin(out, KEPT_INDEX_ENDING, real, false)) {
+        if (header) {
+            file_sha256(sum, header);
+        }
         cache_key_append(&out->key, "gzip index");
+        cache_key_append(&out->key, header ? sum : NULL);
         out->limit = out->limit < KEPT_INDEX_LIMIT ? out->limit : KEPT_INDEX_LIMIT;
         cache_store_name(out);
     }
@@ -33,10 +38,10 @@ static bool is_about(const struct cache_entry *entry, const struct file_state *s
     return same;
 }
 
-static bool map_index(struct kept_index *out, const char *real)
+static bool map_index(struct kept_index *out, const char *real, const struct bytes *header)
 {
     struct cache_store store = {0};
-    find_store(&store, real);
+    find_store(&store, real, header);
     bool found = cache_store_map(&out->mapping, &store);
     const struct cache_entry *entry = &out->mapping.entry;
     bool fits = found && is_about(entry, &out->before) &&
@@ -49,7 +54,7 @@ static bool map_index(struct kept_index *out, const char *real)
     return fits;
 }
 
-bool kept_index_open(struct kept_index *out, const char *path)
+bool kept_index_open(struct kept_index *out, const char *path, const struct bytes *header)
 {
     char real[PATH_MAX];
     struct stat info;
@@ -57,7 +62,7 @@ bool kept_index_open(struct kept_index *out, const char *path)
     bool found = kept.descriptor >= 0 && fstat(kept.descriptor, &info) == 0 && S_ISREG(info.st_mode);
     if (found) {
         file_state_take(&kept.before, &info);
-        found = realpath(path, real) && map_index(&kept, real);
+        found = realpath(path, real) && map_index(&kept, real, header);
     }
     if (!found) {
         kept_index_finish(&kept);
@@ -85,7 +90,7 @@ void kept_index_finish(struct kept_index *kept)
 
 /* ---- Keeping ----------------------------------------------------------------------------------------------------- */
 
-void index_keeper_begin(struct index_keeper *out, const char *path)
+void index_keeper_begin(struct index_keeper *out, const char *path, const struct bytes *header)
 {
     char real[PATH_MAX];
     struct stat info;
@@ -102,7 +107,7 @@ void index_keeper_begin(struct index_keeper *out, const char *path)
     out->trace.items = item;
     out->trace.count = out->trace.capacity = 1;
     if (item->path) {
-        find_store(&out->store, real);
+        find_store(&out->store, real, header);
     }
 }
 

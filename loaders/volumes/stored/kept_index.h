@@ -23,8 +23,9 @@ struct kept_index {
     struct file_state before; /**< ... when it was opened. */
 };
 
-/** Opens the packed file @p path with the index that was kept of it. False where there is none that may be believed. */
-bool kept_index_open(struct kept_index *out, const char *path);
+/** Opens the packed file @p path with the index that was kept of it, as the voxels of @p header: the bytes of the file
+ * that says how they are packed, NULL = none but @p path. False where there is none that may be believed. */
+bool kept_index_open(struct kept_index *out, const char *path, const struct bytes *header);
 
 /** Whether the file is still as it was. */
 bool kept_index_holds(const struct kept_index *kept);
@@ -37,8 +38,9 @@ struct index_keeper {
     struct file_trace trace;  /**< Of the packed file, since before it was read; empty if nothing is to be kept. */
 };
 
-/** Before @p path is read. The indexer is the caller's to begin, once it is known how much there is to unpack. */
-void index_keeper_begin(struct index_keeper *out, const char *path);
+/** Before @p path is read, as for kept_index_open(). The indexer is the caller's to begin, once it is known how much
+ * there is to unpack. */
+void index_keeper_begin(struct index_keeper *out, const char *path, const struct bytes *header);
 void index_keeper_finish(struct index_keeper *keeper);
 
 /** Once all of the file is unpacked, where index_keeper.indexer was told, and verified: keeps the index, of whose parts

@@ -26,42 +26,43 @@ void stored_finish(struct stored *stored)
 }
 
 /* Takes the index if there is one; who may not read so large a file is told so where it is read. */
-static void find_index(struct stored *stored, uint64_t limit)
+static void find_index(struct stored *stored, uint64_t limit, const struct bytes *header)
 {
     struct kept_index kept;
-    if (!kept_index_open(&kept, stored->path)) {
+    if (!kept_index_open(&kept, stored->path, header)) {
         return;
     }
     stored->index = kept.before.size <= limit ? memory_copy(&kept, 1, sizeof kept) : NULL;
     if (!stored->index) {
         kept_index_finish(&kept);
     }
-    stored->packed = stored->index;
+    stored->packed = stored->index && !kept.index.begin && !kept.index.zlib;
 }
 
-static conus_status read_whole(struct stored *stored, uint64_t limit, enum stored_use use)
+static conus_status read_whole(struct stored *stored, uint64_t limit, enum stored_use use, const struct bytes *header)
 {
     if (use != STORED_PLAIN) {
         stored->keeper = memory_raw(1, sizeof *stored->keeper);
         if (!stored->keeper) {
             return CONUS_ERROR_MEMORY;
         }
-        index_keeper_begin(stored->keeper, stored->path);
+        index_keeper_begin(stored->keeper, stored->path, header);
     }
     conus_status status = file_read_allowed(&stored->bytes, stored->path, limit);
     stored->packed = !status && gzip_is(stored->bytes.data, stored->bytes.size);
     return status;
 }
 
-conus_status stored_open(struct stored *out, const char *path, uint64_t limit, enum stored_use use)
+conus_status stored_open(struct stored *out, const char *path, uint64_t limit, enum stored_use use,
+                         const struct bytes *header)
 {
     struct stored stored = {.path = memory_text(path, strlen(path))};
     conus_status status = use == STORED_PLAIN ? CONUS_OK : cache_check_limit();
     status = status || stored.path ? status : CONUS_ERROR_MEMORY;
     if (!status && use == STORED_INDEX) {
-        find_index(&stored, limit);
+        find_index(&stored, limit, header);
     }
-    status = status || stored.index ? status : read_whole(&stored, limit, use);
+    status = status || stored.index ? status : read_whole(&stored, limit, use, header);
     if (status) {
         stored_finish(&stored);
         return status;
@@ -75,7 +76,7 @@ conus_status stored_open_slabs(struct stored *out, const char *path, uint64_t li
 {
     struct plain_file plain;
     if (!plain_file_open(&plain, path, STORED_LARGE, limit, test)) {
-        return stored_open(out, path, limit, use);
+        return stored_open(out, path, limit, use, NULL);
     }
     struct stored stored = {.path = memory_text(path, strlen(path)), .plain = memory_copy(&plain, 1, sizeof plain)};
     if (!stored.path || !stored.plain) {
@@ -88,8 +89,18 @@ conus_status stored_open_slabs(struct stored *out, const char *path, uint64_t li
     return CONUS_OK;
 }
 
+/* What is ahead of the stream that the index is of, as it is stored. */
+static conus_status head_before_stream(struct bytes *out, const struct kept_index *kept, size_t limit)
+{
+    const struct plain_file plain = {.descriptor = kept->descriptor, .before = kept->before};
+    return plain_file_head(out, &plain, kept->index.begin < limit ? (size_t)kept->index.begin : limit);
+}
+
 conus_status stored_head(struct bytes *out, const struct stored *stored, size_t limit)
 {
+    if (stored->index && !stored->packed) {
+        return head_before_stream(out, stored->index, limit);
+    }
     if (stored->index) {
         return gzip_index_head(out, &stored->index->index, limit, stored->index->descriptor);
     }
@@ -128,14 +139,16 @@ static conus_status follow_index(struct bytes *out, struct gzip_range *range, co
     return status;
 }
 
-static conus_status unpack_and_keep(struct bytes *out, struct gzip_range *range, struct stored *stored,
-                                    const char *sha256)
+static conus_status unpack_and_keep(struct bytes *out, struct gzip_range *range, struct stored *stored, size_t begin,
+                                    size_t size, const char *sha256)
 {
     struct index_keeper *keeper = stored->keeper;
     struct gzip_index whole = {0};
     gzip_indexer_init(&keeper->indexer, range->total);
+    keeper->indexer.begin = begin;
+    keeper->indexer.zlib = range->zlib;
     range->indexer = &keeper->indexer;
-    conus_status status = gzip_unpack(out, range, stored->bytes.data, stored->bytes.size);
+    conus_status status = gzip_unpack(out, range, stored->bytes.data + begin, size);
     range->indexer = NULL;
     if (!status && keeper->trace.count && keeper->trace.items[0].state.size == stored->bytes.size) {
         whole.unpacked = range->total + range->extra;
@@ -146,11 +159,17 @@ static conus_status unpack_and_keep(struct bytes *out, struct gzip_range *range,
     return status;
 }
 
-conus_status stored_range(struct bytes *out, struct gzip_range *range, struct stored *stored, const char *sha256)
+conus_status stored_stream(struct bytes *out, struct gzip_range *range, struct stored *stored, size_t begin,
+                           size_t size, const char *sha256)
 {
     return stored->index              ? follow_index(out, range, stored->index)
-           : stored->plain            ? plain_file_range(out, range, stored->plain)
-           : !stored->packed          ? gzip_keep(out, range, &stored->bytes)
-           : sha256 && stored->keeper ? unpack_and_keep(out, range, stored, sha256)
-                                      : gzip_unpack(out, range, stored->bytes.data, stored->bytes.size);
+           : sha256 && stored->keeper ? unpack_and_keep(out, range, stored, begin, size, sha256)
+                                      : gzip_unpack(out, range, stored->bytes.data + begin, size);
+}
+
+conus_status stored_range(struct bytes *out, struct gzip_range *range, struct stored *stored, const char *sha256)
+{
+    return stored->plain                       ? plain_file_range(out, range, stored->plain)
+           : !stored->packed && !stored->index ? gzip_keep(out, range, &stored->bytes)
+                                               : stored_stream(out, range, stored, 0, stored->bytes.size, sha256);
 }

@@ -36,31 +36,34 @@ static conus_status find_start(size_t *start, const struct text_volume *volume, 
 
 /* Raw voxels, in a file that may be packed as a whole. */
 static conus_status read_raw(struct bytes *out, struct gzip_range *range, const struct text_volume *volume,
-                             struct bytes *stored, bool packed)
+                             struct stored *stored, const char *sha256)
 {
     size_t start = 0;
-    if (packed && (volume->at_end || volume->line_skip)) {
+    struct bytes *bytes = &stored->bytes;
+    if (stored->packed && (volume->at_end || volume->line_skip)) {
         return fail(CONUS_ERROR_UNSUPPORTED, "%s: found in a file that is packed as a whole, allowed are bytes to skip",
                     volume->at_end ? "voxels at the end" : "lines to skip");
     }
-    if (volume->at_end && stored->size >= range->total) {
-        range->from += stored->size - range->total;
-        range->total = stored->size;
-        return gzip_keep(out, range, stored);
+    if (volume->at_end && bytes->size >= range->total) {
+        range->from += bytes->size - range->total;
+        range->total = bytes->size;
+        return gzip_keep(out, range, bytes);
     }
-    conus_status status = find_start(&start, volume, stored);
+    conus_status status = find_start(&start, volume, bytes);
     if (status) {
         return status;
     }
     range->from += start + volume->byte_skip;
     range->total += start + volume->byte_skip;
-    return packed ? gzip_unpack(out, range, stored->data, stored->size) : gzip_keep(out, range, stored);
+    return stored_range(out, range, stored, sha256);
 }
 
-/* gzip or zlib data behind the header. */
+/* gzip or zlib data behind the header, from `start` on. */
 static conus_status read_packed(struct bytes *out, struct gzip_range *range, const struct text_volume *volume,
-                                const uint8_t *data, size_t size)
+                                struct stored *stored, size_t start, const char *sha256)
 {
+    const uint8_t *data = stored->bytes.data + start;
+    size_t size = stored->bytes.size - start;
     if (volume->packed_size > size) {
         return fail(CONUS_ERROR_DATA, "CompressedDataSize: found %llu, the file has %zu bytes of voxels",
                     (unsigned long long)volume->packed_size, size);
@@ -70,29 +73,33 @@ static conus_status read_packed(struct bytes *out, struct gzip_range *range, con
     if (!range->zlib && !gzip_is(data, size)) {
         return fail(CONUS_ERROR_DATA, "encoding: found gzip in the header, but the voxels are not packed so");
     }
-    range->from += volume->byte_skip;
-    range->total += volume->byte_skip;
-    return gzip_unpack(out, range, data, size);
+    return stored_stream(out, range, stored, start, size, sha256);
 }
 
 /* Voxels that are text, or packed apart from their header. */
 static conus_status read_coded(struct bytes *out, struct gzip_range *range, const struct text_volume *volume,
-                               const struct bytes *stored, bool packed)
+                               struct stored *stored, const char *sha256)
 {
     size_t start = 0;
-    if (packed) {
+    if (stored->packed) {
         return fail(CONUS_ERROR_UNSUPPORTED, "encoding: found voxels that are packed or text, in a file that is packed "
                                              "as a whole; allowed there are raw voxels");
     }
-    conus_status status = find_start(&start, volume, stored);
+    bool is_stream = volume->encoding == TEXT_GZIP || volume->encoding == TEXT_ZLIB;
+    range->from += is_stream ? volume->byte_skip : 0;
+    range->total += is_stream ? volume->byte_skip : 0;
+    if (is_stream && stored->index) {
+        return stored_stream(out, range, stored, 0, 0, NULL);
+    }
+    conus_status status = find_start(&start, volume, &stored->bytes);
     if (status) {
         return status;
     }
-    const uint8_t *data = stored->data + start;
-    size_t size = stored->size - start;
-    if (volume->encoding == TEXT_GZIP || volume->encoding == TEXT_ZLIB) {
-        return read_packed(out, range, volume, data, size);
+    if (is_stream) {
+        return read_packed(out, range, volume, stored, start, sha256);
     }
+    const uint8_t *data = stored->bytes.data + start;
+    size_t size = stored->bytes.size - start;
     if (volume->byte_skip > size) {
         return fail(CONUS_ERROR_DATA, "byte skip: found %llu, the file has %zu bytes of voxels",
                     (unsigned long long)volume->byte_skip, size);
@@ -126,13 +133,13 @@ static conus_status take_apart(struct bytes *out, const struct text_range *range
 }
 
 conus_status text_voxels_read(struct bytes *out, struct text_range *range, const struct text_volume *volume,
-                              struct bytes *stored, bool packed)
+                              struct stored *stored)
 {
     struct bytes voxels = {0};
     range->stored = (struct gzip_range){.sink = range->stored.sink, .user = range->stored.user};
     aim(&range->stored, range, volume);
-    conus_status status = volume->encoding == TEXT_RAW ? read_raw(&voxels, &range->stored, volume, stored, packed)
-                                                       : read_coded(&voxels, &range->stored, volume, stored, packed);
+    conus_status status =
+        (volume->encoding == TEXT_RAW ? read_raw : read_coded)(&voxels, &range->stored, volume, stored, range->sha256);
     if (!status && volume->interleaved) {
         status = take_apart(&voxels, range, volume);
     }

@@ -183,7 +183,8 @@ static void a_series_has_its_own_factors_and_names(void **state)
     write_brik("a+orig.BRIK", 24, false);
     for (int kept = 0; kept < 2; kept++) {
         uint64_t limit = kept ? 0 : 700; /* enough for one volume only: each is read again */
-        assert_ok(volume_file_open_series(&file, test_scratch("a+orig.HEAD"), limit, &notes));
+        assert_ok(volume_file_open_series(&file, test_scratch("a+orig.HEAD"),
+                                          &(conus_load_options){.max_memory = limit}, &notes));
         for (size_t k = 2; k-- > 0;) {
             assert_ok(volume_file_select(&file, k));
             assert_near(file.info.slope, k ? 0.5 : 1, 0);

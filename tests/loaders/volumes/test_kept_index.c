@@ -49,6 +49,68 @@ static void a_volume_is_found_by_the_index(void **state)
     }
 }
 
+/* Every other volume must be found, and a volume of a file that was exchanged must not. */
+static void a_volume_is_found_in_every_format(void **state)
+{
+    (void)state;
+    for (int form = 0; form < SERIES_FORMS; form++) {
+        char path[8192];
+        char named[8192];
+        snprintf(path, sizeof path, "%s", series_make_as((enum series_form)form, 0));
+        assert_ok(conus_cache_clear());
+        assert_false(series_opens_by_index(path, 3));
+        series_open_rested(path);
+        assert_true(series_opens_by_index(path, 0));
+        assert_true(series_opens_by_index(path, SERIES_COUNT - 1));
+        assert_same_as_without(path, 12);
+        assert_non_null(realpath(series_voxels_of(path, (enum series_form)form), named));
+        conus_cache *cache = NULL;
+        assert_ok(conus_cache_create(&cache));
+        assert_int_equal(conus_cache_count(cache), 1);
+        assert_string_equal(conus_cache_entry_at(cache, 0)->path, named);
+        conus_cache_destroy(cache);
+    }
+}
+
+/* The header in a file of its own is part of what an index is of: another one, and nothing is believed. */
+static void another_header_has_another_index(void **state)
+{
+    (void)state;
+    char path[8192];
+    struct bytes bytes = {0};
+    snprintf(path, sizeof path, "%s", series_make_as(SERIES_NRRD_APART, 0));
+    series_open_rested(path);
+    assert_ok(file_read(&bytes, path, UINT64_MAX));
+    bytes.data[bytes.size - 1] = '#'; /* instead of the empty line: a comment, which ends with the file */
+    overwrite_file(path, bytes.data, bytes.size);
+    assert_false(series_opens_by_index(path, 3));
+    assert_same_as_without(path, 3);
+    bytes_finish(&bytes);
+}
+
+/* Volumes that do not fit together are read one after the other: by the index that the first one made. */
+static void a_series_too_large_to_keep_is_read_by_its_index(void **state)
+{
+    (void)state;
+    struct volume_file file = {0};
+    struct notes notes = {0};
+    const uint64_t limit = SERIES_VOLUME * (uint64_t)(SERIES_COUNT - 1);
+    series_need_index();
+    test_limit_allocations(SERIES_MEMORY);
+    conus_status without =
+        volume_file_open_series(&file, series_path(), &(conus_load_options){.max_memory = limit}, &notes);
+    assert_ok(volume_file_open_series(&file, series_path(), &(conus_load_options){.max_memory = limit, .cache = true},
+                                      &notes));
+    for (size_t k = 0; k < SERIES_COUNT; k += 4) {
+        assert_ok(volume_file_select(&file, k));
+        series_assert(&file, k);
+    }
+    test_limit_allocations(0);
+    assert_int_equal(without, CONUS_ERROR_MEMORY);
+    volume_file_finish(&file);
+    notes_finish(&notes);
+}
+
 static void errors_are_those_of_the_file(void **state)
 {
     (void)state;
@@ -175,7 +237,7 @@ static void labels_begin_again_without_an_index_that_lies(void **state)
     struct gzip_range range = {.from = SERIES_HEAD, .count = 1, .total = SERIES_HEAD + (size_t)WIDE * 8};
     char sum[65];
     struct bytes out = {0};
-    assert_ok(stored_open(&stored, path, UINT64_MAX, STORED_KEEP));
+    assert_ok(stored_open(&stored, path, UINT64_MAX, STORED_KEEP, NULL));
     stored.keeper->trace.begun.tv_sec += 2 * TRACE_REST_ELSEWHERE_SECONDS;
     file_sha256(sum, &stored.bytes);
     assert_ok(stored_range(&out, &range, &stored, sum));
@@ -233,6 +295,9 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_volume_is_found_by_the_index),
+        cmocka_unit_test(a_volume_is_found_in_every_format),
+        cmocka_unit_test(another_header_has_another_index),
+        cmocka_unit_test(a_series_too_large_to_keep_is_read_by_its_index),
         cmocka_unit_test(errors_are_those_of_the_file),
         cmocka_unit_test(without_being_asked_for_there_is_none),
         cmocka_unit_test(the_list_names_it),

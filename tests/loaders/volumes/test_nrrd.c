@@ -224,7 +224,7 @@ static void volumes_come_apart(void **state)
         assert_int_equal(file.info.dim[1], 3);
         check_labels(&file, 12, 2 * cases[i].first, cases[i].step);
         volume_file_finish(&file);
-        assert_ok(volume_file_open_series(&file, path, 0, &notes));
+        assert_ok(volume_file_open_series(&file, path, &(conus_load_options){.max_memory = 0}, &notes));
         assert_non_null(file.series.data);
         for (size_t k = 0; k < 4; k++) {
             assert_ok(volume_file_select(&file, k));

@@ -173,7 +173,8 @@ static void a_series_gives_what_each_volume_by_itself_does(void **state)
         struct volume_file file;
         struct notes notes = {0};
         const char *path = write_series(cases[i].packed);
-        assert_ok(volume_file_open_series(&file, path, cases[i].max_memory, &notes));
+        assert_ok(
+            volume_file_open_series(&file, path, &(conus_load_options){.max_memory = cases[i].max_memory}, &notes));
         assert_int_equal(file.series.size, i < 3 ? 6 * 24 : 0);
         assert_as_opened(&file, path, 0);
         for (size_t k = 0; k < sizeof order / sizeof order[0]; k++) {
@@ -192,7 +193,8 @@ static void a_volume_that_is_not_there_cannot_be_selected(void **state)
         struct volume_file file;
         struct notes notes = {0};
         const char *path = write_series(true);
-        assert_ok(volume_file_open_series(&file, path, i ? TOO_LITTLE : 0, &notes));
+        assert_ok(
+            volume_file_open_series(&file, path, &(conus_load_options){.max_memory = i ? TOO_LITTLE : 0}, &notes));
         assert_ok(volume_file_select(&file, 5));
         assert_fails(volume_file_select(&file, 6), CONUS_ERROR_ARGUMENT);
         assert_non_null(strstr(conus_message(), "series.nii.gz: volume: found 6, allowed are 0 to 5"));
@@ -208,7 +210,7 @@ static void a_series_that_vanishes_stays_as_it_was(void **state)
     struct volume_file file;
     struct notes notes = {0};
     const char *path = write_series(true);
-    assert_ok(volume_file_open_series(&file, path, TOO_LITTLE, &notes));
+    assert_ok(volume_file_open_series(&file, path, &(conus_load_options){.max_memory = TOO_LITTLE}, &notes));
     assert_ok(volume_file_select(&file, 2));
     assert_int_equal(remove(path), 0);
     assert_fails(volume_file_select(&file, 3), CONUS_ERROR_IO);
@@ -492,7 +494,8 @@ static conus_status open_and_select(void *data)
     const struct series_case *wanted = data;
     struct volume_file file = {0};
     struct notes notes = {0};
-    conus_status status = volume_file_open_series(&file, wanted->path, wanted->max_memory, &notes);
+    conus_status status =
+        volume_file_open_series(&file, wanted->path, &(conus_load_options){.max_memory = wanted->max_memory}, &notes);
     for (size_t i = 0; !status && i < 3; i++) {
         size_t before = file.info.volume;
         status = volume_file_select(&file, 2 * i);

@@ -11,6 +11,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/syscall.h>
+#include <time.h>
 #include <unistd.h>
 
 uint8_t series_voxel(size_t volume, size_t i)
@@ -63,6 +65,117 @@ const char *series_make(const char *name, size_t first, size_t member)
     buffer_finish(&packed);
     return path;
 }
+
+/* ---- With a header of text --------------------------------------------------------------------------------------- */
+
+#define NRRD_HEADER(more)                                                                                              \
+    "NRRD0004\ntype: uchar\ndimension: 4\nspace: LPS\nsizes: 128 128 64 17\n"                                          \
+    "space directions: (1,0,0) (0,1,0) (0,0,1) none\nkinds: domain domain domain list\nspace origin: (0,0,0)\n" more
+#define METAIMAGE_HEADER(file)                                                                                         \
+    "ObjectType = Image\nNDims = 4\nBinaryData = True\nBinaryDataByteOrderMSB = False\nCompressedData = True\n"        \
+    "TransformMatrix = 1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1\nOffset = 0 0 0 0\nElementSpacing = 1 1 1 1\n"                  \
+    "DimSize = 128 128 64 17\nElementType = MET_UCHAR\nElementDataFile = " file "\n"
+
+static const struct {
+    const char *name, *voxels; /* of the file to open, and of another one or NULL */
+    bool zlib;
+    const char *header;
+} forms[SERIES_FORMS] = {
+    [SERIES_BRIK] = {"series+orig.HEAD", "series+orig.BRIK.gz", false,
+                     "\ntype = integer-attribute\nname = DATASET_RANK\ncount = 8\n 3 17 0 0 0\n 0 0 0\n"
+                     "\ntype = integer-attribute\nname = DATASET_DIMENSIONS\ncount = 5\n 128 128 64 0 0\n"
+                     "\ntype = integer-attribute\nname = BRICK_TYPES\ncount = 17\n"
+                     " 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0\n"
+                     "\ntype = integer-attribute\nname = ORIENT_SPECIFIC\ncount = 3\n 1 2 4\n"
+                     "\ntype  = float-attribute\nname  = ORIGIN\ncount = 3\n 10 20 30\n"
+                     "\ntype  = float-attribute\nname  = DELTA\ncount = 3\n -2 -3 4\n"},
+    [SERIES_NRRD_WHOLE] = {"whole.nrrd.gz", NULL, false, NRRD_HEADER("encoding: raw\n\n")},
+    [SERIES_NRRD] = {"series.nrrd", NULL, false, NRRD_HEADER("encoding: gzip\n\n")},
+    [SERIES_NRRD_APART] = {"series.nhdr", "series.raw.gz", false,
+                           NRRD_HEADER("encoding: gzip\ndata file: series.raw.gz\n\n")},
+    [SERIES_METAIMAGE] = {"series.mha", NULL, true, METAIMAGE_HEADER("LOCAL")},
+    [SERIES_METAIMAGE_APART] = {"series.mhd", "series.zraw", true, METAIMAGE_HEADER("series.zraw")},
+};
+
+static void append_fast_zlib(struct buffer *out, const char *data, size_t size)
+{
+    struct libdeflate_compressor *compressor = libdeflate_alloc_compressor(1);
+    size_t most = libdeflate_zlib_compress_bound(compressor, size);
+    char *packed = malloc(most);
+    size_t used = libdeflate_zlib_compress(compressor, data, size, packed, most);
+    assert_true(used > 0);
+    buffer_append(out, packed, used);
+    free(packed);
+    libdeflate_free_compressor(compressor);
+}
+
+/* All voxels as one stream, which is packed anew only where it is another than before; static. */
+static const struct buffer *pack_voxels(bool zlib, size_t first)
+{
+    static struct buffer packed[2];
+    static size_t firsts[2];
+    if (!packed[zlib].size || firsts[zlib] != first) {
+        struct buffer voxels = {0};
+        buffer_clear(&packed[zlib]);
+        fill_volumes(&voxels, first);
+        (zlib ? append_fast_zlib : append_fast_gzip)(&packed[zlib], voxels.data, voxels.size);
+        firsts[zlib] = first;
+        buffer_finish(&voxels);
+    }
+    return &packed[zlib];
+}
+
+const char *series_make_as(enum series_form form, size_t first)
+{
+    const struct buffer *voxels = pack_voxels(forms[form].zlib, first);
+    struct buffer file = {0};
+    const char *header = forms[form].header;
+    bool apart = forms[form].voxels;
+    if (form == SERIES_NRRD_WHOLE) {
+        append_fast_gzip(&file, header, strlen(header)); /* a member of its own */
+    } else if (!apart) {
+        buffer_text(&file, header);
+    }
+    buffer_append(&file, voxels->data, voxels->size);
+    const char *path = write_bytes(apart ? forms[form].voxels : forms[form].name, &file);
+    if (apart) {
+        buffer_clear(&file);
+        buffer_text(&file, header);
+        path = write_bytes(forms[form].name, &file);
+    }
+    buffer_finish(&file);
+    return path;
+}
+
+const char *series_voxels_of(const char *path, enum series_form form)
+{
+    static char voxels[8192];
+    const char *name = forms[form].voxels ? forms[form].voxels : forms[form].name;
+    snprintf(voxels, sizeof voxels, "%.*s/%s", (int)(strrchr(path, '/') - path), path, name);
+    return voxels;
+}
+
+static time_t ahead; /* seconds that the clock of the day is */
+
+/* In the place of the C library's. */
+int clock_gettime(clockid_t clock, struct timespec *out)
+{
+    int code = (int)syscall(SYS_clock_gettime, clock, out);
+    out->tv_sec += clock == CLOCK_REALTIME ? ahead : 0;
+    return code;
+}
+
+void series_open_rested(const char *path)
+{
+    struct volume_file file = {0};
+    ahead = 2 * (time_t)TRACE_REST_ELSEWHERE_SECONDS;
+    assert_ok(series_open(&file, path, 0, true));
+    ahead = 0;
+    series_assert(&file, 0);
+    volume_file_finish(&file);
+}
+
+/* ---- The series -------------------------------------------------------------------------------------------------- */
 
 const char *series_path(void)
 {
@@ -123,7 +236,7 @@ void series_index(const char *path, bool rested)
     char sum[65];
     struct gzip_range range = {
         .from = SERIES_HEAD, .count = 10, .total = SERIES_HEAD + (size_t)SERIES_COUNT * SERIES_VOLUME};
-    assert_ok(stored_open(&stored, path, UINT64_MAX, STORED_KEEP));
+    assert_ok(stored_open(&stored, path, UINT64_MAX, STORED_KEEP, NULL));
     stored.keeper->trace.begun.tv_sec += rested ? 2 * TRACE_REST_ELSEWHERE_SECONDS : 0;
     file_sha256(sum, &stored.bytes);
     assert_ok(stored_range(&out, &range, &stored, sum));
@@ -134,7 +247,7 @@ void series_index(const char *path, bool rested)
 bool series_is_indexed(const char *path)
 {
     struct kept_index kept;
-    bool found = kept_index_open(&kept, path);
+    bool found = kept_index_open(&kept, path, NULL);
     if (found) {
         kept_index_finish(&kept);
     }

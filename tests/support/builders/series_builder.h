@@ -15,7 +15,7 @@ enum {
     SERIES_HEAD = 352,
     SERIES_MEMORY = 5 << 20,
     SERIES_TRAILER_AT = 24, /**< In the bytes of an index: where the file's checksum is, and */
-    SERIES_POINTS_AT = 120  /**< ... the points. */
+    SERIES_POINTS_AT = 136  /**< ... the points. */
 };
 
 /** Voxel @p i of volume @p volume. */
@@ -23,6 +23,26 @@ uint8_t series_voxel(size_t volume, size_t i);
 
 /** Writes the file whose volume k is series_voxel(@p first + k), in members of @p member unpacked bytes. */
 const char *series_make(const char *name, size_t first, size_t member);
+
+/** Formats whose header is text, packed as a whole, behind the header, or in a file of their own. */
+enum series_form {
+    SERIES_BRIK,
+    SERIES_NRRD_WHOLE,
+    SERIES_NRRD,
+    SERIES_NRRD_APART,
+    SERIES_METAIMAGE,
+    SERIES_METAIMAGE_APART,
+    SERIES_FORMS
+};
+
+/** Writes the same series as a file of @p form, and if need be another; returns the path to open. */
+const char *series_make_as(enum series_form form, size_t first);
+
+/** The path of the voxels of the file @p path that series_make_as() wrote; static. */
+const char *series_voxels_of(const char *path, enum series_form form);
+
+/** Opens volume 0 of @p path as if it were at rest for long, which makes and keeps an index. */
+void series_open_rested(const char *path);
 
 /** That from volume 0 in one member, made once: for who only reads it. */
 const char *series_path(void);
