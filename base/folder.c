@@ -25,6 +25,9 @@ static int compare_names(const void *a, const void *b)
 
 static bool ends_with(const char *name, const char *ending)
 {
+    if (strchr(ending, '/')) {
+        return path_ending_length(name, ending);
+    }
     size_t length = strlen(name);
     size_t tail = strlen(ending);
     return length >= tail && strcmp(name + length - tail, ending) == 0;
@@ -87,18 +90,22 @@ bool path_ends_in(const char *path, const char *ending)
     return length > tail && strcasecmp(path + length - tail, ending) == 0;
 }
 
+size_t path_ending_length(const char *path, const char *endings)
+{
+    size_t length = strlen(path);
+    for (const char *at = endings; *at;) {
+        size_t tail = strcspn(at, "/");
+        if (length > tail && strncasecmp(path + length - tail, at, tail) == 0) {
+            return tail;
+        }
+        at += tail + (at[tail] == '/');
+    }
+    return 0;
+}
+
 size_t volume_stem_length(const char *path)
 {
-    static const char *const endings[] = {".nii.gz", ".hdr.gz", ".img.gz",   ".mgh.gz", ".nii",  ".hdr", ".img",
-                                          ".mgz",    ".mgh",    ".seg.nrrd", ".nrrd",   ".nhdr", ".mha", ".mhd",
-                                          ".HEAD",   ".BRIK",   ".BRIK.gz",  ".tiff",   ".tif"};
-    size_t length = strlen(path);
-    for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
-        if (path_ends_in(path, endings[i])) {
-            return length - strlen(endings[i]);
-        }
-    }
-    return length;
+    return strlen(path) - path_ending_length(path, VOLUME_ENDINGS);
 }
 
 const char *path_base(const char *path)

@@ -14,7 +14,8 @@ struct names {
 enum { NAMES_LIMIT = 4096 }; /**< Names of a folder that names_list() gives. */
 
 /** The first NAMES_LIMIT names in @p folder that end in @p ending, sorted, so that an answer does not hang on the file
- * system; none if there is no such folder. @p out is the caller's to finish, also on failure. */
+ * system; none if there is no such folder. A list, as for path_ending_length(), is of several endings. What does not
+ * end so may come and go, and the answer is the same. @p out is the caller's to finish, also on failure. */
 conus_status names_list(struct names *out, const char *folder, const char *ending);
 void names_finish(struct names *names);
 
@@ -29,6 +30,14 @@ char *path_with_ending(const char *path, size_t length, const char *ending);
 
 /** Whether @p path, longer than @p ending, ends in it; upper and lower case are the same. */
 bool path_ends_in(const char *path, const char *ending);
+
+/** Length of the first of @p endings, with '/' between them, in which @p path ends as in path_ends_in(); 0 = none. */
+size_t path_ending_length(const char *path, const char *endings);
+
+/** Those of volumes, as such a list. */
+#define VOLUME_ENDINGS                                                                                                 \
+    ".nii.gz/.hdr.gz/.img.gz/.mgh.gz/.nii/.hdr/.img/.mgz/.mgh/.seg.nrrd/.nrrd/.nhdr/.mha/.mhd/.HEAD/.BRIK/.BRIK.gz/"   \
+    ".tiff/.tif"
 
 /** What follows the last '/'. */
 const char *path_base(const char *path);

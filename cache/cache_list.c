@@ -2,11 +2,14 @@
 /* What is in the cache's folder, and an end to it. */
 #include "base/cache/cache_entry.h"
 #include "base/cache/cache_folder.h"
+#include "base/folder.h"
 #include "base/memory.h"
 #include "cache/atlas_cache.h"
 
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
@@ -40,13 +43,37 @@ void conus_cache_destroy(conus_cache *cache)
     memory_free(cache);
 }
 
+/* Without links and dots: the path of the file, else of its folder and the name in it, else as it is. NULL without
+ * memory. */
+static char *plain_path(const char *path)
+{
+    char real[PATH_MAX];
+    struct buffer plain = {0};
+    char *folder = path_folder(path);
+    if (realpath(path, real)) {
+        buffer_text(&plain, real);
+    } else if (folder && realpath(folder, real)) {
+        buffer_format(&plain, "%s/%s", strcmp(real, "/") == 0 ? "" : real, path_base(path));
+    } else {
+        buffer_text(&plain, path);
+    }
+    memory_free(folder);
+    char *copy = buffer_status(&plain) ? NULL : memory_text(plain.data, plain.size);
+    buffer_finish(&plain);
+    return copy;
+}
+
 /* The path in the key of a mapped entry; "" where it has none. NULL without memory. */
 static char *copy_path(const void *memory, size_t size)
 {
     struct cache_entry entry;
-    bool parsed = cache_entry_parse(&entry, memory, size);
-    const char *path = parsed ? cache_key_path(entry.key.data, entry.key.size) : NULL;
-    return memory_text(path ? path : "", strlen(path ? path : ""));
+    struct buffer path = {0};
+    if (cache_entry_parse(&entry, memory, size)) {
+        cache_key_path(&path, entry.key.data, entry.key.size);
+    }
+    char *copy = buffer_status(&path) ? NULL : path.size ? plain_path(path.data) : memory_text("", 0);
+    buffer_finish(&path);
+    return copy;
 }
 
 static char *path_of(int folder, const char *name)

@@ -141,6 +141,9 @@ static int run_cache(const void *given, const struct arguments *arguments)
     const char *word = arguments->operands[0];
     for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
         if (strcmp(word, words[i].word) == 0) {
+            if (i > 0 && option_given(arguments, "format")) {
+                return print_usage_error("--format has no effect without list");
+            }
             return words[i].run(given);
         }
     }

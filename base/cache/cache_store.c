@@ -100,21 +100,28 @@ void cache_store_finish(struct cache_store *store)
     buffer_finish(&store->path);
 }
 
-const char *cache_key_path(const uint8_t *key, size_t size)
+/* The string of a key that has `before` others ahead of it, NULL where there is none. */
+static const char *key_string(const uint8_t *key, size_t size, int before)
 {
-    enum { PATH = 4 };
-    const uint8_t *at = key;
-    for (int i = 0; i <= PATH; i++) {
-        const uint8_t *end = memchr(at, 0, size);
-        if (!end || end == at) {
-            return NULL;
+    for (const uint8_t *end; (end = memchr(key, 0, size)) && end != key; before--) {
+        if (!before) {
+            return (const char *)key + 1;
         }
-        if (i < PATH) {
-            size -= (size_t)(end + 1 - at);
-            at = end + 1;
-        }
+        size -= (size_t)(end + 1 - key);
+        key = end + 1;
     }
-    return (const char *)at + 1;
+    return NULL;
+}
+
+void cache_key_path(struct buffer *out, const uint8_t *key, size_t size)
+{
+    enum { HERE = 3, PATH = 4 };
+    const char *here = key_string(key, size, HERE);
+    const char *path = key_string(key, size, PATH);
+    if (path && path[0] != '/' && here && here[0]) {
+        buffer_format(out, "%s/", here);
+    }
+    buffer_text(out, path ? path : "");
 }
 
 /* ---- Finding ----------------------------------------------------------------------------------------------------- */

@@ -41,8 +41,9 @@ void cache_key_append(struct buffer *key, const char *text);
 void cache_store_name(struct cache_store *store);
 void cache_store_finish(struct cache_store *store);
 
-/** The path that cache_store_begin() was given; NULL where it is no key. */
-const char *cache_key_path(const uint8_t *key, size_t size);
+/** Appends the path that cache_store_begin() was given, with the folder that it is relative to, to @p out; nothing
+ * where it is no key. */
+void cache_key_path(struct buffer *out, const uint8_t *key, size_t size);
 
 /** An entry in memory. */
 struct cache_mapping {

@@ -14,6 +14,8 @@
 
 #include <string.h>
 
+#define TABLE_ENDINGS ".nii.txt/.nii.lut/.niml.lt/.txt/.tsv/.json/.label/.ctbl/.csv/.lut/.ctab"
+
 enum {
     FOLDER_LIMIT = 4096, /* names that names_list() gives at most: one more could be another volume */
     TABLE_LIMIT = 16,    /* candidates that are read */
@@ -22,14 +24,8 @@ enum {
 /* Length of the name without the ending of a table; 0 if it has none. */
 static size_t table_stem_length(const char *name)
 {
-    static const char *const endings[] = {".nii.txt", ".nii.lut", ".niml.lt", ".txt", ".tsv", ".json",
-                                          ".label",   ".ctbl",    ".csv",     ".lut", ".ctab"};
-    for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
-        if (path_ends_in(name, endings[i])) {
-            return strlen(name) - strlen(endings[i]);
-        }
-    }
-    return 0;
+    size_t ending = path_ending_length(name, TABLE_ENDINGS);
+    return ending ? strlen(name) - ending : 0;
 }
 
 /* Names that begin with a dot are of no one's making: macOS puts one beside every file of other file systems. */
@@ -157,7 +153,7 @@ conus_status label_search_alike(struct label_search *search, const char *folder)
     struct names names = {0};
     struct folder here = {.names = &names, .folder = folder, .stem = {name, volume_stem_length(name)}};
     size_t tries = 0;
-    conus_status status = search->use.voxels ? names_list(&names, folder, "") : CONUS_OK;
+    conus_status status = search->use.voxels ? names_list(&names, folder, VOLUME_ENDINGS "/" TABLE_ENDINGS) : CONUS_OK;
     label_words_find(&here.volume, here.stem);
     for (size_t i = 0; !status && names.count < FOLDER_LIMIT && tries < TABLE_LIMIT && i < names.count; i++) {
         bool tried;

@@ -79,6 +79,37 @@ static void a_file_that_appears_beside_it_counts(void **state)
     assert_true(is_in_cache(path));
     assert_ok(file_write_soon(beside, "1 Uno 1\n", 8));
     assert_false(is_in_cache(path));
+    assert_int_equal(unlink(beside), 0);
+}
+
+static void add_to_folder(char out[8192], const char *path, const char *name)
+{
+    snprintf(out, 8192, "%.*s/%s", (int)(strrchr(path, '/') - path), path, name);
+    assert_ok(file_write_soon(out, "1 Uno 1\n", 8));
+}
+
+/* Without a table beside it the whole folder is looked through: for tables, and for volumes that they could be of. */
+static void only_what_is_looked_for_in_the_folder_counts(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *name;
+        bool counts;
+    } files[] = {{"notes.md", false},          {"searched.pdf", false}, {"searched_nii", false},  {"txt", false},
+                 {"other_searched.tsv", true}, {"LABELS.CSV", true},    {"another.nii", true},    {"b.MGZ", true},
+                 {"b_dseg.tsv", true},         {"atlas.xml", true},     {"structures.json", true}};
+    char file[8192];
+    const char *path = cached_atlas("searched.nii", 5);
+    snprintf(file, sizeof file, "%.*s.txt", (int)(strlen(path) - strlen(".nii")), path);
+    assert_int_equal(unlink(file), 0);
+    keep(path);
+    for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) {
+        assert_true(is_in_cache(path));
+        add_to_folder(file, path, files[i].name);
+        assert_int_equal(is_in_cache(path), !files[i].counts);
+        assert_int_equal(unlink(file), 0);
+    }
+    assert_true(is_in_cache(path));
 }
 
 static void options_have_entries_of_their_own(void **state)
@@ -335,6 +366,7 @@ int main(void)
         cmocka_unit_test(the_library_asks_for_no_cache_by_itself),
         cmocka_unit_test(a_file_that_changed_is_read_again),
         cmocka_unit_test(a_file_that_appears_beside_it_counts),
+        cmocka_unit_test(only_what_is_looked_for_in_the_folder_counts),
         cmocka_unit_test(options_have_entries_of_their_own),
         cmocka_unit_test(notes_are_heard_again),
         cmocka_unit_test(surfaces_around_the_areas_are_not_kept),

@@ -59,9 +59,18 @@ is_kept() {
     [ "$(entries)" = 0 ]
     "$CONUS" query "$atlas" "${AIM[@]}" > /dev/null
     run -0 "$CONUS" cache list
-    [[ $output == *"$atlas"* ]]
+    [[ $output == *"$(realpath "$atlas")"* ]]
     [[ $output == *"1 entry, $(stat -c %s cache/conus/*.atlas) bytes, in $PWD/cache/conus"* ]]
-    [ "$("$CONUS" cache list --format tsv | cut -f 1,4 | tail -n 1)" = "atlas	$atlas" ]
+    [ "$("$CONUS" cache list --format tsv | cut -f 1,4 | tail -n 1)" = "atlas	$(realpath "$atlas")" ]
+    for word in clear where; do
+        run -2 "$CONUS" cache $word --format tsv
+        [[ $output == *"--format has no effect without list"* ]]
+    done
+    [ "$(entries)" = 1 ]
+    # One form of a path, however the atlas was named.
+    (cd "$TEMPLATES" && XDG_CACHE_HOME=$OLDPWD/cache "$CONUS" query ./aal.nii.gz "${AIM[@]}" > /dev/null)
+    [ "$(entries)" = 2 ]
+    [ "$("$CONUS" cache list --format tsv | cut -f 1,4 | tail -n +2 | sort -u)" = "atlas	$(realpath "$atlas")" ]
     run -0 "$CONUS" cache clear
     [ "$(entries)" = 0 ]
     CONUS_CACHE=off run -0 "$CONUS" cache list

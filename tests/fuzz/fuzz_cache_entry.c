@@ -32,8 +32,10 @@ static void use_parts(const struct cache_entry *entry)
 {
     size_t length = 0;
     struct file_trace trace = {0};
-    const char *path = cache_key_path(entry->key.data, entry->key.size);
-    length += path ? strlen(path) : 0;
+    struct buffer path = {0};
+    cache_key_path(&path, entry->key.data, entry->key.size);
+    length += path.size;
+    buffer_finish(&path);
     (void)atlas_cache_tell(entry->notes.data, entry->notes.size, hear, &length);
     if (file_trace_parse(&trace, entry->trace.data, entry->trace.size)) {
         struct buffer again = {0};
