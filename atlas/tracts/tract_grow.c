@@ -24,8 +24,8 @@ _Static_assert(sizeof(struct item) * TRACT_LEAF == sizeof(struct tract_leaf), "r
 /* Longer ones where points take less memory, so that the tree takes less, too. */
 static uint64_t run_length(const struct tractogram *tractogram)
 {
-    enum { OF_FLOATS = 3 };
-    return tractogram->halves ? TRACT_RUN : OF_FLOATS;
+    enum { OF_FLOATS = 3, OF_HALVES = 5 };
+    return tractogram->halves ? OF_HALVES : OF_FLOATS;
 }
 
 static uint64_t points_of(const struct tractogram *tractogram, size_t streamline)
@@ -45,21 +45,6 @@ static size_t count_runs(const struct tractogram *tractogram)
         count += runs_of(points_of(tractogram, s), run_length(tractogram));
     }
     return count;
-}
-
-/* Cuts all streamlines from their first points on. */
-static void cut(struct item *out, const struct tractogram *tractogram)
-{
-    uint64_t longest = run_length(tractogram);
-    for (size_t s = 0; s < tractogram->streamline_count; s++) {
-        uint64_t segments = points_of(tractogram, s) - 1; /* wraps where there is no point, and so no run */
-        size_t runs = runs_of(segments + 1, longest);
-        for (uint64_t done = 0; done < runs * longest; done += longest) {
-            uint64_t left = segments - done;
-            *out++ = (struct item){.segments = (uint16_t)(left < longest ? left : longest),
-                                   .point = (uint32_t)(tractogram->first[s] + done)};
-        }
-    }
 }
 
 static void mark(uint32_t *out, const struct tractogram *tractogram)
@@ -110,6 +95,56 @@ static inline struct box box_of_points(const struct tractogram *tractogram, uint
         extend(&box, point, point);
     }
     return box;
+}
+
+/* ---- Cuts ------------------------------------------------------------------------------------------------------- */
+
+/* Whether a streamline turns by more than 45 degrees at a point that has one before it and one behind it. */
+static bool is_sharp(const struct tractogram *tractogram, uint64_t point)
+{
+    float at[3][3];
+    float squares[2] = {0};
+    float dot = 0;
+    for (uint64_t i = 0; i < 3; i++) {
+        read_point(at[i], tractogram, point + i - 1);
+    }
+    for (int a = 0; a < 3; a++) {
+        float before = at[1][a] - at[0][a];
+        float behind = at[2][a] - at[1][a];
+        squares[0] += before * before;
+        squares[1] += behind * behind;
+        dot += before * behind;
+    }
+    return dot < 0 || 2 * dot * dot < squares[0] * squares[1];
+}
+
+/* Where to cut instead of at a point that has two before it and one behind it: where the streamline turns sharply, if
+ * that is next to it. So runs are slim. */
+static uint64_t place_of_cut(const struct tractogram *tractogram, uint64_t point, uint64_t end)
+{
+    if (is_sharp(tractogram, point)) {
+        return point;
+    }
+    if (is_sharp(tractogram, point - 1)) {
+        return point - 1;
+    }
+    return point + 2 < end && is_sharp(tractogram, point + 1) ? point + 1 : point;
+}
+
+/* Cuts all streamlines from their first points on. */
+static void cut(struct item *out, const struct tractogram *tractogram)
+{
+    uint64_t longest = run_length(tractogram);
+    for (size_t s = 0; s < tractogram->streamline_count; s++) {
+        uint64_t from = tractogram->first[s];
+        uint64_t end = tractogram->first[s + 1];
+        size_t runs = runs_of(end - from, longest);
+        for (size_t k = 1; k <= runs; k++) {
+            uint64_t to = k < runs ? place_of_cut(tractogram, tractogram->first[s] + k * longest, end) : end - 1;
+            *out++ = (struct item){.segments = (uint16_t)(to - from), .point = (uint32_t)from};
+            from = to;
+        }
+    }
 }
 
 /* ---- Order ------------------------------------------------------------------------------------------------------ */
@@ -234,44 +269,84 @@ static void arrange(struct item *items, size_t count, const struct tractogram *t
 
 /* ---- Leaves ----------------------------------------------------------------------------------------------------- */
 
-/* From the nearest point of a segment to @p point. */
-static double distance_from_segment(const double point[3], const double a[3], const double b[3])
+/* Of the @p count points, from the nearest point of a segment. */
+static double largest_distance(double points[][3], uint32_t count, const double a[3], const double b[3])
 {
     double side[3];
     double way[3];
+    double most = 0;
     vec3_sub(side, b, a);
-    vec3_sub(way, point, a);
     double squared = vec3_dot(side, side);
-    double along = squared > 0 ? vec3_dot(way, side) / squared : 0;
-    vec3_add_scaled(way, way, -(along < 0 ? 0 : along > 1 ? 1 : along), side);
-    return vec3_length(way);
+    double inverse = squared > 0 ? 1 / squared : 0;
+    for (uint32_t k = 0; k < count; k++) {
+        vec3_sub(way, points[k], a);
+        double along = vec3_dot(way, side) * inverse;
+        vec3_add_scaled(way, way, -(along < 0 ? 0 : along > 1 ? 1 : along), side);
+        double square = vec3_dot(way, way);
+        most = square > most ? square : most;
+    }
+    return sqrt(most);
+}
+
+/* Half the way from the chord of a run to the point that is farthest from its line, if no other one is on the other
+ * side: a segment that is moved so far is half as far from all of them. */
+static void find_shift(double out[3], double points[][3], uint32_t segments)
+{
+    double away[TRACT_RUN][3];
+    double side[3];
+    double most = 0;
+    uint32_t farthest = 0;
+    vec3_sub(side, points[segments], points[0]);
+    double squared = vec3_dot(side, side);
+    double inverse = squared > 0 ? 1 / squared : 0;
+    for (uint32_t k = 1; k < segments && squared > 0; k++) {
+        vec3_sub(away[k], points[k], points[0]);
+        vec3_add_scaled(away[k], away[k], -vec3_dot(away[k], side) * inverse, side);
+        double square = vec3_dot(away[k], away[k]);
+        farthest = square > most ? k : farthest;
+        most = square > most ? square : most;
+    }
+    vec3_scale(out, side, 0);
+    if (farthest) {
+        vec3_scale(out, away[farthest], 0.5);
+    }
+    for (uint32_t k = 1; k < segments && farthest; k++) {
+        if (vec3_dot(away[k], away[farthest]) < 0) {
+            vec3_scale(out, side, 0);
+        }
+    }
 }
 
 static uint8_t byte_of(double coordinate, double low, double step)
 {
     double at = step > 0 ? (coordinate - low) / step + 0.5 : 0;
-    return (uint8_t)(at < UINT8_MAX ? at : UINT8_MAX);
+    return (uint8_t)(at > 0 ? at < UINT8_MAX ? at : UINT8_MAX : 0);
 }
 
-/* Gives a run its ends, and how far it is from the segment between them. */
+/* Gives a run its ends, and how far it is from the segment between them, and their own ends beyond what rounding does.
+ */
 static double set_ends(struct tract_leaf *leaf, size_t lane, const struct tractogram *tractogram)
 {
+    double points[TRACT_RUN + 1][3];
     double ends[2][3];
-    double point[3];
+    double shift[3];
+    double off[3];
     double largest = 0;
     uint32_t segments = tract_leaf_segments(leaf, lane);
+    for (uint32_t k = 0; k <= segments; k++) {
+        tractogram_point(points[k], tractogram, leaf->point[lane] + (uint64_t)k);
+    }
+    find_shift(shift, points, segments);
     for (uint32_t e = 0; e < 2; e++) {
-        tractogram_point(point, tractogram, leaf->point[lane] + (uint64_t)e * segments);
+        const double *point = points[e * segments];
         for (int a = 0; a < 3; a++) {
-            leaf->ends[e][a][lane] = byte_of(point[a], (double)leaf->low[a], (double)leaf->step[a]);
+            leaf->ends[e][a][lane] = byte_of(point[a] + shift[a], (double)leaf->low[a], (double)leaf->step[a]);
             ends[e][a] = (double)leaf->low[a] + leaf->ends[e][a][lane] * (double)leaf->step[a];
         }
+        vec3_sub(off, point, ends[e]);
+        largest = fmax(largest, vec3_length(off) - tract_leaf_rounding(leaf));
     }
-    for (uint32_t k = 0; k <= segments; k++) {
-        tractogram_point(point, tractogram, leaf->point[lane] + (uint64_t)k);
-        largest = fmax(largest, distance_from_segment(point, ends[0], ends[1]));
-    }
-    return largest * (1 + BEND_SLACK);
+    return fmax(largest, largest_distance(points, segments + 1, ends[0], ends[1])) * (1 + BEND_SLACK);
 }
 
 static void set_bends(struct tract_leaf *leaf, const double bends[TRACT_LEAF])

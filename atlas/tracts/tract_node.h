@@ -24,8 +24,8 @@ struct tract_node {
     float low[3][TRACT_WIDTH], high[3][TRACT_WIDTH];
 };
 
-/** Runs near each other. Run k is no farther than its thickness from the segment between its ends, which are about
- * its first and its last point. A coordinate of an end is low + step e. */
+/** Runs near each other. Run k is no farther than its thickness from the segment between its ends. These are no farther
+ * than that and tract_leaf_rounding() from its first and its last point. A coordinate of an end is low + step e. */
 struct tract_leaf {
     float low[3], step[3];          /**< World mm. */
     float thickness;                /**< mm; a run has a multiple of it. */
@@ -34,6 +34,13 @@ struct tract_leaf {
     uint8_t bend[TRACT_LEAF];       /**< Multiple of the thickness, and in the lowest bits the segments. */
     uint32_t point[TRACT_LEAF];     /**< The run's first one, of all points of the tractogram. */
 };
+
+/** mm: about as far as rounding to bytes moves an end at most, half the diagonal of a cube of the longest step. */
+static inline double tract_leaf_rounding(const struct tract_leaf *leaf)
+{
+    float longest = leaf->step[0] > leaf->step[1] ? leaf->step[0] : leaf->step[1];
+    return 0.866 * (double)(leaf->step[2] > longest ? leaf->step[2] : longest);
+}
 
 /** How many segments a run of a leaf has. */
 static inline uint32_t tract_leaf_segments(const struct tract_leaf *leaf, size_t lane)

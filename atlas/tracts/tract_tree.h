@@ -2,7 +2,7 @@
 /** @file
  * A tree of boxes round runs of streamlines' segments. A leaf has runs of neighbouring streamlines side by side, with
  * ends in bytes, so that a search reads it at once and few points. The tree is small beside the points (streamlines of
- * 100 points have 4.4 bytes of it a point, or 2.7 if points are halves), flat, and the same for the same points, so it
+ * 100 points have 4.3 bytes of it a point, or 2.7 if points are halves), flat, and the same for the same points, so it
  * can be packed and mapped. tract_node.h says how it lies in memory. */
 #ifndef CONUS_ATLAS_TRACTS_TRACT_TREE_H
 #define CONUS_ATLAS_TRACTS_TRACT_TREE_H
@@ -14,7 +14,7 @@
 #include <stdint.h>
 
 /** Segments of a run at most, and points from one mark to the next. */
-enum { TRACT_RUN = 5, TRACT_MARK = 64 };
+enum { TRACT_RUN = 7, TRACT_MARK = 64 };
 
 /** Neighbouring segments of a streamline: of the points `point` to `point + segments`. Both ends of a run are points,
  * of which runs that follow each other share one. A streamline of one point is a run of no segment. */

@@ -10,7 +10,7 @@ uniform float radius, slack;     // mm; the most slack that a ray has
 uniform int resolution;
 
 flat out vec3 from, to;  // world mm; the run is no farther from that segment than its thickness
-flat out vec2 thickness; // mm; and more than the way from an end to the point that it stands for
+flat out vec2 thickness; // mm; and more than what rounding to bytes moves an end by
 flat out uint run;
 
 const uint BYTE = 0xffu;
@@ -68,7 +68,7 @@ void main()
     run = uint(number);
     from = end(one.x, uintBitsToFloat(first.xyz), way);
     to = end(one.y, uintBitsToFloat(first.xyz), way);
-    thickness = vec2(float(one.x >> 24) * uintBitsToFloat(first.w), 0.87 * max(way.x, max(way.y, way.z)));
+    thickness = vec2(float(one.x >> 24) * uintBitsToFloat(first.w), 0.875 * max(way.x, max(way.y, way.z)));
     vec3 a = vec3(device_from_world * (dvec3(from) - apex));
     vec3 b = vec3(device_from_world * (dvec3(to) - apex));
     float reach = (radius + thickness.x + 4.0 * slack) * 1.00001;

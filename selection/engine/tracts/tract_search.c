@@ -2,9 +2,27 @@
 /* Where a search for segments begins, and the choice of a kernel. */
 #include "selection/engine/tracts/tract_search.h"
 
+#include "base/math3.h"
 #include "base/processor.h"
 
-#include <math.h>
+#include <string.h>
+
+/* Two axes across the direction, and the direction. */
+static void set_axes(float out[3][3], const double direction[3])
+{
+    int least = fabs(direction[1]) < fabs(direction[0]) ? 1 : 0;
+    least = fabs(direction[2]) < fabs(direction[least]) ? 2 : least;
+    double axes[3][3] = {{0}, {least == 0, least == 1, least == 2}};
+    memcpy(axes[2], direction, sizeof axes[2]);
+    vec3_cross(axes[0], direction, axes[1]);
+    vec3_normalise(axes[0], axes[0]);
+    vec3_cross(axes[1], direction, axes[0]);
+    for (int i = 0; i < 3; i++) {
+        for (int a = 0; a < 3; a++) {
+            out[i][a] = (float)axes[i][a];
+        }
+    }
+}
 
 void tract_search_init(struct tract_search *out, const struct tractogram *tractogram, const double origin[3],
                        const double direction[3])
@@ -19,6 +37,7 @@ void tract_search_init(struct tract_search *out, const struct tractogram *tracto
     if (!tract_start_find(&out->from, tractogram, origin, direction)) {
         return;
     }
+    set_axes(out->axes, direction);
     /* The root is the one item above all levels. */
     out->visits[out->waiting++] = (struct tract_visit){-out->from.slack, out->levels.count + 1, 0};
 }

@@ -16,15 +16,16 @@ struct tract_found {
 };
 
 /** What waits in a search: each level leaves fewer than TRACT_WIDTH items behind. And runs that are put aside. */
-enum { TRACT_WAITING = TRACT_WIDTH * TRACT_LEVELS, TRACT_ASIDE = 4 * TRACT_LEAF };
+enum { TRACT_WAITING = TRACT_WIDTH * TRACT_LEVELS, TRACT_ASIDE = TRACT_LEAF + 16 };
 
 /** A search on its way. */
 struct tract_search {
     const struct tractogram *tractogram;
     struct tract_levels levels;
     struct tract_start from;
-    bool has_bound; /**< Only the first hit is asked for, and any streamline may be it. */
-    float bound;    /**< mm from the search's origin: with a bound the first hit is no farther. */
+    float axes[3][3]; /**< Of unit length, square to each other; the last one is the direction. */
+    bool has_bound;   /**< Only the first hit is asked for, and any streamline may be it. */
+    float bound;      /**< mm from the search's origin: with a bound the first hit is no farther. */
     size_t waiting;
     size_t aside;       /**< Runs that are put aside; once they are sorted out,    */
     size_t ready, next; /**< so many are ready, and those from the next one are left. */

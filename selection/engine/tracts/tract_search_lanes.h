@@ -4,23 +4,19 @@
 #include "base/lanes_numbers.h"
 #include "selection/engine/tracts/tract_search.h"
 
-static INLINE singles dot(const singles a[3], const singles b[3])
-{
-    return multiply_add(a[0], b[0], multiply_add(a[1], b[1], a[2] * b[2]));
-}
-
 /* The search's ray in all lanes. */
 struct ray {
-    singles origin[3], direction[3];
+    singles axes[3][3]; /* two across it, and its own */
     singles slack, limit;
 };
 
 static INLINE struct ray ray_of(const struct tract_search *search, float limit)
 {
     struct ray ray = {.slack = all(search->from.slack), .limit = all(limit)};
-    for (int a = 0; a < 3; a++) {
-        ray.origin[a] = all(search->from.origin[a]);
-        ray.direction[a] = all(search->from.direction[a]);
+    for (int i = 0; i < 3; i++) {
+        for (int a = 0; a < 3; a++) {
+            ray.axes[i][a] = all(search->axes[i][a]);
+        }
     }
     return ray;
 }
@@ -60,39 +56,26 @@ static INLINE singles within_0_1(singles x)
 
 /* Segments from a to b, seen along the ray: each is one of a plane, a + h e, and the ray is the plane's origin. */
 struct seen {
-    singles a[3], e[3];
+    singles a[2], e[2];
     singles depth, deeper; /* along the ray: of a, and from there to b */
     singles square;        /* |e|^2; of what is shorter than the slack as if it were as long */
     singles nearest;       /* h of the line's nearest point to the ray */
 };
 
+/* From the ends by the ray's axes. */
 static INLINE struct seen see(const struct ray *ray, const singles a[3], const singles b[3])
 {
-    struct seen out;
-    singles to[3];
-    for (int k = 0; k < 3; k++) {
-        out.a[k] = a[k] - ray->origin[k];
-        to[k] = b[k] - ray->origin[k];
-    }
-    out.depth = dot(out.a, ray->direction);
-    out.deeper = dot(to, ray->direction) - out.depth;
-    singles last = out.depth + out.deeper;
-    for (int k = 0; k < 3; k++) {
-        out.a[k] -= out.depth * ray->direction[k];
-        out.e[k] = (to[k] - last * ray->direction[k]) - out.a[k];
-    }
-    out.square = larger(dot(out.e, out.e), ray->slack * ray->slack);
-    out.nearest = -dot(out.a, out.e) / out.square;
+    struct seen out = {.a = {a[0], a[1]}, .e = {b[0] - a[0], b[1] - a[1]}, .depth = a[2], .deeper = b[2] - a[2]};
+    out.square = larger(multiply_add(out.e[0], out.e[0], out.e[1] * out.e[1]), ray->slack * ray->slack);
+    out.nearest = -multiply_add(out.a[0], out.e[0], out.a[1] * out.e[1]) / out.square;
     return out;
 }
 
 static INLINE singles square_at(const struct seen *seen, singles h)
 {
-    singles p[3];
-    for (int k = 0; k < 3; k++) {
-        p[k] = multiply_add(h, seen->e[k], seen->a[k]);
-    }
-    return dot(p, p);
+    singles x = multiply_add(h, seen->e[0], seen->a[0]);
+    singles y = multiply_add(h, seen->e[1], seen->a[1]);
+    return multiply_add(x, x, y * y);
 }
 
 /* Whether the ray may be in capsules of a radius, at its limit or before. */
@@ -109,9 +92,9 @@ static INLINE truths is_near(const struct ray *ray, const struct seen *seen, sin
  * as half of the ray's chord there times the sine of the angle between them; or, past an end, at the end. */
 static INLINE singles entry(singles *rest, const struct seen *seen, singles radius)
 {
-    singles half = root(larger(all(0), radius * radius - square_at(seen, seen->nearest)));
-    singles sine = seen->deeper / root(seen->square * (seen->square + seen->deeper * seen->deeper));
-    singles h = within_0_1(seen->nearest - half * sine);
+    singles chord = larger(all(0), radius * radius - square_at(seen, seen->nearest)); /* half of it, squared */
+    singles shift = seen->deeper * root(chord / (seen->square * (seen->square + seen->deeper * seen->deeper)));
+    singles h = within_0_1(seen->nearest - shift);
     *rest = radius * radius - square_at(seen, h);
     return multiply_add(h, seen->deeper, seen->depth) - root(larger(all(0), *rest));
 }
@@ -143,74 +126,43 @@ static INLINE float least(singles x)
     return out;
 }
 
-/* Runs of a leaf. */
-struct runs {
-    uint8_t ends[2][3][TRACT_LEAF], bend[TRACT_LEAF];
-    uint8_t lane[TRACT_LEAF]; /* in the leaf */
-    uint32_t count;
+/* How bytes of a leaf become coordinates by the ray's axes. */
+struct scale {
+    singles low[3], step[3][3];
 };
 
+static INLINE struct scale scale_of(const struct tract_search *search, const struct tract_leaf *leaf)
+{
+    struct scale out;
+    float low[3];
+    for (int a = 0; a < 3; a++) {
+        low[a] = leaf->low[a] - search->from.origin[a];
+    }
+    for (int i = 0; i < 3; i++) {
+        const float *axis = search->axes[i];
+        out.low[i] = all(axis[0] * low[0] + axis[1] * low[1] + axis[2] * low[2]);
+        for (int a = 0; a < 3; a++) {
+            out.step[i][a] = all(axis[a] * leaf->step[a]);
+        }
+    }
+    return out;
+}
+
 /* Those in lanes of a leaf from @p first on. */
-static INLINE struct seen see_runs(singles *thickness, const struct ray *ray, const struct tract_leaf *leaf,
-                                   const uint8_t ends[2][3][TRACT_LEAF], const uint8_t bend[TRACT_LEAF], uint32_t first)
+static INLINE struct seen see_runs(const struct ray *ray, const struct scale *scale, const struct tract_leaf *leaf,
+                                   uint32_t first)
 {
     singles at[2][3];
     for (int e = 0; e < 2; e++) {
-        for (int k = 0; k < 3; k++) {
-            at[e][k] = multiply_add(singles_from_bytes(ends[e][k] + first), all(leaf->step[k]), all(leaf->low[k]));
+        singles x = singles_from_bytes(leaf->ends[e][0] + first);
+        singles y = singles_from_bytes(leaf->ends[e][1] + first);
+        singles z = singles_from_bytes(leaf->ends[e][2] + first);
+        for (int i = 0; i < 3; i++) {
+            const singles *step = scale->step[i];
+            at[e][i] = multiply_add(x, step[0], multiply_add(y, step[1], multiply_add(z, step[2], scale->low[i])));
         }
     }
-    *thickness = singles_from_wholes(wholes_from_bytes(bend + first) >> TRACT_SEGMENTS_BITS) * all(leaf->thickness);
     return see(ray, at[0], at[1]);
-}
-
-/* Those that the ray may hit, side by side. */
-static INLINE void take_near(struct runs *out, const struct tract_search *search, const struct ray *ray,
-                             const struct tract_leaf *leaf)
-{
-    uint32_t bits = 0;
-    for (uint32_t first = 0; first < TRACT_LEAF; first += LANES) {
-        singles thickness;
-        struct seen seen = see_runs(&thickness, ray, leaf, leaf->ends, leaf->bend, first);
-        bits |= (uint32_t)bits_of(is_near(ray, &seen, all(search->from.radius + 2 * search->from.slack) + thickness))
-                << first;
-    }
-    out->count = 0;
-    for (bits &= 0xffffffffU >> (TRACT_LEAF - leaf->count); bits; bits &= bits - 1) {
-        uint32_t lane = (uint32_t)__builtin_ctz(bits);
-        for (int k = 0; k < 3; k++) {
-            out->ends[0][k][out->count] = leaf->ends[0][k][lane];
-            out->ends[1][k][out->count] = leaf->ends[1][k][lane];
-        }
-        out->bend[out->count] = leaf->bend[lane];
-        out->lane[out->count++] = (uint8_t)lane;
-    }
-}
-
-/* More than the way from an end to the point that it stands for. */
-static INLINE float half_diagonal(const struct tract_leaf *leaf)
-{
-    float longest = leaf->step[0] > leaf->step[1] ? leaf->step[0] : leaf->step[1];
-    return 0.87F * (leaf->step[2] > longest ? leaf->step[2] : longest);
-}
-
-/* Finds from where on the ray may hit each run. The bound becomes no more than where it must have hit one: every point
- * of the segment between a run's ends is no farther from the run than its thickness and, near an end, than what that is
- * off. */
-static INLINE void find_entries(float enter[TRACT_LEAF], struct tract_search *search, const struct ray *ray,
-                                const struct tract_leaf *leaf, const struct runs *runs)
-{
-    singles sure = all(search->bound);
-    singles inner = all(search->from.radius - 2 * search->from.slack - half_diagonal(leaf));
-    for (uint32_t first = 0; first < runs->count; first += LANES) {
-        singles thickness;
-        struct seen seen = see_runs(&thickness, ray, leaf, runs->ends, runs->bend, first);
-        store_singles(enter + first,
-                      may_enter(ray, &seen, all(search->from.radius + 2 * search->from.slack) + thickness));
-        truths is_run = less(singles_from_wholes(lane_numbers() + (int32_t)first), all((float)runs->count));
-        sure = smaller(choose(is_run, must_enter(ray, &seen, inner - thickness), all(INFINITY)), sure);
-    }
-    search->bound = search->has_bound ? least(sure) : search->bound;
 }
 
 /* ---- Segments --------------------------------------------------------------------------------------------------- */
@@ -218,17 +170,27 @@ static INLINE void find_entries(float enter[TRACT_LEAF], struct tract_search *se
 enum { POINTS = 8 }; /* more than TRACT_RUN */
 _Static_assert(POINTS % LANES == 0, "segments are settled LANES at a time");
 
-/* The points of a run, axis by axis; the last one is repeated. */
-static INLINE void take_points(float out[3][POINTS + 1], const struct tractogram *tractogram,
+/* The points of a run from the search's origin on, axis by axis; the last one is repeated. */
+static INLINE void take_points(float out[3][POINTS + 1], const struct tract_search *search,
                                const struct tract_found *run)
 {
+    const struct tractogram *tractogram = search->tractogram;
     for (uint32_t k = 0; k <= POINTS; k++) {
         uint64_t index = 3 * (run->point + (k < run->segments ? k : run->segments));
         for (uint64_t a = 0; a < 3; a++) {
-            out[a][k] = tractogram->points ? tractogram->points[index + a]
-                                           : (float)tract_from_half(tractogram->halves[index + a]);
+            float at = tractogram->points ? tractogram->points[index + a]
+                                          : (float)tract_from_half(tractogram->halves[index + a]);
+            out[a][k] = at - search->from.origin[a];
         }
     }
+}
+
+static INLINE singles along_axis(const singles axis[3], float points[3][POINTS + 1], uint32_t first)
+{
+    singles x = singles_at(points[0] + first);
+    singles y = singles_at(points[1] + first);
+    singles z = singles_at(points[2] + first);
+    return multiply_add(axis[0], x, multiply_add(axis[1], y, axis[2] * z));
 }
 
 /* Bits of the segments that the ray may hit. */
@@ -238,12 +200,12 @@ static INLINE uint32_t segments_hit(struct tract_search *search, const struct tr
     singles sure = all(INFINITY);
     uint32_t bits = 0;
     float points[3][POINTS + 1];
-    take_points(points, search->tractogram, run);
+    take_points(points, search, run);
     for (uint32_t first = 0; first < TRACT_RUN; first += LANES) {
         singles a[3], b[3];
-        for (int k = 0; k < 3; k++) {
-            a[k] = singles_at(points[k] + first);
-            b[k] = singles_at(points[k] + first + 1);
+        for (int i = 0; i < 3; i++) {
+            a[i] = along_axis(ray.axes[i], points, first);
+            b[i] = along_axis(ray.axes[i], points, first + 1);
         }
         struct seen seen = see(&ray, a, b);
         singles radius = all(search->from.radius + 2 * search->from.slack);
@@ -289,22 +251,53 @@ static INLINE void fetch(const struct tract_search *search, uint32_t level, size
     }
 }
 
-/* Lets those runs of a leaf that the ray may hit be looked at later. */
+/* Runs in lanes of a leaf, and what is a little more and a little less than their radius. */
+struct lanes {
+    struct seen seen;
+    singles outer, inner;
+};
+
+/* Every point of the segment between a run's ends is no farther from the run than its thickness and, near an end, than
+ * what rounding does to that. */
+static INLINE struct lanes lanes_of(const struct tract_search *search, const struct ray *ray, const struct scale *scale,
+                                    const struct tract_leaf *leaf, uint32_t first)
+{
+    singles thickness =
+        singles_from_wholes(wholes_from_bytes(leaf->bend + first) >> TRACT_SEGMENTS_BITS) * all(leaf->thickness);
+    return (struct lanes){
+        see_runs(ray, scale, leaf, first), all(search->from.radius + 2 * search->from.slack) + thickness,
+        all(search->from.radius - 2 * search->from.slack - 1.01F * (float)tract_leaf_rounding(leaf)) - thickness};
+}
+
+/* Lets those runs of a leaf that the ray may hit be looked at later. The bound becomes no more than where it must have
+ * hit one. */
 static INLINE void open_leaf(struct tract_search *search, size_t number, float limit)
 {
     const struct tract_leaf *leaf = &search->tractogram->tree.leaves[number];
-    struct ray ray = ray_of(search, limit);
-    struct runs runs;
-    float enter[TRACT_LEAF];
-    take_near(&runs, search, &ray, leaf);
-    find_entries(enter, search, &ray, leaf, &runs);
-    limit = search->bound < limit ? search->bound : limit;
-    for (uint32_t k = 0; k < runs.count; k++) {
-        size_t item = number * TRACT_LEAF + runs.lane[k];
-        if (enter[k] <= limit) {
-            search->runs[search->aside++] = (struct tract_visit){enter[k], 0, item};
+    const struct ray ray = ray_of(search, limit);
+    const struct scale scale = scale_of(search, leaf);
+    const uint32_t used = 0xffffffffU >> (TRACT_LEAF - leaf->count);
+    singles sure = all(search->bound);
+    for (uint32_t first = 0; first < TRACT_LEAF; first += LANES) {
+        struct lanes lanes = lanes_of(search, &ray, &scale, leaf, first);
+        uint32_t bits = bits_of(is_near(&ray, &lanes.seen, lanes.outer)) & used >> first;
+        if (!bits) {
+            continue;
+        }
+        float enter[LANES];
+        singles from = may_enter(&ray, &lanes.seen, lanes.outer);
+        bits &= bits_of(at_most(from, ray.limit));
+        if (bits && search->has_bound) {
+            truths is_run = less(singles_from_wholes(lane_numbers() + (int32_t)first), all((float)leaf->count));
+            sure = smaller(choose(is_run, must_enter(&ray, &lanes.seen, lanes.inner), all(INFINITY)), sure);
+        }
+        store_singles(enter, from);
+        for (; bits; bits &= bits - 1) {
+            uint32_t lane = (uint32_t)__builtin_ctz(bits);
+            search->runs[search->aside++] = (struct tract_visit){enter[lane], 0, number * TRACT_LEAF + first + lane};
         }
     }
+    search->bound = search->has_bound ? least(sure) : search->bound;
 }
 
 /* Lets items from @p first on wait, the nearest one last, which comes first. */
