@@ -26,6 +26,24 @@ load helpers
     done
 }
 
+@test "both engines give one answer about a bundle, from within it, too, and in batches" {
+    conus phantom bundle -o .
+    for how in '--origin 60,0,0 --toward 0,0,0 --angle 30' '--origin 0,0,0 --toward 3,9,40 --angle 90 --layers all' \
+        '--origin 30,30,30 --toward 0,0,0 --radius 12 --layers all' '--origin 5,0,0 --toward 0,0,20 --angle 150' \
+        '--origin 0,0,-90 --toward 1,2,0 --angle 25 --range 65,80 --aperture square --resolution 33'; do
+        gl query bundle.atlas.json $how --engine gl -o gl.tsv
+        answers query bundle.atlas.json $how -o rays.tsv
+        cmp gl.tsv rays.tsv
+        grep -q Bundle gl.tsv
+    done
+    awk 'BEGIN { print "x\ty\tz\tdx\tdy\tdz"; for (i = 0; i < 90; i++) print i % 13 - 6, i % 15 - 7, i % 25, sin(i), cos(i), -1 }' |
+        tr ' ' '\t' >poses.tsv
+    conus batch bundle.atlas.json --poses poses.tsv --angle 40 -o rays.tsv --force
+    gl batch bundle.atlas.json --poses poses.tsv --angle 40 --engine gl --block 32 -o gl.tsv --force
+    cmp gl.tsv rays.tsv
+    [ "$(grep -c Bundle gl.tsv)" -gt 30 ]
+}
+
 @test "batches by OpenGL are those of the rays, whatever the block, with rows that are no poses" {
     sphere --size 32
     awk 'BEGIN {
