@@ -4,47 +4,63 @@
 
 #include "base/memory.h"
 
-/* Of the volume's objects, the lowest and the highest number. */
-static void find_objects(uint32_t *least, uint32_t *most, const struct volume *volume)
-{
-    uint32_t low = UINT32_MAX; /* of number - 1, by which voxels without an object do not count */
-    uint32_t high = 0;
-    for (size_t v = 0; v < volume->voxel_count; v++) {
-        uint32_t object = volume_object(volume, v);
-        low = object - 1 < low ? object - 1 : low;
-        high = object > high ? object : high;
-    }
-    *least = low + 1;
-    *most = high;
-}
+/* What is done with each row along i of the box, outside which there are no objects; its first voxel has linear index
+ * `voxel` in the volume. */
+typedef void row_step(struct distance_map *map, const struct volume *volume, const size_t first[3], size_t voxel);
 
-static void move_distances(struct distance_map *out, const struct distance_map *map)
+static void for_rows(struct distance_map *map, const struct volume *volume, row_step *step)
 {
-    const uint8_t highest = (uint8_t)(UINT8_MAX - out->shift);
-    const size_t count = distance_map_codes(map);
-    for (size_t c = 0; c < count; c++) {
-        uint8_t code = map->codes[c] < highest ? map->codes[c] : highest;
-        out->codes[c] = (uint8_t)(code + out->shift);
-    }
-}
-
-static void write_row(struct distance_map *out, const struct volume *volume, size_t j, size_t k)
-{
-    const size_t row = out->dim[0] * (j + out->dim[1] * k);
-    for (size_t i = (size_t)out->first[0]; i <= (size_t)out->last[0]; i++) {
-        uint32_t object = volume_object(volume, row + i);
-        if (object) {
-            out->codes[distance_map_at(out, i, j, k)] = (uint8_t)(object - out->least);
+    const size_t i = (size_t)map->first[0];
+    for (size_t k = (size_t)map->first[2]; k <= (size_t)map->last[2]; k++) {
+        for (size_t j = (size_t)map->first[1]; j <= (size_t)map->last[1]; j++) {
+            step(map, volume, (const size_t[3]){i, j, k}, i + map->dim[0] * (j + map->dim[1] * k));
         }
     }
 }
 
-/* Outside the box there are none. */
-static void write_objects(struct distance_map *out, const struct volume *volume)
+static size_t row_length(const struct distance_map *map)
 {
-    for (size_t k = (size_t)out->first[2]; k <= (size_t)out->last[2]; k++) {
-        for (size_t j = (size_t)out->first[1]; j <= (size_t)out->last[1]; j++) {
-            write_row(out, volume, j, k);
+    return (size_t)(map->last[0] - map->first[0]) + 1;
+}
+
+/* Lowers `least`, and raises `shift`, which is the highest number for now. */
+static void find_objects(struct distance_map *map, const struct volume *volume, const size_t first[3], size_t voxel)
+{
+    const size_t length = row_length(map);
+    uint32_t least = map->least;
+    uint32_t most = map->shift;
+    (void)first;
+    for (size_t i = 0; i < length; i++) {
+        uint32_t object = volume_object(volume, voxel + i);
+        if (object) {
+            least = object < least ? object : least;
+            most = object > most ? object : most;
+        }
+    }
+    map->least = least;
+    map->shift = most;
+}
+
+static void move_distances(struct distance_map *out, const struct distance_map *map)
+{
+    const size_t count = distance_map_codes(map);
+    const uint8_t shift = (uint8_t)out->shift;
+    const uint8_t highest = (uint8_t)(UINT8_MAX - shift);
+    const uint8_t *restrict from = map->codes;
+    uint8_t *restrict to = out->codes;
+    for (size_t c = 0; c < count; c++) {
+        uint8_t code = from[c] < highest ? from[c] : highest;
+        to[c] = (uint8_t)(code + shift);
+    }
+}
+
+static void write_objects(struct distance_map *map, const struct volume *volume, const size_t first[3], size_t voxel)
+{
+    const size_t length = row_length(map);
+    for (size_t i = 0; i < length; i++) {
+        uint32_t object = volume_object(volume, voxel + i);
+        if (object) {
+            map->codes[distance_map_at(map, first[0] + i, first[1], first[2])] = (uint8_t)(object - map->least);
         }
     }
 }
@@ -52,12 +68,15 @@ static void write_objects(struct distance_map *out, const struct volume *volume)
 bool labelled_map_init(struct distance_map *out, const struct volume *volume, const struct distance_map *map)
 {
     struct distance_map made = *map;
-    uint32_t most;
-    find_objects(&made.least, &most, volume);
-    if (!most || most - made.least >= LABELLED_OBJECTS) {
+    made.least = UINT32_MAX;
+    if (map->last[0] < map->first[0]) {
         return false;
     }
-    made.shift = most - made.least;
+    for_rows(&made, volume, find_objects);
+    if (made.shift - made.least >= LABELLED_OBJECTS) {
+        return false;
+    }
+    made.shift -= made.least;
     made.block = NULL;
     if (!made.shift) { /* of one object, whose codes need not change */
         *out = made;
@@ -69,7 +88,7 @@ bool labelled_map_init(struct distance_map *out, const struct volume *volume, co
     }
     made.codes = distance_map_on_lines(made.block);
     move_distances(&made, map);
-    write_objects(&made, volume);
+    for_rows(&made, volume, write_objects);
     *out = made;
     return true;
 }
