@@ -184,6 +184,9 @@ typedef struct conus_view {
     double pale;              /**< Opacity of what the selection does not hit, of all without a selection; 0 = 1, as of
                                  what it hits. */
     const conus_frame *frame; /**< In which the legend says where the cone begins; NULL = RAS mm. */
+    conus_progress progress;  /**< Hears of each piece that is drawn; false ends the picture. NULL = no callback, and
+                                 quicker by what waiting for each piece costs. */
+    void *progress_user;      /**< Passed to @p progress. */
 } conus_view;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -201,7 +204,8 @@ typedef struct conus_view {
  * @param renderer The renderer.
  * @param view What to draw.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a view out of its range; #CONUS_ERROR_MEMORY for a picture above the
- * renderer's max_memory, 32 bytes per pixel; #CONUS_ERROR_GL where the driver fails.
+ * renderer's max_memory, 32 bytes per pixel; #CONUS_ERROR_GL where the driver fails;
+ * #CONUS_ERROR_CANCELLED where progress returns false.
  * @threads The one that made the renderer.
  * @since 0.1
  */

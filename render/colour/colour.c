@@ -300,8 +300,8 @@ void colour_pass_prepare(const struct colour_pass *pass, const struct colour_vie
 conus_status colour_pass_begin(const struct colour_pass *pass, const struct colour_view *view)
 {
     const float *opacity = has_layers(pass, view) ? find_opacities(pass, view) : NULL;
-    const struct mesh_layer_view layer = {view->camera, view->width, view->height, {view->shift[0], view->shift[1]},
-                                          opacity,      view->draft};
+    const struct mesh_layer_view layer = {view->camera, view->width, view->height,  {view->shift[0], view->shift[1]},
+                                          opacity,      view->draft, view->listener};
     return pass->meshes ? mesh_layer_draw(pass->meshes, &layer) : CONUS_OK;
 }
 

@@ -13,6 +13,7 @@
 #include "render/colour/haze.h"
 #include "render/colour/transfer.h"
 #include "render/gl/camera.h"
+#include "render/gl/context.h"
 #include "render/gl/program.h"
 #include "render/id/mesh_layer.h"
 #include "render/id/slices.h"
@@ -64,6 +65,7 @@ struct colour_view {
     uint32_t slices; /**< N of Eq. 7; 0 = default.                                       */
     bool no_skipping;
     bool draft;                     /**< Fewer streamlines: see tube_layer.h. */
+    struct gl_listener listener;    /**< Hears of pieces of streamlines, and of each time that rays are cast. */
     double shift[2];                /**< Of the rays from the pixels' centres, in pixels, right and up.         */
     const double *world_from_cone;  /**< NULL = no cone; else its apex and frame, looking down -z.      */
     double cone_slope, cone_radius; /**< Tangent of half its angle; mm about the apex, 0 unless a cylinder. */
@@ -116,7 +118,7 @@ conus_status colour_pass_set_transfer(struct colour_pass *pass, const conus_atla
                                       const struct transfer *transfer, uint64_t max_memory);
 
 /** Draws the meshes of @p view into textures of the pass, which the calls below use; to be called before each of them,
- * and before the picture's framebuffer is bound. */
+ * and before the picture's framebuffer is bound. CONUS_ERROR_CANCELLED. */
 conus_status colour_pass_begin(const struct colour_pass *pass, const struct colour_view *view);
 
 /** Draws into the framebuffer that is bound (RGBA float, linear radiance times opacity). */

@@ -76,7 +76,11 @@ static conus_status draw_tiles(const struct tiles *tiles, const struct target *t
     for (int n = 0; n < RAYS && !status; n++) {
         struct colour_view shifted = *view;
         memcpy(shifted.shift, places[n], sizeof shifted.shift);
-        status = colour_pass_begin(pass, &shifted);
+        status = gl_tell(&view->listener, (size_t)n, RAYS);
+        status = status ? status : colour_pass_begin(pass, &shifted);
+        if (status) {
+            break;
+        }
         target_bind(target);
         glEnable(GL_BLEND);
         colour_pass_prepare(pass, &shifted);

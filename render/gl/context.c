@@ -304,3 +304,13 @@ conus_status gl_check(const char *what)
     return fail(CONUS_ERROR_GL, "OpenGL failed: %s (error 0x%04x%s)", what, error,
                 error == GL_OUT_OF_MEMORY ? ", out of memory" : "");
 }
+
+conus_status gl_tell(const struct gl_listener *listener, size_t done, size_t total)
+{
+    if (!listener->progress) {
+        return CONUS_OK;
+    }
+    glFinish();
+    return listener->progress(listener->user, done, total) ? CONUS_OK
+                                                           : fail(CONUS_ERROR_CANCELLED, "the picture was cancelled");
+}

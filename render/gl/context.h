@@ -43,4 +43,14 @@ bool gl_is_software(void);
 /** CONUS_ERROR_GL, naming @p what, when GL has recorded an error in the current context since the last check. */
 conus_status gl_check(const char *what);
 
+/** Who hears of the pieces of a picture; without progress: nobody. */
+struct gl_listener {
+    conus_progress progress;
+    void *user;
+};
+
+/** Waits until all that was drawn is there, and tells of it: piece @p done of @p total. CONUS_ERROR_CANCELLED where the
+ * listener wants no more. Without one it does nothing. */
+conus_status gl_tell(const struct gl_listener *listener, size_t done, size_t total);
+
 #endif

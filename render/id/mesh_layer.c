@@ -314,18 +314,25 @@ static void list_parts(struct mesh_layer *layer, const float *opacity, bool tran
     }
 }
 
-static void draw_tubes(const struct tube_layer *tubes, const struct mesh_layer_view *view)
+static conus_status draw_tubes(const struct tube_layer *tubes, const struct mesh_layer_view *view)
 {
     double rows[9];
-    float shift[2];
     find_rows(rows, view);
-    find_shift(shift, view);
-    tube_layer_draw(tubes, view->camera->world_from_camera + 12, rows, shift, view->width, view->height, view->draft);
+    struct tube_layer_view tube_view = {.eye = view->camera->world_from_camera + 12,
+                                        .camera_from_world = rows,
+                                        .width = view->width,
+                                        .height = view->height,
+                                        .draft = view->draft,
+                                        .listener = view->listener};
+    find_shift(tube_view.shift, view);
+    return tube_layer_draw(tubes, &tube_view);
 }
 
 /* The listed parts with a program of theirs, and of a picture (NULL = no) the streamlines. */
-static void draw_parts(const struct mesh_layer *layer, const struct target *target, const struct mesh_layer_view *tubes)
+static conus_status draw_parts(const struct mesh_layer *layer, const struct target *target,
+                               const struct mesh_layer_view *tubes)
 {
+    conus_status status = CONUS_OK;
     static const GLfloat infinity = 0; /* depths are reversed, so that floats are as fine far away as nearby */
     target_clear(target);
     glClearBufferfv(GL_DEPTH, 0, &infinity);
@@ -336,10 +343,11 @@ static void draw_parts(const struct mesh_layer *layer, const struct target *targ
         glMultiDrawElements(GL_TRIANGLES, layer->counts, GL_UNSIGNED_INT, layer->offsets, layer->drawn_count);
     }
     if (tubes && layer->tubes) {
-        draw_tubes(layer->tubes, tubes);
+        status = draw_tubes(layer->tubes, tubes);
     }
     glDepthFunc(GL_LESS);
     glClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
+    return status;
 }
 
 static GLuint array_texture(GLenum format, const struct target *like, size_t count)
@@ -395,14 +403,14 @@ static conus_status draw_peels(struct mesh_layer *layer, const struct mesh_layer
         use_program(&layer->peel, view);
         glUniform1i(layer->taken, (GLint)n);
         glBeginQuery(GL_ANY_SAMPLES_PASSED, query);
-        draw_parts(layer, &layer->peeled, NULL);
+        status = draw_parts(layer, &layer->peeled, NULL);
         glEndQuery(GL_ANY_SAMPLES_PASSED);
         glGetQueryObjectuiv(query, GL_QUERY_RESULT, &any);
         if (any) {
             keep_peel(layer, (GLint)n);
             layer->peel_count = n + 1;
         }
-        status = gl_check("layers of meshes");
+        status = status ? status : gl_check("layers of meshes");
     }
     glDeleteQueries(1, &query);
     return status;
@@ -416,8 +424,8 @@ conus_status mesh_layer_draw(struct mesh_layer *layer, const struct mesh_layer_v
     }
     list_parts(layer, view->opacity, false);
     use_program(&layer->solid, view);
-    draw_parts(layer, &layer->target, view);
-    status = gl_check("meshes");
+    status = draw_parts(layer, &layer->target, view);
+    status = status ? status : gl_check("meshes");
     layer->peel_count = 0;
     list_parts(layer, view->opacity, true);
     return status || !layer->drawn_count ? status : draw_peels(layer, view);

@@ -28,12 +28,13 @@ conus_status mesh_layer_update(struct mesh_layer *layer, const conus_atlas *atla
 struct mesh_layer_view {
     const struct camera *camera;
     uint32_t width, height;
-    double shift[2];      /**< Of the rays from the pixels' centres, in pixels, right and up. */
-    const float *opacity; /**< Of meshes, by number, from 0 on; NULL = all 1. What is 0 is not drawn. */
-    bool draft;           /**< Fewer streamlines: see tube_layer.h. */
+    double shift[2];             /**< Of the rays from the pixels' centres, in pixels, right and up. */
+    const float *opacity;        /**< Of meshes, by number, from 0 on; NULL = all 1. What is 0 is not drawn. */
+    bool draft;                  /**< Fewer streamlines: see tube_layer.h. */
+    struct gl_listener listener; /**< Hears of pieces of streamlines. */
 };
 
-/** Draws into textures of its own; its framebuffer stays bound. */
+/** Draws into textures of its own; its framebuffer stays bound. CONUS_ERROR_CANCELLED where the listener ends it. */
 conus_status mesh_layer_draw(struct mesh_layer *layer, const struct mesh_layer_view *view);
 
 /** How many layers of translucent meshes the last picture has: for each pixel the nearest surface of each object,

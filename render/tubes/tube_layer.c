@@ -15,6 +15,9 @@
  * golden section of them behind the one before. */
 enum { TURNS = 67, SECTION = 41 };
 
+/* Instances that are drawn before somebody may say that no more are wanted. */
+enum { PIECE = 50000 };
+
 /* The instances of a tractogram: one for each point that is drawn, those of a draft first. */
 struct range {
     GLint first;
@@ -305,23 +308,41 @@ static void invert_rows(float out[9], const double rows[9])
     }
 }
 
-void tube_layer_draw(const struct tube_layer *layer, const double eye[3], const double camera_from_world[9],
-                     const float shift[2], uint32_t width, uint32_t height, bool draft)
+static void use_view(const struct tube_layer *layer, const struct tube_layer_view *view)
+{
+    float inverse[9];
+    invert_rows(inverse, view->camera_from_world);
+    glUseProgram(layer->program);
+    glUniform3dv(layer->eye, 1, view->eye);
+    glUniformMatrix3dv(layer->camera_from_world, 1, GL_TRUE, view->camera_from_world);
+    glUniformMatrix3fv(layer->world_from_camera, 1, GL_FALSE, inverse);
+    glUniform2fv(layer->shift, 1, view->shift);
+    glUniform2f(layer->size, (float)view->width, (float)view->height);
+    glBindVertexArray(layer->vertices);
+}
+
+/* In pieces, where somebody hears of them. */
+static conus_status draw_range(const struct range *range, const struct tube_layer_view *view)
 {
     static const GLuint strip = 4;
-    float inverse[9];
-    invert_rows(inverse, camera_from_world);
-    glUseProgram(layer->program);
-    glUniform3dv(layer->eye, 1, eye);
-    glUniformMatrix3dv(layer->camera_from_world, 1, GL_TRUE, camera_from_world);
-    glUniformMatrix3fv(layer->world_from_camera, 1, GL_FALSE, inverse);
-    glUniform2fv(layer->shift, 1, shift);
-    glUniform2f(layer->size, (float)width, (float)height);
-    glBindVertexArray(layer->vertices);
-    for (size_t i = 0; i < layer->range_count; i++) {
-        const struct range *range = &layer->ranges[i];
-        glUniform1f(layer->radius, range->radius);
-        glDrawArraysInstancedBaseInstance(GL_TRIANGLE_STRIP, 0, strip, draft ? range->draft : range->count,
-                                          (GLuint)range->first);
+    GLsizei count = view->draft ? range->draft : range->count;
+    GLsizei most = view->listener.progress ? PIECE : count;
+    conus_status status = CONUS_OK;
+    for (GLsizei done = 0; done < count && !status; done += most) {
+        GLsizei piece = count - done < most ? count - done : most;
+        glDrawArraysInstancedBaseInstance(GL_TRIANGLE_STRIP, 0, strip, piece, (GLuint)(range->first + done));
+        status = gl_tell(&view->listener, (size_t)done + (size_t)piece, (size_t)count);
     }
+    return status;
+}
+
+conus_status tube_layer_draw(const struct tube_layer *layer, const struct tube_layer_view *view)
+{
+    conus_status status = CONUS_OK;
+    use_view(layer, view);
+    for (size_t i = 0; i < layer->range_count && !status; i++) {
+        glUniform1f(layer->radius, layer->ranges[i].radius);
+        status = draw_range(&layer->ranges[i], view);
+    }
+    return status;
 }

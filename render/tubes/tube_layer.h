@@ -8,6 +8,7 @@
 #define CONUS_RENDER_TUBES_TUBE_LAYER_H
 
 #include "render/gl/camera.h"
+#include "render/gl/context.h"
 #include "render/tubes/tube_colour.h"
 
 #include <epoxy/gl.h>
@@ -29,9 +30,17 @@ conus_status tube_layer_update(struct tube_layer *layer, const conus_atlas *atla
 /** Which part of the streamlines is drawn: every so many of them; 1 = all. */
 size_t tube_layer_step(const struct tube_layer *layer);
 
-/** Draws into the framebuffer that is bound, as mesh.frag.glsl does, behind what is there; depths are reversed. @p
- * camera_from_world is as in mesh.vert.glsl, by rows; @p shift in halves of the picture. */
-void tube_layer_draw(const struct tube_layer *layer, const double eye[3], const double camera_from_world[9],
-                     const float shift[2], uint32_t width, uint32_t height, bool draft);
+struct tube_layer_view {
+    const double *eye;               /**< World mm. */
+    const double *camera_from_world; /**< [9] As in mesh.vert.glsl, by rows. */
+    float shift[2];                  /**< In halves of the picture. */
+    uint32_t width, height;
+    bool draft;
+    struct gl_listener listener;
+};
+
+/** Draws into the framebuffer that is bound, as mesh.frag.glsl does, behind what is there; depths are reversed.
+ * CONUS_ERROR_CANCELLED. */
+conus_status tube_layer_draw(const struct tube_layer *layer, const struct tube_layer_view *view);
 
 #endif

@@ -449,6 +449,7 @@ static conus_status draw(struct picture *picture, conus_renderer *renderer)
     view->slices = picture->options.slices;
     view->no_skipping = picture->options.no_skipping;
     view->draft = picture->options.draft;
+    view->listener = (struct gl_listener){picture->options.progress, picture->options.progress_user};
     view->fade = picture->options.fade;
     view->opacity = picture->opacity;
     view->line_width = 0.012 * picture->radius;

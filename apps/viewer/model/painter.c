@@ -126,8 +126,36 @@ static double coarseness(const struct painter *painter, const struct painting *w
     return stage == STAGE_COARSE ? fmin(fmax(wanted, 1), COARSEST) : 1;
 }
 
-static bool paint(struct painter *painter, conus_renderer *renderer, const struct painting *what, enum stage stage)
+static bool is_news(const struct scene_news *news)
 {
+    return news->hidden || news->points || news->opacity;
+}
+
+/* A picture that is being drawn. */
+struct drawing {
+    struct painter *painter;
+    const struct painting *what;
+};
+
+/* Asked between its pieces: whether nobody has asked for another one meanwhile, nor is about to change the scene. */
+static bool is_wanted(void *user, size_t done, size_t total)
+{
+    const struct drawing *drawing = user;
+    struct painter *painter = drawing->painter;
+    (void)done, (void)total;
+    pthread_mutex_lock(&painter->lock);
+    bool other = painter->is_new && !painting_shows_same(&painter->asked, drawing->what);
+    bool wanted = !painter->stop && !painter->holds && !is_news(&painter->news) && !other;
+    pthread_mutex_unlock(&painter->lock);
+    return wanted;
+}
+
+/* Returns the stage that is reached: the one before where the picture is not wanted any more. A coarse one is drawn to
+ * its end, or else a view that moves would have none. */
+static enum stage paint(struct painter *painter, conus_renderer *renderer, const struct painting *what,
+                        enum stage stage)
+{
+    struct drawing drawing = {painter, what};
     double coarse = coarseness(painter, what, stage);
     conus_image *image = NULL;
     const double *f = what->sight.frustum;
@@ -141,12 +169,18 @@ static bool paint(struct painter *painter, conus_renderer *renderer, const struc
                        .draft = stage != STAGE_SMOOTH,
                        .fade = what->fade,
                        .opacity = painter->opacity,
-                       .pale = painter->opacity[0]};
+                       .pale = painter->opacity[0],
+                       .progress = stage == STAGE_COARSE ? NULL : is_wanted,
+                       .progress_user = &drawing};
     backdrop_set(&view, what->backdrop);
     double begun = clock_ms();
-    if (conus_render(&image, renderer, &view)) {
+    conus_status status = conus_render(&image, renderer, &view);
+    if (status == CONUS_ERROR_CANCELLED) {
+        return stage - 1;
+    }
+    if (status) {
         note_error(painter);
-        return false;
+        return STAGE_SMOOTH;
     }
     struct painted picture = {.width = view.width, .height = view.height, .what = *what, .fine = stage == STAGE_SMOOTH};
     picture.rgba = bytes_of(painter, image);
@@ -159,7 +193,8 @@ static bool paint(struct painter *painter, conus_renderer *renderer, const struc
     if (picture.rgba) {
         hand_over(painter, &picture);
     }
-    return true;
+    bool is_full = view.width == what->width && view.height == what->height;
+    return stage == STAGE_COARSE && is_full ? STAGE_FULL : stage;
 }
 
 static void note_transfer(struct painter *painter, const conus_renderer *renderer)
@@ -200,11 +235,6 @@ static void apply_news(struct painter *painter, conus_renderer *renderer, struct
     forget_news(news);
 }
 
-static bool is_news(const struct scene_news *news)
-{
-    return news->hidden || news->points || news->opacity;
-}
-
 /* With the lock held. */
 static void end_reading(struct painter *painter)
 {
@@ -217,7 +247,7 @@ static bool wait_for_work(struct painter *painter, struct painting *what, enum s
 {
     pthread_mutex_lock(&painter->lock);
     end_reading(painter);
-    bool idle = *stage == STAGE_SMOOTH || (*stage == STAGE_COARSE && what->moving) || *stage == STAGE_NONE;
+    bool idle = *stage == STAGE_SMOOTH || *stage == STAGE_NONE || what->moving;
     while (!painter->stop && (painter->holds || (idle && !painter->is_new && !is_news(&painter->news)))) {
         pthread_cond_wait(&painter->wake, &painter->lock);
     }
@@ -249,8 +279,7 @@ static void paint_all(struct painter *painter, conus_renderer *renderer)
     while (wait_for_work(painter, &what, &stage, &news)) {
         apply_news(painter, renderer, &news);
         if (what.width && what.height) {
-            stage++;
-            stage = paint(painter, renderer, &what, stage) ? stage : STAGE_SMOOTH;
+            stage = paint(painter, renderer, &what, stage + 1);
         }
     }
     forget_news(&news);

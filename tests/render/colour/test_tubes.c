@@ -130,7 +130,7 @@ static void draw_view(struct layer_picture *out, const conus_atlas *atlas, const
 static void draw(struct layer_picture *out, const conus_atlas *atlas, const struct camera *camera,
                  const double shift[2], const struct tube_colouring *colouring, const bool *const *is_pale)
 {
-    const struct mesh_layer_view view = {camera, WIDTH, HEIGHT, {shift[0], shift[1]}, NULL, false};
+    const struct mesh_layer_view view = {camera, WIDTH, HEIGHT, {shift[0], shift[1]}, NULL, false, {NULL, NULL}};
     draw_view(out, atlas, &view, colouring, is_pale);
 }
 
@@ -335,7 +335,7 @@ static size_t count_dots(size_t quarters[4], const conus_atlas *atlas, bool draf
     static struct layer_picture picture;
     size_t sum = 0;
     struct camera camera = picture_camera((double[]){0, 1, 0}, 200, radians_from_degrees(12));
-    const struct mesh_layer_view view = {&camera, WIDTH, HEIGHT, {0, 0}, NULL, draft};
+    const struct mesh_layer_view view = {&camera, WIDTH, HEIGHT, {0, 0}, NULL, draft, {NULL, NULL}};
     draw_view(&picture, atlas, &view, &(const struct tube_colouring){0}, NULL);
     memset(quarters, 0, 4 * sizeof *quarters);
     for (int i = 0; i < WIDTH * HEIGHT; i++) {
@@ -363,11 +363,58 @@ static void a_draft_has_some_from_everywhere(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* ---- Pieces ------------------------------------------------------------------------------------------------------ */
+
+struct pieces {
+    size_t heard, most; /* it ends the picture when it has heard of so many */
+    size_t done, total;
+};
+
+static bool hear(void *user, size_t done, size_t total)
+{
+    struct pieces *pieces = user;
+    assert_true(done > pieces->done && done <= total);
+    pieces->done = done;
+    pieces->total = total;
+    return ++pieces->heard < pieces->most;
+}
+
+/* 62,500 points are two pieces. */
+static void pieces_make_the_whole_and_may_be_the_last(void **state)
+{
+    (void)state;
+    static struct layer_picture whole, cut;
+    conus_atlas *atlas = atlas_of(dots(1));
+    struct mesh_layer *layer = NULL;
+    struct test_gl gl;
+    uint64_t memory = 1 << 24;
+    struct pieces all = {.most = 100};
+    struct pieces one = {.most = 1};
+    struct camera camera = picture_camera((double[]){0, 1, 0}, 200, radians_from_degrees(12));
+    struct mesh_layer_view view = {&camera, WIDTH, HEIGHT, {0, 0}, NULL, false, {NULL, NULL}};
+    draw_view(&whole, atlas, &view, &(const struct tube_colouring){0}, NULL);
+    view.listener = (struct gl_listener){hear, &all};
+    draw_view(&cut, atlas, &view, &(const struct tube_colouring){0}, NULL);
+    assert_memory_equal(&cut, &whole, sizeof whole);
+    assert_int_equal(all.heard, 2);
+    assert_int_equal(all.total, DOTS);
+    assert_int_equal(all.done, all.total);
+    view.listener.user = &one;
+    test_gl_enter(&gl);
+    assert_ok(mesh_layer_create(&layer, atlas, &memory));
+    assert_int_equal(mesh_layer_draw(layer, &view), CONUS_ERROR_CANCELLED);
+    assert_true(one.heard == 1 && one.done < one.total);
+    mesh_layer_destroy(layer);
+    test_gl_leave(&gl);
+    conus_atlas_destroy(atlas);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_pixel_has_the_nearest_capsule),
         cmocka_unit_test(a_draft_has_some_from_everywhere),
+        cmocka_unit_test(pieces_make_the_whole_and_may_be_the_last),
         cmocka_unit_test(directions_are_red_green_and_blue),
         cmocka_unit_test(numbers_span_the_colours_and_pale_ones_are_pale),
         cmocka_unit_test(colours_of_numbers_grow_lighter),
