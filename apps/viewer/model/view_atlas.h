@@ -14,10 +14,10 @@ struct view_atlas {
     char *path; /**< As it was given. */
     char *name; /**< Of the column `atlas`; "" where it is the only one. */
     size_t object_count;
-    char *sides;      /**< [object_count + 1] Of conus_atlas_sides(); NULL = without memory. */
+    char *sides;        /**< [object_count + 1] Of conus_atlas_sides(); NULL = without memory. */
     const char **kinds; /**< [object_count + 1] Of conus_atlas_kind_word(); NULL = without memory. */
-    double window[2]; /**< Grey values of the context that the cuts show as black and white, unless the look says
-                         others: what air and bright tissue have; both 0 without one. */
+    double window[2];   /**< Grey values of the context that the cuts show as black and white, unless the look says
+                           others: what air and bright tissue have; both 0 without one. */
     struct look look;
     struct shown_objects shown;
     struct watch *watch;              /**< NULL without memory. */
