@@ -32,12 +32,12 @@ from ._picture import Picture, Renderer, transfer_presets
 from ._program import Difference, SourceFile, Verification, cite, verify
 from ._segments import Segments
 from ._track import Tracker
-from ._tracts import Tractogram
+from ._tracts import Tractogram, is_tractogram
 
 __version__ = _ffi.string(_lib.conus_version()).decode()
 __all__ = [
     "Answers", "ArgumentError", "Atlas", "CancelledError", "Connectivity", "DataError", "Difference", "Error", "FileError", "GLError",
     "Hit", "InstalledAtlas", "Jitter", "OutOfMemoryError", "Overlap", "Picture", "Placement", "PoseWarning", "Renderer",
     "Segments", "Selection", "Selector", "SourceFile", "Step", "Sweep", "Track", "Tracker", "Tractogram",
-    "UnsupportedError", "Verification", "atlases", "cite", "load", "transfer_presets", "verify",
+    "UnsupportedError", "Verification", "atlases", "cite", "is_tractogram", "load", "transfer_presets", "verify",
 ]

@@ -454,9 +454,9 @@ def _set_contexts(atlas: Any, context: Any, blocks: float, opacity: float, max_m
         _set_context(atlas, source, 0 if surface else blocks, opacity if surface else 0, max_memory, cache)
 
 
-def _region(source: Any, threshold: float, max_memory: int) -> Any:
+def _region(source: Any, threshold: float, max_memory: int, cache: bool) -> Any:
     options, out = ffi.new("conus_roi_options *"), ffi.new("conus_roi **")
-    options.threshold, options.max_memory = real("threshold", threshold), max_memory
+    options.threshold, options.max_memory, options.cache = real("threshold", threshold), max_memory, cache
     state = _Callback()
     _handle = state.hear(options)
     if hasattr(source, "dataobj") or isinstance(source, tuple):
@@ -819,13 +819,22 @@ class Selector:
         -------
         Connectivity
             By bundle, the most streamlines first.
+
+        Raises
+        ------
+        ArgumentError
+            For an atlas without streamlines.
         """
+        atlas = self.atlas._p
+        count = lib.conus_atlas_object_count(atlas)
+        if not any(lib.conus_atlas_object(atlas, i).kind == lib.CONUS_KIND_BUNDLE for i in range(1, count + 1)):
+            raise ArgumentError("there are no streamlines, load(..., streamlines=[FILE]) adds some")
         out = ffi.new("conus_connectivity **")
         chosen = ffi.NULL if selection is None else selection._p
         self._call(lib.conus_connectivity_create, out, self._p, chosen, _ends(radius))
         return Connectivity(self.atlas, out[0])
 
-    def overlap(self, roi: Any, threshold: float = 0, *, max_memory: int = 0) -> Overlap:
+    def overlap(self, roi: Any, threshold: float = 0, *, max_memory: int = 0, cache: bool = True) -> Overlap:
         """Which objects a region of interest covers: ``conus overlap``.
 
         Parameters
@@ -837,13 +846,16 @@ class Selector:
             masks only.
         max_memory
             Largest file and volume in bytes; 0 = 8 GiB.
+        cache
+            Of one volume of a packed 4-D file: keeps where its volumes lie in the user's cache folder.
 
         Returns
         -------
         Overlap
             The largest volume first.
         """
-        region, out = _region(roi, threshold, whole("max_memory", max_memory)), ffi.new("conus_overlap **")
+        region = _region(roi, threshold, whole("max_memory", max_memory), flag("cache", cache))
+        out = ffi.new("conus_overlap **")
         self._call(lib.conus_overlap_create, out, self._p, region)
         overlap: Overlap = self._place(Overlap(self.atlas, out[0]))
         return overlap
@@ -1039,6 +1051,13 @@ class Atlas:
         """The tractograms whose streamlines are bundles of the atlas, as they were added."""
         return tractograms_of(self._p)
 
+    @property
+    def sides(self) -> Array:
+        """(n + 1,) "L", "R" or "" by number: of areas by the label table, their names or the tree; "" of others."""
+        sides = ffi.new("char[]", len(self) + 1)
+        check(lib.conus_atlas_sides(sides, self._p))
+        return np.array([side.strip(b"\0").decode() for side in sides], object)
+
     def placement(self) -> Placement:
         """Where the areas lie, also in the atlas's own space, and what of them is in the head of the context."""
         place = ffi.new("conus_placement *")
@@ -1132,19 +1151,21 @@ class Atlas:
             origin, toward=toward, direction=direction, up=up, pose=pose, angle=angle
         )
 
-    def renderer(self, *, transfer: Any = None, max_memory: int = 0, pathway_transfers: Any = None) -> Renderer:
+    def renderer(self, *, transfer: Any = None, max_memory: int = 0, pathway_transfers: Any = None,
+                 streamline_colour: Optional[str] = None) -> Renderer:
         """The atlas made ready to be drawn again and again: see :class:`Renderer`."""
-        return Renderer(self, transfer=transfer, max_memory=max_memory, pathway_transfers=pathway_transfers)
+        return Renderer(self, transfer=transfer, max_memory=max_memory, pathway_transfers=pathway_transfers,
+                        streamline_colour=streamline_colour)
 
     def render(self, selection: Optional[Selection] = None, *, transfer: Any = None, max_memory: int = 0,
-               pathway_transfers: Any = None, **view: Any) -> Picture:
+               pathway_transfers: Any = None, streamline_colour: Optional[str] = None, **view: Any) -> Picture:
         """Draws one picture in space, as ``conus render`` does.
 
         Parameters
         ----------
         selection
             Its cone is drawn, with a legend.
-        transfer, max_memory, pathway_transfers
+        transfer, max_memory, pathway_transfers, streamline_colour
             As of :class:`Renderer`.
         **view
             Of :meth:`Renderer.render`: size=(700, 525), camera_origin=(0, 0, 500), ...
@@ -1160,7 +1181,8 @@ class Atlas:
             Without an OpenGL 4.5 driver. Debian's libgl1-mesa-dri has one in software.
         """
         with self.renderer(
-            transfer=transfer, max_memory=max_memory, pathway_transfers=pathway_transfers
+            transfer=transfer, max_memory=max_memory, pathway_transfers=pathway_transfers,
+            streamline_colour=streamline_colour
         ) as renderer:
             return renderer.render(selection, **view)
 
@@ -1219,9 +1241,10 @@ class Atlas:
         """Which areas the bundles connect: see :meth:`Selector.connectivity`."""
         return self._selector(options).connectivity(radius)
 
-    def overlap(self, roi: Any, threshold: float = 0, *, max_memory: int = 0, **options: Any) -> Overlap:
+    def overlap(self, roi: Any, threshold: float = 0, *, max_memory: int = 0, cache: bool = True,
+                **options: Any) -> Overlap:
         """Which objects a region of interest covers: see :meth:`Selector.overlap`."""
-        return self._selector(options).overlap(roi, threshold, max_memory=max_memory)
+        return self._selector(options).overlap(roi, threshold, max_memory=max_memory, cache=cache)
 
 
 # ---- Pickling ------------------------------------------------------------------------------------------------------

@@ -25,6 +25,7 @@ from ._library import (
     path_of,
     real,
     text,
+    utf8,
     vector,
     whole,
 )
@@ -170,17 +171,20 @@ class Renderer:
     pathway_transfers : str, path or dict, optional
         Pathways are drawn as haze, by colours and opacities of their values: "own" (their colour), a preset,
         a TF file; or ``{name or number: one of these, ...}`` for some of them.
+    streamline_colour : str, optional
+        Streamlines are coloured by "bundle" (the default), "direction", or a number that their files have for
+        points or streamlines, by its name.
 
     Raises
     ------
     GLError
         Without an OpenGL 4.5 driver, and in a process that was forked from one that used OpenGL.
     ArgumentError
-        For a transfer function that is none, and for one without a context.
+        For a transfer function that is none, for one without a context, and for a number that no streamlines have.
     """
 
     def __init__(self, atlas: Atlas, *, transfer: Any = None, max_memory: int = 0,
-                 pathway_transfers: Any = None) -> None:
+                 pathway_transfers: Any = None, streamline_colour: str | None = None) -> None:
         self.atlas = atlas
         self._p: Any = None
         pointer, out = atlas._p, ffi.new("conus_renderer **")
@@ -190,6 +194,8 @@ class Renderer:
         options.transfer = name
         pathways, alive = _pathways_of(atlas, pathway_transfers)
         options.pathways, options.pathway_count = pathways, len(alive)
+        colour = ffi.NULL if streamline_colour is None else utf8("streamline_colour", streamline_colour)
+        options.streamline_colour = colour
         self._owner = GLOwner()
         check(lib.conus_renderer_create(out, pointer, options))
         self._p = owned(out[0], self._owner.ender(lib.conus_renderer_destroy), pointer)

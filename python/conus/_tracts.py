@@ -12,6 +12,11 @@ from ._conus import ffi, lib
 from ._library import ArgumentError, check, flag, path_of, real, text, utf8
 
 
+def is_tractogram(path: Any) -> bool:
+    """Whether a file, or a folder, begins like a tractogram that :func:`load` takes as ``streamlines``."""
+    return bool(lib.conus_path_is_tractogram(path_of("path", path)))
+
+
 class Tractogram(NamedTuple):
     """Streamlines of an atlas, from one file or from memory."""
 

@@ -65,6 +65,14 @@ def test_only_streamlines_in_the_cone(lined):
             lined.connectivity(radius)
 
 
+def test_without_bundles_it_is_refused():
+    atlas = conus.load(plates(), AFFINE, labels=NAMES)
+    selection = atlas.near((0, 0, 0), 5)
+    for ask in (atlas.connectivity, selection.endpoints):
+        with pytest.raises(conus.ArgumentError, match="there are no streamlines"):
+            ask()
+
+
 def nearest_label(labels, voxel_from_world, spacing, point, radius):
     """By a search of all cells around a point, on a grid along the axes."""
     at = voxel_from_world[:3, :3] @ point + voxel_from_world[:3, 3]

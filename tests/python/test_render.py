@@ -139,6 +139,19 @@ def test_opacity_and_haze_are_those_of_the_program(tmp_path):
         assert not np.array_equal(other.array, plain.array)
 
 
+def test_streamlines_have_the_colours_of_the_program(tmp_path):
+    call_conus("phantom", "slabs", "-o", tmp_path, "--size", "16")
+    slabs, lines = tmp_path / "slabs.nii.gz", tmp_path / "lines.tck"
+    bundle = [np.array([[0, y, 30], [0, 20, 30 - y]], "f4") for y in (-20, 0, 10)]
+    nibabel.streamlines.save(nibabel.streamlines.Tractogram(bundle, affine_to_rasmm=np.eye(4)), str(lines))
+    call_conus("render", slabs, "--streamlines", lines, "--streamline-colour=direction", "--size=60x40", "-q",
+               "-o", tmp_path / "a.png")
+    atlas = conus.load(slabs, streamlines=[lines])
+    ours = atlas.render(size=(60, 40), streamline_colour="direction")
+    assert ours._repr_png_() == (tmp_path / "a.png").read_bytes()
+    assert not np.array_equal(ours.array, atlas.render(size=(60, 40)).array)
+
+
 def test_safe_colours_are_other_colours():
     own, safe = (conus.load(plates(), AFFINE, labels=NAMES, safe_colours=safe) for safe in (False, True))
     pictures = [atlas.render(size=(60, 40), legend=False).array for atlas in (own, safe)]
@@ -275,6 +288,7 @@ def test_a_renderer_is_used_again_and_closed(atlas):
         {"opacity": {"left": np.nan}},
         {"opacity": {"riht": 0.5}},
         {"pathway_transfers": "heat"},
+        {"streamline_colour": "fa"},
         {"size": None, "width_mm": 0},
         {"size": None, "width_mm": np.nan},
         {"size": None, "width_mm": 85, "dpi": 1e5},

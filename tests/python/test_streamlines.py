@@ -8,6 +8,7 @@ import subprocess
 
 import nibabel
 import numpy as np
+import pandas
 import pytest
 
 import conus
@@ -45,6 +46,19 @@ def test_arrays_are_a_bundle():
     assert list(info["streamlines"])[-2:] == [2, 2] and list(info["length_mm"])[-1] == 19
     assert not info["streamlines"][:-2].any()
     assert conus.load(plates(), AFFINE).tractograms == []
+
+
+def test_a_tractogram_is_told_by_its_beginning(tmp_path):
+    nibabel.streamlines.save(tractogram(), str(tmp_path / "a.tck"))
+    (tmp_path / "b.tck").write_text("nothing of the kind")
+    assert conus.is_tractogram(tmp_path / "a.tck")
+    assert not conus.is_tractogram(tmp_path / "b.tck") and not conus.is_tractogram(tmp_path / "none.tck")
+
+
+def test_sides_are_of_areas():
+    labels = pandas.DataFrame({"index": [1, 2], "name": ["Left_Plate", "Plate"], "hemisphere": [None, "R"]})
+    atlas = conus.load(plates(), AFFINE, labels=labels, streamlines=[LINES])
+    assert atlas.sides.tolist() == ["", "L", "R", ""]
 
 
 @pytest.mark.parametrize("ending", ["tck", "trk"])
