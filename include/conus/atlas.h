@@ -35,7 +35,8 @@ typedef struct conus_load_options {
     const char *labels;  /**< Path of a label table that replaces the one beside or inside the file. For a surface: path
                             of the labels of its vertices (.label.gii, .annot, .dlabel.nii). For a file of several
                             volumes, none of them chosen: names of these. NULL = none. */
-    uint64_t max_memory; /**< Largest file, and largest volume unpacked, in bytes; 0 = 8 GiB. */
+    uint64_t max_memory; /**< Largest file, and largest volume unpacked, in bytes, of those that are held in memory: of
+                            large label volumes in a plain NIfTI or MGH file only the labels are. 0 = 8 GiB. */
     conus_load_progress progress; /**< NULL = no callback. */
     void *progress_user;          /**< Passed to @p progress. */
     bool labels_anyway; /**< Each value is a label, even where the values look like the grey values of an image. */

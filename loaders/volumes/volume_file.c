@@ -207,16 +207,6 @@ static conus_status open_tiff(struct opening *o)
     return status ? fail_in(status, stored->path) : CONUS_OK;
 }
 
-/* Formats that say where their voxels lie are not told so. */
-static conus_status refuse_place(const struct opening *o, const char *path)
-{
-    const struct brainglobe_metadata *place = &o->selector.place;
-    bool given = place->orientation[0] || place->resolution[0] > 0;
-    return given ? fail(CONUS_ERROR_ARGUMENT, "%s: %s is for TIFF stacks, this file says itself where it lies", path,
-                        place->orientation[0] ? "orientation" : "resolution")
-                 : CONUS_OK;
-}
-
 static bool has_fixed_header(const uint8_t *data, size_t size)
 {
     return nifti_has_magic(data, size) || mgh_is(data, size);
@@ -229,7 +219,7 @@ static conus_status open_files(struct opening *o, const char *path)
     char *head = NULL;
     conus_status status = volume_text_head_path(&head, path);
     if (head) {
-        status = refuse_place(o, path);
+        status = volume_selector_refuse_place(&o->selector, path);
         status = status ? status : open_by_brik(o, path, head);
         memory_free(head);
         return status;
@@ -240,7 +230,7 @@ static conus_status open_files(struct opening *o, const char *path)
     if (!status && tiff_is(o->voxels.bytes.data, o->voxels.bytes.size)) {
         return open_tiff(o);
     }
-    status = status ? status : refuse_place(o, path);
+    status = status ? status : volume_selector_refuse_place(&o->selector, path);
     if (!status) {
         status = is_image_half(&image, &at, &o->voxels);
     }
@@ -248,6 +238,18 @@ static conus_status open_files(struct opening *o, const char *path)
         status = image ? open_by_image(o, at) : open_by_header(o);
     }
     return status;
+}
+
+/* Whether the reader of labels gets the voxels slab by slab: where the volume is large, and lies in a plain file or has
+ * labels that take more bytes than their places. Else they are unpacked at once, which is faster, and labels take their
+ * place. */
+static bool goes_in_slabs(const struct opening *o)
+{
+    const struct volume_header *header = &o->header;
+    bool is_packed = header->text ? volume_text_is_packed(header, o->voxels.packed) : o->voxels.packed;
+    bool is_wide = volume_datatype_size(header->datatype) > sizeof(uint16_t);
+    bool may = o->labels && !o->all && !o->tiff.pages && header->volume_size > STORED_LARGE;
+    return may && (o->voxels.plain || (is_packed && is_wide));
 }
 
 /* Which volume is wanted; all of them only where they are allowed together. */
@@ -264,7 +266,8 @@ static conus_status choose_volume(struct opening *o)
                     (unsigned long long)o->selector.volume, count - 1);
     }
     uint64_t before = header->offset + volume_text_scratch(header);
-    if (header->volume_size > o->limit || before > o->limit - header->volume_size) {
+    uint64_t held = goes_in_slabs(o) ? 0 : header->volume_size; /* else labels count what they take */
+    if (held > o->limit || before > o->limit - held) {
         return fail(CONUS_ERROR_MEMORY,
                     "dim: %zu x %zu x %zu voxels of %s take %zu bytes unpacked, allowed are %llu "
                     "(--max-memory)",
@@ -330,15 +333,11 @@ static void describe_format(conus_volume_info *info, const struct volume_header 
              packed ? ", gzip" : volume_text_encoding(header), big ? ", big-endian" : ", little-endian");
 }
 
-/* Makes the reader of labels the sink where the volume is large, and lies in a plain file or has labels that take more
- * bytes than their places: else they are unpacked at once, which is faster, and labels take their place. */
+/* Makes the reader of labels the sink where it gets slabs. */
 static conus_status aim_at_labels(struct gzip_range *range, struct opening *o, const struct volume_file *file)
 {
     const struct volume_header *header = &o->header;
-    bool is_packed = header->text ? volume_text_is_packed(header, o->voxels.packed) : o->voxels.packed;
-    bool is_wide = volume_datatype_size(header->datatype) > sizeof(uint16_t);
-    bool in_slabs = o->voxels.plain || (is_packed && is_wide);
-    if (!o->labels || o->all || o->tiff.pages || !in_slabs || header->volume_size <= STORED_LARGE) {
+    if (!goes_in_slabs(o)) {
         return CONUS_OK;
     }
     o->like = *file;

@@ -106,3 +106,12 @@ void volume_selector_finish(struct volume_selector *selector)
 {
     memory_free(selector->path);
 }
+
+conus_status volume_selector_refuse_place(const struct volume_selector *selector, const char *path)
+{
+    const struct brainglobe_metadata *place = &selector->place;
+    bool given = place->orientation[0] || place->resolution[0] > 0;
+    return given ? fail(CONUS_ERROR_ARGUMENT, "%s: %s is for TIFF stacks, this file says itself where it lies", path,
+                        place->orientation[0] ? "orientation" : "resolution")
+                 : CONUS_OK;
+}

@@ -17,4 +17,7 @@ struct volume_selector {
 conus_status volume_selector_parse(struct volume_selector *out, const char *text);
 void volume_selector_finish(struct volume_selector *selector);
 
+/** CONUS_ERROR_ARGUMENT where it says how @p path lies, a file of a format that says so itself. */
+conus_status volume_selector_refuse_place(const struct volume_selector *selector, const char *path);
+
 #endif

@@ -42,14 +42,14 @@ static bool passes(const struct plain_file *plain, plain_file_test *test)
     return !read_at(plain, head, size, 0) && test(head, size);
 }
 
-bool plain_file_open(struct plain_file *out, const char *path, uint64_t least, uint64_t most, plain_file_test *test)
+bool plain_file_open(struct plain_file *out, const char *path, uint64_t least, plain_file_test *test)
 {
     struct stat info;
     struct plain_file plain = {.descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK)};
     bool found = plain.descriptor >= 0 && fstat(plain.descriptor, &info) == 0 && S_ISREG(info.st_mode);
     if (found) {
         file_state_take(&plain.before, &info);
-        found = plain.before.size > least && plain.before.size <= most && passes(&plain, test);
+        found = plain.before.size > least && passes(&plain, test);
     }
     if (!found) {
         plain_file_finish(&plain);

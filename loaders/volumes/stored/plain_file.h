@@ -14,9 +14,9 @@ struct plain_file {
 /** Whether the bytes with which a file begins, 540 or all, are those of a kind that can be read so. */
 typedef bool plain_file_test(const uint8_t *data, size_t size);
 
-/** Opens @p path if it is a regular file of more than @p least and at most @p most bytes that passes the test. False
+/** Opens @p path if it is a regular file of more than @p least bytes that passes the test. False
  * where it is none, or cannot be opened; who reads it as a whole says why. */
-bool plain_file_open(struct plain_file *out, const char *path, uint64_t least, uint64_t most, plain_file_test *test);
+bool plain_file_open(struct plain_file *out, const char *path, uint64_t least, plain_file_test *test);
 void plain_file_finish(struct plain_file *plain);
 
 /** The first @p limit bytes, or fewer. CONUS_ERROR_IO, CONUS_ERROR_MEMORY. */

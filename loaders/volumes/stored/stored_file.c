@@ -75,7 +75,7 @@ conus_status stored_open_slabs(struct stored *out, const char *path, uint64_t li
                                plain_file_test *test)
 {
     struct plain_file plain;
-    if (!plain_file_open(&plain, path, STORED_LARGE, limit, test)) {
+    if (!plain_file_open(&plain, path, STORED_LARGE, test)) {
         return stored_open(out, path, limit, use, NULL);
     }
     struct stored stored = {.path = memory_text(path, strlen(path)), .plain = memory_copy(&plain, 1, sizeof plain)};

@@ -30,7 +30,7 @@ conus_status stored_open(struct stored *out, const char *path, uint64_t limit, e
 enum { STORED_LARGE = 1 << 24 }; /**< Bytes beyond which a file or a volume is not to be in memory twice. */
 
 /** The same without a header, but a file of more than STORED_LARGE bytes that is not packed and passes the test is not
- * read yet. */
+ * read yet, however large it is. */
 conus_status stored_open_slabs(struct stored *out, const char *path, uint64_t limit, enum stored_use use,
                                plain_file_test *test);
 void stored_finish(struct stored *stored);

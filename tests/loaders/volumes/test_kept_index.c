@@ -204,16 +204,24 @@ static const char *make_wide(bool is_packed)
     return path;
 }
 
-static void assert_labels(const char *path)
+static conus_status open_labels(struct volume_file *file, struct label_voxels *labels, const char *path,
+                                uint64_t max_memory)
 {
     char chosen[8300];
+    struct notes notes = {0};
+    const conus_load_options options = {.cache = true, .max_memory = max_memory};
+    snprintf(chosen, sizeof chosen, "%s,volume=1", path);
+    conus_status status = volume_file_open_labels(file, labels, chosen, &options, "a volume", &notes);
+    notes_finish(&notes);
+    return status;
+}
+
+static void assert_labels(const char *path, uint64_t max_memory)
+{
     struct volume_file file = {0};
     struct label_voxels labels = {0};
-    struct notes notes = {0};
-    const conus_load_options options = {.cache = true};
     size_t wrong = 0;
-    snprintf(chosen, sizeof chosen, "%s,volume=1", path);
-    assert_ok(volume_file_open_labels(&file, &labels, chosen, &options, "a volume", &notes));
+    assert_ok(open_labels(&file, &labels, path, max_memory));
     assert_int_equal(labels.count, WIDE);
     for (size_t i = 0; i < WIDE; i++) {
         wrong += label_voxels_at(&labels, i) != wide_voxel(1, i);
@@ -221,7 +229,6 @@ static void assert_labels(const char *path)
     assert_int_equal(wrong, 0);
     label_voxels_finish(&labels);
     volume_file_finish(&file);
-    notes_finish(&notes);
 }
 
 /* An index that is found out in the middle: the labels that were read so far do not count. */
@@ -244,7 +251,7 @@ static void labels_begin_again_without_an_index_that_lies(void **state)
     bytes_finish(&out);
     stored_finish(&stored);
     assert_true(series_is_indexed(path));
-    assert_labels(path);
+    assert_labels(path, 0);
     char *entry = strdup(series_entry());
     assert_ok(file_read(&bytes, entry, UINT64_MAX));
     assert_true(cache_entry_parse(&parts, bytes.data, bytes.size));
@@ -256,7 +263,7 @@ static void labels_begin_again_without_an_index_that_lies(void **state)
     memset(index + SERIES_TRAILER_AT, 0, 8);
     series_forge(entry, &bytes, index);
     assert_true(series_is_indexed(path));
-    assert_labels(path);
+    assert_labels(path, 0);
     memory_free(index);
     bytes_finish(&bytes);
     free(entry);
@@ -269,8 +276,22 @@ static void a_volume_of_a_plain_file_is_read_alone(void **state)
     char path[8192];
     snprintf(path, sizeof path, "%s", make_wide(false));
     test_limit_allocations((size_t)WIDE * 4 - 1); /* less than the volume, as it is stored */
-    assert_labels(path);
+    assert_labels(path, 0);
     test_limit_allocations(0);
+}
+
+/* What counts is what is held: the places of the labels, not the file, nor a volume as it is stored. */
+static void of_a_plain_file_its_labels_count(void **state)
+{
+    (void)state;
+    struct volume_file file = {0};
+    struct label_voxels labels = {0};
+    char path[8192];
+    snprintf(path, sizeof path, "%s", make_wide(false));
+    const uint64_t held = SERIES_HEAD + (uint64_t)WIDE * sizeof(uint16_t);
+    assert_labels(path, held);
+    assert_fails(open_labels(&file, &labels, path, held / 2), CONUS_ERROR_MEMORY);
+    assert_non_null(strstr(conus_message(), "labels: found 4251528 voxels, which take 2 bytes each"));
 }
 
 static conus_status attempt(void *path)
@@ -303,6 +324,7 @@ int main(void)
         cmocka_unit_test(the_list_names_it),
         cmocka_unit_test(labels_begin_again_without_an_index_that_lies),
         cmocka_unit_test(a_volume_of_a_plain_file_is_read_alone),
+        cmocka_unit_test(of_a_plain_file_its_labels_count),
         cmocka_unit_test(every_failing_allocation),
     };
     umask(022);
