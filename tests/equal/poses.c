@@ -36,7 +36,7 @@ int main(int argc, char **argv)
     }
     uint64_t state = 20261122;
     puts("x\ty\tz\tdx\tdy\tdz");
-    for (long long left = atoll(argv[1]); left > 0; left--) {
+    for (long long left = strtoll(argv[1], NULL, 10); left > 0; left--) {
         write_pose(&state);
     }
     return fflush(stdout) ? 1 : 0;
