@@ -11,7 +11,7 @@
 #endif
 
 /* A run takes four bytes. */
-enum { VOXELS_PER_RUN = 8 };
+enum { VOXELS_PER_RUN = 8, MOST_RUNS = 1 << 24 };
 
 /* Compared at once. */
 enum { LABELS = 16 };
@@ -149,7 +149,7 @@ void label_runs_init(struct label_runs *out, const struct volume *volume, int ax
     }
     for_lines(out, volume, count_runs_of);
     size_t count = add_up(out->rows, row_count);
-    bool is_small = count <= volume->voxel_count / VOXELS_PER_RUN && count <= UINT32_MAX;
+    bool is_small = count <= smaller(volume->voxel_count / VOXELS_PER_RUN, MOST_RUNS);
     out->starts = is_small ? memory_zeroed(count + LABELS, sizeof *out->starts) : NULL;
     out->objects = is_small ? memory_raw(count, sizeof *out->objects) : NULL;
     if (!out->starts || !out->objects) {

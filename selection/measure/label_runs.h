@@ -17,7 +17,8 @@ struct label_runs {
 };
 
 /** Finds the runs of @p volume along @p axis; it must not change from now on. There are none where they would take more
- * than half a byte a voxel, beside 4 a row, where indices or objects have more than 16 bits, or for want of memory. */
+ * than half a byte a voxel or 64 MB, beside 4 bytes a row, where indices or objects have more than 16 bits, or for want
+ * of memory. */
 void label_runs_init(struct label_runs *out, const struct volume *volume, int axis);
 void label_runs_finish(struct label_runs *runs);
 

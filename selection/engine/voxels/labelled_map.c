@@ -69,7 +69,7 @@ bool labelled_map_init(struct distance_map *out, const struct volume *volume, co
 {
     struct distance_map made = *map;
     made.least = UINT32_MAX;
-    if (map->last[0] < map->first[0]) {
+    if (map->last[0] < map->first[0] || distance_map_codes(map) > LABELLED_CODES) {
         return false;
     }
     for_rows(&made, volume, find_objects);

@@ -11,8 +11,12 @@
 /** So many codes, or fewer, are of objects; the others tell distances, of which larger ones are cut. */
 enum { LABELLED_OBJECTS = 192 };
 
+/** The largest grid, in codes, of which a labelled map is made: each process of a batch has one for itself. */
+#define LABELLED_CODES ((size_t)1 << 26)
+
 /** Makes the labelled map of a volume whose distance map @p map is. False without memory, and where the volume has no
- * objects or their numbers are LABELLED_OBJECTS apart or more; then @p out is as before. It takes a byte a voxel,
+ * objects, has more than LABELLED_CODES codes, or its objects' numbers are LABELLED_OBJECTS apart or more; then @p out
+ * is as before. It takes a byte a voxel,
  * unless there is one object: then it has the codes of @p map, which must outlive it. */
 bool labelled_map_init(struct distance_map *out, const struct volume *volume, const struct distance_map *map);
 

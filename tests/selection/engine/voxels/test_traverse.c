@@ -403,13 +403,24 @@ static void what_is_hit_at_once_is_at_zero(void **state)
     distance_map_finish(&map);
 }
 
+/* 1024 x 1024 lines of 64 codes are the most; neither codes nor voxels are looked at. */
+static void large_volumes_have_no_labelled_map(void **state)
+{
+    (void)state;
+    struct volume volume = {.info = {.dim = {4094, 4094, 7}}};
+    struct distance_map map = {.dim = {4094, 4094, 7}, .lines = {1024, 1024, 2}, .last = {1, 1, 1}};
+    struct distance_map out = {.least = 7};
+    assert_false(labelled_map_init(&out, &volume, &map));
+    assert_int_equal(out.least, 7);
+    assert_int_equal(LABELLED_CODES, 1024 * 1024 * DISTANCE_LINE);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(kernels_equal_the_plain_traversal),
-        cmocka_unit_test(voxels_of_any_size_do),
-        cmocka_unit_test(kernels_list_the_intervals_of_single_rays),
-        cmocka_unit_test(what_is_hit_at_once_is_at_zero),
+        cmocka_unit_test(kernels_equal_the_plain_traversal),         cmocka_unit_test(voxels_of_any_size_do),
+        cmocka_unit_test(kernels_list_the_intervals_of_single_rays), cmocka_unit_test(what_is_hit_at_once_is_at_zero),
+        cmocka_unit_test(large_volumes_have_no_labelled_map),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
