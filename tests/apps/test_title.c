@@ -15,6 +15,40 @@ static void assert_titled(const struct window *window, const char *wanted)
     assert_string_equal(title, wanted);
 }
 
+static void assert_pinned(const struct viewer *viewer, const char *wanted)
+{
+    char title[VIEW_ATLAS_TITLE];
+    assert_int_equal(viewer->pin_count, 1);
+    assert_string_equal(viewer_pin_title(title, viewer, viewer->pins), wanted);
+}
+
+/* The outermost ball has a namesake among the pathways, but no other ball has. */
+static void names_of_two_kinds_are_told_apart(void **state)
+{
+    struct window window = {.enlarged = -1};
+    struct viewer viewer;
+    const conus_pathway_options namesake = {.name = "Shell outer", .threshold = 1000};
+    char path[600];
+    conus_atlas *atlas = NULL;
+    (void)state;
+    snprintf(path, sizeof path, "%s/nested.nii.gz", test_scratch("phantom"));
+    assert_ok(conus_atlas_load(&atlas, path, NULL));
+    assert_ok(conus_atlas_add_pathway(atlas, path, &namesake));
+    assert_ok(viewer_create(&viewer, &(struct view_source){.atlas = atlas, .path = path}, 1, NULL, NULL, NULL));
+    window.viewer = &viewer;
+    viewer_choose(&viewer, 3);
+    assert_titled(&window, "conus - nested.nii.gz - Core (chosen)");
+    viewer_choose(&viewer, (uint32_t)conus_atlas_object_count(atlas));
+    assert_titled(&window, "conus - nested.nii.gz - pathway Shell outer (chosen)");
+    viewer_aim_along(&viewer, (const double[]){0, 90, 0}, (const double[]){0, -1, 0});
+    assert_titled(&window, "conus - nested.nii.gz - area Shell outer (hit)");
+    viewer_confirm(&viewer);
+    assert_pinned(&viewer, "area Shell outer");
+    viewer.pins[0].object = 0; /* the atlas has it no longer */
+    assert_pinned(&viewer, "Shell outer");
+    viewer_finish(&viewer);
+}
+
 /* From y = 90 towards the balls of "nested" the outermost is met first. */
 static void the_title_says_what_is_open_and_hit(void **state)
 {
@@ -36,6 +70,8 @@ static void the_title_says_what_is_open_and_hit(void **state)
     assert_titled(&window, "conus - nested.nii.gz - Core (chosen)");
     viewer_aim_along(&viewer, (const double[]){0, 90, 0}, (const double[]){0, -1, 0});
     assert_titled(&window, "conus - nested.nii.gz - Shell outer (hit)");
+    viewer_confirm(&viewer);
+    assert_pinned(&viewer, "Shell outer");
     viewer.cone.frozen = true;
     window.session_path = strdup("/a/my\n.json");
     assert_titled(&window, "conus - nested.nii.gz [my .json] - Shell outer (held)");
@@ -49,6 +85,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_title_says_what_is_open_and_hit),
+        cmocka_unit_test(names_of_two_kinds_are_told_apart), /* the phantom is there */
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

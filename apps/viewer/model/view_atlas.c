@@ -135,7 +135,12 @@ const conus_selection *view_atlas_selection(const struct view_atlas *on)
 
 const char *view_atlas_title(char out[VIEW_ATLAS_TITLE], const struct view_atlas *on, size_t number)
 {
-    const char *name = conus_atlas_object(on->atlas, number)->name;
+    return view_atlas_title_of(out, on, number, conus_atlas_object(on->atlas, number)->name);
+}
+
+const char *view_atlas_title_of(char out[VIEW_ATLAS_TITLE], const struct view_atlas *on, size_t number,
+                                const char *name)
+{
     if (!on->kinds || !on->kinds[number][0]) {
         return name;
     }

@@ -280,6 +280,11 @@ void viewer_confirm(struct viewer *viewer)
                best->distance);
 }
 
+const char *viewer_pin_title(char out[VIEW_ATLAS_TITLE], const struct viewer *viewer, const struct pin *pin)
+{
+    return view_atlas_title_of(out, &viewer->atlases[pin->atlas], pin->object, pin->name);
+}
+
 char *viewer_pins_text(const struct viewer *viewer)
 {
     char *text = NULL;

@@ -151,6 +151,9 @@ void viewer_pin(struct viewer *viewer, size_t atlas, uint32_t object, const char
                 const double contact[3]);
 /** The answer in the drawn atlas; NULL = none. */
 const conus_selection *viewer_selection(const struct viewer *viewer);
+/** How lists call the object of a pin, one of the viewer's: as view_atlas_title() does, by the name that it had then.
+ */
+const char *viewer_pin_title(char out[VIEW_ATLAS_TITLE], const struct viewer *viewer, const struct pin *pin);
 /** The pins as a table to paste, to be freed; NULL without memory. */
 char *viewer_pins_text(const struct viewer *viewer);
 /** What was selected in all atlases, as a table, likewise. */

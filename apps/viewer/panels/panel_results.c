@@ -51,8 +51,9 @@ static void draw_pins(struct window *window)
     if (ui_table("pins", columns, several ? 5 : 4, 6 * ui_line())) {
         for (size_t i = viewer->pin_count; i > 0; i--) {
             const struct pin *pin = &viewer->pins[i - 1];
+            char title[VIEW_ATLAS_TITLE];
             ui_cell();
-            ui_text_cut(pin->name, ui_room());
+            ui_text_cut(viewer_pin_title(title, viewer, pin), ui_room());
             draw_number("%.2f %%", 100 * pin->share);
             draw_number("%.2f", pin->distance);
             draw_number("%.2f", pin->apart);

@@ -72,8 +72,9 @@ void pane_chosen_name(const struct window *window)
     const struct shadow *shadow = &window->shadow;
     const struct ui_box *box = &window->panes[PANE_3D];
     if (shadow->cells.count && shadow->top.is_there) {
-        const char *name = conus_atlas_object(window->viewer->drawn->atlas, shadow->chosen)->name;
-        pane_name(box, box->x + (float)(COARSE * shadow->top.x), box->y + (float)(COARSE * shadow->top.y), name);
+        char title[VIEW_ATLAS_TITLE];
+        pane_name(box, box->x + (float)(COARSE * shadow->top.x), box->y + (float)(COARSE * shadow->top.y),
+                  view_atlas_title(title, window->viewer->drawn, shadow->chosen));
     }
 }
 

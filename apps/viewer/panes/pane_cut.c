@@ -207,9 +207,10 @@ static void draw_second(struct window *window, const struct frame *frame)
 static void draw_chosen(const struct window *window, const struct cut_pane *pane)
 {
     const struct view_atlas *drawn = window->viewer->drawn;
-    const conus_object *chosen = conus_atlas_object(drawn->atlas, drawn->shown.chosen);
-    if (pane->top.is_there && chosen) {
-        pane_name(&pane->box, pane->box.x + (float)pane->top.x, pane->box.y + (float)pane->top.y, chosen->name);
+    char title[VIEW_ATLAS_TITLE];
+    if (pane->top.is_there && conus_atlas_object(drawn->atlas, drawn->shown.chosen)) {
+        pane_name(&pane->box, pane->box.x + (float)pane->top.x, pane->box.y + (float)pane->top.y,
+                  view_atlas_title(title, drawn, drawn->shown.chosen));
     }
 }
 

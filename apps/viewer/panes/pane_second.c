@@ -114,8 +114,9 @@ static void draw_best(const struct window *window)
     if (best && best->object && best->pixels && pane_3d_place(at, window, best->contact)) {
         ui_draw_circle(at, 4, second_colour, 1.5F);
         const struct ui_box *box = &window->panes[PANE_3D];
+        char title[VIEW_ATLAS_TITLE];
         char shown[PANE_NAME];
-        ui_shorten(shown, sizeof shown, conus_atlas_object(viewer->drawn->atlas, best->object)->name, box->width - 14);
+        ui_shorten(shown, sizeof shown, view_atlas_title(title, viewer->drawn, best->object), box->width - 14);
         at[0] = fminf(at[0] + 10, box->x + box->width - ui_text_width(shown) - 6);
         at[1] -= ui_line();
         ui_draw_text(at, second_colour, shown);

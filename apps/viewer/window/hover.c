@@ -58,7 +58,8 @@ static void name(char out[NAME_TEXT], const struct window *window, struct view_a
     struct found found;
     find(&found, window, on);
     const conus_object *object = conus_atlas_object(on->atlas, found.object);
-    int used = snprintf(out, NAME_TEXT, "%.200s", object ? object->name : "");
+    char title[VIEW_ATLAS_TITLE];
+    int used = snprintf(out, NAME_TEXT, "%.200s", object ? view_atlas_title(title, on, found.object) : "");
     if (object && isfinite(found.value)) {
         used += snprintf(out + used, NAME_TEXT - (size_t)used, "  %.3g", found.value);
     }

@@ -38,8 +38,9 @@ void title_write(char out[TITLE_SIZE], const struct window *window)
     }
     uint32_t object = find_object(&how, viewer);
     if (object) {
+        char title[VIEW_ATLAS_TITLE];
         snprintf(out + used, (size_t)(TITLE_SIZE - used), " - %.80s (%s)",
-                 conus_atlas_object(viewer->drawn->atlas, object)->name, how);
+                 view_atlas_title(title, viewer->drawn, object), how);
     }
     make_plain_line(out);
 }
