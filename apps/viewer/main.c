@@ -6,6 +6,7 @@
 #include "viewer/keys/keys.h"
 #include "viewer/loading/open.h"
 #include "viewer/loading/view_words.h"
+#include "viewer/loading/waiting.h"
 #include "viewer/loop.h"
 
 #include <GLFW/glfw3.h>
@@ -83,7 +84,6 @@ static int run_window(struct window *window, const struct view_settings *setting
     bool failed = false;
     struct view_settings later = *settings;
     later.session = NULL; /* it is for the first, or waits for its atlas */
-    start_look(&window->start);
     window->press = keys_press;
     window->wake = loop_wake;
     window->remembers = !script;
@@ -93,6 +93,9 @@ static int run_window(struct window *window, const struct view_settings *setting
     if (window_wants(window) && !open_wanted(window, settings, true, started, &failed) && !window_wants(window) &&
         failed) {
         code = EXIT_DATA;
+    }
+    if (window->start.on) {
+        start_look(&window->start);
     }
     while (!(code && script) && loop_run(window, script, &code)) {
         open_wanted(window, &later, !path && !window->viewer, clock_ms(), &failed);
@@ -146,6 +149,21 @@ static void leave_place(const struct window *window, const struct window_options
     place_save(&place);
 }
 
+/* The atlas is read while the display makes the window. False: nothing is open. */
+static bool open_window(struct window *out, const struct window_options *options, const char *path,
+                        const struct view_settings *settings)
+{
+    bool has_display = window_find_display();
+    struct loader *begun = has_display ? open_begin(path, settings) : NULL;
+    bool fine = has_display && window_open(out, options);
+    out->begun = begun;
+    if (!fine) {
+        wait_leave(out);
+        print_error_line("conus view needs a display and OpenGL 4.5; conus render draws pictures without a window");
+    }
+    return fine;
+}
+
 static int run_view(const void *given, const struct arguments *arguments)
 {
     const struct view_settings *settings = given;
@@ -163,8 +181,7 @@ static int run_view(const void *given, const struct arguments *arguments)
         return code;
     }
     find_place(&options, settings);
-    if (!window_open(&window, &options)) {
-        print_error_line("conus view needs a display and OpenGL 4.5; conus render draws pictures without a window");
+    if (!open_window(&window, &options, arguments->operands[0], settings)) {
         script_destroy(script);
         return EXIT_NO_GL;
     }

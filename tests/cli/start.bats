@@ -305,7 +305,7 @@ END
     # --only is for none.nii: it would let the sphere fail
     background timeout $HANG "$CONUS" view none.nii --only Nobody --quiet 2>said
     wait_until "$child" grep -q '^conus: none.nii: ' said
-    find_window
+    wait_until "$child" find_window # files are read while it opens
     local view=$child code=0
     timeout $HANG /usr/bin/python3 -B "$BATS_TEST_DIRNAME/x11_client.py" drop "$window" "$PWD/sphere.nii.gz"
     either() { has_lines 2 said || remembers "$PWD/sphere.nii.gz"; }

@@ -21,16 +21,27 @@ struct looking {
     enum kind *kinds;    /* [wanted->count] */
 };
 
+static enum kind look_at(const char *path)
+{
+    struct session_file file = {0};
+    bool is_session = session_file_read(&file, path);
+    session_file_finish(&file);
+    return is_session ? IS_SESSION : conus_path_is_tractogram(path) ? IS_TRACTOGRAM : IS_OTHER;
+}
+
+bool files_may_be_atlas(const char *path)
+{
+    return look_at(path) == IS_OTHER;
+}
+
 /* On the other thread. */
 static void look(void *user)
 {
     const struct looking *looking = user;
     for (size_t i = 0; i < looking->wanted->count; i++) {
-        struct session_file file = {0};
         const char *path = looking->wanted->paths[i];
-        bool is_session = (looking->session && strcmp(path, looking->session) == 0) || session_file_read(&file, path);
-        looking->kinds[i] = is_session ? IS_SESSION : conus_path_is_tractogram(path) ? IS_TRACTOGRAM : IS_OTHER;
-        session_file_finish(&file);
+        bool is_named = looking->session && strcmp(path, looking->session) == 0;
+        looking->kinds[i] = is_named ? IS_SESSION : look_at(path);
     }
 }
 

@@ -126,6 +126,9 @@ static void load(struct loader *loader)
     struct atlas_settings settings = *what->settings;
     settings.progress = note;
     settings.progress_user = loader;
+    if (what->may_be && !what->may_be(what->path)) {
+        return;
+    }
     loader->ahead = settings.more.count + 1 + (what->context->files.count > 0);
     int code = atlases_load(&loader->atlases, what->path, &settings);
     code = code ? code : set_contexts(loader);
@@ -166,6 +169,11 @@ bool loader_start(struct loader **out, const struct loading *what)
     }
     *out = loader;
     return true;
+}
+
+const char *loader_path(const struct loader *loader)
+{
+    return loader->what.path;
 }
 
 void loader_ask(struct loader *loader, struct loader_progress *out)

@@ -15,6 +15,8 @@ struct loading {
     const struct context_choice *context; /**< Without files the first atlas's own. Another atlas that has none of its
                                              own gets the same. */
     void (*wake)(void);                   /**< Called when it is done. */
+    bool (*may_be)(const char *path);     /**< Asked first, on that thread: false = nothing is loaded, nor said why.
+                                             NULL = it is. */
     void (*look)(void *user);             /**< Called in place of loading, with user; NULL = it loads. */
     void *user;
 };
@@ -29,6 +31,7 @@ struct loader_progress {
 bool loader_start(struct loader **out, const struct loading *what);
 void loader_ask(struct loader *loader, struct loader_progress *out);
 bool loader_done(struct loader *loader);
+const char *loader_path(const struct loader *loader);
 /** Nobody wants the atlases any more: the file that is being read is the last one. */
 void loader_cancel(struct loader *loader);
 /** Waits, and ends the loader. @p out is the caller's. False: there is none, and unless it was cancelled it was said

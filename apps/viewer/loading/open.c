@@ -392,6 +392,17 @@ static bool open_files(struct window *window, const struct wanted *wanted, const
     return fine;
 }
 
+/* Not for sessions, whose options are in their file, nor for names, which the catalogue has to find. */
+struct loader *open_begin(const char *path, const struct view_settings *settings)
+{
+    const struct loading what = {.path = path,
+                                 .settings = &settings->atlas,
+                                 .context = &settings->context,
+                                 .wake = glfwPostEmptyEvent,
+                                 .may_be = files_may_be_atlas};
+    return path && conus_atlas_is_path(path) && !settings->session ? wait_begin(&what) : NULL;
+}
+
 bool open_wanted(struct window *window, const struct view_settings *settings, bool with_options, double begun,
                  bool *failed)
 {
@@ -406,6 +417,7 @@ bool open_wanted(struct window *window, const struct view_settings *settings, bo
     }
     bool fine = wanted.words ? open_again(window, wanted.words, wanted.step, &used, why)
                              : open_files(window, &wanted, &used, with_options, why);
+    wait_leave(window); /* it was a session, and its atlas is another */
     window->press = press;
     *failed = !fine && why[0] && !window->session_waits; /* for an atlas */
     if (fine) {
@@ -421,6 +433,7 @@ bool open_wanted(struct window *window, const struct view_settings *settings, bo
 void open_finish(struct window *window)
 {
     struct viewer *viewer = window->viewer;
+    wait_leave(window);
     window->press = NULL;
     window_show(window, NULL);
     finish(viewer);

@@ -10,7 +10,8 @@
 #include <string.h>
 
 static const double progress_s = 0.1; /* between two looks at how far it is */
-static const double patience_s = 0.2; /* what is open is seen for so long: what is ready then needs no page */
+/* What is ready after so long needs no page, for which what is open would be seen no more. */
+static const double patience_s = 0.2, first_patience_s = 0.05;
 
 /* What is read, and a bar of the files that are. */
 static void draw_progress(const struct window *window, const struct loader_progress *progress, double seconds)
@@ -57,15 +58,16 @@ static bool press_while_loading(struct window *window, const char *key)
 static void wait_for(struct loader *loader, struct window *window)
 {
     double begun = glfwGetTime();
+    double patience = window->viewer ? patience_s : first_patience_s;
     while (!loader_done(loader) && !glfwWindowShouldClose(window->handle)) {
         double seconds = glfwGetTime() - begun;
         if (window_wants(window) || window->stops) {
             loader_cancel(loader);
         }
-        if (!window->viewer || seconds >= patience_s) {
+        if (seconds >= patience) {
             draw_page(window, loader, seconds);
         }
-        glfwWaitEventsTimeout(progress_s);
+        glfwWaitEventsTimeout(seconds < patience ? fmin(patience - seconds, progress_s) : progress_s);
     }
     if (glfwWindowShouldClose(window->handle)) { /* the file that is being read is read to its end */
         loader_cancel(loader);
@@ -73,10 +75,39 @@ static void wait_for(struct loader *loader, struct window *window)
     }
 }
 
+struct loader *wait_begin(const struct loading *what)
+{
+    struct loader *loader = NULL;
+    return loader_start(&loader, what) ? loader : NULL;
+}
+
+void wait_leave(struct window *window)
+{
+    struct atlases atlases;
+    char why[LOADER_WHY];
+    if (window->begun) {
+        loader_cancel(window->begun);
+        (void)loader_finish(window->begun, &atlases, why);
+        atlases_finish(&atlases);
+        window->begun = NULL;
+    }
+}
+
+/* Takes over what was begun, if it is that. */
+static bool start(struct loader **out, struct window *window, const struct loading *what)
+{
+    bool is_begun = window->begun && !what->look && strcmp(loader_path(window->begun), what->path) == 0;
+    if (is_begun) {
+        *out = window->begun;
+        window->begun = NULL;
+    }
+    return is_begun || loader_start(out, what);
+}
+
 bool wait_load(struct window *window, const struct loading *what, struct atlases *out, char why[LOADER_WHY])
 {
     struct loader *loader = NULL;
-    if (!loader_start(&loader, what)) {
+    if (!start(&loader, window, what)) {
         print_error_line("not enough memory");
         snprintf(why, LOADER_WHY, "not enough memory");
         return false;

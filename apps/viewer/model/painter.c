@@ -13,6 +13,8 @@
 
 /* While the view moves a picture shall take no longer; and no coarser than that many pixels of the pane per pixel. */
 static const double quick_ms = 60;
+/* What a driver without a GPU is taken to need, before it has drawn anything: the first picture is a quick one, too. */
+static const double software_ms_per_pixel = 0.0015;
 /* Pictures shall not hold up the window, where both share processors: above 0, "nicer" than it. */
 static const int niceness = 2;
 enum { COARSEST = 5, MESSAGE_SIZE = 512, LEVELS = 4096, TRANSFER_POINTS = 64 };
@@ -197,6 +199,16 @@ static enum stage paint(struct painter *painter, conus_renderer *renderer, const
     return stage == STAGE_COARSE && is_full ? STAGE_FULL : stage;
 }
 
+static void note_device(struct painter *painter, const char *device)
+{
+    pthread_mutex_lock(&painter->lock);
+    snprintf(painter->device, sizeof painter->device, "%s", device);
+    pthread_mutex_unlock(&painter->lock);
+    bool is_software = strstr(device, "llvmpipe") || strstr(device, "softpipe");
+    painter->ms_per_pixel = is_software ? software_ms_per_pixel : 0;
+}
+
+/* The window draws a frame of it, but not beside the first picture, which comes with it where one is asked for. */
 static void note_transfer(struct painter *painter, const conus_renderer *renderer)
 {
     size_t count;
@@ -207,7 +219,11 @@ static void note_transfer(struct painter *painter, const conus_renderer *rendere
         memcpy(painter->used, points ? points : painter->used, count * sizeof *points);
         painter->used_count = count;
     }
-    wake_window(painter);
+    if (painter->is_new) {
+        pthread_mutex_unlock(&painter->lock);
+    } else {
+        wake_window(painter);
+    }
 }
 
 /* Ends what is left of it. */
@@ -304,9 +320,7 @@ static void *run(void *user)
         pthread_mutex_unlock(&painter->lock);
         return NULL;
     }
-    pthread_mutex_lock(&painter->lock);
-    snprintf(painter->device, sizeof painter->device, "%s", conus_renderer_device(renderer));
-    pthread_mutex_unlock(&painter->lock);
+    note_device(painter, conus_renderer_device(renderer));
     note_transfer(painter, renderer);
     paint_all(painter, renderer);
     conus_renderer_destroy(renderer);

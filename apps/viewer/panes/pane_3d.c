@@ -73,6 +73,9 @@ static void take_picture(struct window *window)
     leave_other(window);
     if (window->viewer->painter && painter_take(window->viewer->painter, &picture)) {
         bool coarse = picture.width != picture.what.width || picture.height != picture.what.height;
+        if (!window->painted.name) { /* one frame is enough before it, for where both share processors */
+            window->frames_wanted = FRAMES_PER_EVENT;
+        }
         note_picture(window, picture.milliseconds);
         texture_set(&window->painted, picture.rgba, picture.width, picture.height, coarse);
         window->painted_ms = picture.milliseconds;

@@ -20,9 +20,6 @@ enum { STATUS_HEIGHT = 24 };
 
 /* ---- Events ------------------------------------------------------------------------------------------------------ */
 
-/* Widgets need a few frames to answer: hovered, pressed, let go. */
-enum { FRAMES_PER_EVENT = 3 };
-
 static void touch(GLFWwindow *handle)
 {
     struct window *window = glfwGetWindowUserPointer(handle);
@@ -267,15 +264,17 @@ void window_place(const struct window *window, struct place *out)
     out->zoom = window->zoom;
 }
 
+bool window_find_display(void)
+{
+    glfwSetErrorCallback(print_glfw_error);
+    return glfwInit();
+}
+
 bool window_open(struct window *out, const struct window_options *options)
 {
     struct window window = {.enlarged = -1, .start.on = true, .layout = options->place.layout};
     devices_init(&window.devices);
     sheet_init(&window.sheet);
-    glfwSetErrorCallback(print_glfw_error);
-    if (!glfwInit()) {
-        return false;
-    }
     window.handle = make_window(options, GLFW_EGL_CONTEXT_API);
     if (!window.handle) {
         window.handle = make_window(options, GLFW_NATIVE_CONTEXT_API);
@@ -340,6 +339,7 @@ void window_show(struct window *window, struct viewer *viewer)
                               .press = window->press,
                               .wanted = window->wanted,
                               .opened = window->opened,
+                              .begun = window->begun,
                               .wake = window->wake,
                               .hemispheres = window->hemispheres,
                               .doubted = window->doubted,
@@ -361,7 +361,7 @@ void window_show(struct window *window, struct viewer *viewer)
                               .alone = window->alone,
                               .before = window->before,
                               .times = window->times,
-                              .frames_wanted = FRAMES_PER_EVENT,
+                              .frames_wanted = 1,
                               .quiet_status = window->quiet_status,
                               .next_scale = window->next_scale,
                               .scale_given = window->scale_given,

@@ -20,6 +20,9 @@
 #include "viewer/window/place.h"
 #include "viewer/window/start.h"
 
+/** Widgets need a few to answer: hovered, pressed, let go. */
+enum { FRAMES_PER_EVENT = 3 };
+
 enum { PANE_COUNT = 4, PANE_3D = 3 /**< After the planes. */, KEY_LIMIT = 32, TITLE_SIZE = 320 };
 
 /** A picture on the screen. */
@@ -99,6 +102,7 @@ struct window {
     struct viewer *viewer;                                 /**< NULL = there is no atlas. */
     bool (*press)(struct window *window, const char *key); /**< What keys do; NULL while an atlas is loaded. */
     struct wanted wanted;
+    struct loader *begun;  /**< That loads what is wanted since before there was a window; NULL = none. */
     struct json_t *opened; /**< What a session says of that (opening/session_file.h); NULL = nothing. */
     void (*wake)(void);    /**< Makes the window's loop look again, from any thread. */
     conus_hemispheres hemispheres;
@@ -175,6 +179,8 @@ struct window_options {
     bool fits_screen; /**< It is made as large as the screen at most, and put there. */
 };
 
+/** To be called before window_open(). False: there is no display, and it was said why. */
+bool window_find_display(void);
 /** Opens a window. False: it was said why, and nothing is open. */
 bool window_open(struct window *out, const struct window_options *options);
 /** Shows what @p viewer holds (NULL = the start page), with nothing left of the one before. */
