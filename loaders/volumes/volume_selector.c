@@ -72,11 +72,15 @@ static const char *find_keys(const char *text)
     return text + strlen(text);
 }
 
-static conus_status read_key(struct volume_selector *out, struct text field)
+static conus_status read_key(struct volume_selector *out, bool given[KEYS], struct text field)
 {
     for (size_t i = 0; i < KEYS; i++) {
         size_t length = strlen(keys[i].key);
         if (text_starts(field, keys[i].key)) {
+            if (given[i]) {
+                return fail(CONUS_ERROR_ARGUMENT, "%.*s is given twice", (int)length - 1, keys[i].key);
+            }
+            given[i] = true;
             return keys[i].read(out, (struct text){field.data + length, field.size - length});
         }
     }
@@ -90,9 +94,10 @@ conus_status volume_selector_parse(struct volume_selector *out, const char *text
     const char *at = find_keys(text);
     struct text rest = text_from(*at ? at + 1 : at);
     struct text field;
+    bool given[KEYS] = {false};
     conus_status status = CONUS_OK;
     for (bool more = *at; !status && text_field(&rest, ',', &more, &field);) {
-        status = read_key(&selector, field);
+        status = read_key(&selector, given, field);
     }
     if (status) {
         return fail_in(status, text);

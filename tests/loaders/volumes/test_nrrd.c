@@ -218,6 +218,9 @@ static void volumes_come_apart(void **state)
         assert_fails(volume_file_open(&file, path, 0, &notes), CONUS_ERROR_ARGUMENT);
         assert_said("volume: the file has 4, choose one");
         char chosen[300];
+        snprintf(chosen, sizeof chosen, "%s,volume=3,volume=2", path);
+        assert_fails(volume_file_open(&file, chosen, 0, &notes), CONUS_ERROR_ARGUMENT);
+        assert_said("volume is given twice");
         snprintf(chosen, sizeof chosen, "%s,volume=2", path);
         assert_ok(volume_file_open(&file, chosen, 0, &notes));
         assert_near(file.info.world_from_voxel[0], -2, 0);
