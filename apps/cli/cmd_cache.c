@@ -88,8 +88,9 @@ static bool put_table(FILE *out, const void *what)
         fputc('\n', out);
     }
     free(tsv);
-    fprintf(out, "%zu entr%s, %" PRIu64 " bytes, in %s\n", count, count == 1 ? "y" : "ies", bytes,
-            conus_cache_folder(cache));
+    const char *folder = conus_cache_folder(cache);
+    fprintf(out, "%zu entr%s, %" PRIu64 " bytes%s%s\n", count, count == 1 ? "y" : "ies", bytes, *folder ? ", in " : "",
+            folder);
     if (!conus_cache_limit()) {
         fputs("$CONUS_CACHE: no atlas is kept, or taken from there\n", out);
     }
@@ -120,9 +121,15 @@ static int print_folder(const struct cache_settings *settings)
     if (status) {
         return print_status(status);
     }
-    printf("%s\n", conus_cache_folder(cache));
+    const char *folder = conus_cache_folder(cache);
+    if (*folder) {
+        printf("%s\n", folder);
+    } else {
+        print_error_line("there is no folder: %s", conus_cache_problem(cache));
+    }
+    int code = *folder ? EXIT_DONE : EXIT_DATA;
     conus_cache_destroy(cache);
-    return EXIT_DONE;
+    return code;
 }
 
 static int clear_cache(const struct cache_settings *settings)

@@ -106,6 +106,11 @@ is_kept() {
     run -0 --separate-stderr env -u HOME XDG_CACHE_HOME=relative "$CONUS" query phantom/sphere.nii.gz "${AIM[@]}" --quiet
     [ -z "$stderr" ]
     [ ! -e relative ]
+    run -3 --separate-stderr env -u HOME XDG_CACHE_HOME=relative "$CONUS" cache where
+    [ "$output$stderr" = 'conus: there is no folder: neither XDG_CACHE_HOME nor HOME is an absolute path' ]
+    run -0 --separate-stderr env -u HOME XDG_CACHE_HOME=relative "$CONUS" cache list
+    [ "$output" = '0 entries, 0 bytes' ]
+    [ "$stderr" = 'conus: note: nothing is kept, since neither XDG_CACHE_HOME nor HOME is an absolute path' ]
 }
 
 @test "what is neither off nor a size is refused, but not where no cache is asked for" {
