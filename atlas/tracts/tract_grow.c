@@ -76,6 +76,31 @@ static inline void extend(struct box *box, const float low[3], const float high[
     }
 }
 
+/* A box, and where it begins and ends along its diagonals. */
+struct hull {
+    struct box box;
+    double low[TRACT_DIAGONALS], high[TRACT_DIAGONALS];
+};
+
+static struct hull no_hull(void)
+{
+    struct hull hull = {.box = no_box()};
+    for (int d = 0; d < TRACT_DIAGONALS; d++) {
+        hull.low[d] = INFINITY;
+        hull.high[d] = -INFINITY;
+    }
+    return hull;
+}
+
+static inline void extend_hull(struct hull *hull, const struct hull *by)
+{
+    extend(&hull->box, by->box.low, by->box.high);
+    for (int d = 0; d < TRACT_DIAGONALS; d++) {
+        hull->low[d] = by->low[d] < hull->low[d] ? by->low[d] : hull->low[d];
+        hull->high[d] = by->high[d] > hull->high[d] ? by->high[d] : hull->high[d];
+    }
+}
+
 /* As it is: floats hold halves. */
 static inline void read_point(float out[3], const struct tractogram *tractogram, uint64_t index)
 {
@@ -95,6 +120,25 @@ static inline struct box box_of_points(const struct tractogram *tractogram, uint
         extend(&box, point, point);
     }
     return box;
+}
+
+static inline struct hull hull_of_points(const struct tractogram *tractogram, uint64_t from, uint64_t count)
+{
+    struct hull hull = no_hull();
+    for (uint64_t i = from; i < from + count; i++) {
+        struct hull at;
+        read_point(at.box.low, tractogram, i);
+        memcpy(at.box.high, at.box.low, sizeof at.box.high);
+        for (int d = 0; d < TRACT_DIAGONALS; d++) {
+            at.low[d] = 0;
+            for (int a = 0; a < 3; a++) {
+                at.low[d] += tract_diagonal(d, a) * (double)at.box.low[a];
+            }
+            at.high[d] = at.low[d];
+        }
+        extend_hull(&hull, &at);
+    }
+    return hull;
 }
 
 /* ---- Cuts ------------------------------------------------------------------------------------------------------- */
@@ -363,22 +407,22 @@ static void set_bends(struct tract_leaf *leaf, const double bends[TRACT_LEAF])
     }
 }
 
-/* Makes a leaf of @p count items. Its box. */
-static struct box set_leaf(struct tract_leaf *out, const struct item *items, size_t count,
-                           const struct tractogram *tractogram)
+/* Makes a leaf of @p count items. Its hull. */
+static struct hull set_leaf(struct tract_leaf *out, const struct item *items, size_t count,
+                            const struct tractogram *tractogram)
 {
-    struct box around = no_box();
+    struct hull around = no_hull();
     double bends[TRACT_LEAF] = {0};
     *out = (struct tract_leaf){.count = (uint32_t)count};
     for (size_t lane = 0; lane < count; lane++) {
-        struct box box = box_of_points(tractogram, items[lane].point, items[lane].segments + 1U);
-        extend(&around, box.low, box.high);
+        struct hull hull = hull_of_points(tractogram, items[lane].point, items[lane].segments + 1U);
+        extend_hull(&around, &hull);
         out->point[lane] = items[lane].point;
         out->bend[lane] = (uint8_t)items[lane].segments;
     }
     for (int a = 0; a < 3; a++) {
-        out->low[a] = around.low[a];
-        out->step[a] = (float)(((double)around.high[a] - (double)around.low[a]) / UINT8_MAX);
+        out->low[a] = around.box.low[a];
+        out->step[a] = (float)(((double)around.box.high[a] - (double)around.box.low[a]) / UINT8_MAX);
     }
     for (size_t lane = 0; lane < count; lane++) {
         bends[lane] = set_ends(out, lane, tractogram);
@@ -399,22 +443,59 @@ static void fetch_points(const struct tractogram *tractogram, const struct item 
 
 /* ---- Nodes ------------------------------------------------------------------------------------------------------ */
 
-static void set_box(struct tract_node *node, size_t lane, const struct box *box)
+/* Where the low corner of a lane's box is along a diagonal. The length of all diagonals. */
+static double find_corner(double *low, const struct tract_node *node, size_t lane, int diagonal)
+{
+    double length = 0;
+    *low = 0;
+    for (int a = 0; a < 3; a++) {
+        length += (double)node->high[a][lane] - (double)node->low[a][lane];
+        *low += tract_diagonal(diagonal, a) > 0 ? (double)node->low[a][lane] : -(double)node->high[a][lane];
+    }
+    return length;
+}
+
+static void set_hull(struct tract_node *node, size_t lane, const struct hull *hull)
 {
     for (int a = 0; a < 3; a++) {
-        node->low[a][lane] = box->low[a];
-        node->high[a][lane] = box->high[a];
+        node->low[a][lane] = hull->box.low[a];
+        node->high[a][lane] = hull->box.high[a];
+    }
+    for (int d = 0; d < TRACT_DIAGONALS; d++) {
+        double low;
+        double length = find_corner(&low, node, lane, d);
+        double empty[2] = {hull->low[d] - low, low + length - hull->high[d]};
+        for (int e = 0; e < 2; e++) {
+            double share = length > 0 ? floor(empty[e] / length * TRACT_CUTS) : 0;
+            node->cut[e][d][lane] = (uint8_t)(share > 0 ? fmin(share, UINT8_MAX) : 0);
+        }
     }
 }
 
-static struct box box_of_lanes(const struct tract_node *node, size_t count)
+static struct hull hull_of_lane(const struct tract_node *node, size_t lane)
 {
-    struct box box = no_box();
-    for (size_t lane = 0; lane < count; lane++) {
-        extend(&box, (float[3]){node->low[0][lane], node->low[1][lane], node->low[2][lane]},
-               (float[3]){node->high[0][lane], node->high[1][lane], node->high[2][lane]});
+    struct hull hull;
+    for (int a = 0; a < 3; a++) {
+        hull.box.low[a] = node->low[a][lane];
+        hull.box.high[a] = node->high[a][lane];
     }
-    return box;
+    for (int d = 0; d < TRACT_DIAGONALS; d++) {
+        double low;
+        double length = find_corner(&low, node, lane, d);
+        hull.low[d] = low + length * node->cut[0][d][lane] / TRACT_CUTS;
+        hull.high[d] = low + length - length * node->cut[1][d][lane] / TRACT_CUTS;
+    }
+    return hull;
+}
+
+static struct hull hull_of_lanes(const struct tract_node *node, size_t count)
+{
+    struct hull hull = no_hull();
+    for (size_t lane = 0; lane < count; lane++) {
+        struct hull of_lane = hull_of_lane(node, lane);
+        extend_hull(&hull, &of_lane);
+    }
+    return hull;
 }
 
 /* Items become leaves one by one. */
@@ -430,8 +511,8 @@ static void fill_leaves(struct tract_tree *tree, const struct item *items, const
         struct item taken[TRACT_LEAF];
         memcpy(taken, items + from, count * sizeof *taken);
         size_t number = from / TRACT_LEAF;
-        struct box box = set_leaf(&tree->leaves[number], taken, count, tractogram);
-        set_box(&tree->nodes[number / TRACT_WIDTH], number % TRACT_WIDTH, &box);
+        struct hull hull = set_leaf(&tree->leaves[number], taken, count, tractogram);
+        set_hull(&tree->nodes[number / TRACT_WIDTH], number % TRACT_WIDTH, &hull);
     }
 }
 
@@ -441,9 +522,9 @@ static void fill_nodes(const struct tract_tree *tree, const struct tract_levels 
     for (unsigned level = 1; level < levels->count; level++) {
         for (size_t i = 0; i < levels->items[level]; i++) {
             size_t left = levels->items[level - 1] - i * TRACT_WIDTH;
-            struct box box =
-                box_of_lanes(&tree->nodes[levels->first[level - 1] + i], left < TRACT_WIDTH ? left : TRACT_WIDTH);
-            set_box(&tree->nodes[levels->first[level] + i / TRACT_WIDTH], i % TRACT_WIDTH, &box);
+            struct hull hull =
+                hull_of_lanes(&tree->nodes[levels->first[level - 1] + i], left < TRACT_WIDTH ? left : TRACT_WIDTH);
+            set_hull(&tree->nodes[levels->first[level] + i / TRACT_WIDTH], i % TRACT_WIDTH, &hull);
         }
     }
 }

@@ -14,15 +14,26 @@
 enum {
     TRACT_WIDTH = 16,
     TRACT_WIDTH_BITS = 4,
+    TRACT_DIAGONALS = 4,
+    TRACT_CUTS = 256,
     TRACT_LEVELS = 8, /**< 16^8 is more than UINT32_MAX leaves */
     TRACT_LEAF = 32,
     TRACT_SEGMENTS_BITS = 3 /**< TRACT_RUN is less than 2^3 */
 };
 
-/** The boxes round its items, from low to high; 0 in lanes without one. */
+/** The boxes round its items, from low to high; 0 in lanes without one. Along diagonal d of a box, of which
+ * tract_diagonal() has the direction, its corners are as far apart as the box is long along its three axes together,
+ * and cut[0][d] and cut[1][d] TRACT_CUTS-ths of this at either end hold nothing. */
 struct tract_node {
     float low[3][TRACT_WIDTH], high[3][TRACT_WIDTH];
+    uint8_t cut[2][TRACT_DIAGONALS][TRACT_WIDTH];
 };
+
+/** 1 or -1: the direction of a box's diagonal along an axis. */
+static inline int tract_diagonal(int diagonal, int axis)
+{
+    return axis + 1 == diagonal ? -1 : 1;
+}
 
 /** Runs near each other. Run k is no farther than its thickness from the segment between its ends. These are no farther
  * than that and tract_leaf_rounding() from its first and its last point. A coordinate of an end is low + step e. */

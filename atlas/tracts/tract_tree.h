@@ -2,7 +2,7 @@
 /** @file
  * A tree of boxes round runs of streamlines' segments. A leaf has runs of neighbouring streamlines side by side, with
  * ends in bytes, so that a search reads it at once and few points. The tree is small beside the points (streamlines of
- * 100 points have 4.3 bytes of it a point, or 2.7 if points are halves), flat, and the same for the same points, so it
+ * 100 points have 4.4 bytes of it a point, or 2.7 if points are halves), flat, and the same for the same points, so it
  * can be packed and mapped. tract_node.h says how it lies in memory. */
 #ifndef CONUS_ATLAS_TRACTS_TRACT_TREE_H
 #define CONUS_ATLAS_TRACTS_TRACT_TREE_H

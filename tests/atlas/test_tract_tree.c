@@ -274,6 +274,60 @@ static void check_capsules(const struct tractogram *tractogram)
     }
 }
 
+/* ---- Diagonals -------------------------------------------------------------------------------------------------- */
+
+/* Where an item's box is cut along a diagonal, and how much a cut may be too small. */
+static double find_cuts(double cut[2], const struct tract_node *node, size_t lane, int d)
+{
+    static const int diagonals[4][3] = {{1, 1, 1}, {-1, 1, 1}, {1, -1, 1}, {1, 1, -1}};
+    double length = 0;
+    cut[0] = 0;
+    for (int a = 0; a < 3; a++) {
+        double low = (double)node->low[a][lane];
+        double high = (double)node->high[a][lane];
+        assert_int_equal(tract_diagonal(d, a), diagonals[d][a]);
+        cut[0] += fmin(diagonals[d][a] * low, diagonals[d][a] * high);
+        length += high - low;
+    }
+    cut[1] = cut[0] + length - length / 256 * node->cut[1][d][lane];
+    cut[0] += length / 256 * node->cut[0][d][lane];
+    return length / 256;
+}
+
+/* All points of an item's runs are between its cuts, and near both ones of a leaf. */
+static void check_item(const struct tractogram *tractogram, const struct tract_node *node, unsigned level, size_t item)
+{
+    size_t begin = (item << TRACT_WIDTH_BITS * level) * TRACT_LEAF;
+    size_t end = begin + ((size_t)TRACT_LEAF << TRACT_WIDTH_BITS * level);
+    for (int d = 0; d < 4; d++) {
+        double cut[2];
+        double found[2] = {INFINITY, -INFINITY};
+        double step = find_cuts(cut, node, item % TRACT_WIDTH, d);
+        for (size_t r = begin; r < end && r < tractogram->tree.run_count; r++) {
+            struct tract_run run = tract_run_at(tractogram, r);
+            for (uint64_t k = 0; k <= run.segments; k++) {
+                double point[3];
+                tractogram_point(point, tractogram, run.point + k);
+                double sum = point[0] + point[1] + point[2] - (d ? 2 * point[d - 1] : 0);
+                found[0] = fmin(found[0], sum);
+                found[1] = fmax(found[1], sum);
+            }
+        }
+        assert_true(found[0] >= cut[0] - 1e-9 && found[1] <= cut[1] + 1e-9);
+        assert_true(level > 0 || (found[0] <= cut[0] + step + 1e-9 && found[1] >= cut[1] - step - 1e-9));
+    }
+}
+
+static void check_diagonals(const struct tractogram *tractogram)
+{
+    struct tract_levels levels = tract_levels_of(tractogram->tree.run_count);
+    for (unsigned level = 0; level < levels.count; level++) {
+        for (size_t item = 0; item < levels.items[level]; item++) {
+            check_item(tractogram, &tractogram->tree.nodes[levels.first[level] + item / TRACT_WIDTH], level, item);
+        }
+    }
+}
+
 /* ---- Trees ------------------------------------------------------------------------------------------------------ */
 
 static void check_walks(uint64_t *random, const struct tractogram *tractogram)
@@ -309,6 +363,7 @@ static void a_walk_finds_what_a_loop_finds(void **state)
         check_runs(&tractogram);
         check_marks(&tractogram);
         check_capsules(&tractogram);
+        check_diagonals(&tractogram);
         check_walks(&random, &tractogram);
         tract_tree_finish(&tractogram.tree);
     }
@@ -328,6 +383,7 @@ static void equal_points_make_a_tree(void **state)
         check_runs(&tractogram);
         check_marks(&tractogram);
         check_capsules(&tractogram);
+        check_diagonals(&tractogram);
         check_walks(&random, &tractogram);
         tract_tree_finish(&tractogram.tree);
     }

@@ -7,6 +7,9 @@
 
 #include <string.h>
 
+/* A ray that moves by less than this of a mm per mm along a diagonal does not, as far as boxes are concerned. */
+#define STILL 1e-20
+
 /* Two axes across the direction, and the direction. */
 static void set_axes(float out[3][3], const double direction[3])
 {
@@ -24,6 +27,18 @@ static void set_axes(float out[3][3], const double direction[3])
     }
 }
 
+/* In double, for what is left of a direction that is about square to a diagonal. */
+static void set_slopes(float out[TRACT_DIAGONALS], const double direction[3])
+{
+    for (int d = 0; d < TRACT_DIAGONALS; d++) {
+        double along = 0;
+        for (int a = 0; a < 3; a++) {
+            along += tract_diagonal(d, a) * direction[a];
+        }
+        out[d] = (float)(1 / (fabs(along) > STILL ? along : STILL));
+    }
+}
+
 void tract_search_init(struct tract_search *out, const struct tractogram *tractogram, const double origin[3],
                        const double direction[3])
 {
@@ -38,6 +53,7 @@ void tract_search_init(struct tract_search *out, const struct tractogram *tracto
         return;
     }
     set_axes(out->axes, direction);
+    set_slopes(out->slopes, direction);
     /* The root is the one item above all levels. */
     out->visits[out->waiting++] = (struct tract_visit){-out->from.slack, out->levels.count + 1, 0};
 }

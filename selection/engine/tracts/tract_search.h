@@ -23,9 +23,10 @@ struct tract_search {
     const struct tractogram *tractogram;
     struct tract_levels levels;
     struct tract_start from;
-    float axes[3][3]; /**< Of unit length, square to each other; the last one is the direction. */
-    bool has_bound;   /**< Only the first hit is asked for, and any streamline may be it. */
-    float bound;      /**< mm from the search's origin: with a bound the first hit is no farther. */
+    float slopes[TRACT_DIAGONALS]; /**< 1 / how much farther along a diagonal the ray is after a mm; finite. */
+    float axes[3][3];              /**< Of unit length, square to each other; the last one is the direction. */
+    bool has_bound;                /**< Only the first hit is asked for, and any streamline may be it. */
+    float bound;                   /**< mm from the search's origin: with a bound the first hit is no farther. */
     size_t waiting;
     size_t aside;       /**< Runs that are put aside; once they are sorted out,    */
     size_t ready, next; /**< so many are ready, and those from the next one are left. */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Eq. 18: rays through streamlines, by the tree and by a loop over all capsules. */
 #include "atlas/tracts/capsule.h"
+#include "atlas/tracts/tract_node.h"
 #include "base/math3.h"
 #include "base/memory.h"
 #include "selection/engine/tracts/tract_rays.h"
@@ -225,7 +226,7 @@ static size_t compare_hits(const struct tract_rays *rays, const struct tract_bun
     struct tract_bundle got = *bundle;
     struct tract_bundle wanted = *bundle;
     tract_rays_walk(rays, &got);
-    for (size_t ray = 0; ray < RAYS; ray++) {
+    for (size_t ray = 0; ray < bundle->count; ray++) {
         for (size_t g = 0; g < scene.object_count; g++) {
             loop_hits(&wanted, ray, &scene.objects[g]);
         }
@@ -247,7 +248,7 @@ static size_t compare_intervals(const struct tract_rays *rays, const struct trac
         pixels[ray] = 1000 + ray;
     }
     assert_ok(tract_rays_pierce(rays, bundle, &layers, pixels));
-    for (size_t ray = 0; ray < RAYS; ray++) {
+    for (size_t ray = 0; ray < bundle->count; ray++) {
         for (size_t g = 0; g < scene.object_count; g++) {
             size_t count = loop_intervals(wanted, bundle, ray, &scene.objects[g]);
             for (size_t i = 0; i < count; i++, at++) {
@@ -287,6 +288,65 @@ static void compare_scene(struct counts *counts, uint64_t *random, double size)
     }
 }
 
+/* ---- Rays that touch -------------------------------------------------------------------------------------------- */
+
+/* The point of a leaf's runs that is farthest along a direction. */
+static void find_farthest(double out[3], size_t leaf, const double along[3])
+{
+    double most = -INFINITY;
+    const struct tractogram *tractogram = &scene.tractogram;
+    for (size_t r = leaf * TRACT_LEAF; r < (leaf + 1) * TRACT_LEAF && r < tractogram->tree.run_count; r++) {
+        struct tract_run run = tract_run_at(tractogram, r);
+        for (uint64_t k = 0; k <= run.segments; k++) {
+            double point[3];
+            tractogram_point(point, tractogram, run.point + k);
+            if (vec3_dot(point, along) > most) {
+                most = vec3_dot(point, along);
+                memcpy(out, point, sizeof point);
+            }
+        }
+    }
+}
+
+/* One ray, square to @p along, that only just hits the ball round a point. */
+static struct tract_bundle touching_ray(uint64_t *random, double origin[3], const double point[3],
+                                        const double along[3])
+{
+    double across[3];
+    double direction[3];
+    for (int a = 0; a < 3; a++) {
+        across[a] = test_random(random, -1, 1);
+    }
+    vec3_cross(direction, along, across);
+    assert_true(vec3_normalise(direction, direction));
+    vec3_add_scaled(origin, point, scene.tractogram.radius * (1 - 1e-6), along);
+    vec3_add_scaled(origin, origin, -test_random(random, 1, 50), direction);
+    for (int a = 0; a < 3; a++) {
+        directions[a][0] = direction[a];
+    }
+    return (struct tract_bundle){.count = 1,
+                                 .origin = origin,
+                                 .direction = (const double(*)[TRACT_RAYS_LIMIT])directions,
+                                 .t = {INFINITY},
+                                 .point = {UINT64_MAX}};
+}
+
+/* How many rays. */
+static size_t touch_all_leaves(struct counts *counts, uint64_t *random, const struct tract_rays *rays,
+                               const double along[3])
+{
+    size_t leaves = tract_leaf_count(scene.tractogram.tree.run_count);
+    for (size_t leaf = 0; leaf < leaves; leaf++) {
+        double point[3];
+        double origin[3];
+        find_farthest(point, leaf, along);
+        struct tract_bundle bundle = touching_ray(random, origin, point, along);
+        counts->hits += compare_hits(rays, &bundle);
+        counts->intervals += compare_intervals(rays, &bundle);
+    }
+    return leaves;
+}
+
 /* ---- Tests ------------------------------------------------------------------------------------------------------ */
 
 /* Everything as by the loop, to the bit: hits, objects, points and intervals. */
@@ -311,6 +371,34 @@ static void rays_find_what_a_loop_finds(void **state)
     }
     print_message("%zu hits, %zu intervals\n", counts.hits, counts.intervals);
     assert_true(counts.hits > 500 && counts.intervals > 1500);
+}
+
+/* Leaves are cut along axes and diagonals; what only just reaches to there is hit. */
+static void what_is_touched_is_hit(void **state)
+{
+    (void)state;
+    uint64_t random = 8;
+    struct counts counts = {0};
+    size_t rays_count = 0;
+    fill(&random, 100, 10, 1, 0.5);
+    scene.object_count = 1;
+    scene.objects[0] = (struct tract_object){&scene.tractogram, NULL, 3};
+    assert_ok(tractogram_grow_tree(&scene.tractogram));
+    for (size_t k = 0; k < TRACT_SEARCH_KERNELS; k++) {
+        struct tract_rays *rays;
+        if (tract_search_kernel(k)) {
+            assert_ok(tract_rays_create_with(&rays, tract_search_kernel(k), scene.objects, 1));
+            for (int i = 0; i < 27; i++) { /* axes and diagonals, of boxes and of their sides */
+                int way[3] = {i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1};
+                double along[3] = {way[0], way[1], way[2]};
+                rays_count += vec3_normalise(along, along) ? touch_all_leaves(&counts, &random, rays, along) : 0;
+            }
+            tract_rays_destroy(rays);
+        }
+    }
+    assert_true(rays_count >= 500);
+    assert_int_equal(counts.hits, rays_count);
+    tract_tree_finish(&scene.tractogram.tree);
 }
 
 static void halves_are_hit_as_their_floats(void **state)
@@ -442,7 +530,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rays_find_what_a_loop_finds),     cmocka_unit_test(halves_are_hit_as_their_floats),
         cmocka_unit_test(equally_near_ones_have_an_order), cmocka_unit_test(what_touches_is_one_interval),
-        cmocka_unit_test(every_allocation_may_fail),
+        cmocka_unit_test(what_is_touched_is_hit),          cmocka_unit_test(every_allocation_may_fail),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
