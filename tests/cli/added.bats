@@ -272,24 +272,26 @@ END
 @test "a session finds what was added, and opens without what is gone" {
     need_window
     scene
+    image map B 16
     mkdir made
-    (cd made && cp ../slabs.* ../two.tck ../more.tck ../sphere.nii.gz ../t1.nii . &&
-        printf '%s\n' "$AIM" 'drop t1.nii' 'streamlines two.tck,radius=2' 'pathway sphere.nii.gz,threshold=0.5' \
-            'streamlines more.tck' 'choose more' 'key h' 'results made.tsv' 'save made.json' >script &&
+    (cd made && cp ../slabs.* ../two.tck ../more.tck ../map.nii ../t1.nii . &&
+        printf '%s\n' "$AIM" 'drop t1.nii' 'streamlines two.tck,radius=2' 'pathway map.nii,threshold=50' \
+            'streamlines more.tck' 'threshold map 250' 'choose more' 'key h' 'results made.tsv' 'save made.json' >script &&
         timeout $HANG "$CONUS" view slabs.nii.gz --script script --quiet --size 1000x640)
-    queried --pathway sphere.nii.gz,threshold=0.5 --streamlines two.tck,radius=2 --streamlines more.tck --hide more |
+    queried --pathway map.nii,threshold=250 --streamlines two.tck,radius=2 --streamlines more.tck --hide more |
         diff made/made.tsv -
+    grep -q $'\tmap\t' made/made.tsv
     # elsewhere, and under another name, which its bundle has then
     mv made moved
     mv moved/two.tck moved/renamed.tck
     printf 'results found.tsv\nsave found.json\n' | view moved/made.json
     sed 's/\tbundle\t1\ttwo\t/\tbundle\t1\trenamed\t/' moved/made.tsv | diff found.tsv -
     jq -e '[.opened.options[] | split("/")[-1]] ==
-        ["t1.nii", "renamed.tck,radius=2", "sphere.nii.gz,threshold=0.5", "more.tck"] and .hidden == [5]' found.json
+        ["t1.nii", "renamed.tck,radius=2", "map.nii,threshold=50", "more.tck"] and .hidden == [5]' found.json
     # more.tck is what was hidden, whatever is gone
-    rm moved/renamed.tck moved/sphere.nii.gz
+    rm moved/renamed.tck moved/map.nii
     said moved/made.json <<<$'results less.tsv\nsave less.json'
-    check_message 'made.json is opened without what is not found: two.tck, sphere.nii.gz'
+    check_message 'made.json is opened without what is not found: two.tck, map.nii'
     [ "$(wc -l <<<"$stderr")" = 1 ]
     queried --streamlines more.tck --hide more | diff less.tsv -
     jq -e '.hidden == [3] and .objects == 3' less.json
