@@ -201,6 +201,24 @@ static int set_hemispheres(conus_atlas *atlas, const char *path, const struct at
     return status ? print_status(status) : EXIT_DONE;
 }
 
+bool atlas_input_is_image(const char *why)
+{
+    return strstr(why, "--context draws");
+}
+
+static int say_no_atlas(conus_status status, const struct atlas_settings *settings)
+{
+    bool is_fine = settings->image_is_fine && atlas_input_is_image(conus_message());
+    if (is_fine) {
+        messages_hold(true);
+    }
+    int code = print_status(status);
+    if (is_fine) {
+        messages_hold(false);
+    }
+    return code;
+}
+
 static int load_named(conus_atlas **out, const struct atlas_name *name, const struct additions *additions,
                       struct progress progress)
 {
@@ -215,7 +233,7 @@ static int load_named(conus_atlas **out, const struct atlas_name *name, const st
     conus_atlas *atlas = NULL;
     conus_status status = conus_atlas_load(&atlas, name->path, &options);
     if (status) {
-        return status == CONUS_ERROR_CANCELLED ? EXIT_DATA : print_status(status);
+        return status == CONUS_ERROR_CANCELLED ? EXIT_DATA : say_no_atlas(status, settings);
     }
     int code = set_hemispheres(atlas, name->path, settings);
     code = code ? code : add_streamlines(atlas, additions->streamlines, true, &progress);

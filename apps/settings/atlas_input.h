@@ -10,6 +10,9 @@
  * code and prints an error unless it is 0, or the settings' progress cancelled. */
 int settings_load_atlas(conus_atlas **out, const char *path, const struct atlas_settings *settings);
 
+/** Whether @p why is the library's word for what is no atlas, but can be around one. */
+bool atlas_input_is_image(const char *why);
+
 /** Sets the context, unless @p path is NULL; @p blocks 0 = it does not block. Gives the exit code likewise. */
 int settings_load_context(conus_atlas *atlas, const char *path, double blocks, const struct atlas_settings *settings);
 

@@ -205,10 +205,12 @@ END
 drop t1.nii two.tck
 save both.json
 END
+    [ -z "$stderr" ]
     jq -e '[.opened.options[] | split("/")[-1]] == ["t1.nii", "two.tck"]' both.json
     # of whole numbers, too, and another volume takes its place
     conus phantom brain -o brain
     said slabs.nii.gz <<<$'drop t1.nii\ndrop brain/brain-context.nii.gz\nsave grey.json'
+    [ -z "$stderr" ]
     jq -e '[.opened.options[] | split("/")[-1]] == ["brain-context.nii.gz"]' grey.json
     conus phantom nested -o .
     said slabs.nii.gz <<END

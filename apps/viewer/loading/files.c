@@ -3,6 +3,7 @@
 #include "viewer/loading/files.h"
 
 #include "common/messages.h"
+#include "settings/atlas_input.h"
 #include "viewer/loading/waiting.h"
 #include "viewer/opening/session_file.h"
 
@@ -47,17 +48,12 @@ static void look(void *user)
 
 /* ---- Atlas and images -------------------------------------------------------------------------------------------- */
 
-/* The library's word for what is no atlas, but can be around one. */
-bool files_is_image(const char *why)
-{
-    return strstr(why, "--context draws");
-}
-
 /* Whether there is an atlas at `path`; else `why` says why not. */
 static bool is_atlas(struct window *window, const char *path, const struct view_settings *settings,
                      char why[LOADER_WHY])
 {
-    struct atlas_settings alone = {.max_memory = settings->atlas.max_memory, .no_cache = settings->atlas.no_cache};
+    struct atlas_settings alone = {
+        .max_memory = settings->atlas.max_memory, .no_cache = settings->atlas.no_cache, .image_is_fine = true};
     const struct context_choice none = {.opacity = 0};
     const struct loading what = {.path = path, .settings = &alone, .context = &none, .wake = glfwPostEmptyEvent};
     struct atlases atlases = {0};
@@ -96,8 +92,8 @@ static bool find_atlas(struct sorted *sorted, struct window *window, const struc
         if (is_atlas(window, path, settings, why)) {
             fine = use_atlas(sorted, path, false, why);
         } else {
-            fine =
-                files_is_image(why) && (!sorted->image_count || refuse_second(sorted->images[0], path, "images", why));
+            fine = atlas_input_is_image(why) &&
+                   (!sorted->image_count || refuse_second(sorted->images[0], path, "images", why));
             sorted->images[sorted->image_count++] = path;
         }
     }

@@ -24,8 +24,6 @@ void files_finish(struct sorted *sorted);
 
 /** Whether what is at @p path may be an atlas by itself: it is no session and no tractogram. Reads it. */
 bool files_may_be_atlas(const char *path);
-/** Whether @p why, for which a file could not be opened as an atlas, says that it is an image. */
-bool files_is_image(const char *why);
 /** The options @p words with all that is to be added; NULL without memory, or where a name is not UTF-8. */
 json_t *files_add(const json_t *words, const struct sorted *sorted);
 

@@ -3,6 +3,7 @@
 #include "viewer/loading/open.h"
 
 #include "common/messages.h"
+#include "settings/atlas_input.h"
 #include "settings/atlas_name.h"
 #include "settings/atlas_notes.h"
 #include "viewer/hands/hands.h"
@@ -362,11 +363,13 @@ static bool add_all(struct window *window, const struct sorted *sorted, const st
 static bool open_sorted(struct window *window, struct sorted *sorted, const struct view_settings *settings,
                         bool with_options, char why[LOADER_WHY])
 {
+    struct view_settings first = *settings;
     struct view_settings later = *settings;
     bool fine = true;
     if (sorted->atlas) {
-        fine = open_first(window, sorted, settings, with_options, why);
-        if (!fine && window->viewer && !window->session_waits && files_is_image(why)) {
+        first.atlas.image_is_fine = window->viewer && !window->session_waits && !sorted->is_session;
+        fine = open_first(window, sorted, &first, with_options, why);
+        if (!fine && first.atlas.image_is_fine && atlas_input_is_image(why)) {
             sorted->images[sorted->image_count++] = sorted->atlas;
             why[0] = '\0';
             fine = true;
