@@ -233,3 +233,12 @@ double test_random(uint64_t *state, double low, double high)
     z = (z ^ z >> 27) * UINT64_C(0x94d049bb133111eb);
     return low + (high - low) * ((double)((z ^ z >> 31) >> 11) * 0x1p-53);
 }
+
+size_t test_trials(size_t n)
+{
+#ifdef __SANITIZE_ADDRESS__
+    return (n + 3) / 4;
+#else
+    return n;
+#endif
+}

@@ -70,4 +70,8 @@ bool test_has_note(const conus_atlas *atlas, const char *part);
 /** A deterministic generator (SplitMix64), so that random tests repeat. Uniform in [low, high). */
 double test_random(uint64_t *state, double low, double high);
 
+/** How many of @p n random trials a test makes: all of them, but every fourth in a build with AddressSanitizer, which
+ * is slow and wants every path once, while the number is for what the build without it compares. */
+size_t test_trials(size_t n);
+
 #endif

@@ -33,14 +33,14 @@ static size_t compare_scenes(uint64_t random, int scenes, conus_sampling samplin
 static void exact_equals_rays(void **state)
 {
     (void)state;
-    assert_true(compare_scenes(11, 150, CONUS_SAMPLING_EXACT) > 25000);
+    assert_true(compare_scenes(11, (int)test_trials(150), CONUS_SAMPLING_EXACT) > test_trials(25000));
 }
 
 /* Eq. 7: on the same planes, the same voxels. */
 static void slices_equal_the_cpus_slices(void **state)
 {
     (void)state;
-    assert_true(compare_scenes(12, 100, CONUS_SAMPLING_SLICES) > 5000);
+    assert_true(compare_scenes(12, (int)test_trials(100), CONUS_SAMPLING_SLICES) > test_trials(5000));
 }
 
 /* Rays of many pixels and volumes do not fit the ray buffer at once. */

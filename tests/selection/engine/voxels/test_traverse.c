@@ -348,7 +348,7 @@ static size_t count_kernels(void)
 static void kernels_equal_the_plain_traversal(void **state)
 {
     (void)state;
-    assert_true(compare_scenes(11, 150, 1) > 15000 * count_kernels());
+    assert_true(compare_scenes(11, (int)test_trials(150), 1) > test_trials(15000) * count_kernels());
 }
 
 /* Voxels whose size, or one by whose size, is no single. */
@@ -365,7 +365,7 @@ static void kernels_list_the_intervals_of_single_rays(void **state)
     (void)state;
     uint64_t random = 14;
     size_t intervals = 0;
-    for (int scene = 0; scene < 150; scene++) {
+    for (size_t scene = 0; scene < test_trials(150); scene++) {
         struct volume volume;
         struct distance_map map;
         struct distance_map uniform;
@@ -380,7 +380,7 @@ static void kernels_list_the_intervals_of_single_rays(void **state)
         distance_map_finish(&uniform);
         end_volume(&volume, &map);
     }
-    assert_true(intervals > 100000);
+    assert_true(intervals > test_trials(100000));
 }
 
 /* From the face between cells 1 and 2, which belongs to cell 2, down: cell 1 is hit at once. */
