@@ -319,7 +319,7 @@ static double corner_gap(const double a[16], const double b[16], const int64_t d
 static conus_status place(struct text_volume *out, const struct header *header, struct notes *notes)
 {
     static const double tolerance = 1;
-    double rows[12];
+    double rows[12] = {0};
     double plumb[16];
     bool real = header->values[MATRIX].text.data;
     conus_status other = read_plumb(plumb, header);
