@@ -127,7 +127,10 @@ static void paint(uint8_t rgb[3], struct viewer *viewer)
             continue;
         }
         fine = picture.fine && picture.what.scene_number == what.scene_number;
-        memcpy(rgb, picture.rgba + (size_t)4 * (SIDE * SIDE / 2 + SIDE / 2), 3);
+        if (fine) { /* coarse ones are smaller */
+            assert_int_equal(picture.width * picture.height, SIDE * SIDE);
+            memcpy(rgb, picture.rgba + (size_t)4 * (SIDE * SIDE / 2 + SIDE / 2), 3);
+        }
         free(picture.rgba);
     }
 }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
  * The 3-D pictures, drawn by conus_render() on a thread with a GL context of its own, so that the window never waits
- * for them. While the view moves they are coarse and quick; when it rests they become fine. All functions are for one
- * thread, the window's. */
+ * for them. While the view moves they are coarse and quick, as is the first one without a GPU; when it rests they
+ * become fine. All functions are for one thread, the window's. */
 #ifndef CONUS_VIEWER_MODEL_PAINTER_H
 #define CONUS_VIEWER_MODEL_PAINTER_H
 
@@ -38,8 +38,7 @@ struct painted {
 };
 
 /** Starts the thread; @p transfer and @p log (called on that thread) as in conus_renderer_options, opacities and haze
- * as
- * @p look says, which is copied. @p wake (NULL = none) is called there when there is something new: a picture, an
+ * as @p look says, which is copied. @p wake (NULL = none) is called there when there is something new: a picture, an
  * error, the device's name. False without memory or threads. */
 bool painter_create(struct painter **out, const conus_atlas *atlas, const char *transfer, const struct look *look,
                     conus_log log, void (*wake)(void));
