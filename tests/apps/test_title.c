@@ -15,11 +15,17 @@ static void assert_titled(const struct window *window, const char *wanted)
     assert_string_equal(title, wanted);
 }
 
+/* The list of what was confirmed, and the same as a table. */
 static void assert_pinned(const struct viewer *viewer, const char *wanted)
 {
     char title[VIEW_ATLAS_TITLE];
+    char row[VIEW_ATLAS_TITLE + 2];
     assert_int_equal(viewer->pin_count, 1);
     assert_string_equal(viewer_pin_title(title, viewer, viewer->pins), wanted);
+    snprintf(row, sizeof row, "\n%s\t", wanted);
+    char *table = viewer_pins_text(viewer);
+    assert_non_null(strstr(table, row));
+    free(table);
 }
 
 /* The outermost ball has a namesake among the pathways, but no other ball has. */
@@ -43,6 +49,7 @@ static void names_of_two_kinds_are_told_apart(void **state)
     viewer_aim_along(&viewer, (const double[]){0, 90, 0}, (const double[]){0, -1, 0});
     assert_titled(&window, "conus - nested.nii.gz - area Shell outer (hit)");
     viewer_confirm(&viewer);
+    assert_memory_equal(viewer.message, "confirmed: area Shell outer, ", 29);
     assert_pinned(&viewer, "area Shell outer");
     viewer.pins[0].object = 0; /* the atlas has it no longer */
     assert_pinned(&viewer, "Shell outer");

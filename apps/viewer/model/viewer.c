@@ -276,8 +276,9 @@ void viewer_confirm(struct viewer *viewer)
     }
     viewer_pin(viewer, (size_t)(viewer->drawn - viewer->atlases), best->object, NULL, best->share, best->distance,
                best->contact);
-    viewer_say(viewer, "confirmed: %s, %.1f mm from the device", viewer->pins[viewer->pin_count - 1].name,
-               best->distance);
+    char title[VIEW_ATLAS_TITLE];
+    viewer_say(viewer, "confirmed: %s, %.1f mm from the device",
+               viewer_pin_title(title, viewer, &viewer->pins[viewer->pin_count - 1]), best->distance);
 }
 
 const char *viewer_pin_title(char out[VIEW_ATLAS_TITLE], const struct viewer *viewer, const struct pin *pin)
@@ -298,9 +299,11 @@ char *viewer_pins_text(const struct viewer *viewer)
     for (size_t i = 0; i < viewer->pin_count; i++) {
         const struct pin *pin = &viewer->pins[i];
         double contact[3];
+        char title[VIEW_ATLAS_TITLE];
         conus_frame_from_world(contact, &viewer->frame, pin->contact);
         fprintf(out, "%s%s%s\t%.9g\t%.9g\t%.9g\t%.9g\t%.9g\t", several ? viewer->names[pin->atlas] : "",
-                several ? "\t" : "", pin->name, pin->share, pin->distance, contact[0], contact[1], contact[2]);
+                several ? "\t" : "", viewer_pin_title(title, viewer, pin), pin->share, pin->distance, contact[0],
+                contact[1], contact[2]);
         fprintf(out, isnan(pin->apart) ? "n/a\n" : "%.9g\n", pin->apart);
     }
     fclose(out);

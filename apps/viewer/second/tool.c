@@ -112,7 +112,9 @@ void tool_confirm(const struct tool *tool)
     }
     viewer_pin(viewer, drawn, best->object, NULL, best->share, best->distance, best->contact);
     viewer->version++;
-    viewer_say(viewer, "confirmed by the second tool: %s", viewer->pins[viewer->pin_count - 1].name);
+    char title[VIEW_ATLAS_TITLE];
+    viewer_say(viewer, "confirmed by the second tool: %s",
+               viewer_pin_title(title, viewer, &viewer->pins[viewer->pin_count - 1]));
 }
 
 static bool any(const double v[3])
