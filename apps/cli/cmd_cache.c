@@ -92,7 +92,7 @@ static bool put_table(FILE *out, const void *what)
     fprintf(out, "%zu entr%s, %" PRIu64 " bytes%s%s\n", count, count == 1 ? "y" : "ies", bytes, *folder ? ", in " : "",
             folder);
     if (!conus_cache_limit()) {
-        fputs("$CONUS_CACHE: no atlas is kept, or taken from there\n", out);
+        fputs("$CONUS_CACHE: atlases are not kept, and not taken from here\n", out);
     }
     return whole;
 }

@@ -55,8 +55,8 @@ conus_status streamlines_radius(double *out, double wanted, const char *path)
 {
     char text[TEXT_NUMBER_SIZE];
     if (!(wanted >= 0 && wanted <= TRACT_RADIUS_LIMIT)) {
-        return fail(CONUS_ERROR_ARGUMENT, "%s: radius %s mm, allowed is above 0 to %g (0 = default)", path,
-                    text_number(text, wanted), TRACT_RADIUS_LIMIT);
+        return fail(CONUS_ERROR_ARGUMENT, "%s: radius %s mm, allowed is above 0 to %g", path, text_number(text, wanted),
+                    TRACT_RADIUS_LIMIT);
     }
     *out = wanted > 0 ? wanted : TRACT_RADIUS;
     return CONUS_OK;

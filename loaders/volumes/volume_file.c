@@ -102,7 +102,8 @@ static conus_status parse_head(struct volume_header *out, const struct stored *s
                  ? fail(CONUS_ERROR_UNSUPPORTED, "content: TIFF packed with gzip: unpack it")
              : head.size || !stored->packed
                  ? file_kind_fail(stored->path, &stored->bytes, needed)
-                 : fail(CONUS_ERROR_DATA, "content: the file unpacks to nothing; needed is %s", needed);
+                 : fail(CONUS_ERROR_DATA, "content: the file unpacks to nothing: it is empty or cut off; needed is %s",
+                        needed);
     bytes_finish(&head);
     return status;
 }

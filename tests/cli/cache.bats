@@ -74,7 +74,7 @@ is_kept() {
     run -0 "$CONUS" cache clear
     [ "$(entries)" = 0 ]
     CONUS_CACHE=off run -0 "$CONUS" cache list
-    [[ $output == *"no atlas is kept"* ]]
+    [[ $output == *"atlases are not kept, and not taken from here"* ]]
     CONUS_CACHE=12x run -0 --separate-stderr "$CONUS" cache list
     [[ $stderr == *'CONUS_CACHE is not off, or a number of bytes with K, M, G, T or nothing behind it' ]]
     CONUS_CACHE=12x run -0 "$CONUS" cache clear

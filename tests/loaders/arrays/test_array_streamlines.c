@@ -197,10 +197,9 @@ static void what_is_out_of_range_is_refused(void **state)
         "array: point 2 of streamline 0 (both from 0): found (0, 2000000000, 0) mm, allowed is within 1e9 of "
         "0");
     bad = three_streamlines();
-    assert_refused(&bad, -1, CONUS_ERROR_ARGUMENT, "array: radius -1 mm, allowed is above 0 to 100 (0 = default)");
-    assert_refused(&bad, (double)NAN, CONUS_ERROR_ARGUMENT,
-                   "array: radius nan mm, allowed is above 0 to 100 (0 = default)");
-    assert_refused(&bad, 101, CONUS_ERROR_ARGUMENT, "array: radius 101 mm, allowed is above 0 to 100 (0 = default)");
+    assert_refused(&bad, -1, CONUS_ERROR_ARGUMENT, "array: radius -1 mm, allowed is above 0 to 100");
+    assert_refused(&bad, (double)NAN, CONUS_ERROR_ARGUMENT, "array: radius nan mm, allowed is above 0 to 100");
+    assert_refused(&bad, 101, CONUS_ERROR_ARGUMENT, "array: radius 101 mm, allowed is above 0 to 100");
     bad.scalar_count = 1;
     assert_refused(&bad, 0, CONUS_ERROR_ARGUMENT, "array: scalars: NULL");
     bad.scalars = &nameless;

@@ -426,7 +426,7 @@ static void other_files_are_refused(void **state)
         {"\1\2x", "content: found \"..x\"; needed is a volume (NIfTI, MGH, NRRD, MetaImage, AFNI or TIFF)"},
         {"<!DOCTYPE html><html>", "this is a web page; needed is a volume"},
         {"1 Precentral_L\n", "this is a label table: give it as --labels"},
-        {"\x1f\x8b\x08", "content: the file unpacks to nothing"},
+        {"\x1f\x8b\x08", "content: the file unpacks to nothing: it is empty or cut off"},
         {"\x1f\x8b\x08 not deflate at all", "gzip: damaged"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
