@@ -2,6 +2,7 @@
 /* What the window does, without a window. */
 #include "atlas/warp/warp.h"
 #include "base/memory.h"
+#include "viewer/figures/cut_view.h"
 #include "viewer/model/picker.h"
 #include "viewer/session/session.h"
 
@@ -146,6 +147,33 @@ static void a_node_is_shown_whole_in_part_or_not(void **state)
     viewer_isolate(&viewer, 1);
     assert_int_equal(viewer_shown(&viewer, 1), SHOWN);
     assert_int_equal(viewer_shown(&viewer, 2), SHOWN_NOT);
+    viewer_finish(&viewer);
+}
+
+/* A spinal cord of 4 x 60 x 4 mm: half of it, 30 mm, lies before and behind the middle of a cut. */
+static void a_long_atlas_is_in_its_cuts(void **state)
+{
+    static unsigned char labels[60][4][4];
+    struct viewer viewer;
+    conus_atlas *atlas = NULL;
+    conus_voxels voxels = CONUS_VOXELS_INIT;
+    (void)state;
+    memset(labels, 1, sizeof labels);
+    voxels.data = labels;
+    voxels.type = CONUS_SCALAR_UINT8;
+    memcpy(voxels.dim, (size_t[]){4, 60, 4}, sizeof voxels.dim);
+    memcpy(voxels.stride, (ptrdiff_t[]){4, 16, 1}, sizeof voxels.stride);
+    for (size_t i = 0; i < 16; i += 5) {
+        voxels.world_from_voxel[i] = 1;
+    }
+    assert_ok(conus_atlas_create(&atlas, &voxels, NULL, 0, NULL));
+    assert_ok(viewer_create(&viewer, &(struct view_source){.atlas = atlas, .path = "cord"}, 1, NULL, NULL, NULL));
+    for (int plane = 0; plane < 3; plane++) {
+        conus_cut_view view;
+        cut_view(&view, &viewer, (enum plane)plane, (double[]){300, 400});
+        assert_true(150 * view.mm_per_pixel > 30 && 150 * view.mm_per_pixel < 33);
+        assert_near(view.centre[1], 29.5, 1e-9);
+    }
     viewer_finish(&viewer);
 }
 
@@ -437,6 +465,7 @@ int main(void)
         cmocka_unit_test(settings_of_the_atlas_are_all_set_or_none),
         cmocka_unit_test(edited_points_outlive_other_changes),
         cmocka_unit_test(a_device_without_a_pose_is_put_in_front),
+        cmocka_unit_test(a_long_atlas_is_in_its_cuts),
         cmocka_unit_test(a_session_is_of_where_the_atlas_lay),
         cmocka_unit_test(a_session_is_of_the_field_that_moved_the_atlas),
     };

@@ -30,6 +30,7 @@ void viewer_find_ball(struct viewer *viewer)
     double high[3] = {-INFINITY, -INFINITY, -INFINITY};
     double box[2][3];
     double square = 0;
+    double longest = 0;
     for (size_t i = 0; i < viewer->atlas_count; i++) {
         bool is_empty = conus_atlas_bounds(box[0], box[1], viewer->atlases[i].atlas);
         for (int a = 0; a < 3 && !is_empty; a++) {
@@ -40,8 +41,10 @@ void viewer_find_ball(struct viewer *viewer)
     for (int a = 0; a < 3 && low[0] <= high[0]; a++) {
         viewer->centre[a] = (low[a] + high[a]) / 2;
         square += (high[a] - low[a]) * (high[a] - low[a]) / 4;
+        longest = fmax(longest, high[a] - low[a]);
     }
-    viewer->radius = fmax(0.72 * sqrt(square), 1); /* brains are round: corners of their boxes are empty */
+    /* Brains are round: corners of their boxes are empty. But both ends of a long one are to be seen. */
+    viewer->radius = fmax(fmax(0.72 * sqrt(square), 0.54 * longest), 1);
 }
 
 static void finish_atlases(struct viewer *viewer, bool with_them)
