@@ -54,7 +54,6 @@ conus_status colour_pass_init(struct colour_pass *out, const conus_atlas *atlas,
 {
     struct colour_pass pass = {.hazy = *hazy};
     conus_status status = colour_program_create(&pass.program, &screen, COLOUR_RAYS);
-    status = status ? status : colour_program_create(&pass.tile_program, &tile, COLOUR_RAYS);
     if (!status) {
         status = colour_upload_palette(&pass, atlas);
     }
@@ -65,6 +64,8 @@ conus_status colour_pass_init(struct colour_pass *out, const conus_atlas *atlas,
     if (!status && fields->context.volume) {
         status = colour_upload_context(&pass, &fields->context, transfer, &max_memory);
     }
+    status = status ? status : colour_upload_texels(&pass.areas, &fields->objects);
+    status = status ? status : colour_upload_texels(&pass.context, &fields->context);
     if (!status) {
         status = colour_upload_meshes(&pass, atlas, &max_memory);
     }
@@ -86,14 +87,20 @@ static bool has_layers(const struct colour_pass *pass, const struct colour_view 
     return view->opacity || pass->has_haze || pass->around_count;
 }
 
-conus_status colour_pass_need(struct colour_pass *pass, const struct colour_view *view)
+static conus_status need_program(GLuint *program, const struct program_shader *vertex, enum colour_program kind)
 {
-    if (pass->layer_tile_program || !has_layers(pass, view)) {
-        return CONUS_OK;
+    return *program ? CONUS_OK : colour_program_create(program, vertex, kind);
+}
+
+conus_status colour_pass_need(struct colour_pass *pass, const struct colour_view *view, bool smooth)
+{
+    bool layers = has_layers(pass, view);
+    enum colour_program kind = layers ? COLOUR_LAYERS : COLOUR_RAYS;
+    conus_status status = need_program(layers ? &pass->layer_program : &pass->program, &screen, kind);
+    if (!status && smooth) {
+        status = need_program(layers ? &pass->layer_tile_program : &pass->tile_program, &tile, kind);
     }
-    conus_status status =
-        pass->layer_program ? CONUS_OK : colour_program_create(&pass->layer_program, &screen, COLOUR_LAYERS);
-    return status ? status : colour_program_create(&pass->layer_tile_program, &tile, COLOUR_LAYERS);
+    return status;
 }
 
 GLuint colour_pass_tile_program(const struct colour_pass *pass, const struct colour_view *view)
@@ -136,6 +143,8 @@ conus_status colour_pass_update(struct colour_pass *pass, const conus_atlas *atl
     struct colour_pass fresh = {.drawn = pass->drawn};
     struct field_task task = colour_objects_task(atlas);
     conus_status status = colour_upload_objects(&fresh, atlas, &pass->hazy, &task, &max_memory);
+    status = status ? status : colour_upload_texels(&fresh.areas, &task);
+    field_task_end(&task);
     status = status ? status : exchange_content(pass, &fresh);
     if (!status) {
         struct colour_pass old = {.areas = pass->areas, .objects = pass->objects, .haze = pass->haze};
@@ -205,6 +214,8 @@ conus_status colour_pass_set_transfer(struct colour_pass *pass, const conus_atla
     struct field_task task = {0};
     conus_status status = colour_context_task(&task, atlas_context(atlas), transfer);
     status = status || !task.volume ? status : colour_upload_context(&fresh, &task, transfer, &max_memory);
+    status = status ? status : colour_upload_texels(&fresh.context, &task);
+    field_task_end(&task);
     if (!status && task.volume) {
         struct colour_pass old = {.context = pass->context, .transfer = pass->transfer};
         pass->context = fresh.context;

@@ -23,18 +23,19 @@ enum {
     COLOUR_TILE = 8 /**< Pixels along the edge of the squares that the tile program draws. */
 };
 
-/** A volume as the colour pass holds it. */
+/** A volume as the colour pass holds it: of its grid, the box of voxels round which anything shows. */
 struct colour_volume {
     GLuint field, empty;
-    size_t dim[3];
+    size_t dim[3];            /**< Of the grid. */
+    size_t first[3], size[3]; /**< The box: its first voxel, of which each is a brick's first, and its voxels. */
     double world_from_voxel[16];
-    double texture_from_world[16]; /**< Texture coordinates: 0 to 1 over the grid's cells. */
+    double texture_from_world[16]; /**< Texture coordinates: 0 to 1 over the box's cells. */
 };
 
 /** GL objects of one atlas; everything here happens in the context that was current at colour_pass_init(). */
 struct colour_pass {
-    GLuint program;                           /**< Over one triangle on the screen.                   */
-    GLuint tile_program;                      /**< Over squares of the screen (shaders/tile.vert.glsl). */
+    GLuint program;      /**< Over one triangle on the screen.                   */
+    GLuint tile_program; /**< Over squares of the screen (shaders/tile.vert.glsl); 0 until edges first are smooth. */
     GLuint layer_program, layer_tile_program; /**< The same where something is translucent; 0 until it first is. */
     GLuint view, palette, opacities, vertices, transfer, objects;
     struct colour_volume areas, context, haze;
@@ -94,8 +95,8 @@ conus_status colour_pass_init(struct colour_pass *out, const conus_atlas *atlas,
                               struct haze_choice *hazy, struct colour_fields *fields, uint64_t max_memory);
 void colour_pass_finish(struct colour_pass *pass);
 
-/** Compiles what @p view needs, which must come before it is drawn. */
-conus_status colour_pass_need(struct colour_pass *pass, const struct colour_view *view);
+/** Compiles what @p view needs, and its edges if they shall be @p smooth, which must come before it is drawn. */
+conus_status colour_pass_need(struct colour_pass *pass, const struct colour_view *view, bool smooth);
 
 /** The program that draws tiles of @p view. */
 GLuint colour_pass_tile_program(const struct colour_pass *pass, const struct colour_view *view);

@@ -15,14 +15,18 @@
 
 enum { MESH_POINTS = 100000, SLAB_VOXELS = 1 << 17 };
 
-static void place_volume(struct colour_volume *out, const struct volume *volume)
+/* The box of `size` voxels from `first` on. */
+static void place_volume(struct colour_volume *out, const struct volume *volume, const size_t first[3],
+                         const size_t size[3])
 {
     double texture_from_voxel[16];
     mat4_identity(texture_from_voxel);
     for (int a = 0; a < 3; a++) {
         out->dim[a] = volume->info.dim[a];
-        texture_from_voxel[5 * a] = 1.0 / (double)out->dim[a];
-        texture_from_voxel[12 + a] = 0.5 / (double)out->dim[a];
+        out->first[a] = first[a];
+        out->size[a] = size[a];
+        texture_from_voxel[5 * a] = 1.0 / (double)size[a];
+        texture_from_voxel[12 + a] = (0.5 - (double)first[a]) / (double)size[a];
     }
     mat4_multiply(out->texture_from_world, texture_from_voxel, volume->voxel_from_world);
     memcpy(out->world_from_voxel, volume->info.world_from_voxel, sizeof out->world_from_voxel);
@@ -60,7 +64,7 @@ static conus_status add_content(struct colour_pass *pass, const struct bricks *b
         if (corner_shows(bricks, corner)) {
             double voxel[3];
             for (int a = 0; a < 3; a++) {
-                size_t edge = corner[a] * BRICKS_EDGE;
+                size_t edge = volume->first[a] + corner[a] * BRICKS_EDGE;
                 voxel[a] = (double)(edge < volume->dim[a] ? edge : volume->dim[a]) - 0.5;
             }
             mat4_point(points[pass->content_count++], volume->world_from_voxel, voxel);
@@ -87,36 +91,83 @@ conus_status colour_add_corners(struct colour_pass *pass, const struct colour_vo
     return CONUS_OK;
 }
 
-/* Texels are made a few slices at a time, which stay in the processor's cache. */
-static conus_status upload_texels(GLuint *out, const struct field *field, uint64_t *memory_left)
+conus_status colour_upload_texels(const struct colour_volume *volume, struct field_task *task)
 {
-    size_t slice = field->dim[0] * field->dim[1];
-    size_t step = SLAB_VOXELS / slice + 1;
-    uint8_t *texels = memory_raw(step * slice, 4);
-    conus_status status =
-        texels ? volume_texture_create(out, VOLUME_TEXTURE_BYTE4, field->dim, NULL, memory_left) : CONUS_ERROR_MEMORY;
-    for (size_t first = 0; first < field->dim[2] && !status; first += step) {
-        size_t count = field->dim[2] - first < step ? field->dim[2] - first : step;
-        field_texels(texels, field, first, count);
-        volume_texture_fill(*out, VOLUME_TEXTURE_BYTE4, field->dim, first, count, texels);
+    struct field_slab slab;
+    while (task->volume && field_task_next(&slab, task)) {
+        volume_texture_fill(volume->field, VOLUME_TEXTURE_BYTE4, volume->size, slab.first, slab.count, slab.texels);
     }
-    memory_free(texels);
+    field_task_end(task);
+    return gl_check("texels of a volume");
+}
+
+/* The object numbers of a box, each of so many bytes. */
+struct numbers {
+    const struct volume *volume;
+    const struct colour_volume *box;
+    size_t bytes;
+};
+
+static void copy_numbers(void *out, const struct numbers *numbers, size_t at, size_t count)
+{
+    const struct volume *volume = numbers->volume;
+    if (numbers->bytes == 1) {
+        for (size_t i = 0; i < count; i++) {
+            ((uint8_t *)out)[i] = (uint8_t)volume->objects16[at + i];
+        }
+    } else {
+        const void *from = volume->objects16 ? (const void *)(volume->objects16 + at) : volume->objects32 + at;
+        memcpy(out, from, count * numbers->bytes);
+    }
+}
+
+/* Of so many slices of the box. */
+static void copy_slices(uint8_t *row, const struct numbers *numbers, size_t first, size_t count)
+{
+    const struct colour_volume *box = numbers->box;
+    for (size_t k = first; k < first + count; k++) {
+        for (size_t j = 0; j < box->size[1]; j++, row += box->size[0] * numbers->bytes) {
+            size_t at = box->first[0] + box->dim[0] * (box->first[1] + j + box->dim[1] * (box->first[2] + k));
+            copy_numbers(row, numbers, at, box->size[0]);
+        }
+    }
+}
+
+/* As narrow as their highest, `last`, allows; a few slices at a time, as well. */
+static conus_status upload_numbers(GLuint *out, const struct colour_volume *box, const struct volume *volume,
+                                   size_t last, uint64_t *memory_left)
+{
+    static const enum volume_texture_kind kinds[] = {
+        [1] = VOLUME_TEXTURE_UINT8, [2] = VOLUME_TEXTURE_UINT16, [4] = VOLUME_TEXTURE_UINT32};
+    const size_t bytes = !volume->objects16 ? 4 : last > UINT8_MAX ? 2 : 1;
+    const struct numbers numbers = {volume, box, bytes};
+    const size_t *dim = box->size;
+    size_t step = SLAB_VOXELS / (dim[0] * dim[1]) + 1;
+    uint8_t *some = memory_raw(step * dim[0] * dim[1], bytes);
+    conus_status status = some ? volume_texture_create(out, kinds[bytes], dim, NULL, memory_left) : CONUS_ERROR_MEMORY;
+    for (size_t first = 0; first < dim[2] && !status; first += step) {
+        size_t count = dim[2] - first < step ? dim[2] - first : step;
+        copy_slices(some, &numbers, first, count);
+        volume_texture_fill(*out, kinds[bytes], dim, first, count, some);
+    }
+    memory_free(some);
     return status ? status : gl_check("volume texture");
 }
 
-/* Uploads a field and the distances to the bricks with densities that `visible` names. */
-static conus_status upload_field(struct colour_pass *pass, struct colour_volume *out, const struct volume *volume,
-                                 const struct field *field, const bool *visible, uint64_t *memory_left)
+/* Makes the texture of the field that `task` makes, and uploads the distances to the bricks with densities that
+ * `visible` names. */
+static conus_status begin_field(struct colour_pass *pass, struct colour_volume *out, struct field_task *task,
+                                const bool *visible, uint64_t *memory_left)
 {
+    const struct field *field = NULL;
     struct bricks bricks = {0};
-    conus_status status = field_bricks(&bricks, field, visible, TABLE_PER_LEVEL);
-    place_volume(out, volume);
+    conus_status status = field_task_wait(&field, task);
+    status = status ? status : field_bricks(&bricks, field, visible, TABLE_PER_LEVEL);
     if (!status) {
+        place_volume(out, task->volume, field->first, field->dim);
         status = add_content(pass, &bricks, out);
     }
-    if (!status) {
-        status = upload_texels(&out->field, field, memory_left);
-    }
+    status = status ? status : volume_texture_create(&out->field, VOLUME_TEXTURE_BYTE4, field->dim, NULL, memory_left);
     if (!status) {
         status = volume_texture_create(&out->empty, VOLUME_TEXTURE_UINT8, bricks.dim, bricks.distance, memory_left);
     }
@@ -124,25 +175,17 @@ static conus_status upload_field(struct colour_pass *pass, struct colour_volume 
     return status;
 }
 
-/* `task` is of the volume. */
-static conus_status upload_areas(struct colour_pass *pass, struct field_task *task, uint64_t *memory_left)
+/* `task` is of the volume, in which `last` is the highest number. */
+static conus_status begin_areas(struct colour_pass *pass, struct field_task *task, size_t last, uint64_t *memory_left)
 {
     bool visible[COLOUR_TABLE_ENTRIES];
     for (size_t i = 0; i < COLOUR_TABLE_ENTRIES; i++) {
         visible[i] = i > (FIELD_SURFACE - 1) * TABLE_PER_LEVEL;
     }
-    const struct volume *volume = task->volume;
-    struct field field = {0};
-    conus_status status = field_task_take(&field, task);
+    conus_status status = begin_field(pass, &pass->areas, task, visible, memory_left);
     if (!status) {
-        status = upload_field(pass, &pass->areas, volume, &field, visible, memory_left);
+        status = upload_numbers(&pass->objects, &pass->areas, task->volume, last, memory_left);
     }
-    if (!status) {
-        enum volume_texture_kind kind = volume->objects16 ? VOLUME_TEXTURE_UINT16 : VOLUME_TEXTURE_UINT32;
-        const void *objects = volume->objects16 ? (const void *)volume->objects16 : volume->objects32;
-        status = volume_texture_create(&pass->objects, kind, volume->info.dim, objects, memory_left);
-    }
-    field_finish(&field);
     pass->has_areas = true;
     return status;
 }
@@ -159,7 +202,7 @@ static conus_status upload_haze(struct colour_pass *pass, const conus_atlas *atl
                         : volume_texture_create(&pass->haze.field, VOLUME_TEXTURE_HALF4, field.info.dim, field.texels,
                                                 memory_left);
         if (!status) {
-            place_volume(&pass->haze, &grid);
+            place_volume(&pass->haze, &grid, (const size_t[3]){0, 0, 0}, grid.info.dim);
             pass->has_haze = true;
             status = colour_add_corners(pass, &pass->haze);
         }
@@ -186,11 +229,14 @@ conus_status colour_upload_objects(struct colour_pass *pass, const conus_atlas *
                                    struct field_task *task, uint64_t *memory_left)
 {
     if (!is_joint(atlas)) {
-        return task->volume ? upload_areas(pass, task, memory_left) : CONUS_OK;
+        return task->volume ? begin_areas(pass, task, atlas->object_count, memory_left) : CONUS_OK;
     }
     struct volume joint = {0};
     conus_status status = pathways_join(&joint, atlas, pass->drawn, hazy);
-    status = status ? status : upload_areas(pass, &(struct field_task){.volume = &joint}, memory_left);
+    struct field_task own = {.volume = &joint};
+    status = status ? status : begin_areas(pass, &own, atlas->object_count, memory_left);
+    status = status ? status : colour_upload_texels(&pass->areas, &own);
+    field_task_end(&own);
     volume_finish(&joint);
     return status ? status : upload_haze(pass, atlas, hazy, memory_left);
 }
@@ -272,10 +318,36 @@ static GLuint table_texture(const float *table)
     return texture;
 }
 
+/* Which entries of its table show. */
+static void find_visible(bool visible[COLOUR_TABLE_ENTRIES], float table[COLOUR_TABLE_ENTRIES * 4],
+                         const struct transfer *transfer)
+{
+    transfer_table(table, COLOUR_TABLE_ENTRIES, transfer);
+    for (size_t i = 0; i < COLOUR_TABLE_ENTRIES; i++) {
+        visible[i] = table[4 * i + 3] > 0;
+    }
+}
+
+/* The density up to which nothing shows, -1 where the lowest does. */
+static int find_unseen(const struct transfer *transfer)
+{
+    float table[COLOUR_TABLE_ENTRIES * 4];
+    bool visible[COLOUR_TABLE_ENTRIES];
+    int entry = 0;
+    find_visible(visible, table, transfer);
+    while (entry < COLOUR_TABLE_ENTRIES && !visible[entry]) {
+        entry++;
+    }
+    return entry ? (entry - 1) / TABLE_PER_LEVEL : -1;
+}
+
 conus_status colour_context_task(struct field_task *out, const struct volume *volume, const struct transfer *transfer)
 {
     struct field_task task = {.volume = volume, .is_values = true};
-    conus_status status = volume ? transfer_span(&task.low, &task.high, transfer, volume) : CONUS_OK;
+    conus_status status = volume ? transfer_span(&task.scale.low, &task.scale.high, transfer, volume) : CONUS_OK;
+    if (!status && volume) {
+        task.scale.unseen = find_unseen(transfer);
+    }
     if (!status) {
         *out = task;
     }
@@ -287,20 +359,12 @@ conus_status colour_upload_context(struct colour_pass *pass, struct field_task *
 {
     float table[COLOUR_TABLE_ENTRIES * 4];
     bool visible[COLOUR_TABLE_ENTRIES];
-    transfer_table(table, COLOUR_TABLE_ENTRIES, transfer);
-    for (size_t i = 0; i < COLOUR_TABLE_ENTRIES; i++) {
-        visible[i] = table[4 * i + 3] > 0;
-    }
-    struct field field = {0};
-    conus_status status = field_task_take(&field, task);
-    if (!status) {
-        status = upload_field(pass, &pass->context, task->volume, &field, visible, memory_left);
-    }
+    find_visible(visible, table, transfer);
+    conus_status status = begin_field(pass, &pass->context, task, visible, memory_left);
     if (!status) {
         pass->transfer = table_texture(table);
         status = gl_check("transfer function");
     }
-    field_finish(&field);
     pass->has_context = true;
     return status;
 }

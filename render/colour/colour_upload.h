@@ -21,15 +21,18 @@ struct field_task colour_objects_task(const conus_atlas *atlas);
 /** The one that colour_upload_context() needs; @p volume may be NULL. CONUS_ERROR_MEMORY. */
 conus_status colour_context_task(struct field_task *out, const struct volume *volume, const struct transfer *transfer);
 
-/** Uploads the parcellation, whose field @p task makes. In an atlas with pathways the areas would hide them: then it
- * uploads the pathways, those in
+/** Uploads the parcellation, whose field @p task makes, but for its texels. In an atlas with pathways the areas would
+ * hide them: then it uploads the pathways, those in
  * @p hazy as haze, and only the areas in pass->drawn (NULL = none). */
 conus_status colour_upload_objects(struct colour_pass *pass, const conus_atlas *atlas, const struct haze_choice *hazy,
                                    struct field_task *task, uint64_t *memory_left);
 
-/** Uploads the context that @p task is of. */
+/** Uploads the context that @p task is of, but for its texels. */
 conus_status colour_upload_context(struct colour_pass *pass, struct field_task *task, const struct transfer *transfer,
                                    uint64_t *memory_left);
+
+/** Uploads the texels of @p volume as @p task makes them, which ends with them; none where it is of nothing. */
+conus_status colour_upload_texels(const struct colour_volume *volume, struct field_task *task);
 
 conus_status colour_upload_meshes(struct colour_pass *pass, const conus_atlas *atlas, uint64_t *memory_left);
 

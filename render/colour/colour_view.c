@@ -57,7 +57,7 @@ static void set_volume(float from_camera[16], float bricks[4], const struct colo
         from_camera[i] = (float)m[i];
     }
     for (int a = 0; a < 3; a++) {
-        bricks[a] = (float)((double)volume->dim[a] / BRICKS_EDGE);
+        bricks[a] = (float)((double)volume->size[a] / BRICKS_EDGE);
     }
     bricks[3] = 1;
 }

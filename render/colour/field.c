@@ -11,6 +11,10 @@
 /* A trilinear sample reaches half a voxel outside its brick; one and a half more forgive a float's rounding. */
 enum { BORDER = 2, MARGIN = 3 };
 
+/* What lies around the voxels that can show, so that all that shows is as in a field of the whole volume: samples up to
+ * a voxel away, whose gradients are of their neighbours; and blurring twice, two voxels each, ends in flat zeros. */
+enum { VALUES_MARGIN = 2, OBJECTS_MARGIN = 3 };
+
 void field_finish(struct field *field)
 {
     memory_free(field->density);
@@ -25,17 +29,94 @@ static size_t brick_count(const struct field *field)
     return field->brick_dim[0] * field->brick_dim[1] * field->brick_dim[2];
 }
 
-static conus_status start_field(struct field *field, const struct volume *volume)
+/* A box of a volume's voxels. */
+struct box {
+    size_t first[3], end[3];
+};
+
+/* Marks the columns along the first axis in which a voxel of the row is more than `unseen`; whether there is any. */
+static bool mark_columns(uint8_t *restrict columns, const uint8_t *row, size_t count, uint8_t unseen)
 {
-    for (int a = 0; a < 3; a++) {
-        field->dim[a] = volume->info.dim[a];
-        field->brick_dim[a] = (volume->info.dim[a] + BRICKS_EDGE - 1) / BRICKS_EDGE;
+    uint8_t any = 0;
+    for (size_t i = 0; i < count; i++) {
+        uint8_t more = row[i] > unseen;
+        columns[i] |= more;
+        any |= more;
     }
+    return any;
+}
+
+static void include(struct box *box, size_t axis, size_t at)
+{
+    box->first[axis] = at < box->first[axis] ? at : box->first[axis];
+    box->end[axis] = at + 1 > box->end[axis] ? at + 1 : box->end[axis];
+}
+
+/* The voxels that are more than `unseen`, from first = dim to end = 0 where none is. `columns` has dim[0] zeros. */
+static void find_box(struct box *out, uint8_t *columns, const uint8_t *bytes, const size_t dim[3], uint8_t unseen)
+{
+    *out = (struct box){.first = {dim[0], dim[1], dim[2]}};
+    for (size_t k = 0; k < dim[2]; k++) {
+        for (size_t j = 0; j < dim[1]; j++) {
+            if (mark_columns(columns, bytes + dim[0] * (j + dim[1] * k), dim[0], unseen)) {
+                include(out, 1, j);
+                include(out, 2, k);
+            }
+        }
+    }
+    for (size_t i = 0; i < dim[0]; i++) {
+        if (columns[i]) {
+            include(out, 0, i);
+        }
+    }
+}
+
+/* With `margin` voxels on each side, from a brick's first voxel on; one brick where there is nothing. */
+static void widen_box(struct field *field, const struct box *box, const size_t dim[3], size_t margin)
+{
+    for (size_t a = 0; a < 3; a++) {
+        bool none = !box->end[a];
+        size_t first = none || box->first[a] < margin ? 0 : box->first[a] - margin;
+        size_t end = none ? BRICKS_EDGE : box->end[a] + margin;
+        field->first[a] = first - first % BRICKS_EDGE;
+        field->dim[a] = (end < dim[a] ? end : dim[a]) - field->first[a];
+        field->brick_dim[a] = (field->dim[a] + BRICKS_EDGE - 1) / BRICKS_EDGE;
+    }
+}
+
+/* Moves the rows of the field's box to the front of `bytes`, which has the whole volume's. */
+static void keep_box(uint8_t *bytes, const struct field *field, const size_t dim[3])
+{
+    const size_t *first = field->first;
+    for (size_t k = 0; k < field->dim[2]; k++) {
+        for (size_t j = 0; j < field->dim[1]; j++) {
+            memmove(bytes + field->dim[0] * (j + field->dim[1] * k),
+                    bytes + first[0] + dim[0] * (first[1] + j + dim[1] * (first[2] + k)), field->dim[0]);
+        }
+    }
+}
+
+/* Begins a field of the box round those of the volume's bytes that are more than `unseen`, which are moved to the
+ * front; of the whole volume where that is -1. */
+static conus_status start_field(struct field *field, uint8_t *bytes, const struct volume *volume, int unseen,
+                                size_t margin)
+{
+    const size_t *dim = volume->info.dim;
+    struct box box = {.end = {dim[0], dim[1], dim[2]}};
+    uint8_t *columns = memory_zeroed(dim[0], 1);
+    if (!columns) {
+        return CONUS_ERROR_MEMORY;
+    }
+    if (unseen >= 0) {
+        find_box(&box, columns, bytes, dim, (uint8_t)unseen);
+    }
+    memory_free(columns);
+    widen_box(field, &box, dim, margin);
+    keep_box(bytes, field, dim);
     memcpy(field->voxel_from_world, volume->voxel_from_world, sizeof field->voxel_from_world);
-    field->density = memory_raw(volume->voxel_count, 1);
     field->low = memory_raw(brick_count(field), 1);
     field->high = memory_raw(brick_count(field), 1);
-    return field->density && field->low && field->high ? CONUS_OK : CONUS_ERROR_MEMORY;
+    return field->low && field->high ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
 /* To the nearest whole number, of two the even one, as lrint() does, but many side by side; of less than 2^31. */
@@ -282,17 +363,18 @@ static inline uint8_t level_of(double part)
     return (uint8_t)rounded(part * (FIELD_LEVELS - 1));
 }
 
-conus_status field_of_values(struct field *out, const struct volume *volume, double low, double high)
+conus_status field_of_values(struct field *out, const struct volume *volume, const struct field_scale *scale)
 {
-    struct field field = {0};
-    conus_status status = start_field(&field, volume);
+    struct field field = {.density = memory_raw(volume->voxel_count, 1)};
+    conus_status status = field.density ? CONUS_OK : CONUS_ERROR_MEMORY;
     if (!status) {
-        const double span = high - low;
+        const double span = scale->high - scale->low;
         for (size_t v = 0; v < volume->voxel_count; v++) {
-            field.density[v] = level_of(((double)volume->values[v] - low) / span);
+            field.density[v] = level_of(((double)volume->values[v] - scale->low) / span);
         }
-        status = find_ranges(&field);
+        status = start_field(&field, field.density, volume, scale->unseen, VALUES_MARGIN);
     }
+    status = status ? status : find_ranges(&field);
     if (status) {
         field_finish(&field);
         return status;
@@ -399,14 +481,17 @@ static void hold_sides(uint8_t *restrict out, const uint8_t *restrict blurred, s
 
 conus_status field_of_objects(struct field *out, const struct volume *volume)
 {
-    struct field field = {0};
-    size_t count = volume->voxel_count;
-    uint8_t *once = memory_raw(count, 1);
-    conus_status status = once ? start_field(&field, volume) : CONUS_ERROR_MEMORY;
-    field.slopes = status ? NULL : memory_raw(count, 1);
-    status = status || field.slopes ? status : CONUS_ERROR_MEMORY;
+    struct field field = {.slopes = memory_raw(volume->voxel_count, 1)};
+    conus_status status = field.slopes ? CONUS_OK : CONUS_ERROR_MEMORY;
     if (!status) {
         find_occupied(field.slopes, volume);
+        status = start_field(&field, field.slopes, volume, 0, OBJECTS_MARGIN);
+    }
+    size_t count = field.dim[0] * field.dim[1] * field.dim[2];
+    uint8_t *once = status ? NULL : memory_raw(count, 1);
+    field.density = status ? NULL : memory_raw(count, 1);
+    status = status || (once && field.density) ? status : CONUS_ERROR_MEMORY;
+    if (!status) {
         memcpy(field.density, field.slopes, count);
         blur(once, field.slopes, field.dim);
         hold_sides(field.density, once, count);

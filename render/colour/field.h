@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
  * What the colour pass samples of a volume: per voxel a density and its gradient, four bytes as the pass reads them,
- * and per brick of 8^3 voxels the range of densities, from which the empty space around the ray follows. */
+ * and per brick of 8^3 voxels the range of densities, from which the empty space around the ray follows. A field is of
+ * the box of voxels round which anything shows. */
 #ifndef CONUS_RENDER_COLOUR_FIELD_H
 #define CONUS_RENDER_COLOUR_FIELD_H
 
@@ -13,9 +14,9 @@ enum {
 };
 
 struct field {
-    size_t dim[3];
-    uint8_t *density; /**< [voxels] */
-    uint8_t *slopes;  /**< [voxels] what the gradients are of; NULL = the density. */
+    size_t first[3], dim[3]; /**< The box: from which voxel of the volume on, that of a brick, and how many voxels. */
+    uint8_t *density;        /**< [voxels] */
+    uint8_t *slopes;         /**< [voxels] what the gradients are of; NULL = the density. */
     double voxel_from_world[16];
     size_t brick_dim[3];
     uint8_t *low, *high; /**< [bricks] range of the densities that a trilinear sample in the brick, or up to one
@@ -25,8 +26,14 @@ struct field {
 /** Density change per mm, of the whole range, at which the stored gradient has half its full length. */
 #define FIELD_SOFTNESS 0.03
 
-/** Grey values, @p low to @p high mapped to densities 0 to 255 and held outside; central differences. */
-conus_status field_of_values(struct field *out, const struct volume *volume, double low, double high);
+/** How grey values become densities. */
+struct field_scale {
+    double low, high; /**< What is mapped to densities 0 to 255, and held outside. */
+    int unseen;       /**< Densities up to that one never show, nor does what lies between them; -1 = all may. */
+};
+
+/** Grey values; central differences. */
+conus_status field_of_values(struct field *out, const struct volume *volume, const struct field_scale *scale);
 
 /** Voxels of any object: their blurred occupancy (binomial, sigma 1 voxel), held above FIELD_SURFACE in voxels of
  * objects and below it in others, so that the surface is smooth and yet no voxel changes sides; gradients of the

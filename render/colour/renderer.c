@@ -190,7 +190,7 @@ conus_status renderer_draw(float *rgba, conus_renderer *renderer, const struct c
     struct gl_current previous;
     conus_status status = gl_context_use(renderer->context, &previous);
     if (!status) {
-        status = colour_pass_need(&renderer->colour, view);
+        status = colour_pass_need(&renderer->colour, view, smooth);
         status = status ? status : draw_picture(rgba, &renderer->colour, view, smooth);
         gl_current_restore(&previous);
     }
