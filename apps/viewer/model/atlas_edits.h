@@ -18,8 +18,9 @@ struct transfer_editor {
     size_t held;                   /**< The point that is dragged; EDITOR_POINTS = none. */
     double low, high;              /**< Grey values shown.                               */
     double histogram[EDITOR_BINS]; /**< Heights, 0 to 1.                                 */
-    bool ready;
-    bool edited; /**< The points are drawn with instead of the function that the context came with. */
+    bool ready;                    /**< The points are known.                            */
+    bool counted;                  /**< And the grey values, which are when they are first shown. */
+    bool edited;                   /**< The points are drawn with instead of the function that the context came with. */
 };
 
 /** What a session says of the atlases themselves. */

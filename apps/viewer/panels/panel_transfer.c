@@ -39,6 +39,7 @@ static void count_values(struct transfer_editor *editor, const conus_atlas *atla
     }
     editor->low = info->minimum;
     editor->high = info->maximum > info->minimum ? info->maximum : info->minimum + 1;
+    editor->counted = true;
 }
 
 static bool make_ready(struct viewer *viewer)
@@ -51,9 +52,7 @@ static bool make_ready(struct viewer *viewer)
     editor->count = painter_transfer(viewer->painter, editor->points, EDITOR_POINTS);
     editor->held = EDITOR_POINTS;
     editor->ready = editor->count > 0;
-    if (editor->ready) {
-        count_values(editor, viewer->drawn->atlas, volume);
-    }
+    editor->counted = false;
     return editor->ready;
 }
 
@@ -121,6 +120,9 @@ static void edit_transfer(struct viewer *viewer)
     struct ui_box box = ui_area("transfer", HEIGHT);
     struct ui_mouse mouse = ui_mouse_now();
     bool held = ui_surface_held();
+    if (!editor->counted) {
+        count_values(editor, viewer->drawn->atlas, view_atlas_context(viewer->drawn));
+    }
     if (held && mouse.pressed[0]) {
         editor->held = point_at(editor, &box, &mouse);
     }
