@@ -43,7 +43,7 @@ refuses() {
     : >empty.nii.gz
     refuses 'content: the file is empty; needed is a labelled volume (NIfTI, MGH, NRRD, MetaImage, AFNI, TIFF), a surface, a folder' empty.nii.gz
     gzip -c empty.nii >packed.nii.gz
-    refuses 'content: the file unpacks to nothing; needed is' packed.nii.gz
+    refuses 'content: the file unpacks to nothing: it is empty or cut off; needed is' packed.nii.gz
     echo 'just some text' >text.nii
     refuses 'content: found plain text, "just some text."; needed is a labelled volume' text.nii
     echo '<!DOCTYPE html><html><body>404 Not Found</body></html>' >page.nii.gz
