@@ -87,12 +87,12 @@ bool atlas_has_bundles(const conus_atlas *atlas)
 /* What the streamlines of a group, or all, amount to. */
 static void measure_bundle(conus_object *bundle, const struct tractogram *tractogram, const struct tract_group *group)
 {
-    size_t count = group ? group->count : tractogram->streamline_count;
+    size_t count = tract_group_count(group, tractogram);
     bundle->streamlines = count;
     bundle->points = 0;
     bundle->length_mm = 0;
     for (size_t i = 0; i < count; i++) {
-        uint32_t k = group ? group->members[i] : (uint32_t)i;
+        uint32_t k = tract_group_member(group, i);
         bundle->points += tractogram->first[k + 1] - tractogram->first[k];
         bundle->length_mm += tractogram_length(tractogram, k);
     }
@@ -210,9 +210,9 @@ void bundles_find_objects(uint32_t *objects, const conus_atlas *atlas, const str
             continue;
         }
         const struct tract_group *group = atlas_bundle_group(atlas, number);
-        size_t count = group ? group->count : tractogram->streamline_count;
+        size_t count = tract_group_count(group, tractogram);
         for (size_t i = 0; i < count; i++) {
-            objects[group ? group->members[i] : i] = number;
+            objects[tract_group_member(group, i)] = number;
         }
     }
 }

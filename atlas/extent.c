@@ -130,9 +130,9 @@ static void add_bundle(struct box *box, const conus_atlas *atlas, uint32_t numbe
 {
     const struct tractogram *tractogram = atlas_bundle_tractogram(atlas, number);
     const struct tract_group *group = atlas_bundle_group(atlas, number);
-    size_t count = !tractogram ? 0 : group ? group->count : tractogram->streamline_count;
+    size_t count = tractogram ? tract_group_count(group, tractogram) : 0;
     for (size_t i = 0; i < count; i++) {
-        uint32_t k = group ? group->members[i] : (uint32_t)i;
+        uint32_t k = tract_group_member(group, i);
         for (uint64_t at = tractogram->first[k]; at < tractogram->first[k + 1]; at++) {
             double p[3];
             tractogram_point(p, tractogram, at);
@@ -274,9 +274,9 @@ static void add_points(struct moment *moment, const conus_atlas *atlas, uint32_t
 {
     const struct tractogram *tractogram = atlas_bundle_tractogram(atlas, number);
     const struct tract_group *group = atlas_bundle_group(atlas, number);
-    size_t count = !tractogram ? 0 : group ? group->count : tractogram->streamline_count;
+    size_t count = tractogram ? tract_group_count(group, tractogram) : 0;
     for (size_t i = 0; i < count; i++) {
-        uint32_t k = group ? group->members[i] : (uint32_t)i;
+        uint32_t k = tract_group_member(group, i);
         for (uint64_t at = tractogram->first[k]; at < tractogram->first[k + 1]; at++) {
             double p[3];
             tractogram_point(p, tractogram, at);

@@ -28,9 +28,9 @@ enum { SHOWN = 1, INSIDE = 2, LISTED = SHOWN | INSIDE };
 /* Marks the streamlines of what is asked for. */
 static void mark_bundle(uint8_t *marks, const struct tractogram *tractogram, const struct tract_group *group)
 {
-    size_t count = group ? group->count : tractogram->streamline_count;
+    size_t count = tract_group_count(group, tractogram);
     for (size_t i = 0; i < count; i++) {
-        marks[group ? group->members[i] : i] |= SHOWN;
+        marks[tract_group_member(group, i)] |= SHOWN;
     }
 }
 

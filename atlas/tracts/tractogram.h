@@ -68,6 +68,18 @@ static inline void tractogram_point(double out[3], const struct tractogram *trac
     }
 }
 
+/** How many streamlines of @p tractogram @p group has; all where that is NULL. */
+static inline size_t tract_group_count(const struct tract_group *group, const struct tractogram *tractogram)
+{
+    return group ? group->count : tractogram->streamline_count;
+}
+
+/** The number of the streamline that is the group's @p i-th, from 0. */
+static inline uint32_t tract_group_member(const struct tract_group *group, size_t i)
+{
+    return group ? group->members[i] : (uint32_t)i;
+}
+
 /** The streamline that has point @p index, below point_count. */
 uint32_t tractogram_streamline_of(const struct tractogram *tractogram, uint64_t index);
 

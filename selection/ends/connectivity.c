@@ -69,7 +69,7 @@ static conus_status list_members(struct members *out, const struct connecting *c
     const conus_atlas *atlas = connecting->selector->atlas;
     const struct tract_group *group = atlas_bundle_group(atlas, bundle);
     *out = (struct members){.numbers = group ? group->members : NULL,
-                            .count = group ? group->count : atlas_bundle_tractogram(atlas, bundle)->streamline_count};
+                            .count = tract_group_count(group, atlas_bundle_tractogram(atlas, bundle))};
     if (!connecting->region) {
         return CONUS_OK;
     }

@@ -134,7 +134,7 @@ conus_status tract_census_list(uint32_t **out, size_t *count, const conus_atlas 
 {
     const struct tractogram *tractogram = atlas_bundle_tractogram(atlas, number);
     const struct tract_group *group = atlas_bundle_group(atlas, number);
-    size_t members = group ? group->count : tractogram->streamline_count;
+    size_t members = tract_group_count(group, tractogram);
     bool *marks = memory_zeroed(tractogram->streamline_count, sizeof *marks);
     uint32_t *list = memory_raw(members, sizeof *list);
     if (!marks || !list) {
@@ -145,7 +145,7 @@ conus_status tract_census_list(uint32_t **out, size_t *count, const conus_atlas 
     tract_census_walk(tractogram, region, mark, marks);
     *count = 0;
     for (size_t i = 0; i < members; i++) {
-        uint32_t k = group ? group->members[i] : (uint32_t)i;
+        uint32_t k = tract_group_member(group, i);
         if (marks[k]) {
             list[(*count)++] = k;
         }

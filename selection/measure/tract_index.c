@@ -81,10 +81,10 @@ static bool read_ends(double ends[2][3], const struct tractogram *tractogram, ui
 
 static void find_longest(double ends[2][3], const struct tractogram *tractogram, const struct tract_group *group)
 {
-    size_t count = group ? group->count : tractogram->streamline_count;
+    size_t count = tract_group_count(group, tractogram);
     double longest = 0;
     for (size_t i = 0; i < count; i++) {
-        uint32_t k = group ? group->members[i] : (uint32_t)i;
+        uint32_t k = tract_group_member(group, i);
         double length = tractogram_length(tractogram, k);
         if (length > longest && read_ends(ends, tractogram, k)) {
             longest = length;

@@ -237,9 +237,9 @@ void admission_of_bundle(struct admission *admission, const struct region *regio
                          const struct tract_group *group)
 {
     struct admission found = *admission;
-    size_t count = group ? group->count : tractogram->streamline_count;
+    size_t count = tract_group_count(group, tractogram);
     for (size_t i = 0; i < count; i++) {
-        admit_streamline(&found, region, tractogram, &tractogram->first[group ? group->members[i] : i]);
+        admit_streamline(&found, region, tractogram, &tractogram->first[tract_group_member(group, i)]);
     }
     found.is_surface = false;
     *admission = found;
