@@ -187,6 +187,8 @@ open("arc.trx/header.json", "w").write("{\"NB_STREAMLINES\": 2, \"NB_VERTICES\":
     scene
     fails 2 'radius=0 is not a number above 0' info slabs.nii.gz --streamlines two.tck,radius=0
     fails 2 'radius=thin is not a number' info slabs.nii.gz --streamlines two.tck,radius=thin
+    fails 2 '"radius=0,5" has a comma in it' info slabs.nii.gz --streamlines two.tck,radius=0,5
+    fails 2 '"name=A,B" has a comma in it' info slabs.nii.gz --streamlines two.tck,name=A,B,radius=1
     fails 2 '"threshold=1" is none of radius=R, name=S and moves' info slabs.nii.gz --streamlines two.tck,threshold=1
     fails 2 'name= is empty' info slabs.nii.gz --streamlines two.tck,name=
     fails 2 'names no file' info slabs.nii.gz --streamlines ,name=S
