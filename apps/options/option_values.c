@@ -290,3 +290,16 @@ bool option_read(const struct option *option, void *field, const char *text)
     }
     return false;
 }
+
+bool key_left_in_file(const char *option, const char *file, const char *const *keys)
+{
+    const char *key = NULL;
+    for (; *keys && !key; keys++) {
+        key = strstr(file, *keys);
+    }
+    if (key) {
+        print_error_line("%s: \"%s\" has a comma in it; a number has a decimal point, and a name no comma", option,
+                         key + 1);
+    }
+    return key;
+}

@@ -17,4 +17,8 @@ bool number_parse(const char *text, double *out);
 /** The whole of @p text as a decimal whole number up to @p limit. */
 bool count_parse(const char *text, uint64_t limit, uint64_t *out);
 
+/** Of an @p option that is FILE and keys behind commas, cut off from the end: whether one of @p keys (",radius=", the
+ * last NULL) is left in @p file, since its value has a comma, as in radius=0,5. Prints an error then. */
+bool key_left_in_file(const char *option, const char *file, const char *const *keys);
+
 #endif

@@ -117,6 +117,7 @@ static void turn_bands(struct pathway_option *pathway)
 /* Cuts keys off the end as long as there are some, since a file's name may have commas as well. */
 bool pathway_option_parse(struct pathway_option *out, const char *text)
 {
+    static const char *const names[] = {",threshold=", ",name=", ",volume=", ",band=", NULL};
     size_t size = strlen(text) + 1;
     *out = (struct pathway_option){.text = calloc(2, size), .given = text};
     if (!out->text) {
@@ -132,6 +133,9 @@ bool pathway_option_parse(struct pathway_option *out, const char *text)
     }
     if (!*keys) {
         print_error_line("--pathway: \"%s\" names no file", text);
+        return false;
+    }
+    if (key_left_in_file("--pathway", keys, names)) {
         return false;
     }
     out->path = out->text + size;

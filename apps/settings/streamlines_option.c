@@ -39,21 +39,10 @@ static bool read_key(struct streamlines_option *out, char *key)
     return false;
 }
 
-/* A key that is left in the file's name has a comma behind it: radius=0,5. */
-static bool has_comma_in_key(const char *path)
-{
-    const char *radius = strstr(path, ",radius=");
-    const char *key = radius ? radius : strstr(path, ",name=");
-    if (key) {
-        print_error_line("--streamlines: \"%s\" has a comma in it; a number has a decimal point, and a name no comma",
-                         key + 1);
-    }
-    return key;
-}
-
 /* Cuts keys off the end as long as there are some, since a file's name may have commas as well. */
 bool streamlines_option_parse(struct streamlines_option *out, const char *text)
 {
+    static const char *const keys[] = {",radius=", ",name=", NULL};
     *out = (struct streamlines_option){.path = strdup(text)};
     if (!out->path) {
         print_error_line("--streamlines: not enough memory");
@@ -68,7 +57,7 @@ bool streamlines_option_parse(struct streamlines_option *out, const char *text)
     if (!*out->path) {
         print_error_line("--streamlines: \"%s\" names no file", text);
     }
-    return *out->path && !has_comma_in_key(out->path);
+    return *out->path && !key_left_in_file("--streamlines", out->path, keys);
 }
 
 void streamlines_option_finish(struct streamlines_option *option)

@@ -103,6 +103,8 @@ scaled() {
     local start="query slabs.nii.gz $AIM"
     fails 2 '--pathway: "treshold=3" is none of threshold=T, name=S and volume=K' $start --pathway sphere.nii.gz,treshold=3
     fails 2 '--pathway: threshold=0 is not a number above 0' $start --pathway sphere.nii.gz,threshold=0
+    fails 2 '--pathway: "threshold=0,5" has a comma in it' $start --pathway sphere.nii.gz,threshold=0,5
+    fails 2 '--pathway: "band=0,5:1:x" has a comma in it' $start --pathway sphere.nii.gz,band=0,5:1:x
     fails 2 '--pathway: threshold=nan is not a number above 0' $start --pathway sphere.nii.gz,threshold=nan
     fails 2 '--pathway: volume=-1 is not a whole number from 0' $start --pathway sphere.nii.gz,volume=-1
     fails 2 '--pathway: name= is empty' $start --pathway sphere.nii.gz,name=
