@@ -6,6 +6,9 @@
 #include "batch/batch_work.h"
 #include "common/messages.h"
 #include "common/output.h"
+#include "common/provenance.h"
+
+#include <stdlib.h>
 
 /* Of the exit codes of several batches the one that says most. */
 static int worse(int a, int b)
@@ -61,12 +64,29 @@ static bool check_operands(const struct batch_settings *settings, const struct a
     return settings->poses || (print_error_line("--poses FILE is missing"), false);
 }
 
+/* rows.tsv and rows.csv have one sidecar, rows.json. */
+static bool share_sidecar(const char *output, const char *segments)
+{
+    char *one = provenance_path(output);
+    char *other = provenance_path(segments);
+    bool shared = one && other && paths_equal(one, other);
+    if (shared) {
+        print_error_line("--output and --segments have one sidecar, %s; give them other names", one);
+    }
+    free(one);
+    free(other);
+    return shared;
+}
+
 /* Where there are both, rows and segments are two files of two runs over the same poses. */
 static bool check_both(const struct batch_settings *settings)
 {
     const char *segments = settings->axis.segments;
     if (output_is_stdout(settings->output) ? output_is_stdout(segments) : paths_equal(settings->output, segments)) {
         print_error_line("--output and --segments are the same file");
+        return false;
+    }
+    if (!output_is_stdout(settings->output) && share_sidecar(settings->output, segments)) {
         return false;
     }
     if (work_is_pipe(settings->poses)) {

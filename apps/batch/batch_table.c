@@ -5,6 +5,7 @@
 #include "common/input_file.h"
 #include "common/messages.h"
 #include "common/output.h"
+#include "common/provenance.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -47,16 +48,6 @@ static bool read_header(size_t place[COLUMNS], char *line)
     return found;
 }
 
-static bool same_output(const struct batch_jobs *jobs, const char *output)
-{
-    for (size_t i = 0; i < jobs->count; i++) {
-        if (strcmp(jobs->jobs[i].output, output) == 0 || paths_equal(jobs->jobs[i].output, output)) {
-            return true;
-        }
-    }
-    return false;
-}
-
 static bool add_job(struct batch_jobs *jobs, const size_t place[COLUMNS], char *line, const char *path, size_t number)
 {
     char *fields[COLUMNS] = {NULL};
@@ -64,24 +55,99 @@ static bool add_job(struct batch_jobs *jobs, const size_t place[COLUMNS], char *
         print_error_line("%s:%zu: not three fields with tabs between them", path, number);
         return false;
     }
-    struct batch_job job = {fields[place[0]], fields[place[1]], fields[place[2]]};
+    struct batch_job job = {fields[place[0]], fields[place[1]], fields[place[2]], number};
     if (!*job.atlas || output_is_stdout(job.poses) || !*job.poses || output_is_stdout(job.output) || !*job.output) {
         print_error_line("%s:%zu: atlas, poses and output must be files", path, number);
         return false;
     }
-    if (same_output(jobs, job.output)) {
-        print_error_line("%s:%zu: output %s is another row's, too", path, number, job.output);
-        return false;
+    if ((jobs->count & (jobs->count - 1)) == 0) { /* 0 and powers of two: what there is room for is full */
+        struct batch_job *more = realloc(jobs->jobs, (jobs->count ? 2 * jobs->count : 1) * sizeof *more);
+        if (!more) {
+            print_error_line("not enough memory");
+            return false;
+        }
+        jobs->jobs = more;
     }
-    struct batch_job *more = realloc(jobs->jobs, (jobs->count + 1) * sizeof *more);
-    if (!more) {
-        print_error_line("not enough memory");
-        return false;
-    }
-    jobs->jobs = more;
     jobs->jobs[jobs->count++] = job;
     return true;
 }
+
+/* ---- Files of several rows -------------------------------------------------------------------------------------- */
+
+/* A file that a row writes. */
+struct claim {
+    struct path_place place;
+    const char *path;
+    char *sidecar; /* the path, owned, if it is a sidecar */
+    size_t line;
+};
+
+/* Claims of one place from the first line to the last, of one line the output first. */
+static int by_place(const void *a, const void *b)
+{
+    const struct claim *x = a;
+    const struct claim *y = b;
+    int order = path_place_order(&x->place, &y->place);
+    order = order ? order : (x->line > y->line) - (x->line < y->line);
+    return order ? order : !!x->sidecar - !!y->sidecar;
+}
+
+/* The first in the table that another one was before; NULL = none. */
+static const struct claim *find_double(const struct claim *claims, size_t count)
+{
+    const struct claim *found = NULL;
+    for (size_t i = 1; i < count; i++) {
+        const struct claim *claim = &claims[i];
+        bool is_first = !found || claim->line < found->line || (claim->line == found->line && !claim->sidecar);
+        if (is_first && path_place_order(&claim[-1].place, &claim->place) == 0) {
+            found = claim;
+        }
+    }
+    return found;
+}
+
+/* Two for each row: its output and the sidecar of that. */
+static bool make_claims(struct claim *claims, const struct batch_jobs *jobs)
+{
+    for (size_t i = 0; i < jobs->count; i++) {
+        const struct batch_job *job = &jobs->jobs[i];
+        claims[2 * i] = (struct claim){.path = job->output, .line = job->line};
+        char *sidecar = provenance_path(job->output);
+        if (!sidecar) {
+            return false;
+        }
+        claims[2 * i + 1] = (struct claim){.path = sidecar, .sidecar = sidecar, .line = job->line};
+        path_find_place(&claims[2 * i].place, job->output);
+        path_find_place(&claims[2 * i + 1].place, sidecar);
+    }
+    return true;
+}
+
+/* By sorting: a table may have a million rows. */
+static bool check_outputs(const struct batch_jobs *jobs, const char *path)
+{
+    size_t count = 2 * jobs->count;
+    struct claim *claims = calloc(count + 1, sizeof *claims);
+    bool fine = claims && make_claims(claims, jobs);
+    const struct claim *twice = NULL;
+    if (!fine) {
+        print_error_line("not enough memory");
+    } else {
+        qsort(claims, count, sizeof *claims, by_place);
+        twice = find_double(claims, count);
+    }
+    if (twice) {
+        print_error_line("%s:%zu: %s %s is another row's, too", path, twice->line,
+                         twice->sidecar ? "sidecar" : "output", twice->path);
+    }
+    for (size_t i = 0; claims && i < count; i++) {
+        free(claims[i].sidecar);
+    }
+    free(claims);
+    return fine && !twice;
+}
+
+/* ---- The table -------------------------------------------------------------------------------------------------- */
 
 static bool check_text(const char *text, size_t size, const char *path)
 {
@@ -98,7 +164,8 @@ int batch_jobs_parse(struct batch_jobs *out, const char *path, char *text, size_
     size_t place[COLUMNS];
     size_t number = 0;
     bool whole = check_text(text, size, path);
-    for (char *rest = jobs.text, *line; whole && (line = strsep(&rest, "\n"));) {
+    char *first = size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0 ? text + 3 : text; /* behind a byte order mark */
+    for (char *rest = first, *line; whole && (line = strsep(&rest, "\n"));) {
         number++;
         line[strcspn(line, "\r")] = '\0';
         if (number == 1) {
@@ -110,7 +177,7 @@ int batch_jobs_parse(struct batch_jobs *out, const char *path, char *text, size_
             whole = add_job(&jobs, place, line, path, number);
         }
     }
-    if (!whole) {
+    if (!whole || !check_outputs(&jobs, path)) {
         batch_jobs_finish(&jobs);
         return EXIT_DATA;
     }

@@ -7,6 +7,7 @@
 
 struct batch_job {
     const char *atlas, *poses, *output;
+    size_t line; /**< Of the table, from 1. */
 };
 
 struct batch_jobs {

@@ -121,40 +121,46 @@ bool output_format(conus_format *out, const char *path)
     return false;
 }
 
-static bool is_same(const struct stat *one, const struct stat *other)
-{
-    return one->st_dev == other->st_dev && one->st_ino == other->st_ino;
-}
-
 /* The folder of the file at `path`, and its name there. */
 static bool find_folder(struct stat *out, const char **name, const char *path)
 {
     const char *slash = strrchr(path, '/');
-    *name = slash ? slash + 1 : path;
-    char *folder = slash ? strndup(path, (size_t)(*name - path)) : strdup(".");
+    char *folder = slash ? strndup(path, (size_t)(slash + 1 - path)) : strdup(".");
     bool found = folder && stat(folder, out) == 0;
+    if (found) {
+        *name = slash ? slash + 1 : path;
+    }
     free(folder);
     return found;
 }
 
-/* Whether a file that is made at `a` would be the one that is made at `b`. */
-static bool places_equal(const char *a, const char *b)
+bool path_find_place(struct path_place *out, const char *path)
 {
-    const char *name;
-    const char *other_name;
-    struct stat folder;
-    struct stat other;
-    return find_folder(&folder, &name, a) && find_folder(&other, &other_name, b)
-               ? is_same(&folder, &other) && strcmp(name, other_name) == 0
-               : strcmp(a, b) == 0;
+    struct stat info;
+    *out = (struct path_place){.name = path};
+    if (stat(path, &info) == 0) {
+        if (!S_ISREG(info.st_mode)) {
+            return false;
+        }
+        out->name = "";
+    } else if (!find_folder(&info, &out->name, path)) {
+        return true;
+    }
+    out->device = info.st_dev;
+    out->inode = info.st_ino;
+    return true;
+}
+
+int path_place_order(const struct path_place *a, const struct path_place *b)
+{
+    int order = (a->device > b->device) - (a->device < b->device);
+    order = order ? order : (a->inode > b->inode) - (a->inode < b->inode);
+    return order ? order : strcmp(a->name, b->name);
 }
 
 bool paths_equal(const char *a, const char *b)
 {
-    struct stat one;
-    struct stat other;
-    if (stat(a, &one)) {
-        return places_equal(a, b);
-    }
-    return S_ISREG(one.st_mode) && stat(b, &other) == 0 && is_same(&one, &other);
+    struct path_place one;
+    struct path_place other;
+    return path_find_place(&one, a) && path_find_place(&other, b) && path_place_order(&one, &other) == 0;
 }

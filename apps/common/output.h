@@ -6,6 +6,7 @@
 #include <conus/conus.h>
 
 #include <stdbool.h>
+#include <stdint.h>
 #include <stddef.h>
 #include <stdio.h>
 
@@ -39,6 +40,18 @@ bool path_ends(const char *path, const char *ending);
 /** Whether @p path, of option @p option, ends in @p ending or @p other (NULL = none); prints an error if not. No path
  * (NULL) is fine. */
 bool path_check_ending(const char *option, const char *path, const char *ending, const char *other);
+
+/** Where a path leads. Equal ones are one regular file, be it there already or not yet. */
+struct path_place {
+    uint64_t device, inode; /**< Of the file, else of the folder that it would be in, else 0. */
+    const char *name;       /**< "" of a file, else its name in that folder, else all of the path; within the path. */
+};
+
+/** False where @p path leads to what is no regular file: a device, a pipe, a folder; its place is the path then. */
+bool path_find_place(struct path_place *out, const char *path);
+
+/** As strcmp(): an order in which equal places are neighbours. */
+int path_place_order(const struct path_place *a, const struct path_place *b);
 
 /** Whether both paths lead to one regular file, be it there already or not yet. */
 bool paths_equal(const char *a, const char *b);

@@ -540,6 +540,10 @@ pipe_in() {
     fails 3 'bad.tsv:2: not three fields' batch --jobs bad.tsv
     printf 'atlas\tposes\toutput\na\tb\tc\na\tb\tc\n' >bad.tsv
     fails 3 "bad.tsv:3: output c is another row's, too" batch --jobs bad.tsv
+    printf '\xef\xbb\xbfatlas\tposes\toutput\na\tb\td.tsv\na\tb\tz.tsv\na\tb\tsub/../d.csv\na\tb\tz.tsv\n' >bad.tsv
+    fails 3 "bad.tsv:4: sidecar sub/../d.json is another row's, too" batch --jobs bad.tsv
+    fails 2 '--output and --segments have one sidecar, e.json' batch sphere.nii.gz --poses poses.tsv -o e.tsv \
+        --segments e.csv
 }
 
 # example NAME: the code of docs/batch.md whose fence has that name.
