@@ -6,13 +6,14 @@
 #include <libdeflate.h>
 #include <stddef.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 static const char magic[16] = "conus-cache 1\n";
 
 struct entry_head {
     char magic[16];
-    uint8_t boot[CACHE_BOOT_SIZE]; /* the only bytes that no checksum covers: another value only costs time */
+    uint8_t stamp[CACHE_STAMP_SIZE]; /* the only bytes that no checksum covers: another value only costs time */
     uint64_t size, packed_at, packed_size;
     uint64_t key_size, notes_size, trace_size;
     uint32_t packed_crc;
@@ -24,9 +25,9 @@ uint32_t cache_crc(uint32_t sum, const void *data, size_t size)
     return size ? libdeflate_crc32(sum, data, size) : sum; /* without data it would begin anew */
 }
 
-size_t cache_entry_boot_at(void)
+size_t cache_entry_stamp_at(void)
 {
-    return offsetof(struct entry_head, boot);
+    return offsetof(struct entry_head, stamp);
 }
 
 size_t cache_entry_packed_at(const struct cache_entry *entry)
@@ -75,7 +76,7 @@ bool cache_entry_parse(struct cache_entry *out, const uint8_t *memory, size_t si
     out->trace = (struct cache_part){at + head.key_size + head.notes_size, head.trace_size};
     out->packed = (struct cache_part){memory + head.packed_at, head.packed_size};
     out->packed_crc = head.packed_crc;
-    memcpy(out->boot, head.boot, sizeof out->boot);
+    memcpy(out->stamp, head.stamp, sizeof out->stamp);
     return true;
 }
 
@@ -95,7 +96,7 @@ void cache_entry_write(struct buffer *out, const struct cache_entry *entry)
                               .packed_crc = entry->packed_crc};
     size_t start = out->size;
     memcpy(head.magic, magic, sizeof magic);
-    memcpy(head.boot, entry->boot, sizeof head.boot);
+    memcpy(head.stamp, entry->stamp, sizeof head.stamp);
     head.size = head.packed_at + head.packed_size;
     buffer_append(out, &head, sizeof head);
     buffer_append(out, entry->key.data, entry->key.size);
@@ -108,7 +109,7 @@ void cache_entry_write(struct buffer *out, const struct cache_entry *entry)
     }
 }
 
-bool cache_boot_find(uint8_t out[CACHE_BOOT_SIZE])
+static bool find_boot(uint8_t out[CACHE_STAMP_SIZE])
 {
     char text[36]; /* 8-4-4-4-12 digits */
     size_t digits = 0;
@@ -117,8 +118,8 @@ bool cache_boot_find(uint8_t out[CACHE_BOOT_SIZE])
     if (file >= 0) {
         close(file);
     }
-    memset(out, 0, CACHE_BOOT_SIZE);
-    for (size_t i = 0; whole && i < sizeof text && digits < 2 * CACHE_BOOT_SIZE; i++) {
+    memset(out, 0, CACHE_STAMP_SIZE);
+    for (size_t i = 0; whole && i < sizeof text && digits < 2 * CACHE_STAMP_SIZE; i++) {
         static const char hex[] = "0123456789abcdef";
         const char *digit = memchr(hex, text[i], sizeof hex - 1);
         if (digit) {
@@ -126,5 +127,19 @@ bool cache_boot_find(uint8_t out[CACHE_BOOT_SIZE])
             digits++;
         }
     }
-    return digits == 2 * CACHE_BOOT_SIZE;
+    return digits == 2 * CACHE_STAMP_SIZE;
+}
+
+bool cache_stamp_find(uint8_t out[CACHE_STAMP_SIZE], int descriptor, const struct timespec *written)
+{
+    struct stat info;
+    if (!find_boot(out) || fstat(descriptor, &info)) {
+        return false;
+    }
+    const uint64_t own[CACHE_STAMP_SIZE / sizeof(uint64_t)] = {
+        info.st_ino, (uint64_t)written->tv_sec * UINT64_C(1000000000) + (uint64_t)written->tv_nsec};
+    for (size_t i = 0; i < CACHE_STAMP_SIZE; i++) {
+        out[i] ^= (uint8_t)(own[i / 8] >> 8 * (i % 8));
+    }
+    return true;
 }

@@ -7,7 +7,9 @@
 
 #include "base/buffer.h"
 
-enum { CACHE_PAGE = 4096, CACHE_BOOT_SIZE = 16 };
+#include <time.h>
+
+enum { CACHE_PAGE = 4096, CACHE_STAMP_SIZE = 16 };
 
 /** Up to this size of the packed atlas its checksum is verified whenever an entry is opened, beyond it once in each run
  * of the kernel. */
@@ -22,11 +24,11 @@ struct cache_part {
 struct cache_entry {
     struct cache_part key, notes, trace, packed;
     uint32_t packed_crc;
-    uint8_t boot[CACHE_BOOT_SIZE]; /**< While which run of the kernel all of it was verified, or written. */
+    uint8_t stamp[CACHE_STAMP_SIZE]; /**< cache_stamp_find() of when all of it was verified, or written. */
 };
 
-/** Where boot stands in a file. */
-size_t cache_entry_boot_at(void);
+/** Where the stamp stands in a file. */
+size_t cache_entry_stamp_at(void);
 
 /** Finds the parts of an entry of @p size bytes. False where the head is none, says another size, or the checksum of
  * all that stands ahead of the packed atlas is another. @p memory is 8-aligned. */
@@ -44,7 +46,8 @@ void cache_entry_write(struct buffer *out, const struct cache_entry *entry);
 /** CRC-32 of @p data behind those that gave @p sum, 0 at first. */
 uint32_t cache_crc(uint32_t sum, const void *data, size_t size);
 
-/** This run of the kernel; false where it has no name. */
-bool cache_boot_find(uint8_t out[CACHE_BOOT_SIZE]);
+/** What changes with the run of the kernel, the file behind @p descriptor and @p written, the time when that was last
+ * written; false where the run of the kernel has no name. */
+bool cache_stamp_find(uint8_t out[CACHE_STAMP_SIZE], int descriptor, const struct timespec *written);
 
 #endif

@@ -81,8 +81,8 @@ static conus_status list_item(struct cache_listing *list, int folder, const char
         return CONUS_ERROR_MEMORY;
     }
     memcpy(item.name, name, length + 1);
-    item.used_s = info.st_mtim.tv_sec;
-    item.used_ns = info.st_mtim.tv_nsec;
+    item.used_s = info.st_atim.tv_sec;
+    item.used_ns = info.st_atim.tv_nsec;
     item.size = (uint64_t)info.st_size;
     list->size += item.size;
     list->items[list->count++] = item;

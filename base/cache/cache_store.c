@@ -163,33 +163,44 @@ static bool sources_hold(const struct cache_entry *entry)
     return same;
 }
 
-/* Writes into the open entry that this run of the kernel has verified it. */
-static void mark_verified(int descriptor, const uint8_t boot[CACHE_BOOT_SIZE])
+/* The file's time of writing, which whatever writes to it later changes. */
+static bool set_written(int file, const struct timespec *written)
+{
+    return futimens(file, (const struct timespec[]){{.tv_nsec = UTIME_OMIT}, *written}) == 0;
+}
+
+/* Writes into the open entry that all of it was verified. */
+static void mark_verified(int descriptor)
 {
     char path[32];
     snprintf(path, sizeof path, "/proc/self/fd/%d", descriptor);
     int file = open(path, O_WRONLY | O_CLOEXEC);
     if (file >= 0) {
-        ssize_t written = pwrite(file, boot, CACHE_BOOT_SIZE, (off_t)cache_entry_boot_at());
-        (void)written; /* else it is verified again */
+        uint8_t stamp[CACHE_STAMP_SIZE];
+        struct timespec now;
+        bool marked = clock_gettime(CLOCK_REALTIME, &now) == 0 && cache_stamp_find(stamp, file, &now) &&
+                      pwrite(file, stamp, sizeof stamp, (off_t)cache_entry_stamp_at()) == (ssize_t)sizeof stamp &&
+                      set_written(file, &now);
+        (void)marked; /* else it is verified again */
         close(file);
     }
 }
 
-/* Small entries are verified each time, large ones once in each run of the kernel. */
+/* Small entries are verified each time, large ones once in each run of the kernel and after they were written to. */
 static bool verify(const struct cache_entry *entry, uint64_t small, int descriptor)
 {
-    uint8_t boot[CACHE_BOOT_SIZE];
-    bool known = cache_boot_find(boot);
-    bool verified = known && memcmp(boot, entry->boot, sizeof boot) == 0;
+    uint8_t stamp[CACHE_STAMP_SIZE];
+    struct stat info;
+    bool verified = fstat(descriptor, &info) == 0 && cache_stamp_find(stamp, descriptor, &info.st_mtim) &&
+                    memcmp(stamp, entry->stamp, sizeof stamp) == 0;
     if (verified && entry->packed.size > small) {
         return true;
     }
     if (!cache_entry_is_whole(entry)) {
         return false;
     }
-    if (known && !verified) {
-        mark_verified(descriptor, boot);
+    if (!verified && entry->packed.size > small) {
+        mark_verified(descriptor);
     }
     return true;
 }
@@ -218,7 +229,8 @@ static bool map_believed(struct cache_mapping *out, const struct cache_store *st
         cache_mapping_finish(&mapping);
         return false;
     }
-    futimens(descriptor, NULL); /* used just now */
+    futimens(descriptor,
+             (const struct timespec[]){{.tv_nsec = UTIME_NOW}, {.tv_nsec = UTIME_OMIT}}); /* used just now */
     *out = mapping;
     return true;
 }
@@ -289,9 +301,12 @@ static bool write_entry(int file, struct cache_entry *entry, uint64_t small, cac
 {
     size_t at = cache_entry_packed_at(entry);
     size_t size = at + entry->packed.size;
+    struct timespec now = {0};
+    clock_gettime(CLOCK_REALTIME, &now);
+    cache_stamp_find(entry->stamp, file, &now); /* else it is verified each time */
     return posix_fallocate(file, 0, (off_t)size) == 0 && write(user, file, at) &&
            sum_file(&entry->packed_crc, file, at, entry->packed.size) && write_ahead(file, entry) &&
-           (entry->packed.size <= small || fdatasync(file) == 0);
+           (entry->packed.size <= small || fdatasync(file) == 0) && set_written(file, &now);
 }
 
 /* Under a name of its own at first; an entry like others, should it be left behind. */
@@ -334,7 +349,6 @@ bool cache_store_keep(struct cache_store *store, struct cache_entry *entry, cach
         return false;
     }
     entry->key = (struct cache_part){(const uint8_t *)store->key.data, store->key.size};
-    cache_boot_find(entry->boot);
     bool kept = make_space(store, folder, cache_entry_packed_at(entry) + entry->packed.size) &&
                 write_and_rename(store, folder, entry, write, user);
     close(folder);

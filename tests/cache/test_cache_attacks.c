@@ -43,11 +43,11 @@ static void overwrite(const char *entry, const void *data, size_t size)
 
 static bool is_unchecked(size_t at)
 {
-    return at >= cache_entry_boot_at() && at < cache_entry_boot_at() + CACHE_BOOT_SIZE;
+    return at >= cache_entry_stamp_at() && at < cache_entry_stamp_at() + CACHE_STAMP_SIZE;
 }
 
-/* Of the head, the key, the notes, the trace, the zeros up to the page, and all of the packed atlas. A byte of the boot
- * ID only makes the entry be verified, which it is anyway. */
+/* Of the head, the key, the notes, the trace, the zeros up to the page, and all of the packed atlas. A byte of the
+ * stamp only makes the entry be verified, which it is anyway. */
 static void no_flipped_bit_is_passed_over(void **state)
 {
     (void)state;
@@ -129,34 +129,52 @@ static void entries_of_others_are_not_taken(void **state)
     free(entry);
 }
 
-/* A large entry is verified as a whole only in another run of the kernel than that which the entry names; then it names
- * this one. */
-static void large_entries_are_verified_after_a_start(void **state)
+/* Whether the entry's stamp is that of this run of the kernel, the file and its time of writing. */
+static bool is_stamped(int file)
+{
+    struct stat info;
+    uint8_t stamp[CACHE_STAMP_SIZE];
+    uint8_t wanted[CACHE_STAMP_SIZE];
+    assert_int_equal(fstat(file, &info), 0);
+    assert_int_equal(pread(file, stamp, sizeof stamp, (off_t)cache_entry_stamp_at()), sizeof stamp);
+    assert_true(cache_stamp_find(wanted, file, &info.st_mtim));
+    return memcmp(stamp, wanted, sizeof stamp) == 0;
+}
+
+/* A large entry is verified as a whole if its stamp is another: once it was written to, in another run of the kernel,
+ * in a copy of the file. Then it is stamped anew. */
+static void large_entries_are_verified_once_and_after_each_write(void **state)
 {
     (void)state;
-    static const uint8_t other[CACHE_BOOT_SIZE] = {1};
-    uint8_t boot[CACHE_BOOT_SIZE];
+    static const uint8_t other[CACHE_STAMP_SIZE] = {1};
+    uint8_t stamp[CACHE_STAMP_SIZE];
+    struct stat info = {0};
     const char *path = cached_atlas("large.nii", 5);
-    if (!cache_boot_find(boot)) {
-        print_message("skipped: this system has no boot ID\n");
-        skip();
-    }
     keep(path);
     char *entry = strdup(entry_of(path));
     struct bytes bytes = read_entry(path);
-    assert_memory_equal(bytes.data + cache_entry_boot_at(), boot, sizeof boot);
     int file = open(entry, O_RDWR | O_CLOEXEC);
+    assert_int_equal(fstat(file, &info), 0);
+    if (!cache_stamp_find(stamp, file, &info.st_mtim)) {
+        print_message("skipped: this system has no boot ID\n");
+        skip();
+    }
+    assert_true(is_stamped(file));
     uint8_t flipped = bytes.data[bytes.size - 65] ^ 1; /* of the last array: 64 bytes behind it may be read */
     assert_int_equal(pwrite(file, &flipped, 1, (off_t)bytes.size - 65), 1);
-    assert_int_equal(pwrite(file, other, sizeof other, (off_t)cache_entry_boot_at()), sizeof other);
+    assert_false(is_stamped(file));
+    assert_null(find_in_cache(path, NULL, 0));
+    const struct timespec times[2] = {info.st_atim, info.st_mtim};
+    assert_int_equal(pwrite(file, other, sizeof other, (off_t)cache_entry_stamp_at()), sizeof other);
+    assert_int_equal(futimens(file, times), 0);
     assert_null(find_in_cache(path, NULL, 0));
     assert_int_equal(pwrite(file, bytes.data + bytes.size - 65, 1, (off_t)bytes.size - 65), 1);
-    conus_atlas *atlas = find_in_cache(path, NULL, 0);
-    assert_non_null(atlas);
-    conus_atlas_destroy(atlas);
-    uint8_t now[CACHE_BOOT_SIZE];
-    assert_int_equal(pread(file, now, sizeof now, (off_t)cache_entry_boot_at()), sizeof now);
-    assert_memory_equal(now, boot, sizeof boot);
+    for (int i = 0; i < 2; i++) { /* being used is no writing */
+        conus_atlas *atlas = find_in_cache(path, NULL, 0);
+        assert_non_null(atlas);
+        conus_atlas_destroy(atlas);
+        assert_true(is_stamped(file));
+    }
     close(file);
     bytes_finish(&bytes);
     free(entry);
@@ -396,7 +414,7 @@ int main(void)
         cmocka_unit_test(no_flipped_bit_is_passed_over),
         cmocka_unit_test(nothing_that_is_cut_off_or_longer_is_taken),
         cmocka_unit_test(entries_of_others_are_not_taken),
-        cmocka_unit_test(large_entries_are_verified_after_a_start),
+        cmocka_unit_test(large_entries_are_verified_once_and_after_each_write),
         cmocka_unit_test(what_others_can_write_is_not_taken),
         cmocka_unit_test(links_and_pipes_are_not_taken),
         cmocka_unit_test(an_entry_may_be_replaced_while_it_is_mapped),

@@ -12,7 +12,7 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-/* The head by hand: magic, boot ID, then the size and where the packed atlas begins; two checksums end it. */
+/* The head by hand: magic, stamp, then the size and where the packed atlas begins; two checksums end it. */
 enum { SIZE_AT = 32, PACKED_AT = 40, CRC_AT = 84, HEAD = 88, FIRST = 8 };
 
 static void must(bool holds)

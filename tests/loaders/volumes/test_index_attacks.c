@@ -115,7 +115,7 @@ static void no_flipped_bit_and_no_part_of_it_is_taken(void **state)
     char *entry = strdup(series_entry());
     assert_ok(file_read(&bytes, entry, UINT64_MAX));
     for (size_t i = 0; i < bytes.size; i += i < 8192 ? 37 : 9973) {
-        bool unchecked = i >= cache_entry_boot_at() && i < cache_entry_boot_at() + CACHE_BOOT_SIZE;
+        bool unchecked = i >= cache_entry_stamp_at() && i < cache_entry_stamp_at() + CACHE_STAMP_SIZE;
         uint8_t flipped = (uint8_t)(bytes.data[i] ^ 1 << i % 8);
         int file = open(entry, O_WRONLY | O_CLOEXEC);
         assert_int_equal(pwrite(file, &flipped, 1, (off_t)i), 1);
