@@ -6,8 +6,8 @@
 #include <conus/conus.h>
 
 #include <stdbool.h>
-#include <stdint.h>
 #include <stddef.h>
+#include <stdint.h>
 #include <stdio.h>
 
 /** Whether @p path means stdout: NULL or "-". */
