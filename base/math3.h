@@ -117,6 +117,21 @@ static inline void mat4_point(double out[3], const double m[16], const double p[
     }
 }
 
+/** Lets the last row be 0 0 0 1 where it is so within 1e-6, some roundings of a float; false (m untouched) where it is
+ * another. Programs that compute inverses in float write 0.99999994. */
+static inline bool mat4_settle_last_row(double m[16])
+{
+    static const double last[4] = {0, 0, 0, 1};
+    bool near = true;
+    for (int column = 0; column < 4; column++) {
+        near = near && fabs(m[4 * column + 3] - last[column]) <= 1e-6;
+    }
+    for (int column = 0; near && column < 4; column++) {
+        m[4 * column + 3] = last[column];
+    }
+    return near;
+}
+
 /** Determinant of the linear part. */
 static inline double mat4_determinant3(const double m[16])
 {

@@ -192,7 +192,7 @@ static conus_status start_transform(struct parsing *parsing, const struct xml_ev
 
 static conus_status end_transform(struct parsing *parsing, struct text text)
 {
-    double rows[16];
+    double m[16] = {0};
     double inverse[16];
     double *world = parsing->cifti->world_from_voxel;
     double mm = pow(10, parsing->exponent + 3);
@@ -200,16 +200,16 @@ static conus_status end_transform(struct parsing *parsing, struct text text)
     size_t n = 0;
     bool fine = true;
     while (fine && text_word(&text, &word)) {
-        fine = n < 16 && text_to_double(word, &rows[n]) && isfinite(rows[n]);
+        fine = n < 16 && text_to_double(word, &m[4 * (n % 4) + n / 4]) && isfinite(m[4 * (n % 4) + n / 4]);
         n++;
     }
-    if (!fine || n != 16 || rows[12] != 0 || rows[13] != 0 || rows[14] != 0 || rows[15] != 1) {
+    if (!fine || n != 16 || !mat4_settle_last_row(m)) {
         return fail(CONUS_ERROR_DATA,
                     "TransformationMatrixVoxelIndicesIJKtoXYZ: 16 finite numbers by rows are needed, the last row 0 0 "
                     "0 1");
     }
     for (int i = 0; i < 16; i++) {
-        world[4 * (i % 4) + i / 4] = rows[i] * (i < 12 ? mm : 1);
+        world[i] = m[i] * (i % 4 < 3 ? mm : 1);
     }
     return mat4_invert_affine(inverse, world)
                ? CONUS_OK

@@ -330,12 +330,14 @@ static conus_status end_matrix(double matrix[16], struct text text)
         }
         n++;
     }
-    if (n != 16 || rows[12] != 0 || rows[13] != 0 || rows[14] != 0 || rows[15] != 1) {
+    double columns[16];
+    for (size_t i = 0; n == 16 && i < 16; i++) {
+        columns[4 * (i % 4) + i / 4] = rows[i];
+    }
+    if (n != 16 || !mat4_settle_last_row(columns)) {
         return fail(CONUS_ERROR_DATA, "MatrixData: 16 finite numbers by rows are needed, the last row 0 0 0 1");
     }
-    for (int i = 0; i < 16; i++) {
-        matrix[4 * (i % 4) + i / 4] = rows[i];
-    }
+    memcpy(matrix, columns, sizeof columns);
     return CONUS_OK;
 }
 

@@ -156,16 +156,11 @@ static bool read_matrix(double out[16], const struct trk_header *header, const u
     return recorded;
 }
 
-static conus_status check_matrix(const double matrix[16])
+static conus_status check_matrix(double matrix[16])
 {
-    for (int column = 0; column < 4; column++) {
-        double wanted = column == 3;
-        double found = matrix[4 * column + 3];
-        if (!(found >= wanted && found <= wanted)) {
-            char text[TEXT_NUMBER_SIZE];
-            return fail(CONUS_ERROR_DATA, "vox_to_ras: found %s in column %d of the last row, needed is 0 0 0 1",
-                        text_number(text, found), column);
-        }
+    if (!mat4_settle_last_row(matrix)) {
+        return fail(CONUS_ERROR_DATA, "vox_to_ras: last row %.9g %.9g %.9g %.9g, 0 0 0 1 is needed", matrix[3],
+                    matrix[7], matrix[11], matrix[15]);
     }
     double inverse[16];
     return mat4_invert_affine(inverse, matrix)

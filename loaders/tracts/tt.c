@@ -141,10 +141,10 @@ static conus_status read_world(struct tt *tt, const struct variable *variable)
     for (size_t i = 0; !status && i < 16; i++) {
         double value = number_at(tt->stream->data + i * variable->size, variable->type);
         tt->world[4 * (i % 4) + i / 4] = value;
-        good = good && isfinite(value) && (i < 12 || value == (i == 15));
+        good = good && isfinite(value);
     }
     double inverse[16];
-    if (!status && (!good || !mat4_invert_affine(inverse, tt->world))) {
+    if (!status && (!good || !mat4_settle_last_row(tt->world) || !mat4_invert_affine(inverse, tt->world))) {
         status =
             fail(CONUS_ERROR_DATA, "trans_to_mni: found no affine, needed is one with an inverse, last row 0 0 0 1");
     }

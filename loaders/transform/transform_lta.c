@@ -168,9 +168,7 @@ conus_status lta_parse(double out[16], struct text text)
     double type;
     conus_status status = take_head(&type, &text);
     status = status ? status : matrix_rows_parse(m, &text, 4, "matrix");
-    if (!status && (m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1)) {
-        status = fail(CONUS_ERROR_DATA, "matrix: last row %g %g %g %g, 0 0 0 1 is needed", m[3], m[7], m[11], m[15]);
-    }
+    status = status ? status : matrix_settle(m, "matrix");
     while (!status && take_line(&text, &line)) {
         if (text_starts(line, "src volume info") || text_starts(line, "dst volume info")) {
             at = &volumes[line.data[0] == 'd'];

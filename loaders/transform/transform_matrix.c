@@ -36,12 +36,11 @@ conus_status matrix_rows_parse(double out[16], struct text *rest, size_t rows, c
     return row == rows ? CONUS_OK : fail(CONUS_ERROR_DATA, "%s: ends after %zu rows, %zu are needed", what, row, rows);
 }
 
-/* The last row of a matrix of points. */
-static conus_status check_last_row(const double m[16], const char *what)
+conus_status matrix_settle(double m[16], const char *what)
 {
-    return m[3] == 0 && m[7] == 0 && m[11] == 0 && m[15] == 1
-               ? CONUS_OK
-               : fail(CONUS_ERROR_DATA, "%s: last row %g %g %g %g, 0 0 0 1 is needed", what, m[3], m[7], m[11], m[15]);
+    return mat4_settle_last_row(m) ? CONUS_OK
+                                   : fail(CONUS_ERROR_DATA, "%s: last row %.9g %.9g %.9g %.9g, 0 0 0 1 is needed", what,
+                                          m[3], m[7], m[11], m[15]);
 }
 
 static bool is_blank_or_comment(struct text line)
@@ -72,7 +71,7 @@ conus_status matrix_text_parse(double out[16], struct text text)
             status = fail(CONUS_ERROR_DATA, "matrix: more than four rows");
         }
     }
-    return status ? status : check_last_row(out, "matrix");
+    return status ? status : matrix_settle(out, "matrix");
 }
 
 bool xfm_is(struct text text)

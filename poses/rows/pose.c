@@ -109,16 +109,17 @@ conus_status conus_pose_from_matrix(conus_pose *out, const double world_from_dev
 
 conus_status pose_from_matrix_within(conus_pose *out, const double world_from_device[16], double tolerance)
 {
-    const double *m = world_from_device;
+    double m[16];
+    memcpy(m, world_from_device, sizeof m);
     for (int i = 0; i < 16; i++) {
         if (!isfinite(m[i])) {
             return fail(CONUS_ERROR_ARGUMENT, "pose matrix: %g in row %d, column %d, allowed are finite numbers", m[i],
                         i % 4, i / 4);
         }
     }
-    if (m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1) {
-        return fail(CONUS_ERROR_ARGUMENT, "pose matrix: last row %g %g %g %g, allowed is 0 0 0 1", m[3], m[7], m[11],
-                    m[15]);
+    if (!mat4_settle_last_row(m)) {
+        return fail(CONUS_ERROR_ARGUMENT, "pose matrix: last row %.9g %.9g %.9g %.9g, allowed is 0 0 0 1", m[3], m[7],
+                    m[11], m[15]);
     }
     for (int a = 0; a < 3; a++) {
         for (int b = 0; b <= a; b++) {

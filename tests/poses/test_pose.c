@@ -78,6 +78,20 @@ static void quaternion_and_matrix_agree(void **state)
     assert_same_pose(&pose, (const conus_pose *)turned);
 }
 
+/* 0.99999994 is the float before 1. */
+static void a_last_row_may_be_rounded_to_float(void **state)
+{
+    (void)state;
+    conus_pose pose;
+    double m[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 1, 2, 3, 0.99999994};
+    assert_ok(conus_pose_from_matrix(&pose, m));
+    m[15] = 1;
+    assert_same_pose(&pose, (const conus_pose *)m);
+    m[15] = 0.99999;
+    assert_fails(conus_pose_from_matrix(&pose, m), CONUS_ERROR_ARGUMENT);
+    assert_non_null(strstr(conus_message(), "last row 0 0 0 0.99999, allowed is 0 0 0 1"));
+}
+
 static void impossible_poses_are_refused(void **state)
 {
     (void)state;
@@ -246,6 +260,7 @@ int main(void)
         cmocka_unit_test(frames_are_rotations),
         cmocka_unit_test(up_is_anterior_only_near_the_vertical),
         cmocka_unit_test(quaternion_and_matrix_agree),
+        cmocka_unit_test(a_last_row_may_be_rounded_to_float),
         cmocka_unit_test(impossible_poses_are_refused),
         cmocka_unit_test(every_way_gives_the_same_pose),
         cmocka_unit_test(lps_negates_x_and_y),

@@ -358,9 +358,9 @@ static void headers_that_contradict_themselves_are_refused(void **state)
         {TRK_VOX_TO_RAS, FLOAT, 1.02, NULL, CONUS_ERROR_DATA, "vox_to_ras has 1.01999998"},
         {TRK_VOX_TO_RAS, FLOAT, 0, NULL, CONUS_ERROR_DATA, "vox_to_ras: is singular or not finite"},
         {TRK_VOX_TO_RAS + 12, FLOAT, INFINITY, NULL, CONUS_ERROR_DATA, "vox_to_ras: is singular or not finite"},
-        {TRK_VOX_TO_RAS + 60, FLOAT, 2, NULL, CONUS_ERROR_DATA, "vox_to_ras: found 2 in column 3 of the last row"},
-        {TRK_VOX_TO_RAS + 52, FLOAT, 1, NULL, CONUS_ERROR_DATA, "vox_to_ras: found 1 in column 1 of the last row"},
-        {TRK_VOX_TO_RAS + 60, FLOAT, NAN, NULL, CONUS_ERROR_DATA, "vox_to_ras: found nan in column 3"},
+        {TRK_VOX_TO_RAS + 60, FLOAT, 2, NULL, CONUS_ERROR_DATA, "vox_to_ras: last row 0 0 0 2, 0 0 0 1 is"},
+        {TRK_VOX_TO_RAS + 52, FLOAT, 1, NULL, CONUS_ERROR_DATA, "vox_to_ras: last row 0 1 0 1, 0 0 0 1 is"},
+        {TRK_VOX_TO_RAS + 60, FLOAT, NAN, NULL, CONUS_ERROR_DATA, "vox_to_ras: last row 0 0 0 nan"},
         {TRK_VOXEL_ORDER, TEXT, 4, "RAA", CONUS_ERROR_DATA, "voxel_order: found \"RAA\", needed is one letter of each"},
         {TRK_VOXEL_ORDER, TEXT, 4, "RA\0", CONUS_ERROR_DATA, "voxel_order: found \"RA\""},
         {TRK_VOXEL_ORDER, TEXT, 4, "R\033S", CONUS_ERROR_DATA, "voxel_order: found \"R S\""},
@@ -394,6 +394,7 @@ static void what_is_not_used_may_be_wrong(void **state)
     begin_counts(&trk, 3);
     trk_put_i16(&trk, TRK_DIM, 0);
     trk_put_float(&trk, TRK_VOX_TO_RAS, 1.009);
+    trk_put_float(&trk, TRK_VOX_TO_RAS + 60, 0.99999994); /* the float before 1 */
     assert_parses(&out, &trk, 1);
     tractogram_finish(&out);
     trk_put_text(&trk, TRK_VOXEL_ORDER, "LAS", 3);

@@ -399,6 +399,31 @@ static void what_the_field_does_not_reach_is_cut(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* A context of CT, -1000 (air) to 200, on voxels 0 to 3: of the field's grid, from (-4, -3, -3) on, all the rest is air
+ * and not 0, which would be water. */
+static void outside_of_a_warped_context_is_its_least_value(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = make_atlas();
+    float *values = memory_raw(64, sizeof *values);
+    for (size_t i = 0; i < 64; i++) {
+        values[i] = i ? 200 : -1000;
+    }
+    conus_volume_info grid = scene_plain_grid((const size_t[]){4, 4, 4}, NULL);
+    grid.role = CONUS_ROLE_CONTEXT;
+    grid.minimum = -1000;
+    grid.maximum = 200;
+    assert_ok(atlas_set_context(atlas, &grid, values));
+    assert_ok(conus_atlas_transform(atlas, write_field(&itk, false), NULL));
+    const struct volume *context = atlas_context(atlas);
+    size_t voxel;
+    assert_true(volume_find_voxel(&voxel, context, (const double[]){-4, -3, -3}));
+    assert_true(context->values[voxel] == -1000);
+    assert_true(volume_find_voxel(&voxel, context, (const double[]){1, 1, 1}));
+    assert_true(context->values[voxel] == 200);
+    conus_atlas_destroy(atlas);
+}
+
 static void areas_that_are_lost_are_named(void **state)
 {
     (void)state;
@@ -523,6 +548,7 @@ int main(void)
         cmocka_unit_test(thresholds_last),
         cmocka_unit_test(labels_are_on_the_grid_that_is_given),
         cmocka_unit_test(what_the_field_does_not_reach_is_cut),
+        cmocka_unit_test(outside_of_a_warped_context_is_its_least_value),
         cmocka_unit_test(areas_that_are_lost_are_named),
         cmocka_unit_test(what_cannot_be_warped_stays),
         cmocka_unit_test(a_packed_atlas_knows_its_own_space),

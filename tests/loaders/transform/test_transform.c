@@ -243,6 +243,44 @@ static void bad_files_say_what_is_wrong(void **state)
     assert_fails(transform_parse(m, &itk, "x.tfm", "a.nii", "b.nii"), CONUS_ERROR_ARGUMENT);
 }
 
+/* 0.99999994 and 1.0000001 are the floats next to 1: inverses that were computed in float end so. The row is taken as
+ * 0 0 0 1, so that the point is not divided by anything: (2 * 1 + 1, 2, 3 + 3). */
+static void a_last_row_that_is_rounded_is_0_0_0_1(void **state)
+{
+    (void)state;
+    static const char *const rows[] = {"0 0 0 9.999999403953552e-01", "0 0 0 1.000000119209290e+00",
+                                       "-9e-7 9e-7 0 0.9999991"};
+    static const char head[] = "type = 1\nnxforms = 1\n1 4 4\n";
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char text[200];
+        double m[16];
+        snprintf(text, sizeof text, "%s2 0 0 1\n0 1 0 0\n0 0 1 3\n%s\n", head, rows[i]);
+        check_point(text, 3, 2, 6);
+        check_point(text + sizeof head - 1, 3, 2, 6);
+        assert_ok(parse(m, text, "x.lta"));
+        assert_true(m[3] == 0 && m[7] == 0 && m[11] == 0 && m[15] == 1);
+    }
+    const conus_status data = CONUS_ERROR_DATA;
+    check_refused("1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 0.999998\n", "x.txt", data, "last row 0 0 0 0.999998");
+    check_refused("1 0 0 0\n0 1 0 0\n0 0 1 0\n0 -2e-6 0 1\n", "x.txt", data, "last row 0 -2e-06 0 1");
+    check_refused("type = 1\nnxforms = 1\n1 4 4\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1.000002\n", "x.lta", data,
+                  "last row 0 0 0 1.000002");
+}
+
+/* All lines are there, and only one says that they do not hold. */
+static void voxels_need_a_valid_geometry(void **state)
+{
+    (void)state;
+    char invalid[sizeof lta_voxels];
+    for (int which = 0; which < 2; which++) {
+        memcpy(invalid, lta_voxels, sizeof invalid);
+        char *valid = strstr(which ? strstr(invalid, "dst") : invalid, "valid = 1");
+        valid[strlen("valid = ")] = '0';
+        check_refused(invalid, "x.lta", CONUS_ERROR_DATA,
+                      which ? "dst volume info: not valid" : "src volume info: not valid");
+    }
+}
+
 /* What is cut off is refused, but where only the last number's digits or white space are. */
 static void no_prefix_is_a_transform(void **state)
 {
@@ -391,6 +429,8 @@ int main(void)
         cmocka_unit_test(matlab_files_say_the_same),
         cmocka_unit_test(matrices_of_ras_are_as_they_stand),
         cmocka_unit_test(bad_files_say_what_is_wrong),
+        cmocka_unit_test(a_last_row_that_is_rounded_is_0_0_0_1),
+        cmocka_unit_test(voxels_need_a_valid_geometry),
         cmocka_unit_test(no_prefix_is_a_transform),
         cmocka_unit_test(an_atlas_goes_to_the_poses),
         cmocka_unit_test(a_mirror_is_warned_of),
