@@ -7,7 +7,7 @@
 void aperture_finish(struct aperture *aperture)
 {
     memory_free(aperture->in_cone);
-    memory_free(aperture->radius);
+    memory_free(aperture->square);
     memory_free(aperture->weight);
     memory_free(aperture->inside);
     memory_free(aperture->rays.pixel);
@@ -75,14 +75,14 @@ static conus_status make_pixels(struct aperture *aperture, const struct cone *co
     size_t pixels = (size_t)n * n;
     struct aperture made = {.resolution = n, .shape = cone->aperture, .is_wide_square = is_wide_square(cone)};
     made.in_cone = memory_raw(pixels, sizeof *made.in_cone);
-    made.radius = memory_raw(pixels, sizeof *made.radius);
+    made.square = memory_raw(pixels, sizeof *made.square);
     made.weight = memory_raw(pixels, sizeof *made.weight);
     made.inside = memory_raw(pixels, sizeof *made.inside);
     made.rays.pixel = memory_raw(pixels, sizeof *made.rays.pixel);
     made.rays.right = memory_raw(pixels, sizeof *made.rays.right);
     made.rays.up = memory_raw(pixels, sizeof *made.rays.up);
     made.rays.forward = memory_raw(pixels, sizeof *made.rays.forward);
-    if (!made.in_cone || !made.radius || !made.weight || !made.inside || !made.rays.pixel || !made.rays.right ||
+    if (!made.in_cone || !made.square || !made.weight || !made.inside || !made.rays.pixel || !made.rays.right ||
         !made.rays.up || !made.rays.forward) {
         aperture_finish(&made);
         return CONUS_ERROR_MEMORY;
@@ -90,7 +90,7 @@ static conus_status make_pixels(struct aperture *aperture, const struct cone *co
     for (uint32_t j = 0; j < n; j++) {
         for (uint32_t i = 0; i < n; i++) {
             made.in_cone[(size_t)j * n + i] = cone_has_pixel(cone, i, j);
-            made.radius[(size_t)j * n + i] = cone_radius(cone, i, j);
+            made.square[(size_t)j * n + i] = cone_square(i, j, n);
         }
     }
     list_pixels(&made);

@@ -29,7 +29,7 @@ struct aperture {
     double angle;
     bool is_wide_square;     /**< Its pixels are those of this angle only (Eq. 15).      */
     bool *in_cone;           /**< cone_has_pixel()                                       */
-    double *radius;          /**< cone_radius()                                          */
+    uint32_t *square;        /**< cone_square()                                          */
     double *weight;          /**< cone_weight()                                          */
     uint32_t *inside;        /**< The pixels in the cone, rays.count of them, in the pixels' order. */
     struct device_rays rays; /**< Of the pixels in the cone, block by block.             */

@@ -164,26 +164,24 @@ double cone_cross_section(const struct cone *cone)
 
 double cone_radius(const struct cone *cone, uint32_t i, uint32_t j)
 {
-    double u = cone_coordinate(i, cone->resolution);
-    double v = cone_coordinate(j, cone->resolution);
-    return sqrt(u * u + v * v);
+    return cone_radius_of(cone_square(i, j, cone->resolution), cone->resolution);
 }
 
-/* Whether a wide cone's ray at (u, v) is in the pyramid, whose sides are as far off the axis as the cone. */
-static bool is_in_pyramid(const struct cone *cone, double u, double v)
+/* Whether a wide cone's ray is in the pyramid, whose sides are as far off the axis as the cone. */
+static bool is_in_pyramid(const struct cone *cone, uint32_t i, uint32_t j)
 {
-    double r = sqrt(u * u + v * v);
+    double r = cone_radius(cone, i, j);
     double off = cone_off_axis(cone, r);
-    return off < MATH3_PI / 2 && fmax(fabs(u), fabs(v)) * tan(off) <= r * cone_slope(cone);
+    double side = fmax(fabs(2.0 * i + 1 - cone->resolution), fabs(2.0 * j + 1 - cone->resolution)) / cone->resolution;
+    return off < MATH3_PI / 2 && side * tan(off) <= r * cone_slope(cone);
 }
 
 bool cone_has_pixel(const struct cone *cone, uint32_t i, uint32_t j)
 {
     if (cone->aperture == CONUS_APERTURE_SQUARE) {
-        return !cone_is_wide(cone) ||
-               is_in_pyramid(cone, cone_coordinate(i, cone->resolution), cone_coordinate(j, cone->resolution));
+        return !cone_is_wide(cone) || is_in_pyramid(cone, i, j);
     }
-    return cone_radius(cone, i, j) <= 1;
+    return cone_square(i, j, cone->resolution) <= cone->resolution * cone->resolution;
 }
 
 double cone_weight(const struct cone *cone, uint32_t i, uint32_t j)

@@ -6,6 +6,8 @@
 
 #include "base/status.h"
 
+#include <math.h>
+
 /** Rays of a cone in the device's frame: (right, up, -forward) is a ray's unit direction. */
 struct device_rays {
     size_t count;
@@ -32,6 +34,21 @@ conus_status cone_check(const struct cone *cone);
 static inline double cone_coordinate(uint32_t i, uint32_t resolution)
 {
     return (2.0 * i + 1) / resolution - 1;
+}
+
+/** n^2 r^2 of pixel column @p i, row @p j of n x n: a whole number. Pixels are ordered by r with it, since r of pixels
+ * that are equally far from the centre is rounded differently where n is not a power of two. */
+static inline uint32_t cone_square(uint32_t i, uint32_t j, uint32_t resolution)
+{
+    int32_t u = (int32_t)(2 * i + 1) - (int32_t)resolution;
+    int32_t v = (int32_t)(2 * j + 1) - (int32_t)resolution;
+    return (uint32_t)(u * u + v * v);
+}
+
+/** r of the pixels with that n^2 r^2. */
+static inline double cone_radius_of(uint32_t square, uint32_t resolution)
+{
+    return sqrt(square) / resolution;
 }
 
 /** tan(angle / 2). */
@@ -71,7 +88,8 @@ void cone_device_rays(double *right, double *up, double *forward, const struct c
 void cone_rays_from(double *const out[3], const struct cone *cone, const struct device_rays *rays, size_t first,
                     size_t count);
 
-/** Distance of a pixel's centre from the buffer's, r = sqrt(u^2 + v^2), 1 at the circle's rim (Eq. 3). */
+/** Distance of a pixel's centre from the buffer's, r = sqrt(u^2 + v^2), 1 at the circle's rim (Eq. 3): the same for all
+ * pixels with the same cone_square(). */
 double cone_radius(const struct cone *cone, uint32_t i, uint32_t j);
 
 /** Whether the aperture lets the pixel through: r <= 1, or for a square one always (Eq. 3), but of a wide cone's only

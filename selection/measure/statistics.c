@@ -17,7 +17,7 @@ struct tallied {
     uint32_t pixels;
     uint32_t pixel; /* of its contact so far */
     double weight;
-    double radius;           /* r of that pixel */
+    uint32_t square;         /* cone_square() of that pixel */
     double contact_distance; /* and its distance */
     double nearest;
     uint32_t pierced;
@@ -81,7 +81,7 @@ static struct tallied *touch(struct tally *tally, uint32_t object)
     struct tallied *tallied = &tally->objects[object];
     if (!tallied->touched) {
         *tallied = (struct tallied){.touched = true,
-                                    .radius = INFINITY,
+                                    .square = UINT32_MAX,
                                     .last_pixel = NO_PIXEL,
                                     .entry = INFINITY,
                                     .nearest = INFINITY,
@@ -128,24 +128,24 @@ static size_t add_run(struct tallied *object, const struct aperture *aperture, c
     const double *distances = evidence->distance;
     uint32_t hit = evidence->object[inside[first]];
     uint32_t contact = object->pixel; /* what is added up is here, or it would go to memory and back each time */
-    double radius = object->radius;
+    uint32_t square = object->square;
     double contact_distance = object->contact_distance;
     double nearest = object->nearest;
     double weight = object->weight;
     size_t k = first;
     do {
         uint32_t pixel = inside[k++];
-        double r = aperture->radius[pixel];
+        uint32_t s = aperture->square[pixel];
         double distance = distances[pixel];
-        bool better = (r < radius) | ((r == radius) & (distance < contact_distance));
+        bool better = (s < square) | ((s == square) & (distance < contact_distance));
         contact = better ? pixel : contact;
-        radius = better ? r : radius;
+        square = better ? s : square;
         contact_distance = better ? distance : contact_distance;
         nearest = distance < nearest ? distance : nearest;
         weight += aperture->weight[pixel];
     } while (k < aperture->rays.count && evidence->object[inside[k]] == hit);
     object->pixel = contact;
-    object->radius = radius;
+    object->square = square;
     object->contact_distance = contact_distance;
     object->nearest = nearest;
     object->weight = weight;
@@ -371,8 +371,8 @@ static conus_result describe(uint32_t number, const struct tallied *object, cons
     result.pixels = object->pixels;
     result.share = object->weight / totals->weight;
     if (number && object->pixels) {
-        result.centre_px = object->radius * cone->resolution / 2;
-        result.offset = cone_off_axis(cone, object->radius);
+        result.centre_px = sqrt(object->square) / 2;
+        result.offset = cone_off_axis(cone, cone_radius_of(object->square, cone->resolution));
         result.distance = object->nearest;
         evidence_position(result.contact, gathering->evidence, cone, object->pixel % cone->resolution,
                           object->pixel / cone->resolution);

@@ -103,7 +103,7 @@ static void check_aperture(struct aperture *aperture, const struct cone *cone)
         uint32_t i = pixel % cone->resolution;
         uint32_t j = pixel / cone->resolution;
         assert_int_equal(aperture->in_cone[pixel], cone_has_pixel(cone, i, j));
-        assert_true(aperture->radius[pixel] == cone_radius(cone, i, j));
+        assert_int_equal(aperture->square[pixel], cone_square(i, j, cone->resolution));
         assert_true(aperture->weight[pixel] == cone_weight(cone, i, j));
         total += cone_has_pixel(cone, i, j) ? cone_weight(cone, i, j) : 0;
     }
