@@ -175,7 +175,7 @@ static conus_status take_offer(struct label_search *search, struct label_offer *
     return status ? status : buffer_status(&search->source);
 }
 
-/* More names than not have another number in the offer than in what was found. */
+/* Names have other numbers in the offer than in what was found: most of them, or only one of the two is proved. */
 static conus_status settle_contradiction(struct label_search *search, struct label_offer *offer,
                                          const struct comparison *comparison)
 {
@@ -196,27 +196,44 @@ static conus_status settle_contradiction(struct label_search *search, struct lab
     return status || search->proved ? status : take_offer(search, offer);
 }
 
+/* What differs, unless nothing does. */
+static conus_status note_difference(const struct comparison *comparison, const char *used, const char *other,
+                                    struct notes *notes)
+{
+    const struct label *const *clash = comparison->clash;
+    const struct label *const *named = comparison->other;
+    if (comparison->clashes) {
+        return notes_warn(notes, "\"%s\" is label %u in %s, which is used, but %u in %s (%zu of %zu such names)",
+                          clash[0]->name, clash[0]->number, used, clash[1]->number, other, comparison->clashes,
+                          comparison->shared);
+    }
+    return comparison->agreed == comparison->common
+               ? CONUS_OK
+               : notes_warn(notes, "label %u is \"%s\" in %s, which is used, but \"%s\" in %s (%zu of %zu such labels)",
+                            named[0]->number, named[0]->name, used, named[1]->name, other,
+                            comparison->common - comparison->agreed, comparison->common);
+}
+
 static conus_status reconcile_offer(struct label_search *search, struct label_offer *offer)
 {
     struct comparison comparison;
     conus_status status = compare_tables(&comparison, &search->table, &offer->table);
-    const struct label *const *clash = comparison.clash;
     if (status) {
         return status;
     }
-    if (2 * comparison.clashes > comparison.shared) {
-        return settle_contradiction(search, offer, &comparison);
-    }
-    if (comparison.clashes) {
-        return notes_warn(search->notes, "\"%s\" is label %u in %s, which is used, but %u in %s", clash[0]->name,
-                          clash[0]->number, search->source.data, clash[1]->number, offer->source.data);
-    }
-    if (2 * comparison.agreed < comparison.common) {
-        return notes_warn(search->notes, "label %u is \"%s\" in %s, which is used, but \"%s\" in %s",
-                          comparison.other[0]->number, comparison.other[0]->name, search->source.data,
-                          comparison.other[1]->name, offer->source.data);
-    }
-    return CONUS_OK;
+    bool one_is_proved = search->proved != offer->proved;
+    return 2 * comparison.clashes > comparison.shared || (comparison.clashes && one_is_proved)
+               ? settle_contradiction(search, offer, &comparison)
+               : note_difference(&comparison, search->source.data, offer->source.data, search->notes);
+}
+
+conus_status label_tables_note(bool *differ, const struct label_table *used, const char *source,
+                               const struct label_table *other, const char *other_source, struct notes *notes)
+{
+    struct comparison comparison;
+    conus_status status = compare_tables(&comparison, used, other);
+    *differ = !status && (comparison.clashes || comparison.agreed < comparison.common);
+    return status ? status : note_difference(&comparison, source, other_source, notes);
 }
 
 void label_search_finish(struct label_search *search)

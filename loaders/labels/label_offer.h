@@ -40,8 +40,13 @@ struct label_offer {
     const struct bytes *file; /**< and its bytes; NULL inside the volume's. */
 };
 
-/** Uses the table of @p offer if it is the first, or if only its numbers are proved. One that contradicts the table in
- * use is CONUS_ERROR_DATA, one that differs a note. Finishes @p offer. */
+/** Uses the table of @p offer if it is the first, or if only its numbers are proved and names have others. One that
+ * contradicts the table in use is CONUS_ERROR_DATA, one that differs a note. Finishes @p offer. */
 conus_status label_search_offer(struct label_search *search, struct label_offer *offer);
+
+/** Says in a note where @p other, from @p other_source, calls labels otherwise than @p used, from @p source, does; both
+ * are of one volume. */
+conus_status label_tables_note(bool *differ, const struct label_table *used, const char *source,
+                               const struct label_table *other, const char *other_source, struct notes *notes);
 
 #endif

@@ -2,9 +2,13 @@
 /* FSL atlases with a volume per label: the XML, and which of its images is taken. */
 #include "loaders/maps/fsl_maps.h"
 
+#include "base/buffer.h"
 #include "base/folder.h"
 #include "base/memory.h"
+#include "loaders/labels/label_offer.h"
+#include "loaders/labels/label_volumes.h"
 #include "loaders/tables/fsl_find.h"
+#include "loaders/tables/label_cells.h"
 
 void fsl_maps_finish(struct fsl_maps *maps)
 {
@@ -77,6 +81,47 @@ static conus_status read_xml(struct fsl_maps *maps, conus_atlas *atlas, const ch
     return status;
 }
 
+/* What is asked of each XML that names the volumes. */
+struct rival {
+    const struct fsl_maps *maps;
+    const char *xml; /* without its folder */
+    struct notes *notes;
+};
+
+static conus_status note_rival(void *user, struct fsl_atlas *atlas, const char *path, const struct bytes *file)
+{
+    const struct rival *rival = user;
+    struct notes silent = {0};
+    bool differ;
+    (void)file;
+    conus_status status = label_table_sort(&atlas->labels, &silent);
+    status = status ? status
+                    : label_tables_note(&differ, &rival->maps->atlas.labels, rival->xml, &atlas->labels,
+                                        path_base(path), rival->notes);
+    notes_finish(&silent);
+    return status;
+}
+
+/* Other XMLs, and a table beside the image, may call its volumes otherwise. */
+static conus_status compare_names(struct fsl_maps *maps, const char *xml, uint64_t max_memory, struct notes *notes)
+{
+    struct rival rival = {maps, path_base(xml), notes};
+    struct label_table table = {0};
+    struct buffer from = {0};
+    struct notes silent = {0};
+    const struct label_use use = {.info = &maps->image.info, .max_memory = max_memory};
+    bool differ;
+    conus_status status = fsl_atlas_each(maps->image.path, FSL_VOLUMES, note_rival, &rival);
+    status = status ? status : label_volume_table(&table, &from, NULL, &use, &silent);
+    if (!status && table.count) {
+        status = label_tables_note(&differ, &maps->atlas.labels, rival.xml, &table, from.data, notes);
+    }
+    label_table_finish(&table);
+    buffer_finish(&from);
+    notes_finish(&silent);
+    return status;
+}
+
 conus_status fsl_maps_open(struct fsl_maps *out, conus_atlas *atlas, const char *xml, const char *image,
                            const conus_load_options *options)
 {
@@ -85,10 +130,13 @@ conus_status fsl_maps_open(struct fsl_maps *out, conus_atlas *atlas, const char 
     if (!status) {
         status = image ? consider_image(&maps, atlas, image, options) : choose_image(&maps, atlas, xml, options);
     }
-    if (!status && maps.atlas.labels.count > maps.image.info.volume_count) {
-        status = fail(CONUS_ERROR_DATA, "fsl: %s has %zu labels, %s has %zu volumes", path_base(xml),
-                      maps.atlas.labels.count, path_base(maps.image.path), maps.image.info.volume_count);
+    const size_t labels = maps.atlas.labels.count;
+    status = status ? status : label_drop_background(&maps.has_background, &maps.atlas.labels, &atlas->notes);
+    if (!status && labels > maps.image.info.volume_count) {
+        status = fail(CONUS_ERROR_DATA, "fsl: %s has %zu labels, %s has %zu volumes", path_base(xml), labels,
+                      path_base(maps.image.path), maps.image.info.volume_count);
     }
+    status = status ? status : compare_names(&maps, xml, options->max_memory, &atlas->notes);
     if (status) {
         fsl_maps_finish(&maps);
         return status;

@@ -9,6 +9,7 @@
 
 struct fsl_maps {
     struct fsl_atlas atlas;   /**< Its labels, sorted; label k is volume k - 1 of the image. */
+    bool has_background;      /**< Volume 0 is called background and has no label: label k of a summary is volume k. */
     struct volume_file image; /**< A series. */
     struct notes notes;       /**< Of opening the image. */
 };

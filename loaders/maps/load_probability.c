@@ -36,8 +36,18 @@ static conus_status choose_scale(struct probability_scale *out, const conus_volu
     return CONUS_OK;
 }
 
-/* The least and the largest value of all volumes. */
-static conus_status find_range(double range[2], struct volume_file *file, struct notes *notes)
+/* What all volumes have in common. */
+struct range {
+    double least, largest;
+    bool masks; /* Each has 0 and one other value. */
+};
+
+static size_t voxel_count(const conus_volume_info *info)
+{
+    return info->dim[0] * info->dim[1] * info->dim[2];
+}
+
+static conus_status find_range(struct range *range, struct volume_file *file, struct notes *notes)
 {
     conus_status status = CONUS_OK;
     for (size_t i = 0; !status && i < file->info.volume_count; i++) {
@@ -45,8 +55,9 @@ static conus_status find_range(double range[2], struct volume_file *file, struct
         status = volume_file_select(file, i);
         status = status ? status : volume_file_values(&values, file, notes);
         if (!status) {
-            range[0] = fmin(range[0], file->info.minimum);
-            range[1] = fmax(range[1], file->info.maximum);
+            range->least = fmin(range->least, file->info.minimum);
+            range->largest = fmax(range->largest, file->info.maximum);
+            range->masks = range->masks && values_are_mask(values, voxel_count(&file->info));
         }
         memory_free(values);
     }
@@ -58,17 +69,21 @@ conus_status probability_scale_of(struct probability_scale *out, struct volume_f
 {
     char number[TEXT_NUMBER_SIZE];
     char most[TEXT_NUMBER_SIZE];
-    double range[2] = {0, 0};
+    struct range range = {.masks = true};
     struct probability_scale scale = {stated, "as stated"};
-    conus_status status = find_range(range, file, notes);
-    if (!status && range[0] < 0) {
+    conus_status status = find_range(&range, file, notes);
+    if (!status && range.least < 0) {
         status = fail(CONUS_ERROR_DATA, "%s: its least value is %s, no probability is below 0", file->path,
-                      text_number(number, range[0]));
+                      text_number(number, range.least));
     }
-    status = status || stated > 0 ? status : choose_scale(&scale, &file->info, range[1]);
-    if (!status && range[1] > scale.value) {
+    if (!status && !(stated > 0) && range.masks && range.largest > 1) {
+        *out = (struct probability_scale){0, "masks, since each volume has 0 and one other value, taken for 1"};
+        return CONUS_OK;
+    }
+    status = status || stated > 0 ? status : choose_scale(&scale, &file->info, range.largest);
+    if (!status && range.largest > scale.value) {
         status = fail(CONUS_ERROR_DATA, "%s: its largest value is %s, allowed is up to the scale, %s", file->path,
-                      text_number(number, range[1]), text_number(most, scale.value));
+                      text_number(number, range.largest), text_number(most, scale.value));
     }
     if (!status) {
         *out = scale;
@@ -76,9 +91,11 @@ conus_status probability_scale_of(struct probability_scale *out, struct volume_f
     return status;
 }
 
-static void divide_values(struct volume_file *file, float *values, double scale)
+static void divide_values(struct volume_file *file, float *values, double stated)
 {
-    size_t count = file->info.dim[0] * file->info.dim[1] * file->info.dim[2];
+    size_t count = voxel_count(&file->info);
+    double own = file->info.maximum > 0 ? file->info.maximum : 1;
+    double scale = stated > 0 ? stated : own;
     for (size_t i = 0; i < count; i++) {
         values[i] = (float)((double)values[i] / scale);
     }

@@ -8,13 +8,13 @@
 
 /** How a file says how probable something is. */
 struct probability_scale {
-    double value;      /**< What means "certainly". */
+    double value;      /**< What means "certainly"; 0: the largest value of each volume, which is a mask. */
     const char *words; /**< "percent", for notes. */
 };
 
 /** The scale of @p file, opened as a series. It is @p stated unless that is 0; else all volumes are read for it, since
- * a volume in percent may have no value above 1. CONUS_ERROR_DATA for values below 0 or above the scale, and where
- * there is no usual scale. */
+ * a volume in percent may have no value above 1, and since masks have any value. CONUS_ERROR_DATA for values below 0 or
+ * above the scale, and where there is no usual scale. */
 conus_status probability_scale_of(struct probability_scale *out, struct volume_file *file, double stated,
                                   struct notes *notes);
 

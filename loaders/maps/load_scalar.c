@@ -46,8 +46,9 @@ static struct scale scale_of(const conus_volume_info *info)
     return (struct scale){info->maximum, "values of no usual scale, measured by the largest"};
 }
 
-/* Eq. 6's threshold: the one asked for, or a quarter of the scale. */
-static conus_status choose_threshold(struct volume_file *file, double wanted, const char *name, struct notes *notes)
+/* Eq. 6's threshold: the one asked for, or a quarter of the scale; of a mask that never comes to it, of its value. */
+static conus_status choose_threshold(struct volume_file *file, const float *values, double wanted, const char *name,
+                                     struct notes *notes)
 {
     conus_volume_info *info = &file->info;
     char threshold[TEXT_NUMBER_SIZE];
@@ -62,6 +63,9 @@ static conus_status choose_threshold(struct volume_file *file, double wanted, co
                     info->path, text_number(threshold, wanted), maximum);
     }
     struct scale scale = scale_of(info);
+    if (info->maximum < scale.value / 4 && values_are_mask(values, info->dim[0] * info->dim[1] * info->dim[2])) {
+        scale = (struct scale){info->maximum, "0 and one other value, taken as a mask"};
+    }
     info->threshold = wanted > 0 ? wanted : scale.value / 4;
     text_number(threshold, info->threshold);
     if ((float)info->threshold > (float)info->maximum) {
@@ -170,7 +174,7 @@ static conus_status add_one(conus_atlas *atlas, struct volume_file *file, const 
     conus_status status = volume_file_values(&values, file, notes);
     status = status ? status : choose_name(&name, options->name, file, notes);
     const char *words = name.data;
-    status = status ? status : choose_threshold(file, options->threshold, words, notes);
+    status = status ? status : choose_threshold(file, values, options->threshold, words, notes);
     status = status ? status : notes_move(&atlas->notes, notes);
     status = status ? status : atlas_add_pathway(atlas, &file->info, values, words);
     if (status) {

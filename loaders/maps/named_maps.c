@@ -26,19 +26,6 @@ void named_maps_finish(struct named_maps *maps)
 
 /* ---- Names ------------------------------------------------------------------------------------------------------- */
 
-/* A volume of what is no area is none. */
-static conus_status drop_background(struct named_maps *maps)
-{
-    struct label_table *table = &maps->table;
-    if (!table->count || !label_is_background(text_from(table->entries[0].name))) {
-        return CONUS_OK;
-    }
-    conus_status status = notes_add(&maps->notes, "volume 0 is left out: it is called %s", table->entries[0].name);
-    label_finish(&table->entries[0]);
-    memmove(table->entries, table->entries + 1, --table->count * sizeof *table->entries);
-    return status;
-}
-
 static conus_status find_names(struct named_maps *out, const conus_volume_info *info, const conus_load_options *options)
 {
     struct buffer from = {0};
@@ -59,7 +46,8 @@ static conus_status find_names(struct named_maps *out, const conus_volume_info *
         out->source = source.data;
     }
     buffer_finish(&from);
-    return status ? status : drop_background(out);
+    bool dropped;
+    return status ? status : label_drop_background(&dropped, &out->table, &out->notes);
 }
 
 conus_status named_maps_find(struct named_maps *out, const char *path, const conus_load_options *options)

@@ -11,6 +11,7 @@
 #include "loaders/file_kind.h"
 #include "loaders/labels/label_file.h"
 #include "loaders/labels/label_find.h"
+#include "loaders/labels/label_offer.h"
 #include "loaders/plan/cifti_parcellation.h"
 #include "loaders/tables/fsl_find.h"
 #include "loaders/tables/fsl_number.h"
@@ -107,6 +108,24 @@ static conus_status open_finest(struct parcellation *parts, const struct fsl_atl
     return status;
 }
 
+/* The volume by itself may have names from elsewhere, or a second XML may name it. */
+static conus_status compare_with_volume(struct parcellation *parts)
+{
+    struct label_table table = {0};
+    char *source = NULL;
+    struct notes silent = {0};
+    conus_status status = label_table_of_volume(&table, &source, &parts->file, &parts->labels, NULL, &silent);
+    if (status && status != CONUS_ERROR_MEMORY) {
+        status = notes_warn(&parts->notes, "%s", conus_message());
+    } else if (!status) {
+        status = label_tables_note(&parts->is_disputed, &parts->table, parts->source, &table, source, &parts->notes);
+    }
+    label_table_finish(&table);
+    memory_free(source);
+    notes_finish(&silent);
+    return status;
+}
+
 static conus_status load_fsl(struct parcellation *parts, const char *path, struct text text, uint64_t max_memory)
 {
     struct fsl_atlas atlas = {0};
@@ -130,6 +149,7 @@ static conus_status load_fsl(struct parcellation *parts, const char *path, struc
     if (!status) {
         parts->table = atlas.labels;
         atlas.labels = (struct label_table){0};
+        status = compare_with_volume(parts);
     }
     fsl_atlas_finish(&atlas);
     return status;

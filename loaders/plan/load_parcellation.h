@@ -12,6 +12,7 @@ struct parcellation {
     struct label_voxels labels;
     struct label_table table;
     char hemisphere;       /**< Of areas whose table says none; 0 = unsaid. */
+    bool is_disputed;      /**< Of an atlas XML: its volume by itself has other names, as a note says. */
     bool is_joined;        /**< Voxels of other files are among its own. */
     char *source;          /**< Where the names come from, in words. */
     struct file_sums read; /**< What else than the volume was read. */

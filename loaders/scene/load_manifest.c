@@ -299,9 +299,10 @@ static double area_threshold(const struct loading *loading, const struct manifes
 }
 
 /* Adds a volume of the file for each label, whose number is that of the volume from 1. The areas' labels are these
- * numbers behind the labels that there are, for a single volume the next one. */
+ * numbers less `skipped` behind the labels that there are, for a single volume the next one. */
 static conus_status add_labelled(struct loading *loading, const struct manifest_pathway *entry,
-                                 struct volume_file *file, const struct label_table *labels, struct notes *notes)
+                                 struct volume_file *file, const struct label_table *labels, uint32_t skipped,
+                                 struct notes *notes)
 {
     char words[TEXT_NUMBER_SIZE];
     const uint32_t before = largest_label(loading->atlas);
@@ -311,7 +312,7 @@ static conus_status add_labelled(struct loading *loading, const struct manifest_
     for (size_t i = 0; !status && i < labels->count; i++) {
         struct label label = labels->entries[i];
         status = load_progress_report(loading->progress, file->path, 1);
-        label.number = before + (entry->source.chosen ? 1 : label.number);
+        label.number = before + (entry->source.chosen ? 1 : label.number - skipped);
         status = status ? status
                         : probability_add(loading->atlas, file, labels->entries[i].number - 1, &label, &scale,
                                           threshold, notes);
@@ -326,7 +327,8 @@ static conus_status add_fsl_areas(struct loading *loading, const struct manifest
     struct fsl_maps maps = {0};
     conus_status status = open_fsl(&maps, loading, entry);
     loading->progress->total += status ? 0 : maps.atlas.labels.count - 1;
-    status = status ? status : add_labelled(loading, entry, &maps.image, &maps.atlas.labels, &maps.notes);
+    status = status ? status
+                    : add_labelled(loading, entry, &maps.image, &maps.atlas.labels, maps.has_background, &maps.notes);
     fsl_maps_finish(&maps);
     return status;
 }
@@ -361,10 +363,10 @@ static conus_status add_file_areas(struct loading *loading, const struct manifes
     status = status ? status : volume_file_open_series(&file, path, loading->options, &notes);
     if (loading->maps) {
         status = status ? status : named_maps_check(&file, loading->options->probability, &notes);
-        status = status ? status : add_labelled(loading, entry, &file, &loading->maps->table, &notes);
+        status = status ? status : add_labelled(loading, entry, &file, &loading->maps->table, 0, &notes);
     } else {
         status = status ? status : label_volumes(&labels, entry, &file);
-        status = status ? status : add_labelled(loading, entry, &file, &labels, &notes);
+        status = status ? status : add_labelled(loading, entry, &file, &labels, 0, &notes);
     }
     label_table_finish(&labels);
     volume_file_finish(&file);

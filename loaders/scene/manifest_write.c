@@ -16,6 +16,7 @@
 #include "loaders/maps/named_maps.h"
 #include "loaders/moved/draft_transform.h"
 #include "loaders/plan/plan_cifti.h"
+#include "loaders/scene/draft_fsl.h"
 #include "loaders/scene/draft_streamlines.h"
 #include "loaders/scene/load_manifest.h"
 #include "loaders/tables/fsl_number.h"
@@ -130,34 +131,35 @@ static conus_status set_parcellation(struct manifest_draft *draft, const char *n
 
 /* ---- FSL atlases ------------------------------------------------------------------------------------------------- */
 
-static conus_status mark_used(struct manifest_draft *draft, const struct fsl_atlas *atlas)
+static conus_status take_fsl_labels(struct manifest_draft *draft, const char *xml, const struct fsl_atlas *atlas)
 {
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && i < atlas->image_count; i++) {
-        const char *image = atlas->images[i].image;
-        const char *summary = atlas->images[i].summary;
-        status = image ? names_add(&draft->used, image + strspn(image, "/")) : CONUS_OK;
-        status = status || !summary ? status : names_add(&draft->used, summary + strspn(summary, "/"));
+    char *name = NULL;
+    conus_status status = draft_fsl_choose(&name, draft, xml);
+    status = status || !name ? status : set_parcellation(draft, name);
+    if (!status && name && is_parcellation(draft, name)) {
+        status = draft_fsl_mark(draft, atlas);
+        status = status ? status
+                        : manifest_draft_log(draft, "%s: parcellation, an atlas XML of %zu labels", name,
+                                             atlas->labels.count);
     }
+    memory_free(name);
     return status;
 }
 
 static conus_status take_fsl(struct manifest_draft *draft, const char *name, const struct fsl_atlas *atlas)
 {
     bool loads = false;
-    conus_status status = atlas->is_label ? set_parcellation(draft, name)
-                                          : manifest_draft_append_loading(&loads, draft, draft->maps, "probabilities",
-                                                                          json_pack("{s:s}", "fsl", name));
-    loads = atlas->is_label ? is_parcellation(draft, name) : loads;
-    if (status || !loads) {
-        return status || atlas->is_label ? status : manifest_draft_leave_out(draft, name);
+    if (atlas->is_label) {
+        return take_fsl_labels(draft, name, atlas);
     }
-    status = mark_used(draft, atlas);
+    conus_status status =
+        manifest_draft_append_loading(&loads, draft, draft->maps, "probabilities", json_pack("{s:s}", "fsl", name));
+    if (status || !loads) {
+        return status ? status : manifest_draft_leave_out(draft, name);
+    }
+    status = draft_fsl_mark(draft, atlas);
     return status ? status
-                  : manifest_draft_log(draft,
-                                       atlas->is_label ? "%s: parcellation, an atlas XML of %zu labels"
-                                                       : "%s: FSL atlas, %zu areas by probabilities",
-                                       name, atlas->labels.count);
+                  : manifest_draft_log(draft, "%s: FSL atlas, %zu areas by probabilities", name, atlas->labels.count);
 }
 
 /* Takes `name` if it is an FSL atlas. */
@@ -184,18 +186,6 @@ static conus_status look_at_xml(struct manifest_draft *draft, const char *name)
 }
 
 /* ---- Volumes ----------------------------------------------------------------------------------------------------- */
-
-static bool is_used(const struct manifest_draft *draft, const char *name)
-{
-    size_t length = volume_stem_length(name);
-    for (size_t i = 0; i < draft->used.count; i++) {
-        const char *used = draft->used.names[i];
-        if (volume_stem_length(used) == length && strncmp(used, name, length) == 0) {
-            return true;
-        }
-    }
-    return false;
-}
 
 #define NAMED "named by the table beside it"
 
@@ -342,7 +332,7 @@ static conus_status take_volume(struct manifest_draft *draft, const char *name, 
 static conus_status look_at_volume(struct manifest_draft *draft, const char *name)
 {
     struct volume_guess guess = {0};
-    if (is_used(draft, name)) {
+    if (draft_fsl_has(draft, name)) {
         return CONUS_OK;
     }
     char *path = manifest_draft_path(draft, name);

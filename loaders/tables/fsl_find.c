@@ -84,13 +84,22 @@ static conus_status try_xml(const struct search *search, const char *path, const
     return status;
 }
 
+/* Whether the volume's name begins with that of the XML: X.xml of X-2mm. */
+static bool is_called_so(const char *xml, const char *relative)
+{
+    return strncmp(xml, path_base(relative), strlen(xml) - strlen(".xml")) == 0;
+}
+
+/* Those that are called as the volume come first. */
 static conus_status search_in(const struct search *search, const char *folder, const char *relative)
 {
     struct names names = {0};
     conus_status status = names_list(&names, folder, ".xml");
-    for (size_t i = 0; !status && i < names.count; i++) {
-        char *path = file_beside(folder, names.names[i]);
-        status = path ? try_xml(search, path, relative) : CONUS_ERROR_MEMORY;
+    for (size_t i = 0; !status && i < 2 * names.count; i++) {
+        const char *name = names.names[i % names.count];
+        bool now = is_called_so(name, relative) == (i < names.count);
+        char *path = file_beside(folder, name);
+        status = !path ? CONUS_ERROR_MEMORY : now ? try_xml(search, path, relative) : CONUS_OK;
         memory_free(path);
     }
     names_finish(&names);

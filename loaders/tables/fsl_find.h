@@ -16,7 +16,8 @@ enum fsl_use {
 typedef conus_status (*fsl_visit)(void *user, struct fsl_atlas *atlas, const char *path, const struct bytes *file);
 
 /** Visits every atlas XML, in the folder of @p volume_path and in the one above, that names this volume for that use,
- * by name; for FSL_LABELS also SPM's that is called as the volume is and names no other image that is there. */
+ * by name, those first whose own name the volume's begins with; for FSL_LABELS also SPM's that is called as the volume
+ * is and names no other image that is there. */
 conus_status fsl_atlas_each(const char *volume_path, enum fsl_use use, fsl_visit visit, void *user);
 
 /** Path of @p image as the FSL atlas @p xml_path writes it: from the XML's folder, mostly without ending; NULL in *out

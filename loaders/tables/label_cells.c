@@ -239,3 +239,16 @@ conus_status label_keep(struct label_table *table, struct label *label, conus_st
     label_finish(label);
     return status;
 }
+
+conus_status label_drop_background(bool *dropped, struct label_table *table, struct notes *notes)
+{
+    struct label *first = table->entries;
+    *dropped = table->count && first->number == 1 && first->name && label_is_background(text_from(first->name));
+    if (!*dropped) {
+        return CONUS_OK;
+    }
+    conus_status status = notes_add(notes, "volume 0 is left out: it is called %s", first->name);
+    label_finish(first);
+    memmove(first, first + 1, --table->count * sizeof *first);
+    return status;
+}

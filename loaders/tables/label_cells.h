@@ -14,6 +14,10 @@ conus_status label_keep(struct label_table *table, struct label *label, conus_st
 /** Whether @p name says that what is called so is no area: "unknown", "Air", "*.*.*". */
 bool label_is_background(struct text name);
 
+/** Takes the first label out of @p table, whose numbers are those of volumes from 1, where that is volume 0 and is
+ * called background; a note says so. */
+conus_status label_drop_background(bool *dropped, struct label_table *table, struct notes *notes);
+
 /** Number and colour of Workbench's and GIFTI's <Label Key= Red= Green= Blue=>; its name is the element's text. */
 conus_status label_element(struct label *out, const struct xml_event *event);
 

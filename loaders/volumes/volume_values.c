@@ -305,3 +305,15 @@ conus_status volume_file_values_or_nan(float **out, struct volume_file *file, st
     *out = status ? *out : values;
     return status;
 }
+
+bool values_are_mask(const float *values, size_t count)
+{
+    float other = 0;
+    for (size_t i = 0; i < count; i++) {
+        other = other == 0 ? values[i] : other;
+        if (values[i] != 0 && values[i] != other) {
+            return false;
+        }
+    }
+    return true;
+}

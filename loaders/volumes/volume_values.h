@@ -43,6 +43,9 @@ conus_status volume_file_values(float **out, struct volume_file *file, struct no
 /** The same, but that these become NaN, which minimum and maximum disregard. CONUS_ERROR_DATA where all are. */
 conus_status volume_file_values_or_nan(float **out, struct volume_file *file, struct notes *notes);
 
+/** Whether no more than one of @p count values is there besides 0, as in a mask of whatever value. */
+bool values_are_mask(const float *values, size_t count);
+
 /** The stored number at @p data, of the NIfTI type @p datatype, unscaled; rounded where it has more than 53 bits. */
 double volume_value_at(const uint8_t *data, int datatype, bool swapped);
 

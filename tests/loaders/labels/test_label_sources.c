@@ -3,6 +3,7 @@
 #include "base/buffer.h"
 #include "base/file.h"
 #include "builders/label_row.h"
+#include "builders/nifti_builder.h"
 #include "loaders/tables/label_cells.h"
 #include "test.h"
 
@@ -175,12 +176,93 @@ static void contradictions_are_never_silent(void **state)
     row_text(test_in("v.csv"), "id,name\n2,Motor\n3,Visual\n4,area 3\n");
     assert_row("area_1", 2, "MRIcron text in v.txt",
                "label 2 is \"area_1\" in MRIcron text in v.txt, which is used, but \"Motor\" in CSV label table");
-    row_text(test_in("v.csv"), "id,name\n2,Motor\n3,area 2\n4,area 3\n"); /* a spelling */
+    row_text(test_in("v.csv"), "id,name\n2,Motor\n3,area 2\n4,area 3\n"); /* two spellings */
+    assert_row(
+        "area_1", 2, "MRIcron text in v.txt",
+        "label 2 is \"area_1\" in MRIcron text in v.txt, which is used, but \"Motor\" in CSV label table in v.csv "
+        "(1 of 3 such labels)");
+    row_text(test_in("v.csv"), "id,name\n2,area-1\n3,area 2\n4,area 3\n"); /* three */
     assert_row("area_1", 2, "MRIcron text in v.txt", NULL);
     row_text(test_in("v.csv"), "id,name,abbreviation\n2,Motor,area 1\n3,Visual,AREA_2\n"); /* long and short names */
     assert_row("area_1", 2, "MRIcron text in v.txt", NULL);
     row_text(test_in("v.csv"), "id,name\n1,damaged\n2.5,x\n");
     assert_row("area_1", 2, "MRIcron text in v.txt", "v.csv: CSV label table: line 3");
+}
+
+/* An atlas of type Label whose index k is called "area k", but that 2 and 3 have each other's name. */
+static const char swapped[] =
+    "<atlas><type>Label</type><images><imagefile>/v</imagefile></images><label index=\"1\">area 1</label>"
+    "<label index=\"2\">area 3</label><label index=\"3\">area 2</label><label index=\"4\">area 4</label>"
+    "<label index=\"5\">area 5</label><label index=\"6\">area 6</label></atlas>";
+
+/* Two of six names have two numbers. The points of v.xml prove its own. */
+static void an_atlas_is_compared_with_its_volume(void **state)
+{
+    (void)state;
+    static const char note[] =
+        "\"area 2\" is label 3 in FSL atlas XML in a.xml, which is used, but 2 in FSL atlas XML in "
+        "v.xml (2 of 6 such names)";
+    test_folder("compared");
+    row_write("v.nii", 7, 1, NULL);
+    row_text(test_in("a.xml"), swapped);
+    write_xml("v.xml", "Probabilistic", "v", by_index);
+    assert_row("area 2", 2, "FSL atlas XML in v.xml", "\"area 2\" is label 2 in FSL atlas XML in v.xml, 3 in FSL");
+    assert_row_of("a.xml", "area 3", 2, "FSL atlas XML in a.xml", note);
+    assert_ok(conus_manifest_write(test_in("m.atlas.json"), NULL));
+    assert_row_of("m.atlas.json", "area 2", 2, "FSL atlas XML in v.xml", "used is the XML, whose x y z agree");
+    row_text(test_in("v.txt"), "1 one\n"); /* a table beside the volume counts as well */
+    assert_row_of(
+        "a.xml", "area 3", 2, "FSL atlas XML in a.xml",
+        "label 1 is \"area 1\" in FSL atlas XML in a.xml, which is used, but \"one\" in MRIcron text in v.txt");
+    row_text(test_in("v.txt"), "1 area 2\n2 area 1\n"); /* and so does that the volume's tables contradict each other */
+    write_xml("v.xml", "Label", "v", nowhere);
+    assert_row_of("a.xml", "area 3", 2, "FSL atlas XML in a.xml", "v.nii: two label tables contradict each other");
+}
+
+/* Nothing proves either: X.xml is that of X-2mm.nii. */
+static void a_volumes_own_name_comes_first(void **state)
+{
+    (void)state;
+    test_folder("own");
+    row_write("v.nii", 7, 1, NULL);
+    write_xml("v.xml", "Label", "v", nowhere);
+    row_text(test_in("a.xml"), swapped);
+    assert_row("area 2", 2, "FSL atlas XML in v.xml", "which is used, but 3 in FSL atlas XML in a.xml");
+    rename(test_in("v.xml"), test_in("w.xml"));
+    assert_row("area 3", 2, "FSL atlas XML in a.xml", "which is used, but 2 in FSL atlas XML in w.xml");
+}
+
+/* Each volume has 0 and the label's number; "area 2" and "area 3" are exchanged in one of two XMLs. */
+static void two_atlases_of_the_same_volumes_are_compared(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = NULL;
+    char path[512];
+    test_folder("volumes");
+    struct nifti_builder builder;
+    nifti_begin(&builder, 1, false, 2, (int64_t[]){3, 1, 1});
+    nifti_set(&builder, "dim", 0, 4);
+    nifti_set(&builder, "dim", 4, 3);
+    for (int i = 0; i < 9; i++) {
+        nifti_voxel(&builder, i % 4 == 0 ? i / 3 + 1 : 0);
+    }
+    assert_ok(file_write(test_in("p.nii"), builder.bytes.data, builder.bytes.size));
+    buffer_finish(&builder.bytes);
+    for (int k = 0; k < 2; k++) {
+        struct buffer xml = {0};
+        buffer_format(&xml, "<atlas><type>Probabilistic</type><images><imagefile>/p</imagefile></images>"
+                            "<label index=\"0\">area 1</label>");
+        buffer_format(&xml, "<label index=\"1\">area %d</label><label index=\"2\">area %d</label></atlas>", 2 + k,
+                      3 - k);
+        row_text(test_in(k ? "b.xml" : "a.xml"), xml.data);
+        buffer_finish(&xml);
+    }
+    snprintf(path, sizeof path, "%s", test_in("a.xml"));
+    assert_ok(conus_atlas_load(&atlas, path, NULL));
+    assert_string_equal(conus_atlas_object(atlas, 2)->name, "area 2");
+    assert_true(
+        test_has_note(atlas, "\"area 2\" is label 2 in a.xml, which is used, but 3 in b.xml (2 of 3 such names)"));
+    conus_atlas_destroy(atlas);
 }
 
 /* An index of SPM is the voxel's value whatever else is said: no points, no type. */
@@ -424,6 +506,9 @@ int main(void)
         cmocka_unit_test(an_index_0_that_is_background_counts_by_value),
         cmocka_unit_test(a_given_atlas_is_checked_likewise),
         cmocka_unit_test(contradictions_are_never_silent),
+        cmocka_unit_test(an_atlas_is_compared_with_its_volume),
+        cmocka_unit_test(a_volumes_own_name_comes_first),
+        cmocka_unit_test(two_atlases_of_the_same_volumes_are_compared),
         cmocka_unit_test(an_atlas_of_spm_names_its_image),
         cmocka_unit_test(colours_without_names_only_colour),
         cmocka_unit_test(an_embedded_table_counts_as_one),

@@ -150,6 +150,74 @@ static void scales_are_told_apart(void **state)
     }
 }
 
+/* Volume k holds 0 and the label's number k, so k of 25 and less are no percent. Volume 0 is empty and no area. */
+static const double numbers[4][4] = {{0, 0, 0, 0}, {1, 0, 0, 0}, {0, 2, 2, 0}, {0, 0, 30, 30}};
+
+static const char masks_xml[] =
+    "<atlas><header><type>Probabilistic</type><images><imagefile>/masks</imagefile></images></header><data>"
+    "<label index=\"0\">*.*.*.*.*</label><label index=\"1\">A</label><label index=\"2\">B</label>"
+    "<label index=\"3\">C</label></data></atlas>";
+
+static void write_masks(const char *path, double odd)
+{
+    struct nifti_builder builder;
+    nifti_begin(&builder, 1, false, 16, (int64_t[]){4, 1, 1});
+    nifti_set(&builder, "dim", 0, 4);
+    nifti_set(&builder, "dim", 4, 4);
+    for (size_t i = 0; i < 16; i++) {
+        nifti_voxel(&builder, i == 15 ? odd : numbers[i / 4][i % 4]);
+    }
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(builder.bytes.data, 1, builder.bytes.size, file), builder.bytes.size);
+    assert_int_equal(fclose(file), 0);
+    buffer_finish(&builder.bytes);
+}
+
+/* The voxels of each area are counted in `numbers`. */
+static void masks_of_any_value_are_areas(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"A", "B", "C"};
+    static const uint64_t voxels[] = {1, 2, 2};
+    test_folder("masks");
+    write_masks(test_in("masks.nii"), 30);
+    write_text(test_in("a.xml"), masks_xml);
+    conus_atlas *atlas = load("a.xml");
+    assert_int_equal(conus_atlas_object_count(atlas), 3);
+    for (uint32_t number = 1; number <= 3; number++) {
+        const conus_object *area = conus_atlas_object(atlas, number);
+        assert_string_equal(area->name, names[number - 1]);
+        assert_int_equal(area->label, number); /* index 0 is background, so a summary has the indices */
+        assert_int_equal(area->voxels, voxels[number - 1]);
+        assert_near(conus_atlas_volume(atlas, area->volume)->maximum, 1, 0);
+    }
+    assert_note(atlas, "volume 0 is left out: it is called *.*.*.*.*");
+    assert_note(atlas, "masks.nii: 3 areas by probabilities of 0.25 and more (values: masks, since each volume has 0 "
+                       "and one other value, taken for 1)");
+    conus_atlas_destroy(atlas);
+    write_masks(test_in("masks.nii"), 29); /* three values in one volume: these are percent */
+    atlas = load("a.xml");
+    assert_int_equal(conus_atlas_object(atlas, 1)->voxels, 0);
+    assert_int_equal(conus_atlas_object(atlas, 3)->voxels, 2);
+    assert_note(atlas, "(values: percent)");
+    conus_atlas_destroy(atlas);
+}
+
+/* The default threshold of percent, 25, is above 2: without the rule of masks there is none. */
+static void a_mask_is_a_pathway(void **state)
+{
+    (void)state;
+    test_folder("mask_pathway");
+    write_masks(test_in("masks.nii"), 30);
+    write_text(test_in("p.atlas.json"), "{\"conus_atlas\": 1, \"pathways\": [{\"file\": \"masks.nii\", \"volume\": 2,"
+                                        " \"name\": \"B\"}]}");
+    conus_atlas *atlas = load("p.atlas.json");
+    assert_int_equal(conus_atlas_object(atlas, 1)->voxels, 2);
+    assert_note(atlas, "pathway B: 0 and one other value, taken as a mask; threshold 0.5");
+    conus_atlas_destroy(atlas);
+}
+
 /* The labels of a second entry follow those of the first, and a chosen volume has the next one. */
 static void entries_follow_each_other(void **state)
 {
@@ -356,6 +424,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_fsl_atlas_has_areas),
         cmocka_unit_test(scales_are_told_apart),
+        cmocka_unit_test(masks_of_any_value_are_areas),
+        cmocka_unit_test(a_mask_is_a_pathway),
         cmocka_unit_test(entries_follow_each_other),
         cmocka_unit_test(what_is_no_probability_is_refused),
         cmocka_unit_test(overlapping_areas_are_all_reported),
