@@ -101,6 +101,15 @@ void provenance_add_output(struct provenance *provenance, const char *option, co
     }
 }
 
+bool provenance_is_sealed(const char *key)
+{
+    bool is = false;
+    for (size_t i = 0; i < sizeof sealed / sizeof sealed[0]; i++) {
+        is = is || strcmp(key, sealed[i]) == 0;
+    }
+    return is;
+}
+
 static bool is_file(const char *path, size_t *size)
 {
     struct stat info;

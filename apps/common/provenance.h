@@ -53,6 +53,9 @@ bool provenance_seal(json_t *root);
  */
 bool provenance_checksum(char out[SHA256_TEXT], const json_t *root);
 
+/** Whether the checksum is of this key, to which only conus adds. */
+bool provenance_is_sealed(const char *key);
+
 /** SHA-256 of bytes and of a file, in hexadecimal. The latter returns the exit code and prints an error unless it is 0.
  */
 void provenance_hash(char out[SHA256_TEXT], const char *text, size_t size);

@@ -405,9 +405,29 @@ static void the_setting_that_differs_is_named(void **state)
     } cases[] = {
         {"{\"Settings\": {\"resolution\": 16}}", "{\"Settings\": {\"resolution\": 32}}",
          "Settings.resolution is 16 there, and 32"},
-        {"{\"Settings\": {\"engine\": \"rays\"}}", "{\"Settings\": {\"engine\": \"gl\"}}", NULL},
+        {"{\"Settings\": {\"engine\": \"rays, sse2\"}}", "{\"Settings\": {\"engine\": \"rays, avx2\"}}", NULL},
+        {"{\"Settings\": {\"engine\": \"rays\"}}", "{\"Settings\": {\"engine\": \"gl, llvmpipe\"}}",
+         "Settings.engine is \"rays\" there"},
         {"{\"Atlas\": {\"path\": \"a\", \"files\": [{\"sha256\": \"1\"}]}}",
-         "{\"Atlas\": {\"path\": \"b\", \"files\": [{\"sha256\": \"2\"}]}}", "Atlas.files[0].sha256 is \"1\" there"},
+         "{\"Atlas\": {\"path\": \"a\", \"files\": [{\"sha256\": \"2\"}]}}", "Atlas.files[0].sha256 is \"1\" there"},
+        {"{\"Atlas\": {\"path\": \"a\"}}", "{\"Atlas\": {\"path\": \"b\"}}", "Atlas.path is \"a\" there"},
+        {"{\"Queries\": [30, 0.1]}", "{\"Queries\": [30.0, 0.1]}", NULL},
+        {"{\"Queries\": [0.1]}", "{\"Queries\": [0.10000000001]}", "Queries[0] is 0.1"},
+        {"{\"a\": {\"Description\": \"1\", \"Units\": \"mm\"}}", "{\"a\": {\"Description\": \"1\"}}", NULL},
+        {"{\"a\": {\"Description\": \"1\"}}", "{\"a\": {\"Description\": \"1\", \"Units\": \"mm\"}}",
+         "a.Units is missing there, and \"mm\""},
+        {"{\"a\": {\"Description\": \"1\"}}", "{\"a\": {\"Description\": \"2\"}}", "a.Description is \"1\" there"},
+        {"{\"Labels\": {\"1\": \"A\", \"2\": \"B\"}}", "{\"Labels\": {\"1\": \"A\"}}", "Labels.2 is \"B\" there"},
+        {"{\"TaskName\": \"rest\"}", "{}", NULL},
+        {"{\"Sources\": []}", "{}", "Sources is [] there, and missing"},
+        {"{\"GeneratedBy\": [{\"Name\": \"conus\", \"Version\": \"1\", \"CommandLine\": \"a\"}]}",
+         "{\"GeneratedBy\": [{\"Name\": \"conus\", \"Version\": \"2\", \"CommandLine\": \"b\"}]}", NULL},
+        {"{\"GeneratedBy\": [{\"Name\": \"conus\", \"Host\": \"1\"}]}", "{\"GeneratedBy\": [{\"Name\": \"conus\"}]}",
+         "GeneratedBy[0].Host is \"1\" there"},
+        {"{\"Outputs\": [{\"option\": \"image\", \"bytes\": 1}, {\"option\": \"output\", \"bytes\": 1}]}",
+         "{\"Outputs\": [{\"option\": \"image\", \"bytes\": 2}, {\"option\": \"output\", \"bytes\": 2}]}",
+         "Outputs[1].bytes is 1 there"},
+        {"{}", "{\"Inputs\": []}", "Inputs is missing there"},
         {"{\"Queries\": [1]}", "{\"Queries\": [1, 2]}", "Queries[1] is missing there, and 2"},
         {"{\"Settings\": {}}", "{\"Settings\": {\"level\": \"1\"}}", "Settings.level is missing there"},
         {"{\"Settings\": {\"level\": \"1\"}}", "{}", "Settings is {\"level\":\"1\"} there, and missing"},
@@ -416,9 +436,63 @@ static void the_setting_that_differs_is_named(void **state)
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         json_t *a = json_loads(cases[i].a, 0, NULL);
         json_t *b = json_loads(cases[i].b, 0, NULL);
-        char *said = settings_difference(a, b);
+        char *said = NULL;
+        assert_true(sidecars_differ(&said, a, b, &(struct sidecar_terms){0}));
         assert_true((said == NULL) == (cases[i].said == NULL));
         assert_true(!said || strstr(said, cases[i].said));
+        free(said);
+        json_decref(a);
+        json_decref(b);
+    }
+}
+
+/* Terms that let values differ, and only these. */
+static void only_what_follows_from_the_terms_may_differ(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *a, *b;
+        struct sidecar_terms terms;
+        bool differs, differs_else;
+    } cases[] = {
+        {"{\"Settings\": {\"engine\": \"gl\"}}",
+         "{\"Settings\": {\"engine\": \"rays\"}}",
+         {.other_engine = true},
+         false,
+         true},
+        {"{\"Settings\": {\"layers\": \"all\"}}",
+         "{\"Settings\": {\"layers\": \"visible\"}}",
+         {.other_engine = true, .older = true, .root = "/x"},
+         true,
+         true},
+        {"{\"Batch\": {\"fingerprint\": \"1\"}}", "{\"Batch\": {\"fingerprint\": \"2\"}}", {.root = "/x"}, false, true},
+        {"{\"Batch\": {\"fingerprint\": \"1\"}}",
+         "{\"Batch\": {\"fingerprint\": \"2\"}}",
+         {.older = true},
+         false,
+         true},
+        {"{\"Batch\": {\"first\": 1}}", "{\"Batch\": {\"first\": 2}}", {.older = true, .root = "/x"}, true, true},
+        {"{}", "{\"Inputs\": [], \"Outputs\": []}", {.older = true}, false, true},
+        {"{\"Inputs\": [1]}", "{\"Inputs\": []}", {.older = true}, true, true},
+        {"{\"Atlas\": {}}", "{\"Atlas\": {\"bytes\": 1}}", {.older = true}, false, true},
+        {"{\"Atlas\": {\"bytes\": 2}}", "{\"Atlas\": {\"bytes\": 1}}", {.older = true}, true, true},
+        {"{\"a\": {\"Description\": \"1\"}}", "{\"a\": {\"Description\": \"2\"}}", {.older = true}, false, true},
+        {"{\"Atlas\": {\"path\": \"/a/b\", \"notes\": [\"in /a/b, /a\"]}}",
+         "{\"Atlas\": {\"path\": \"/t/root/a/b\", \"notes\": [\"in /t/root/a/b, /t/root/a\"]}}",
+         {.root = "/t/root"},
+         false,
+         true},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        json_t *a = json_loads(cases[i].a, 0, NULL);
+        json_t *b = json_loads(cases[i].b, 0, NULL);
+        char *said = NULL;
+        assert_true(sidecars_differ(&said, a, b, &cases[i].terms));
+        assert_true((said != NULL) == cases[i].differs);
+        free(said);
+        said = NULL;
+        assert_true(sidecars_differ(&said, a, b, &(struct sidecar_terms){0}));
+        assert_true((said != NULL) == cases[i].differs_else);
         free(said);
         json_decref(a);
         json_decref(b);
@@ -441,6 +515,7 @@ int main(void)
         cmocka_unit_test(the_cell_that_differs_is_named),
         cmocka_unit_test(more_differences_than_are_listed_are_counted),
         cmocka_unit_test(the_setting_that_differs_is_named),
+        cmocka_unit_test(only_what_follows_from_the_terms_may_differ),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -28,6 +28,7 @@ inputs() {
     printf 'name\tx\ty\tz\tsize\nR1\t80\t0\t0\t1\nR2\t70\t0\t0\t1\n' >in_electrodes.tsv
     printf '{"iEEGCoordinateSystem": "Other", "iEEGCoordinateUnits": "mm"}\n' >in_coordsystem.json
     printf 'name\tx\ty\tz\tsize\nA0\t0\t-12\t0.5\t1\nA1\t0\t-11\t0.5\t1\nA2\t0\t-10\t0.5\t1\n' >probe.tsv
+    python3 "$BATS_TEST_DIRNAME/tck.py" lines.tck -30,0,0 30,0,0 -- 0,-20,0 0,0,9 -- 0,0,0 0,4,4
     mkdir -p out own
     cp atlas/sphere.nii.gz own/ball_atlas.nii.gz
     cp atlas/sphere.tsv own/ball_atlas.tsv
@@ -100,9 +101,11 @@ setup_file() {
     make track.ndjson track $S --poses hand.tsv
     make overlap.tsv overlap $N out/in_mask.nii.gz
     make regions.json overlap $N out/in_mask.nii.gz atlas/slabs.nii.gz --atlas $L --threshold 1
+    make connect.json connect $N --streamlines lines.tck --connectivity out/matrix.tsv
+    make ends.tsv query $N --streamlines lines.tck $aim --endpoints out/ends-rows.tsv --streamlines-out out/lines.tck
     make listed.csv overlap $N --labels tree.tsv out/in_mask.nii.gz --level @list.txt
     conus query $S $aim --format tsv -q --sidecar out/stdout.tsv.json >out/stdout.tsv
-    results+=(out/{images-rows,s0,s1,merged,job1,passed,batch-passed}.tsv out/{job2,batch-only}.csv
+    results+=(out/{images-rows,ends-rows,s0,s1,merged,job1,passed,batch-passed}.tsv out/{job2,batch-only}.csv
         out/{in_dseg,in_mask}.nii.gz out/stdout.tsv)
     printf '%s\n' "${results[@]}" >results
     cp -r . "$BATS_FILE_TMPDIR/kept"
@@ -238,8 +241,14 @@ says() {
     sed -i "s/$sum/0${sum:1}/" out/range.json
     says 1 'out/range.json was changed' out/range.tsv
     has 'atlas/sphere.nii.gz changed'
-    sed -i 's/"Description": "query_id/"Description": "Query_id/; 2i "TaskName": "rest",' out/tube.json
+    sed -i '2i "TaskName": "rest",' out/tube.json # what others add is theirs
+    sed -i 's/"Description": "pixels of/"LongName": "Pixels", &/' out/tube.json
     says 0 identical out/tube.tsv
+    sed -i 's/"Units": "degree"/"Units": "radian"/' out/tube.json # the checksum is not of it
+    says 1 'offset_deg.Units is "radian" there, and "degree" when it is answered again' out/tube.tsv
+    jq 'del(.Checksum)' out/sweep.json >edited
+    cp edited out/sweep.json
+    says 1 'out/sweep.json has no Checksum: it may have been changed' out/sweep.tsv
     sed -i 's/"Version": "[^"]*"/"Version": "0.0.1"/' out/lps.json
     says 1 'it was written by conus 0.0.1; this is' out/lps.tsv
     sed -i 's/"shard": \[/"shard": [ /; s/--poses poses.tsv/--poses hand.tsv/' out/batch.json
@@ -248,20 +257,50 @@ says() {
     says 3 'begins with "conus trick"' out/selected.json
 }
 
+# What stands in a sidecar must be what a new answer says, whether the Checksum is left as it is, recomputed or missing:
+# each value of each kind of sidecar is changed alone.
+@test "every value of a sidecar that is changed is noticed, with the checksum recomputed" {
+    study
+    run -0 python3 "$BATS_TEST_DIRNAME/leaves.py" "$CONUS" out/{several,batch,merged,job1,sweep,track,passed,ends-rows}.tsv \
+        out/regions.json out/in_mask.nii.gz
+    echo "$output"
+    count=$(sed -nE 's/^([0-9]+) values changed, \1 noticed$/\1/p' <<<"$output")
+    [ "$count" -ge 900 ]
+    [ "${#lines[@]}" -eq 1 ]
+}
+
+# A question that was another one, sealed anew.
+@test "a forged sidecar is not identical" {
+    study
+    jq '.Space = {orientation: "LPS", units: "cm"} | .Settings.resolution = 64 | .Settings.engine = "gl" |
+        .Atlas.volumes[0].transform = "sform, code 4 (MNI 152)"' out/q.json >forged.json
+    sum=$(python3 "$BATS_TEST_DIRNAME/leaves.py" --seal forged.json)
+    jq --arg sum "$sum" '.Checksum = $sum' forged.json >out/q.json
+    says 1 'Space.orientation is "LPS" there, and "RAS" when it is answered again' out/q.tsv
+    jq 'del(.Checksum)' forged.json >out/q.json
+    says 1 'Space.orientation is "LPS" there, and "RAS" when it is answered again' out/q.tsv
+    jq '.Batch = {}' "$BATS_FILE_TMPDIR/kept/out/range.json" >out/range.json # what conus alone writes
+    says 3 'Batch: no shard' out/range.tsv
+}
+
 @test "sidecars of older versions are answered again, and what they lack is said" {
     study
     for name in q poses batch layers; do
-        jq 'del(.Inputs, .Outputs, .Checksum) | del(.. | .bytes?)' out/$name.json >old
+        jq '.GeneratedBy[0].Version = "0.0.1" | .rank.Description = "place" | del(.Inputs, .Outputs, .Checksum) |
+            del(.. | .bytes?)' out/$name.json >old
         mv old out/$name.json
     done
+    says 0 identical out/layers.tsv
     says 0 identical out/q.tsv
-    has 'note: out/q.json is of an older conus and has no Checksum'
-    has 'note: out/q.json is of an older conus and has no SHA-256 of the result'
+    has 'note: it was written by conus 0.0.1; this is'
+    has 'note: out/q.json has no Checksum: it may have been changed'
+    has 'note: out/q.json has no SHA-256 of the result'
     says 0 'note: poses.tsv has no recorded SHA-256: taken as it is' out/poses.tsv
     sed -i '2s/1/2/' out/poses.tsv
     says 1 'line 2' out/poses.tsv
-    sed -i 's/"Version": "[^"]*"/"Version": "0.0.1"/' out/poses.json
     says 1 'why: it was written by conus 0.0.1; this is' out/poses.tsv
+    sed -i 's/"Units": "mm"/"Units": "cm"/' out/q.json # what it has must be so
+    says 1 'Units is "cm" there, and "mm"' out/q.tsv
     jq 'del(.GeneratedBy[0].CommandLine)' out/q.json >old
     mv old out/q.json
     says 3 'written by the library or its Python package, not by the program' out/q.tsv
@@ -342,7 +381,7 @@ hostile() {
 @test "a hostile sidecar writes nowhere and starts nothing" {
     study
     local aim="--origin 0,-100,0 --toward 0,0,0"
-    hostile 'conus mesh atlas/sphere.nii.gz -o meshes' 'only conus query, batch, sweep, track and overlap'
+    hostile 'conus mesh atlas/sphere.nii.gz -o meshes' 'only conus query, batch, sweep, track, overlap and connect'
     hostile 'conus phantom sphere -o .' 'begins with "conus phantom"'
     hostile 'conus view --script x' 'begins with "conus view"'
     hostile 'conus' 'begins with "conus "'

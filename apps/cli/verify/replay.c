@@ -138,8 +138,8 @@ bool replay_parse(struct replay *out, const struct command *const *commands)
     out->command = known ? find_command(commands, line->words[1]) : NULL;
     if (!out->command || asks_for_help(line)) {
         return fail_replay(out,
-                           "its command line begins with \"%.40s %.40s\": only conus query, batch, sweep, track and "
-                           "overlap are asked again",
+                           "its command line begins with \"%.40s %.40s\": only conus query, batch, sweep, track, "
+                           "overlap and connect are asked again",
                            line->words[0], line->count > 1 ? line->words[1] : "");
     }
     out->settings = calloc(1, out->command->settings_size);
@@ -407,6 +407,11 @@ bool replay_run(struct replay *replay)
         _exit(answer_in_child(replay, &stage));
     }
     bool answered = child > 0 ? wait_for(replay, child, stage.messages) : fail_replay(replay, "no process for it");
+    replay->root = stage.is_moved ? stage_word(&stage, "/") : NULL;
+    if (replay->root) {
+        replay->root[strlen(replay->root) - 1] = '\0'; /* the slash that is the path's own */
+    }
+    answered = answered && (!stage.is_moved || replay->root || fail_replay(replay, "it does not fit into memory"));
     stage_finish(&stage);
     return answered;
 }
@@ -424,6 +429,7 @@ void replay_finish(struct replay *replay)
         options_finish(replay->settings, &replay->arguments);
     }
     free(replay->settings);
+    free(replay->root);
     stage_remove(replay->folder);
     *replay = (struct replay){0};
 }

@@ -19,7 +19,8 @@ struct replay {
     const char *engine; /**< --engine in place of the recorded one; NULL = that. */
     struct arguments arguments;
     void *settings;
-    char *folder;         /**< Made by replay_start(); replay_finish() removes it. */
+    char *folder;         /**< Made by replay_run(); replay_finish() removes it. */
+    char *root;           /**< What stood before absolute paths there; NULL = nothing. */
     char why[REPLAY_WHY]; /**< What went wrong. */
 };
 

@@ -180,7 +180,7 @@ static void find_output(struct checking *checking)
         return;
     }
     if (!record->output_count) {
-        say(&verdict->notes, "%s is of an older conus and has no SHA-256 of the result", verdict->sidecar);
+        say(&verdict->notes, "%s has no SHA-256 of the result", verdict->sidecar);
     } else if (named) {
         say(&verdict->why, "%s was changed after conus wrote it: it has another %s than %s records", verdict->result,
             named->crc32 >= 0 ? "length or CRC-32" : "SHA-256", verdict->sidecar);
@@ -316,26 +316,58 @@ static int compare_texts(struct checking *checking, const char *again, size_t ag
     return EXIT_DONE;
 }
 
-/* What the two sidecars say about settings, and in what they differ. */
-static void compare_sidecars(struct checking *checking, const char *path)
+static bool is_other_version(const struct record *record)
 {
-    struct verdict *verdict = checking->verdict;
-    char *sidecar = sidecar_find(path);
+    return strcmp(record->version, conus_version()) != 0;
+}
+
+/* The option whose file the sidecar is beside: conus lists that one last. */
+static const char *option_of(const struct record *record)
+{
+    return record->output_count ? record->outputs[record->output_count - 1].option : "output";
+}
+
+/* The sidecar that was made again, of the same option; NULL where there is none. */
+static json_t *load_again(const struct checking *checking, const struct replay *replay)
+{
+    char *path = replay_output(replay, option_of(&checking->verdict->record));
+    char *sidecar = path ? sidecar_find(path) : NULL;
     char *text = NULL;
     size_t size = 0;
     json_error_t error;
-    bool read = sidecar && access(sidecar, F_OK) == 0 &&
-                !input_file_read(&text, &size, sidecar, INPUT_FILE, checking->settings->max_memory);
-    json_t *now = read ? provenance_parse(text, size, &error) : NULL;
-    char *difference = now ? settings_difference(verdict->record.root, now) : NULL;
-    bool is_broken = verdict->record.is_sealed && !verdict->record.is_intact;
-    if (difference && (is_broken || (!verdict->same && !verdict->why.count))) { /* else it follows from the rest */
+    bool read = sidecar && !input_file_read(&text, &size, sidecar, INPUT_FILE, checking->settings->max_memory);
+    json_t *again = read ? provenance_parse(text, size, &error) : NULL;
+    free(text);
+    free(sidecar);
+    free(path);
+    return again;
+}
+
+/* Every value of the sidecar is compared. What differs is said where nothing else was said, which it may follow from.
+ */
+static int compare_sidecars(struct checking *checking, const struct replay *replay)
+{
+    struct verdict *verdict = checking->verdict;
+    const struct record *record = &verdict->record;
+    const struct sidecar_terms terms = {.arguments = &replay->arguments,
+                                        .root = replay->root,
+                                        .other_engine = replay->engine != NULL,
+                                        .older = is_other_version(record)};
+    char *difference = NULL;
+    json_t *again = load_again(checking, replay);
+    bool compared = again && sidecars_differ(&difference, record->root, again, &terms);
+    if (!again) {
+        say(&verdict->why, "%s: no sidecar is written when it is answered again", verdict->sidecar);
+    } else if (difference && (!record->is_intact || !verdict->why.count)) {
         say(&verdict->why, "%s: %s", verdict->sidecar, difference);
     }
     free(difference);
-    json_decref(now);
-    free(text);
-    free(sidecar);
+    json_decref(again);
+    if (again && !compared) {
+        print_error_line("not enough memory");
+        return EXIT_DATA;
+    }
+    return EXIT_DONE;
 }
 
 /* What explains other rows where nothing else does. */
@@ -344,7 +376,7 @@ static void say_versions(struct checking *checking)
     struct verdict *verdict = checking->verdict;
     const struct record *record = &verdict->record;
     const char *engine = json_string_value(json_object_get(json_object_get(record->root, "Settings"), "engine"));
-    if (strcmp(record->version, conus_version()) != 0) {
+    if (is_other_version(record)) {
         say(verdict->same ? &verdict->notes : &verdict->why, "it was written by conus %s; this is %s", record->version,
             conus_version());
     }
@@ -379,7 +411,7 @@ static int compare(struct checking *checking, struct replay *replay)
         say(&verdict->why, "%s", error_line());
     } else {
         code = compare_texts(checking, text, size, path);
-        compare_sidecars(checking, path);
+        code = code ? code : compare_sidecars(checking, replay);
     }
     free(text);
     free(path);
@@ -444,8 +476,9 @@ static int check(struct checking *checking, const struct command *const *command
     }
     if (record->is_sealed && !record->is_intact) {
         say(&verdict->why, "%s was changed after conus wrote it: its Checksum does not fit", verdict->sidecar);
-    } else if (!record->is_sealed) {
-        say(&verdict->notes, "%s is of an older conus and has no Checksum: it may have been changed", verdict->sidecar);
+    } else if (!record->is_sealed) { /* which all versions write but those before the first release */
+        say(is_other_version(record) ? &verdict->notes : &verdict->why, "%s has no Checksum: it may have been changed",
+            verdict->sidecar);
     }
     find_output(checking);
     int code = EXIT_DONE;

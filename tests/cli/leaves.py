@@ -1,0 +1,132 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""leaves.py CONUS RESULT...: changes every value in the sidecar of every result, one at a time, recomputes the
+Checksum as docs/formats.md has it, and runs `conus verify`, which must notice each. Prints those that it does not, and
+how many there were. leaves.py --seal FILE prints the Checksum that a sidecar should have."""
+import concurrent.futures
+import copy
+import hashlib
+import json
+import os
+import subprocess
+import sys
+import tempfile
+
+SEALED = ["Space", "GeneratedBy", "Atlas", "Atlases", "Settings", "Queries", "Batch", "Inputs", "Outputs", "Sources"]
+
+
+class Real(str):
+    """A number with a fraction, as it stands in the file."""
+
+
+def dump(value):
+    """Compact, keys sorted by their bytes, numbers with 9 digits as C's %.9g has them."""
+    if isinstance(value, dict):
+        keys = sorted(value, key=str.encode)
+        return "{" + ",".join(f"{json.dumps(key, ensure_ascii=False)}:{dump(value[key])}" for key in keys) + "}"
+    if isinstance(value, list):
+        return "[" + ",".join(map(dump, value)) + "]"
+    if isinstance(value, Real):
+        text = f"{float(value):.9g}".replace("e+0", "e").replace("e-0", "e-").replace("e+", "e")
+        return text if "." in text or "e" in text else text + ".0"
+    return json.dumps(value, ensure_ascii=False)
+
+
+def seal(root):
+    return hashlib.sha256(dump({key: root[key] for key in SEALED if key in root}).encode()).hexdigest()
+
+
+def load(path):
+    with open(path, encoding="utf-8") as file:
+        root = json.load(file, parse_float=Real)
+    root.pop("Rows", None)
+    return root
+
+
+def sidecar_of(result):
+    stem = result
+    for ending in (".nii.gz", ".tsv", ".csv", ".nii"):
+        stem = stem.removesuffix(ending)
+    return next(path for path in (result + ".json", stem + ".json", result) if os.path.exists(path))
+
+
+def leaves(value, path=()):
+    if isinstance(value, (dict, list)):
+        for key, inner in value.items() if isinstance(value, dict) else enumerate(value):
+            yield from leaves(inner, (*path, key))
+    else:
+        yield path
+
+
+def changed(path, value):
+    if isinstance(value, Real):
+        return Real(float(value) + 1)
+    if isinstance(value, bool):
+        return not value
+    if isinstance(value, int):
+        return value + 1
+    if path[-1] == "CommandLine":
+        return value.replace(" -q", "", 1)
+    return "x" + (value or "")
+
+
+def may_differ(path, root):
+    """What docs/commands.md lists: the words of the command line, which are asked, and the bytes of pictures."""
+    if path[-1] == "CommandLine":
+        return True
+    output = root["Outputs"][path[1]]["option"] if path[0] == "Outputs" else ""
+    return output in ("image", "deep") and path[2] in ("bytes", "sha256")
+
+
+def encode(value):
+    """Numbers as they stand."""
+    if isinstance(value, dict):
+        return "{" + ",".join(f"{json.dumps(key)}:{encode(inner)}" for key, inner in value.items()) + "}"
+    if isinstance(value, list):
+        return "[" + ",".join(map(encode, value)) + "]"
+    return str(value) if isinstance(value, Real) else json.dumps(value)
+
+
+def verify(conus, result, root):
+    with tempfile.NamedTemporaryFile("w", suffix=".json") as file:
+        file.write(encode(root))
+        file.flush()
+        return subprocess.run([conus, "verify", result, "--sidecar", file.name], capture_output=True, text=True)
+
+
+def is_noticed(conus, result, root, path):
+    own = copy.deepcopy(root)
+    inner = own
+    for key in path[:-1]:
+        inner = inner[key]
+    inner[path[-1]] = changed(path, inner[path[-1]])
+    if path != ("Checksum",):
+        own["Checksum"] = seal(own)
+    answer = verify(conus, result, own)
+    if path[0] == "GeneratedBy" and path[-1] == "Version":
+        return "it was written by conus x" in answer.stdout or path[1] == 1  # of conus merge
+    return answer.returncode in (1, 3)
+
+
+def main():
+    conus, *results = sys.argv[1:]
+    if conus == "--seal":
+        print(seal(load(results[0])))
+        return
+    count = missed = 0
+    with concurrent.futures.ThreadPoolExecutor() as pool:
+        for result in results:
+            root = load(sidecar_of(result))
+            if seal(root) != root["Checksum"]:
+                sys.exit(f"{result}: its Checksum is not the one of docs/formats.md")
+            if verify(conus, result, root).returncode:
+                sys.exit(f"{result}: not identical before any change")
+            paths = [path for path in leaves(root) if not may_differ(path, root)]
+            for path, noticed in zip(paths, pool.map(lambda path: is_noticed(conus, result, root, path), paths)):
+                count += 1
+                missed += not noticed
+                if not noticed:
+                    print(f"{result}: {'.'.join(map(str, path))}: not noticed")
+    print(f"{count} values changed, {count - missed} noticed")
+
+
+main()
