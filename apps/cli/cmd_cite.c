@@ -12,6 +12,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 struct cite_settings {
     struct common_settings common;
@@ -19,6 +20,7 @@ struct cite_settings {
     const char *sidecar;
     struct option_list folders;
     uint64_t max_memory;
+    bool unverified;
 };
 
 static const char *const formats[] = {"text", "bibtex", NULL};
@@ -48,6 +50,10 @@ static const struct option own_options[] = {
      .offset = FIELD(max_memory),
      .value = "SIZE",
      .help = "largest file of ATLAS to read, like 512M or 2G (default 8G)"},
+    {.name = "unverified",
+     .type = OPTION_FLAG,
+     .offset = FIELD(unverified),
+     .help = "say what the sidecar says without answering RESULT again, even if it was changed"},
     {0},
 };
 
@@ -189,6 +195,44 @@ static int cite_result(struct citing *citing, const char *sidecar)
     return code;
 }
 
+/* What the sidecar is beside, where that was given in place of the result; NULL if it names none, or without memory. */
+static char *result_of(const struct citing *citing, const char *sidecar)
+{
+    const struct record *record = &citing->record;
+    const char *path = record->output_count ? record->outputs[record->output_count - 1].path : NULL;
+    char *result = NULL;
+    if (strcmp(citing->given, sidecar) != 0 || (path && strcmp(name_of(path), name_of(sidecar)) == 0)) {
+        return strdup(citing->given);
+    }
+    return path && asprintf(&result, "%.*s%s", (int)(name_of(sidecar) - sidecar), sidecar, name_of(path)) >= 0 ? result
+                                                                                                               : NULL;
+}
+
+/* Nothing is said of a result that is not what its sidecar gives. Of one that cannot be answered again, whose sidecar
+ * has its checksum, stderr says why. */
+static int verify_result(const struct citing *citing, const char *sidecar)
+{
+    const struct verdict_settings settings = {.sidecar = sidecar, .folders = citing->settings->folders};
+    struct verdict verdict = {0};
+    char *result = result_of(citing, sidecar);
+    if (!result || access(result, F_OK)) {
+        print_error_line("%s: cannot be verified: the result that it is beside is not there", sidecar);
+        free(result);
+        return EXIT_DONE;
+    }
+    int code = verdict_find(&verdict, result, &settings, commands);
+    const char *why = verdict.why.count ? verdict.why.items[0] : "its rows differ";
+    if (!code && verdict.kind == VERDICT_NONE && citing->record.is_intact) {
+        verdict_print_error(&verdict);
+    } else if (!code && verdict.kind != VERDICT_IDENTICAL) {
+        print_error_line("%s: does not verify: %s; --unverified cites what %s says", result, why, sidecar);
+        code = EXIT_DIFFERENT;
+    }
+    verdict_finish(&verdict);
+    free(result);
+    return code;
+}
+
 /* ---- Of an atlas ------------------------------------------------------------------------------------------------- */
 
 static const char *sum_of(const conus_atlas *atlas, const char *path)
@@ -325,6 +369,7 @@ static int run_cite(const void *given, const struct arguments *arguments)
     int code = EXIT_DONE;
     if (sidecar && (named || is_sidecar(sidecar))) {
         code = read_record(&citing, sidecar);
+        code = code || citing.settings->unverified ? code : verify_result(&citing, sidecar);
         code = code ? code : cite_result(&citing, sidecar);
     } else {
         code = cite_atlas(&citing);
@@ -341,8 +386,9 @@ const struct command cmd_cite = {
     .operands = {"RESULT|ATLAS"},
     .description =
         "Of a RESULT with its .json beside it: a paragraph that says what was asked, as the settings say, and the\n"
-        "references: conus, the method where rays were traced, and the atlas, as its own files ask. Of an ATLAS:\n"
-        "how to cite it. Read it before you publish it: conus knows nothing of your study.",
+        "references: conus, the method where rays were traced, and the atlas, as its own files ask. RESULT is first\n"
+        "answered again, as by conus verify: what was changed is not cited. Of an ATLAS: how to cite it. Read it\n"
+        "before you publish it: conus knows nothing of your study.",
     .examples = "  conus cite answers.tsv\n"
                 "  conus cite answers.tsv --format bibtex >>paper.bib\n"
                 "  conus cite aal\n",

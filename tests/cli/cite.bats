@@ -187,13 +187,16 @@ METHOD='T. Rick, A. von Kapri, T. Kuhlen: GPU Implementation of 3D Object Select
     mkdir moved study
     mv a.tsv a.json moved/
     cd study
-    cites ../moved/a.tsv
+    run -0 --separate-stderr "$CONUS" cite ../moved/a.tsv # of files that are missing, stderr says so
+    [[ "$stderr" == *'../moved/a.tsv: cannot be verified: nested.nii.gz is missing'* ]]
+    output=$(tr '\n' ' ' <<<"$output")
     has 'x: its files are not here as they were, to look for a reference (file x.atlas.json, SHA-256 '
     cites ../moved/a.tsv --search ..
     has 'x: A. Author'
     cd ..
     sed -i 's/Author/Outher/' x.atlas.json
-    cites moved/a.tsv --search .
+    fails 1 'does not verify: x.atlas.json changed' cite moved/a.tsv --search .
+    cites moved/a.tsv --search . --unverified
     has 'are not here as they were'
     jq '.references = [1]' x.atlas.json >y.atlas.json
     fails 3 'references[0]: ' info y.atlas.json
@@ -225,9 +228,33 @@ METHOD='T. Rick, A. von Kapri, T. Kuhlen: GPU Implementation of 3D Object Select
     cp a.tsv b.tsv
     fails 3 'written by the library or its Python package' cite b.tsv
     jq '.GeneratedBy[0].CommandLine = "conus mesh nested.nii.gz -o x"' a.json >b.json
-    fails 3 'begins with "conus mesh"' cite b.tsv
+    fails 3 'begins with "conus mesh"' cite b.tsv --unverified
     jq 'del(.Atlas.path)' a.json >b.json
-    fails 3 'Atlas: path: is missing' cite b.tsv
+    fails 3 'Atlas: path: is missing' cite b.tsv --unverified
     jq '.GeneratedBy[0].Name = "other"' a.json >b.json
     fails 3 'not a sidecar of conus' cite b.tsv
+}
+
+# What a sidecar says that is not what its command line gives would stand in a paper.
+@test "a result that does not verify is not cited" {
+    scene
+    conus query nested.nii.gz $aim -o a.tsv
+    cp a.json kept.json
+    jq '.Atlas.volumes[0].transform = "sform, code 4 (MNI 152)"' kept.json >a.json
+    fails 1 'a.tsv: does not verify: a.json was changed after conus wrote it' cite a.tsv
+    jq --arg sum "$(python3 "$BATS_TEST_DIRNAME/leaves.py" --seal a.json)" '.Checksum = $sum' a.json >sealed.json
+    fails 1 'transform is "sform, code 4 (MNI 152)" there, and "sform, code 1 (scanner)"' cite a.tsv --sidecar sealed.json
+    jq 'del(.Checksum)' kept.json >a.json
+    fails 1 'a.json has no Checksum' cite a.tsv
+    cites a.tsv --unverified
+    has 'a full opening angle of 30°'
+    cp kept.json a.json
+    sed -i '2s/1/2/' a.tsv
+    fails 1 'a.tsv was changed after conus wrote it' cite a.tsv
+    fails 1 'a.tsv was changed after conus wrote it' cite a.json # beside which it is
+    rm a.tsv
+    run -0 --separate-stderr "$CONUS" cite a.json
+    [ "$stderr" = 'conus: a.json: cannot be verified: the result that it is beside is not there' ]
+    run -0 "$CONUS" cite a.json --unverified
+    [[ "$output" != *verified* ]]
 }
