@@ -315,6 +315,29 @@ void work_say_aims(const struct work *work)
     free(aimed);
 }
 
+void work_keep_error(struct work *work, const conus_batch_block *block)
+{
+    struct first_error *first = &work->first_error;
+    if (block->errors && !first->line) {
+        first->line = block->line;
+        snprintf(first->why, sizeof first->why, "%s", block->why);
+    }
+}
+
+void work_say_errors(const struct work *work, uint64_t poses, uint64_t errors)
+{
+    const struct first_error *first = &work->first_error;
+    bool is_said = work->settings->of_segments && option_given(work->arguments, "output"); /* by the run before */
+    char where[sizeof first->why + 64] = "";
+    if (first->line) {
+        snprintf(where, sizeof where, ", the first in line %" PRIu64 ": %s", first->line, first->why);
+    }
+    if (errors && !is_said) {
+        print_error_line("%s: no answer to %" PRIu64 " of %" PRIu64 " poses%s",
+                         settings_poses_name(work->settings->poses), errors, poses, where);
+    }
+}
+
 int work_check_poses(struct work *work)
 {
     char hash[65] = "";

@@ -5,6 +5,12 @@
 
 #include "batch/batch_record.h"
 
+/** The first pose that has no answer. */
+struct first_error {
+    uint64_t line; /**< In the file of poses; 0 = there is none. */
+    char why[512];
+};
+
 struct work {
     const struct batch_settings *settings;
     const struct arguments *arguments;
@@ -22,6 +28,7 @@ struct work {
     conus_selector **selectors; /**< [atlases.count] */
     conus_astray *astray;       /**< [atlases.count] Where the poses lie and point, once work_find_aims() was called. */
     conus_batch *batch;
+    struct first_error first_error; /**< Of this run. */
     char fingerprint[65], pose_hash[65];
 };
 
@@ -51,6 +58,12 @@ int work_check_poses(struct work *work);
 
 /** Prints an error where something stands in the way of a new output. */
 int work_check_output(const struct work *work);
+
+/** Keeps the first pose of the block that has no answer, unless there was one before. */
+void work_keep_error(struct work *work, const conus_batch_block *block);
+
+/** Prints how many of @p poses poses, @p errors, have no answer, with the first of this run; nothing where all have. */
+void work_say_errors(const struct work *work, uint64_t poses, uint64_t errors);
 
 /** Takes from the batch where the poses that it answered lie and point, */
 void work_find_aims(struct work *work);

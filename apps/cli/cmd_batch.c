@@ -35,6 +35,7 @@ static bool deliver(void *user, const conus_batch_block *block)
     }
     run->done += block->poses;
     run->errors += block->errors;
+    work_keep_error(&run->work, block);
     progress_update(&run->progress, run->done, run->errors);
     return !interrupt_signal();
 }
@@ -67,9 +68,10 @@ static void start_progress(struct run *run)
 }
 
 /* Of a run that came to its end. */
-static void say_aims(struct run *run)
+static void say_findings(struct run *run)
 {
     if (!run->code && !interrupt_signal()) {
+        work_say_errors(&run->work, run->done, run->errors);
         work_find_aims(&run->work);
         work_say_aims(&run->work);
     }
@@ -90,14 +92,14 @@ static int answer_all(struct run *run)
         status = CONUS_OK;
     }
     if (!status && !run->progress.on_terminal) { /* where a program reads along, the progress has the last word */
-        say_aims(run);
+        say_findings(run);
     }
     progress_finish(&run->progress, run->done, run->errors);
     if (status) {
         return print_status(status);
     }
     if (run->progress.on_terminal) {
-        say_aims(run);
+        say_findings(run);
     }
     int signal = interrupt_signal();
     if (!run->done && !run->code && !signal && work->shard.count == 1) {
@@ -127,6 +129,8 @@ static int answer_batch(void *user, const struct batch_settings *settings, const
     if (!code && !run.file.is_finished) {
         code = answer_all(&run);
         code = code || !run.work.output ? code : finish(&run);
+    } else if (!code) {
+        work_say_errors(&run.work, run.done, run.errors);
     }
     batch_file_close(&run.file);
     work_finish(&run.work);

@@ -80,6 +80,7 @@ static bool collect(void *user, const conus_batch_block *block)
     run->part.size = needed;
     run->part.poses += block->poses;
     run->part.errors += block->errors;
+    work_keep_error(&run->work, block);
     return tend(run);
 }
 
@@ -236,6 +237,26 @@ static void add_astray(conus_astray *sum, const conus_astray *more)
     add_oddity(&sum->tiny, &more->tiny);
 }
 
+/* Rank 0 says how many poses have no answer, with the first one that any rank met. */
+static void say_errors(struct run *run)
+{
+    struct first_error *first = &run->work.first_error;
+    int ranks;
+    MPI_Comm_size(MPI_COMM_WORLD, &ranks);
+    if (run->cluster->rank > 0) {
+        MPI_Send(first, sizeof *first, MPI_BYTE, 0, 0, MPI_COMM_WORLD);
+        return;
+    }
+    for (int rank = 1; rank < ranks; rank++) {
+        struct first_error other;
+        MPI_Recv(&other, sizeof other, MPI_BYTE, rank, 0, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+        if (other.line && (!first->line || other.line < first->line)) {
+            *first = other;
+        }
+    }
+    work_say_errors(&run->work, run->kept.poses, run->kept.errors);
+}
+
 /* Rank 0 says what all ranks together found of where poses lie and point. */
 static void say_aims(struct run *run)
 {
@@ -279,6 +300,7 @@ static int answer_all(struct run *run)
     int code = agree(ordered_file_close(&run->file));
     code = code ? code : check_poses(run);
     if (!code) {
+        say_errors(run);
         say_aims(run);
     }
     if (leads && !code) {
@@ -307,6 +329,8 @@ static int answer_batch(const struct cluster *cluster, const struct batch_settin
     code = code ? code : open_output(&run);
     if (!code && !run.kept.is_finished) {
         code = answer_all(&run);
+    } else if (!code && cluster->rank == 0) {
+        work_say_errors(&run.work, run.kept.poses, run.kept.errors);
     }
     code = code || !run.kept.errors ? code : EXIT_DIFFERENT;
     batch_file_close(&run.kept);

@@ -43,6 +43,8 @@ typedef struct conus_batch_block {
     size_t size;      /**< Bytes of text. */
     uint64_t poses;   /**< How many poses. */
     uint64_t errors;  /**< Poses among them that have no answer but a row of kind "error". */
+    uint64_t line;    /**< Line of the first of these in its file, counted from 1, */
+    const char *why;  /**< and why it has no answer; NULL where errors is 0. */
 } conus_batch_block;
 
 /**

@@ -211,8 +211,12 @@ static bool deliver_block(void *user, size_t slot)
 {
     struct run *run = user;
     const struct batch_block *block = run->last = &run->batch->blocks[slot];
-    const conus_batch_block answers = {block->text.data ? block->text.data : "", block->text.size, block->count,
-                                       block->errors};
+    const conus_batch_block answers = {.text = block->text.data ? block->text.data : "",
+                                       .size = block->text.size,
+                                       .poses = block->count,
+                                       .errors = block->errors,
+                                       .line = block->errors ? block->error_line : 0,
+                                       .why = block->errors ? block->error : NULL};
     run->cancelled = !block->status && block->count && !run->sink(run->user, &answers);
     return !block->status && !run->cancelled;
 }

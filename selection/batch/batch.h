@@ -18,6 +18,8 @@ struct batch_block {
     struct buffer strings; /**< With a NUL behind each. */
     struct buffer text;    /**< The rows. */
     uint64_t errors;
+    uint64_t error_line; /**< Of the first of these, */
+    char error[512];     /**< and why it has no answer. */
     conus_status status; /**< Of reading and answering; where it is not CONUS_OK, the message is kept, too, since that
                               belongs to a thread. */
     char message[1024];

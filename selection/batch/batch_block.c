@@ -99,9 +99,14 @@ static conus_status add_error(const struct writing *writing, size_t index)
 {
     struct batch_block *block = writing->block;
     const struct batch_pose *pose = &block->poses[index];
+    const char *why = pose->is_no_pose ? block->strings.data + block->words[index].error : conus_message();
+    bool is_first = writing->counts && !block->errors;
     block->errors += writing->counts;
-    return conus_report_add_error(writing->report, id_of(writing, index), pose->line,
-                                  pose->is_no_pose ? block->strings.data + block->words[index].error : conus_message());
+    if (is_first) {
+        block->error_line = pose->line;
+        snprintf(block->error, sizeof block->error, "%s", why);
+    }
+    return conus_report_add_error(writing->report, id_of(writing, index), pose->line, why);
 }
 
 static conus_status add_to_report(void *user, size_t index, const conus_selection *selection)

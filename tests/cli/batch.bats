@@ -72,7 +72,7 @@ wait_for_lines() {
     printf 'a\t0\t0\t90\t0\t0\t0\t5\nb\t1\t1\t1\t1\t1\t1\t5\nc\tnan\t0\t0\t0\t0\t0\t5\nd\t0\t0\t90\t0\t0\t0\t180\n' >>poses.tsv
     printf 'e\t0\t0\t90\t0\t0\nf\t0\t90\t0\t0\t0\t0\t5\n' >>poses.tsv
     run -1 --separate-stderr conus batch sphere.nii.gz --poses poses.tsv
-    [ -z "$stderr" ]
+    check_message 'poses.tsv: no answer to 4 of 6 poses, the first in line 3: toward: is the origin itself, another point is needed'
     [ "$(cut -f 1,2 <<<"$output" | tr '\n\t' ' /')" = "query/kind a/area a/unassigned b/error c/error d/error e/error f/area f/unassigned " ]
     [ "$(cell name 3)" = "line 3: toward: is the origin itself, another point is needed" ]
     [[ "$(cell name 4)" == "line 4: "*nan* ]]
@@ -83,6 +83,23 @@ wait_for_lines() {
     [[ "${lines[2]}" == '{"query":"b","kind":"error","index":null,"name":"line 3: '* ]]
     run -1 conus batch sphere.nii.gz --poses poses.tsv -o rows.tsv
     grep -q '"errors": 4' rows.json
+}
+
+@test "poses without an answer are counted at the end: from a pipe, by shards, of a file that is whole already, once" {
+    setup_ball 3
+    printf 'x\ty\tz\ttx\tty\ttz\n' >poses.tsv
+    printf '%s\t0\t0\t0\t0\t0\n' 90 90,5 80 '(null)' >>poses.tsv # lines 2 to 5; 3 and 5 have no number
+    first='the first in line 3: column x: "90,5" is not a finite number'
+    run -1 --separate-stderr conus batch sphere.nii.gz --poses - --block 1 <poses.tsv
+    check_message "standard input: no answer to 2 of 4 poses, $first"
+    run -1 --separate-stderr conus batch sphere.nii.gz --poses poses.tsv -o rows.tsv --segments segments.tsv --quiet
+    check_message "poses.tsv: no answer to 2 of 4 poses, $first"
+    run -1 --separate-stderr conus batch sphere.nii.gz --poses poses.tsv -o rows.tsv --resume
+    check_message 'poses.tsv: no answer to 2 of 4 poses'
+    run -1 --separate-stderr conus batch sphere.nii.gz --poses poses.tsv --shard 1/2 -o rows.1.tsv
+    check_message 'no answer to 1 of 2 poses, the first in line 5: column x: "(null)" is not a finite number'
+    sed -i '2,3d;5d' poses.tsv
+    answers batch sphere.nii.gz --poses poses.tsv -o fine.tsv
 }
 
 @test "shards joined are the file of one run" {

@@ -52,9 +52,14 @@ setup_poses() {
 @test "error rows and exit codes are those of conus batch" {
     setup_poses
     printf '1\t1\tx\t4\t5\t6\n' >>poses.tsv
-    conus batch sphere.nii.gz --poses poses.tsv -o rows.tsv || [ $? -eq 1 ]
-    ranks 2 sphere.nii.gz --poses poses.tsv --block 8 -o ranks.tsv 2>said && return 1 || [ $? -eq 1 ]
-    cmp rows.tsv ranks.tsv
+    printf '1\t1\ty\t4\t5\t6\n' >>poses.tsv # another one behind it, which a rank may meet first
+    conus batch sphere.nii.gz --poses poses.tsv -o rows.tsv 2>alone || [ $? -eq 1 ]
+    grep -q 'no answer to 2 of .* poses, the first in line .*"x"' alone
+    for n in 2 3; do
+        ranks $n sphere.nii.gz --poses poses.tsv --block 1 -o ranks.tsv --force 2>said && return 1 || [ $? -eq 1 ]
+        cmp rows.tsv ranks.tsv
+        diff alone <(grep '^conus: ' said)
+    done
 }
 
 @test "several atlases: the file of conus batch, and what it says" {

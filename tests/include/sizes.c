@@ -61,7 +61,7 @@ SIZE(conus_connection, 40);
 SIZE(conus_connection_matrix, 32);
 SIZE(conus_frame, 160);
 SIZE(conus_grid_view, 184);
-SIZE(conus_batch_block, 32);
+SIZE(conus_batch_block, 48);
 SIZE(conus_answers, 40);
 SIZE(conus_pathway_transfer, 16);
 SIZE(conus_transfer_point, 40);

@@ -24,6 +24,7 @@ struct received {
     struct buffer text;
     uint64_t poses, errors, blocks;
     uint64_t stop_after; /* blocks; 0 = never */
+    bool is_of_fixture;  /* the poses are write_poses()'s, all from the first on */
 };
 
 static bool receive(void *user, const conus_batch_block *block)
@@ -32,6 +33,11 @@ static bool receive(void *user, const conus_batch_block *block)
     buffer_append(&received->text, block->text, block->size);
     received->poses += block->poses;
     received->errors += block->errors;
+    if (received->is_of_fixture) { /* pose 0, BAD, 2 BAD and so on have no answer, and pose 0 is in line 2 */
+        uint64_t first = (received->poses - block->poses + BAD - 1) / BAD * BAD;
+        assert_int_equal(block->line, block->errors ? first + 2 : 0);
+        assert_true(block->errors ? strstr(block->why, "\"ten\"") != NULL : !block->why);
+    }
     received->blocks++;
     return received->blocks != received->stop_after;
 }
@@ -130,7 +136,7 @@ static void rows_do_not_depend_on_threads_or_blocks(void **state)
     struct fixture *fixture = *state;
     static const uint32_t settings[][2] = {{1, 1}, {1, 256}, {2, 1}, {2, 16}, {3, 100}, {8, 1}, {8, 50}, {5, 65536}};
     for (size_t i = 0; i < sizeof settings / sizeof settings[0]; i++) {
-        struct received received = {0};
+        struct received received = {.is_of_fixture = true};
         conus_batch *batch = batch_of(fixture, settings[i][0], settings[i][1]);
         conus_pose_stream *poses = poses_of(fixture);
         assert_ok(conus_batch_run(batch, poses, UINT64_MAX, receive, &received));
