@@ -152,6 +152,7 @@ bool gzip_index_parse(struct gzip_index *out, const uint8_t *data, size_t size)
     size -= sizeof head;
     if (head.count > size / sizeof(struct gzip_point) || head.windows_size > size ||
         head.count * sizeof(struct gzip_point) + head.windows_size != size || !head.count ||
+        head.unpacked > INT64_MAX || head.packed > INT64_MAX || /* as off_t has them */
         head.trailer > head.packed || head.begin > head.packed || head.zlib > 1 ||
         memchr(head.sha256, 0, sizeof head.sha256) != head.sha256 + sizeof out->sha256 - 1) {
         return false;

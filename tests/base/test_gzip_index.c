@@ -349,7 +349,7 @@ static void every_prefix_and_byte(void **state)
 static void parts_that_contradict_are_refused(void **state)
 {
     (void)state;
-    enum { HEAD_BEGIN = 32, HEAD_ZLIB = 40, HEAD_COUNT = 48, HEAD_WINDOWS = 56, POINTS = 136 };
+    enum { HEAD_UNPACKED = 0, HEAD_PACKED = 8, HEAD_BEGIN = 32, HEAD_ZLIB = 40, HEAD_COUNT = 48, HEAD_WINDOWS = 56, POINTS = 136 };
     struct indexed indexed;
     struct gzip_index index;
     pack(&indexed, 0);
@@ -361,6 +361,17 @@ static void parts_that_contradict_are_refused(void **state)
         memcpy(bytes, indexed.bytes.data, indexed.bytes.size);
         memcpy(bytes + HEAD_WINDOWS, &huge[i], 8);
         assert_false(gzip_index_parse(&index, bytes, indexed.bytes.size));
+        memcpy(bytes, indexed.bytes.data, indexed.bytes.size);
+    }
+    /* 2^63 is the first size that no file can have: off_t ends before it. */
+    const uint64_t sizes[] = {INT64_MAX, INT64_MAX + UINT64_C(1)};
+    for (size_t i = 0; i < 2; i++) {
+        memcpy(bytes + HEAD_UNPACKED, &sizes[i], 8);
+        assert_int_equal(gzip_index_parse(&index, bytes, indexed.bytes.size), i == 0);
+        assert_false(i == 0 && gzip_index_fits(&index, indexed.descriptor));
+        memcpy(bytes, indexed.bytes.data, indexed.bytes.size);
+        memcpy(bytes + HEAD_PACKED, &sizes[i], 8);
+        assert_int_equal(gzip_index_parse(&index, bytes, indexed.bytes.size), i == 0);
         memcpy(bytes, indexed.bytes.data, indexed.bytes.size);
     }
     memcpy(bytes + HEAD_BEGIN, &huge[1], 8);
