@@ -338,6 +338,26 @@ bool atlas_is_below(const conus_atlas *atlas, uint32_t number, uint32_t ancestor
     return number;
 }
 
+conus_status atlas_check_tree(const conus_atlas *atlas)
+{
+    size_t deep = 0;
+    for (size_t i = 1; i <= atlas->area_count; i++) {
+        uint32_t at = atlas->objects[i - 1].parent;
+        size_t above = at != 0;
+        while (at && at != i && above <= ATLAS_DEPTH_LIMIT) {
+            at = atlas->objects[at - 1].parent;
+            above += at != 0;
+        }
+        if (at && at == i) {
+            return fail(CONUS_ERROR_DATA, "tree: label %u lies below itself", atlas->objects[i - 1].label);
+        }
+        deep = at && !deep ? i : deep; /* below a circle, perhaps */
+    }
+    return deep ? fail(CONUS_ERROR_DATA, "tree: label %u has more than %d areas above it",
+                       atlas->objects[deep - 1].label, ATLAS_DEPTH_LIMIT)
+                : CONUS_OK;
+}
+
 size_t conus_atlas_object_count(const conus_atlas *atlas)
 {
     return atlas ? atlas->object_count : 0;

@@ -215,4 +215,9 @@ const char *atlas_kind_word(conus_kind kind);
 /** Whether @p number is @p ancestor or below it in the area tree. */
 bool atlas_is_below(const conus_atlas *atlas, uint32_t number, uint32_t ancestor);
 
+enum { ATLAS_DEPTH_LIMIT = 64 }; /**< Areas above an area. So each walk up the tree is short. */
+
+/** CONUS_ERROR_DATA where an area lies below itself, or has more than ATLAS_DEPTH_LIMIT areas above it. */
+conus_status atlas_check_tree(const conus_atlas *atlas);
+
 #endif

@@ -11,6 +11,8 @@
 #include <stdio.h>
 #include <string.h>
 
+enum { NOTED = 8 };
+
 /* Volumes on their way to become an atlas. */
 struct numbering {
     struct labelled_volume *volumes; /* [count] */
@@ -173,11 +175,11 @@ static conus_status number_all(conus_atlas *atlas, struct numbering *numbering)
     return status;
 }
 
-/* True when following the parents of `object` comes back to it. */
+/* True when following the parents of `object` comes back to it. Longer circles are refused as too deep. */
 static bool is_cyclic(const conus_atlas *atlas, size_t object)
 {
     uint32_t at = atlas->objects[object - 1].parent;
-    for (size_t steps = 0; at && steps <= atlas->object_count; steps++) {
+    for (size_t steps = 0; at && steps <= ATLAS_DEPTH_LIMIT; steps++) {
         if (at == object) {
             return true;
         }
@@ -186,9 +188,18 @@ static bool is_cyclic(const conus_atlas *atlas, size_t object)
     return false;
 }
 
+/* Notes the first few parents that are none, then only how many there are. */
+static conus_status note_no_parent(struct notes *notes, size_t count, const struct label *label, const char *what)
+{
+    return count > NOTED
+               ? CONUS_OK
+               : notes_warn(notes, "area %u: its parent %u %s: treated as a root", label->number, label->parent, what);
+}
+
 static conus_status link_parents(conus_atlas *atlas, struct label_map *number_of, const struct label_table *table)
 {
     conus_status status = CONUS_OK;
+    size_t count = 0;
     for (size_t i = 0; !status && i < table->count; i++) {
         const struct label *label = &table->entries[i];
         if (!label->has_parent) {
@@ -206,12 +217,13 @@ static conus_status link_parents(conus_atlas *atlas, struct label_map *number_of
         conus_object *area = &atlas->objects[number - 1];
         area->parent = (uint32_t)*parent;
         if (!area->parent || is_cyclic(atlas, number)) {
-            status = notes_warn(&atlas->notes, "area %u: its parent %u %s: treated as a root", label->number,
-                                label->parent, area->parent ? "lies below it" : "is not in the label table");
+            status = note_no_parent(&atlas->notes, ++count, label,
+                                    area->parent ? "lies below it" : "is not in the label table");
             area->parent = 0;
         }
     }
-    return status;
+    return status || count <= NOTED ? status
+                                    : notes_warn(&atlas->notes, "%zu more areas are treated as roots", count - NOTED);
 }
 
 /* "N labels ... : 3, 17, 20, ..." for the areas that `wanted` picks. */
@@ -221,13 +233,14 @@ static conus_status note_areas(conus_atlas *atlas, conus_severity severity, cons
     struct buffer list = {0};
     size_t count = 0;
     for (size_t i = 0; i < atlas->area_count; i++) {
-        if (wanted(&atlas->objects[i]) && count++ < 8) {
+        if (wanted(&atlas->objects[i]) && count++ < NOTED) {
             buffer_format(&list, "%s%u", count > 1 ? ", " : "", atlas->objects[i].label);
         }
     }
     conus_status status = buffer_status(&list);
     if (!status && count) {
-        status = notes_put(&atlas->notes, severity, "%s: %zu (%s%s)", what, count, list.data, count > 8 ? ", ..." : "");
+        status =
+            notes_put(&atlas->notes, severity, "%s: %zu (%s%s)", what, count, list.data, count > NOTED ? ", ..." : "");
     }
     buffer_finish(&list);
     return status;
@@ -281,6 +294,9 @@ static conus_status create_with(conus_atlas **out, struct numbering *numbering, 
     status = append_all(atlas, numbering);
     status = status ? status : number_all(atlas, numbering);
     status = status ? status : link_parents(atlas, &numbering->number_of, numbering->table);
+    if (!status && atlas_check_tree(atlas)) {
+        status = fail_in(CONUS_ERROR_DATA, label_source);
+    }
     status = status ? status : add_notes(atlas, has_names(numbering->table));
     status = status ? status : notes_move(&atlas->notes, notes);
     if (status) {

@@ -149,6 +149,10 @@ static conus_status check_area(const conus_atlas *atlas, const conus_label *area
     if (!status && area->parent && !find_area(atlas, area->parent)) {
         status = fail(CONUS_ERROR_ARGUMENT, "parent: no area has the number %u", area->parent);
     }
+    if (!status && area->parent && conus_atlas_depth(atlas, find_area(atlas, area->parent)) > ATLAS_DEPTH_LIMIT) {
+        status = fail(CONUS_ERROR_ARGUMENT, "parent: number %u has %d areas above it, and no more are allowed",
+                      area->parent, ATLAS_DEPTH_LIMIT);
+    }
     return status;
 }
 

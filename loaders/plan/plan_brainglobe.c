@@ -57,11 +57,13 @@ static void mark_containers(struct brainglobe *brainglobe)
 {
     struct label_table *table = &brainglobe->structures;
     for (size_t i = 0; i < table->count; i++) {
-        const struct label *at = &table->entries[i];
-        for (size_t steps = 0; brainglobe->meshes[i] && at && at->has_parent && steps < table->count; steps++) {
+        const struct label *at = brainglobe->meshes[i] ? &table->entries[i] : NULL;
+        while (at && at->has_parent) {
             at = label_table_find(table, at->parent);
+            bool *contains = at ? &brainglobe->contains[at - table->entries] : NULL;
+            at = contains && !*contains ? at : NULL; /* else all above it is marked */
             if (at) {
-                brainglobe->contains[at - table->entries] = true;
+                *contains = true;
             }
         }
     }

@@ -335,22 +335,6 @@ static conus_status link_parent(conus_atlas *atlas, struct label_map *map, const
     return CONUS_OK;
 }
 
-static conus_status refuse_cycles(const conus_atlas *atlas)
-{
-    for (size_t i = 1; i <= atlas->area_count; i++) {
-        size_t steps = 0;
-        for (uint32_t at = atlas->objects[i - 1].parent; at; at = atlas->objects[at - 1].parent) {
-            if (++steps > atlas->area_count) {
-                break; /* a cycle that this one is not on */
-            }
-            if (at == i) {
-                return fail(CONUS_ERROR_DATA, "tree: label %u lies below itself", atlas->objects[i - 1].label);
-            }
-        }
-    }
-    return CONUS_OK;
-}
-
 static conus_status grow_tree(struct area_plan *plan, conus_atlas *atlas)
 {
     struct label_map map = {0};
@@ -363,7 +347,7 @@ static conus_status grow_tree(struct area_plan *plan, conus_atlas *atlas)
         status = link_parent(atlas, &map, &plan->groups.entries[i]);
     }
     label_map_finish(&map);
-    return status ? status : refuse_cycles(atlas);
+    return status ? status : atlas_check_tree(atlas);
 }
 
 conus_status area_plan_load(struct area_plan *plan, conus_atlas *atlas, enum mesh_space space,

@@ -91,6 +91,96 @@ static void oddities_are_noted(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* Area k of `count` is in area k + step, the last one in none. */
+static conus_status make_chain(conus_atlas **out, uint32_t count, bool down)
+{
+    static const uint32_t labels[1] = {1};
+    conus_volume_info info = grid_info(1);
+    struct label_table table = {0};
+    struct notes notes = {0};
+    conus_status status = CONUS_OK;
+    for (uint32_t k = 1; !status && k <= count; k++) {
+        struct label *label = label_table_add(&table, k);
+        assert_non_null(label);
+        label->has_parent = k != (down ? count : 1);
+        label->parent = down ? k + 1 : k - 1;
+        status = label_set_text(&label->name, text_from("part"));
+    }
+    status = status ? status : atlas_create(out, &info, labels, &table, "a table", &notes);
+    notes_finish(&notes);
+    label_table_finish(&table);
+    return status;
+}
+
+/* Of a chain of n areas one has n - 1 above it. A walk up from each of the last ones would take 10^10 steps. */
+static void trees_are_not_deeper_than_allowed(void **state)
+{
+    (void)state;
+    for (int down = 0; down < 2; down++) {
+        conus_atlas *atlas = NULL;
+        assert_ok(make_chain(&atlas, ATLAS_DEPTH_LIMIT + 1, down));
+        assert_int_equal(conus_atlas_depth(atlas, down ? 1 : ATLAS_DEPTH_LIMIT + 1), 65);
+        conus_atlas_destroy(atlas);
+        assert_int_equal(make_chain(&atlas, ATLAS_DEPTH_LIMIT + 2, down), CONUS_ERROR_DATA);
+        assert_string_equal(conus_message(), down ? "a table: tree: label 1 has more than 64 areas above it"
+                                                  : "a table: tree: label 66 has more than 64 areas above it");
+        assert_int_equal(make_chain(&atlas, 200000, down), CONUS_ERROR_DATA);
+    }
+}
+
+/* A circle is broken at its last area while it is within the limit, as always; a longer one is refused. */
+static void circles_are_broken_or_refused(void **state)
+{
+    (void)state;
+    static const uint32_t labels[1] = {1};
+    static const uint32_t counts[] = {2, ATLAS_DEPTH_LIMIT, 200000};
+    for (size_t c = 0; c < 3; c++) {
+        conus_volume_info info = grid_info(1);
+        struct label_table table = {0};
+        struct notes notes = {0};
+        conus_atlas *atlas = NULL;
+        for (uint32_t k = 1; k <= counts[c]; k++) {
+            struct label *label = label_table_add(&table, k);
+            label->has_parent = true;
+            label->parent = k == 1 ? counts[c] : k - 1;
+            assert_ok(label_set_text(&label->name, text_from("part")));
+        }
+        conus_status status = atlas_create(&atlas, &info, labels, &table, "a table", &notes);
+        assert_int_equal(status, c < 2 ? CONUS_OK : CONUS_ERROR_DATA);
+        for (uint32_t k = 1; !status && k <= counts[c]; k++) {
+            assert_int_equal(conus_atlas_object(atlas, k)->parent, k == counts[c] ? 0 : k == 1 ? counts[c] : k - 1);
+        }
+        assert_true(status || test_has_note(atlas, "lies below it: treated as a root"));
+        conus_atlas_destroy(atlas);
+        notes_finish(&notes);
+        label_table_finish(&table);
+    }
+}
+
+/* Ten parents that are nowhere: eight are named, two are counted. */
+static void many_missing_parents_are_counted(void **state)
+{
+    (void)state;
+    static const uint32_t labels[1] = {1};
+    conus_volume_info info = grid_info(1);
+    struct label_table table = {0};
+    struct notes notes = {0};
+    conus_atlas *atlas = NULL;
+    for (uint32_t k = 1; k <= 10; k++) {
+        struct label *label = label_table_add(&table, k);
+        label->has_parent = true;
+        label->parent = 100 + k;
+        assert_ok(label_set_text(&label->name, text_from("part")));
+    }
+    assert_ok(atlas_create(&atlas, &info, labels, &table, "a table", &notes));
+    assert_true(test_has_note(atlas, "area 8: its parent 108 is not in the label table: treated as a root"));
+    assert_false(test_has_note(atlas, "area 9:"));
+    assert_true(test_has_note(atlas, "2 more areas are treated as roots"));
+    conus_atlas_destroy(atlas);
+    notes_finish(&notes);
+    label_table_finish(&table);
+}
+
 static conus_status make_with_pathway(void *data)
 {
     (void)data;
@@ -197,13 +287,11 @@ static void latin1_names_become_utf8(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(areas_are_dense_and_keep_their_labels),
-        cmocka_unit_test(oddities_are_noted),
-        cmocka_unit_test(pathways_follow_the_areas),
-        cmocka_unit_test(every_failing_allocation_is_clean),
-        cmocka_unit_test(areas_may_be_meshes),
-        cmocka_unit_test(orientation_follows_the_affine),
-        cmocka_unit_test(latin1_names_become_utf8),
+        cmocka_unit_test(areas_are_dense_and_keep_their_labels), cmocka_unit_test(oddities_are_noted),
+        cmocka_unit_test(trees_are_not_deeper_than_allowed),     cmocka_unit_test(circles_are_broken_or_refused),
+        cmocka_unit_test(many_missing_parents_are_counted),      cmocka_unit_test(pathways_follow_the_areas),
+        cmocka_unit_test(every_failing_allocation_is_clean),     cmocka_unit_test(areas_may_be_meshes),
+        cmocka_unit_test(orientation_follows_the_affine),        cmocka_unit_test(latin1_names_become_utf8),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -313,6 +313,21 @@ static void surfaces(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* Area k lies in area k - 1; the 65th has 64 areas above it. */
+static void surfaces_lie_no_deeper_than_allowed(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = NULL;
+    assert_int_equal(conus_atlas_create(&atlas, NULL, NULL, 0, NULL), CONUS_OK);
+    for (uint32_t k = 1; k <= 66; k++) {
+        const conus_label area = {.number = k, .name = "Part", .parent = k - 1};
+        conus_status status = conus_atlas_add_surface(atlas, &area, corners, 4, faces, 4);
+        assert_int_equal(status, k <= 65 ? CONUS_OK : CONUS_ERROR_ARGUMENT);
+    }
+    assert_non_null(strstr(conus_message(), "number 65 has 64 areas above it, and no more are allowed"));
+    conus_atlas_destroy(atlas);
+}
+
 static void scalar_maps(void **state)
 {
     (void)state;
@@ -391,6 +406,7 @@ int main(void)
         cmocka_unit_test(what_is_out_of_range),
         cmocka_unit_test(an_image_is_no_atlas),
         cmocka_unit_test(surfaces),
+        cmocka_unit_test(surfaces_lie_no_deeper_than_allowed),
         cmocka_unit_test(scalar_maps),
         cmocka_unit_test(every_failing_allocation),
     };

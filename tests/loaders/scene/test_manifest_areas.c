@@ -233,6 +233,16 @@ static void the_tree_groups_areas(void **state)
     assert_refused("\"areas\": [{\"file\": \"a.gii\", \"label\": 1, \"parent\": 2}, {\"file\": \"b.gii\", \"label\": 2,"
                    "\"parent\": 1}]",
                    "tree: label 1 lies below itself");
+    struct buffer deep = {0};
+    for (int i = 2; i < 68; i++) { /* label 1 has 67 - 1 areas above it */
+        buffer_format(&deep, "{\"label\": %d, \"name\": \"part\", \"parent\": %d}, ", i - 1, i);
+    }
+    buffer_format(&deep, "{\"label\": 67, \"name\": \"part\"}");
+    struct buffer manifest = {0};
+    buffer_format(&manifest, "\"areas\": [{\"file\": \"a.gii\", \"label\": 1}], \"tree\": [%s]", deep.data);
+    assert_refused(manifest.data, "tree: label 1 has more than 64 areas above it");
+    buffer_finish(&deep);
+    buffer_finish(&manifest);
     assert_refused("\"areas\": [{\"file\": \"a.gii\", \"label\": 1, \"parent\": 3}]",
                    "label 1: its parent 3 is no area (tree may name one)");
     assert_refused("\"areas\": [{\"file\": \"a.gii\", \"label\": 1}], \"tree\": [{\"label\": 3}]",
