@@ -6,6 +6,7 @@
 #include "poses/pose_table.h"
 #include "poses/programs/pose_brainsight.h"
 #include "poses/programs/pose_electrodes.h"
+#include "poses/programs/pose_fcsv.h"
 #include "poses/programs/pose_invesalius.h"
 #include "poses/programs/pose_nibs.h"
 
@@ -43,6 +44,9 @@ conus_pose_format pose_guess_format(struct text text, bool all, size_t *used)
         *used = (size_t)(line.data + line.size - begin);
         if (pose_brainsight_line(line) || pose_invesalius_line(line)) {
             return pose_brainsight_line(line) ? CONUS_POSE_FORMAT_BRAINSIGHT : CONUS_POSE_FORMAT_INVESALIUS;
+        }
+        if (pose_fcsv_line(line)) {
+            return CONUS_POSE_FORMAT_MARKUPS;
         }
         if (trimmed.size && trimmed.data[0] != '#') {
             return format_of(trimmed);

@@ -6,18 +6,12 @@
 #include "base/memory.h"
 #include "base/options.h"
 #include "poses/pose_bytes.h"
+#include "poses/pose_formats.h"
 #include "poses/pose_guess.h"
 #include "poses/pose_table.h"
-#include "poses/programs/pose_brainsight.h"
 #include "poses/programs/pose_coordsystem.h"
-#include "poses/programs/pose_electrodes.h"
 #include "poses/programs/pose_ibl.h"
-#include "poses/programs/pose_invesalius.h"
-#include "poses/programs/pose_lead_dbs.h"
-#include "poses/programs/pose_localite.h"
-#include "poses/programs/pose_markups.h"
-#include "poses/programs/pose_nibs.h"
-#include "poses/programs/pose_simnibs.h"
+#include "poses/rows/pose_extent.h"
 #include "poses/rows/pose_lines.h"
 #include "poses/rows/pose_list.h"
 #include "poses/rows/pose_row.h"
@@ -47,6 +41,8 @@ struct conus_pose_stream {
     struct pose_strings strings; /* of the rows of the last block */
     conus_pose_list whole;       /* rows of a format that is read whole, and all notes */
     uint64_t taken;              /* rows read or passed over */
+    struct pose_extent extent;   /* of the rows read, */
+    bool is_partial;             /* some of which were passed over */
 };
 
 static conus_status fail_of(const conus_pose_stream *stream, conus_status status)
@@ -117,51 +113,9 @@ static conus_status read_header(conus_pose_stream *stream)
                          : pose_table_header(&stream->table, &stream->whole.notes, line.text, &stream->options);
 }
 
-static conus_status parse_matrix(conus_pose_list *list, struct text text, const conus_pose_options *options)
-{
-    conus_pose_row row = pose_row_at(1);
-    conus_status bad = CONUS_OK;
-    if (!pose_plain_matrix(&row, &bad, text, options)) {
-        return fail(CONUS_ERROR_DATA, "numbers, but neither the 16 of a matrix nor lines of x y z and a name");
-    }
-    return pose_list_add(list, &row, text_from(""), bad ? conus_message() : NULL);
-}
-
-/* A parser of a text as a whole. It adds the rows of the text, with notes and the space that it names, to the list; a
- * bad pose is a row with its error. */
-typedef conus_status (*pose_parser)(conus_pose_list *list, struct text text, const conus_pose_options *options);
-
-/* Formats by number. Those without a parser are read line by line. */
-static const struct {
-    const char *name;
-    pose_parser parse;
-} formats[] = {
-    [CONUS_POSE_FORMAT_AUTO] = {"auto", NULL},
-    [CONUS_POSE_FORMAT_TABLE] = {"table", NULL},
-    [CONUS_POSE_FORMAT_MATRIX] = {"matrix", parse_matrix},
-    [CONUS_POSE_FORMAT_POINTS] = {"points", NULL},
-    [CONUS_POSE_FORMAT_BRAINSIGHT] = {"brainsight", pose_brainsight_parse},
-    [CONUS_POSE_FORMAT_LOCALITE] = {"localite", pose_localite_parse},
-    [CONUS_POSE_FORMAT_ELECTRODES] = {"electrodes", pose_electrodes_parse},
-    [CONUS_POSE_FORMAT_MARKUPS] = {"markups", pose_markups_parse},
-    [CONUS_POSE_FORMAT_SIMNIBS] = {"simnibs", pose_simnibs_parse},
-    [CONUS_POSE_FORMAT_NIBS] = {"nibs", pose_nibs_parse},
-    [CONUS_POSE_FORMAT_INVESALIUS] = {"invesalius", pose_invesalius_parse},
-    [CONUS_POSE_FORMAT_LEAD_DBS] = {"lead-dbs", pose_lead_dbs_parse},
-    [CONUS_POSE_FORMAT_LEAD_DBS_NATIVE] = {"lead-dbs-native", pose_lead_dbs_parse_native},
-    [CONUS_POSE_FORMAT_IBL] = {"ibl", pose_ibl_parse},
-};
-
-enum { FORMATS = sizeof formats / sizeof formats[0] };
-
-const char *conus_pose_format_name(size_t index)
-{
-    return index < FORMATS ? formats[index].name : NULL;
-}
-
 static bool is_whole(const conus_pose_stream *stream)
 {
-    return formats[stream->format].parse != NULL;
+    return pose_format_parser(stream->format) != NULL;
 }
 
 /* The table as it is, for an answer that adds columns to it. */
@@ -196,7 +150,19 @@ static conus_status check_space(const conus_pose_stream *stream)
     return fits ? CONUS_OK
                 : fail(CONUS_ERROR_DATA,
                        "positions of format %s are not in space %s, which tables, points and ibl may be",
-                       formats[stream->format].name, conus_space_name((size_t)stream->options.space));
+                       conus_pose_format_name(stream->format), conus_space_name((size_t)stream->options.space));
+}
+
+/* In the CCF, from bregma and in IBL's files the positions of a probe are as near to each other. */
+static conus_status note_extent(conus_pose_stream *stream)
+{
+    bool of_people = stream->options.space < CONUS_SPACE_CCF && stream->format != CONUS_POSE_FORMAT_IBL;
+    conus_status status =
+        of_people && !stream->is_partial
+            ? pose_extent_note(&stream->whole.notes, &stream->extent, conus_pose_list_coordsystem(&stream->whole))
+            : CONUS_OK;
+    stream->extent = (struct pose_extent){0};
+    return status;
 }
 
 static conus_status read_whole(conus_pose_stream *stream)
@@ -212,12 +178,15 @@ static conus_status read_whole(conus_pose_stream *stream)
     }
     status = status ? status : choose_json(stream, text);
     status = status ? status : check_space(stream);
-    status = status ? status : formats[stream->format].parse(&stream->whole, text, &stream->options);
+    status = status ? status : pose_format_parser(stream->format)(&stream->whole, text, &stream->options);
     if (!status && stream->format == CONUS_POSE_FORMAT_ELECTRODES) {
         status = keep_electrodes(&stream->whole, text);
     }
     bytes_finish(&bytes);
-    return status;
+    for (size_t i = 0; !status && i < stream->whole.count; i++) {
+        pose_extent_add(&stream->extent, &stream->whole.rows[i]);
+    }
+    return status ? status : note_extent(stream);
 }
 
 static conus_status check_no_axis(const conus_pose_stream *stream)
@@ -236,7 +205,8 @@ static conus_status begin_text(conus_pose_stream *stream)
         return status;
     }
     if (stream->options.along_shafts && stream->format != CONUS_POSE_FORMAT_ELECTRODES) {
-        return fail(CONUS_ERROR_DATA, "shafts are of electrodes (BIDS), not of %s", formats[stream->format].name);
+        return fail(CONUS_ERROR_DATA, "shafts are of electrodes (BIDS), not of %s",
+                    conus_pose_format_name(stream->format));
     }
     return is_whole(stream)                            ? read_whole(stream)
            : stream->format == CONUS_POSE_FORMAT_TABLE ? read_header(stream)
@@ -295,7 +265,7 @@ static conus_status open_path(conus_pose_stream *stream, const char *path)
 static conus_status check_options(const conus_pose_options *options)
 {
     bool fine = (unsigned)options->space <= CONUS_SPACE_BREGMA && (unsigned)options->axis <= CONUS_AXIS_MINUS_Z &&
-                (unsigned)options->format < FORMATS;
+                conus_pose_format_name((size_t)options->format);
     return fine ? CONUS_OK : fail(CONUS_ERROR_ARGUMENT, "options of poses: space, axis or format is none of its names");
 }
 
@@ -413,6 +383,9 @@ static conus_status read_row(conus_pose_row *out, conus_pose_stream *stream, boo
     name.text = (struct text){"", 0};
     conus_status bad = row_from_line(&row, &name, stream, &line);
     status = keep_strings(&row, stream, name.text, bad ? conus_message() : NULL);
+    if (row.is_point) { /* of cones conus_aims_found() tells more */
+        pose_extent_add(&stream->extent, &row);
+    }
     *out = row;
     return status;
 }
@@ -440,6 +413,9 @@ conus_status conus_pose_stream_read(conus_pose_row *rows, size_t *count, conus_p
         got += found;
         stream->taken += found;
     }
+    if (!status && !found) {
+        status = note_extent(stream);
+    }
     *count = status ? *count : got;
     return fail_of(stream, status);
 }
@@ -447,6 +423,7 @@ conus_status conus_pose_stream_read(conus_pose_row *rows, size_t *count, conus_p
 conus_status conus_pose_stream_skip(conus_pose_stream *stream, uint64_t rows)
 {
     conus_status status = CONUS_OK;
+    stream->is_partial = stream->is_partial || rows;
     pose_strings_clear(&stream->strings);
     if (is_whole(stream)) {
         uint64_t left = stream->whole.count - stream->taken;

@@ -41,7 +41,7 @@ typedef enum conus_pose_format {
     CONUS_POSE_FORMAT_BRAINSIGHT, /**< Brainsight's export: targets, samples, electrodes. */
     CONUS_POSE_FORMAT_LOCALITE,   /**< Localite's InstrumentMarker*.xml and TriggerMarkers*.xml. */
     CONUS_POSE_FORMAT_ELECTRODES, /**< BIDS *_electrodes.tsv, with the *_coordsystem.json beside it: points. */
-    CONUS_POSE_FORMAT_MARKUPS,    /**< 3D Slicer's .mrk.json: lines, and points. */
+    CONUS_POSE_FORMAT_MARKUPS,    /**< 3D Slicer's .mrk.json: lines, and points; .fcsv: points. */
     CONUS_POSE_FORMAT_SIMNIBS,    /**< SimNIBS's matsimnibs, in MATLAB's files or as text. */
     CONUS_POSE_FORMAT_NIBS,       /**< The proposal NIBS-BIDS: *_markers.tsv, with the *_coordsystem.json beside it. */
     CONUS_POSE_FORMAT_INVESALIUS, /**< InVesalius's markers, .mkss. */

@@ -145,8 +145,6 @@ conus_status pose_invesalius_parse(conus_pose_list *list, struct text text, cons
     list->space = pose_space_named(text_from("InVesalius world"), POSE_BRAIN_SUBJECT);
     conus_status status = pose_note_space(&list->notes, options, false);
     status = status ? status : read_lines(&reading, text);
-    if (!status && reading.fiducials) {
-        status = notes_add(&list->notes, "%zu fiducials were passed over", reading.fiducials);
-    }
-    return status ? status : pose_list_note_metres(list, "InVesalius");
+    return status || !reading.fiducials ? status
+                                        : notes_add(&list->notes, "%zu fiducials were passed over", reading.fiducials);
 }

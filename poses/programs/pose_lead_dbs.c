@@ -109,7 +109,7 @@ static conus_status parse_from(conus_pose_list *list, struct text text, const co
     status = status ? status : pose_note_space(&list->notes, options, false);
     status = status ? status : add_leads(list, &matlab, found);
     matlab_finish(&matlab);
-    return status ? status : pose_list_note_metres(list, "Lead-DBS");
+    return status;
 }
 
 conus_status pose_lead_dbs_parse(conus_pose_list *list, struct text text, const conus_pose_options *options)

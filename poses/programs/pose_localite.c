@@ -10,6 +10,7 @@
 
 /* A marker, a child of the list, while it is read. */
 struct marker {
+    bool is_other;                /* not called a marker: <ResponseParameters> of trigger lists */
     char name[POSE_ID_LIMIT + 2]; /* one byte more than is allowed, so that more is seen */
     bool unset;
     bool is_trigger;
@@ -47,11 +48,19 @@ static conus_status begin_list(struct reading *reading, const struct xml_event *
         return notes_warn(&reading->list->notes, "<%s> names no coordinateSpace; taken as %s", event->name,
                           reading->lps ? "LPS" : "RAS");
     }
+    if (text_equal_ignoring_case(text_from(space), "MNI")) { /* Localite's own: RAS, by its registration */
+        reading->list->space = pose_space_named(text_from("Localite MNI"), POSE_BRAIN_MNI152);
+        conus_status status = pose_note_space(&reading->list->notes, reading->options, false);
+        return status ? status
+                      : notes_add(&reading->list->notes, "Localite brought these positions from the patient's scan to "
+                                                         "MNI space; a list in RAS or LPS has them as they were "
+                                                         "tracked");
+    }
     reading->lps = text_equal_ignoring_case(text_from(space), "LPS");
     return reading->lps || text_equal_ignoring_case(text_from(space), "RAS")
                ? pose_note_space(&reading->list->notes, reading->options, reading->lps)
-               : fail(CONUS_ERROR_DATA, "line %zu: coordinateSpace \"%.40s\", allowed are RAS and LPS", event->line,
-                      space);
+               : fail(CONUS_ERROR_DATA, "line %zu: coordinateSpace \"%.40s\", allowed are RAS, LPS and MNI",
+                      event->line, space);
 }
 
 static void note_bad(struct marker *marker, conus_status bad)
@@ -105,6 +114,7 @@ static conus_status on_start(void *user, const struct xml_event *event)
     if (depth == 1) {
         *marker = (struct marker){.line = event->line, .time_ms = NAN};
         marker->is_trigger = text_equal(text_from(event->name), "TriggerMarker");
+        marker->is_other = !text_mentions(text_from(event->name), "Marker");
     }
     if (text_equal(text_from(event->name), "Matrix4D")) {
         note_bad(marker, read_matrix(marker, event));
@@ -155,7 +165,7 @@ static conus_status on_end(void *user, const struct xml_event *event)
     struct reading *reading = user;
     struct marker *marker = &reading->marker;
     (void)event;
-    if (--reading->depth != 1) {
+    if (--reading->depth != 1 || (marker->is_other && !marker->matrices)) {
         return CONUS_OK;
     }
     conus_pose_row row = pose_row_at(marker->line);

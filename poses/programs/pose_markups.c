@@ -5,6 +5,7 @@
 #include "base/formats/json_text.h"
 #include "base/math3.h"
 #include "base/memory.h"
+#include "poses/programs/pose_fcsv.h"
 #include "poses/rows/pose_row.h"
 
 #include <stdio.h>
@@ -166,6 +167,9 @@ static conus_status check_axis(const json_t *markups, conus_axis axis)
 conus_status pose_markups_parse(conus_pose_list *list, struct text text, const conus_pose_options *options)
 {
     json_t *root = NULL;
+    if (text.size && text.data[0] == '#') {
+        return pose_fcsv_parse(list, text, options);
+    }
     conus_status status = json_text_load(&root, text);
     const json_t *markups = json_object_get(root, "markups");
     if (!status && !json_is_array(markups)) {

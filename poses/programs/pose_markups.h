@@ -5,7 +5,7 @@
 
 #include "poses/rows/pose_list.h"
 
-/** 3D Slicer's markups, .mrk.json: lines and points. */
+/** 3D Slicer's markups: .mrk.json, lines and points, or .fcsv, points. */
 conus_status pose_markups_parse(conus_pose_list *list, struct text text, const conus_pose_options *options);
 
 #endif

@@ -166,6 +166,5 @@ conus_status pose_simnibs_parse(conus_pose_list *list, struct text text, const c
     struct reading reading = {.list = list, .options = options};
     list->space = pose_space_named(text_from("SimNIBS head model"), POSE_BRAIN_SUBJECT);
     conus_status status = pose_note_space(&list->notes, options, false);
-    status = status ? status : matlab_is(text) ? parse_matlab(&reading, text) : parse_text(&reading, text);
-    return status ? status : pose_list_note_metres(list, "SimNIBS");
+    return status ? status : matlab_is(text) ? parse_matlab(&reading, text) : parse_text(&reading, text);
 }

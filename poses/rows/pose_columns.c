@@ -19,6 +19,11 @@ static bool is_called(struct text field, const char *names)
     return found;
 }
 
+static char separator_of(const struct pose_columns *columns)
+{
+    return columns->separator ? columns->separator : '\t';
+}
+
 conus_status pose_columns_find(struct pose_columns *columns, struct text header)
 {
     struct text field;
@@ -28,7 +33,8 @@ conus_status pose_columns_find(struct pose_columns *columns, struct text header)
     for (size_t i = 0; i < columns->count; i++) {
         columns->at[i] = NO_COLUMN;
     }
-    for (bool more = true; text_quoted_field(&header, '\t', &more, &field, &quotes); columns->field_count++) {
+    for (bool more = true; text_quoted_field(&header, separator_of(columns), &more, &field, &quotes);
+         columns->field_count++) {
         for (size_t i = 0; i < columns->count; i++) {
             if (is_called(field, columns->names[i])) {
                 bool twice = columns->at[i] != NO_COLUMN;
@@ -50,11 +56,13 @@ conus_status pose_columns_split(struct text *fields, const struct pose_columns *
     struct text field;
     enum text_quotes quotes;
     size_t index = 0;
+    size_t least = columns->may_end_early ? 0 : columns->field_count;
     conus_status status = CONUS_OK;
     for (size_t i = 0; i < columns->count; i++) {
         fields[i] = (struct text){"", 0};
+        least = columns->at[i] != NO_COLUMN && columns->at[i] >= least ? columns->at[i] + 1 : least;
     }
-    for (bool more = true; text_quoted_field(&line, '\t', &more, &field, &quotes); index++) {
+    for (bool more = true; text_quoted_field(&line, separator_of(columns), &more, &field, &quotes); index++) {
         if (!status && (quotes == TEXT_UNCLOSED || quotes == TEXT_FOLLOWED)) {
             status = fail(CONUS_ERROR_DATA, "a quotation mark inside a field, or one that is not closed: %.*s",
                           pose_quote(field), field.data);
@@ -63,7 +71,7 @@ conus_status pose_columns_split(struct text *fields, const struct pose_columns *
             fields[i] = columns->at[i] == index ? field : fields[i];
         }
     }
-    return status || index == columns->field_count
+    return status || (index >= least && index <= columns->field_count)
                ? status
                : fail(CONUS_ERROR_DATA, "%zu fields, the header has %zu", index, columns->field_count);
 }

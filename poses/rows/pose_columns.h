@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Fields of tables that are separated by tabs, by the names of their columns. */
+/** @file Fields of tables that are separated by tabs or another mark, by the names of their columns. */
 #ifndef CONUS_POSES_ROWS_POSE_COLUMNS_H
 #define CONUS_POSES_ROWS_POSE_COLUMNS_H
 
@@ -12,6 +12,8 @@ enum { POSE_COLUMNS_MOST = 32 };
 struct pose_columns {
     const char *const *names; /**< [count]; "a|b" is called a or b. */
     size_t count;             /**< At most POSE_COLUMNS_MOST. */
+    char separator;           /**< 0 = tab. */
+    bool may_end_early;       /**< Rows may lack fields behind the last column that is read. */
     size_t at[POSE_COLUMNS_MOST];
     size_t field_count;
 };
@@ -23,7 +25,7 @@ conus_status pose_columns_find(struct pose_columns *columns, struct text header)
 bool pose_columns_has(const struct pose_columns *columns, size_t column);
 
 /** The fields of a row, [count]; those of columns that the table lacks are empty. CONUS_ERROR_DATA where there are more
- * or fewer fields than in the header, or a quotation mark is not closed. */
+ * or (see may_end_early) fewer fields than in the header, or a quotation mark is not closed. */
 conus_status pose_columns_split(struct text *fields, const struct pose_columns *columns, struct text line);
 
 /** Whether a field holds no value: empty, "n/a", "None". */

@@ -2,7 +2,6 @@
 /* A list of poses: adding rows, ending it, and what the public header asks of it. */
 #include "poses/rows/pose_list.h"
 
-#include "base/math3.h"
 #include "base/memory.h"
 #include "poses/rows/pose_row.h"
 
@@ -46,22 +45,6 @@ conus_status pose_list_add(conus_pose_list *list, const conus_pose_row *row, str
     }
     list->rows[list->count++] = copy;
     return CONUS_OK;
-}
-
-conus_status pose_list_note_metres(conus_pose_list *list, const char *program)
-{
-    bool all = true;
-    bool any = false;
-    for (size_t i = 0; i < list->count; i++) {
-        double distance = list->rows[i].error ? 0 : vec3_length(list->rows[i].pose.world_from_device + 12);
-        all = all && distance <= 1;
-        any = any || distance > 0;
-    }
-    return all && any ? notes_warn(&list->notes,
-                                   "all positions lie within 1 mm of the origin, as if they were in metres; "
-                                   "they are taken as mm, which %s has",
-                                   program)
-                      : CONUS_OK;
 }
 
 conus_status pose_list_hear(conus_pose_list *list, const struct note_sink *sink)

@@ -24,9 +24,6 @@ struct conus_pose_list {
  * UTF-8, too, and then the row has an error. @p error NULL: none. */
 conus_status pose_list_add(conus_pose_list *list, const conus_pose_row *row, struct text id, const char *error);
 
-/** A warning where all positions lie within 1 mm of the origin, as if they were in metres; @p program has mm. */
-conus_status pose_list_note_metres(conus_pose_list *list, const char *program);
-
 /** Lets the sink hear the notes of the list, which keeps a copy of it and of its path. */
 conus_status pose_list_hear(conus_pose_list *list, const struct note_sink *sink);
 

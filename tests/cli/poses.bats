@@ -285,6 +285,22 @@ same_answers() {
     [ "$(cell query 1)" = 'target/M1 left' ]
 }
 
+# Contacts of a head, 0.06 to 0.1 m from the origin, in a table that says mm.
+@test "electrodes in metres that are said to be in mm have a note, in query and in batch" {
+    sphere --size 16
+    printf 'name\tx\ty\tz\nA\t0.05\t0.03\t0.01\nB\t-0.05\t0.01\t0.09\n' >sub-01_electrodes.tsv
+    printf '{"EEGCoordinateSystem":"individual","EEGCoordinateUnits":"mm"}' >sub-01_coordsystem.json
+    note='note: sub-01_electrodes.tsv: all positions lie within 1 mm of the origin, as if they were in metres; '
+    note+='they are taken as mm, as sub-01_coordsystem.json says'
+    run -0 --separate-stderr "$CONUS" query sphere.nii.gz --pose sub-01_electrodes.tsv --radius 2
+    [[ "$stderr" == *"$note"* ]]
+    run -0 --separate-stderr "$CONUS" batch sphere.nii.gz --poses sub-01_electrodes.tsv --radius 2
+    [[ "$stderr" == *"$note"* ]]
+    printf '{"EEGCoordinateSystem":"individual","EEGCoordinateUnits":"m"}' >sub-01_coordsystem.json
+    run -0 --separate-stderr "$CONUS" query sphere.nii.gz --pose sub-01_electrodes.tsv --radius 2
+    [[ "$stderr" != *'in metres'* ]]
+}
+
 @test "batch answers every format as query does" {
     sphere --size 16
     for file in brainsight.txt localite-instrument.xml localite-trigger.xml lines.mrk.json; do

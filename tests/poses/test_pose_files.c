@@ -161,6 +161,49 @@ static void localite_triggers_have_times(void **state)
     conus_pose_list_destroy(list);
 }
 
+#define MATRIX                                                                                                         \
+    "<Matrix4D data00=\"0\" data01=\"1\" data02=\"0\" data03=\"-60\" data10=\"0\" data11=\"0\" data12=\"1\" "          \
+    "data13=\"0\" data20=\"1\" data21=\"0\" data22=\"0\" data23=\"20\" data30=\"0\" data31=\"0\" data32=\"0\" "        \
+    "data33=\"1\"/>"
+
+/* What is no marker makes no row, unless it has a matrix. The matrix's first column, along which the coil points, is z.
+ */
+static void localite_lists_hold_other_things(void **state)
+{
+    (void)state;
+    conus_pose_list *list =
+        parse("<TriggerMarkerList coordinateSpace=\"RAS\"><ResponseParameters selectedResponseChannel=\"0\" "
+              "recordingTime=\"x\"><a set=\"false\"/></ResponseParameters><TriggerMarker description=\"a\" "
+              "recordingTime=\"1\">" MATRIX "</TriggerMarker><Other description=\"b\">" MATRIX
+              "</Other><TriggerMarker description=\"c\"/></TriggerMarkerList>",
+              NULL);
+    assert_int_equal(conus_pose_list_count(list), 3);
+    assert_row_at(pose_row_of(list, 0, "a"), -60, 0, 20);
+    assert_row_along(pose_row_of(list, 0, "a"), 0, 0, 1);
+    assert_row_at(pose_row_of(list, 1, "b"), -60, 0, 20);
+    assert_row_fails(list, 2, "c", "no Matrix4D");
+    conus_pose_list_destroy(list);
+}
+
+/* MNI is RAS whatever --space says. The marker's own set="false" holds where the child says nothing of it. */
+static void localite_has_mni(void **state)
+{
+    (void)state;
+    static const char text[] = "<InstrumentMarkerList coordinateSpace=\"MNI\"><InstrumentMarker><Marker "
+                               "description=\"a\" set=\"true\">" MATRIX "</Marker></InstrumentMarker>"
+                               "<InstrumentMarker set=\"false\"><Marker description=\"b\">" MATRIX
+                               "</Marker></InstrumentMarker></InstrumentMarkerList>";
+    for (int lps = 0; lps < 2; lps++) {
+        conus_pose_list *list = parse(text, &(conus_pose_options){.space = lps ? CONUS_SPACE_LPS : CONUS_SPACE_RAS});
+        assert_row_at(pose_row_of(list, 0, "a"), -60, 0, 20);
+        assert_row_fails(list, 1, "b", "the marker is not set");
+        assert_int_equal(list->space.brain, POSE_BRAIN_MNI152);
+        assert_true(pose_has_note(list, "Localite brought these positions"));
+        assert_int_equal(pose_has_note(list, "the file says that its positions are RAS"), lps);
+        conus_pose_list_destroy(list);
+    }
+}
+
 static void localite_is_read_strictly(void **state)
 {
     (void)state;
@@ -274,7 +317,7 @@ static void coordinate_systems_are_read_strictly(void **state)
 }
 
 #define RAS_LINE                                                                                                       \
-    "{\"type\":\"Line\",\"coordinateSystem\":\"RAS\",\"controlPoints\":[{\"position\":[0,0,1]},{\"position\":[0,0,5]}" \
+    "{\"type\":\"Line\",\"coordinateSystem\":\"RAS\",\"controlPoints\":[{\"position\":[0,0,9]},{\"position\":[0,0,5]}" \
     "]}"
 
 /* What the file says of its space holds; that the caller said otherwise is noted once. */
@@ -438,13 +481,9 @@ static void notes_are_heard(void **state)
     assert_heard(&heard, 1, CONUS_SEVERITY_WARNING, path, "no *_coordsystem.json beside it");
 }
 
-static const char *const samples[] = {"brainsight.txt",
-                                      "brainsight-world.txt",
-                                      "localite-instrument.xml",
-                                      "localite-trigger.xml",
-                                      "electrodes.tsv",
-                                      "lines.mrk.json",
-                                      "points.txt"};
+static const char *const samples[] = {
+    "brainsight.txt", "brainsight-world.txt", "localite-instrument.xml", "localite-trigger.xml",
+    "electrodes.tsv", "lines.mrk.json",       "fiducials.fcsv",          "points.txt"};
 
 static void check_prefix(const conus_pose_list *whole, struct text prefix)
 {
@@ -513,6 +552,8 @@ int main(void)
         cmocka_unit_test(names_are_whole_or_refused),
         cmocka_unit_test(localite_markers_look_along_x),
         cmocka_unit_test(localite_triggers_have_times),
+        cmocka_unit_test(localite_lists_hold_other_things),
+        cmocka_unit_test(localite_has_mni),
         cmocka_unit_test(localite_is_read_strictly),
         cmocka_unit_test(electrodes_are_points),
         cmocka_unit_test(contacts_look_along_their_shafts),

@@ -73,6 +73,26 @@ static void invesalius_angles(void **state)
     conus_pose_list_destroy(list);
 }
 
+/* Old files have no marker_type: the labels of the two ears and of the nasion tell. With the column, type 0 does. */
+static void invesalius_fiducials_are_passed_over(void **state)
+{
+    (void)state;
+    static const char *const labels[] = {"LEI", "REI", "NAI"};
+    for (size_t i = 0; i < 3; i++) {
+        char text[400];
+        snprintf(text, sizeof text, MKSS "label\t" WORLD "\n%s\t1\t2\t3\t0\t0\t0\nNAS\t1\t2\t3\t0\t0\t0\n", labels[i]);
+        conus_pose_list *list = pose_text_parse(text_from(text), NULL);
+        assert_int_equal(conus_pose_list_count(list), 1);
+        assert_row_at(pose_row_of(list, 0, "NAS"), 1, 2, 3);
+        assert_true(pose_has_note(list, "1 fiducials were passed over"));
+        conus_pose_list_destroy(list);
+        snprintf(text, sizeof text, MKSS "label\tmarker_type\t" WORLD "\n%s\t1\t1\t2\t3\t0\t0\t0\n", labels[i]);
+        list = pose_text_parse(text_from(text), NULL);
+        assert_int_equal(conus_pose_list_count(list), 1);
+        conus_pose_list_destroy(list);
+    }
+}
+
 static void invesalius_is_read_strictly(void **state)
 {
     (void)state;
@@ -274,6 +294,44 @@ static void a_moved_atlas_is_the_patients(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* Contacts of a head in metres, 0.05 to 0.1 from the origin; and the same where the scanner's origin is 1.2 m away.
+ * Whatever the format, three of them say so; two points, as of a microelectrode, only near the origin; and equal ones,
+ * or those with an error, never. A pose table's cones are left to conus_aims_found(). */
+static void positions_in_metres_are_noted(void **state)
+{
+    (void)state;
+    static const char near_origin[] = "all positions lie within 1 mm of the origin, as if they were in metres";
+    static const char near_each_other[] = "all positions lie within 0.2 mm of each other, as if they were in metres";
+    static const struct {
+        const char *text, *note;
+        conus_space space;
+    } cases[] = {
+        {"name\tx\ty\tz\nA\t0.05\t0.01\t0.09\nB\t-0.05\t0.01\t0.09\nC\tn/a\tn/a\tn/a\n", near_origin, 0},
+        {"name\tx\ty\tz\nA\t.05\t.01\t1.2\nB\t-.05\t.01\t1.2\nC\t0\t.1\t1.1\n", near_each_other, 0},
+        {"name\tx\ty\tz\nA\t.05\t.01\t1.2\nB\t-.05\t.01\t1.2\n", NULL, 0},
+        {"name\tx\ty\tz\nA\t9\t9\t9\nB\t9\t9\t9\nC\t9\t9\t9\n", NULL, 0},
+        {"name\tx\ty\tz\nA\t0\t0\t0\n", NULL, 0},
+        {"name\tx\ty\tz\nA\t.05\t.01\t1.2\nB\t-.05\t.01\t1.2\nC\t0\t.1\t1.41\n", NULL, 0},
+        {".05 .01 .09 A\n-.05 .01 .09 B\n", near_origin, 0},
+        {".05 .01 .09 A\n-.05 .01 .09 B\n", near_origin, CONUS_SPACE_LPS},
+        {".05 .01 .09 A\n-.05 .01 x B\n", near_origin, 0},
+        {"9 9 9 A\n9 9 9.01 B\n9 9 9.02 C\n", near_each_other, 0},
+        {"9 9 9 A\n9 9 9.01 B\n9 9 9.02 C\n", NULL, CONUS_SPACE_BREGMA},
+        {"x,y,z,dx,dy,dz\n.1,.1,.1,0,0,1\n.1,.1,.2,0,0,1\n.1,.1,.15,0,0,1\n", NULL, 0},
+        {"# Fiducial List file\n# columns = label,x,y,z,sel,vis\nA,.1,0,0,1,1\n", near_origin, 0},
+    };
+    const conus_frame bregma = {.space = CONUS_SPACE_BREGMA, .world_from_space = {1, [5] = 1, [10] = 1, [15] = 1}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        const conus_pose_options options = {.space = cases[i].space,
+                                            .frame = cases[i].space == CONUS_SPACE_BREGMA ? &bregma : NULL};
+        conus_pose_list *list = pose_text_parse(text_from(cases[i].text), &options);
+        if (cases[i].note ? !pose_has_note(list, cases[i].note) : pose_has_note(list, "in metres")) {
+            fail_msg("case %zu", i);
+        }
+        conus_pose_list_destroy(list);
+    }
+}
+
 static const struct {
     const char *name;
     conus_pose_format format;
@@ -335,6 +393,7 @@ int main(void)
         cmocka_unit_test(formats_are_found),
         cmocka_unit_test(invesalius_markers),
         cmocka_unit_test(invesalius_angles),
+        cmocka_unit_test(invesalius_fiducials_are_passed_over),
         cmocka_unit_test(invesalius_is_read_strictly),
         cmocka_unit_test(nibs_markers),
         cmocka_unit_test(nibs_is_read_strictly),
@@ -342,6 +401,7 @@ int main(void)
         cmocka_unit_test(nibs_coordinate_systems),
         cmocka_unit_test(spaces_must_fit),
         cmocka_unit_test(a_moved_atlas_is_the_patients),
+        cmocka_unit_test(positions_in_metres_are_noted),
         cmocka_unit_test(every_prefix_is_refused_or_shorter),
         cmocka_unit_test(every_failing_allocation_is_clean),
     };
