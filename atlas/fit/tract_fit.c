@@ -2,9 +2,12 @@
 /* Compares the points of streamlines with the box around the areas, and with the grid of their voxels. */
 #include "atlas/fit/tract_fit.h"
 
+#include "atlas/fit/box_fit.h"
 #include "base/math3.h"
 
 #include <math.h>
+#include <stdio.h>
+#include <string.h>
 
 struct extent {
     double low[3], high[3]; /* of all points */
@@ -113,7 +116,18 @@ conus_status tract_fit_note(struct notes *notes, const conus_atlas *atlas, const
     const double all = (double)tractogram->point_count;
     const struct volume *voxels = atlas_parcellation_count(atlas) ? &atlas->volumes[0] : NULL;
     const struct extent extent = measure(tractogram, &boxes, voxels ? voxels->info.world_from_voxel : world);
-    if (voxels && looks_like_indices(&extent, voxels->info.dim, boxes.low)) {
+    char words[300];
+    bool said;
+    const struct fit_box areas = fit_box_of_areas(atlas, true, true);
+    struct fit_box box;
+    memcpy(box.low, extent.low, sizeof box.low);
+    memcpy(box.high, extent.high, sizeof box.high);
+    snprintf(words, sizeof words, "bundle %s", name);
+    conus_status status = fit_note_size(&said, notes, words, &box, &areas);
+    if (status || said) {
+        return status;
+    }
+    if (voxels && !tractogram->states_mm && looks_like_indices(&extent, voxels->info.dim, boxes.low)) {
         const size_t *dim = voxels->info.dim;
         return notes_warn(notes,
                           "bundle %s: all coordinates are from 0 to the %zu x %zu x %zu voxels of the atlas, and areas "

@@ -34,6 +34,7 @@ struct tract_group {
 struct tractogram {
     char *path;              /**< As opened; owned. */
     char format[64];         /**< "TrackVis 2, gzip, big-endian". */
+    bool states_mm;          /**< The file, or its format, says that points are world mm.                          */
     char sha256[65];         /**< Of the file, in hexadecimal; of a TRX folder empty. */
     struct file_sums files;  /**< Those of a TRX folder that were read, until an atlas has them; owned. */
     float *points;           /**< [3 point_count] x, y, z in world mm (RAS); owned. NULL where halves has them. */

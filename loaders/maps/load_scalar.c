@@ -3,6 +3,7 @@
  */
 #include "loaders/maps/load_scalar.h"
 
+#include "atlas/fit/box_fit.h"
 #include "atlas/fit/fit.h"
 #include "base/buffer.h"
 #include "base/folder.h"
@@ -272,6 +273,8 @@ conus_status context_set(conus_atlas *atlas, struct volume_file *file, const con
         status = choose_block(&file->info, options->block_threshold);
     }
     status = status ? status : notes_move(&atlas->notes, notes);
+    const struct fit_box grid = fit_box_of_grid(&file->info);
+    status = status ? status : fit_note_context(atlas, file->info.path, &grid);
     status = status ? status : fit_note(atlas, &file->info, values);
     status = status ? status : atlas_set_context(atlas, &file->info, values);
     if (status) {

@@ -2,6 +2,7 @@
 /* From planned surfaces to areas of the atlas: reading them, their notes, the area tree. */
 #include "loaders/scene/load_areas.h"
 
+#include "atlas/fit/box_fit.h"
 #include "atlas/labels/label_map.h"
 #include "atlas/surface/mesh_split.h"
 #include "base/buffer.h"
@@ -276,6 +277,15 @@ static conus_status add_surfaces(struct area_plan *plan, struct surfaces *surfac
     return status;
 }
 
+/* Beside areas of voxels. */
+static conus_status note_place(conus_atlas *atlas)
+{
+    bool said;
+    const struct fit_box surfaces = fit_box_of_areas(atlas, false, true);
+    const struct fit_box voxels = fit_box_of_areas(atlas, true, false);
+    return fit_note_size(&said, &atlas->notes, "surfaces", &surfaces, &voxels);
+}
+
 /* Label -> number of the area. */
 static conus_status map_areas(struct label_map *map, const conus_atlas *atlas)
 {
@@ -361,6 +371,7 @@ conus_status area_plan_load(struct area_plan *plan, conus_atlas *atlas, enum mes
     conus_status gathered = gather_notes(&atlas->notes, plan, &notes, progress); /* also of what cannot be read */
     status = status ? status : gathered;
     status = status ? status : add_surfaces(plan, &surfaces, atlas);
+    status = status ? status : note_place(atlas);
     status = status ? status : grow_tree(plan, atlas);
     surfaces_finish(&surfaces);
     notes_finish(&notes);

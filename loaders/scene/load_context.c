@@ -2,6 +2,7 @@
 /* conus_atlas_set_context(): a volume or a surface around the areas. */
 #include "loaders/scene/load_context.h"
 
+#include "atlas/fit/box_fit.h"
 #include "atlas/fit/fit.h"
 #include "base/file.h"
 #include "base/folder.h"
@@ -46,6 +47,14 @@ static conus_status read_surface(struct context_surface *out, const char *path, 
     return status;
 }
 
+static conus_status note_place(conus_atlas *atlas, const struct mesh *mesh)
+{
+    struct fit_box box;
+    memcpy(box.low, mesh->shape.low, sizeof box.low);
+    memcpy(box.high, mesh->shape.high, sizeof box.high);
+    return fit_note_context(atlas, mesh->path, &box);
+}
+
 /* On failure the atlas is as before. */
 static conus_status add_surface(conus_atlas *atlas, const char *path, const conus_context_options *options,
                                 struct notes *notes)
@@ -58,6 +67,7 @@ static conus_status add_surface(conus_atlas *atlas, const char *path, const conu
     status = status ? status : read_surface(&surface, path, options, notes);
     status = status ? status : notes_move(&atlas->notes, notes);
     status = status ? status : atlas_add_context_surface(atlas, &surface);
+    status = status ? status : note_place(atlas, &atlas->context_surfaces[count].mesh);
     status = status ? status : fit_note_surfaces(atlas);
     status = status ? status : atlas_note_file(atlas, path, &state);
     if (status) {

@@ -15,18 +15,18 @@ static const uint64_t default_memory = UINT64_C(8) << 30;
 
 /* A format is a stream of bytes (`read`), or opens its file, or folder, itself (`open`). `head` has the first bytes,
  * unpacked; of a folder none. Messages of `read` are without the path, those of `open` with it. `has_lines`, unless it
- * is NULL, says of a file that begins so whether it is a tractogram at all. */
+ * is NULL, says of a file that begins so whether it is a tractogram at all. `states_mm`: points are world mm, always.
+ */
 static const struct tract_format {
     bool (*is)(const struct bytes *head, const char *path);
     tract_reader *read;
     conus_status (*open)(struct tractogram *out, const char *path, uint64_t max_memory, struct notes *notes);
     bool (*has_lines)(const char *path);
+    bool states_mm;
 } formats[] = {
-    {trk_is, trk_read, NULL, NULL},
-    {tck_is, tck_read, NULL, NULL},
-    {tt_is, tt_read, NULL, NULL},
-    {trx_is, NULL, trx_read, trx_is_named},
-    {vtk_lines_is, NULL, vtk_lines_read, vtk_lines_are_in},
+    {trk_is, trk_read, NULL, NULL, false}, /* where it has a matrix */
+    {tck_is, tck_read, NULL, NULL, true},         {tt_is, tt_read, NULL, NULL, true},
+    {trx_is, NULL, trx_read, trx_is_named, true}, {vtk_lines_is, NULL, vtk_lines_read, vtk_lines_are_in, false},
 };
 
 static const struct tract_format *format_of(const struct bytes *head, const char *path)
@@ -123,6 +123,7 @@ static conus_status read_format(struct tractogram *out, const struct tract_forma
     struct tractogram tractogram = {0};
     conus_status status = read_content(&tractogram, format, path, max_memory, notes);
     if (!status) {
+        tractogram.states_mm = tractogram.states_mm || format->states_mm;
         status = check(&tractogram, notes);
         tractogram.path = status ? NULL : memory_text(path, strlen(path));
         status = status || tractogram.path ? status : CONUS_ERROR_MEMORY;

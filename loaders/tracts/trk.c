@@ -238,6 +238,7 @@ conus_status trk_read(struct tractogram *out, struct byte_stream *stream, uint64
     bool big = trk.header.swapped == BIG_ENDIAN_IS_SWAPPED;
     snprintf(trk.build.tractogram.format, sizeof trk.build.tractogram.format, "TrackVis %d%s%s", trk.header.version,
              stream->is_packed ? ", gzip" : "", big ? ", big-endian" : "");
+    trk.build.tractogram.states_mm = trk.header.has_matrix;
     status = status ? status : tract_build_take(out, &trk.build);
     tract_build_finish(&trk.build);
     return status;

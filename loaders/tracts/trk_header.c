@@ -239,7 +239,7 @@ static conus_status make_world(struct trk_header *header, const uint8_t *data, s
     double sizes[3];
     double voxel[16];
     double turn[16];
-    bool recorded = read_matrix(header->world, header, data);
+    const bool recorded = header->has_matrix = read_matrix(header->world, header, data);
     conus_status status = recorded ? check_matrix(header->world)
                                    : notes_warn(notes, "vox_to_ras: not recorded, taken as the identity: nothing says "
                                                        "where in the world the streamlines are");

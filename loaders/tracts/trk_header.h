@@ -21,6 +21,7 @@ struct trk_header {
     uint32_t streamline_count;   /**< 0 = not stated. */
     struct trk_names scalars;    /**< Per point. */
     struct trk_names properties; /**< Per streamline. */
+    bool has_matrix;             /**< The header says where the world is. */
     double world[16];            /**< World mm from the coordinates of the file. */
 };
 

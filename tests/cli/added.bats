@@ -228,7 +228,8 @@ END
     scene
     head -c 70 two.tck >cut.tck
     python3 "$BATS_TEST_DIRNAME/tck.py" far.tck 500,0,0 500,9,0
-    python3 "$BATS_TEST_DIRNAME/tck.py" voxels.tck 0,0,0 9,9,9 20,20,20
+    printf '# vtk DataFile Version 3.0\nSPACE=RAS\nASCII\nDATASET POLYDATA\nPOINTS 3 float\n%s\nLINES 1 4\n3 0 1 2\n' \
+        '0 0 0 9 9 9 20 20 20' >voxels.vtk
     head -c 400 t1.nii >cut.nii
     said slabs.nii.gz <<END
 $AIM
@@ -242,7 +243,7 @@ drop cut.nii
 streamlines more.tck,name=two
 streamlines more.tck,radius=-1
 streamlines more.tck,moves
-streamlines voxels.tck
+streamlines voxels.vtk
 streamlines far.tck
 results last.tsv
 save last.json

@@ -215,6 +215,17 @@ open("arc.trx/header.json", "w").write("{\"NB_STREAMLINES\": 2, \"NB_VERTICES\":
     tck far.tck 500,0,0 510,0,0
     run -0 --separate-stderr "$CONUS" query slabs.nii.gz --origin 0,0,100 --toward 0,0,0 --streamlines far.tck
     check_message 'note: bundle far: none of 2 points is in the box around the areas: is it in their space?'
+    # all of 0 to 31, as indices of the 32 voxels would be; a TCK is in mm
+    tck positive.tck 0,0,0 9,9,9 20,20,20
+    printf '# vtk DataFile Version 3.0\nSPACE=RAS\nASCII\nDATASET POLYDATA\nPOINTS 3 float\n%s\nLINES 1 4\n3 0 1 2\n' \
+        '0 0 0 9 9 9 20 20 20' >positive.vtk
+    run -0 --separate-stderr "$CONUS" query slabs.nii.gz --origin 0,0,100 --toward 0,0,0 --streamlines positive.tck
+    [[ $stderr != *indices* ]]
+    run -0 --separate-stderr "$CONUS" query slabs.nii.gz --origin 0,0,100 --toward 0,0,0 --streamlines positive.vtk
+    [[ $stderr == *'bundle positive: all coordinates are from 0 to the 32 x 32 x 32 voxels of the atlas'* ]]
+    tck far.tck -5000,0,0 5000,0,0
+    run -0 --separate-stderr "$CONUS" query slabs.nii.gz --origin 0,0,100 --toward 0,0,0 --streamlines far.tck
+    [[ $stderr == *'bundle far: 1e+04 mm long, beside areas of '*' mm: is one of the two in micrometres, not mm?'* ]]
     tck one.tck 0,0,0 -- 0,0,0 1,0,0
     run -0 --separate-stderr "$CONUS" query slabs.nii.gz --origin 0,0,100 --toward 0,0,0 --streamlines one.tck
     check_message 'note: one.tck: streamlines: of 2, 0 have no point and 1 have one'

@@ -280,6 +280,17 @@ static void another_space_is_noted(void **state)
     assert_note((const float[]){10, 9, 9, 9, 5, 0, 0, 0, 9}, NULL);
 }
 
+/* The grid of the atlas is 20 mm wide: 5 m are 250 times as much. */
+static void another_unit_is_noted(void **state)
+{
+    (void)state;
+    assert_note((const float[]){-1, 0, 0, 0, 0, 0, 4998, 0, 0}, NULL);
+    assert_note((const float[]){-1, 0, 0, 0, 0, 0, 4999, 0, 0},
+                "bundle line: 5000 mm long, beside areas of 20 mm: is one of the two in micrometres, not mm?");
+    assert_note((const float[]){0, 0, 0, 0.07F, 0, 0, 0.07F, 0.01F, 0},
+                "bundle line: 0.07 mm long, beside areas of 20 mm: is one of the two in metres, not mm?");
+}
+
 /* The atlas goes 30 mm along x, so that areas are from 20 to 40 mm and were from -10 to 10. One of 20 points is a
  * twentieth of them. */
 static void what_lay_better_before_a_move_is_noted(void **state)
@@ -322,6 +333,7 @@ int main(void)
         cmocka_unit_test(what_is_out_of_range_is_refused),
         cmocka_unit_test(a_failing_allocation_changes_nothing),
         cmocka_unit_test(another_space_is_noted),
+        cmocka_unit_test(another_unit_is_noted),
         cmocka_unit_test(what_lay_better_before_a_move_is_noted),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -2,6 +2,7 @@
 /* Surfaces around the areas: from files and manifests, never hit, never moved. */
 #include "atlas/atlas.h"
 #include "base/memory.h"
+#include "builders/label_row.h"
 #include "loaders/surfaces/mesh_format.h"
 #include "mesh_scene.h"
 #include "test.h"
@@ -200,6 +201,123 @@ static void manifests_name_them(void **state)
     }
 }
 
+/* A box like the others', of coordinates times `scale`, and moved along x. */
+static const char *write_scaled(const char *name, double scale, double shift)
+{
+    const double least[3] = {scale * low[0] + shift, scale * low[1], scale * low[2]};
+    const double most[3] = {scale * high[0] + shift, scale * high[1], scale * high[2]};
+    struct mesh box = mesh_scene_box(least, most);
+    struct buffer bytes = {0};
+    const char *path = test_in(name);
+    assert_ok(mesh_check(&box, NULL));
+    assert_ok(mesh_format(&bytes, &box, &(struct mesh_title){.name = "box", .space = "NIFTI_XFORM_SCANNER_ANAT"},
+                          CONUS_MESH_GIFTI));
+    assert_ok(conus_write_file(path, bytes.data, bytes.size));
+    buffer_finish(&bytes);
+    mesh_finish(&box);
+    return path;
+}
+
+/* What is said about a context, but for the path; NULL if nothing is. */
+static const char *place_note(const conus_atlas *atlas)
+{
+    const char *found = NULL;
+    for (size_t i = 0; conus_atlas_note(atlas, i); i++) {
+        const char *note = strstr(conus_atlas_note(atlas, i), ": ");
+        bool about = note && (strstr(note, "beside areas of") || strstr(note, "beside the box"));
+        assert_true(!about || !found);
+        found = about ? note + 2 : found;
+    }
+    return found;
+}
+
+static void assert_place(conus_atlas *atlas, const char *wanted)
+{
+    const char *found = place_note(atlas);
+    if (!wanted != !found || (wanted && strcmp(found, wanted) != 0)) {
+        fail_msg("found \"%s\", wanted \"%s\"", found ? found : "nothing", wanted ? wanted : "nothing");
+    }
+    conus_atlas_destroy(atlas);
+}
+
+/* The box is 85 mm along z, the ball 20 mm wide, so that 4.25 is their ratio; 250 / 4.25 is 58.82, and a 250th of 20 mm
+ * is 0.08 mm, of which 85 mm are 1062.5 times as much. */
+static void contexts_of_other_units_are_noted(void **state)
+{
+    (void)state;
+    static const struct {
+        double scale, shift;
+        const char *note;
+    } cases[] = {
+        {1, 0, NULL},
+        {58.7, 0, NULL},
+        {58.9, 0, "5006 mm long, beside areas of 20 mm: is one of the two in micrometres, not mm?"},
+        {1000, 0, "8.5e+04 mm long, beside areas of 20 mm: is one of the two in micrometres, not mm?"},
+        {1 / 1060.0, 0, NULL},
+        {1 / 1065.0, 0, "0.07981 mm long, beside areas of 20 mm: is one of the two in metres, not mm?"},
+        {1, 29.9, NULL}, /* from 9.9 mm on, where the ball reaches 10 */
+        {1, 30.1, "lies beside the box around the areas: is it in their space?"},
+        {1000, 1e6, "8.5e+04 mm long, beside areas of 20 mm: is one of the two in micrometres, not mm?"},
+    };
+    test_folder("units");
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        conus_atlas *atlas = make_ball();
+        assert_ok(conus_atlas_set_context(atlas, write_scaled("b.gii", cases[i].scale, cases[i].shift), NULL));
+        assert_place(atlas, cases[i].note);
+    }
+}
+
+/* A grid of 4 voxels, 2 x 1 x 2: with edges of 10 mm it is 20 mm long, as the ball is. */
+static void volumes_of_other_units_are_noted(void **state)
+{
+    (void)state;
+    static const struct {
+        double edge;
+        const char *note;
+    } cases[] = {
+        {10, NULL},
+        {2499, NULL},
+        {2500, "5000 mm long, beside areas of 20 mm: is one of the two in micrometres, not mm?"},
+        {0.041, NULL},
+        {0.039, "0.078 mm long, beside areas of 20 mm: is one of the two in metres, not mm?"},
+    };
+    static const float values[4] = {0, 1, 2, 3};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        conus_atlas *atlas = make_ball();
+        conus_voxels voxels = CONUS_VOXELS_INIT;
+        const size_t dim[3] = {2, 1, 2};
+        voxels.data = values;
+        voxels.type = CONUS_SCALAR_FLOAT32;
+        memcpy(voxels.dim, dim, sizeof dim);
+        for (size_t a = 0; a < 3; a++) {
+            voxels.world_from_voxel[5 * a] = cases[i].edge;
+        }
+        voxels.world_from_voxel[15] = 1;
+        assert_ok(conus_atlas_set_context_values(atlas, &voxels, NULL));
+        assert_place(atlas, cases[i].note);
+    }
+}
+
+/* Areas that are surfaces, beside areas of voxels: a grid of 8 mm and the box of 85 mm, 10.625 times as long. */
+static void surfaces_of_other_units_are_noted(void **state)
+{
+    (void)state;
+    static const char text[] = "{\"conus_atlas\": 1, \"parcellation\": \"v.nii\", \"areas\": [{\"file\": \"b.gii\","
+                               " \"label\": 100, \"name\": \"box\"}]}";
+    const char *path;
+    test_folder("areas");
+    row_write("v.nii", 8, 1, NULL);
+    assert_ok(conus_write_file(test_in("m.atlas.json"), text, strlen(text)));
+    for (int large = 0; large < 2; large++) {
+        conus_atlas *atlas = NULL;
+        write_scaled("b.gii", large ? 1000 : 1, 0);
+        path = test_in("m.atlas.json");
+        assert_ok(conus_atlas_load(&atlas, path, NULL));
+        assert_place(atlas,
+                     large ? "8.5e+04 mm long, beside areas of 8 mm: is one of the two in micrometres, not mm?" : NULL);
+    }
+}
+
 static conus_status attempt(void *data)
 {
     conus_atlas *atlas = make_ball();
@@ -230,6 +348,9 @@ int main(void)
         cmocka_unit_test(no_ray_hits_them_and_nothing_moves_them),
         cmocka_unit_test(what_is_not_of_surfaces_is_refused),
         cmocka_unit_test(manifests_name_them),
+        cmocka_unit_test(contexts_of_other_units_are_noted),
+        cmocka_unit_test(volumes_of_other_units_are_noted),
+        cmocka_unit_test(surfaces_of_other_units_are_noted),
         cmocka_unit_test(every_failing_allocation_leaves_the_atlas),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
