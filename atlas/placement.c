@@ -126,11 +126,12 @@ conus_status atlas_move(conus_atlas *atlas, const double atlas_from_world[16], c
 {
     struct moved moved = {0};
     double world_from_atlas[16];
-    if (!mat4_invert_affine(world_from_atlas, atlas_from_world)) {
-        return fail(CONUS_ERROR_DATA, "%s: the matrix is singular or not finite, an invertible one is needed", words);
+    conus_status status = space_invert(world_from_atlas, atlas_from_world, words);
+    if (status) {
+        return status;
     }
     size_t note_count = atlas->notes.count;
-    conus_status status = move_all(&moved, atlas, world_from_atlas);
+    status = move_all(&moved, atlas, world_from_atlas);
     double growth = fabs(mat4_determinant3(world_from_atlas));
     bool mirrors = mat4_determinant3(atlas_from_world) < 0;
     status = status ? status : notes_add(&atlas->notes, "moved by %s: what was 1 mm^3 is %.4g mm^3", words, growth);

@@ -40,12 +40,23 @@ static void name_axes(char orientation[4], const double m[16])
     orientation[3] = '\0';
 }
 
+conus_status space_invert(double out[16], const double m[16], const char *words)
+{
+    if (mat4_invert_affine(out, m)) {
+        return CONUS_OK;
+    }
+    return mat4_is_affine(m)
+               ? fail(CONUS_ERROR_DATA, "%s: the matrix is singular or not finite, an invertible one is needed", words)
+               : fail(CONUS_ERROR_DATA, "%s: the matrix has the last row %g %g %g %g, 0 0 0 1 is needed", words, m[3],
+                      m[7], m[11], m[15]);
+}
+
 conus_status space_describe(conus_volume_info *info, const double world_from_voxel[16], const char *transform)
 {
     double inverse[16];
-    if (!mat4_invert_affine(inverse, world_from_voxel)) {
-        return fail(CONUS_ERROR_DATA, "%s: the matrix is singular or not finite, an invertible one is needed",
-                    transform);
+    conus_status status = space_invert(inverse, world_from_voxel, transform);
+    if (status) {
+        return status;
     }
     memcpy(info->world_from_voxel, world_from_voxel, sizeof info->world_from_voxel);
     snprintf(info->transform, sizeof info->transform, "%s", transform);

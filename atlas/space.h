@@ -8,7 +8,11 @@
 /** NIfTI's codes of a scanner's own space, and of one that is aligned to something. */
 enum { SPACE_SCANNER = 1, SPACE_ALIGNED = 2 };
 
-/** Checks @p world_from_voxel (finite, not singular) and derives info's spacing and orientation from it.
+/** out = inverse of @p m, which must be affine, finite and not singular. The error names @p words, where m comes from.
+ */
+conus_status space_invert(double out[16], const double m[16], const char *words);
+
+/** Checks @p world_from_voxel, as space_invert(), and derives info's spacing and orientation from it.
  * The error names @p transform, the words for where the matrix comes from. */
 conus_status space_describe(conus_volume_info *info, const double world_from_voxel[16], const char *transform);
 

@@ -140,13 +140,20 @@ static inline double mat4_determinant3(const double m[16])
     return vec3_dot(m, cross);
 }
 
-/** out = inverse of the affine m; false (out untouched) where its linear part is singular: |det| below 1e-12 of the
- * product of the column lengths, or anything not finite. */
+/** Whether the last row is 0 0 0 1. */
+static inline bool mat4_is_affine(const double m[16])
+{
+    return m[3] == 0 && m[7] == 0 && m[11] == 0 && m[15] == 1;
+}
+
+/** out = inverse of m; false (out untouched) where m is not affine, its linear part is singular (|det| below 1e-12 of
+ * the product of the column lengths), or anything is not finite. */
 static inline bool mat4_invert_affine(double out[16], const double m[16])
 {
     double det = mat4_determinant3(m);
     double scale = vec3_length(m) * vec3_length(m + 4) * vec3_length(m + 8);
-    if (!isfinite(det) || !isfinite(scale) || !vec3_is_finite(m + 12) || !(fabs(det) > 1e-12 * scale)) {
+    bool is_finite = isfinite(det) && isfinite(scale) && vec3_is_finite(m + 12);
+    if (!mat4_is_affine(m) || !is_finite || !(fabs(det) > 1e-12 * scale)) {
         return false;
     }
     double r[16] = {0};

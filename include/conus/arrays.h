@@ -79,8 +79,8 @@ typedef struct conus_create_options {
  * @param label_count How many.
  * @param options NULL = defaults.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a type, dimension, label or hemisphere out of its range, and for labels
- * without voxels; #CONUS_ERROR_DATA for a voxel that is no label, a matrix that cannot be inverted, and for voxels that
- * look like an image unless labels_anyway is set.
+ * without voxels; #CONUS_ERROR_DATA for a voxel that is no label, a matrix that has no inverse or another last row
+ * than 0 0 0 1, and for voxels that look like an image unless labels_anyway is set.
  * @threads Any.
  * @since 0.1
  */
@@ -110,7 +110,7 @@ CONUS_CHECKED conus_status conus_atlas_add_surface(conus_atlas *atlas, const con
  * @param voxels Copied. Values that are not finite count as 0, and a note says how many.
  * @param options Its name counts before that of @p voxels; NULL = defaults. max_memory has no meaning.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a type, a dimension or a threshold out of its range; #CONUS_ERROR_DATA
- * for voxels without a value above 0 and a matrix that cannot be inverted.
+ * for voxels without a value above 0 and a matrix that has no inverse or another last row than 0 0 0 1.
  * @threads One at a time, while no other thread uses the atlas.
  * @since 0.1
  */

@@ -229,7 +229,7 @@ CONUS_CHECKED conus_status conus_atlas_transform(conus_atlas *atlas, const char 
  * Does the same by a matrix in memory.
  * @param atlas The atlas; unchanged on failure.
  * @param atlas_from_world Moves points from where poses are to the atlas.
- * @return #CONUS_OK; #CONUS_ERROR_DATA for a matrix that cannot be inverted.
+ * @return #CONUS_OK; #CONUS_ERROR_DATA for a matrix that has no inverse or another last row than 0 0 0 1.
  * @threads One at a time, while no other thread uses the atlas.
  * @since 0.1
  */

@@ -16,15 +16,17 @@ from ._conus import ffi, lib
 from ._library import (
     RESULT,
     ArgumentError,
+    affine_of,
     check,
     choice,
     flag,
-    numbers,
+    items,
     optional,
     owned,
     path_of,
     real,
     text,
+    unmasked,
     utf8,
     vector,
     whole,
@@ -52,13 +54,11 @@ _SCALARS = ("u1", "i1", "u2", "i2", "u4", "i4", "u8", "i8", "f4", "f8")
 
 def _fill_voxels(data: Any, affine: Any, name: str, space_code: int) -> tuple[Any, list[Any]]:
     """A conus_voxels, and what must live as long as it."""
-    array = np.asanyarray(data)
-    kind = array.dtype.str[1:]
+    array = np.asarray(unmasked(name, data, fill="0"))
+    kind = array.dtype.str[1:].replace("b1", "u1")
     if array.ndim != 3 or kind not in _SCALARS:
         raise ArgumentError(f"{name}: an array of {array.dtype}, shape {array.shape}; wanted are 3 axes of numbers")
-    matrix = numbers("affine", affine)
-    if matrix.shape != (4, 4):
-        raise ArgumentError(f"affine: an array of shape {matrix.shape}, wanted is (4, 4)")
+    matrix = affine_of("affine", affine)
     voxels, words = ffi.new("conus_voxels *"), path_of("name", name)
     voxels.data = ffi.cast("void *", array.__array_interface__["data"][0])
     voxels.type = 1 + _SCALARS.index(kind)
@@ -182,7 +182,7 @@ def _from_file(
 ) -> Any:
     options, out = ffi.new("conus_load_options *"), ffi.new("conus_atlas **")
     table, file = optional(path_of, "labels", labels), path_of("source", path)
-    options.probability, options.cache = real("probability", probability), flag("cache", cache)
+    options.probability, options.cache = probability, flag("cache", cache)
     options.labels, options.labels_anyway, options.max_memory = table, flag("labels_anyway", labels_anyway), max_memory
     with telling(progress, "file", 1) as tell:
         state = _Callback(tell)
@@ -211,7 +211,7 @@ def _image_parts(image: Any) -> tuple[Any, Any, str, int]:
     """Of a nibabel image. Stored integers without a scale stay integers."""
     header = image.header
     code = int(header["sform_code"]) or int(header["qform_code"]) if "sform_code" in header else 0
-    return np.asanyarray(image.dataobj), image.affine, image.get_filename() or "nibabel image", code
+    return image.dataobj, image.affine, image.get_filename() or "nibabel image", code
 
 
 def load(
@@ -303,7 +303,7 @@ def load(
     OutOfMemoryError
         For what is larger than ``max_memory``.
     """
-    max_memory = whole("max_memory", max_memory, high=2**64 - 1)
+    max_memory, probability = whole("max_memory", max_memory, high=2**64 - 1), real("probability", probability)
     if isinstance(source, (str, bytes, os.PathLike)):
         source, labels = _find(source, labels)
         raw = _from_file(source, labels, labels_anyway, max_memory, progress, probability, cache)
@@ -324,9 +324,7 @@ def load(
         _add_streamlines(raw, tractogram, max_memory)
     if _move(raw, transforms, max_memory) == 0 and moving:
         raise ArgumentError("streamlines: moves: there is no transform that could move them")
-    if isinstance(pathways, (str, bytes, os.PathLike)):
-        raise ArgumentError("pathways: a path, wanted is a list")
-    for pathway in pathways:
+    for pathway in items("pathways", pathways):
         _add_pathway(raw, pathway, max_memory, flag("cache", cache))
     for tractogram in still:
         _add_streamlines(raw, tractogram, max_memory)
@@ -354,18 +352,12 @@ def _transform(atlas: Any, given: Any, max_memory: int) -> None:
         options.grid, options.vectors, options.max_memory = images[2], vectors, max_memory
         check(lib.conus_atlas_transform(atlas, path, options))
         return
-    matrix = numbers("transforms", given)
-    if matrix.shape != (4, 4) or not np.array_equal(matrix[3], (0, 0, 0, 1)):
-        raise ArgumentError(f"transforms: an array of shape {matrix.shape}, wanted is (4, 4), the last row 0 0 0 1")
-    check(lib.conus_atlas_move(atlas, matrix.T.ravel().tolist()))
+    check(lib.conus_atlas_move(atlas, affine_of("transforms", given).T.ravel().tolist()))
 
 
 def _move(atlas: Any, transforms: Any, max_memory: int) -> int:
     """Moves the atlas; gives the number of transforms."""
-    if isinstance(transforms, (str, bytes, os.PathLike, Mapping, np.ndarray)):
-        raise ArgumentError("transforms: one, wanted is a list")
-    transforms = list(transforms)
-    for given in reversed(transforms):
+    for given in reversed(transforms := items("transforms", transforms)):
         _transform(atlas, given, max_memory)
     return len(transforms)
 
@@ -406,9 +398,7 @@ def _add_pathway(atlas: Any, pathway: Any, max_memory: int, cache: bool) -> None
 
 def _split_streamlines(streamlines: Any) -> tuple[list[Any], list[Any]]:
     """Those that move with the atlas, and those that do not."""
-    if isinstance(streamlines, (str, bytes, os.PathLike, Mapping)) or hasattr(streamlines, "streamlines"):
-        raise ArgumentError("streamlines: one tractogram, wanted is a list")
-    given = list(streamlines)
+    given = items("streamlines", streamlines)
     return [entry for entry in given if moves(entry)], [entry for entry in given if not moves(entry)]
 
 
@@ -443,13 +433,13 @@ def _is_surface(source: Any) -> bool:
 def _set_contexts(atlas: Any, context: Any, blocks: float, opacity: float, max_memory: int, cache: bool) -> None:
     sources = list(context) if isinstance(context, (list, tuple)) else [] if context is None else [context]
     surfaces = [_is_surface(source) for source in sources]
+    blocks, opacity = real("context_blocks", blocks), real("context_opacity", opacity)
     if blocks and surfaces.count(False) == 0:
         raise ArgumentError("context_blocks: there is no context volume")
     if opacity and surfaces.count(True) == 0:
         raise ArgumentError("context_opacity: there is no surface")
     if surfaces.count(False) > 1:
         raise ArgumentError("context: several volumes, wanted is at most one")
-    blocks, opacity = real("context_blocks", blocks), real("context_opacity", opacity)
     for source, surface in zip(sources, surfaces):
         _set_context(atlas, source, 0 if surface else blocks, opacity if surface else 0, max_memory, cache)
 
@@ -898,7 +888,7 @@ class Selector:
         """
         array = self._poses(origins, directions, poses, up, angle)
         options, astray = ffi.new("conus_many_options *"), ffi.new("conus_astray *")
-        options.threads = whole("threads", threads or 0)
+        options.threads = 0 if threads is None else whole("threads", threads)
         options.angle = self._angle(None if np.ndim(angle) else angle)
         with telling(progress, "pose", len(array)) as tell:
             collector = _Collector(len(array), tell)

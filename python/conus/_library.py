@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import operator
 import os
+from collections.abc import Mapping
 from typing import Any, Sequence
 
 import numpy as np
@@ -74,7 +75,7 @@ def owned(pointer: Any, destroy: Any, *needed: Any) -> Any:
     return ffi.gc(pointer, lambda p, keep=needed: destroy(p))
 
 
-def _shown(value: Any) -> str:
+def shown(value: Any) -> str:
     """A value in a message, which has one line."""
     return " ".join(repr(value).split())[:60]
 
@@ -82,16 +83,32 @@ def _shown(value: Any) -> str:
 def choice(option: str, value: str, values: Sequence[str]) -> int:
     """The number of a named value of an option."""
     if not isinstance(value, str) or value not in values:
-        raise ArgumentError(f"{option}: {_shown(value)}, allowed is {', '.join(values)}")
+        raise ArgumentError(f"{option}: {shown(value)}, allowed is {', '.join(values)}")
     return list(values).index(value)
+
+
+def _is_masked(values: Any) -> bool:
+    """Whether an array, or one in a list, hides elements behind a mask."""
+    if isinstance(values, (list, tuple)):
+        return any(map(_is_masked, values))
+    mask = getattr(values, "_mask", None)
+    return mask is not None and bool(np.any(mask))
+
+
+def unmasked(name: str, values: Any, fill: str = "numpy.nan") -> Any:
+    """What a caller gives as numbers, as it is: none of them is masked, as numpy would not say when it makes an array."""
+    if _is_masked(values):
+        raise ArgumentError(f"{name}: masked elements have no value; array.filled({fill}) gives them one")
+    return values
 
 
 def whole(name: str, value: Any, low: int = 0, high: int = 2**32 - 1) -> int:
     """A whole number that C's types hold; the library checks further."""
+    unmasked(name, value)
     try:
         number = int(value) if isinstance(value, float) and value.is_integer() else operator.index(value)
     except TypeError:
-        raise ArgumentError(f"{name}: {_shown(value)}, wanted is a whole number") from None
+        raise ArgumentError(f"{name}: {shown(value)}, wanted is a whole number") from None
     if not low <= number <= high:
         raise ArgumentError(f"{name}: {number}, allowed is {low} to {high}")
     return number
@@ -99,6 +116,7 @@ def whole(name: str, value: Any, low: int = 0, high: int = 2**32 - 1) -> int:
 
 def numbers(name: str, values: Any) -> np.ndarray[Any, Any]:
     """An array of double."""
+    unmasked(name, values)
     try:
         if not np.iscomplexobj(values):
             return np.asarray(values, float)
@@ -107,11 +125,23 @@ def numbers(name: str, values: Any) -> np.ndarray[Any, Any]:
     raise ArgumentError(f"{name}: complex numbers, wanted are real ones")
 
 
+def affine_of(name: str, values: Any) -> np.ndarray[Any, Any]:
+    """A copy of a matrix that moves points: the last row is 0 0 0 1, but for the rounding of a float, as in files."""
+    matrix = numbers(name, values).copy()
+    if matrix.shape != (4, 4):
+        raise ArgumentError(f"{name}: an array of shape {matrix.shape}, wanted is (4, 4)")
+    if not np.allclose(matrix[3], (0, 0, 0, 1), rtol=0, atol=1e-6):
+        row = " ".join(f"{number:.9g}" for number in matrix[3])
+        raise ArgumentError(f"{name}: the last row is {row}, wanted is 0 0 0 1")
+    matrix[3] = 0, 0, 0, 1
+    return matrix
+
+
 def flag(name: str, value: Any) -> bool:
     """True or False, or a number that is 1 or 0."""
-    if np.ndim(value) == 0 and value in (0, 1):
+    if np.ndim(unmasked(name, value)) == 0 and value in (0, 1):
         return bool(value)
-    raise ArgumentError(f"{name}: {_shown(value)}, wanted is True or False")
+    raise ArgumentError(f"{name}: {shown(value)}, wanted is True or False")
 
 
 def real(name: str, value: Any) -> float:
@@ -130,6 +160,16 @@ def vector(name: str, values: Any, size: int = 3) -> list[float]:
     return [float(value) for value in array]
 
 
+def items(name: str, given: Any) -> list[Any]:
+    """What a list, or something like it, has; one thing alone is none."""
+    try:
+        if not isinstance(given, (str, bytes, os.PathLike, Mapping, np.ndarray)) and not hasattr(given, "streamlines"):
+            return list(given)
+    except TypeError:
+        pass
+    raise ArgumentError(f"{name}: one {type(given).__name__}, wanted is a list")
+
+
 def optional(convert: Any, name: str, value: Any) -> Any:
     """utf8() or path_of() of what is given; None is NULL."""
     return ffi.NULL if value is None else convert(name, value)
@@ -138,11 +178,11 @@ def optional(convert: Any, name: str, value: Any) -> Any:
 def utf8(name: str, value: Any) -> Any:
     """A text for C."""
     if not isinstance(value, str):
-        raise ArgumentError(f"{name}: {_shown(value)}, wanted is a text")
+        raise ArgumentError(f"{name}: {shown(value)}, wanted is a text")
     try:
         return _chars(name, value, value.encode())
     except UnicodeEncodeError:
-        raise ArgumentError(f"{name}: {_shown(value)} is not Unicode") from None
+        raise ArgumentError(f"{name}: {shown(value)} is not Unicode") from None
 
 
 def path_of(name: str, value: Any) -> Any:
@@ -150,12 +190,12 @@ def path_of(name: str, value: Any) -> Any:
     try:
         return _chars(name, value, os.fsencode(value))
     except (TypeError, UnicodeEncodeError):
-        raise ArgumentError(f"{name}: {_shown(value)}, wanted is a path") from None
+        raise ArgumentError(f"{name}: {shown(value)}, wanted is a path") from None
 
 
 def _chars(name: str, value: Any, data: bytes) -> Any:
     if b"\0" in data:
-        raise ArgumentError(f"{name}: {_shown(value)} has a zero byte")
+        raise ArgumentError(f"{name}: {shown(value)} has a zero byte")
     return ffi.new("char[]", data)
 
 

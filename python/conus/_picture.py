@@ -20,6 +20,7 @@ from ._library import (
     check,
     choice,
     dtype_of,
+    flag,
     numbers,
     owned,
     path_of,
@@ -343,7 +344,8 @@ class Renderer:
             options.selection = selection._p
             options.frame = selection.space._frame if selection.space else ffi.NULL
         options.chosen = 0 if chosen is None else self.atlas.find(chosen)
-        options.fade, options.draft, options.no_skipping = fade, draft, not skipping
+        options.fade, options.draft = real("fade", fade), flag("draft", draft)
+        options.no_skipping = not flag("skipping", skipping)
         options.side = choice("view", view, _SIDES)
         options.no_legend = legend is False
         options.legend = choice("legend", legend, _LEGENDS) if isinstance(legend, str) else 0
@@ -443,7 +445,7 @@ def _set_lens(view: Any, field_of_view: Optional[float], frustum: Optional[Seque
     if field_of_view is not None:
         if field_of_view == 0:  # which is the library's word for its default
             raise ArgumentError("field of view of 0 degrees; allowed is more than 0 and less than 180")
-        view.field_of_view = math.radians(field_of_view)
+        view.field_of_view = math.radians(real("field_of_view", field_of_view))
     if frustum is not None:
         view.frustum = vector("frustum", frustum, 4)
         if not any(view.frustum):

@@ -10,7 +10,7 @@ import numpy as np
 
 from ._answers import Array
 from ._conus import ffi, lib
-from ._library import ArgumentError, PoseWarning, check, numbers, owned, text, vector
+from ._library import ArgumentError, PoseWarning, check, numbers, owned, text, unmasked, vector
 
 
 def pose_of(origin: Any, toward: Any, direction: Any, up: Any, pose: Any) -> Any:
@@ -58,7 +58,7 @@ class PoseArray:
             self._add("direction", rows_of("directions", directions, (3,)))
             if up is not None:
                 self._add("up", rows_of("up", up, (3,)))
-        if np.ndim(angle):
+        if np.ndim(unmasked("angle", angle)):
             self._add("angle", np.deg2rad(rows_of("angle", angle, ())))
         self.struct.count = len(self._alive[0])
         if any(len(rows) != len(self) for rows in self._alive):

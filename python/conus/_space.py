@@ -39,7 +39,10 @@ class Space:
         """(..., 4, 4) matrices from device to this space; None stays None."""
         if poses is not None and self.is_own:
             raise ArgumentError(f"{name}: a matrix is of ras or lps, not of {self.name}")
-        return poses if poses is None else self._matrix @ numbers(name, poses)
+        matrices = None if poses is None else numbers(name, poses)
+        if matrices is None or matrices.shape[-2:] != (4, 4):
+            return matrices  # whose shape the caller refuses
+        return self._matrix @ matrices
 
     def from_world(self, points: Any) -> Any:
         """Positions; numbers that are none stay none."""

@@ -2,14 +2,14 @@
 """Tractograms: streamlines for an atlas, and what it tells of them."""
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ._answers import Array
 from ._conus import ffi, lib
-from ._library import ArgumentError, check, flag, path_of, real, text, utf8
+from ._library import ArgumentError, affine_of, check, flag, numbers, path_of, real, shown, text, unmasked, utf8
 
 
 def is_tractogram(path: Any) -> bool:
@@ -50,7 +50,7 @@ def _settings(given: Any) -> tuple[Any, float, Any]:
     return source, real("streamlines: radius", radius), name
 
 
-def _of_nibabel(tractogram: Any) -> tuple[Array, list[int], list[tuple[str, bool, Array]]]:
+def _of_nibabel(tractogram: Any) -> tuple[Array, list[int], list[tuple[str, bool, Any]]]:
     """Points, lengths and scalars of a nibabel tractogram."""
     streamlines, affine = tractogram.streamlines, tractogram.affine_to_rasmm
     if not hasattr(streamlines, "get_data"):
@@ -58,26 +58,29 @@ def _of_nibabel(tractogram: Any) -> tuple[Array, list[int], list[tuple[str, bool
     if affine is None:
         raise ArgumentError("streamlines: the tractogram's affine_to_rasmm is None: where it lies is not known")
     lengths = [len(points) for points in streamlines]
-    points = np.asarray(streamlines.get_data(), "f8").reshape(-1, 3)
+    points = numbers("streamlines", streamlines.get_data()).reshape(-1, 3)
+    affine = affine_of("streamlines: affine_to_rasmm", affine)
     if not np.array_equal(affine, np.eye(4)):
         points = points @ affine[:3, :3].T + affine[:3, 3]
-    scalars = [(name, True, np.asarray(data.get_data())) for name, data in tractogram.data_per_point.items()]
-    return points, lengths, scalars + [(name, False, np.asarray(data))
-                                       for name, data in tractogram.data_per_streamline.items()]
+    scalars = [(name, True, data.get_data()) for name, data in tractogram.data_per_point.items()]
+    return points, lengths, scalars + [(name, False, data) for name, data in tractogram.data_per_streamline.items()]
 
 
-def _of_arrays(source: Iterable[Any]) -> tuple[Array, list[int], list[tuple[str, bool, Array]]]:
+def _of_arrays(source: Any) -> tuple[Array, list[int], list[tuple[str, bool, Any]]]:
     """Points and lengths of arrays, each a streamline."""
-    if not isinstance(source, Iterable):
-        raise ArgumentError(f"streamlines: {source!r}, wanted are paths, tractograms of nibabel or lists of arrays")
-    arrays = [np.asarray(points, "f8") for points in source]
+    try:
+        arrays = [numbers("streamlines", points) for points in unmasked("streamlines", source)]
+    except TypeError:
+        wanted = "wanted are paths, tractograms of nibabel or lists of arrays"
+        raise ArgumentError(f"streamlines: {shown(source)}, {wanted}") from None
     for number, points in enumerate(arrays):
         if points.ndim != 2 or points.shape[1] != 3:
             raise ArgumentError(f"streamlines: number {number} (from 0) has the shape {points.shape}, wanted is (n, 3)")
     return np.concatenate([np.empty((0, 3)), *arrays]), [len(points) for points in arrays], []
 
 
-def _fill_scalar(entry: Any, name: str, per_point: bool, data: Array, count: int) -> list[Any]:
+def _fill_scalar(entry: Any, name: str, per_point: bool, data: Any, count: int) -> list[Any]:
+    data = numbers(f"streamlines: {name}", data)
     values = np.ascontiguousarray(data, "f4").reshape(count, -1) if count else np.empty((0, 1), "f4")
     alive = [utf8("streamlines", name), values]
     entry.struct_size, entry.name = ffi.sizeof("conus_tract_scalar"), alive[0]

@@ -365,6 +365,40 @@ static void scalar_maps(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* A last row of 0 0 1 1 is a perspective, 0 0 0 2 a scale: neither may be taken for 0 0 0 1, wherever a matrix is
+ * given. */
+static void matrices_are_affine(void **state)
+{
+    (void)state;
+    static const struct {
+        size_t at;
+        double value;
+        const char *said;
+    } cases[] = {{11, 1, "last row 0 0 1 1"}, {15, 2, "last row 0 0 0 2"}, {3, NAN, "last row nan 0 0 1"}};
+    uint16_t data[COUNT];
+    conus_atlas *atlas = NULL;
+    conus_atlas *none = NULL;
+    conus_roi *roi = NULL;
+    fill_labels(data);
+    conus_voxels voxels = voxels_of(data, CONUS_SCALAR_UINT16);
+    assert_int_equal(conus_atlas_create(&atlas, &voxels, NULL, 0, NULL), CONUS_OK);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        conus_voxels bent = voxels;
+        bent.world_from_voxel[cases[i].at] = cases[i].value;
+        assert_int_equal(conus_atlas_create(&none, &bent, NULL, 0, NULL), CONUS_ERROR_DATA);
+        assert_non_null(strstr(conus_message(), cases[i].said));
+        assert_int_equal(conus_roi_create(&roi, &bent, NULL), CONUS_ERROR_DATA);
+        assert_int_equal(conus_atlas_add_values(atlas, &bent, NULL), CONUS_ERROR_DATA);
+        assert_int_equal(conus_atlas_set_context_values(atlas, &bent, NULL), CONUS_ERROR_DATA);
+        assert_int_equal(conus_atlas_move(atlas, bent.world_from_voxel), CONUS_ERROR_DATA);
+        assert_non_null(strstr(conus_message(), cases[i].said));
+    }
+    assert_null(none);
+    assert_null(roi);
+    check_plates(atlas);
+    conus_atlas_destroy(atlas);
+}
+
 /* ---- Memory ------------------------------------------------------------------------------------------------------ */
 
 /* Everything above in one go. */
@@ -408,6 +442,7 @@ int main(void)
         cmocka_unit_test(surfaces),
         cmocka_unit_test(surfaces_lie_no_deeper_than_allowed),
         cmocka_unit_test(scalar_maps),
+        cmocka_unit_test(matrices_are_affine),
         cmocka_unit_test(every_failing_allocation),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
