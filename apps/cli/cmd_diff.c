@@ -24,7 +24,7 @@ static const struct option own_options[] = {
      .type = OPTION_NUMBER,
      .offset = offsetof(struct diff_settings, tolerance),
      .value = "T",
-     .help = "numbers that differ by T or less are the same (default 0)",
+     .help = "numbers that differ by T or less are the same (default 0); names and labels must be equal",
      .low = 0,
      .high = 1e30},
     {.name = "max-memory",
@@ -80,11 +80,13 @@ static void put_row(struct comparison *diff, const char *what, const struct resu
     }
 }
 
-static bool cells_agree(const char *a, const char *b, double tolerance)
+/* Names that look like numbers are none: "1e1" is not "10". */
+static bool cells_agree(const char *column, const char *a, const char *b, double tolerance)
 {
     double x;
     double y;
-    return strcmp(a, b) == 0 || (number_parse(a, &x) && number_parse(b, &y) && fabs(x - y) <= tolerance);
+    return strcmp(a, b) == 0 ||
+           (conus_column_is_number(column) && number_parse(a, &x) && number_parse(b, &y) && fabs(x - y) <= tolerance);
 }
 
 /* Compares row of a with its fellow in b, and writes what differs. */
@@ -95,7 +97,7 @@ static void compare_rows(struct comparison *diff, size_t row, size_t other)
         const char *name = diff->a->cells[c];
         const char *one = results_cell(diff->a, row, c);
         const char *two = cell_named(diff->b, other, name);
-        if (!two || cells_agree(one, two, diff->tolerance)) {
+        if (!two || cells_agree(name, one, two, diff->tolerance)) {
             continue;
         }
         if (!changed) {

@@ -281,6 +281,15 @@ CONUS_CHECKED conus_status conus_report_grid_sidecar(const char **text, size_t *
                                                      const conus_grid *grid);
 
 /**
+ * Says whether a column of reports holds numbers that are measured or counted.
+ * @param name Name of the column, in whatever rows and list of voxels.
+ * @return False of names, kinds and labels, "name" and "index" for example, and of a column that no report has.
+ * @threads Any.
+ * @since 0.1
+ */
+CONUS_API bool conus_column_is_number(const char *name);
+
+/**
  * Ends a report.
  * @param report NULL is allowed.
  * @threads One at a time for each @p report.

@@ -37,6 +37,7 @@ static const conus_object *object_of(const conus_report *report, const struct re
 /* Entries of the tables: where a value lies, after its name, units and description. */
 #define OF_ROW(kind, member) .type = COLUMN_##kind, .offset = offsetof(struct report_row, member)
 #define OF_QUERY(kind, member) .type = COLUMN_##kind, .offset = offsetof(struct report_query, member), .of_query = true
+#define NAMED(getter) .type = COLUMN_NAME, .get = getter
 #define OF_BUNDLE(kind, member)                                                                                        \
     OF_ROW(kind, result.member), .needs = NEEDS_BUNDLE, .layers_only = true, .bundles_only = true
 
@@ -45,11 +46,6 @@ static const conus_object *object_of(const conus_report *report, const struct re
 static struct cell get_query(const conus_report *report, const struct report_row *row)
 {
     return text_cell(report->queries[row->query].id);
-}
-
-const char *report_kind(conus_kind kind)
-{
-    return atlas_kind_word(kind);
 }
 
 static struct cell get_kind(const conus_report *report, const struct report_row *row)
@@ -96,15 +92,15 @@ static struct cell get_atlas(const conus_report *report, const struct report_row
 }
 
 /* Behind the first of a report that has a name. */
-static const struct report_column atlas_column = {"atlas", NULL, "name of the atlas that is asked", .get = get_atlas};
+static const struct report_column atlas_column = {"atlas", NULL, "name of the atlas that is asked", NAMED(get_atlas)};
 
 static const struct report_column answer_columns[] = {
-    {"query", NULL, "query_id of the pose, else its number from 1", .get = get_query},
+    {"query", NULL, "query_id of the pose, else its number from 1", NAMED(get_query)},
     {"kind", NULL, "area, pathway, bundle, unassigned: the part of the cone that hits nothing, or error: name says why",
-     .get = get_kind},
-    {"index", NULL, "the atlas's own label of the area, or the ordinal of the pathway or bundle", .get = get_index},
-    {"name", NULL, "name of the area, pathway or bundle", .get = get_name},
-    {"abbreviation", NULL, "abbreviation in the label table", .get = get_abbreviation},
+     NAMED(get_kind)},
+    {"index", NULL, "the atlas's own label of the area, or the ordinal of the pathway or bundle", NAMED(get_index)},
+    {"name", NULL, "name of the area, pathway or bundle", NAMED(get_name)},
+    {"abbreviation", NULL, "abbreviation in the label table", NAMED(get_abbreviation)},
     {"rank", NULL, "1 is the best score", OF_ROW(RANK, result.rank)},
     {"score", NULL, "value of the ranking named in the settings, higher is better", OF_ROW(NUMBER, result.score)},
     {"pixels", NULL, "pixels of the cone that hit it first", OF_ROW(COUNT, result.pixels), .needs = NEEDS_RAYS},
@@ -258,13 +254,13 @@ static struct cell get_length(const conus_report *report, const struct report_ro
 }
 
 static const struct report_column segment_columns[] = {
-    {"query", NULL, "query_id of the pose, else its number from 1", .get = get_query},
+    {"query", NULL, "query_id of the pose, else its number from 1", NAMED(get_query)},
     {"order", NULL, "1 is nearest to the apex", .get = get_place},
     {"kind", NULL, "what the axis is in: area, pathway, bundle, or unassigned: none; error: name says why",
-     .get = get_kind},
-    {"index", NULL, "the atlas's own label of the area, or the ordinal of the pathway or bundle", .get = get_index},
-    {"name", NULL, "name of the area, pathway or bundle", .get = get_name},
-    {"abbreviation", NULL, "abbreviation in the label table", .get = get_abbreviation},
+     NAMED(get_kind)},
+    {"index", NULL, "the atlas's own label of the area, or the ordinal of the pathway or bundle", NAMED(get_index)},
+    {"name", NULL, "name of the area, pathway or bundle", NAMED(get_name)},
+    {"abbreviation", NULL, "abbreviation in the label table", NAMED(get_abbreviation)},
     {"entry_mm", "mm", "where the axis enters it, from the apex", OF_ROW(NUMBER, segment.entry)},
     {"exit_mm", "mm", "where the axis leaves it, from the apex", OF_ROW(NUMBER, segment.exit)},
     {"length_mm", "mm", "what lies between", .get = get_length},
@@ -322,18 +318,18 @@ static struct cell get_connecting(const conus_report *report, const struct repor
 }
 
 static const struct report_column connection_columns[] = {
-    {"query", NULL, "query_id of the pose, else its number from 1", .get = get_query},
-    {"kind", NULL, "bundle; error: no answer, and bundle says why", .get = get_kind},
-    {"bundle", NULL, "name of the bundle", .get = get_name},
-    {"end_a", NULL, "name of the area at one end of the streamlines, or unassigned", .get = get_end_a},
-    {"end_b", NULL, "the same of the other end, which is later in the atlas, or the same area", .get = get_end_b},
+    {"query", NULL, "query_id of the pose, else its number from 1", NAMED(get_query)},
+    {"kind", NULL, "bundle; error: no answer, and bundle says why", NAMED(get_kind)},
+    {"bundle", NULL, "name of the bundle", NAMED(get_name)},
+    {"end_a", NULL, "name of the area at one end of the streamlines, or unassigned", NAMED(get_end_a)},
+    {"end_b", NULL, "the same of the other end, which is later in the atlas, or the same area", NAMED(get_end_b)},
     {"streamlines", NULL, "how many streamlines of the bundle have these ends", .get = get_connecting},
     {"fraction", NULL, "they as a part of the bundle's streamlines that are in the cone, or of all if there is none",
      OF_ROW(NUMBER, connection.is.fraction)},
     {"mean_length_mm", "mm", "their mean length from end to end", OF_ROW(NUMBER, connection.is.length)},
-    {"bundle_index", NULL, "ordinal of the bundle", .get = get_index},
-    {"end_a_index", NULL, "the atlas's own label of end_a", .get = get_end_a_index},
-    {"end_b_index", NULL, "the same of end_b", .get = get_end_b_index},
+    {"bundle_index", NULL, "ordinal of the bundle", NAMED(get_index)},
+    {"end_a_index", NULL, "the atlas's own label of end_a", NAMED(get_end_a_index)},
+    {"end_b_index", NULL, "the same of end_b", NAMED(get_end_b_index)},
 };
 
 /* ---- Summaries: one row per answer, with the best, the next, and by how much it is behind ---- */
@@ -389,28 +385,35 @@ static struct cell get_error(const conus_report *report, const struct report_row
 }
 
 static const struct report_column summary_columns[] = {
-    {"runner_up", NULL, "name of the area, pathway or bundle with the second best score", .get = get_runner_up},
-    {"runner_up_index", NULL, "its index", .get = get_runner_up_index},
+    {"runner_up", NULL, "name of the area, pathway or bundle with the second best score", NAMED(get_runner_up)},
+    {"runner_up_index", NULL, "its index", NAMED(get_runner_up_index)},
     {"runner_up_share", NULL, "its share", .get = get_runner_up_share},
     {"margin", NULL, "score of the best less that of the runner-up", .get = get_score_margin},
     {"unassigned_share", NULL, "share that hits nothing", .get = get_unassigned},
-    {"error", NULL, "why there is no answer; then kind is error, and all else is missing", .get = get_error},
+    {"error", NULL, "why there is no answer; then kind is error, and all else is missing", NAMED(get_error)},
 };
 
 /* What a table of electrodes gets. */
 static const struct report_column electrode_columns[] = {
-    {"area", NULL, "name of the object with the best score at the contact, or unassigned", .get = get_name},
-    {"area_index", NULL, "the atlas's own label of it", .get = get_index},
+    {"area", NULL, "name of the object with the best score at the contact, or unassigned", NAMED(get_name)},
+    {"area_index", NULL, "the atlas's own label of it", NAMED(get_index)},
     {"area_share", NULL, "its part of the ball around the contact, or of the cone", OF_ROW(NUMBER, result.share)},
     {"area_distance_mm", "mm", "how far it is from the contact", OF_ROW(NUMBER, result.distance)},
-    {"runner_up", NULL, "name of the area, pathway or bundle with the second best score", .get = get_runner_up},
+    {"runner_up", NULL, "name of the area, pathway or bundle with the second best score", NAMED(get_runner_up)},
     {"runner_up_share", NULL, "its share", .get = get_runner_up_share},
-    {"area_error", NULL, "why there is no answer", .get = get_error},
+    {"area_error", NULL, "why there is no answer", NAMED(get_error)},
 };
+
+/* Of the list of voxels (report_voxels.c). */
+static const struct report_column voxel_columns[] = {{.name = "x"}, {.name = "y"}, {.name = "z"}, {.name = "value"}};
 
 /* ---- Which columns a report has ---- */
 
 #define COUNT_OF(array) (sizeof(array) / sizeof(array)[0])
+#define ALL_OF(array)                                                                                                  \
+    {                                                                                                                  \
+        array, COUNT_OF(array)                                                                                         \
+    }
 
 static void list_column(struct report_columns *out, const struct report_column *column)
 {
@@ -506,29 +509,26 @@ void report_list_columns(struct report_columns *out, const conus_report *report)
     }
 }
 
+bool conus_column_is_number(const char *name)
+{
+    static const struct {
+        const struct report_column *columns;
+        size_t count;
+    } tables[] = {ALL_OF(answer_columns),    ALL_OF(track_columns),      ALL_OF(share_columns),
+                  ALL_OF(admission_columns), ALL_OF(chance_columns),     ALL_OF(coverage_columns),
+                  ALL_OF(segment_columns),   ALL_OF(connection_columns), ALL_OF(summary_columns),
+                  ALL_OF(electrode_columns), ALL_OF(voxel_columns)};
+    for (size_t i = 0; i < COUNT_OF(tables); i++) {
+        for (size_t k = 0; k < tables[i].count; k++) {
+            if (strcmp(tables[i].columns[k].name, name) == 0) {
+                return tables[i].columns[k].type != COLUMN_NAME;
+            }
+        }
+    }
+    return false;
+}
+
 /* ---- Cells ---- */
-
-void report_point(const conus_report *report, double point[3])
-{
-    conus_frame_from_world(point, &report->frame, point);
-}
-
-const char *report_units(const conus_report *report, const struct report_column *column)
-{
-    bool is_place =
-        column->type == COLUMN_X || column->type == COLUMN_Y || column->type == COLUMN_Z || column->moved_only;
-    return is_place ? conus_space_unit(report->frame.space) : column->units;
-}
-
-unsigned report_needs_met(const conus_report *report, const struct report_row *row)
-{
-    bool of_ball = report->queries[row->query].ball > 0;
-    unsigned there = of_ball ? NEEDS_CENSUS : NEEDS_RAYS;
-    there |= report->selector.layers ? NEEDS_CENSUS : 0;
-    there |= row->result.object ? NEEDS_OBJECT : 0;
-    there |= row->result.kind == CONUS_KIND_BUNDLE ? NEEDS_BUNDLE : 0;
-    return there;
-}
 
 /* The value at `place`, which is of the column's type. */
 static struct cell stored_cell(const conus_report *report, enum column_type type, const void *place)

@@ -16,6 +16,7 @@ struct cell {
 
 enum column_type {
     COLUMN_COMPUTED,    /**< What get() gives.                                              */
+    COLUMN_NAME,        /**< The same: a name, a kind or a label, no quantity. */
     COLUMN_COUNT,       /**< A uint32_t.                                                    */
     COLUMN_LARGE_COUNT, /**< A uint64_t. */
     COLUMN_RANK,        /**< A uint32_t, n/a if 0.                                          */

@@ -368,6 +368,12 @@ static void the_cell_that_differs_is_named(void **state)
     assert_int_equal(found.count, 1);
     assert_string_equal(found.items[0].before, "\"a, b\"\r");
     differences_finish(&found);
+    /* A quotation mark in a table of tabs is a letter: the tab behind it ends the cell. */
+    find(&found, "query\tname\tpixels\n1\t5\" A\t5\n", "query\tname\tpixels\n1\t5\" A\t6\n");
+    assert_string_equal(found.items[0].where, "query 1, 5\" A: pixels");
+    assert_string_equal(found.items[0].before, "5");
+    assert_string_equal(found.items[0].after, "6");
+    differences_finish(&found);
     find(&found, "a b\nc\n", "a b\n");
     assert_string_equal(found.items[0].before, "c");
     assert_null(found.items[0].after);

@@ -30,6 +30,50 @@ result() {
     run -1 conus diff a.tsv b.tsv --tolerance 0.009
 }
 
+# Columns of names and labels are texts, whatever they look like; so are those that no result of conus has.
+@test "names that look like numbers are no numbers" {
+    head='query\tkind\tindex\tname\tabbreviation\tatlas\tshare\tgroup\n'
+    row='1\tarea\t1\t%s\t%s\taal\t%s\t%s\n'
+    printf "$head$row" 1e1 4 0.10 7 >a.tsv
+    printf "$head$row" 10 4 0.1 7 >b.tsv
+    run -1 conus diff a.tsv b.tsv
+    [ "${lines[0]}" = "changed   query 1, aal: area 1 1e1: name 1e1 -> 10" ]
+    for cells in '10 4.0 0.1 7' '11 4 0.1 7' '10 4 0.1 07'; do
+        printf "$head$row" $cells >c.tsv
+        run -1 conus diff b.tsv c.tsv --tolerance 1
+        [ "${lines[1]}" = "0 rows the same, 1 changed, 0 removed, 0 added" ]
+    done
+    printf "$head$row" 10 4 1e-1 7 >c.tsv
+    answers diff b.tsv c.tsv
+    printf 'query\tkind\tindex\tname\trunner_up\trunner_up_index\tmargin\n1\tarea\t1\tA\t4\t4\t0.5\n' >a.tsv
+    for other in '5\t4\t0.5' '4\t5\t0.5'; do
+        printf 'query\tkind\tindex\tname\trunner_up\trunner_up_index\tmargin\n1\tarea\t1\tA\t'"$other\n" >b.tsv
+        run -1 conus diff a.tsv b.tsv --tolerance 1
+    done
+}
+
+# What has a number in a cell of these columns is a name: every other column of every result is of numbers.
+@test "columns are of names or of numbers as their cells are" {
+    conus phantom nested -o . --size 24 --spacing 3,3,3
+    conus phantom bundle -o .
+    aim='--origin 0,-100,3 --toward 0,0,0 --angle 30 -q'
+    printf 'x\ty\tz\ttx\tty\ttz\n0\t-100\t0\t0\t0\t0\n' >poses.tsv
+    printf 'time_s\tx\ty\tz\ttx\tty\ttz\n0\t0\t0\t90\t0\t0\t0\n' >hand.tsv
+    conus query nested.nii.gz $aim --layers all --streamlines bundle.tck --voxels voxels.tsv --voxels-of all --segments segments.tsv \
+        --endpoints ends.tsv -o q.tsv
+    conus sweep nested.nii.gz $aim -o admissions.tsv
+    conus sweep nested.nii.gz --origin 0,-100,0 --toward 0,0,0 --angles 7 -q -o shares.tsv
+    conus sweep nested.nii.gz $aim --jitter 2,2 --samples 16 -o chances.tsv
+    conus overlap nested.nii.gz nested.nii.gz --threshold 300 -q -o coverages.tsv
+    conus batch nested.nii.gz --poses poses.tsv --summary -q -o summary.tsv
+    conus track nested.nii.gz --poses hand.tsv -q -o track.tsv
+    run -0 python3 "$BATS_TEST_DIRNAME/columns.py" "$CONUS" ./*.tsv
+    echo "$output"
+    [ "${#lines[@]}" -eq 1 ]
+    [[ "$output" =~ ^([0-9]+)" columns tried" ]]
+    [ "${BASH_REMATCH[1]}" -ge 90 ]
+}
+
 @test "added and removed rows and columns are named" {
     result >a.tsv
     result 0.9 2 | sed 's/pixels/pixel/' >b.tsv
