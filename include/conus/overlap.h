@@ -84,12 +84,14 @@ CONUS_API const conus_volume_info *conus_roi_volume(const conus_roi *roi);
  */
 CONUS_API uint64_t conus_roi_voxels(const conus_roi *roi);
 
-/** How much of an object a region of interest covers (Eq. 16). */
+/** How much of an object a region of interest covers (Eq. 16). What voxels have in common is exact; the inside of
+ * surfaces is measured round 4 x 4 lines through each voxel. */
 typedef struct conus_coverage {
     conus_kind kind;      /**< What it is; #CONUS_KIND_UNASSIGNED: what of the region is in no object. */
     uint32_t object;      /**< Number in the atlas, as it is reported (level); 0 for #CONUS_KIND_UNASSIGNED. */
     double volume;        /**< Of the part that is in both, mm³. */
-    double fraction;      /**< That part of the object, up to 1; NaN for #CONUS_KIND_UNASSIGNED. */
+    double fraction;      /**< That part of the object, up to 1; NaN for #CONUS_KIND_UNASSIGNED, and where the object's
+                             volume is unknown. */
     double roi_fraction;  /**< That part of the region. Areas and pathways may overlap: these need not sum to 1. */
     double peak;          /**< Of the region's voxels that are in it at least in part: the value farthest from 0 on the
                              threshold's side; of a mask its value. */

@@ -377,7 +377,6 @@ conus_status conus_report_add_overlap(conus_report *report, const char *query_id
                                          .threshold = overlap->threshold,
                                          .volume_mm3 = overlap->volume_mm3}};
     memcpy(query.roi.sha256, overlap->sha256, sizeof query.roi.sha256);
-    memcpy(query.roi.parts, overlap->parts, sizeof query.roi.parts);
     conus_status status = report->options.rows != CONUS_ROWS_COVERAGES ? refuse_rows("an overlap")
                           : query.roi.path                             ? CONUS_OK
                                                                        : CONUS_ERROR_MEMORY;

@@ -19,7 +19,6 @@ struct report_roi {
     size_t volume;    /**< Of a 4-D file, from 0.               */
     double threshold; /**< 0 of a mask.                         */
     double volume_mm3;
-    size_t parts[3];
 };
 
 /** A connection, with what begins all rows. */

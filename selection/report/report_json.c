@@ -101,10 +101,9 @@ static json_t *json_from_matrix(const double m[16])
 static json_t *json_from_roi(const struct report_query *query)
 {
     const struct report_roi *roi = &query->roi;
-    json_t *entry = json_pack("{s: o, s: o, s: s, s: I, s: f, s: [I, I, I]}", "query", json_from_text(query->id),
-                              "path", json_from_text(roi->path), "sha256", roi->sha256, "volume",
-                              (json_int_t)roi->volume, "volume_mm3", roi->volume_mm3, "parts",
-                              (json_int_t)roi->parts[0], (json_int_t)roi->parts[1], (json_int_t)roi->parts[2]);
+    json_t *entry = json_pack("{s: o, s: o, s: s, s: I, s: f}", "query", json_from_text(query->id), "path",
+                              json_from_text(roi->path), "sha256", roi->sha256, "volume", (json_int_t)roi->volume,
+                              "volume_mm3", roi->volume_mm3);
     return whole_or_null(entry, roi->threshold == 0 || put_value(entry, "threshold", json_real(roi->threshold)));
 }
 

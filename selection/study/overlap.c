@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Counts the parts of a region's voxels in each object (Eq. 16). */
+/* Adds up the shares of a region's voxels in each object (Eq. 16). */
 #include "selection/study/overlap.h"
 
 #include "atlas/roi.h"
@@ -8,22 +8,22 @@
 #include "base/math3.h"
 #include "base/memory.h"
 #include "selection/selector.h"
+#include "selection/study/shares.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-enum { PARTS_LIMIT = 8 };            /* along an axis */
-static const double PART_MM = 1;     /* the largest a part may be, whatever the atlas's voxels are */
-static const double ROUNDING = 1e-4; /* of an edge's length: headers hold it in single precision */
+/* Lines through a voxel along each of its first two axes, on which surfaces are told from within. */
+enum { LINES = 4 };
 
 /* What has been found of an object, as it is reported; number 0 is of nothing. */
-struct tally_of_parts {
-    uint64_t parts;
-    uint64_t last;     /* part, from 1, that was counted last: an object that is met twice there counts once */
-    size_t peak_voxel; /* where parts > 0 */
+struct tally_of_pieces {
+    double voxels;     /* their volume, of which a voxel of the region has 1 */
+    uint64_t last;     /* piece, from 1, that was counted last: an object that is met twice there counts once */
+    size_t peak_voxel; /* where voxels > 0 */
 };
 
-/* A mesh on the line under way: its crossings, of which those up to the part are behind. */
+/* A mesh on the line under way: its crossings, of which those up to the piece are behind. */
 struct crossed {
     uint32_t object;
     const struct line_crossing *next, *end;
@@ -34,53 +34,34 @@ struct counting {
     const conus_selector *selector;
     const conus_roi *roi;
     struct conus_overlap *overlap;
-    struct tally_of_parts *tallies; /* [object_count + 1] */
-    struct mesh_lines lines; /* through the middles of the parts along k, in voxels of the region from the middle of its
-                                first one's first part on, times parts */
+    struct tally_of_pieces *tallies; /* [object_count + 1] */
+    struct shares shares;
+    struct mesh_lines lines; /* along k, in voxels of the region times per_voxel, from the first line on */
+    size_t per_voxel;        /* lines along i and along j: LINES, or 1 without surfaces */
     struct crossed *crossed; /* [object_count] */
     size_t crossed_count;
-    uint64_t part; /* the one under way, from 1 */
+    size_t voxel;   /* the one under way */
+    uint64_t piece; /* likewise, from 1 */
 };
-
-/* ---- Parts ------------------------------------------------------------------------------------------------------ */
-
-/* Along each axis as many as make them no larger than the smallest voxel of the atlas, and than PART_MM. */
-static void choose_parts(struct counting *counting)
-{
-    const conus_atlas *atlas = counting->selector->atlas;
-    const double *spacing = counting->roi->volume.info.spacing;
-    double largest = PART_MM;
-    for (size_t i = 0; i < atlas->volume_count; i++) {
-        const double *other = atlas->volumes[i].info.spacing;
-        if (atlas->volumes[i].info.role != CONUS_ROLE_CONTEXT) {
-            largest = fmin(largest, fmin(other[0], fmin(other[1], other[2])));
-        }
-    }
-    for (int a = 0; a < 3; a++) {
-        double parts = ceil(spacing[a] / largest - ROUNDING);
-        counting->overlap->parts[a] = (size_t)fmax(1, fmin(parts, PARTS_LIMIT));
-    }
-}
-
-/* Index coordinate, in voxels of the region, of the middle of a part. */
-static double middle_of(const struct counting *counting, size_t part, int axis)
-{
-    return ((double)part + 0.5) / (double)counting->overlap->parts[axis] - 0.5;
-}
 
 /* ---- Meshes ----------------------------------------------------------------------------------------------------- */
 
-/* From world mm to numbers of parts, from the first one in the region's bounds on. */
+static const struct mesh *closed_mesh(const conus_atlas *atlas, uint32_t number)
+{
+    return atlas->objects[number - 1].closed ? atlas_object_mesh(atlas, number) : NULL;
+}
+
+/* From world mm to numbers of lines, from the first one in the region's bounds on, and voxels along k. */
 static void find_frame(double out[16], const struct counting *counting)
 {
     const conus_roi *roi = counting->roi;
-    double parts_from_voxel[16] = {[15] = 1};
-    for (int a = 0; a < 3; a++) {
-        double parts = (double)counting->overlap->parts[a];
-        parts_from_voxel[5 * a] = parts;
-        parts_from_voxel[12 + a] = (0.5 - (double)roi->low[a]) * parts - 0.5;
+    double per_voxel = (double)counting->per_voxel;
+    double lines_from_voxel[16] = {[10] = 1, [15] = 1};
+    for (int a = 0; a < 2; a++) {
+        lines_from_voxel[5 * a] = per_voxel;
+        lines_from_voxel[12 + a] = (0.5 - (double)roi->low[a]) * per_voxel - 0.5;
     }
-    mat4_multiply(out, parts_from_voxel, roi->volume.voxel_from_world);
+    mat4_multiply(out, lines_from_voxel, roi->volume.voxel_from_world);
 }
 
 static conus_status cross_meshes(struct counting *counting)
@@ -88,14 +69,18 @@ static conus_status cross_meshes(struct counting *counting)
     const conus_atlas *atlas = counting->selector->atlas;
     double frame[16];
     conus_status status = CONUS_OK;
+    counting->per_voxel = 1;
+    for (uint32_t number = 1; number <= atlas->object_count; number++) {
+        counting->per_voxel = closed_mesh(atlas, number) ? LINES : counting->per_voxel;
+    }
     find_frame(frame, counting);
     for (int a = 0; a < 2; a++) {
         counting->lines.step[a] = 1;
-        counting->lines.count[a] = (counting->roi->high[a] - counting->roi->low[a] + 1) * counting->overlap->parts[a];
+        counting->lines.count[a] = (counting->roi->high[a] - counting->roi->low[a] + 1) * counting->per_voxel;
     }
     for (uint32_t number = 1; number <= atlas->object_count; number++) {
-        const struct mesh *mesh = atlas_object_mesh(atlas, number);
-        size_t count = mesh && atlas->objects[number - 1].closed ? mesh->triangle_count : 0;
+        const struct mesh *mesh = closed_mesh(atlas, number);
+        size_t count = mesh ? mesh->triangle_count : 0;
         for (size_t i = 0; !status && i < count; i++) {
             status = mesh_lines_cross(&counting->lines, number, mesh, i, frame);
         }
@@ -135,6 +120,25 @@ static void enter_line(struct counting *counting, size_t line)
     }
 }
 
+/* Passes the crossings up to `at` on the line and notes the meshes around what follows there. Returns where the next
+ * crossing is, at most at `end`. */
+static double pass_crossings(struct counting *counting, double at, double end)
+{
+    struct shares *shares = &counting->shares;
+    shares->object_count = 0;
+    for (size_t i = 0; i < counting->crossed_count; i++) {
+        struct crossed *crossed = &counting->crossed[i];
+        while (crossed->next < crossed->end && crossed->next->z <= at) {
+            crossed->winding += crossed->next++->side;
+        }
+        end = crossed->next < crossed->end ? fmin(end, crossed->next->z) : end;
+        if (crossed->winding) {
+            shares->objects[shares->object_count++] = crossed->object;
+        }
+    }
+    return end;
+}
+
 /* ---- Counting --------------------------------------------------------------------------------------------------- */
 
 /* Whether the voxel's value is farther from 0 than that of the peak, or as far and earlier in the file. */
@@ -146,112 +150,92 @@ static bool is_peak(const struct counting *counting, size_t voxel, size_t peak)
     return more > 0 || (more == 0 && voxel < peak);
 }
 
-static void count_object(struct counting *counting, uint32_t object, size_t voxel)
+static void count_object(struct counting *counting, uint32_t object, double share)
 {
-    struct tally_of_parts *tally = &counting->tallies[level_group(counting->selector->level)[object]];
-    if (tally->last == counting->part) {
+    struct tally_of_pieces *tally = &counting->tallies[level_group(counting->selector->level)[object]];
+    if (tally->last == counting->piece) {
         return;
     }
-    if (!tally->parts || is_peak(counting, voxel, tally->peak_voxel)) {
-        tally->peak_voxel = voxel;
+    if (tally->voxels == 0 || is_peak(counting, counting->voxel, tally->peak_voxel)) {
+        tally->peak_voxel = counting->voxel;
     }
-    tally->last = counting->part;
-    tally->parts++;
+    tally->last = counting->piece;
+    tally->voxels += share;
 }
 
-/* Counts the objects of volumes that hold the point. Returns whether there are any. */
-static bool count_in_volumes(struct counting *counting, const double point[3], size_t voxel)
+static void count_piece(void *user, const uint32_t *objects, size_t count, double share)
 {
-    const conus_atlas *atlas = counting->selector->atlas;
-    bool any = false;
-    for (size_t i = 0; i < atlas->volume_count; i++) {
-        const struct volume *volume = &atlas->volumes[i];
-        size_t at;
-        if (volume->info.role == CONUS_ROLE_CONTEXT || !volume_can_be_hit(volume) ||
-            !volume_find_voxel(&at, volume, point)) {
-            continue;
-        }
-        uint32_t object = volume_object(volume, at);
-        if (object) {
-            count_object(counting, object, voxel);
-            any = true;
-        }
+    struct counting *counting = user;
+    counting->piece++;
+    for (size_t i = 0; i < count; i++) {
+        count_object(counting, objects[i], share);
     }
-    return any;
+    if (count == 0) {
+        count_object(counting, 0, share);
+    }
 }
 
-/* Counts the meshes around the middle of part `k` of the line, likewise; the parts of a line come in their order. */
-static bool count_in_meshes(struct counting *counting, size_t k, size_t voxel)
+/* Counts what is of a voxel round line (i, j) of the region's bounds: a bar of it, cut where meshes cross the line. */
+static conus_status count_bar(struct counting *counting, size_t i, size_t j, double k)
 {
-    bool any = false;
-    for (size_t i = 0; i < counting->crossed_count; i++) {
-        struct crossed *crossed = &counting->crossed[i];
-        while (crossed->next < crossed->end && crossed->next->z <= (double)k) {
-            crossed->winding += crossed->next++->side;
-        }
-        if (crossed->winding) {
-            count_object(counting, crossed->object, voxel);
-            any = true;
-        }
+    const size_t *corner = counting->roi->low;
+    double step = 1 / (double)counting->per_voxel;
+    double low[3] = {(double)corner[0] - 0.5 + (double)i * step, (double)corner[1] - 0.5 + (double)j * step, k - 0.5};
+    double high[3] = {low[0] + step, low[1] + step};
+    conus_status status = CONUS_OK;
+    for (; !status && low[2] < k + 0.5; low[2] = high[2]) {
+        high[2] = pass_crossings(counting, low[2], k + 0.5);
+        status = shares_of_box(&counting->shares, low, high, step * step * (high[2] - low[2]));
     }
-    return any;
+    return status;
 }
 
-/* Counts the parts of one line, which is `part` of each of the voxels of column at[0], at[1] of the region. */
-static void count_line(struct counting *counting, const size_t part[2], size_t line)
+/* Counts what is round one line. */
+static conus_status count_line(struct counting *counting, size_t i, size_t j)
 {
     const conus_roi *roi = counting->roi;
     const size_t *dim = roi->volume.info.dim;
-    const size_t *parts = counting->overlap->parts;
-    size_t count = (roi->high[2] - roi->low[2] + 1) * parts[2];
-    size_t column = part[0] / parts[0] + dim[0] * (part[1] / parts[1]);
-    enter_line(counting, line);
-    for (size_t k = 0; k < count; k++) {
-        size_t along = k + roi->low[2] * parts[2];
-        size_t voxel = column + dim[0] * dim[1] * (along / parts[2]);
-        if (!roi_has(roi, voxel)) {
-            continue;
-        }
-        double point[3] = {middle_of(counting, part[0], 0), middle_of(counting, part[1], 1),
-                           middle_of(counting, along, 2)};
-        mat4_point(point, roi->volume.info.world_from_voxel, point);
-        counting->part++;
-        bool in_volume = count_in_volumes(counting, point, voxel);
-        if (!count_in_meshes(counting, k, voxel) && !in_volume) {
-            count_object(counting, 0, voxel);
+    size_t column = roi->low[0] + i / counting->per_voxel + dim[0] * (roi->low[1] + j / counting->per_voxel);
+    conus_status status = CONUS_OK;
+    enter_line(counting, i + counting->lines.count[0] * j);
+    for (size_t k = roi->low[2]; !status && k <= roi->high[2]; k++) {
+        counting->voxel = column + dim[0] * dim[1] * k;
+        if (roi_has(roi, counting->voxel)) {
+            status = count_bar(counting, i, j, (double)k);
         }
     }
+    return status;
 }
 
-static void count_parts(struct counting *counting)
+static conus_status count_lines(struct counting *counting)
 {
-    const conus_roi *roi = counting->roi;
-    const size_t *parts = counting->overlap->parts;
     const size_t *count = counting->lines.count;
-    for (size_t line = 0; line < count[0] * count[1]; line++) {
-        const size_t part[2] = {roi->low[0] * parts[0] + line % count[0], roi->low[1] * parts[1] + line / count[0]};
-        count_line(counting, part, line);
+    conus_status status = CONUS_OK;
+    for (size_t line = 0; !status && line < count[0] * count[1]; line++) {
+        status = count_line(counting, line % count[0], line / count[0]);
     }
+    return status;
 }
 
 /* ---- Rows ------------------------------------------------------------------------------------------------------- */
 
 static conus_coverage describe(const struct counting *counting, uint32_t object)
 {
-    const struct tally_of_parts *tally = &counting->tallies[object];
+    const struct tally_of_pieces *tally = &counting->tallies[object];
     const struct volume *volume = &counting->roi->volume;
     const size_t *dim = volume->info.dim;
     size_t voxel = tally->peak_voxel;
     const size_t at[3] = {voxel % dim[0], voxel / dim[0] % dim[1], voxel / dim[0] / dim[1]};
-    double part_of_region = (double)tally->parts / (double)counting->part;
-    double whole = object ? counting->selector->whole[object] : 0;
+    double part = tally->voxels / (double)counting->roi->voxels;
+    double whole = object ? counting->selector->whole[object] / counting->overlap->volume_mm3 : 0;
+    part = whole > 0 ? fmin(part, whole) : part; /* bars round lines may be wider than a thin surface */
     conus_coverage row = {.kind = object ? conus_atlas_object(counting->selector->atlas, object)->kind
                                          : CONUS_KIND_UNASSIGNED,
                           .object = object,
-                          .volume = part_of_region * counting->overlap->volume_mm3,
-                          .roi_fraction = part_of_region,
+                          .volume = part * counting->overlap->volume_mm3,
+                          .fraction = whole > 0 ? part / whole : NAN,
+                          .roi_fraction = part,
                           .peak = (double)volume->values[voxel]};
-    row.fraction = whole > 0 ? fmin(row.volume / whole, 1) : NAN;
     for (int a = 0; a < 3; a++) {
         row.peak_point[a] = (double)at[a];
     }
@@ -276,7 +260,7 @@ static void fill_rows(struct counting *counting)
 {
     struct conus_overlap *overlap = counting->overlap;
     for (uint32_t object = 0; object <= counting->selector->atlas->object_count; object++) {
-        if (counting->tallies[object].parts) {
+        if (counting->tallies[object].voxels > 0) {
             overlap->rows[overlap->count++] = describe(counting, object);
         }
     }
@@ -297,12 +281,16 @@ static conus_status build(struct conus_overlap *overlap, const conus_selector *s
     counting.tallies = memory_zeroed(count, sizeof *counting.tallies);
     counting.crossed = memory_raw(count, sizeof *counting.crossed);
     bool fits = overlap->path && overlap->rows && counting.tallies && counting.crossed;
-    choose_parts(&counting);
-    conus_status status = fits ? cross_meshes(&counting) : CONUS_ERROR_MEMORY;
+    conus_status status =
+        fits ? shares_init(&counting.shares, selector->atlas, info->world_from_voxel, count) : CONUS_ERROR_MEMORY;
+    counting.shares.take = count_piece;
+    counting.shares.user = &counting;
+    status = status ? status : cross_meshes(&counting);
+    status = status ? status : count_lines(&counting);
     if (!status) {
-        count_parts(&counting);
         fill_rows(&counting);
     }
+    shares_finish(&counting.shares);
     mesh_lines_finish(&counting.lines);
     memory_free(counting.tallies);
     memory_free(counting.crossed);

@@ -13,7 +13,6 @@ struct conus_overlap {
     size_t volume;     /**< Of a 4-D file, from 0.          */
     double threshold;  /**< 0 of a mask.                    */
     double volume_mm3; /**< Of the region.                  */
-    size_t parts[3];   /**< Into which a voxel is cut, Eq. 16. */
 };
 
 #endif

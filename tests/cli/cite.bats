@@ -98,7 +98,7 @@ METHOD='T. Rick, A. von Kapri, T. Kuhlen: GPU Implementation of 3D Object Select
     cites g.tsv
     has 'The volume that a region of interest has in common with each area was determined'
     has 'values of at least 1'
-    has "cut into $(jq -r '.Queries[0].parts | join(" × ")' g.json) equal parts"
+    has 'Volumes that voxels have in common are exact'
     [[ "$output" != *cone* && "$output" != *Rick* ]]
 }
 
