@@ -107,7 +107,7 @@ static int open_poses(struct work *work)
     }
     conus_status status = conus_pose_stream_open(&work->poses, settings->poses, &options);
     if (status) {
-        return print_status(status);
+        return settings_print_poses_error(status, settings->poses, "poses", work->arguments);
     }
     code = settings_check_electrodes(work->format, conus_pose_stream_electrodes(work->poses), settings->poses);
     return code ? code : choose_poses(work);

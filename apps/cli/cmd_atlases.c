@@ -28,11 +28,15 @@ static const struct option own_options[] = {
      .value = "FORMAT",
      .help = "a table for people, tab-separated values, everything as JSON, or only what may stand for ATLAS, one a "
              "line:",
-     .choices = formats},
+     .choices = formats,
+     .words = "export",
+     .common = true},
     {.name = "places",
      .type = OPTION_FLAG,
      .offset = offsetof(struct list_settings, places),
-     .help = "list the places in which conus looks, instead of the atlases (table, tsv)"},
+     .help = "list the places in which conus looks, instead of the atlases (table, tsv)",
+     .words = "folders",
+     .common = true},
     {.name = "quiet",
      .letter = 'q',
      .type = OPTION_FLAG,
@@ -244,6 +248,7 @@ const struct command cmd_atlases = {
                 "  conus query aal --origin=-90,20,20 --toward=0,-10,10\n"
                 "  conus info fsl:harvard-oxford-cortical\n"
                 "  CONUS_ATLAS_PATH=~/atlases:/data/atlases conus atlases --format tsv\n",
+    .family = commands,
     .groups = groups,
     .settings_size = sizeof(struct list_settings),
     .run = run_atlases,

@@ -158,6 +158,9 @@ const struct command cmd_batch = {
                 "  conus batch aal.nii.gz --poses poses.tsv -o rows.tsv --resume\n"
                 "  conus batch aal.nii.gz --poses poses.tsv --shard 0/4 -o rows.0.tsv\n"
                 "  conus batch --jobs subjects.tsv --summary --resume\n",
+    .see_also = "  conus merge     joins the outputs of --shard\n"
+                "  conus verify    answers a result again, and compares\n",
+    .family = commands,
     .groups = batch_groups,
     .settings_size = sizeof(struct batch_settings),
     .more_help = help_scores,

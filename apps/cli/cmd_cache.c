@@ -24,7 +24,9 @@ static const struct option own_options[] = {
      .offset = offsetof(struct cache_settings, format),
      .value = "FORMAT",
      .help = "of list: a table for people, or tab-separated values:",
-     .choices = formats},
+     .choices = formats,
+     .words = "export",
+     .common = true},
     {0},
 };
 
@@ -171,6 +173,7 @@ const struct command cmd_cache = {
     .examples = "  conus cache list\n"
                 "  conus cache clear\n"
                 "  CONUS_CACHE=off conus query aal --origin=-90,20,20 --toward=0,-10,10\n",
+    .family = commands,
     .groups = groups,
     .settings_size = sizeof(struct cache_settings),
     .run = run_cache,

@@ -114,6 +114,7 @@ const struct command cmd_connect = {
         "within --endpoint-radius. conus query --endpoints does so for the streamlines in a cone or ball.",
     .examples = "  conus connect aal --streamlines arcuate.trk\n"
                 "  conus connect aal --streamlines whole.tck -o rows.tsv --connectivity matrix.tsv\n",
+    .family = commands,
     .groups = groups,
     .settings_size = sizeof(struct connect_settings),
     .run = run_connect,

@@ -26,7 +26,8 @@ static const struct option own_options[] = {
      .value = "T",
      .help = "numbers that differ by T or less are the same (default 0); names and labels must be equal",
      .low = 0,
-     .high = 1e30},
+     .high = 1e30,
+     .common = true},
     {.name = "max-memory",
      .type = OPTION_BYTES,
      .offset = offsetof(struct diff_settings, max_memory),
@@ -304,6 +305,7 @@ const struct command cmd_diff = {
         "same, 1: different.",
     .examples = "  conus diff rays.tsv gl.tsv --tolerance 1e-4\n"
                 "  conus diff today.exr yesterday.exr\n",
+    .family = commands,
     .groups = groups,
     .settings_size = sizeof(struct diff_settings),
     .run = run_diff,

@@ -35,7 +35,9 @@ static const struct option own_options[] = {
      .value = "FORMAT",
      .help = "everything as a table for people, only the areas as tab-separated values, everything as JSON, or the "
              "area tree with its depths:",
-     .choices = formats},
+     .choices = formats,
+     .words = "export",
+     .common = true},
     {0},
 };
 
@@ -536,6 +538,7 @@ const struct command cmd_info = {
     .examples = "  conus info aal.nii.gz\n"
                 "  conus info aal\n"
                 "  conus info aal.nii.gz --labels my_names.txt --format tsv\n",
+    .family = commands,
     .groups = groups,
     .settings_size = sizeof(struct info_settings),
     .run = run_info,

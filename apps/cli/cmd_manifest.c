@@ -19,7 +19,9 @@ static const struct option own_options[] = {
      .type = OPTION_TEXT,
      .offset = offsetof(struct manifest_settings, name),
      .value = "NAME",
-     .help = "write DIR/NAME.atlas.json (default: the folder's name)"},
+     .help = "write DIR/NAME.atlas.json (default: the folder's name)",
+     .words = "save",
+     .common = true},
     {.name = "max-memory",
      .type = OPTION_BYTES,
      .offset = offsetof(struct manifest_settings, max_memory),
@@ -111,6 +113,7 @@ const struct command cmd_manifest = {
         "the result. An existing manifest is never replaced.",
     .examples = "  conus manifest my-atlas\n"
                 "  conus info my-atlas/my-atlas.atlas.json\n",
+    .family = commands,
     .groups = groups,
     .settings_size = sizeof(struct manifest_settings),
     .run = run_manifest,

@@ -30,11 +30,15 @@ static const struct option merge_options[] = {
      .offset = offsetof(struct merge_settings, output),
      .value = "FILE",
      .help = "write the rows of all shards to FILE, and a .json beside it",
-     .required = true},
+     .required = true,
+     .words = "save, export",
+     .common = true},
     {.name = "force",
      .type = OPTION_FLAG,
      .offset = offsetof(struct merge_settings, force),
-     .help = "replace FILE if it exists"},
+     .help = "replace FILE if it exists",
+     .words = "overwrite",
+     .common = true},
     {0},
 };
 
@@ -331,6 +335,7 @@ const struct command cmd_merge = {
         "Reads the outputs of conus batch --shard I/N and the .json beside each, checks that they are whole, of\n"
         "one batch, and that none is missing or repeated. Writes their rows in order, with one header.",
     .examples = "  conus merge rows.0.tsv rows.1.tsv rows.2.tsv rows.3.tsv -o rows.tsv\n",
+    .family = commands,
     .groups = groups,
     .settings_size = sizeof(struct merge_settings),
     .run = run_merge,

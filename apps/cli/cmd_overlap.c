@@ -20,7 +20,9 @@ static const struct option region_options[] = {
      .offset = FIELD(threshold),
      .value = "T",
      .help = "voxels with values of at least T belong to the region; of a negative T, those with values of at most T "
-             "(default, of masks only: all voxels that are not 0)"},
+             "(default, of masks only: all voxels that are not 0)",
+     .words = "binarise, cut-off",
+     .common = true},
     {0},
 };
 
@@ -189,6 +191,7 @@ const struct command cmd_overlap = {
         "as a part of the area and of the region, and the region's peak there. Of several ROIs one after the other.",
     .examples = "  conus overlap aal lesion.nii.gz\n"
                 "  conus overlap aal zstat1.nii.gz --threshold 3.1 -o overlap.tsv\n",
+    .family = commands,
     .groups = groups,
     .settings_size = sizeof(struct overlap_settings),
     .run = run_overlap,

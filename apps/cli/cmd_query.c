@@ -1,84 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus query: what is in a cone or ball, with the tables, pictures and masks that belong to it. */
-#include "cli/answers/ends.h"
-#include "cli/answers/mask.h"
-#include "cli/answers/streamlines_out.h"
 #include "cli/commands.h"
-#include "cli/inquiry.h"
+#include "cli/query_settings.h"
 #include "common/messages.h"
 #include "common/output.h"
 #include "settings/atlas_notes.h"
-#include "settings/axis_options.h"
 
 #include <stdio.h>
 #include <string.h>
-
-struct query_settings {
-    struct inquiry_settings inquiry; /* first */
-    const char *voxels;
-    size_t voxels_of;
-    const char *image, *deep;
-    struct mask_settings mask;
-    struct streamlines_out_settings streamlines;
-    struct axis_settings axis;
-    struct ends_settings ends;
-    double point[3];
-};
-
-static const char *const voxel_kinds[] = {"pathways", "all", NULL};
-
-static const struct option point_options[] = {
-    {.name = "point",
-     .type = OPTION_VECTOR,
-     .offset = offsetof(struct query_settings, point),
-     .value = "X,Y,Z",
-     .help = "instead of a cone: a ball of --radius MM around this point, mm"},
-    {0},
-};
-
-static const struct option output_options[] = {
-    {.name = "voxels",
-     .type = OPTION_TEXT,
-     .offset = offsetof(struct query_settings, voxels),
-     .value = "FILE.tsv",
-     .help = "write the voxels hit first, or with --layers all or --point those in the cone or ball and the points of "
-             "streamlines there, with indices, positions and values"},
-    {.name = "voxels-of",
-     .type = OPTION_CHOICE,
-     .offset = offsetof(struct query_settings, voxels_of),
-     .value = "KIND",
-     .help = "whose voxels:",
-     .choices = voxel_kinds},
-    {.name = "image",
-     .type = OPTION_TEXT,
-     .offset = offsetof(struct query_settings, image),
-     .value = "FILE",
-     .help = "write the image seen from the device: .exr with id, X, Y, Z, t per pixel, or .png in the areas' colours"},
-    {.name = "deep",
-     .type = OPTION_TEXT,
-     .offset = offsetof(struct query_settings, deep),
-     .value = "FILE.exr",
-     .help = "with --layers all: write every interval of every ray inside an object, as a deep image with names"},
-    {0},
-};
-
-static const struct option_group groups[] = {
-    INQUIRY_AIM_GROUPS,
-    {"", point_options, 0},
-    INQUIRY_ENGINE_GROUPS,
-    INQUIRY_ATLAS_GROUPS,
-    INQUIRY_MORE_ATLASES,
-    {"What is written", query_format_options, INQUIRY_FIELD(answer)},
-    {"", answer_output_options, INQUIRY_FIELD(answer)},
-    {"", axis_options, offsetof(struct query_settings, axis)},
-    {"", endpoints_options, offsetof(struct query_settings, ends)},
-    {"", connectivity_options, offsetof(struct query_settings, ends)},
-    {"", output_options, 0},
-    {"", mask_options, offsetof(struct query_settings, mask)},
-    {"", streamlines_out_options, offsetof(struct query_settings, streamlines)},
-    {"", quiet_options, INQUIRY_FIELD(common)},
-    {0},
-};
 
 /** A query under way. */
 struct query {
@@ -104,35 +33,6 @@ static void query_finish(struct query *query)
     inquiry_finish(&query->inquiry);
 }
 
-static bool check_outputs(const struct query_settings *settings, const struct arguments *arguments)
-{
-    static const char *const of_one_atlas[] = {"image", "deep", "mask", "streamlines-out"};
-    conus_format format;
-    if (settings->voxels && output_format(&format, settings->voxels) && format != CONUS_FORMAT_TSV &&
-        format != CONUS_FORMAT_TABLE) {
-        print_error_line("--voxels: %s ends as what it will not be: TSV is written", settings->voxels);
-        return false;
-    }
-    for (size_t i = 0; i < sizeof of_one_atlas / sizeof of_one_atlas[0]; i++) {
-        if (!options_exclude(arguments, "atlas", of_one_atlas[i])) {
-            return false;
-        }
-    }
-    if (!option_needs(arguments, "voxels-of", "voxels")) {
-        return false;
-    }
-    if (!path_check_ending("image", settings->image, ".exr", ".png") ||
-        !path_check_ending("deep", settings->deep, ".exr", NULL) ||
-        !path_check_ending("streamlines-out", settings->streamlines.path, ".tck", NULL)) {
-        return false;
-    }
-    if (settings->deep && settings->inquiry.engine.layers != CONUS_LAYERS_ALL) {
-        print_error_line("--deep needs --layers all");
-        return false;
-    }
-    return ends_check(&settings->ends, arguments) && mask_check(&settings->mask, arguments);
-}
-
 static bool is_of_probe(conus_format format)
 {
     return format == CONUS_FORMAT_SPIKEGLX || format == CONUS_FORMAT_OPEN_EPHYS;
@@ -153,31 +53,6 @@ static bool check_format(const struct inquiry *inquiry)
         return false;
     }
     return true;
-}
-
-/* A ball has a point and a radius, and nothing that is only of cones. */
-static bool check_point(const struct arguments *arguments)
-{
-    static const char *const of_cones[] = {"origin",   "toward", "direction",      "up",       "pose",
-                                           "angle",    "layers", "range",          "engine",   "resolution",
-                                           "aperture", "score",  "slices",         "sampling", "context",
-                                           "image",    "deep",   "slice-fraction", "segments"};
-    for (size_t i = 0; i < sizeof of_cones / sizeof of_cones[0]; i++) {
-        if (!options_exclude(arguments, "point", of_cones[i])) {
-            return false;
-        }
-    }
-    return option_needs(arguments, "point", "radius");
-}
-
-static bool check_query(const struct query_settings *settings, const struct arguments *arguments)
-{
-    if (option_given(arguments, "point")) {
-        return check_point(arguments) && settings_check_space(arguments, &settings->inquiry.aim.space) &&
-               check_outputs(settings, arguments);
-    }
-    return inquiry_check(&settings->inquiry, arguments, false) && settings_check_aim(arguments, true) &&
-           settings_check_pose_file(arguments, "pose", NULL) && check_outputs(settings, arguments);
 }
 
 /* Some outputs are of one pose, and --angle is of poses without their own. */
@@ -565,7 +440,7 @@ static int start_outputs(struct query *query)
 static int run_query(const void *given, const struct arguments *arguments)
 {
     const struct query_settings *settings = given;
-    if (!check_query(settings, arguments)) {
+    if (!query_settings_check(settings, arguments)) {
         return EXIT_USAGE;
     }
     struct query query = {.settings = settings};
@@ -593,7 +468,12 @@ const struct command cmd_query = {
     .examples = "  conus query aal.nii.gz --origin -90,20,20 --toward 0,-10,10 --angle 20\n"
                 "  conus query aal.nii.gz --pose poses.tsv --angle 5 -o answers.tsv\n"
                 "  conus query aal.nii.gz --origin 0,0,90 --direction 0,0,-1 --image seen.exr --format json\n",
-    .groups = groups,
+    .see_also = "  conus batch     many poses: in parallel, in bounded memory\n"
+                "  conus sweep     how certain an answer is (uncertain: --jitter), and from which angle on\n"
+                "  conus render    figures of the brain and the cone, in colour (color)\n"
+                "  conus overlap   how much of each area (region) a lesion or a mask covers\n",
+    .family = commands,
+    .groups = query_groups,
     .settings_size = sizeof(struct query_settings),
     .more_help = help_scores,
     .run = run_query,

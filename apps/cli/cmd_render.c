@@ -41,12 +41,15 @@ static const struct option picture_options[] = {
      .value = "FILE",
      .help = ".png, or .exr with linear light as float; of several poses {query} stands for each one's name, {row} for "
              "its number",
-     .required = true},
+     .required = true,
+     .words = "save, export, figure, image",
+     .common = true},
     {.name = "camera",
      .type = OPTION_TEXT,
      .offset = offsetof(struct render_settings, camera),
      .value = "FILE",
-     .help = "camera at the one pose in this file (docs/formats.md)"},
+     .help = "camera at the one pose in this file (docs/formats.md)",
+     .words = "viewpoint"},
     {.name = "camera-origin",
      .type = OPTION_VECTOR,
      .offset = offsetof(struct render_settings, camera_origin),
@@ -270,7 +273,7 @@ static int load_poses(conus_pose_list **out, const struct picture *picture, cons
     const conus_pose_options options =
         settings_pose_options(&settings->file, &picture->frame, settings->atlas.max_memory);
     conus_status status = conus_pose_list_load(out, path, &options);
-    return status ? print_status(status) : EXIT_DONE;
+    return status ? settings_print_poses_error(status, path, "pose", picture->arguments) : EXIT_DONE;
 }
 
 static const char *why_no_pose(const conus_pose_row *row)
@@ -589,6 +592,7 @@ const struct command cmd_render = {
                 "  conus render aal.nii.gz -o cone.png --origin -90,20,20 --toward 0,-10,10 --angle 20\n"
                 "  conus render aal.nii.gz --poses session.tsv -o 'fig-{query}.png'\n"
                 "  conus render aal.nii.gz -o top.exr --camera-origin 0,0,500 --camera-toward 0,0,0\n",
+    .family = commands,
     .groups = groups,
     .settings_size = sizeof(struct render_settings),
     .more_help = list_transfers,

@@ -24,14 +24,18 @@ static const struct option sweep_options[] = {
      .type = OPTION_TEXT,
      .offset = FIELD(angles),
      .value = "A,B,...|LOW:HIGH:STEP",
-     .help = "report the shares at each of these full opening angles, degrees"},
+     .help = "report the shares at each of these full opening angles, degrees",
+     .words = "widths",
+     .common = true},
     {.name = "jitter",
      .type = OPTION_TEXT,
      .offset = FIELD(jitter),
      .value = "DEGREES,MM",
      .help = "or report the probabilities under normal errors of the pose: standard deviations of the axis's tilt "
              "about two axes, and of the position along three; or --jitter columns: those of columns error_deg and "
-             "error_mm of --pose FILE"},
+             "error_mm of --pose FILE",
+     .words = "uncertain, uncertainty, confidence",
+     .common = true},
     {.name = "samples",
      .type = OPTION_COUNT,
      .offset = FIELD(samples),
@@ -398,6 +402,7 @@ const struct command cmd_sweep = {
     .examples = "  conus sweep aal.nii.gz --origin -90,20,20 --toward 0,-10,10 --angle 40\n"
                 "  conus sweep aal.nii.gz --origin -90,20,20 --toward 0,-10,10 --angles 2:20:2\n"
                 "  conus sweep aal.nii.gz --origin -90,20,20 --toward 0,-10,10 --angle 5 --jitter 2,1.5\n",
+    .family = commands,
     .groups = groups,
     .settings_size = sizeof(struct sweep_settings),
     .more_help = help_scores,

@@ -30,7 +30,9 @@ static const struct option pose_options[] = {
      .offset = INQUIRY_FIELD(aim.pose),
      .value = "FILE",
      .help = "poses of the device over time, for instance a table with columns time_s and, if wanted, trigger "
-             "(docs/formats.md); - is standard input"},
+             "(docs/formats.md); - is standard input",
+     .words = "input",
+     .common = true},
     {0},
 };
 
@@ -352,7 +354,7 @@ static int open_poses(void *user)
         print_error_line("%s: no time_s in it, which every step needs", settings_poses_name(path));
         return EXIT_DATA;
     }
-    return status ? print_status(status) : EXIT_DONE;
+    return status ? settings_print_poses_error(status, path, "poses", inquiry->arguments) : EXIT_DONE;
 }
 
 /* A hand points here and there: only where all of the track does it may be in another space or unit. */
@@ -432,6 +434,7 @@ const struct command cmd_track = {
                 "  tracker | conus track aal.nii.gz --poses - --score 0.7*intenselect_plus+0.3*time --format ndjson\n"
                 "  conus track aal.nii.gz --poses hand.tsv --angle 5 -o steps.tsv\n"
                 "  conus track aal.nii.gz --listen 18944 --tool Pointer --reference Head --format ndjson\n",
+    .family = commands,
     .groups = groups,
     .settings_size = sizeof(struct track_settings),
     .more_help = help_scores,

@@ -120,7 +120,7 @@ int inquiry_load_poses(struct inquiry *inquiry)
     const char *path = inquiry->settings->aim.pose;
     const conus_pose_options options = inquiry_pose_options(inquiry);
     conus_status status = path ? conus_pose_list_load(&inquiry->poses, path, &options) : CONUS_OK;
-    return status ? print_status(status) : EXIT_DONE;
+    return status ? settings_print_poses_error(status, path, "pose", inquiry->arguments) : EXIT_DONE;
 }
 
 static int load_atlases(struct inquiry *inquiry)

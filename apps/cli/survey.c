@@ -12,7 +12,9 @@ const struct option survey_level_options[] = {
      .type = OPTION_TEXT,
      .offset = SURVEY_FIELD(engine.level),
      .value = "LEVEL",
-     .help = "report areas at this depth of the area tree (1 = its roots), or as these areas: names, @FILE"},
+     .help = "report areas at this depth of the area tree (1 = its roots), or as these areas: names, @FILE",
+     .words = "hierarchy, ontology",
+     .common = true},
     {0},
 };
 

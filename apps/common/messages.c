@@ -124,21 +124,21 @@ static size_t edit_distance(const char *a, const char *b)
     return row[width];
 }
 
-/* How far a word is from a name; an abbreviated name is near. */
-static size_t strangeness(const char *word, const char *name)
+/* An abbreviated name is near, however long it is. */
+static bool is_near(const char *word, const char *name, size_t distance)
 {
     size_t length = strlen(word);
-    return length >= 2 && strncmp(word, name, length) == 0 ? 0 : edit_distance(word, name);
+    return distance <= (length + 1) / 3 || (length >= 2 && strncmp(word, name, length) == 0);
 }
 
 const char *closest_name(const char *word, const char *(*name_at)(const void *list, size_t index), const void *list)
 {
     const char *best = NULL;
-    size_t least = (strlen(word) + 1) / 3;
+    size_t least = SIZE_MAX;
     const char *name;
     for (size_t i = 0; (name = name_at(list, i)); i++) {
-        size_t distance = strangeness(word, name);
-        if (distance < least || (distance == least && !best)) {
+        size_t distance = edit_distance(word, name);
+        if (distance < least && is_near(word, name, distance)) {
             least = distance;
             best = name;
         }

@@ -57,7 +57,8 @@ const struct option figure_options[] = {
      .type = OPTION_TEXT,
      .offset = FIELD(background),
      .value = "COLOUR",
-     .help = "light (default), white, black, transparent, or #RRGGBB"},
+     .help = "light (default), white, black, transparent, or #RRGGBB",
+     .words = "colour, color"},
     {.name = "legend",
      .type = OPTION_CHOICE,
      .offset = FIELD(legend),
@@ -73,11 +74,13 @@ const struct option figure_options[] = {
      .offset = FIELD(streamline_colour),
      .value = "bundle|direction|NAME",
      .help = "what colours streamlines: their bundle, their direction (red: left-right, green: back-front, blue: "
-             "up-down) or a number that their file has for points or streamlines, by its name (default: bundle)"},
+             "up-down) or a number that their file has for points or streamlines, by its name (default: bundle)",
+     .words = "color, fibre"},
     {.name = "safe-colours",
      .type = OPTION_FLAG,
      .offset = FIELD(safe_colours),
-     .help = "colours of areas, pathways and bundles that people with any colour vision can tell apart"},
+     .help = "colours of areas, pathways and bundles that people with any colour vision can tell apart",
+     .words = "colour-blind, palette"},
     {0},
 };
 

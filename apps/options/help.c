@@ -7,7 +7,7 @@
 
 #include <string.h>
 
-enum { HELP_COLUMN = 30, HELP_WIDTH = 100 };
+enum { HELP_COLUMN = 30, HELP_WIDTH = 100, BRIEF_EXAMPLES = 2 };
 
 void help_usage(FILE *out, const struct command *command)
 {
@@ -52,7 +52,7 @@ static size_t put_wrapped(FILE *out, const char *text, size_t column)
 }
 
 /* Lists what an option may be; the first is the default. */
-static void put_choices(FILE *out, const struct option *option, size_t column)
+static size_t put_choices(FILE *out, const struct option *option, size_t column)
 {
     const char *choice;
     for (size_t i = 0; (choice = option_choice(option, i)); i++) {
@@ -60,9 +60,11 @@ static void put_choices(FILE *out, const struct option *option, size_t column)
         snprintf(words, sizeof words, "%s%s%s", choice, i ? "" : " (default)", option_choice(option, i + 1) ? "," : "");
         column = put_wrapped(out, words, column);
     }
+    return column;
 }
 
-static void put_option(FILE *out, const struct option *option)
+/* Writes its name, and spaces up to HELP_COLUMN, on a line of its own where it is long. */
+static void put_name(FILE *out, const struct option *option)
 {
     char head[64];
     char letter[8] = "    ";
@@ -78,18 +80,68 @@ static void put_option(FILE *out, const struct option *option)
         column = 0;
     }
     fprintf(out, "%*s", (int)(HELP_COLUMN - column), "");
-    column = put_wrapped(out, option->help, HELP_COLUMN);
+}
+
+static void put_option(FILE *out, const struct option *option)
+{
+    put_name(out, option);
+    size_t column = put_wrapped(out, option->help, HELP_COLUMN);
     if (option->type == OPTION_CHOICE) {
-        put_choices(out, option, column);
+        column = put_choices(out, option, column);
+    }
+    if (option->words) {
+        column = put_wrapped(out, "(also:", column);
+        column = put_wrapped(out, option->words, column);
+        fputc(')', out);
     }
     fputc('\n', out);
+}
+
+/* How many bytes of the help say enough on one line: all, or the last clause that fits, or else what is before the last
+ * comma that does; outside of brackets. */
+static size_t brief_size(const char *help)
+{
+    const size_t width = HELP_WIDTH - HELP_COLUMN;
+    size_t clause = 0;
+    size_t comma = 0;
+    bool outside = true;
+    for (size_t i = 0; i <= width; i++) {
+        if (!help[i]) {
+            return i && help[i - 1] == ':' ? i - 1 : i; /* choices would follow */
+        }
+        clause = outside && (help[i] == ';' || help[i] == ':' || strncmp(help + i, " (", 2) == 0) ? i : clause;
+        comma = outside && strncmp(help + i, ", ", 2) == 0 ? i : comma;
+        outside = help[i] == '(' ? false : help[i] == ')' ? true : outside;
+    }
+    return clause ? clause : comma;
+}
+
+void help_brief(FILE *out, const struct command *command)
+{
+    fprintf(out, "%c%s\n\nusage: ", command->summary[0] - 'a' + 'A', command->summary + 1);
+    help_usage(out, command);
+    fputs("\n\n", out);
+    for (const struct option_group *group = command->groups; group->title; group++) {
+        for (const struct option *option = group->options; option->name; option++) {
+            if (option->common) {
+                put_name(out, option);
+                fprintf(out, "%.*s\n", (int)brief_size(option->help), option->help);
+            }
+        }
+    }
+    const char *end = command->examples;
+    for (size_t i = 0; i < BRIEF_EXAMPLES && *end; i++) {
+        end += strcspn(end, "\n") + 1;
+    }
+    fprintf(out, "\nExamples\n%.*s\n", (int)(end - command->examples), command->examples);
+    fprintf(out, "%s %s --help has all options.\n", command->program ? command->program : "conus", command->name);
 }
 
 void help_command(FILE *out, const struct command *command)
 {
     fputs("usage: ", out);
     help_usage(out, command);
-    fprintf(out, "\n\n%s\n", command->description);
+    fprintf(out, "\n\n%s\n\nExamples\n%s", command->description, command->examples);
     for (const struct option_group *group = command->groups; group->title; group++) {
         if (*group->title) {
             fprintf(out, "\n%s\n", group->title);
@@ -102,5 +154,7 @@ void help_command(FILE *out, const struct command *command)
         fputc('\n', out);
         command->more_help(out);
     }
-    fprintf(out, "\nExamples\n%s", command->examples);
+    if (command->see_also) {
+        fprintf(out, "\nSee also\n%s", command->see_also);
+    }
 }

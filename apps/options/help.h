@@ -7,6 +7,8 @@
 
 /** --help of one command. */
 void help_command(FILE *out, const struct command *command);
+/** -h of one command: what it does, its commonest options and two examples, on at most 20 lines. */
+void help_brief(FILE *out, const struct command *command);
 /** One line that shows a command's form: "conus query ATLAS [options]". */
 void help_usage(FILE *out, const struct command *command);
 

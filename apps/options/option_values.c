@@ -8,6 +8,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 static const char digits[] = "0123456789";
 
@@ -236,7 +237,7 @@ static bool read_choice(const struct option *option, size_t *field, const char *
 {
     const char *choice;
     for (size_t i = 0; (choice = option_choice(option, i)); i++) {
-        if (strcmp(choice, text) == 0) {
+        if (strcasecmp(choice, text) == 0) {
             *field = i;
             return true;
         }

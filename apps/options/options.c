@@ -9,6 +9,7 @@
 #include <assert.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 enum { CONTINUE = -1 };
 
@@ -145,11 +146,55 @@ static int take_option(struct cursor *cursor, struct found found, const char *at
     return option_read(option, found.field, value) ? keep_use(arguments, option, value) : EXIT_USAGE;
 }
 
+/* Whether `name` is one of the words, which commas separate, in any case. */
+static bool is_among(const char *words, const char *name)
+{
+    bool found = false;
+    size_t length = strlen(name);
+    for (size_t size; words && *words && !found; words += size + strspn(words + size, ", ")) {
+        size = strcspn(words, ",");
+        found = size == length && strncasecmp(words, name, size) == 0;
+    }
+    return found;
+}
+
+/* The option that people call by this name. */
+static const struct option *find_word(const struct command *command, const char *name)
+{
+    const struct option *option;
+    for (size_t i = 0; (option = option_at(command, NULL, i).option); i++) {
+        if (is_among(option->words, name)) {
+            return option;
+        }
+    }
+    return NULL;
+}
+
+/* The name of another command of the family that has the option; NULL = none. */
+static const char *command_with(const struct command *command, const char *name)
+{
+    const struct command *const *other = command->family;
+    for (; other && *other; other++) {
+        if ((*other)->groups && find_name(*other, NULL, name, strlen(name)).option) {
+            return (*other)->name;
+        }
+    }
+    return NULL;
+}
+
 static int print_unknown_option(const struct command *command, const char *word, const char *name)
 {
-    const char *near = closest_name(name, name_at, command);
-    return near ? print_usage_error("unknown option %s; did you mean --%s?", word, near)
-                : print_usage_error("unknown option %s; conus %s --help lists them", word, command->name);
+    const char *program = command->program ? command->program : "conus";
+    const struct option *meant = find_word(command, name);
+    const char *near = meant ? meant->name : closest_name(name, name_at, command);
+    const char *other = near ? NULL : command_with(command, name);
+    if (meant && meant->letter) {
+        return print_usage_error("unknown option %s; did you mean -%c, --%s?", word, meant->letter, near);
+    }
+    return near    ? print_usage_error("unknown option %s; did you mean --%s?", word, near)
+           : other ? print_usage_error("unknown option %s of %s %s; %s %s has it", word, program, command->name,
+                                       program, other)
+                   : print_usage_error("unknown option %s; %s %s --help lists them", word, program, command->name);
 }
 
 static int take_long(struct cursor *cursor, const char *word)
@@ -172,6 +217,7 @@ static int take_short(struct cursor *cursor, const char *word)
     if (!found.option) {
         return print_unknown_option(cursor->arguments->command, word, word + 1);
     }
+    cursor->arguments->is_brief = true; /* if it is -h */
     return take_option(cursor, found, word[2] ? word + 2 : NULL);
 }
 
@@ -187,6 +233,22 @@ static int take_another(struct option_list *list, const char *word)
     return CONTINUE;
 }
 
+/* A word behind all operands: a part of a vector, or a file of poses without its option. */
+static int print_unexpected(const struct arguments *arguments, const char *word)
+{
+    const struct found poses = find_name(arguments->command, NULL, "poses", 5);
+    const struct found pose = find_name(arguments->command, NULL, "pose", 4);
+    const struct found *found = poses.option ? &poses : &pose;
+    if (strchr(word, ',') || strspn(word, "+-.0123456789") == strlen(word)) {
+        return print_usage_error("unexpected argument \"%s\"; a vector is one word: X,Y,Z without spaces", word);
+    }
+    if (found->option && !(arguments->given >> found->ordinal & 1)) {
+        return print_usage_error("unexpected argument \"%s\"; a file of poses is given as --%s %s", word,
+                                 found->option->name, word);
+    }
+    return print_usage_error("unexpected argument \"%s\"", word);
+}
+
 static int take_operand(struct cursor *cursor, const char *word)
 {
     struct arguments *arguments = cursor->arguments;
@@ -197,10 +259,7 @@ static int take_operand(struct cursor *cursor, const char *word)
                      : print_usage_error("%s is empty", command->operands[arguments->operand_count - 1]);
     }
     if (all) {
-        return print_usage_error("unexpected argument \"%s\"%s", word,
-                                 strchr(word, ',') || strspn(word, "+-.0123456789") == strlen(word)
-                                     ? "; a vector is one word: X,Y,Z without spaces"
-                                     : "");
+        return print_unexpected(arguments, word);
     }
     arguments->operands[arguments->operand_count++] = word;
     return *word ? CONTINUE
@@ -216,13 +275,14 @@ static int take_word(struct cursor *cursor, const char *word)
         return take_short(cursor, word);
     }
     cursor->operands_only = word[2] == '\0';
+    cursor->arguments->is_brief = false;
     return cursor->operands_only ? CONTINUE : take_long(cursor, word);
 }
 
 static int answer_help(const struct arguments *arguments)
 {
     if (option_given(arguments, "help")) {
-        help_command(stdout, arguments->command);
+        (arguments->is_brief ? help_brief : help_command)(stdout, arguments->command);
         return EXIT_DONE;
     }
     if (option_given(arguments, "version")) {

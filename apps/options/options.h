@@ -36,9 +36,11 @@ struct option {
     size_t offset;     /**< Of the field, in its group's settings. */
     const char *value; /**< What stands for the value in the help. */
     const char *help;
-    double low, high; /**< Range of numbers; both 0 = any. */
-    bool open;        /**< The range's ends are outside of it, */
-    bool open_below;  /**< or only the low one. */
+    const char *words; /**< What else people call it, "save, export", for the help and for hints; NULL = nothing. */
+    bool common;       /**< One of the command's commonest, which -h lists. */
+    double low, high;  /**< Range of numbers; both 0 = any. */
+    bool open;         /**< The range's ends are outside of it, */
+    bool open_below;   /**< or only the low one. */
     bool required;
     const char *const *choices;             /**< NULL-terminated, or: */
     const char *(*choice_at)(size_t index); /**< NULL past the last. */
@@ -67,7 +69,8 @@ struct arguments {
     uint64_t given;          /**< Bit n: the command's n-th option. */
     struct option_use *uses; /**< [use_count] In their order. */
     size_t use_count;
-    int count; /**< The whole command line, for the provenance. */
+    bool is_brief; /**< Help was asked for by -h. */
+    int count;     /**< The whole command line, for the provenance. */
     char **words;
 };
 
@@ -80,9 +83,11 @@ struct command {
     bool repeats;                        /**< The last operand may stand any number of times. */
     const char *form;                    /**< What must follow the operands; NULL if nothing. */
     const char *description;             /**< Paragraphs for --help. */
-    const char *examples;                /**< Lines for --help. */
+    const char *examples;                /**< Lines for --help, of which -h has the first two. */
+    const char *see_also;                /**< Lines for --help about other commands; may be NULL. */
     const struct option_group *groups;   /**< Ends with a NULL title. */
     size_t settings_size;                /**< Of what @p run gets, zeroed before parsing. */
+    const struct command *const *family; /**< The program's commands, up to NULL, for hints; may be NULL. */
     void (*more_help)(FILE *out);        /**< Ends --help; may be NULL. */
     int (*run)(const void *settings, const struct arguments *arguments); /**< Gives the exit code. */
     int (*hand_over)(char **words); /**< Of another program's command, instead of all but name and summary: becomes that

@@ -149,6 +149,11 @@ static void put_option(FILE *out, const struct option *option)
         put_text(out, choice);
         fputs(i ? "" : " (default)", out);
     }
+    if (option->words) {
+        fputs(" (also: ", out);
+        put_text(out, option->words);
+        fputc(')', out);
+    }
     fputc('\n', out);
 }
 

@@ -16,14 +16,16 @@ const struct option axis_options[] = {
      .offset = offsetof(struct axis_settings, segments),
      .value = "FILE",
      .help = "write what the axis passes, in order of depth: a row for each stretch inside an area, pathway or "
-             "bundle, or between them"},
+             "bundle, or between them",
+     .words = "probe, shank, track"},
     {.name = "order",
      .type = OPTION_CHOICE,
      .offset = offsetof(struct axis_settings, order),
      .value = "ORDER",
      .help = "order of the rows of an answer: the best first, or the nearest (with --layers all by entry, else by "
              "distance):",
-     .choices = orders},
+     .choices = orders,
+     .words = "sort"},
     {.name = "contacts",
      .type = OPTION_TEXT,
      .offset = offsetof(struct axis_settings, contacts),

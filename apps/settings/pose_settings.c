@@ -5,6 +5,7 @@
 #include "common/messages.h"
 #include "common/output.h"
 
+#include <stdio.h>
 #include <string.h>
 
 /* In the order of conus_axis. */
@@ -65,6 +66,41 @@ void settings_pose_text(char out[64], const struct pose_file_settings *settings)
 const char *settings_poses_name(const char *path)
 {
     return output_is_stdout(path) ? "standard input" : path;
+}
+
+/* Whether it is the name of an installed atlas, or a file that only an atlas can be. */
+static bool is_atlas(const char *path)
+{
+    static const char *const endings[] = {".nii", ".nii.gz", ".mgz", ".mgh",   ".nrrd",      ".seg.nrrd",
+                                          ".mha", ".HEAD",   ".gii", ".annot", ".atlas.json"};
+    for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
+        if (path_ends(path, endings[i])) {
+            return true;
+        }
+    }
+    conus_catalogue *catalogue = NULL;
+    const conus_installed *found = NULL;
+    bool is_name = !output_is_stdout(path) && !conus_atlas_is_path(path) && !conus_catalogue_create(&catalogue, NULL) &&
+                   !conus_catalogue_find(&found, catalogue, path);
+    conus_catalogue_destroy(catalogue);
+    return is_name;
+}
+
+int settings_print_poses_error(conus_status status, const char *path, const char *option,
+                               const struct arguments *arguments)
+{
+    int code = exit_code_of(status);
+    char why[1024];
+    snprintf(why, sizeof why, "%s", conus_message()); /* which the catalogue would replace */
+    if (conus_path_is_tractogram(path)) {
+        print_error_line("%s: is a tractogram, not a file of poses; --streamlines %s adds it to the atlas", path, path);
+    } else if (arguments->operand_count && is_atlas(path)) {
+        print_error_line("%s: is an atlas, not a file of poses; the atlas comes first: conus %s %s --%s %s", path,
+                         arguments->command->name, path, option, arguments->operands[0]);
+    } else {
+        print_error_line("%s", why);
+    }
+    return code;
 }
 
 int settings_check_electrodes(conus_format format, const char *electrodes, const char *path)

@@ -30,6 +30,11 @@ void settings_pose_text(char out[64], const struct pose_file_settings *settings)
 /** What messages call the file of poses @p path: itself, or "standard input". */
 const char *settings_poses_name(const char *path);
 
+/** Prints why no poses were read from the file @p path of option @p option ("pose"): of an atlas or a tractogram that
+ * stands there, what to type instead. Gives the exit code that goes with @p status. */
+int settings_print_poses_error(conus_status status, const char *path, const char *option,
+                               const struct arguments *arguments);
+
 /** Whether @p electrodes, the table that the poses came from (NULL = another format), is there for a @p format that
  * adds columns to it. Returns the exit code and prints an error unless it is 0. */
 int settings_check_electrodes(conus_format format, const char *electrodes, const char *path);

@@ -17,7 +17,11 @@ const char *const settings_hemispheres[] = {"as-is", "split", "merged", NULL};
 static const char *const layers[] = {"visible", "all", NULL};
 
 const struct option plain_options[] = {
-    {.name = "help", .letter = 'h', .type = OPTION_FLAG, .offset = FIELD(common_settings, help), .help = "this text"},
+    {.name = "help",
+     .letter = 'h',
+     .type = OPTION_FLAG,
+     .offset = FIELD(common_settings, help),
+     .help = "this text; -h is the short one"},
     {.name = "version", .type = OPTION_FLAG, .offset = FIELD(common_settings, version), .help = "the version"},
     {0},
 };
@@ -33,7 +37,11 @@ const struct option quiet_options[] = {
      .type = OPTION_FLAG,
      .offset = FIELD(common_settings, verbose),
      .help = "print the engine's and the GL driver's messages, too, on stderr"},
-    {.name = "help", .letter = 'h', .type = OPTION_FLAG, .offset = FIELD(common_settings, help), .help = "this text"},
+    {.name = "help",
+     .letter = 'h',
+     .type = OPTION_FLAG,
+     .offset = FIELD(common_settings, help),
+     .help = "this text; -h is the short one"},
     {.name = "version", .type = OPTION_FLAG, .offset = FIELD(common_settings, version), .help = "the version"},
     {0},
 };
@@ -43,7 +51,8 @@ const struct option atlas_options[] = {
      .type = OPTION_TEXT,
      .offset = FIELD(atlas_settings, labels),
      .value = "FILE",
-     .help = "label table; replaces the one found beside or inside the atlas"},
+     .help = "label table; replaces the one found beside or inside the atlas",
+     .words = "lookup table, LUT, names"},
     {.name = "labels-anyway",
      .type = OPTION_FLAG,
      .offset = FIELD(atlas_settings, labels_anyway),
@@ -64,7 +73,8 @@ const struct option atlas_options[] = {
      .help =
          "add a scalar map as a pathway; keys: threshold=T (voxels with values of at least T belong to it; default a "
          "quarter of the file's scale), name=S, volume=K (of a 4-D file, from 0); or as several, each a band of "
-         "values: band=LOW:HIGH:NAME (from LOW to below HIGH; either may be left out), once for each; may be repeated"},
+         "values: band=LOW:HIGH:NAME (from LOW to below HIGH; either may be left out), once for each; may be repeated",
+     .words = "tract, probability map"},
     {.name = "streamlines",
      .type = OPTION_LIST,
      .offset = FIELD(atlas_settings, streamlines),
@@ -72,14 +82,16 @@ const struct option atlas_options[] = {
      .help =
          "add a tractogram as a bundle, or as one for each of its groups; keys: radius=R (a ray hits what is nearer "
          "than R mm to a streamline; default 0.5), name=S, moves (it lies where ATLAS's files do, and "
-         "--atlas-transform moves it, too); may be repeated"},
+         "--atlas-transform moves it, too); may be repeated",
+     .words = "fibre, fiber, tractography, tractogram"},
     {.name = "hemispheres",
      .type = OPTION_CHOICE,
      .offset = FIELD(atlas_settings, hemispheres),
      .value = "HOW",
      .help =
          "cut areas of both sides in two at x = 0 (split), or report left and right areas of one name as one (merged):",
-     .choices = settings_hemispheres},
+     .choices = settings_hemispheres,
+     .words = "left, right, side"},
     {.name = "atlas-transform",
      .type = OPTION_LIST,
      .offset = FIELD(atlas_settings, transforms),
@@ -88,13 +100,15 @@ const struct option atlas_options[] = {
          "bring the atlas to the poses: an affine (ITK, FreeSurfer, MNI, FSL, 4 x 4) or a deformation field (ITK, SPM, "
          "FSL) from their space to the atlas's; keys: from=IMAGE and to=IMAGE of FSL's, inverse (an affine from the "
          "atlas), relative or absolute (a field's vectors), grid=IMAGE (voxels for the labels); may be repeated, "
-         "points go through the first one first"},
+         "points go through the first one first",
+     .words = "warp, registration, normalise"},
     {.name = "max-memory",
      .type = OPTION_BYTES,
      .offset = FIELD(atlas_settings, max_memory),
      .value = "SIZE",
      .help =
-         "largest file or volume to accept, like 512M or 2G (default 8G; 1G for files of poses that are read whole)"},
+         "largest file or volume to accept, like 512M or 2G (default 8G; 1G for files of poses that are read whole)",
+     .words = "RAM"},
     {.name = "no-cache",
      .type = OPTION_FLAG,
      .offset = FIELD(atlas_settings, no_cache),
@@ -109,13 +123,15 @@ const struct option shown_options[] = {
      .value = "NAME,...",
      .help = "keep only these areas, pathways and bundles, by name, abbreviation or label, with all below them in the "
              "area tree; all others are as if never loaded; put a name with a comma in double quotes; @FILE is a file "
-             "with one name per line; may be repeated"},
+             "with one name per line; may be repeated",
+     .words = "region, ROI, filter, include"},
     {.name = "hide",
      .type = OPTION_LIST,
      .offset = FIELD(atlas_settings, hide),
      .value = "NAME,...",
      .help = "remove these areas, pathways and bundles, named as for --only: not hit, not drawn, not occluding; may be "
-             "repeated"},
+             "repeated",
+     .words = "exclude, remove"},
     {0},
 };
 
@@ -169,12 +185,16 @@ const struct option aim_options[] = {
      .type = OPTION_VECTOR,
      .offset = FIELD(aim_settings, origin),
      .value = "X,Y,Z",
-     .help = "position of the device: the cone's apex, mm"},
+     .help = "position of the device: the cone's apex, mm",
+     .words = "position, apex, tip",
+     .common = true},
     {.name = "toward",
      .type = OPTION_VECTOR,
      .offset = FIELD(aim_settings, toward),
      .value = "X,Y,Z",
-     .help = "point at which the device points, mm"},
+     .help = "point at which the device points, mm",
+     .words = "target",
+     .common = true},
     {.name = "direction",
      .type = OPTION_VECTOR,
      .offset = FIELD(aim_settings, direction),
@@ -191,7 +211,9 @@ const struct option aim_options[] = {
      .value = "FILE",
      .help =
          "poses from a file instead, - for standard input: a table with a header, a 4x4 matrix, or what Brainsight, "
-         "Localite, 3D Slicer, SimNIBS, InVesalius, Lead-DBS or BIDS write (docs/formats.md)"},
+         "Localite, 3D Slicer, SimNIBS, InVesalius, Lead-DBS or BIDS write (docs/formats.md)",
+     .words = "coil, trajectory, electrode",
+     .common = true},
     {0},
 };
 
@@ -200,7 +222,9 @@ const struct option angle_options[] = {
      .type = OPTION_NUMBER,
      .offset = FIELD(aim_settings, angle),
      .value = "DEGREES",
-     .help = "full opening angle of the cone, more than 0 and less than 180 (default 10)"},
+     .help = "full opening angle of the cone, more than 0 and less than 180 (default 10)",
+     .words = "width, opening",
+     .common = true},
     {0},
 };
 
@@ -211,7 +235,8 @@ const struct option engine_options[] = {
      .value = "N",
      .help = "trace N x N rays, one per pixel, N from 1 to 1024 (default 16)",
      .low = 1,
-     .high = 1024},
+     .high = 1024,
+     .words = "rays"},
     {.name = "aperture",
      .type = OPTION_CHOICE,
      .offset = FIELD(engine_settings, aperture),
@@ -242,12 +267,14 @@ const struct option engine_options[] = {
      .value = "N|AREA,...",
      .help =
          "report areas rolled up the area tree: to depth N (roots have 1), or to the nearest of these areas, by name, "
-         "abbreviation or label; put a name with a comma in double quotes; @FILE is a file with one area per line"},
+         "abbreviation or label; put a name with a comma in double quotes; @FILE is a file with one area per line",
+     .words = "hierarchy, ontology"},
     {.name = "score",
      .type = OPTION_TEXT,
      .offset = FIELD(engine_settings, score),
      .value = "FORMULA",
-     .help = "score that ranks the objects: a name below (default share), or a formula like 0.5*share+0.5*centre"},
+     .help = "score that ranks the objects: a name below (default share), or a formula like 0.5*share+0.5*centre",
+     .words = "sort, rank"},
     {0},
 };
 
@@ -257,7 +284,8 @@ const struct option shape_options[] = {
      .offset = FIELD(engine_settings, layers),
      .value = "WHICH",
      .help = "first hits only, or all hits in the cone with path lengths, volumes and values:",
-     .choices = layers},
+     .choices = layers,
+     .words = "behind, occluded, depth"},
     {.name = "range",
      .type = OPTION_RANGE,
      .offset = FIELD(engine_settings, range),
@@ -273,7 +301,8 @@ const struct option shape_options[] = {
      .help = "radius of a cylinder that replaces the cone, mm, more than 0: a needle, a probe",
      .low = 0,
      .high = 1e9,
-     .open = true},
+     .open = true,
+     .words = "cylinder, needle, sphere, ball"},
     {0},
 };
 

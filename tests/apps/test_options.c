@@ -123,6 +123,12 @@ static void the_closest_name_is_suggested(void **state)
     assert_string_equal(closest_name("angel", name_at, names), "angle");
     assert_string_equal(closest_name("apert", name_at, names), "aperture");
     assert_string_equal(closest_name("towards", name_at, names), "toward");
+    /* Of those that begin with the word and those of few edits, the one of the fewest edits. */
+    static const char *const alike[] = {"poses-format", "pose", "up", "output", NULL};
+    assert_string_equal(closest_name("poses", name_at, alike), "pose");  /* 1 edit, against 7 */
+    assert_string_equal(closest_name("poses-", name_at, alike), "pose"); /* 2 edits, against 6 */
+    assert_string_equal(closest_name("poses-f", name_at, alike), "poses-format");
+    assert_string_equal(closest_name("out", name_at, alike), "output"); /* 3 edits; "up" has 2, and 1 is allowed */
     assert_null(closest_name("layers", name_at, names));
     assert_null(closest_name("x", name_at, names));
     assert_null(closest_name("", name_at, names));

@@ -20,7 +20,7 @@ commands() {
 
 # help_options COMMAND...: the long options in its --help, in their order.
 help_options() {
-    "$@" --help | sed -n '/^Examples/q; s/^  \(-., \|    \)--\([a-z0-9-]*\).*/\2/p'
+    "$@" --help | sed -n 's/^  \(-., \|    \)--\([a-z0-9-]*\).*/\2/p'
 }
 
 # man_options PAGE: the long options that it explains, in their order.
@@ -86,7 +86,7 @@ complete_fish() {
         tr -s ' \n' '  ' <"$text" | grep -qF 'volumes and values: visible (default), all'
     done
     # The lines of the notes and examples stay lines, as in the help.
-    conus query --help | sed -n '/^Examples/,$p' | sed '1d; s/^ *//' >wanted
+    conus query --help | sed -n '/^Examples/,/^$/p' | sed '1d; $d; s/^ *//' >wanted
     [ -s wanted ]
     while read -r line; do
         grep -qF -- "$line" text || { echo "not in the page: $line"; return 1; }

@@ -24,6 +24,93 @@ load helpers
     done
 }
 
+@test "-h of every command is at most 20 lines of 100 columns, with the commonest options and two examples" {
+    for command in $(conus --help | sed -n 's/^  \([a-z]*\)  *[a-z].*/\1/p' | grep -vx -e view -e help); do
+        answers $command --help
+        local all=$output
+        answers $command -h
+        [ "${#lines[@]}" -le 20 ] && [ "$(wc -l <<<"$output")" -le 20 ]
+        [ "$(grep -v '^usage: ' <<<"$output" | wc -L)" -le 100 ]
+        has "usage: conus $command "
+        has "conus $command --help has all options."
+        [ "$(sed -n '/^Examples/,/^$/p' <<<"$output" | grep -c conus)" -ge 1 ]
+        # Each option is in the whole help, and says there how it begins here.
+        options=$(grep -oE '^ {2,6}(-[a-z], )?--[a-z-]+' <<<"$output")
+        [ "$(wc -l <<<"$options")" -le 7 ]
+        while IFS= read -r option; do
+            grep -qF -- "$option" <<<"$all"
+        done <<<"$options"
+    done
+    answers query -h
+    has '  -o, --output FILE           write the answer to FILE'
+    has '      --angle DEGREES         full opening angle of the cone'
+    answers -h
+    has 'usage: conus COMMAND'
+}
+
+@test "words that people search find their option, in the help and as a hint" {
+    while read -r command word option; do
+        conus "$command" --help | tr -s ' \n' '  ' | grep -qiE -- "--$option [^()]*(\([^()]*\)[^()]*)*\(also: [^)]*\b$word\b" ||
+            { echo "$command: $word is not at --$option"; return 1; }
+        [ "$command" != query ] || conus query --help | grep -qi -- "$word"
+        run -2 --separate-stderr conus "$command" "--$word"
+        [[ $stderr == "conus: unknown option --$word; did you mean "*"--$option?" ]] || { echo "said: $stderr"; return 1; }
+    done <<'END'
+query save output
+query export output
+query excel output
+query warp atlas-transform
+query registration atlas-transform
+query ROI only
+query region only
+query sort score
+query fibre streamlines
+query figure image
+batch parallel threads
+batch save output
+sweep uncertain jitter
+render colour background
+render color background
+END
+    for word in colour color uncertain parallel; do # those of query are other commands'
+        conus query --help | grep -qi -- "$word"
+    done
+    fails 2 'unknown option --save; did you mean -o, --output?' query a.nii --save
+}
+
+@test "an option of another command, a file of poses without its option, and files that are no poses" {
+    sphere --size 16 --spacing 4,4,4
+    conus phantom bundle -o . --size 16 2>/dev/null || conus phantom bundle -o .
+    printf 'x\ty\tz\ttx\tty\ttz\n0\t0\t90\t0\t0\t0\n' >poses.tsv
+    fails 2 'unknown option --poses; did you mean --pose?' query sphere.nii.gz --poses poses.tsv
+    fails 2 'unknown option --pose; did you mean --poses?' batch sphere.nii.gz --pose poses.tsv
+    fails 2 'unknown option --threads of conus query; conus batch has it' query sphere.nii.gz --threads 2
+    fails 2 'unknown option --jitter of conus query; conus sweep has it' query sphere.nii.gz --jitter 1,1
+    fails 2 'unexpected argument "poses.tsv"; a file of poses is given as --poses poses.tsv' batch sphere.nii.gz poses.tsv
+    fails 2 'unexpected argument "poses.tsv"; a file of poses is given as --pose poses.tsv' query sphere.nii.gz poses.tsv
+    fails 2 'unexpected argument "more.tsv"' batch sphere.nii.gz --poses poses.tsv more.tsv
+    [[ $stderr != *'given as'* ]]
+    for command in 'query --pose' 'batch --poses' 'track --poses' 'sweep --pose'; do
+        read -r name option <<<"$command"
+        fails 3 "sphere.nii.gz: is an atlas, not a file of poses; the atlas comes first: conus $name sphere.nii.gz $option poses.tsv" \
+            "$name" poses.tsv $option sphere.nii.gz
+        fails 3 "bundle.tck: is a tractogram, not a file of poses; --streamlines bundle.tck adds it to the atlas" \
+            "$name" sphere.nii.gz $option bundle.tck
+    done
+    mkdir own
+    cp sphere.nii.gz own/ball_atlas.nii.gz
+    CONUS_ATLAS_PATH=$PWD/own fails 3 'ball_atlas: is an atlas, not a file of poses; the atlas comes first: conus query ball_atlas --pose poses.tsv' \
+        query poses.tsv --pose ball_atlas
+    fails 3 'none.tsv: cannot' query sphere.nii.gz --pose none.tsv
+}
+
+@test "choices may be written in any case" {
+    sphere --size 16 --spacing 4,4,4
+    aim=(--origin 0,0,90 --direction 0,0,-1)
+    conus query sphere.nii.gz "${aim[@]}" --space lps --aperture square --format tsv >wanted
+    conus query sphere.nii.gz "${aim[@]}" --space LPS --aperture Square --format TSV | cmp - wanted
+}
+
 @test "no command at all shows the list on stderr" {
     run -2 --separate-stderr conus
     [ -z "$output" ]

@@ -16,7 +16,8 @@ const struct option format_options[] = {
      .offset = offsetof(struct answer_settings, format),
      .value = "FORMAT",
      .help = "format of the answer; default by the ending of -o, else a table:",
-     .choices = formats},
+     .choices = formats,
+     .words = "CSV, pandas"},
     {0},
 };
 
@@ -30,7 +31,8 @@ const struct option query_format_options[] = {
      .value = "FORMAT",
      .help = "format of the answer; default by the ending of -o, else a table; the last four are for other "
              "programs (docs/formats.md):",
-     .choices = query_formats},
+     .choices = query_formats,
+     .words = "CSV, pandas"},
     {0},
 };
 
@@ -40,7 +42,9 @@ const struct option answer_output_options[] = {
      .type = OPTION_TEXT,
      .offset = offsetof(struct answer_settings, output),
      .value = "FILE",
-     .help = "write the answer to FILE; a .json beside it describes its columns, settings and sources"},
+     .help = "write the answer to FILE; a .json beside it describes its columns, settings and sources",
+     .words = "save, export, Excel",
+     .common = true},
     {.name = "sidecar",
      .type = OPTION_TEXT,
      .offset = offsetof(struct answer_settings, sidecar),
