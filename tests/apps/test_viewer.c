@@ -391,6 +391,31 @@ static void edited_points_outlive_other_changes(void **state)
     viewer_finish(&viewer);
 }
 
+/* Contacts at (0, 0, 0), (3, 4, 0) and (3, 4, 12): each is as far from the one before as 3-4-5 and 12 say. */
+static void a_pin_says_how_far_the_one_before_is(void **state)
+{
+    struct viewer viewer;
+    static const double contacts[3][3] = {{0, 0, 0}, {3, 4, 0}, {3, 4, 12}};
+    (void)state;
+    load(&viewer, "nested", "nested.nii.gz");
+    for (int i = 0; i < 3; i++) {
+        viewer_pin(&viewer, 0, 1, NULL, 0.5, 10, contacts[i]);
+    }
+    char *text = viewer_pins_text(&viewer);
+    assert_non_null(text);
+    const char *line = text;
+    static const char *const endings[] = {"\tapart_mm", "\tn/a", "\t5", "\t12"};
+    for (int i = 0; i < 4; i++) {
+        const char *end = strchr(line, '\n');
+        assert_non_null(end);
+        assert_memory_equal(end - strlen(endings[i]), endings[i], strlen(endings[i]));
+        line = end + 1;
+    }
+    assert_string_equal(line, "");
+    free(text);
+    viewer_finish(&viewer);
+}
+
 /* Cone and pins would be of other places: the atlas has moved by 7 mm since. */
 static void a_session_is_of_where_the_atlas_lay(void **state)
 {
@@ -482,6 +507,7 @@ int main(void)
         cmocka_unit_test(edited_points_outlive_other_changes),
         cmocka_unit_test(a_device_without_a_pose_is_put_in_front),
         cmocka_unit_test(a_long_atlas_is_in_its_cuts),
+        cmocka_unit_test(a_pin_says_how_far_the_one_before_is),
         cmocka_unit_test(a_session_is_of_where_the_atlas_lay),
         cmocka_unit_test(a_session_is_of_the_field_that_moved_the_atlas),
     };

@@ -129,6 +129,15 @@ static void options_have_entries_of_their_own(void **state)
         assert_non_null(found);
         conus_atlas_destroy(found);
     }
+    /* All entries are there now: another value of one option still finds none of them. */
+    const conus_load_options others[] = {{.cache = true, .labels = path},
+                                         {.cache = true, .max_memory = 1 << 21},
+                                         {.cache = true, .probability = 0.5},
+                                         {.cache = true, .probability = 0.2},
+                                         {.cache = true, .max_memory = 1 << 20, .labels_anyway = true}};
+    for (size_t i = 0; i < sizeof others / sizeof others[0]; i++) {
+        assert_null(find_in_cache(path, &others[i], UINT64_MAX));
+    }
 }
 
 /* A manifest of the atlas, with the rest of its keys; path in a static buffer. */

@@ -350,6 +350,35 @@ static void haze_ends_where_the_pathway_ends(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* Values from 2 to 5 with a threshold of 0.5 as a pathway, and as a band above 1: a relative function spans 0.5 to 5 of
+ * the one, and 2 to 5 of the other, whose voxels begin there. */
+static void relative_functions_span_what_is_shown(void **state)
+{
+    (void)state;
+    static const size_t dim[3] = {4, 1, 1};
+    static const float values[4] = {2, 3, 4, 5};
+    static const conus_band band = {.name = "band", .low = 1, .high = INFINITY};
+    const conus_pathway_transfer transfer = {.transfer = "own"};
+    const conus_renderer_options options = {.pathways = &transfer, .pathway_count = 1};
+    conus_volume_info info = picture_grid(dim, (double[]){1, 1, 1}, picture_identity);
+    info.role = CONUS_ROLE_SCALAR;
+    info.threshold = 0.5;
+    for (int is_band = 0; is_band < 2; is_band++) {
+        conus_atlas *atlas = mesh_scene_atlas();
+        float *copy = memory_copy(values, 4, sizeof *values);
+        assert_ok(is_band ? atlas_add_bands(atlas, &info, copy, &band, 1)
+                          : atlas_add_pathway(atlas, &info, copy, "tract"));
+        struct haze_choice choice = {0};
+        assert_ok(haze_choose(&choice, atlas, &options));
+        const struct transfer *made = &choice.transfers[1];
+        assert_int_equal(made->count, 2);
+        assert_near(made->points[0].value, is_band ? 2 : 0.5, 1e-12);
+        assert_near(made->points[1].value, 5, 1e-12);
+        haze_choice_finish(&choice);
+        conus_atlas_destroy(atlas);
+    }
+}
+
 static void functions_that_fit_no_pathway_are_refused(void **state)
 {
     (void)state;
@@ -504,6 +533,7 @@ int main(void)
         cmocka_unit_test(haze_lies_before_and_behind_a_wall),
         cmocka_unit_test(haze_lies_before_and_behind_an_area),
         cmocka_unit_test(haze_ends_where_the_pathway_ends),
+        cmocka_unit_test(relative_functions_span_what_is_shown),
         cmocka_unit_test(functions_that_fit_no_pathway_are_refused),
         cmocka_unit_test(allocations_may_fail),
         cmocka_unit_test(the_walks_agree),

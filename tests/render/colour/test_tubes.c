@@ -220,6 +220,23 @@ static void directions_are_red_green_and_blue(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* A direction and its opposite have one colour: 255 times the sizes of the parts of a unit vector, rounded. */
+static void a_direction_has_the_colour_of_its_opposite(void **state)
+{
+    (void)state;
+    static const struct {
+        double along[3];
+        uint8_t rgb[3];
+    } of[] = {{{-1, 0, 0}, {255, 0, 0}},     {{0, -2, 0}, {0, 255, 0}},      {{0, 0, -3}, {0, 0, 255}},
+              {{-3, -4, 0}, {153, 204, 0}},  {{3, 0, -4}, {153, 0, 204}},    {{2, -2, 1}, {170, 170, 85}},
+              {{-2, 2, -1}, {170, 170, 85}}, {{0, 0, 0}, {0, 0, 0}}};
+    for (size_t i = 0; i < sizeof of / sizeof of[0]; i++) {
+        uint8_t rgb[3];
+        tube_direction_colour(rgb, of[i].along);
+        assert_memory_equal(rgb, of[i].rgb, 3);
+    }
+}
+
 /* 0, 5 and 10 of a number per streamline: the ends and the middle of the colours; the second is pale. */
 static void numbers_span_the_colours_and_pale_ones_are_pale(void **state)
 {
@@ -416,6 +433,7 @@ int main(void)
         cmocka_unit_test(a_draft_has_some_from_everywhere),
         cmocka_unit_test(pieces_make_the_whole_and_may_be_the_last),
         cmocka_unit_test(directions_are_red_green_and_blue),
+        cmocka_unit_test(a_direction_has_the_colour_of_its_opposite),
         cmocka_unit_test(numbers_span_the_colours_and_pale_ones_are_pale),
         cmocka_unit_test(colours_of_numbers_grow_lighter),
         cmocka_unit_test(hidden_bundles_are_not_drawn),

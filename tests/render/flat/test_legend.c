@@ -260,6 +260,16 @@ static void a_key_is_shown_below_too_many_rows(void **state)
         }
         conus_image_destroy(image);
     }
+    /* without the heading all rows of the tail have a chip: the first of them is shown, too */
+    conus_image *image = make_image(400, 300);
+    rows[60].heading = false;
+    rows[60].rgb[0] = 255;
+    rows[60].rgb[2] = 255;
+    assert_ok(legend_draw(image, font, &(struct legend){.rows = rows, .count = 64, .tail = 4}));
+    for (size_t i = 60; i < 64; i++) {
+        assert_true(has_colour(image, rows[i].rgb));
+    }
+    conus_image_destroy(image);
     font_destroy(font);
 }
 

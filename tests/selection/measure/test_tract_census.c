@@ -276,6 +276,60 @@ static void test_ways(void **state)
     conus_atlas_destroy(atlas);
 }
 
+static conus_atlas *atlas_of_lines(const double lines[][2][3], size_t count)
+{
+    conus_atlas *atlas = NULL;
+    struct tract_builder builder;
+    tract_begin(&builder);
+    for (size_t k = 0; k < count; k++) {
+        tract_add_point(&builder, lines[k][0]);
+        if (memcmp(lines[k][0], lines[k][1], sizeof lines[k][0]) != 0) {
+            tract_add_point(&builder, lines[k][1]);
+        }
+        tract_end_streamline(&builder);
+    }
+    assert_ok(atlas_create_empty(&atlas, "none"));
+    assert_ok(atlas_add_tractogram(atlas, &builder.made, "lines"));
+    return atlas;
+}
+
+/* Two streamlines of 100 mm that run against each other: the first one decides which way is along (Eq. 20). A device at
+ * x = 20 meets it after 70 of its 100 mm; the second one, met after 30 mm, is turned, so 0.7 as well. */
+static void test_first_of_equally_long_ones_leads(void **state)
+{
+    (void)state;
+    static const double lines[2][2][3] = {{{-50, 0, 30}, {50, 0, 30}}, {{50, 3, 30}, {-50, 3, 30}}};
+    const conus_selector_options options = {.layers = CONUS_LAYERS_ALL, .radius = 1};
+    conus_atlas *atlas = atlas_of_lines(lines, 2);
+    for (int line = 0; line < 2; line++) {
+        conus_selector *selector = NULL;
+        conus_selection *selection = selection_of(&selector, atlas, &options, (double[]){20, 3 * line, 0}, 0);
+        assert_int_equal(result_of(selection, 1).streamlines, 1);
+        assert_near(result_of(selection, 1).along, 0.7, 1e-7);
+        conus_selection_destroy(selection);
+        conus_selector_destroy(selector);
+    }
+    conus_atlas_destroy(atlas);
+}
+
+/* Beside a line that leaves the ball, a streamline of one point within it, and one without: 2 of 3, and 5 mm. */
+static void test_points_beside_a_line(void **state)
+{
+    (void)state;
+    static const double lines[3][2][3] = {
+        {{0, 0, 30}, {80, 0, 30}}, {{1, 1, 30}, {1, 1, 30}}, {{60, 1, 30}, {60, 1, 30}}};
+    conus_atlas *atlas = atlas_of_lines(lines, 3);
+    conus_selector *selector = NULL;
+    conus_selection *selection = NULL;
+    assert_ok(conus_selector_create(&selector, atlas, NULL));
+    assert_ok(conus_select_ball(&selection, selector, (double[]){0, 0, 30}, 5));
+    assert_int_equal(result_of(selection, 1).streamlines, 2);
+    assert_near(result_of(selection, 1).length, 5, 1e-9);
+    conus_selection_destroy(selection);
+    conus_selector_destroy(selector);
+    conus_atlas_destroy(atlas);
+}
+
 /* A ball of 5 mm about (0, 4, 30): chords of 2 * 3 mm of the line at 4 mm and 2 sqrt(24) of that at 1 mm. */
 static void test_lines_in_a_ball(void **state)
 {
@@ -352,6 +406,8 @@ int main(void)
         cmocka_unit_test(test_tree_and_no_tree),
         cmocka_unit_test(test_lines_in_a_cone),
         cmocka_unit_test(test_ways),
+        cmocka_unit_test(test_first_of_equally_long_ones_leads),
+        cmocka_unit_test(test_points_beside_a_line),
         cmocka_unit_test(test_lines_in_a_ball),
         cmocka_unit_test(test_hidden_bundles),
         cmocka_unit_test(test_allocations),

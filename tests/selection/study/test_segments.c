@@ -470,6 +470,22 @@ static void a_level_joins_what_touches(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* A box from 2 to 4 within one from 0 to 10: with their parent one stretch of 10 mm, though the inner one ends first. */
+static void a_level_ends_where_its_last_area_ends(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = mesh_scene_atlas();
+    const conus_pose pose = along(-10, 0.1, 0.2, 1, 0, 0);
+    add_box(atlas, 0, 10, 3);
+    add_box(atlas, 2, 4, 1);
+    assert_ok(atlas_add_group(atlas,
+                              &(conus_object){.kind = CONUS_KIND_AREA, .label = 9, .name = "all", .abbreviation = ""}));
+    atlas->objects[0].parent = atlas->objects[1].parent = 3;
+    const struct wanted whole[] = {{0, 0, 10}, {3, 10, 20}};
+    CHECK_ROWS(follow(atlas, &(conus_selector_options){.level = "1"}, &pose), whole, 1e-9);
+    conus_atlas_destroy(atlas);
+}
+
 /* Past an edge of a closed box, past a corner, and along a face, whose triangles it then sees edge-on: nothing of that
  * has a row without length. */
 static void a_closed_surface_that_is_grazed_has_no_point(void **state)
@@ -589,6 +605,7 @@ int main(void)
         cmocka_unit_test(spheres_have_their_chords),
         cmocka_unit_test(a_torus_is_crossed_four_times),
         cmocka_unit_test(a_level_joins_what_touches),
+        cmocka_unit_test(a_level_ends_where_its_last_area_ends),
         cmocka_unit_test(a_closed_surface_that_is_grazed_has_no_point),
         cmocka_unit_test(an_open_surface_is_crossed_where_it_is),
         cmocka_unit_test(what_is_no_pose_is_refused),
