@@ -312,12 +312,14 @@ static void test_first_of_equally_long_ones_leads(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Beside a line that leaves the ball, a streamline of one point within it, and one without: 2 of 3, and 5 mm. */
+/* Beside a line that leaves the ball of 5 mm, streamlines of one point just within it and just without, where the
+ * tree's rounded boxes do not decide: sqrt(3^2 + 3.999^2) = 4.9992, sqrt(3^2 + 4.001^2) = 5.0008. 2 of 3 streamlines, 5
+ * mm. */
 static void test_points_beside_a_line(void **state)
 {
     (void)state;
     static const double lines[3][2][3] = {
-        {{0, 0, 30}, {80, 0, 30}}, {{1, 1, 30}, {1, 1, 30}}, {{60, 1, 30}, {60, 1, 30}}};
+        {{0, 0, 30}, {80, 0, 30}}, {{3, 3.999, 30}, {3, 3.999, 30}}, {{3, 4.001, 30}, {3, 4.001, 30}}};
     conus_atlas *atlas = atlas_of_lines(lines, 3);
     conus_selector *selector = NULL;
     conus_selection *selection = NULL;
