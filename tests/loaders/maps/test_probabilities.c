@@ -150,6 +150,46 @@ static void scales_are_told_apart(void **state)
     }
 }
 
+/* One map of 0, 1, half of the largest value, and that: what stands for certainty follows from the largest value and
+ * from how it is stored; NULL = nothing does, and the message names the value as it is after slope and intercept. */
+static void the_largest_value_decides_about_the_scale(void **state)
+{
+    (void)state;
+    enum { UINT8 = 2, FLOAT32 = 16, UINT16 = 512 };
+    static const struct {
+        int datatype;
+        double most, slope, intercept, scale;
+    } cases[] = {{FLOAT32, 1, 1, 0, 1},        {UINT8, 100, 1, 0, 100},      {UINT8, 101, 1, 0, 255},
+                 {UINT8, 200, 1, 0, 255},      {UINT8, 200, 1, 1, 0},        {UINT8, 200, 2, 0, 0},
+                 {FLOAT32, 200, 1, 0, 0},      {UINT16, 200, 1, 0, 0},       {UINT16, 32767, 1, 0, 0},
+                 {UINT16, 32768, 1, 0, 65535}, {UINT16, 60000, 1, 0, 65535}, {UINT16, 60000, 1, 5, 0}};
+    test_folder("largest");
+    write_text(test_in("m.atlas.json"),
+               "{\"conus_atlas\": 1, \"probabilities\": [{\"file\": \"m.nii\", \"names\": [\"A\"]}]}");
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        struct nifti_builder builder;
+        conus_atlas *atlas = NULL;
+        nifti_begin(&builder, 1, false, cases[i].datatype, (int64_t[]){4, 1, 1});
+        nifti_set(&builder, "scl_slope", 0, cases[i].slope);
+        nifti_set(&builder, "scl_inter", 0, cases[i].intercept);
+        for (int v = 0; v < 4; v++) {
+            nifti_voxel(&builder, v < 2 ? v * cases[i].most / 4 : (v - 1) * cases[i].most / 2);
+        }
+        FILE *file = fopen(test_in("m.nii"), "wb");
+        assert_non_null(file);
+        assert_int_equal(fwrite(builder.bytes.data, 1, builder.bytes.size, file), builder.bytes.size);
+        assert_int_equal(fclose(file), 0);
+        buffer_finish(&builder.bytes);
+        if (cases[i].scale > 0) {
+            atlas = load("m.atlas.json");
+            assert_near(conus_atlas_volume(atlas, 0)->maximum, cases[i].most / cases[i].scale, 1e-12);
+            conus_atlas_destroy(atlas);
+        } else {
+            assert_refused("m.atlas.json", CONUS_ERROR_DATA, "probabilities are 0 to 1, percent, or over the range");
+        }
+    }
+}
+
 /* Volume k holds 0 and the label's number k, so k of 25 and less are no percent. Volume 0 is empty and no area. */
 static const double numbers[4][4] = {{0, 0, 0, 0}, {1, 0, 0, 0}, {0, 2, 2, 0}, {0, 0, 30, 30}};
 
@@ -424,6 +464,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_fsl_atlas_has_areas),
         cmocka_unit_test(scales_are_told_apart),
+        cmocka_unit_test(the_largest_value_decides_about_the_scale),
         cmocka_unit_test(masks_of_any_value_are_areas),
         cmocka_unit_test(a_mask_is_a_pathway),
         cmocka_unit_test(entries_follow_each_other),

@@ -88,6 +88,25 @@ static void placement_is_itks(void **state)
     }
 }
 
+static void truth_has_several_words(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *word;
+        bool big;
+    } words[] = {{"True", true},   {"true", true}, {"T", true},  {"t", true}, {"1", true},
+                 {"False", false}, {"F", false},   {"f", false}, {"0", false}};
+    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
+        struct text_volume volume;
+        struct notes notes = {0};
+        char line[64];
+        snprintf(line, sizeof line, "MSB = %s", words[i].word);
+        assert_ok(parse_bent(&volume, "MSB = False", line, &notes));
+        assert_int_equal(volume.big_endian, words[i].big);
+        text_volume_finish(&volume);
+    }
+}
+
 static void units_scale_the_matrix(void **state)
 {
     (void)state;
@@ -137,7 +156,9 @@ static void integers_of_every_type(void **state)
         struct notes notes = {0};
         append_bent(&head, plain, "MET_UCHAR", types[i / 2].name);
         struct buffer bytes = {0};
-        append_bent(&bytes, head.data, "MSB = False", i % 2 ? "MSB = True" : "MSB = False");
+        static const char *const orders[4] = {"BinaryDataByteOrderMSB = False", "BinaryDataByteOrderMSB = True",
+                                              "ElementByteOrderMSB = False", "ElementByteOrderMSB = True"};
+        append_bent(&bytes, head.data, orders[0], orders[i % 2 + (i % 4 ? 2 : 0)]);
         append_counting(&voxels, 12, types[i / 2].size, i % 2);
         buffer_append(&bytes, voxels.data, voxels.size);
         assert_ok(volume_file_open(&file, write_bytes("type.mha", &bytes), 0, &notes));
@@ -368,12 +389,12 @@ static void every_failing_allocation(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(placement_is_itks),         cmocka_unit_test(units_scale_the_matrix),
-        cmocka_unit_test(defaults_are_noted),        cmocka_unit_test(integers_of_every_type),
-        cmocka_unit_test(packed_and_text_voxels),    cmocka_unit_test(volumes_come_apart),
-        cmocka_unit_test(detached_voxels_are_found), cmocka_unit_test(bad_fields_are_named),
-        cmocka_unit_test(bad_grids_are_refused),     cmocka_unit_test(every_prefix_is_refused),
-        cmocka_unit_test(every_failing_allocation),
+        cmocka_unit_test(placement_is_itks),       cmocka_unit_test(truth_has_several_words),
+        cmocka_unit_test(units_scale_the_matrix),  cmocka_unit_test(defaults_are_noted),
+        cmocka_unit_test(integers_of_every_type),  cmocka_unit_test(packed_and_text_voxels),
+        cmocka_unit_test(volumes_come_apart),      cmocka_unit_test(detached_voxels_are_found),
+        cmocka_unit_test(bad_fields_are_named),    cmocka_unit_test(bad_grids_are_refused),
+        cmocka_unit_test(every_prefix_is_refused), cmocka_unit_test(every_failing_allocation),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

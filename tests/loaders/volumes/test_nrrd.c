@@ -194,7 +194,7 @@ static void voxels_of_every_type_and_encoding(void **state)
     }
 }
 
-/* 4-D: volumes one behind the other, or together; alone and as a series. */
+/* 4-D: volumes one behind the other, or together, with a spacing of their own axis; alone and as a series. */
 static void volumes_come_apart(void **state)
 {
     (void)state;
@@ -210,7 +210,7 @@ static void volumes_come_apart(void **state)
         struct notes notes = {0};
         char head[120];
         snprintf(head, sizeof head, "%s\nspace directions: %s\n", cases[i].sizes, cases[i].directions);
-        append_bent(&text, plain, "dimension: 3", "dimension: 4");
+        append_bent(&text, plain, "dimension: 3", i ? "dimension: 4\nspacings: 0.7 2 3 4" : "dimension: 4");
         append_bent(&bytes, text.data,
                     "sizes: 2 3 2\nspace directions: (2,0,0) (0,3,0) (0,0,4)\nkinds: domain domain domain\n", head);
         append_counting(&bytes, 48);

@@ -227,8 +227,8 @@ static void a_direction_has_the_colour_of_its_opposite(void **state)
     static const struct {
         double along[3];
         uint8_t rgb[3];
-    } of[] = {{{-1, 0, 0}, {255, 0, 0}},     {{0, -2, 0}, {0, 255, 0}},      {{0, 0, -3}, {0, 0, 255}},
-              {{-3, -4, 0}, {153, 204, 0}},  {{3, 0, -4}, {153, 0, 204}},    {{2, -2, 1}, {170, 170, 85}},
+    } of[] = {{{-1, 0, 0}, {255, 0, 0}},     {{0, -2, 0}, {0, 255, 0}},   {{0, 0, -3}, {0, 0, 255}},
+              {{-3, -4, 0}, {153, 204, 0}},  {{3, 0, -4}, {153, 0, 204}}, {{2, -2, 1}, {170, 170, 85}},
               {{-2, 2, -1}, {170, 170, 85}}, {{0, 0, 0}, {0, 0, 0}}};
     for (size_t i = 0; i < sizeof of / sizeof of[0]; i++) {
         uint8_t rgb[3];
@@ -264,6 +264,27 @@ static void numbers_span_the_colours_and_pale_ones_are_pale(void **state)
     tube_colouring_finish(&colouring);
     assert_fails(tube_colouring_choose(&colouring, atlas, "md"), CONUS_ERROR_ARGUMENT);
     assert_string_equal(conus_message(), "colour of streamlines: md is none of bundle, direction, fa");
+    conus_atlas_destroy(atlas);
+}
+
+/* Numbers that are not finite are no part of the range; what has three numbers for a point is offered by no message. */
+static void a_range_is_of_finite_numbers_of_one_part(void **state)
+{
+    (void)state;
+    static const float values[3] = {2, INFINITY, -INFINITY};
+    static const float triples[9] = {0};
+    struct tractogram axes = three_axes();
+    axes.scalars = memory_zeroed(2, sizeof *axes.scalars);
+    axes.scalar_count = 2;
+    axes.scalars[0] = (struct tract_scalar){memory_text("fa", 2), false, 1, memory_copy(values, 3, sizeof *values)};
+    axes.scalars[1] = (struct tract_scalar){memory_text("v1", 2), false, 3, memory_copy(triples, 9, sizeof *triples)};
+    conus_atlas *atlas = atlas_of(axes);
+    struct tube_colouring colouring = {0};
+    assert_ok(tube_colouring_choose(&colouring, atlas, "fa"));
+    assert_true(colouring.low == 2 && colouring.high == 2);
+    tube_colouring_finish(&colouring);
+    assert_fails(tube_colouring_choose(&colouring, atlas, "v1"), CONUS_ERROR_ARGUMENT);
+    assert_string_equal(conus_message(), "colour of streamlines: v1 is none of bundle, direction, fa");
     conus_atlas_destroy(atlas);
 }
 
@@ -435,6 +456,7 @@ int main(void)
         cmocka_unit_test(directions_are_red_green_and_blue),
         cmocka_unit_test(a_direction_has_the_colour_of_its_opposite),
         cmocka_unit_test(numbers_span_the_colours_and_pale_ones_are_pale),
+        cmocka_unit_test(a_range_is_of_finite_numbers_of_one_part),
         cmocka_unit_test(colours_of_numbers_grow_lighter),
         cmocka_unit_test(hidden_bundles_are_not_drawn),
         cmocka_unit_test(a_picture_shows_a_bundle_in_its_colour),

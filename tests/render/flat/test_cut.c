@@ -5,6 +5,7 @@
 #include "base/memory.h"
 #include "mesh_scene.h"
 #include "picture_scene.h"
+#include "render/flat/cut.h"
 #include "scene.h"
 #include "test.h"
 
@@ -210,6 +211,37 @@ static void a_cone_is_drawn_to_scale(void **state)
     assert_memory_equal(pixel_at(&with, 30 + 20, 2), pixel_at(&without, 30 + 20, 2), 4); /* beside it nothing */
     conus_selection_destroy(selection);
     conus_atlas_destroy(atlas);
+}
+
+/* A cylinder of 8 mm from (0, 60, 0) along -y, drawn between depths of 50 and 75 mm, and a cone of slope 0.5 between 60
+ * and 72: inside are |x| < 8 and -15 < y < 10, and |x| < 0.5 (60 - y) and -12 < y < 0. A pixel of 1 mm is brightest on
+ * the border, tinted inside, and as it was outside. */
+static void cylinders_and_ranges_are_drawn_to_scale(void **state)
+{
+    (void)state;
+    static uint8_t rgba[SIDE * SIDE * 4];
+    conus_pose pose;
+    assert_ok(conus_pose_along(&pose, (double[]){0, 60, 0}, (double[]){0, -1, 0}, NULL));
+    const struct cut_place place = {
+        .right = {1, 0, 0}, .up = {0, 1, 0}, .mm_per_pixel = 1, .width = SIDE, .height = SIDE};
+    for (int is_cone = 0; is_cone < 2; is_cone++) {
+        const struct cut_cone cone = {.world_from_cone = pose.world_from_device,
+                                      .slope = is_cone ? 0.5 : 0,
+                                      .radius = is_cone ? 0 : 8,
+                                      .near = is_cone ? 60 : 50,
+                                      .far = is_cone ? 72 : 75};
+        memset(rgba, 0, sizeof rgba);
+        cut_draw_cone(rgba, &place, &cone);
+        for (int i = 0; i < SIDE * SIDE; i++) {
+            double depth = 60 - (30 - i / SIDE);
+            double wall = is_cone ? (abs(i % SIDE - 30) - 0.5 * depth) / sqrt(1.25) : abs(i % SIDE - 30) - 8;
+            double border = fmax(wall, fmax(cone.near - depth, depth - cone.far));
+            const uint8_t red = rgba[4 * i];
+            assert_true(border > 1.4    ? red == 0
+                        : border < -1.4 ? red > 20 && red < 50
+                                        : fabs(border) > 0.5 || red > 150);
+        }
+    }
 }
 
 /* Objects hit first are full, objects only pierced are striped, objects outside the cone are pale. */
@@ -482,6 +514,7 @@ int main(void)
         cmocka_unit_test(the_context_is_linear_between_black_and_white),
         cmocka_unit_test(values_are_linear_between_voxels),
         cmocka_unit_test(a_cone_is_drawn_to_scale),
+        cmocka_unit_test(cylinders_and_ranges_are_drawn_to_scale),
         cmocka_unit_test(hidden_areas_in_the_cone_are_hatched),
         cmocka_unit_test(closed_surfaces_are_filled),
         cmocka_unit_test(what_overlaps_is_filled_once),

@@ -4,6 +4,7 @@
 #include "base/math3.h"
 #include "base/memory.h"
 #include "render/flat/cut.h"
+#include "scene.h"
 #include "test.h"
 #include "tract_scene.h"
 
@@ -150,6 +151,23 @@ static void thin_tubes_are_not_lost(void **state)
     }
 }
 
+/* A bundle within an area, whose number is lower: the area is 40 mm wide, and the bundle has its pixels in it. */
+static void a_bundle_is_drawn_over_areas(void **state)
+{
+    (void)state;
+    static uint32_t objects[PIXELS];
+    static const float points[6] = {0, -20, 0, 0, 30, 0};
+    const double m[16] = {40, 0, 0, 0, 0, 40, 0, 0, 0, 0, 40, 0, 0, 0, 0, 1};
+    const conus_volume_info grid = scene_plain_grid((size_t[]){1, 1, 1}, m);
+    conus_atlas *atlas = scene_parcellation(&grid, (uint32_t[]){1});
+    const struct cut_view view = coronal(0, 0.5);
+    add(atlas, "one", points, 2, 2);
+    size_t count = draw_and_count(objects, atlas, &view, 2);
+    assert_near((double)count * 0.25, MATH3_PI * 4, 0.1 * MATH3_PI * 4);
+    assert_true(draw_and_count(objects, atlas, &view, 1) > 4000);
+    conus_atlas_destroy(atlas);
+}
+
 static void what_is_hidden_is_not_cut(void **state)
 {
     (void)state;
@@ -195,6 +213,7 @@ int main(void)
         cmocka_unit_test(tubes_have_the_area_of_their_section),
         cmocka_unit_test(every_pixel_has_the_first_bundle_within_the_radius),
         cmocka_unit_test(thin_tubes_are_not_lost),
+        cmocka_unit_test(a_bundle_is_drawn_over_areas),
         cmocka_unit_test(what_is_hidden_is_not_cut),
         cmocka_unit_test(every_failing_allocation_is_reported),
     };

@@ -200,6 +200,42 @@ static void legend_shows_every_colour_in_its_corner(void **state)
     font_destroy(font);
 }
 
+/* On paper: the chips of rows keep their colours, that of a hollow row has the ink's. */
+static void ink_is_for_letters_and_hollow_chips(void **state)
+{
+    (void)state;
+    static const float ink[4] = {0, 0, 0, 1};
+    struct font *font = need_font();
+    conus_image *image = make_image(1000, 750);
+    struct legend legend = LEGEND;
+    legend.ink = ink;
+    assert_ok(legend_draw(image, font, &legend));
+    for (size_t i = 0; i < 4; i++) {
+        assert_int_equal(has_colour(image, ROWS[i].rgb), !ROWS[i].hollow);
+    }
+    conus_image_destroy(image);
+    font_destroy(font);
+}
+
+/* Letters on the dark panel are bright; those of a hollow row and of a heading are dimmer than half of that. */
+static void hollow_rows_and_headings_are_dim(void **state)
+{
+    (void)state;
+    struct font *font = need_font();
+    for (int dim = 0; dim < 3; dim++) {
+        conus_image *image = make_image(1000, 750);
+        const struct legend_row row = {.hollow = dim == 1, .heading = dim == 2, .name = "HHHH"};
+        float most = 0;
+        assert_ok(legend_draw(image, font, &(struct legend){.rows = &row, .count = 1, .size = 40}));
+        for (size_t i = 0; i < (size_t)1000 * 750; i++) {
+            most = fmaxf(most, image_rgba(image).plane[0][i]);
+        }
+        assert_true(dim ? most < 0.5F : most > 0.9F);
+        conus_image_destroy(image);
+    }
+    font_destroy(font);
+}
+
 static void legend_fits_into_any_image(void **state)
 {
     (void)state;
@@ -362,6 +398,8 @@ int main(void)
         cmocka_unit_test(text_is_drawn_in_its_place),
         cmocka_unit_test(long_text_ends_in_an_ellipsis),
         cmocka_unit_test(legend_shows_every_colour_in_its_corner),
+        cmocka_unit_test(ink_is_for_letters_and_hollow_chips),
+        cmocka_unit_test(hollow_rows_and_headings_are_dim),
         cmocka_unit_test(legend_fits_into_any_image),
         cmocka_unit_test(a_key_is_shown_below_too_many_rows),
         cmocka_unit_test(legend_needs_colours),

@@ -149,6 +149,32 @@ static void png_rounds_to_the_nearest_byte(void **state)
     conus_image_destroy(image);
 }
 
+/* The chunk pHYs: pixels per metre across and down, and the unit 1, metres. 300 / 0.0254 = 11811.02, 72 / 0.0254 =
+ * 2834.65. Without a density there is no such chunk. */
+static void png_has_its_density(void **state)
+{
+    (void)state;
+    static const struct {
+        double dpi;
+        uint8_t chunk[9];
+    } cases[] = {{300, {0, 0, 0x2e, 0x23, 0, 0, 0x2e, 0x23, 1}}, {72, {0, 0, 0x0b, 0x13, 0, 0, 0x0b, 0x13, 1}}};
+    for (size_t i = 0; i < 3; i++) {
+        struct bytes bytes = {0};
+        conus_image *image = one_row(4);
+        image->dpi = i < 2 ? cases[i].dpi : 0;
+        assert_ok(image_format_png(&bytes, image));
+        const uint8_t *found = memmem(bytes.data, bytes.size, "pHYs", 4);
+        if (i < 2) {
+            assert_non_null(found);
+            assert_memory_equal(found + 4, cases[i].chunk, sizeof cases[i].chunk);
+        } else {
+            assert_null(found);
+        }
+        memory_free(bytes.data);
+        conus_image_destroy(image);
+    }
+}
+
 static void png_of_nothing_and_nonsense(void **state)
 {
     (void)state;
@@ -509,6 +535,7 @@ int main(void)
         cmocka_unit_test(too_large_images_are_refused),
         cmocka_unit_test(srgb_follows_its_closed_form),
         cmocka_unit_test(png_rounds_to_the_nearest_byte),
+        cmocka_unit_test(png_has_its_density),
         cmocka_unit_test(png_of_nothing_and_nonsense),
         cmocka_unit_test(png_rgba_goes_out_as_it_is),
         cmocka_unit_test(unknown_endings_and_contents_are_named),

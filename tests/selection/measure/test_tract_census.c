@@ -332,6 +332,23 @@ static void test_points_beside_a_line(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* A streamline without length has no part of it before the nearest point. */
+static void test_along_a_point(void **state)
+{
+    (void)state;
+    static const double lines[1][2][3] = {{{1, 0, 30}, {1, 0, 30}}};
+    conus_atlas *atlas = atlas_of_lines(lines, 1);
+    conus_selector *selector = NULL;
+    const conus_selector_options options = {.layers = CONUS_LAYERS_ALL, .radius = 2};
+    conus_selection *selection = selection_of(&selector, atlas, &options, (double[]){0, 0, 0}, 0);
+    assert_int_equal(result_of(selection, 1).streamlines, 1);
+    assert_near(result_of(selection, 1).length, 0, 0);
+    assert_true(isnan(result_of(selection, 1).along));
+    conus_selection_destroy(selection);
+    conus_selector_destroy(selector);
+    conus_atlas_destroy(atlas);
+}
+
 /* A ball of 5 mm about (0, 4, 30): chords of 2 * 3 mm of the line at 4 mm and 2 sqrt(24) of that at 1 mm. */
 static void test_lines_in_a_ball(void **state)
 {
@@ -410,6 +427,7 @@ int main(void)
         cmocka_unit_test(test_ways),
         cmocka_unit_test(test_first_of_equally_long_ones_leads),
         cmocka_unit_test(test_points_beside_a_line),
+        cmocka_unit_test(test_along_a_point),
         cmocka_unit_test(test_lines_in_a_ball),
         cmocka_unit_test(test_hidden_bundles),
         cmocka_unit_test(test_allocations),

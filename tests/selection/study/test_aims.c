@@ -270,6 +270,25 @@ static void a_device_may_lie_inside_a_closed_surface(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* Boxes of 4 and of 20 mm around a point, the smaller one first and last in the atlas: it is always the smaller. */
+static void the_smallest_surface_around_counts_in_any_order(void **state)
+{
+    (void)state;
+    const conus_selector_options plain = {0};
+    for (int smaller = 1; smaller <= 3; smaller++) {
+        conus_atlas *atlas = mesh_scene_atlas();
+        for (int i = 1; i <= 3; i++) {
+            double half = i == smaller ? 2 : 10 + i;
+            struct mesh box = mesh_scene_box((double[]){-half, -half, -half}, (double[]){half, half, half});
+            mesh_scene_add(atlas, &box);
+        }
+        uint32_t object;
+        assert_int_equal(inside_first(atlas, &plain, (const double[][3]){{0.1, 0.3, 0.2}}, 1, &object), 1);
+        assert_int_equal(object, smaller);
+        conus_atlas_destroy(atlas);
+    }
+}
+
 /* In the box around a torus of radii 10 and 3 mm, but only in places in its tube. */
 static void the_box_of_a_surface_is_not_its_inside(void **state)
 {
@@ -393,6 +412,7 @@ int main(void)
         cmocka_unit_test(poses_are_counted_by_kind),
         cmocka_unit_test(a_cylinder_may_begin_inside),
         cmocka_unit_test(a_device_may_lie_inside_a_closed_surface),
+        cmocka_unit_test(the_smallest_surface_around_counts_in_any_order),
         cmocka_unit_test(the_box_of_a_surface_is_not_its_inside),
         cmocka_unit_test(a_pose_is_read_in_other_ways),
         cmocka_unit_test(a_pose_may_have_no_other_reading),

@@ -311,6 +311,26 @@ static void without_errors_there_is_one_answer(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* Tiles of 10 mm from x = -15 to 15; a cone of 8 mm around x = 1 holds much of 2, a strip of 4 mm of 3 and one of 2 mm
+ * of
+ * 1. 2 is always the best; of the other two, which never are, the one with the larger share comes first. */
+static void what_is_never_best_is_ranked_by_share(void **state)
+{
+    (void)state;
+    static const uint32_t order[3] = {2, 3, 1};
+    conus_atlas *atlas = tiles((const size_t[]){3, 1}, (const double[]){10, 100}, 0);
+    const conus_pose pose = down_from(1, 0, 10);
+    conus_jitter *jitter =
+        jitter_of(atlas, NULL, &pose, 2 * degrees_from_radians(atan(0.8)), &(conus_jitter_options){.samples = 16});
+    check_rows(jitter, false);
+    for (size_t i = 0; i < 3; i++) {
+        assert_int_equal(conus_jitter_chance(jitter, i)->object, order[i]);
+        assert_true(conus_jitter_chance(jitter, i)->hit == (i == 0));
+    }
+    conus_jitter_destroy(jitter);
+    conus_atlas_destroy(atlas);
+}
+
 /* Part of a circle of radius 1 that lies on the near side of a line at the distance u from its centre. */
 static double part_of_circle(double u)
 {
@@ -558,6 +578,7 @@ int main(void)
         cmocka_unit_test(a_ball_is_rayleighs),
         cmocka_unit_test(the_error_falls_faster_than_by_chance),
         cmocka_unit_test(without_errors_there_is_one_answer),
+        cmocka_unit_test(what_is_never_best_is_ranked_by_share),
         cmocka_unit_test(shares_are_means),
         cmocka_unit_test(deviation_and_error_are_those_of_samples),
         cmocka_unit_test(both_engines_say_the_same),

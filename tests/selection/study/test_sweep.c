@@ -7,6 +7,7 @@
 #include "mesh_scene.h"
 #include "scene.h"
 #include "test.h"
+#include "tract_scene.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -325,6 +326,54 @@ static void an_open_surface_does_not_hold_the_axis(void **state)
 
 /* ---- */
 
+/* Voxel centres at x = -5, 0 and 5 and z = -20 and -10, seen from the origin along -z: 1 and 2 on the axis, 3 and 4
+ * both at atan(5 / 10) to its sides. Of equal angles the nearer comes first, then the lower number. The widest cone
+ * that is asked for still admits what it just holds. */
+static void ties_go_to_the_nearer_then_to_the_lower_number(void **state)
+{
+    (void)state;
+    const double m[16] = {5, 0, 0, 0, 0, 5, 0, 0, 0, 0, 10, 0, -5, 0, -20, 1};
+    const conus_volume_info grid = scene_plain_grid((size_t[]){3, 1, 2}, m);
+    uint32_t labels[6] = {0, 1, 0, 3, 2, 4};
+    static const uint32_t order[4] = {2, 1, 3, 4};
+    const double both = 2 * atan(0.5);
+    conus_atlas *atlas = scene_parcellation(&grid, labels);
+    conus_selector *selector = NULL;
+    conus_pose pose;
+    assert_ok(conus_pose_along(&pose, (double[]){0, 0, 0}, (double[]){0, 0, -1}, NULL));
+    assert_ok(conus_selector_create(&selector, atlas, NULL));
+    for (int narrower = 0; narrower < 2; narrower++) {
+        conus_sweep *sweep = NULL;
+        assert_ok(conus_sweep_create(&sweep, selector, &pose, narrower ? nextafter(both, 0) : both));
+        assert_int_equal(conus_sweep_count(sweep), narrower ? 2 : 4);
+        for (size_t i = 0; i < conus_sweep_count(sweep); i++) {
+            const conus_admission *row = conus_sweep_admission(sweep, i);
+            assert_int_equal(row->object, order[i]);
+            assert_true(row->angle == (i < 2 ? 0 : both));
+        }
+        conus_sweep_destroy(sweep);
+    }
+    conus_selector_destroy(selector);
+    conus_atlas_destroy(atlas);
+}
+
+/* Of two bundles the hidden one is admitted by no angle. */
+static void a_hidden_bundle_is_not_admitted(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = tract_lines_atlas();
+    conus_pose pose;
+    assert_ok(conus_pose_along(&pose, (double[]){0, 0, 0}, (double[]){0, 0, 1}, NULL));
+    for (int hidden = 0; hidden < 2; hidden++) {
+        assert_ok(conus_atlas_set_hidden(atlas, (const bool[]){false, hidden, false}));
+        conus_sweep *sweep = sweep_of(atlas, NULL, &pose, 170);
+        assert_int_equal(find(sweep, 1) != NULL, !hidden);
+        assert_non_null(find(sweep, 2));
+        conus_sweep_destroy(sweep);
+    }
+    conus_atlas_destroy(atlas);
+}
+
 static void limits_are_named(void **state)
 {
     (void)state;
@@ -385,6 +434,8 @@ int main(void)
         cmocka_unit_test(what_is_inside_a_closed_surface_belongs_to_it),
         cmocka_unit_test(shells_in_shells_count_as_intervals_do),
         cmocka_unit_test(an_open_surface_does_not_hold_the_axis),
+        cmocka_unit_test(ties_go_to_the_nearer_then_to_the_lower_number),
+        cmocka_unit_test(a_hidden_bundle_is_not_admitted),
         cmocka_unit_test(limits_are_named),
         cmocka_unit_test(every_failing_allocation_is_survived),
     };
