@@ -391,6 +391,71 @@ static void edited_points_outlive_other_changes(void **state)
     viewer_finish(&viewer);
 }
 
+/* Spaces of people have a tenth of a mm, the CCF whole micrometres, bregma a thousandth of a mm; what is written as 0
+ * has no sign. The frames' matrices are the identity, so that the numbers are those given; LPS turns the first two
+ * round. */
+static void places_are_written_in_their_space(void **state)
+{
+    static const struct {
+        conus_space space;
+        double world[3];
+        const char *text;
+    } cases[] = {{CONUS_SPACE_RAS, {1.26, -0.04, -12.34}, "1.3, 0.0, -12.3 mm RAS"},
+                 {CONUS_SPACE_LPS, {1.26, 0.04, -0.06}, "-1.3, 0.0, -0.1 mm LPS"},
+                 {CONUS_SPACE_CCF, {1234.6, -0.4, -0.6}, "AP 1235, DV 0, ML -1 um"},
+                 {CONUS_SPACE_BREGMA, {1.2346, -0.0004, -0.0006}, "AP 1.235, ML 0.000, DV -0.001 mm"}};
+    struct viewer viewer;
+    (void)state;
+    load(&viewer, "nested", "nested.nii.gz");
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        char text[VIEWER_PLACE_TEXT];
+        viewer.frame = (conus_frame){cases[i].space, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}, {0}};
+        assert_string_equal(viewer_place_text(text, &viewer, cases[i].world), cases[i].text);
+    }
+    viewer_finish(&viewer);
+}
+
+/* One ray sees first hits only, without a radius; the level is of the first atlas. */
+static void a_question_follows_from_the_cone(void **state)
+{
+    struct viewer viewer;
+    conus_selector_options options;
+    (void)state;
+    load(&viewer, "nested", "nested.nii.gz");
+    viewer.cone.options.layers = CONUS_LAYERS_ALL;
+    viewer.cone.options.radius = 2;
+    viewer.cone.options.resolution = 32;
+    viewer.cone.angle = 30;
+    snprintf(viewer.cone.level, sizeof viewer.cone.level, "2");
+    assert_near(viewer_question(&options, &viewer, 0), 0, 0);
+    assert_int_equal(options.layers, CONUS_LAYERS_ALL);
+    assert_string_equal(options.level, "2");
+    assert_near(viewer_question(&options, &viewer, 1), 0, 0);
+    assert_null(options.level);
+    viewer.cone.one_ray = true;
+    assert_near(viewer_question(&options, &viewer, 0), 0.1 * M_PI / 180, 1e-15);
+    assert_int_equal(options.layers, CONUS_LAYERS_VISIBLE);
+    assert_int_equal(options.resolution, 1);
+    assert_near(options.radius, 0, 0);
+    viewer_finish(&viewer);
+}
+
+/* Of one pin more than there is room for, the first leaves and all others stay in their order. */
+static void the_oldest_pin_makes_room(void **state)
+{
+    struct viewer viewer;
+    (void)state;
+    load(&viewer, "nested", "nested.nii.gz");
+    for (int i = 0; i <= PIN_LIMIT; i++) {
+        viewer_pin(&viewer, 0, 1, NULL, 0.5, i, eye);
+    }
+    assert_int_equal(viewer.pin_count, PIN_LIMIT);
+    for (int i = 0; i < PIN_LIMIT; i++) {
+        assert_near(viewer.pins[i].distance, i + 1, 0);
+    }
+    viewer_finish(&viewer);
+}
+
 /* Contacts at (0, 0, 0), (3, 4, 0) and (3, 4, 12): each is as far from the one before as 3-4-5 and 12 say. */
 static void a_pin_says_how_far_the_one_before_is(void **state)
 {
@@ -507,6 +572,9 @@ int main(void)
         cmocka_unit_test(edited_points_outlive_other_changes),
         cmocka_unit_test(a_device_without_a_pose_is_put_in_front),
         cmocka_unit_test(a_long_atlas_is_in_its_cuts),
+        cmocka_unit_test(places_are_written_in_their_space),
+        cmocka_unit_test(a_question_follows_from_the_cone),
+        cmocka_unit_test(the_oldest_pin_makes_room),
         cmocka_unit_test(a_pin_says_how_far_the_one_before_is),
         cmocka_unit_test(a_session_is_of_where_the_atlas_lay),
         cmocka_unit_test(a_session_is_of_the_field_that_moved_the_atlas),

@@ -188,6 +188,32 @@ static void the_smallest_wins_unless_it_touches_the_rim(void **state)
     close_view(&view);
 }
 
+/* 16 x 16 voxels, each under one pixel of a cone of 90 degrees that is 8 mm above them. Of the four voxels in the
+ * middle of the sides each has a label of its own, 1 to 4, and all touch the rim, whichever side it is. */
+static void every_side_of_the_rim_counts(void **state)
+{
+    (void)state;
+    const double m[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -7.5, -7.5, -0.5, 1};
+    const conus_volume_info grid = scene_plain_grid((size_t[]){16, 16, 1}, m);
+    uint32_t labels[256];
+    for (size_t i = 0; i < 256; i++) {
+        labels[i] = 5;
+    }
+    labels[7] = 1;
+    labels[7 + 15 * 16] = 2;
+    labels[7 * 16] = 3;
+    labels[15 + 7 * 16] = 4;
+    struct view view = {.atlas = scene_parcellation(&grid, labels)};
+    conus_pose pose;
+    assert_ok(conus_pose_along(&pose, (double[]){0, 0, 8}, (double[]){0, 0, -1}, (double[]){0, 1, 0}));
+    select_from(&view, &(conus_selector_options){.score = "smallest"}, &pose, 90);
+    for (uint32_t object = 1; object <= 4; object++) {
+        assert_int_equal(result_of(&view, object)->pixels, 1);
+        assert_near(result_of(&view, object)->score, 1 / 208.0, 1e-12);
+    }
+    close_view(&view);
+}
+
 static void senseshapes_are_from_0_to_1(void **state)
 {
     (void)state;
@@ -300,6 +326,7 @@ int main(void)
         cmocka_unit_test(in_a_cylinder_it_is_linear),
         cmocka_unit_test(each_is_what_it_says),
         cmocka_unit_test(the_smallest_wins_unless_it_touches_the_rim),
+        cmocka_unit_test(every_side_of_the_rim_counts),
         cmocka_unit_test(senseshapes_are_from_0_to_1),
         cmocka_unit_test(formulas_weigh_scores),
         cmocka_unit_test(what_has_no_value_ranks_last),
