@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Knows files that are no text by their first bytes, and those of MATLAB by what is in them. */
+/* Knows files that are no poses by their first bytes, and those of MATLAB by what is in them. */
 #include "poses/pose_bytes.h"
 
 #include "base/formats/matlab.h"
@@ -20,6 +20,8 @@ const char *pose_bytes_kind(struct text text)
         {"\x89HDF", "HDF5, as MATLAB's level 7.3 is: save it anew with MATLAB's save(..., '-v7')"},
         {"MATLAB 7.3", "MATLAB's level 7.3, which is HDF5: save it anew with MATLAB's save(..., '-v7')"},
         {"\xd0\xcf\x11\xe0", "a spreadsheet: export it as text with tabs or commas"},
+        {"(", "a table of the sites of SpikeGLX's probe (.imro) says which are on, and not where the probe lies"},
+        {"channel_groups", "a layout of a probe's channels (.prb) says where they are on it, and not where it lies"},
         {"\xff\xfe", "UTF-16 text: save it as UTF-8"},
         {"\xfe\xff", "UTF-16 text: save it as UTF-8"},
     };

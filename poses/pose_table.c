@@ -117,9 +117,10 @@ static conus_status check_header(const struct pose_table *table)
     }
     if (directions != 1) {
         return fail(CONUS_ERROR_DATA,
-                    "header: %zu ways of giving the direction, exactly one of tx ty tz, dx dy dz, qw "
-                    "qx qy qz, m00...m33 is needed",
-                    directions);
+                    "header: %s; needed are x y z and either tx ty tz (a target), dx dy dz or qw qx qy qz, or m00...m33"
+                    " alone%s",
+                    directions ? "several directions" : "no direction",
+                    directions ? "" : "; points are lines of x y z and a name without a header");
     }
     if (table->has[M00] ? has_any(table, X, 3) : !has_all(table, X, 3)) {
         return fail(CONUS_ERROR_DATA, "header: x y z are needed, and only, without m00...m33");
@@ -248,19 +249,20 @@ static const char *column_meant(const struct pose_table *table, struct text fiel
     return meant;
 }
 
-/* Which columns are passed over, and what might have been meant. */
-static conus_status list_passed_over(struct buffer *out, const struct pose_table *table, struct text line)
+/* Which columns there are, and what might have been meant by those that are not known; or these only. */
+static conus_status list_columns(struct buffer *out, const struct pose_table *table, struct text line, bool known)
 {
-    enum { SHOWN = 8 };
+    enum { SHOWN = 20 };
     struct text field;
     enum text_quotes quotes;
     size_t count = 0;
     size_t index = 0;
     for (bool more = true; text_quoted_field(&line, table->separator, &more, &field, &quotes); index++) {
-        if (table->of_field[index] != COLUMNS || count++ >= SHOWN) {
+        bool is_known = table->of_field[index] != COLUMNS;
+        if ((is_known && !known) || count++ >= SHOWN) {
             continue;
         }
-        const char *meant = column_meant(table, field);
+        const char *meant = is_known ? NULL : column_meant(table, field);
         buffer_format(out, "%s\"%.*s\"", count > 1 ? ", " : "", pose_quote(field), field.data);
         if (meant) {
             buffer_format(out, " (did you mean %s?)", meant);
@@ -276,13 +278,13 @@ static conus_status list_passed_over(struct buffer *out, const struct pose_table
 static conus_status note_ignored(struct notes *notes, const struct pose_table *table, struct text line,
                                  conus_status status)
 {
-    char reason[256];
+    char reason[320];
     struct buffer list = {0};
     snprintf(reason, sizeof reason, "%s", status ? conus_message() : "");
-    conus_status listed = list_passed_over(&list, table, line);
+    conus_status listed = list_columns(&list, table, line, status != CONUS_OK);
     if (!listed && list.size && status) {
         bool is_mouse = strcasestr(list.data, "\"ap\"") != NULL; /* which the spaces of the CCF know */
-        status = fail(status, "%s; columns that are not known: %s%s", reason, list.data,
+        status = fail(status, "%s; columns found: %s%s", reason, list.data,
                       is_mouse ? "; ap, dv and ml are read in space ccf or bregma" : "");
     } else if (!listed && list.size) {
         status = notes_add(notes, "columns passed over: %s", list.data);

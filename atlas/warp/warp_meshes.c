@@ -32,26 +32,35 @@ static void move_vertices(struct warped_meshes *out, struct mesh *mesh, const st
     }
 }
 
-/* Leaves out triangles with a vertex without a place, and these. Returns how many triangles. */
-static size_t cut_triangles(struct mesh *mesh)
+/* Leaves out vertices without a place, and the triangles that have one. Returns how many triangles in *cut. */
+static conus_status cut_mesh(size_t *cut, struct mesh *mesh)
 {
-    size_t kept = 0;
-    size_t all = mesh->triangle_count;
-    for (size_t i = 0; i < all; i++) {
-        const uint32_t *corners = &mesh->triangles[3 * i];
-        bool whole = true;
-        for (int k = 0; k < 3; k++) {
-            whole = whole && !isnan(mesh->positions[3 * (size_t)corners[k]]);
-        }
-        if (whole) {
-            memmove(&mesh->triangles[3 * kept++], corners, 3 * sizeof *corners);
+    enum { NOWHERE = UINT32_MAX };
+    uint32_t *numbers = memory_raw(mesh->vertex_count, sizeof *numbers);
+    size_t vertices = 0;
+    size_t triangles = 0;
+    if (!numbers) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (size_t i = 0; i < mesh->vertex_count; i++) {
+        const float *p = &mesh->positions[3 * i];
+        numbers[i] = isnan(*p) ? NOWHERE : (uint32_t)vertices;
+        if (!isnan(*p)) {
+            memmove(&mesh->positions[3 * vertices++], p, 3 * sizeof *p);
         }
     }
-    for (size_t i = 0; i < 3 * mesh->vertex_count; i++) { /* of vertices that no triangle has */
-        mesh->positions[i] = isnan(mesh->positions[i]) ? 0 : mesh->positions[i];
+    for (size_t i = 0; i < mesh->triangle_count; i++) {
+        const uint32_t *old = &mesh->triangles[3 * i];
+        const uint32_t corners[3] = {numbers[old[0]], numbers[old[1]], numbers[old[2]]};
+        if (corners[0] != NOWHERE && corners[1] != NOWHERE && corners[2] != NOWHERE) {
+            memcpy(&mesh->triangles[3 * triangles++], corners, sizeof corners);
+        }
     }
-    mesh->triangle_count = kept;
-    return all - kept;
+    *cut = mesh->triangle_count - triangles;
+    mesh->vertex_count = vertices;
+    mesh->triangle_count = triangles;
+    memory_free(numbers);
+    return CONUS_OK;
 }
 
 static void turn_triangles(struct mesh *mesh)
@@ -86,7 +95,11 @@ static conus_status move_mesh(struct warped_meshes *out, size_t index, const con
     memcpy(mesh->triangles, old->triangles, 3 * old->triangle_count * sizeof *mesh->triangles);
     mesh->shape = old->shape;
     move_vertices(out, mesh, field);
-    size_t cut = cut_triangles(mesh);
+    size_t cut = 0;
+    status = cut_mesh(&cut, mesh);
+    if (status) {
+        return status;
+    }
     out->triangles += old->triangle_count;
     out->cut += cut;
     if (!mesh->triangle_count) {

@@ -90,16 +90,51 @@ static enum kind kind_of(const struct bytes *file, struct text text)
                                                    : KIND_NONE;
 }
 
+/* FreeSurfer's register.dat: a name, three numbers in a line each, and four rows. */
+static bool is_register_dat(struct text text)
+{
+    struct text line;
+    double number;
+    bool is = text_line(&text, &line) && !text_to_double(text_trim(line), &number);
+    for (int i = 0; is && i < 3; i++) {
+        is = text_line(&text, &line) && text_to_double(text_trim(line), &number);
+    }
+    return is && matrix_text_is(text);
+}
+
 /* What is no transform that could be read. */
 static conus_status fail_kind(const char *path, const struct bytes *file)
 {
-    static const char hdf5[] = "\x89HDF\r\n\x1a\n";
-    bool is_hdf5 = file->size >= sizeof hdf5 - 1 && memcmp(file->data, hdf5, sizeof hdf5 - 1) == 0;
-    return is_hdf5 ? fail(CONUS_ERROR_UNSUPPORTED,
-                          "an HDF5 file, which is not read; ANTs takes a composite apart, into PREFIX and the like: "
-                          "CompositeTransformUtil --disassemble %s PREFIX",
-                          path)
-                   : file_kind_fail(path, file, transform_needed);
+    static const struct {
+        const char *begin, *words;
+        const char *tail; /* behind the path; NULL = neither */
+    } kinds[] = {
+        {"\x89HDF\r\n\x1a\n",
+         "an HDF5 file, which is not read; ANTs takes a composite apart, into PREFIX and the like: "
+         "CompositeTransformUtil --disassemble ",
+         " PREFIX"},
+        {"MATLAB 5.0",
+         "a MATLAB file of level 5, which is not read as a transform; ITK's (level 4, as "
+         "out_0GenericAffine.mat) and 4 x 4 numbers of RAS mm as text are",
+         NULL},
+        {"(Transform ",
+         "elastix's parameters, which are not read; with (WriteITKCompositeTransform \"true\") and "
+         "(ITKTransformOutputFileNameExtension \"tfm\") among its own, elastix writes ITK's text",
+         NULL},
+        {"/NumWaves", "a design matrix of FSL's statistics, and no transform", NULL},
+    };
+    const struct text text = {(const char *)file->data, file->size};
+    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
+        if (text_starts(text, kinds[i].begin) || (kinds[i].begin[0] == '(' && text_mentions(text, "\n(Transform "))) {
+            return fail(CONUS_ERROR_UNSUPPORTED, "%s%s%s", kinds[i].words, kinds[i].tail ? path : "",
+                        kinds[i].tail ? kinds[i].tail : "");
+        }
+    }
+    return text_is_readable(text) && is_register_dat(text)
+               ? fail(CONUS_ERROR_UNSUPPORTED, "FreeSurfer's register.dat, whose numbers mean nothing without its two "
+                                               "images; an .lta of it is read: "
+                                               "lta_convert --inreg FILE --outlta OUT.lta --src IMAGE --trg IMAGE")
+               : file_kind_fail(path, file, transform_needed);
 }
 
 static conus_status parse_kind(double out[16], const struct bytes *file, const char *path, const char *from,

@@ -98,17 +98,41 @@ static conus_status set_matrix(double r[3][3], const double *p)
     return CONUS_OK;
 }
 
+/* CONUS_OK for the types that itk_matrix() knows. */
+static conus_status check_type(struct text name)
+{
+    static const char *const read[] = {"AffineTransform",      "MatrixOffsetTransformBase", "Rigid3DTransform",
+                                       "Euler3DTransform",     "VersorRigid3DTransform",    "Similarity3DTransform",
+                                       "TranslationTransform", "IdentityTransform"};
+    bool found = false;
+    for (size_t i = 0; i < sizeof read / sizeof read[0]; i++) {
+        found = found || is_type(name, read[i]);
+    }
+    int size = (int)(name.size < 60 ? name.size : 60);
+    if (!found && (text_mentions(name, "BSpline") || text_mentions(name, "DisplacementField"))) {
+        return fail(CONUS_ERROR_UNSUPPORTED,
+                    "Transform: %.*s, a %s, is not read; write it as a displacement field in NIfTI, by 3D Slicer's "
+                    "Transforms, Convert, or by ANTs: antsApplyTransforms -d 3 -r IMAGE -t FILE -o [FIELD.nii.gz,1]",
+                    size, name.data, text_mentions(name, "BSpline") ? "B-spline" : "field in ITK's own format");
+    }
+    return found ? CONUS_OK
+                 : fail(CONUS_ERROR_UNSUPPORTED,
+                        "Transform: %.*s; read are Affine, MatrixOffsetBase, Rigid3D, Euler3D, VersorRigid3D, "
+                        "Similarity3D, Translation and Identity, and composites of them",
+                        size, name.data);
+}
+
 conus_status itk_matrix(double out[16], struct text name, const double *p, size_t count, const double *fixed,
                         size_t fixed_count)
 {
     static const double zero[3] = {0, 0, 0};
     double r[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     const double *t = p + 9;
-    conus_status status;
-    if (is_type(name, "AffineTransform") || is_type(name, "MatrixOffsetTransformBase")) {
-        status = check_counts(name, count, 12, fixed_count, 3, 3);
-        status = status ? status : set_matrix(r, p);
-    } else if (is_type(name, "Euler3DTransform")) {
+    conus_status status = check_type(name);
+    if (status) {
+        return status;
+    }
+    if (is_type(name, "Euler3DTransform")) {
         status = check_counts(name, count, 6, fixed_count, 3, 4);
         t = p + 3;
         if (!status) {
@@ -128,11 +152,9 @@ conus_status itk_matrix(double out[16], struct text name, const double *p, size_
     } else if (is_type(name, "IdentityTransform")) {
         status = check_counts(name, count, 0, fixed_count, 0, 0);
         t = zero;
-    } else {
-        return fail(CONUS_ERROR_UNSUPPORTED,
-                    "Transform: %.*s; read are Affine, MatrixOffsetBase, Euler3D, VersorRigid3D, Similarity3D, "
-                    "Translation and Identity, and composites of them",
-                    (int)(name.size < 60 ? name.size : 60), name.data);
+    } else { /* a matrix and a translation */
+        status = check_counts(name, count, 12, fixed_count, 3, 3);
+        status = status ? status : set_matrix(r, p);
     }
     if (!status) {
         place(out, r, fixed_count >= 3 ? fixed : zero, t);
@@ -178,11 +200,16 @@ struct itk_entry {
     bool has_parameters, has_fixed;
 };
 
+static bool is_composite(struct text name)
+{
+    return text_starts(name, "CompositeTransform_");
+}
+
 /* Puts what the entry does before what is there: points go through the last entry first. */
 static conus_status close_entry(double out[16], struct itk_entry *entry)
 {
     double m[16];
-    if (!entry->name.size || text_starts(entry->name, "CompositeTransform_")) {
+    if (!entry->name.size || is_composite(entry->name)) {
         return entry->has_parameters || entry->has_fixed
                    ? fail(CONUS_ERROR_DATA, "Parameters: without a line Transform, or of a composite")
                    : CONUS_OK;
@@ -208,7 +235,8 @@ static conus_status take_line(double out[16], struct itk_entry *entry, struct te
     if (take_key(&values, line, "Transform")) {
         status = close_entry(out, entry);
         *entry = (struct itk_entry){.name = values};
-        return status || values.size ? status : fail(CONUS_ERROR_DATA, "Transform: has no type");
+        status = status || values.size ? status : fail(CONUS_ERROR_DATA, "Transform: has no type");
+        return status || is_composite(values) ? status : check_type(values);
     }
     if (take_key(&values, line, "Parameters") && !entry->has_parameters) {
         entry->has_parameters = true;
@@ -227,16 +255,26 @@ conus_status itk_text_parse(double out[16], struct text text)
     struct text line;
     struct itk_entry entry = {0};
     double m[16];
-    bool any = false;
+    size_t count = 0;
+    bool is_chain = false;
     conus_status status = CONUS_OK;
     mat4_identity(m);
     while (!status && text_line(&text, &line)) {
-        status = take_line(m, &entry, text_trim(line));
-        any = any || (entry.name.size && !text_starts(entry.name, "CompositeTransform_"));
+        line = text_trim(line);
+        status = take_line(m, &entry, line);
+        is_chain = is_chain || is_composite(entry.name);
+        count += text_starts(line, "Transform:") && !is_composite(entry.name);
     }
     status = status ? status : close_entry(m, &entry);
-    if (!status && !any) {
+    if (!status && !count) {
         status = fail(CONUS_ERROR_DATA, "Transform: there is none");
+    }
+    if (!status && count > 1 && !is_chain) {
+        status =
+            fail(CONUS_ERROR_UNSUPPORTED,
+                 "Transform: a list of %zu, such as one for each volume of a series, and no CompositeTransform that"
+                 " makes a chain of them; a file with the one that is meant is needed",
+                 count);
     }
     if (!status) {
         memcpy(out, m, sizeof m);
@@ -315,7 +353,11 @@ conus_status itk_matlab_parse(double out[16], const uint8_t *data, size_t size)
 {
     struct matlab_column parameters;
     struct matlab_column fixed;
-    conus_status status = take_column(&parameters, &data, &size);
+    const char *name = (const char *)data + MATLAB_HEAD;
+    size_t left = size > MATLAB_HEAD ? size - MATLAB_HEAD : 0;
+    const struct text type = {name, strnlen(name, left < NAME_LIMIT ? left : NAME_LIMIT)};
+    conus_status status = text_mentions(type, "Transform_") ? check_type(type) : CONUS_OK;
+    status = status ? status : take_column(&parameters, &data, &size);
     status = status ? status : take_column(&fixed, &data, &size);
     if (!status && !text_equal(fixed.name, "fixed")) {
         status = fail(CONUS_ERROR_DATA, "\"%.*s\" behind the parameters, \"fixed\" is needed", (int)fixed.name.size,

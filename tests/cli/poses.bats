@@ -39,7 +39,7 @@ answered() {
     printf 'query_id\tx\ty\tdx\tdy\tdz\na\t0\t0\t0\t0\t-1\n' >poses.tsv
     fails 3 'poses.tsv: header: x y z are needed' query sphere.nii.gz --pose poses.tsv
     printf 'x\ty\tz\n0\t0\t100\n' >poses.tsv
-    fails 3 'poses.tsv: header: 0 ways of giving the direction' query sphere.nii.gz --pose poses.tsv
+    fails 3 'poses.tsv: header: no direction; needed are x y z and either tx ty tz' query sphere.nii.gz --pose poses.tsv
 }
 
 @test "hostile: wrong counts of fields" {
@@ -406,21 +406,35 @@ same_answers() {
     done
 }
 
+@test "layouts of probes are said to be that, and no poses" {
+    sphere --size 16
+    printf '(0,384)(0 0 0 500 250 1)(1 0 0 500 250 1)\n' >probe.imro
+    fails 3 'probe.imro: a table of the sites of SpikeGLX' query sphere.nii.gz --pose probe.imro
+    printf 'channel_groups = {\n    0: {"channels": [0, 1]}\n}\n' >probe.prb
+    fails 3 "probe.prb: a layout of a probe's channels" query sphere.nii.gz --pose probe.prb
+}
+
 @test "a column that is needed and misspelt is asked for, not passed over" {
     sphere --size 16
     header() { printf '%s\n0,0,90,0,0,0\n' "$1" >bad.csv; }
     header x_mm,y,z,tx,ty,tz
-    fails 3 'columns that are not known: "x_mm" (did you mean x?)' query sphere.nii.gz --pose bad.csv
+    fails 3 'columns found: "x_mm" (did you mean x?)' query sphere.nii.gz --pose bad.csv
     header orign_x,y,z,tx,ty,tz
-    fails 3 'x y z are needed, and only, without m00...m33; columns that are not known: "orign_x" (did you mean x?)' \
+    fails 3 'x y z are needed, and only, without m00...m33; columns found: "orign_x" (did you mean x?), "y", "z"' \
         query sphere.nii.gz --pose bad.csv
     header x,y,z,tx,ty,t_z
-    fails 3 'only some of the columns tx ty tz; columns that are not known: "t_z" (did you mean tz?)' \
+    fails 3 'only some of the columns tx ty tz; columns found: "x", "y", "z", "tx", "ty", "t_z" (did you mean tz?)' \
         query sphere.nii.gz --pose bad.csv
     header x,y,z,qw,qx,notes
-    fails 3 'only some of the columns qw qx qy qz; columns that are not known: "notes"' query sphere.nii.gz --pose bad.csv
+    fails 3 'only some of the columns qw qx qy qz; columns found: "x", "y", "z", "qw", "qx", "notes"' query sphere.nii.gz --pose bad.csv
     header x,y,z,a,b,c
-    fails 3 '0 ways of giving the direction, exactly one of' query sphere.nii.gz --pose bad.csv
+    fails 3 'header: no direction; needed are x y z and' query sphere.nii.gz --pose bad.csv
+    header coil_x,coil_y,coil_z,angle
+    fails 3 'or m00...m33 alone; points are lines of x y z and a name without a header; columns found: "coil_x" (did' \
+        query sphere.nii.gz --pose bad.csv
+    header x,y,z,tx,ty,tz,dx,dy,dz
+    fails 3 'header: several directions; needed are x y z and either tx ty tz (a target), dx dy dz or qw qx qy qz, or' \
+        query sphere.nii.gz --pose bad.csv
     header id,x,y,z,id,tx
     fails 3 'header: column "id" twice' query sphere.nii.gz --pose bad.csv
     header x,,y,z,tx,ty

@@ -386,6 +386,10 @@ static void what_the_field_does_not_reach_is_cut(void **state)
     const struct file part = {1, false, 16, true, 1.25, 10};
     assert_ok(conus_atlas_transform(atlas, write_field(&part, false), NULL));
     assert_int_equal(atlas->objects[4].triangles, 2); /* of 12: those of the left side */
+    assert_int_equal(atlas->meshes[0].vertex_count, 4);
+    for (size_t i = 0; i < 4; i++) { /* none is at the origin, where nothing was */
+        assert_near(atlas->meshes[0].positions[3 * i], 8.75, 1e-5);
+    }
     assert_false(atlas->objects[4].closed);
     assert_true(test_has_note(atlas, "10 of 12 triangles are left out"));
     assert_true(test_has_note(atlas, "4 of 8 vertices have no place"));

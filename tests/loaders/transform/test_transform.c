@@ -84,6 +84,20 @@ static void the_order_of_euler_angles_is_itks(void **state)
     check_point(order, 2, 3, 1);
 }
 
+/* 3D Slicer's rigid transform has a matrix, a translation and a centre: (x, y, z) goes to (y, -x, z) + (1, 0, 3) in
+ * LPS, so (-1, -2, 3) to (-1, 1, 6), (1, -1, 6) in RAS. Around the centre (1, 0, 0), (-2, -2, 3) to (-2, 2, 3), and +
+ * (1, 0, 0) + (1, 0, 3): (0, 2, 6), (0, -2, 6) in RAS. */
+static void rigid_transforms_have_a_matrix(void **state)
+{
+    (void)state;
+    check_point(ITK "Transform: Rigid3DTransform_double_3_3\nParameters: 0 1 0 -1 0 0 0 0 1 1 0 3\n"
+                    "FixedParameters: 0 0 0\n",
+                1, -1, 6);
+    check_point(ITK "Transform: Rigid3DTransform_double_3_3\nParameters: 0 1 0 -1 0 0 0 0 1 1 0 3\n"
+                    "FixedParameters: 1 0 0\n",
+                0, -2, 6);
+}
+
 /* Points go through the last one first: a shift of x by 1 in LPS, then 2 x + 1: -1 comes to 0, and that to 1. */
 static void the_last_of_a_composite_comes_first(void **state)
 {
@@ -281,6 +295,43 @@ static void voxels_need_a_valid_geometry(void **state)
     }
 }
 
+#define SHIFT "Transform: TranslationTransform_double_3_3\nParameters: 1 0 0\nFixedParameters:\n"
+
+/* Only a composite makes a chain: else the transforms are of the volumes of a series, say. */
+static void lists_are_no_chains(void **state)
+{
+    (void)state;
+    check_refused(ITK SHIFT SHIFT SHIFT, "x.tfm", CONUS_ERROR_UNSUPPORTED, "Transform: a list of 3, such as one for");
+    check_point(ITK "Transform: CompositeTransform_double_3_3\n" SHIFT SHIFT, -1, 2, 3);
+    check_point(ITK SHIFT, 0, 2, 3);
+}
+
+/* What is no transform, or one of a kind that is not read, is called what it is. */
+static void other_files_are_called_what_they_are(void **state)
+{
+    (void)state;
+    const conus_status unsupported = CONUS_ERROR_UNSUPPORTED;
+    check_refused(ITK "Transform: BSplineTransform_double_3_3\n"
+                      "Parameters: 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18\nFixedParameters: 0\n",
+                  "x.tfm", unsupported, "BSplineTransform_double_3_3, a B-spline, is not read; write it as a displ");
+    check_refused(ITK "Transform: DisplacementFieldTransform_double_3_3\nParameters: 0\n", "x.tfm", unsupported,
+                  "a field in ITK's own format");
+    check_refused("MATLAB 5.0 MAT-file, Platform: GLNXA64", "x.mat", unsupported, "a MATLAB file of level 5");
+    check_refused("(Transform \"EulerTransform\")\n(NumberOfParameters 6)\n", "TransformParameters.0.txt", unsupported,
+                  "elastix's parameters");
+    check_refused("// x\n(NumberOfParameters 6)\n(Transform \"EulerTransform\")\n", "p.txt", unsupported,
+                  "elastix's parameters");
+    check_refused("/NumWaves\t2\n/NumPoints\t9\n/Matrix\n1 0\n", "design.mat", unsupported, "a design matrix");
+    check_refused("bert\n1.0\n1.0\n0.15\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\nround\n", "register.dat", unsupported,
+                  "FreeSurfer's register.dat");
+    uint8_t data[1024];
+    double m[16];
+    const double numbers[18] = {0};
+    size_t size = put_column(data, "BSplineTransform_double_3_3", numbers, 18, false);
+    assert_fails(transform_parse(m, &(struct bytes){data, size}, "x.mat", NULL, NULL), unsupported);
+    assert_non_null(strstr(conus_message(), "a B-spline, is not read"));
+}
+
 /* What is cut off is refused, but where only the last number's digits or white space are. */
 static void no_prefix_is_a_transform(void **state)
 {
@@ -424,6 +475,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(itk_is_lps),
         cmocka_unit_test(itk_turns),
+        cmocka_unit_test(rigid_transforms_have_a_matrix),
         cmocka_unit_test(the_order_of_euler_angles_is_itks),
         cmocka_unit_test(the_last_of_a_composite_comes_first),
         cmocka_unit_test(matlab_files_say_the_same),
@@ -431,6 +483,8 @@ int main(void)
         cmocka_unit_test(bad_files_say_what_is_wrong),
         cmocka_unit_test(a_last_row_that_is_rounded_is_0_0_0_1),
         cmocka_unit_test(voxels_need_a_valid_geometry),
+        cmocka_unit_test(lists_are_no_chains),
+        cmocka_unit_test(other_files_are_called_what_they_are),
         cmocka_unit_test(no_prefix_is_a_transform),
         cmocka_unit_test(an_atlas_goes_to_the_poses),
         cmocka_unit_test(a_mirror_is_warned_of),
