@@ -1,8 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What was loaded is found the next time, and only while everything that it follows from is as it was. */
+#include "atlas/bundles.h"
 #include "base/file.h"
+#include "base/memory.h"
 #include "builders/cache_builder.h"
+#include "loaders/scene/load.h"
+#include "mesh_scene.h"
 #include "test.h"
+#include "tract_scene.h"
 
 #include <fcntl.h>
 #include <stdio.h>
@@ -137,6 +142,58 @@ static void options_have_entries_of_their_own(void **state)
                                          {.cache = true, .max_memory = 1 << 20, .labels_anyway = true}};
     for (size_t i = 0; i < sizeof others / sizeof others[0]; i++) {
         assert_null(find_in_cache(path, &others[i], UINT64_MAX));
+    }
+}
+
+enum stranger { NONE, VOLUME, SOURCE, TRACTOGRAM, SURFACE, STRANGERS };
+
+/* What says that it came from a file that nobody was seen to read, or has what packing leaves out. */
+static void add_stranger(conus_atlas *atlas, enum stranger stranger)
+{
+    static const char *const unseen = "/nowhere/unseen.trk";
+    struct mesh box = mesh_scene_box((const double[]){0, 0, 0}, (const double[]){1, 1, 1});
+    struct tractogram line = tract_of(unseen, (const float[]){0, 0, 0, 1, 1, 1}, (const uint64_t[]){0, 2}, 1, 0.5);
+    if (stranger == VOLUME) {
+        memory_free(atlas->volumes[0].path);
+        atlas->volumes[0].path = memory_text(unseen, strlen(unseen));
+        atlas->volumes[0].info.path = atlas->volumes[0].path;
+    } else if (stranger == SOURCE) {
+        atlas->volumes[0].source = memory_zeroed(1, sizeof *atlas->volumes[0].source);
+        atlas->volumes[0].source->is_borrowed = true;
+    }
+    if (stranger == TRACTOGRAM) {
+        assert_ok(atlas_add_tractogram(atlas, &line, "line"));
+    } else {
+        tractogram_finish(&line);
+    }
+    if (stranger == SURFACE) {
+        mesh_scene_add(atlas, &box);
+        atlas->meshes[atlas->mesh_count - 1].path = memory_text(unseen, strlen(unseen));
+    } else {
+        mesh_finish(&box);
+    }
+}
+
+/* An atlas is kept only if all of it is known to follow from the files that were read: else it could be found again
+ * after one of the others had changed. */
+static void what_was_not_seen_being_read_is_not_kept(void **state)
+{
+    (void)state;
+    const conus_load_options options = {.cache = true};
+    const char *path = cached_atlas("strangers.nii", 5);
+    for (int stranger = STRANGERS - 1; stranger >= NONE; stranger--) {
+        struct atlas_cache cache;
+        conus_atlas *atlas = NULL;
+        atlas_cache_init(&cache, path, &options);
+        atlas_cache_watch(&cache);
+        assert_ok(atlas_load_files(&atlas, path, &cache.options));
+        atlas_cache_watched(&cache);
+        cache.trace.begun.tv_sec += 3600; /* the files have been at rest */
+        add_stranger(atlas, (enum stranger)stranger);
+        atlas_cache_keep(&cache, &atlas);
+        assert_int_equal(is_in_cache(path), stranger == NONE);
+        atlas_cache_finish(&cache);
+        conus_atlas_destroy(atlas);
     }
 }
 
@@ -377,6 +434,7 @@ int main(void)
         cmocka_unit_test(a_file_that_appears_beside_it_counts),
         cmocka_unit_test(only_what_is_looked_for_in_the_folder_counts),
         cmocka_unit_test(options_have_entries_of_their_own),
+        cmocka_unit_test(what_was_not_seen_being_read_is_not_kept),
         cmocka_unit_test(notes_are_heard_again),
         cmocka_unit_test(surfaces_around_the_areas_are_not_kept),
         cmocka_unit_test(a_file_that_changed_just_now_is_not_kept),
