@@ -24,7 +24,9 @@ static bool reserve(struct convex_stack *stack, size_t count)
 /* Appends an edge unless it is a point: a face without it is as closed. There is room. */
 static void push(struct convex_stack *stack, const struct convex_edge *edge)
 {
-    if (memcmp(edge->from, edge->to, sizeof edge->from) != 0) {
+    const double *from = edge->from;
+    const double *to = edge->to;
+    if (from[0] != to[0] || from[1] != to[1] || from[2] != to[2]) {
         stack->edges[stack->count++] = *edge;
     }
 }

@@ -183,9 +183,10 @@ static conus_status count_bar(struct counting *counting, size_t i, size_t j, dou
     double low[3] = {(double)corner[0] - 0.5 + (double)i * step, (double)corner[1] - 0.5 + (double)j * step, k - 0.5};
     double high[3] = {low[0] + step, low[1] + step};
     conus_status status = CONUS_OK;
-    for (; !status && low[2] < k + 0.5; low[2] = high[2]) {
+    while (!status && low[2] < k + 0.5) {
         high[2] = pass_crossings(counting, low[2], k + 0.5);
         status = shares_of_box(&counting->shares, low, high, step * step * (high[2] - low[2]));
+        low[2] = high[2];
     }
     return status;
 }

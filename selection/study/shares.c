@@ -23,7 +23,11 @@ static bool counts(const struct volume *volume)
 
 static bool same_grid(const struct volume *a, const struct volume *b)
 {
-    return memcmp(a->voxel_from_world, b->voxel_from_world, sizeof a->voxel_from_world) == 0;
+    bool same = true;
+    for (int i = 0; i < 16; i++) {
+        same = same && a->voxel_from_world[i] == b->voxel_from_world[i];
+    }
+    return same;
 }
 
 /* Appends a grid of all volumes from `first` on that lie as that one does, unless an earlier one did. */
@@ -53,7 +57,7 @@ static void add_grid(struct shares *shares, const conus_atlas *atlas, size_t fir
 
 conus_status shares_init(struct shares *out, const conus_atlas *atlas, const double world_from_box[16], size_t more)
 {
-    struct shares shares = {.volumes = memory_zeroed(atlas->volume_count + 1, sizeof *shares.volumes),
+    struct shares shares = {.volumes = memory_zeroed(atlas->volume_count + 1, sizeof(void *)),
                             .grids = memory_zeroed(atlas->volume_count + 1, sizeof *shares.grids),
                             .objects = memory_raw(atlas->volume_count + more + 1, sizeof *shares.objects)};
     if (!shares.volumes || !shares.grids || !shares.objects) {
@@ -100,19 +104,25 @@ static uint32_t object_in(const struct volume *volume, long i, long j, long k)
     return inside ? volume_object(volume, (size_t)i + dim[0] * ((size_t)j + dim[1] * (size_t)k)) : 0;
 }
 
-static bool is_uniform(const struct volume *volume, const struct cells *cells)
+/* Whether all cells of row (j, k) have the object. */
+static bool row_has(const struct volume *volume, const struct cells *cells, long j, long k, uint32_t object)
 {
-    uint32_t object = object_in(volume, cells->low[0], cells->low[1], cells->low[2]);
-    for (long k = cells->low[2]; k <= cells->high[2]; k++) {
-        for (long j = cells->low[1]; j <= cells->high[1]; j++) {
-            for (long i = cells->low[0]; i <= cells->high[0]; i++) {
-                if (object_in(volume, i, j, k) != object) {
-                    return false;
-                }
-            }
+    bool has = true;
+    for (long i = cells->low[0]; has && i <= cells->high[0]; i++) {
+        has = object_in(volume, i, j, k) == object;
+    }
+    return has;
+}
+
+static bool is_uniform(const struct volume *volume, const struct cells *cells, uint32_t object)
+{
+    bool uniform = true;
+    for (long k = cells->low[2]; uniform && k <= cells->high[2]; k++) {
+        for (long j = cells->low[1]; uniform && j <= cells->high[1]; j++) {
+            uniform = row_has(volume, cells, j, k, object);
         }
     }
-    return true;
+    return uniform;
 }
 
 /* ---- Pieces ----------------------------------------------------------------------------------------------------- */
@@ -145,7 +155,8 @@ static conus_status cut_piece(struct shares *shares, const struct convex *piece,
     for (int a = 1; a < 3; a++) {
         axis = cells->high[a] - cells->low[a] > cells->high[axis] - cells->low[axis] ? a : axis;
     }
-    double at = (double)(cells->low[axis] + (cells->high[axis] - cells->low[axis]) / 2) + 0.5;
+    long middle = cells->low[axis] + (cells->high[axis] - cells->low[axis]) / 2;
+    double at = (double)middle + 0.5;
     for (int side = 0; !status && side < 2; side++) {
         struct convex part;
         size_t count = shares->stack.count;
@@ -168,7 +179,7 @@ static conus_status share_piece(struct shares *shares, const struct convex *piec
     bool uniform = true;
     for (size_t i = grid ? shares->grids[grid - 1].end : 0; uniform && i < shares->grids[grid].end; i++) {
         uint32_t object = object_in(shares->volumes[i], cells.low[0], cells.low[1], cells.low[2]);
-        uniform = is_uniform(shares->volumes[i], &cells);
+        uniform = is_uniform(shares->volumes[i], &cells, object);
         if (object) {
             shares->objects[shares->object_count++] = object;
         }
