@@ -4,6 +4,7 @@
 #include "cli/survey.h"
 #include "common/messages.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 
 struct overlap_settings {
@@ -53,6 +54,50 @@ static size_t region_count(const struct overlap *overlap)
 static const char *region_path(const struct overlap *overlap, size_t index)
 {
     return index ? overlap->survey.arguments->more.items[index - 1] : overlap->survey.arguments->operands[1];
+}
+
+static conus_status load_region(conus_roi **out, const struct overlap *overlap, const char *path, conus_log log)
+{
+    const struct overlap_settings *settings = overlap->settings;
+    const conus_roi_options options = {.threshold = settings->threshold,
+                                       .max_memory = settings->survey.atlas.max_memory,
+                                       .log = log,
+                                       .cache = !settings->survey.atlas.no_cache};
+    return conus_roi_load(out, path, &options);
+}
+
+/* Whether a map or a mask was given as ATLAS: the first operand loads as a region, or would with a threshold, and as no
+ * atlas or as one of a single area. */
+static bool atlas_is_region(const struct overlap *overlap)
+{
+    const conus_atlas *atlas = overlap->survey.atlases.count ? overlap->survey.atlases.items[0].atlas : NULL;
+    conus_roi *roi = NULL;
+    conus_status status = load_region(&roi, overlap, overlap->survey.arguments->operands[0], NULL);
+    conus_roi_destroy(roi);
+    return (status == CONUS_OK || status == CONUS_ERROR_ARGUMENT) && (!atlas || conus_atlas_object_count(atlas) == 1);
+}
+
+/* Whether an atlas of several areas was given as ROI. */
+static bool region_is_atlas(const struct overlap *overlap, const char *path)
+{
+    const struct atlas_settings *given = &overlap->settings->survey.atlas;
+    const struct atlas_settings settings = {.max_memory = given->max_memory, .no_cache = given->no_cache};
+    conus_atlas *atlas = NULL;
+    bool is_atlas = !settings_load_atlas(&atlas, path, &settings) && conus_atlas_object_count(atlas) > 1;
+    conus_atlas_destroy(atlas);
+    return is_atlas;
+}
+
+/* Runs while messages are held: prints the last one, and says so where ATLAS and ROI seem to have changed places. */
+static int print_failure(const struct overlap *overlap, const char *path, int code)
+{
+    char why[1024];
+    snprintf(why, sizeof why, "%s", error_line());
+    bool changed = atlas_is_region(overlap) && region_is_atlas(overlap, path);
+    messages_hold(false);
+    print_error_line("%s%s%s%s", why, changed ? "; " : "", changed ? path : "",
+                     changed ? " is an atlas: ATLAS comes first, then ROI" : "");
+    return code;
 }
 
 /* What a careful user should know about where a region lies. */
@@ -107,14 +152,13 @@ static int add_answer(struct overlap *overlap, size_t index, const char *path, c
 
 static int add_region(struct overlap *overlap, const char *path)
 {
-    const struct overlap_settings *settings = overlap->settings;
-    const conus_roi_options options = {.threshold = settings->threshold,
-                                       .max_memory = settings->survey.atlas.max_memory,
-                                       .log = settings->survey.common.quiet ? NULL : log_note,
-                                       .cache = !settings->survey.atlas.no_cache};
     conus_roi *roi = NULL;
-    conus_status status = conus_roi_load(&roi, path, &options);
-    int code = status ? print_status(status) : check_region(overlap, roi) ? EXIT_DONE : EXIT_USAGE;
+    conus_status status = load_region(&roi, overlap, path, overlap->settings->survey.common.quiet ? NULL : log_note);
+    if (status) {
+        messages_hold(true);
+        return print_failure(overlap, path, print_status(status));
+    }
+    int code = check_region(overlap, roi) ? EXIT_DONE : EXIT_USAGE;
     for (size_t i = 0; !code && i < overlap->survey.atlases.count; i++) {
         code = add_answer(overlap, i, path, roi);
     }
@@ -128,10 +172,13 @@ static int start(struct overlap *overlap)
 {
     const struct overlap_settings *settings = overlap->settings;
     const conus_report_options rows = {.rows = CONUS_ROWS_COVERAGES, .frame = &overlap->frame, .no_voxels = true};
+    messages_hold(true);
     int code = survey_load(&overlap->survey);
-    code = code ? code
-                : settings_frame(&overlap->frame, &overlap->survey.atlases, &settings->space,
-                                 settings->survey.common.quiet);
+    if (code) {
+        return print_failure(overlap, region_path(overlap, 0), code);
+    }
+    messages_hold(false);
+    code = settings_frame(&overlap->frame, &overlap->survey.atlases, &settings->space, settings->survey.common.quiet);
     return code ? code : survey_start(&overlap->survey, &rows);
 }
 

@@ -10,6 +10,7 @@
 static void write_region(struct buffer *out, const struct report_query *query)
 {
     char threshold[TEXT_NUMBER_SIZE];
+    char volume[TABLE_VOLUME_SIZE];
     const struct report_roi *roi = &query->roi;
     buffer_format(out, "region %s: ", query->id);
     if (roi->threshold == 0) {
@@ -18,7 +19,7 @@ static void write_region(struct buffer *out, const struct report_query *query)
         buffer_format(out, "values of %s and %s", text_number(threshold, roi->threshold),
                       roi->threshold > 0 ? "more" : "less");
     }
-    buffer_format(out, ", %.1f mm^3\n", roi->volume_mm3);
+    buffer_format(out, ", %s mm^3\n", table_volume(volume, roi->volume_mm3));
 }
 
 static void write_header(struct buffer *out, const conus_report *report, int width)
@@ -33,6 +34,7 @@ static void write_header(struct buffer *out, const conus_report *report, int wid
 static void write_coverage(struct buffer *out, const conus_report *report, const struct report_row *row, int width)
 {
     char label[TABLE_LABEL_SIZE];
+    char volume[TABLE_VOLUME_SIZE];
     char fraction[16] = "";
     double at[3];
     int digits = table_digits(report);
@@ -43,8 +45,8 @@ static void write_coverage(struct buffer *out, const conus_report *report, const
         snprintf(fraction, sizeof fraction, "%.2f", 100 * coverage->fraction);
     }
     table_write_name(out, coverage->object ? table_name(report, coverage->object) : "(in no area)", width);
-    buffer_format(out, "  %10s  %11.1f  %9s  %9.2f  %10.5g  %8.*f %8.*f %8.*f\n",
-                  table_label(label, report, coverage->object), coverage->volume, fraction,
+    buffer_format(out, "  %10s  %11s  %9s  %9.2f  %10.5g  %8.*f %8.*f %8.*f\n",
+                  table_label(label, report, coverage->object), table_volume(volume, coverage->volume), fraction,
                   100 * coverage->roi_fraction, coverage->peak, digits, at[0], digits, at[1], digits, at[2]);
 }
 

@@ -194,6 +194,19 @@ static void write_number(struct buffer *out, int width, int digits, double value
     }
 }
 
+const char *table_volume(char out[TABLE_VOLUME_SIZE], double volume)
+{
+    snprintf(out, TABLE_VOLUME_SIZE, volume > 0 && volume < 0.1 ? "%.3g" : "%.1f", volume);
+    return out;
+}
+
+/* A volume in its column; likewise. */
+static void write_volume(struct buffer *out, double volume)
+{
+    char text[TABLE_VOLUME_SIZE];
+    buffer_format(out, "  %9s", isfinite(volume) ? table_volume(text, volume) : "-");
+}
+
 /* Tables are wide enough: beside bundles no column of means that all are "-". */
 static bool has_means(const conus_report *report)
 {
@@ -274,7 +287,7 @@ static void write_layers_result(struct buffer *out, const conus_report *report, 
         write_number(out, 8, 2, result->entry, "");
         write_number(out, 8, 2, result->exit, "");
         write_number(out, 7, 2, result->path, "");
-        write_number(out, 9, 1, result->volume, "");
+        write_volume(out, result->volume);
         write_number(out, 6, 2, 100 * result->fraction, " %");
         write_mean(out, report, result);
     }
@@ -306,7 +319,7 @@ static void write_ball_result(struct buffer *out, const conus_report *report, co
     write_rank(out, report, result, width);
     write_number(out, 6, 2, 100 * result->share, " %");
     buffer_format(out, "  %8llu", (unsigned long long)result->voxels);
-    write_number(out, 9, 1, result->volume, "");
+    write_volume(out, result->volume);
     if (result->object) {
         write_number(out, 6, 2, 100 * result->fraction, " %");
         write_mean(out, report, result);

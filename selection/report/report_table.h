@@ -15,6 +15,11 @@ const char *table_name(const conus_report *report, uint32_t object);
 /** Its label in decimal, written to @p out; nothing for 0. */
 const char *table_label(char out[TABLE_LABEL_SIZE], const conus_report *report, uint32_t object);
 
+enum { TABLE_VOLUME_SIZE = 32 };
+
+/** A volume in mm³, written to @p out: with one digit behind the point, below 0.1 with three that count. */
+const char *table_volume(char out[TABLE_VOLUME_SIZE], double volume);
+
 /** Columns for the longest name in the report and in those joined with it, up to a limit. */
 int table_name_width(const conus_report *report);
 

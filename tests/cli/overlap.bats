@@ -75,6 +75,37 @@ scene() {
     [ "$(cell region_fraction 1)" = 1 ]
 }
 
+# Voxels of 2.7e-5 mm^3.
+@test "volumes below 0.1 mm^3 have digits" {
+    conus phantom nested --size 16 --spacing 0.03,0.03,0.03 -o .
+    conus overlap nested.nii.gz nested.nii.gz --threshold 300 -q --format tsv >small.tsv
+    answers overlap nested.nii.gz nested.nii.gz --threshold 300 -q
+    for volume in $(awk -F'\t' '$2 == "area" { printf "%.3g ", $7 }' small.tsv); do
+        [[ "$volume" == 0.0* ]]
+        has " $volume "
+    done
+    answers query nested.nii.gz --point=0,0,0 --radius 0.06
+    has " $(conus query nested.nii.gz --point=0,0,0 --radius 0.06 --format tsv | awk -F'\t' 'NR == 1 {
+        for (i = 1; i <= NF; i++) at[$i] = i } NR == 2 { printf "%.3g", $at["volume_mm3"] }') "
+}
+
+@test "a message says where atlas and region have changed places" {
+    scene
+    fails 2 "no mask: a threshold is needed, from which on a voxel belongs to the region (below 0: down from which); \
+nested.nii.gz is an atlas: ATLAS comes first, then ROI" overlap cone.nii.gz nested.nii.gz
+    printf '%s\n' NRRD0004 'type: float' 'dimension: 3' 'sizes: 2 1 1' 'space: RAS' \
+        'space directions: (1,0,0) (0,1,0) (0,0,1)' 'space origin: (0,0,0)' 'encoding: text' '' '0.5 2.25' >map.nrrd
+    fails 3 "whole numbers from 0 to 4294967295; --context draws an image, --pathway selects what is bright in it; \
+nested.nii.gz is an atlas: ATLAS comes first, then ROI" overlap map.nrrd nested.nii.gz --threshold 1
+    fails 2 "is needed, from which on a voxel belongs to the region (below 0: down from which)" \
+        overlap nested.nii.gz map.nrrd
+    [[ "$stderr" != *"comes first"* ]]
+    fails 3 "found 0.5" overlap map.nrrd cone.nii.gz
+    [[ "$stderr" != *"comes first"* ]]
+    fails 3 "cannot open" overlap cone.nii.gz nothing.nii.gz
+    [[ "$stderr" != *"comes first"* ]]
+}
+
 @test "what is no region, and what would be overwritten, is refused" {
     scene
     fails 3 "cannot open" overlap nested.nii.gz nothing.nii.gz
