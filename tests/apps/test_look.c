@@ -527,6 +527,42 @@ static void sheets_of_sessions_are_checked(void **state)
     close_window(&window);
 }
 
+/* 85 mm at 300 pixels per 25.4 mm are 1003.94, three quarters of it 752.95; 20 mm at 127 are 100. */
+static void a_sheet_follows_from_its_settings(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text;
+        conus_background kind;
+        uint8_t rgb[3];
+    } backgrounds[] = {{NULL, CONUS_BACKGROUND_LIGHT, {0}},
+                       {"light", CONUS_BACKGROUND_LIGHT, {0}},
+                       {"white", CONUS_BACKGROUND_COLOUR, {255, 255, 255}},
+                       {"black", CONUS_BACKGROUND_COLOUR, {0, 0, 0}},
+                       {"transparent", CONUS_BACKGROUND_TRANSPARENT, {0}},
+                       {"#10aBf0", CONUS_BACKGROUND_COLOUR, {16, 171, 240}}};
+    for (size_t i = 0; i < sizeof backgrounds / sizeof backgrounds[0]; i++) {
+        conus_view view = {0};
+        const struct figure_settings settings = {.background = backgrounds[i].text, .size = {31, 17}};
+        figure_view(&view, &settings);
+        assert_int_equal(view.background, backgrounds[i].kind);
+        assert_memory_equal(view.background_rgb, backgrounds[i].rgb, 3);
+        assert_true(view.width == 31 && view.height == 17 && view.dpi == 0);
+    }
+    static const struct {
+        double mm[2], dpi, wanted_dpi;
+        uint32_t wanted[2];
+    } sheets[] = {{{85, 0}, 0, 300, {1004, 753}}, {{50, 20}, 127, 127, {250, 100}}, {{25.4, 50.8}, 0, 300, {300, 600}}};
+    for (size_t i = 0; i < sizeof sheets / sizeof sheets[0]; i++) {
+        conus_view view = {0};
+        const struct figure_settings settings = {
+            .width_mm = sheets[i].mm[0], .height_mm = sheets[i].mm[1], .dpi = sheets[i].dpi};
+        figure_view(&view, &settings);
+        assert_true(view.width == sheets[i].wanted[0] && view.height == sheets[i].wanted[1]);
+        assert_near(view.dpi, sheets[i].wanted_dpi, 0);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -544,6 +580,7 @@ int main(void)
         cmocka_unit_test(words_that_cannot_be_change_nothing),
         cmocka_unit_test(a_file_is_replaced_when_it_is_said_twice),
         cmocka_unit_test(sheets_of_sessions_are_checked),
+        cmocka_unit_test(a_sheet_follows_from_its_settings),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

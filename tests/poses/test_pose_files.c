@@ -79,6 +79,33 @@ static void brainsight_world_is_lps(void **state)
 #define SPACE "# Coordinate system: NIfTI:Scanner\n"
 #define COLUMNS "# Target Name\tLoc. X\tLoc. Y\tLoc. Z\tm0n0\tm0n1\tm0n2\tm1n0\tm1n1\tm1n2\tm2n0\tm2n1\tm2n2\n"
 
+/* Each name of a coordinate system and of a unit that Brainsight writes, and the brain that it means. */
+static void brainsight_names_spaces_and_units(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *name;
+        enum pose_brain brain;
+    } spaces[] = {{"NIfTI:Scanner", POSE_BRAIN_SUBJECT},
+                  {"NIfTI:S:Scanner", POSE_BRAIN_SUBJECT},
+                  {"NIfTI:Q:Scanner", POSE_BRAIN_SUBJECT},
+                  {"NIfTI:MNI-152", POSE_BRAIN_MNI152},
+                  {"NIfTI:Q:MNI-152", POSE_BRAIN_MNI152},
+                  {"NIfTI:Talairach", POSE_BRAIN_TALAIRACH},
+                  {"NIfTI:S:Talairach", POSE_BRAIN_TALAIRACH},
+                  {"NIfTI:Aligned", POSE_BRAIN_UNKNOWN},
+                  {"World", POSE_BRAIN_SUBJECT}};
+    static const char *const units[] = {"# Units: millimetres\n", "# Units: millimeters\n", "# Units: mm\n",
+                                        "# units: mm\n"};
+    for (size_t i = 0; i < sizeof spaces / sizeof spaces[0]; i++) {
+        char text[512];
+        snprintf(text, sizeof text, "# Coordinate system: %s\n%s" COLUMNS, spaces[i].name, units[i % 4]);
+        conus_pose_list *list = parse(text, NULL);
+        assert_int_equal(list->space.brain, spaces[i].brain);
+        conus_pose_list_destroy(list);
+    }
+}
+
 static void brainsight_is_read_strictly(void **state)
 {
     (void)state;
@@ -548,6 +575,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(brainsight_targets_samples_electrodes),
         cmocka_unit_test(brainsight_world_is_lps),
+        cmocka_unit_test(brainsight_names_spaces_and_units),
         cmocka_unit_test(brainsight_is_read_strictly),
         cmocka_unit_test(names_are_whole_or_refused),
         cmocka_unit_test(localite_markers_look_along_x),

@@ -41,12 +41,16 @@ static void simnibs_texts(void **state)
     assert_int_equal(pose_row_of(list, 0, "1")->line, 2);
     assert_int_equal(pose_row_of(list, 1, "2")->line, 7);
     conus_pose_list_destroy(list);
-    static const char manual[] = "[-1, 0, 0, -1.2],\n[0, 1, 0, -15.8],\n[0, 0, -1, 120.0],\n[0, 0, 0, 1]]";
-    list = pose_text_parse(text_from(manual), &simnibs);
-    assert_row_along(pose_row_of(list, 0, "1"), 0, 0, -1);
-    assert_row_at(pose_row_of(list, 0, "1"), -1.2, -15.8, 120);
-    assert_near(pose_row_of(list, 0, "1")->pose.world_from_device[5], 1, 1e-12); /* +y stays up */
-    conus_pose_list_destroy(list);
+    static const char *const manual[] = {/* as Python and as MATLAB write it */
+                                         "[-1, 0, 0, -1.2],\n[0, 1, 0, -15.8],\n[0, 0, -1, 120.0],\n[0, 0, 0, 1]]",
+                                         "[-1 0 0 -1.2; 0 1 0 -15.8; 0 0 -1 120; 0 0 0 1];"};
+    for (int i = 0; i < 2; i++) {
+        list = pose_text_parse(text_from(manual[i]), &simnibs);
+        assert_row_along(pose_row_of(list, 0, "1"), 0, 0, -1);
+        assert_row_at(pose_row_of(list, 0, "1"), -1.2, -15.8, 120);
+        assert_near(pose_row_of(list, 0, "1")->pose.world_from_device[5], 1, 1e-12); /* +y stays up */
+        conus_pose_list_destroy(list);
+    }
     list = pose_text_parse(text_from("1 0 0 0 0 1 0 0 0 0 -1 0 0 0 0 1\n1 0 0 0 0 1 0.1 0 0 0 1 0 0 0 0 1\n"
                                      "nan 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1 1 0 0 0 0 1 0 0 0 0 1 0 5 6 7 1\n"
                                      "1 0 0 .1 0 1 0 0 0 0 1 .09 0 0 0 1"),
