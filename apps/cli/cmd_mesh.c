@@ -69,8 +69,9 @@ static const struct option own_options[] = {
     {.name = "labels",
      .type = OPTION_TEXT,
      .offset = offsetof(struct mesh_settings, labels),
-     .value = "FILE",
-     .help = "label table; replaces the one found beside or inside the atlas"},
+     .value = "FILE[,label=COLUMN,name=COLUMN]",
+     .help = "label table; replaces the one found beside or inside the atlas; columns of a header row that are not "
+             "called as usual are given by their names"},
     {.name = "labels-anyway",
      .type = OPTION_FLAG,
      .offset = offsetof(struct mesh_settings, labels_anyway),

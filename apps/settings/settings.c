@@ -50,8 +50,9 @@ const struct option atlas_options[] = {
     {.name = "labels",
      .type = OPTION_TEXT,
      .offset = FIELD(atlas_settings, labels),
-     .value = "FILE",
-     .help = "label table; replaces the one found beside or inside the atlas",
+     .value = "FILE[,label=COLUMN,name=COLUMN]",
+     .help = "label table; replaces the one found beside or inside the atlas; columns of a header row that are not "
+             "called as usual are given by their names",
      .words = "lookup table, LUT, names"},
     {.name = "labels-anyway",
      .type = OPTION_FLAG,

@@ -99,9 +99,9 @@ static conus_status judge(bool *taken, struct label_search *search, const struct
     }
     if (!*taken && fit.unnamed) {
         return notes_warn(search->notes,
-                          "%s is not taken for the label table: it has no name for label %u; --labels %s"
-                          " uses it all the same",
-                          name, fit.unnamed, name);
+                          "%s is not taken for the label table: it has no name for label %u (of %zu voxels %zu have no "
+                          "name); --labels %s uses it all the same",
+                          name, fit.unnamed, fit.voxels, fit.strays, name);
     }
     if (!*taken) {
         return notes_warn(
@@ -114,10 +114,17 @@ static conus_status judge(bool *taken, struct label_search *search, const struct
     if (search->found) {
         return notes_add(search->notes, "%s fits the labels, too: --labels chooses it", name);
     }
-    return notes_add(search->notes,
-                     "%s is taken for the label table of %s by its name: all labels have a name in it, and %zu of its "
+    if (fit.unnamed) {
+        status = notes_warn(search->notes, "label %u has no name in %s: of %zu voxels %zu have none", fit.unnamed, name,
+                            fit.voxels, fit.strays);
+    }
+    return status
+               ? status
+               : notes_add(
+                     search->notes,
+                     "%s is taken for the label table of %s by its name: %s labels have a name in it, and %zu of its "
                      "%zu names have voxels; --labels chooses another",
-                     name, volume, fit.used, fit.names);
+                     name, volume, fit.unnamed ? "nearly all" : "all", fit.used, fit.names);
 }
 
 static conus_status try_table(struct label_search *search, const struct folder *folder, const char *name)

@@ -86,6 +86,30 @@ conus_status label_file_colours(struct label_table *table, bool *found, const ch
     return status;
 }
 
+conus_status label_path_split(char **path, struct text columns[2], const char *text)
+{
+    static const char *const keys[2] = {"label=", "name="};
+    const char *at = path_base(text);
+    bool found = false;
+    columns[0] = columns[1] = (struct text){0};
+    for (; !found && !file_exists(text) && (at = strchr(at, ',')); at += !found) {
+        found = strncmp(at + 1, keys[0], strlen(keys[0])) == 0 || strncmp(at + 1, keys[1], strlen(keys[1])) == 0;
+    }
+    struct text rest = text_from(found ? at + 1 : "");
+    struct text field;
+    for (bool more = found; text_field(&rest, ',', &more, &field);) {
+        int key = text_starts(field, keys[0]) ? 0 : 1;
+        size_t length = strlen(keys[key]);
+        if (!text_starts(field, keys[key]) || field.size == length || columns[key].size) {
+            return fail(CONUS_ERROR_ARGUMENT, "%s: found \"%.*s\", needed are label=COLUMN and name=COLUMN, once each",
+                        text, (int)field.size, field.data);
+        }
+        columns[key] = (struct text){field.data + length, field.size - length};
+    }
+    *path = memory_text(text, found ? (size_t)(at - text) : strlen(text));
+    return *path ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
 /* What the file is if it is known to be no table; a message of the tables' parser says more about others. */
 static const struct file_kind *foreign_kind(const char *path, const struct bytes *bytes)
 {
@@ -97,7 +121,7 @@ static const struct file_kind *foreign_kind(const char *path, const struct bytes
 static conus_status read_table(struct label_table *out, const char **format, const char *path,
                                const struct label_use *wanted, struct notes *notes)
 {
-    struct label_use use = wanted ? *wanted : (struct label_use){0};
+    struct label_use use = *wanted;
     struct bytes bytes = {0};
     conus_status status = label_file_bytes(&bytes, path, use.max_memory);
     if (status) {
@@ -112,18 +136,23 @@ static conus_status read_table(struct label_table *out, const char **format, con
     return status ? fail_in(status, path) : CONUS_OK;
 }
 
-conus_status label_file_read(struct label_table *out, const char **format, const char *path,
-                             const struct label_use *use, struct notes *notes)
+conus_status label_file_read(struct label_table *out, const char **format, const char *text,
+                             const struct label_use *wanted, struct notes *notes)
 {
     struct label_table table = {0};
-    conus_status status = read_table(&table, format, path, use, notes);
+    struct label_use chosen = wanted ? *wanted : (struct label_use){0};
+    const struct label_use *use = &chosen;
+    char *path = NULL;
+    conus_status status = label_path_split(&path, chosen.columns, text);
+    status = status ? status : read_table(&table, format, path, use, notes);
     if (!status && !label_table_has_colours(&table)) {
         const char *dot = strrchr(path_base(path), '.');
         char *lut = path_with_ending(path, dot ? (size_t)(dot - path) : strlen(path), ".lut");
         bool found;
-        status = lut ? label_file_colours(&table, &found, lut, use ? use->read : NULL) : CONUS_ERROR_MEMORY;
+        status = lut ? label_file_colours(&table, &found, lut, use->read) : CONUS_ERROR_MEMORY;
         memory_free(lut);
     }
+    memory_free(path);
     if (status) {
         label_table_finish(&table);
         return status;

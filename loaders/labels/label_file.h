@@ -7,7 +7,13 @@
 #include "base/file.h"
 #include "loaders/tables/label_use.h"
 
-/** Reads the label table @p path (and, for a table without colours, X.lut beside it). @p use may be NULL. */
+/** Takes @p text apart at ",label=COLUMN" and ",name=COLUMN", in either order, unless there is a file of that name:
+ * *path is the caller's to memory_free(), @p columns lie in @p text, empty where none is given. CONUS_ERROR_ARGUMENT.
+ */
+conus_status label_path_split(char **path, struct text columns[2], const char *text);
+
+/** Reads the label table @p path, as label_path_split() takes it apart (and, for a table without colours, X.lut beside
+ * it). @p use may be NULL. */
 conus_status label_file_read(struct label_table *out, const char **format, const char *path,
                              const struct label_use *use, struct notes *notes);
 

@@ -85,13 +85,17 @@ static conus_status read_lines(struct label_table *out, bool *lines, struct text
     return status;
 }
 
-static conus_status parse_table(struct label_table *out, bool *table, const struct bytes *bytes, size_t volumes)
+static conus_status parse_table(struct label_table *out, bool *table, const struct bytes *bytes, size_t volumes,
+                                const struct label_use *chosen)
 {
-    static const struct label_use use;
+    const struct label_use use = {.columns = {chosen->columns[0], chosen->columns[1]}};
+    const bool has_columns = use.columns[0].size || use.columns[1].size;
     struct notes silent = {0}; /* it counts from 0 or not: that is asked here */
     conus_status status = CONUS_OK;
     struct text text = text_from_bytes(bytes->data, bytes->size);
-    const struct label_format *format = label_is_lut(bytes->data, bytes->size) ? NULL : label_format_of(text);
+    const struct label_format *format = label_is_lut(bytes->data, bytes->size) ? NULL
+                                        : has_columns                          ? &label_format_chosen
+                                                                               : label_format_of(text);
     if (!status && format && format != &label_format_colours) {
         status = label_text_parse(out, format, text, &use, &silent);
         *table = !status;
@@ -115,7 +119,7 @@ static conus_status take_table(struct label_table *out, const char *path, bool g
     bool is_table = false;
     bool decided = false;
     conus_status status = label_file_bytes(&bytes, path, use->max_memory);
-    if (!status && (status = parse_table(out, &is_table, &bytes, count))) {
+    if (!status && (status = parse_table(out, &is_table, &bytes, count, use))) {
         status = given ? fail_in(status, path) : status;
     }
     if (status && !given && status != CONUS_ERROR_MEMORY) {
@@ -143,12 +147,13 @@ conus_status label_volume_table(struct label_table *out, struct buffer *from, co
     const conus_volume_info *info = use->info;
     static const char *const endings[] = {".nii.txt", ".txt", ".tsv", ".csv", ".json", ".label"};
     bool several = info->volume_count > 1 && info->volume_count <= VOLUME_LIMIT;
+    struct label_use chosen = *use;
     conus_status status = CONUS_OK;
     for (size_t i = 0; several && !status && !out->count && i < (path ? 1 : sizeof endings / sizeof endings[0]); i++) {
         size_t stem = volume_stem_length(info->path);
-        char *file = path ? memory_text(path, strlen(path)) : path_with_ending(info->path, stem, endings[i]);
-        status = file ? CONUS_OK : CONUS_ERROR_MEMORY;
-        status = status || (!path && !file_exists(file)) ? status : take_table(out, file, path != NULL, use, notes);
+        char *file = path ? NULL : path_with_ending(info->path, stem, endings[i]);
+        status = path ? label_path_split(&file, chosen.columns, path) : file ? CONUS_OK : CONUS_ERROR_MEMORY;
+        status = status || (!path && !file_exists(file)) ? status : take_table(out, file, path != NULL, &chosen, notes);
         if (!status && out->count) {
             buffer_text(from, path_base(file));
             status = buffer_status(from);

@@ -61,7 +61,7 @@ static conus_status read_color(void *field, const json_t *value, const struct sc
     struct label *label = field;
     const char *text = json_string_value(value);
     label->has_rgb = text && text[0] == '#' && strlen(text) == 7 && strspn(text + 1, "0123456789abcdefABCDEF") == 6;
-    return label->has_rgb ? label_cell_hex(label->rgb, text_from(text), place->key)
+    return label->has_rgb ? label_cell_colour(label->rgb, text_from(text), place->key)
                           : schema_fail(place, value, "\"#rrggbb\"");
 }
 

@@ -46,7 +46,10 @@ static conus_status read_override(struct parcellation *parts, const char *path)
 {
     const char *format = NULL;
     struct label_table table = {0};
-    const struct label_use use = {&parts->file.info, &parts->labels, NULL, parts->file.max_memory, &parts->read};
+    const struct label_use use = {.info = &parts->file.info,
+                                  .voxels = &parts->labels,
+                                  .max_memory = parts->file.max_memory,
+                                  .read = &parts->read};
     conus_status status = label_file_read(&table, &format, path, &use, &parts->notes);
     status = status ? status : set_source(parts, format, path);
     if (status) {
@@ -142,7 +145,8 @@ static conus_status load_fsl(struct parcellation *parts, const char *path, struc
     status = status ? status : open_finest(parts, &atlas, path, max_memory);
     status = status ? status : volume_file_take_labels(&parts->labels, &parts->file);
     if (!status) {
-        const struct label_use use = {&parts->file.info, &parts->labels, path, max_memory, NULL};
+        const struct label_use use = {
+            .info = &parts->file.info, .voxels = &parts->labels, .path = path, .max_memory = max_memory};
         status = fsl_atlas_number(&atlas, &use, &parts->notes);
     }
     status = status ? status : set_source(parts, atlas.is_spm ? "SPM atlas XML" : "FSL atlas XML", path_base(path));

@@ -307,7 +307,8 @@ static conus_status start_transform(struct gifti_array *array)
 
 static conus_status end_space(int *space, const char *name, struct text text)
 {
-    int value = value_of(spaces, text_trim(text));
+    const struct text trimmed = text_trim(text);
+    int value = trimmed.size ? value_of(spaces, trimmed) : 0; /* as old programs leave it */
     if (value < 0) {
         return fail(CONUS_ERROR_DATA,
                     "%s: found \"%.*s\", allowed are NIFTI_XFORM_ with UNKNOWN, SCANNER_ANAT, "

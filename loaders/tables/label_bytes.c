@@ -71,12 +71,17 @@ const struct label_format *label_format_of(struct text text)
     return format ? format : label_format_of_rows(text);
 }
 
+const struct label_format label_format_chosen = {"label table", NULL};
+
 /* Some formats have more to say where it is known what for. */
 static conus_status parse_for(struct label_table *out, const struct label_format *format, struct text text,
                               const struct label_use *use, struct notes *notes)
 {
     if (format == &label_format_workbench) {
         return label_workbench_parse(out, text, use->info ? use->info->volume : 0, notes);
+    }
+    if (format == &label_format_chosen) {
+        return label_columns_parse(out, text, use->columns, notes);
     }
     bool atlas = format == &label_format_fsl || format == &label_format_spm;
     return atlas ? label_fsl_parse(out, text, use, notes) : format->parse(out, text, notes);
@@ -109,9 +114,11 @@ conus_status label_bytes_parse(struct label_table *out, const char **format, con
     if (size >= 2 && (memcmp(data, "\xff\xfe", 2) == 0 || memcmp(data, "\xfe\xff", 2) == 0)) {
         return fail(CONUS_ERROR_DATA, "the text is UTF-16, UTF-8 or ISO-8859-1 is needed");
     }
-    const struct label_format *found = label_format_of(text);
+    const bool chosen = use->columns[0].size || use->columns[1].size;
+    const struct label_format *found = chosen ? &label_format_chosen : label_format_of(text);
     if (!found) {
-        return fail(CONUS_ERROR_DATA, "not a label table of a known format (known: " KNOWN ")");
+        status = label_columns_refuse(text);
+        return status ? status : fail(CONUS_ERROR_DATA, "not a label table of a known format (known: " KNOWN ")");
     }
     struct label_table table = {0};
     status = label_text_parse(&table, found, text, use, notes);

@@ -9,6 +9,9 @@
 /** The format of @p text, which text_from_bytes() gave, or NULL. */
 const struct label_format *label_format_of(struct text text);
 
+/** A table of whatever separator, of which label_use.columns says what number and name are. */
+extern const struct label_format label_format_chosen;
+
 enum { LABEL_LUT_SIZE = 768 }; /**< MRIcron's .lut: 256 red, 256 green, 256 blue bytes. */
 bool label_is_lut(const uint8_t *data, size_t size);
 

@@ -125,8 +125,29 @@ static int hex_digit(char c)
                                   : -1;
 }
 
-conus_status label_cell_hex(uint8_t out[3], struct text cell, const char *where)
+/* "rgba(255,0,0,1)" or "rgb(255,0,0)": the opacity says nothing about an area. */
+static conus_status read_function(uint8_t out[3], struct text cell, const char *where)
 {
+    static const char *const channels[] = {"red", "green", "blue"};
+    const char *open = memchr(cell.data, '(', cell.size);
+    struct text rest = {open + 1, (size_t)(cell.data + cell.size - 1 - (open + 1))};
+    struct text field;
+    size_t count = 0;
+    conus_status status = CONUS_OK;
+    for (bool more = true; !status && text_field(&rest, ',', &more, &field); count++) {
+        status = count < 3 ? label_cell_channel(&out[count], text_trim(field), channels[count], where) : CONUS_OK;
+    }
+    return status || count == 3 || count == 4
+               ? status
+               : fail(CONUS_ERROR_DATA, "%s: colour \"%s\", rgb(R,G,B) or rgba(R,G,B,A) is needed", where,
+                      quote_cell(cell).text);
+}
+
+conus_status label_cell_colour(uint8_t out[3], struct text cell, const char *where)
+{
+    if ((text_starts(cell, "rgb(") || text_starts(cell, "rgba(")) && cell.data[cell.size - 1] == ')') {
+        return read_function(out, cell, where);
+    }
     size_t start = cell.size == 7 && cell.data[0] == '#';
     bool fine = cell.size - start == 6;
     for (size_t i = 0; fine && i < 3; i++) {
@@ -136,8 +157,8 @@ conus_status label_cell_hex(uint8_t out[3], struct text cell, const char *where)
         out[i] = fine ? (uint8_t)(16 * high + low) : 0;
     }
     return fine ? CONUS_OK
-                : fail(CONUS_ERROR_DATA, "%s: colour \"%s\", #rrggbb in hexadecimal is needed", where,
-                       quote_cell(cell).text);
+                : fail(CONUS_ERROR_DATA, "%s: colour \"%s\", #rrggbb in hexadecimal, or rgba(R,G,B,A), is needed",
+                       where, quote_cell(cell).text);
 }
 
 char label_hemisphere_of(struct text cell)

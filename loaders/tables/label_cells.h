@@ -39,8 +39,8 @@ conus_status label_entry_end(struct label_entry *entry, struct label_table *tabl
 conus_status label_cell_number(uint32_t *out, struct text cell, const char *where);
 conus_status label_cell_channel(uint8_t *out, struct text cell, const char *channel, const char *where);
 conus_status label_cell_fraction(uint8_t *out, struct text cell, const char *channel, const char *where);
-/** "#rrggbb" or "rrggbb". */
-conus_status label_cell_hex(uint8_t out[3], struct text cell, const char *where);
+/** "#rrggbb", "rrggbb", "rgb(R,G,B)" or "rgba(R,G,B,A)". */
+conus_status label_cell_colour(uint8_t out[3], struct text cell, const char *where);
 /** 'L', 'R', 'B' from the usual words for them, 0 from any other. */
 char label_hemisphere_of(struct text cell);
 /** Red, green, blue by @p parse_channel (one of the two above). */

@@ -3,6 +3,7 @@
  * mean; unknown columns are allowed. And CSV without one, number and name in front. */
 #include "loaders/tables/label_columns.h"
 
+#include "base/buffer.h"
 #include "base/memory.h"
 #include "loaders/tables/label_cells.h"
 
@@ -76,13 +77,16 @@ static void match_value(struct header *header, struct text first)
     }
 }
 
+static char separator_of(struct text line)
+{
+    return memchr(line.data, '\t', line.size) ? '\t' : memchr(line.data, ',', line.size) ? ',' : ';';
+}
+
 /* Reads the header row; false if `line` is none, which takes a number and a name. */
-static bool read_header(struct header *header, struct text line)
+static bool read_header(struct header *header, struct text line, char separator)
 {
     int ranks[COLUMN_COUNT];
-    *header = (struct header){.separator = memchr(line.data, '\t', line.size)  ? '\t'
-                                           : memchr(line.data, ',', line.size) ? ','
-                                                                               : ';'};
+    *header = (struct header){.separator = separator};
     for (int column = 0; column < COLUMN_COUNT; column++) {
         header->at[column] = NO_COLUMN;
         ranks[column] = SYNONYM_COUNT;
@@ -145,7 +149,7 @@ static conus_status set_colour(struct label *label, const struct text cells[COLU
 {
     if (cells[COLOUR].size) {
         label->has_rgb = true;
-        return label_cell_hex(label->rgb, cells[COLOUR], where);
+        return label_cell_colour(label->rgb, cells[COLOUR], where);
     }
     if (cells[RED].size || cells[GREEN].size || cells[BLUE].size) {
         return label_cell_rgb(label, &cells[RED], label_cell_channel, where);
@@ -203,23 +207,137 @@ static conus_status parse_row(struct label_table *out, struct header *header, st
     return label_keep(out, &label, status, notes);
 }
 
+/* The rows below the header, which is line `number`. */
+static conus_status parse_below(struct label_table *out, struct header *header, struct text text, size_t number,
+                                struct notes *notes)
+{
+    struct text line;
+    conus_status status = CONUS_OK;
+    while (!status && next_line(&text, &number, &line)) {
+        char where[32];
+        snprintf(where, sizeof where, "line %zu", number);
+        status = parse_row(out, header, line, where, notes);
+    }
+    return status;
+}
+
 static conus_status parse_table(struct label_table *out, struct text text, struct notes *notes)
 {
     struct header header;
     struct text line;
     size_t number = 0;
-    if (!next_line(&text, &number, &line) || !read_header(&header, line)) {
+    if (!next_line(&text, &number, &line) || !read_header(&header, line, separator_of(line))) {
         return fail(CONUS_ERROR_DATA, "no header with an index and a name");
     }
     if (header.twice) {
         return fail(CONUS_ERROR_DATA, "line %zu: two columns are called %s", number, header.twice);
     }
-    conus_status status = CONUS_OK;
-    while (!status && next_line(&text, &number, &line)) {
-        char where[32];
-        snprintf(where, sizeof where, "line %zu", number);
-        status = parse_row(out, &header, line, where, notes);
+    return parse_below(out, &header, text, number, notes);
+}
+
+/* ---- Columns of other names ---------------------------------------------------------------------------------------
+ */
+
+/* "Nr", "Bezeichnung", ...: at most as many as a message has place for. */
+static size_t list_columns(struct buffer *out, struct text line, char separator)
+{
+    enum { SHOWN = 12, WIDTH = 40 };
+    struct text field;
+    enum text_quotes quotes;
+    size_t count = 0;
+    for (bool more = true; text_quoted_field(&line, separator, &more, &field, &quotes); count++) {
+        if (count < SHOWN) {
+            buffer_format(out, "%s\"%.*s\"", count ? ", " : "", field.size < WIDTH ? (int)field.size : WIDTH,
+                          field.size ? field.data : "");
+        }
     }
+    buffer_text(out, count > SHOWN ? ", ..." : "");
+    return count;
+}
+
+static conus_status refuse_column(struct text line, const struct header *header, struct text column, size_t number)
+{
+    struct buffer columns = {0};
+    (void)list_columns(&columns, line, header->separator);
+    conus_status status = buffer_status(&columns);
+    status = status ? status
+                    : fail(CONUS_ERROR_DATA, "line %zu: no column is called \"%.*s\", there are %s", number,
+                           (int)column.size, column.data, columns.data);
+    buffer_finish(&columns);
+    return status;
+}
+
+/* The separator with which `line` has the most fields. */
+static char best_separator(struct text line)
+{
+    static const char separators[] = {'\t', ';', ','};
+    size_t most = 0;
+    char best = '\t';
+    for (size_t i = 0; i < sizeof separators; i++) {
+        size_t count = 0;
+        for (size_t k = 0; k < line.size; k++) {
+            count += line.data[k] == separators[i];
+        }
+        best = count > most ? separators[i] : best;
+        most = count > most ? count : most;
+    }
+    return best;
+}
+
+/* Which field of `line` is called `column`; NO_COLUMN if none is. */
+static int find_column(struct text line, char separator, struct text column)
+{
+    struct text field;
+    enum text_quotes quotes;
+    int at = 0;
+    for (bool more = true; text_quoted_field(&line, separator, &more, &field, &quotes); at++) {
+        bool same = field.size == column.size && column.size && memcmp(field.data, column.data, field.size) == 0;
+        if (same && at < FIELD_LIMIT) {
+            return at;
+        }
+    }
+    return NO_COLUMN;
+}
+
+conus_status label_columns_parse(struct label_table *out, struct text text, const struct text columns[2],
+                                 struct notes *notes)
+{
+    struct header header;
+    struct text line;
+    size_t number = 0;
+    if (!next_line(&text, &number, &line)) {
+        return fail(CONUS_ERROR_DATA, "no header row that could name columns");
+    }
+    (void)read_header(&header, line, best_separator(line));
+    for (int column = INDEX; column <= NAME; column++) {
+        const struct text wanted = columns[column];
+        header.at[column] = wanted.size ? find_column(line, header.separator, wanted) : header.at[column];
+        if (header.at[column] == NO_COLUMN) {
+            return refuse_column(line, &header, wanted.size ? wanted : text_from(names[column][0]), number);
+        }
+    }
+    header.at[RIVAL] = NO_COLUMN;
+    return parse_below(out, &header, text, number, notes);
+}
+
+conus_status label_columns_refuse(struct text text)
+{
+    struct text line;
+    struct buffer columns = {0};
+    size_t number = 0;
+    if (!text_is_readable(text) || !next_line(&text, &number, &line) || strchr("<{[", line.data[0])) {
+        return CONUS_OK;
+    }
+    size_t count = list_columns(&columns, line, best_separator(line));
+    conus_status status = buffer_status(&columns);
+    if (!status && count > 1) {
+        status = fail(CONUS_ERROR_DATA,
+                      "not a label table of a known format: its columns are %s; needed are a label (index, LabelValue, "
+                      "id, key, ROIid, label) and a name (name, region, structure, ROIname, label), or "
+                      "FILE,label=COLUMN,name=COLUMN",
+                      columns.data);
+    }
+    buffer_finish(&columns);
     return status;
 }
 
@@ -387,7 +505,7 @@ const struct label_format *label_format_of_columns(struct text text)
     struct text line;
     struct text rest = text;
     size_t number = 0;
-    if (!next_line(&rest, &number, &line) || !read_header(&header, line)) {
+    if (!next_line(&rest, &number, &line) || !read_header(&header, line, separator_of(line))) {
         return is_bare(text) ? &bare : NULL;
     }
     if (header.by_value && !counts_by_value(&header, rest)) {

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Label tables in JSON: BrainGlobe's structures.json, a list of structures with their paths in the tree; NiiVue's
- * colour maps, an object of parallel lists; a map from numbers to names; and a list of objects with a number and a
- * name. */
+ * colour maps, an object of parallel lists; a map from numbers to names; and objects with a number and a name, in a
+ * list or below each other. */
 #include "loaders/tables/label_json.h"
 
 #include "base/formats/json_text.h"
+#include "base/memory.h"
 #include "loaders/tables/label_cells.h"
 
 #include <stdio.h>
@@ -50,6 +51,15 @@ static conus_status set_rgb(struct label *label, const json_t *triplet, const ch
     return status;
 }
 
+static conus_status set_hex(struct label *label, const json_t *colour, const char *where)
+{
+    if (!json_is_string(colour)) {
+        return CONUS_OK;
+    }
+    label->has_rgb = true;
+    return label_cell_colour(label->rgb, text_from(json_string_value(colour)), where);
+}
+
 /* The path runs from the root to the structure itself: the last but one is the parent. */
 static conus_status set_parent(struct label *label, const json_t *path, const char *where)
 {
@@ -75,6 +85,7 @@ static conus_status fill_structure(struct label *label, const json_t *structure,
     conus_status status = read_number(&label->number, json_object_get(structure, "id"), "id", where);
     status = status ? status : set_rgb(label, json_object_get(structure, "rgb_triplet"), where);
     status = status ? status : set_parent(label, json_object_get(structure, "structure_id_path"), where);
+    status = status ? status : set_hex(label, json_object_get(structure, "color_hex_triplet"), where);
     status = status ? status : set_text(&label->abbreviation, json_object_get(structure, "acronym"));
     status = status ? status : set_text(&label->name, json_object_get(structure, "name"));
     if (!status && !label->name && label->abbreviation) {
@@ -83,17 +94,85 @@ static conus_status fill_structure(struct label *label, const json_t *structure,
     return status;
 }
 
+/* ---- Objects in a list, and below each other in "children" ---------------------------------------------------------
+ */
+
+struct node {
+    const json_t *object;
+    uint32_t parent; /* its label; 0 = none */
+};
+
+/* In the order in which they are read: breadth first. */
+struct nodes {
+    struct node *nodes;
+    size_t count, capacity;
+};
+
+static conus_status add_nodes(struct nodes *nodes, const json_t *list, uint32_t parent)
+{
+    size_t count = json_array_size(list);
+    if (!memory_reserve(&nodes->nodes, &nodes->capacity, nodes->count + count, sizeof *nodes->nodes)) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (size_t i = 0; i < count; i++) {
+        nodes->nodes[nodes->count++] = (struct node){json_array_get(list, i), parent};
+    }
+    return CONUS_OK;
+}
+
+/* The list of objects: the text itself, Allen's "msg", or one object with "children". */
+static conus_status add_root(struct nodes *nodes, json_t *root)
+{
+    const json_t *answer = json_object_get(root, "msg");
+    if (!json_is_object(root) || answer) {
+        return add_nodes(nodes, answer ? answer : root, 0);
+    }
+    json_t *list = json_pack("[O]", root);
+    conus_status status = list ? add_nodes(nodes, list, 0) : CONUS_ERROR_MEMORY;
+    json_decref(list); /* the root keeps its own reference */
+    return status;
+}
+
+typedef conus_status fill_node(struct label *label, const json_t *object, const char *where, void *data,
+                               struct notes *notes);
+
+/* Fills a label for each object, with the one that it is below as its parent unless it says another. */
+static conus_status parse_nodes(struct label_table *out, json_t *root, const char *what, fill_node *fill, void *data,
+                                struct notes *notes)
+{
+    struct nodes nodes = {0};
+    conus_status status = add_root(&nodes, root);
+    for (size_t i = 0; !status && i < nodes.count; i++) {
+        char where[32];
+        struct label label = {0};
+        const struct node node = nodes.nodes[i];
+        snprintf(where, sizeof where, "%s %zu", what, i + 1);
+        status = fill(&label, node.object, where, data, notes);
+        if (node.parent && !label.has_parent) {
+            label.has_parent = true;
+            label.parent = node.parent;
+        }
+        const json_t *children = json_object_get(node.object, "children");
+        status = status || !json_array_size(children) ? status : add_nodes(&nodes, children, label.number);
+        status = label_keep(out, &label, status, notes);
+    }
+    memory_free(nodes.nodes);
+    return status;
+}
+
+static conus_status fill_of_structure(struct label *label, const json_t *object, const char *where, void *data,
+                                      struct notes *notes)
+{
+    (void)data;
+    (void)notes;
+    return fill_structure(label, object, where);
+}
+
 static conus_status parse_structures(struct label_table *out, struct text text, struct notes *notes)
 {
     json_t *root = NULL;
     conus_status status = json_text_load(&root, text);
-    for (size_t i = 0; !status && i < json_array_size(root); i++) {
-        char where[32];
-        struct label label = {0};
-        snprintf(where, sizeof where, "structure %zu", i + 1);
-        status = fill_structure(&label, json_array_get(root, i), where);
-        status = label_keep(out, &label, status, notes);
-    }
+    status = status ? status : parse_nodes(out, root, "structure", fill_of_structure, NULL, notes);
     json_decref(root);
     return status;
 }
@@ -227,9 +306,10 @@ static conus_status note_rival(struct fields *fields, const json_t *object, cons
                       fields->number, fields->rival, fields->number);
 }
 
-static conus_status fill_object(struct label *label, struct fields *fields, const json_t *object, const char *where,
+static conus_status fill_object(struct label *label, const json_t *object, const char *where, void *data,
                                 struct notes *notes)
 {
+    struct fields *fields = data;
     const json_t *name = json_object_get(object, fields->name);
     if (!json_is_string(name)) {
         return fail(CONUS_ERROR_DATA, "%s: %s must be a text as in the first", where, fields->name);
@@ -238,30 +318,19 @@ static conus_status fill_object(struct label *label, struct fields *fields, cons
     status = status ? status : note_rival(fields, object, where, notes);
     status = status ? status : set_text(&label->name, name);
     status = status ? status : set_text(&label->abbreviation, json_object_get(object, "abbreviation"));
-    const json_t *colour = json_object_get(object, "color");
-    if (!status && json_is_string(colour)) {
-        label->has_rgb = true;
-        status = label_cell_hex(label->rgb, text_from(json_string_value(colour)), where);
-    }
-    return status;
+    return status ? status : set_hex(label, json_object_get(object, "color"), where);
 }
 
 static conus_status parse_objects(struct label_table *out, struct text text, struct notes *notes)
 {
     json_t *root = NULL;
     conus_status status = json_text_load(&root, text);
-    struct fields fields = find_fields(json_array_get(root, 0));
+    struct fields fields = find_fields(json_is_object(root) ? root : json_array_get(root, 0));
     if (!status && !(fields.number && fields.name)) {
         status =
             fail(CONUS_ERROR_DATA, "the first object has no whole number (index, LabelValue, id, key, label) and name");
     }
-    for (size_t i = 0; !status && i < json_array_size(root); i++) {
-        char where[32];
-        struct label label = {0};
-        snprintf(where, sizeof where, "object %zu", i + 1);
-        status = fill_object(&label, &fields, json_array_get(root, i), where, notes);
-        status = label_keep(out, &label, status, notes);
-    }
+    status = status ? status : parse_nodes(out, root, "object", fill_object, &fields, notes);
     json_decref(root);
     return status;
 }
@@ -325,7 +394,8 @@ static bool has_field(struct text object, const char *const *names, size_t count
 /* [ { "label": 1, "name": "Hippocampus": the first object decides. */
 static bool is_objects(struct text text)
 {
-    if (!starts_with(text, '[') || !starts_with(after(text, 1), '{')) {
+    bool tree = starts_with(text, '{') && text_mentions(text, "\"children\"");
+    if (!tree && (!starts_with(text, '[') || !starts_with(after(text, 1), '{'))) {
         return false;
     }
     const char *end = memchr(text.data, '}', text.size);
@@ -340,7 +410,8 @@ const struct label_format *label_format_of_json(struct text text)
     static const struct label_format objects = {"JSON list of labels", parse_objects};
     static const struct label_format structures = {"BrainGlobe structures", parse_structures};
     static const struct label_format lists = {"NiiVue labels", parse_lists};
-    if (text.data[0] == '[' && text_mentions(text, "\"id\"") &&
+    bool tree = text_mentions(text, "\"children\"");
+    if ((text.data[0] == '[' || tree) && text_mentions(text, "\"id\"") &&
         (text_mentions(text, "\"acronym\"") || text_mentions(text, "\"structure_id_path\""))) {
         return &structures;
     }

@@ -92,7 +92,7 @@ static struct shape shape_of(const struct row *row)
 /* How many rows have what shape. */
 struct census {
     size_t rows, numbered, named, coded, coloured, with_alpha, mrtrix, fsleyes, itk_snap, number_last, pairs;
-    size_t unnamed; /* of rows of a number that grows and three numbers from 0 to 1 */
+    size_t unnamed; /* of rows of a number that grows and numbers from 0 to 1 */
     uint64_t last;  /* such number */
     bool tabbed;    /* a tab behind every first word and no other: the name is all the rest */
 };
@@ -103,6 +103,7 @@ static bool has_only_first_tab(const struct row *row)
     return tab == row->first.data + row->first.size && !memchr(row->rest.data, '\t', row->rest.size);
 }
 
+/* "1 0.5 0.25 0", or with a fourth number, an opacity, or the label's own number in the place of a name. */
 static bool is_unnamed(const struct census *census, const struct row *row, uint64_t *number)
 {
     struct text rest = row->rest;
@@ -111,9 +112,10 @@ static bool is_unnamed(const struct census *census, const struct row *row, uint6
     bool good = text_to_uint(row->first, UINT32_MAX, number) && (!census->rows || *number > census->last);
     for (; good && text_word(&rest, &word); words++) {
         double value;
-        good = text_to_double(word, &value) && value >= 0 && value <= 1;
+        bool own = words == 3 && text_compare(word, row->first) == 0;
+        good = own || (text_to_double(word, &value) && value >= 0 && value <= 1);
     }
-    return good && words == 3;
+    return good && (words == 3 || words == 4);
 }
 
 static void count_row(struct census *census, const struct row *row)
@@ -339,6 +341,21 @@ static conus_status parse_fsleyes(struct label_table *out, struct text text, str
     return parse_rows(out, text, notes, parse_fsleyes_row, NULL);
 }
 
+/* What follows the colour is no name. */
+static conus_status parse_unnamed_row(struct label *label, const struct row *row, const char *where, const void *data)
+{
+    (void)data;
+    struct text rest = row->rest;
+    struct text cells[3] = {{0}};
+    take_words(&rest, cells, 3);
+    return label_cell_rgb(label, cells, label_cell_fraction, where);
+}
+
+static conus_status parse_unnamed(struct label_table *out, struct text text, struct notes *notes)
+{
+    return parse_rows(out, text, notes, parse_unnamed_row, NULL);
+}
+
 /* The opacity is 0 to 1 in ITK-SNAP's own files and 0 to 255 in those of others. */
 static conus_status check_number(struct text cell, const char *what, const char *where)
 {
@@ -427,7 +444,7 @@ static bool says_slicer(struct text text)
     return text_line(&text, &line) && line.size && line.data[0] == '#' && text_mentions(line, "Color table file");
 }
 
-const struct label_format label_format_colours = {"FSLeyes colours", parse_fsleyes};
+const struct label_format label_format_colours = {"FSLeyes colours", parse_unnamed};
 
 const struct label_format *label_format_of_rows(struct text text)
 {

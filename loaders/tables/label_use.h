@@ -5,6 +5,7 @@
 
 #include "atlas/labels/label_voxels.h"
 #include "base/file_sums.h"
+#include "base/text.h"
 #include "conus/conus.h"
 
 #include <stdint.h>
@@ -15,6 +16,8 @@ struct label_use {
     const struct label_voxels *voxels; /**< Its labels as they were read, i fastest; NULL if not known. */
     const char *path;                  /**< Of the table's file, or NULL.                 */
     uint64_t max_memory;               /**< For the table's file and what it becomes; 0 = 8 GiB. */
+    struct text columns[2];            /**< Of a table with a header row: what it calls number and name; empty: the
+                                          usual words.                                              */
     struct file_sums *read;            /**< Gets the files that the table is of; may be NULL. */
 };
 

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Tables in a volume's folder under another name: which are taken, and the false friends that must not be. */
+#include "base/file.h"
 #include "builders/label_row.h"
+#include "builders/nifti_builder.h"
 #include "loaders/labels/label_words.h"
 #include "test.h"
 
@@ -105,10 +107,11 @@ static void other_numbers_keep_a_table_away(void **state)
     static const struct {
         const char *text, *note;
     } cases[] = {
-        {"1 a\n2 b\n3 c\n4 d\n5 e\n6 f\n7 g\n8 h\n9 i\n", "labels.txt is not taken for the label table: it has no name "
-                                                          "for label 10; --labels labels.txt uses it all the same"},
+        {"1 a\n2 b\n3 c\n4 d\n5 e\n6 f\n7 g\n8 h\n9 i\n",
+         "labels.txt is not taken for the label table: it has no name for label 10 (of 10 voxels 1 have no name); "
+         "--labels labels.txt uses it all the same"},
         {"0 a\n1 b\n2 c\n3 d\n4 e\n5 f\n6 g\n7 h\n8 i\n9 j\n", "it has no name for label 10"}, /* off by one */
-        {"2 a\n3 b\n4 c\n5 d\n6 e\n7 f\n8 g\n9 h\n10 i\n11 j\n", "it has no name for label 1;"},
+        {"2 a\n3 b\n4 c\n5 d\n6 e\n7 f\n8 g\n9 h\n10 i\n11 j\n", "it has no name for label 1 (of 10"},
         {"0 z\n1 a\n2 b\n3 c\n4 d\n5 e\n6 f\n7 g\n8 h\n9 i\n10 j\n",
          "of its 10 names 10 have voxels, and it calls 0 an area; --labels"},
         {"0 Unknown\n1 a\n2 b\n3 c\n4 d\n5 e\n6 f\n7 g\n8 h\n9 i\n10 j\n11 k\n12 l\n",
@@ -124,6 +127,29 @@ static void other_numbers_keep_a_table_away(void **state)
     assert_row("c", 3, "MRIcron text in labels.txt", "10 of its 11 names have voxels");
     row_text(test_in("labels.txt"), "1 a\n2.5 b\n");
     assert_row("3", 3, "none found", "labels.txt: MRIcron text: line 2: label \"2.5\"");
+}
+
+/* Labels 1 and 2 in 99,998 or 99,999 voxels and one stray voxel of label 9: one in 100,000 may have no name. */
+static void a_stray_voxel_costs_no_names(void **state)
+{
+    (void)state;
+    test_folder("stray");
+    row_text(test_in("labels.txt"), "1 a\n2 b\n");
+    for (int64_t named = 99998; named <= 99999; named++) {
+        struct nifti_builder builder;
+        nifti_begin(&builder, 1, false, 2, (int64_t[]){1000, 101, 1});
+        for (int64_t i = 0; i < 101000; i++) {
+            nifti_voxel(&builder, i < 50000 ? 1 : i < named ? 2 : i == named ? 9 : 0);
+        }
+        assert_ok(file_write(test_in("v.nii"), builder.bytes.data, builder.bytes.size));
+        buffer_finish(&builder.bytes);
+        if (named == 99998) {
+            assert_row("2", 2, "none found", "it has no name for label 9 (of 99999 voxels 1 have no name)");
+        } else {
+            assert_row("b", 2, "MRIcron text in labels.txt",
+                       "label 9 has no name in labels.txt: of 100000 voxels 1 have none");
+        }
+    }
 }
 
 static void a_table_of_another_volume_is_not_taken(void **state)
@@ -222,6 +248,7 @@ int main(void)
         cmocka_unit_test(a_table_with_the_words_of_the_volume_is_taken),
         cmocka_unit_test(foreign_words_keep_a_table_away),
         cmocka_unit_test(other_numbers_keep_a_table_away),
+        cmocka_unit_test(a_stray_voxel_costs_no_names),
         cmocka_unit_test(a_table_of_another_volume_is_not_taken),
         cmocka_unit_test(a_volume_without_words_has_the_table_without_words),
         cmocka_unit_test(two_tables_are_compared),

@@ -337,6 +337,42 @@ static void an_embedded_table_counts_as_one(void **state)
     assert_row("A", 1, "Workbench label table inside v.nii", NULL);
 }
 
+/* --labels FILE,label=COLUMN,name=COLUMN, and a manifest that says the same. */
+static void columns_of_a_given_table_are_named(void **state)
+{
+    (void)state;
+    static const char *const bad[] = {"t.csv,label=Nr,label=Nr", "t.csv,name=", "t.csv,label=Nr,volume=1"};
+    conus_atlas *atlas = NULL;
+    char path[600];
+    char file[512];
+    test_folder("columns");
+    row_write("v.nii", 4, 1, NULL);
+    row_text(test_in("t.csv"), "Bezeichnung;Nr\n\"Kern; roter\";1\nPol;2\n");
+    row_text(test_in("m.atlas.json"), "{\"conus_atlas\": 1, \"parcellation\": {\"file\": \"v.nii\", \"labels\": "
+                                      "\"t.csv,name=Bezeichnung,label=Nr\"}}");
+    assert_ok(conus_atlas_load(&atlas, test_in("m.atlas.json"), NULL));
+    assert_string_equal(conus_atlas_object(atlas, 2)->name, "Pol");
+    assert_non_null(strstr(conus_atlas_label_source(atlas), "label table in "));
+    conus_atlas_destroy(atlas);
+    snprintf(file, sizeof file, "%s", test_in("v.nii"));
+    snprintf(path, sizeof path, "%s,label=Nr,name=Bezeichnung", test_in("t.csv"));
+    const conus_load_options options = {.labels = path};
+    assert_ok(conus_atlas_load(&atlas, file, &options));
+    assert_string_equal(conus_atlas_object(atlas, 1)->name, "Kern; roter");
+    conus_atlas_destroy(atlas);
+    atlas = NULL;
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        snprintf(path, sizeof path, "%s", test_in(bad[i]));
+        assert_fails(conus_atlas_load(&atlas, file, &options), CONUS_ERROR_ARGUMENT);
+        assert_non_null(strstr(conus_message(), "needed are label=COLUMN and name=COLUMN, once each"));
+    }
+    row_text(test_in("w,label=1.txt"), "1 one\n"); /* a file may be called so */
+    snprintf(path, sizeof path, "%s", test_in("w,label=1.txt"));
+    assert_ok(conus_atlas_load(&atlas, file, &options));
+    assert_string_equal(conus_atlas_object(atlas, 1)->name, "one");
+    conus_atlas_destroy(atlas);
+}
+
 static void pathways_have_one_name(void **state)
 {
     (void)state;
@@ -512,6 +548,7 @@ int main(void)
         cmocka_unit_test(an_atlas_of_spm_names_its_image),
         cmocka_unit_test(colours_without_names_only_colour),
         cmocka_unit_test(an_embedded_table_counts_as_one),
+        cmocka_unit_test(columns_of_a_given_table_are_named),
         cmocka_unit_test(pathways_have_one_name),
         cmocka_unit_test(background_says_that_nothing_is_there),
         cmocka_unit_test(real_fsl_atlases_are_proved),

@@ -107,6 +107,9 @@ static void places_follow_the_rule(void **state)
     } cases[] = {
         {"", 0, "does not say in which space"},
         {MATRIX("UNKNOWN", "UNKNOWN", "0"), 0, "does not say in which space"},
+        {"<CoordinateSystemTransformMatrix><DataSpace><![CDATA[]]></DataSpace><TransformedSpace> </TransformedSpace>"
+         "<MatrixData>1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1</MatrixData></CoordinateSystemTransformMatrix>",
+         0, "does not say in which space"},
         {MATRIX("SCANNER_ANAT", "SCANNER_ANAT", "0"), 0, NULL},
         {MATRIX("MNI_152", "MNI_152", "0"), 0, NULL},
         {MATRIX("UNKNOWN", "TALAIRACH", "0"), 0, NULL},
@@ -250,6 +253,10 @@ static const struct bad {
      NULL,
      "arrays in other files are not read",
      CONUS_ERROR_UNSUPPORTED},
+    {{.inside = "<CoordinateSystemTransformMatrix><DataSpace>x</DataSpace></CoordinateSystemTransformMatrix>"},
+     NULL,
+     "DataSpace: found \"x\"",
+     CONUS_ERROR_DATA},
     {{.inside = MATRIX("UNKNOWN", "NOWHERE", "0")},
      NULL,
      "TransformedSpace: found \"NIFTI_XFORM_NOWHERE\"",

@@ -92,6 +92,21 @@ static const struct sample samples[] = {
      "1}]",
      "1 a (A); 2 b #0a0b0c"},
     {"JSON list of labels", "[{\"index\": 4, \"label\": \"d\"}]", "4 d"},
+    {"JSON list of labels", /* MeshView's: a tree */
+     "[{\"id\":1000,\"name\":\"Brain\",\"children\":[{\"id\":1001,\"name\":\"White matter\",\"children\":[{\"id\":180,"
+     "\"name\":\"tract\",\"color\":\"ff00dd\"}]},{\"id\":67,\"name\":\"callosum\",\"color\":\"#ff6e00\"}]}]",
+     "67 callosum #ff6e00 <1000; 180 tract #ff00dd <1001; 1000 Brain; 1001 White matter <1000"},
+    {"JSON list of labels", "{\"id\": 1, \"name\": \"a\", \"children\": [{\"id\": 2, \"name\": \"b\"}]}",
+     "1 a; 2 b <1"},
+    {"BrainGlobe structures", /* Allen's answer to StructureGraph */
+     "{\"success\":true,\"msg\":[{\"id\":997,\"acronym\":\"root\",\"name\":\"root\",\"color_hex_triplet\":\"FFFFFF\","
+     "\"parent_structure_id\":null,\"children\":[{\"id\":8,\"acronym\":\"grey\",\"name\":\"Grey\","
+     "\"color_hex_triplet\":\"BFDAE3\",\"children\":[]}]}]}",
+     "8 Grey (grey) #bfdae3 <997; 997 root (root) #ffffff"},
+    {"BIDS label table", "index\tname\tcolor\n1\ta\trgba(0,0,0,0)\n2\tb\trgb(255, 127,1)\n3\tc\trgba(1,2,3,0.5)\n",
+     "1 a #000000; 2 b #ff7f01; 3 c #010203"},
+    {"FSLeyes colours", "1 0.1 0.2 0.4  1\n2 0.6 0.4 1  1\n", "1 - #1a3366; 2 - #9966ff"},
+    {"FSLeyes colours", "1 0.1 0.2 0.4 1\n7 0.6 0.4 1 7\n", "1 - #1a3366; 7 - #9966ff"},
     {"JSON list of labels", "[{\"id\": 1, \"name\": \"a\"}]", "1 a"},
     {"NiiVue labels", "{\"R\":[1],\"G\":[2],\"B\":[3],\"I\":[500],\"labels\":[\"x\"]}", "500 x #010203"},
 };
@@ -140,6 +155,57 @@ static void bad_cells_are_named_with_their_line(void **state)
     assert_refused("[{\"id\": 1, \"name\": \"a\"}, {\"id\": 2, \"label\": \"b\"}]", "object 2: name must be a text");
     assert_refused("[{\"id\": 1.5, \"name\": \"a\"}]", "the first object has no whole number");
     assert_refused("0 nothing\n", "no label but 0");
+}
+
+/* Tables whose columns have names of their own: which is which is said. */
+static void columns_are_chosen_by_name(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text, *columns[2], *wanted; /* wanted begins with '!' where it is the message */
+    } cases[] = {
+        {"Nr;Bezeichnung\n1;Hippokampus\n2;\"Kern; roter\"\n", {"Nr", "Bezeichnung"}, "1 Hippokampus; 2 Kern; roter"},
+        {"Bezeichnung\tNr\nA, b\t3\n", {"Nr", "Bezeichnung"}, "3 A, b"},
+        {"Label No,Full name,color\n7,\"a \"\"b\"\"\",#102030\n", {"Label No", "Full name"}, "7 a \"b\" #102030"},
+        {"Nr,Titel, deutsch;x\n",
+         {"Nr", ""},
+         "!line 1: no column is called \"name\", there are \"Nr\", \"Titel\", \"deutsch;x\""},
+        {"index,name,Kurz\n1,a,b\n", {"", "Kurz"}, "1 b"},
+        {"index,code,name\n1,5,a\n", {"code", ""}, "5 a"},
+        {"Nr;Bezeichnung\n1;a\n",
+         {"Nr", "Name"},
+         "!line 1: no column is called \"Name\", there are \"Nr\", \"Bezeichnung\""},
+        {"Nr;Bezeichnung\n1.5;a\n", {"Nr", "Bezeichnung"}, "!line 2: label \"1.5\""},
+        {"# nothing\n", {"Nr", ""}, "!no header row"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        struct parsed parsed = {0};
+        const struct label_use use = {.columns = {text_from(cases[i].columns[0]), text_from(cases[i].columns[1])}};
+        const char *text = cases[i].text;
+        conus_status status =
+            label_bytes_parse(&parsed.table, &parsed.format, (const uint8_t *)text, strlen(text), &use, &parsed.notes);
+        if (cases[i].wanted[0] == '!') {
+            assert_fails(status, CONUS_ERROR_DATA);
+            assert_non_null(strstr(conus_message(), cases[i].wanted + 1));
+        } else {
+            assert_ok(status);
+            assert_string_equal(parsed_text(&parsed.table), cases[i].wanted);
+        }
+        parsed_finish(&parsed);
+    }
+}
+
+/* What was found, and what is needed. */
+static void a_header_of_other_words_is_named(void **state)
+{
+    (void)state;
+    assert_refused(
+        "Nr;Bezeichnung\n1;Hippokampus\n",
+        "not a label table of a known format: its columns are \"Nr\", \"Bezeichnung\"; needed are a label (index, "
+        "LabelValue, id, key, ROIid, label) and a name (name, region, structure, ROIname, label), or "
+        "FILE,label=COLUMN,name=COLUMN");
+    assert_refused("no,title,x\n1,a,2\n", "its columns are \"no\", \"title\", \"x\"; needed");
+    assert_refused("About this atlas\n", "(known: ");
 }
 
 static void what_is_no_table_is_refused(void **state)
@@ -273,6 +339,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(formats_are_detected_from_content),
         cmocka_unit_test(bad_cells_are_named_with_their_line),
+        cmocka_unit_test(columns_are_chosen_by_name),
+        cmocka_unit_test(a_header_of_other_words_is_named),
         cmocka_unit_test(what_is_no_table_is_refused),
         cmocka_unit_test(oddities_are_noted),
         cmocka_unit_test(a_lut_gives_colours_only),
