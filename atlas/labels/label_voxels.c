@@ -180,14 +180,23 @@ void label_coder_finish(struct label_coder *coder)
     *coder = (struct label_coder){0};
 }
 
-static conus_status check_limit(const struct label_coder *coder, size_t each)
+/* Of all voxels, with `each` bytes, and `labels` different labels but 0. */
+static conus_status check_limit(const struct label_coder *coder, size_t each, size_t labels)
 {
     size_t size;
-    bool fits = memory_multiply(coder->voxels.count, each, &size) && (!coder->limit || size <= coder->limit);
-    return fits ? CONUS_OK
-                : fail(CONUS_ERROR_MEMORY,
-                       "labels: found %zu voxels, which take %zu bytes each, allowed are %llu bytes (--max-memory)",
-                       coder->voxels.count, each, (unsigned long long)coder->limit);
+    unsigned long long limit = coder->limit;
+    if (!memory_multiply(coder->voxels.count, each, &size) || (limit && size > limit)) {
+        return fail(CONUS_ERROR_MEMORY,
+                    "labels: found %zu voxels, which take %zu bytes each, allowed are %llu bytes (--max-memory)",
+                    coder->voxels.count, each, limit);
+    }
+    return !limit || labels <= (limit - size) / LABEL_BYTES
+               ? CONUS_OK
+               : fail(
+                     CONUS_ERROR_MEMORY,
+                     "labels: found %zu different ones, which take %d bytes each, and %zu voxels with %zu, allowed are "
+                     "%llu bytes (--max-memory)",
+                     labels, LABEL_BYTES, coder->voxels.count, each, limit);
 }
 
 /* Appends to the list. */
@@ -199,6 +208,9 @@ static conus_status append_label(struct label_coder *coder, uint32_t label)
                     "labels: found more than %d different ones, as only images have; --context draws an image",
                     LABEL_VOXELS_LIMIT);
     }
+    if (check_limit(coder, voxels->wide ? WIDE : NARROW, voxels->label_count)) {
+        return CONUS_ERROR_MEMORY;
+    }
     if (!memory_reserve(&voxels->labels, &coder->label_capacity, voxels->label_count + 1, sizeof *voxels->labels)) {
         return CONUS_ERROR_MEMORY;
     }
@@ -209,7 +221,7 @@ static conus_status append_label(struct label_coder *coder, uint32_t label)
 conus_status label_coder_init(struct label_coder *coder, size_t count, uint64_t limit, uint8_t *memory, size_t size)
 {
     *coder = (struct label_coder){.voxels.count = count, .memory = memory, .size = size, .limit = limit};
-    conus_status status = check_limit(coder, NARROW);
+    conus_status status = check_limit(coder, NARROW, 0);
     if (!status && !memory) {
         coder->memory = memory_raw(count, NARROW);
         coder->size = count * NARROW;
@@ -222,7 +234,7 @@ conus_status label_coder_init(struct label_coder *coder, size_t count, uint64_t 
 static conus_status widen_coder(struct label_coder *coder)
 {
     bool in_place = coder->size / WIDE >= coder->voxels.count;
-    conus_status status = check_limit(coder, WIDE);
+    conus_status status = check_limit(coder, WIDE, coder->voxels.label_count - 1);
     uint8_t *wide = status ? NULL : in_place ? coder->memory : memory_raw(coder->voxels.count, WIDE);
     if (!wide) {
         return status ? status : CONUS_ERROR_MEMORY;

@@ -16,7 +16,10 @@ struct label_voxels {
     size_t label_count;
 };
 
-enum { LABEL_VOXELS_LIMIT = 1 << 24 }; /**< Different labels. */
+enum {
+    LABEL_VOXELS_LIMIT = 1 << 24, /**< Different labels.                                                    */
+    LABEL_BYTES = 512 /**< What a label takes beside its voxels, once it is an area: object, name and maps. */
+};
 
 void label_voxels_finish(struct label_voxels *voxels);
 
@@ -58,7 +61,8 @@ struct label_coder {
     uint32_t last, last_place;
 };
 
-/** For @p count voxels, whose places may take @p limit bytes (0 = any): CONUS_ERROR_MEMORY where that is too little.
+/** For @p count voxels, whose places and labels may take @p limit bytes (0 = any), LABEL_BYTES for each label:
+ * CONUS_ERROR_MEMORY where that is too little.
  * They are written to @p memory, of @p size bytes, taken over also on failure, if it is not NULL. The caller may keep
  * the labels that are still to come in it, where each takes @p size / @p count bytes, 2 or more. */
 conus_status label_coder_init(struct label_coder *coder, size_t count, uint64_t limit, uint8_t *memory, size_t size);

@@ -170,11 +170,24 @@ static void what_does_not_fit_is_refused(void **state)
     (void)state;
     struct label_coder coder;
     uint32_t *labels = make_labels(MANY);
-    assert_ok(label_coder_init(&coder, COUNT, 4 * COUNT, NULL, 0));
+    /* label_of() has a label for 7 of 8 numbers of 80,000, and 90,000 pairs of voxels pass them all. */
+    const uint64_t all = 4 * COUNT + MANY / 8 * 7 * (uint64_t)LABEL_BYTES;
+    assert_ok(label_coder_init(&coder, COUNT, all, NULL, 0));
     assert_ok(code_and_finish(&coder, labels, COUNT));
-    assert_ok(label_coder_init(&coder, COUNT, 4 * COUNT - 1, NULL, 0));
+    assert_ok(label_coder_init(&coder, COUNT, all - 1, NULL, 0));
     assert_fails(code_and_finish(&coder, labels, COUNT), CONUS_ERROR_MEMORY);
-    assert_non_null(strstr(conus_message(), "180000 voxels, which take 4 bytes each, allowed are 719999"));
+    assert_string_equal(conus_message(), "labels: found 70000 different ones, which take 512 bytes each, and 180000 "
+                                         "voxels with 4, allowed are 36559999 bytes (--max-memory)");
+    /* The 65,536th label widens the voxels: here it is that which does not fit. */
+    assert_ok(label_coder_init(&coder, COUNT, 4 * COUNT + 65536 * (uint64_t)LABEL_BYTES - 1, NULL, 0));
+    assert_fails(code_and_finish(&coder, labels, COUNT), CONUS_ERROR_MEMORY);
+    assert_non_null(strstr(conus_message(), "found 65536 different ones"));
+    assert_ok(label_coder_init(&coder, COUNT, 2 * COUNT, NULL, 0));
+    memset(labels, 1, COUNT * sizeof *labels);
+    assert_fails(code_and_finish(&coder, labels, COUNT), CONUS_ERROR_MEMORY);
+    assert_non_null(strstr(conus_message(), "found 1 different ones"));
+    assert_ok(label_coder_init(&coder, COUNT, 2 * COUNT + LABEL_BYTES, NULL, 0));
+    assert_ok(code_and_finish(&coder, labels, COUNT));
     assert_fails(label_coder_init(&coder, COUNT, 2 * COUNT - 1, NULL, 0), CONUS_ERROR_MEMORY);
     label_coder_finish(&coder);
     assert_fails(label_coder_init(&coder, SIZE_MAX / 2 + 2, 0, NULL, 0), CONUS_ERROR_MEMORY);
