@@ -236,6 +236,7 @@ static void read_message(struct igtl_reader *reader, igtl_listener listener, voi
     bool fine = igtl_crc(body.bytes, body.size) == get(header + CRC_AT, 8);
     fine = fine && (get(header, 2) == 1 || strip_extended(&body));
     fine = fine && types[type].read(reader, &poses, &body);
+    reader->valid += fine;
     reader->counts.broken += !fine;
     if (fine && poses.count) {
         listener(user, &poses);
@@ -293,6 +294,7 @@ static bool pass_over(struct igtl_reader *reader, struct input *input)
 
 bool igtl_read(struct igtl_reader *reader, const uint8_t *bytes, size_t size, igtl_listener listener, void *user)
 {
+    reader->valid = 0;
     struct input input = {bytes, size};
     while (pass_over(reader, &input)) {
         if (reader->size < IGTL_HEADER) {

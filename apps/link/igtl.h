@@ -46,8 +46,9 @@ struct igtl_counts {
 /** A stream of messages on its way in. A zeroed one is ready. */
 struct igtl_reader {
     uint8_t bytes[IGTL_HEADER + IGTL_BODY_LIMIT];
-    size_t size;   /**< Of them, used.                                    */
-    uint64_t skip; /**< Bytes of a body that is passed over.              */
+    size_t size;    /**< Of them, used.                                    */
+    uint64_t skip;  /**< Bytes of a body that is passed over.              */
+    uint64_t valid; /**< Messages that the last igtl_read() ended, of a kind that is read, as they should be. */
     struct igtl_counts counts;
 };
 

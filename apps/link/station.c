@@ -26,7 +26,7 @@ static const double stale_after_s = 0.5;
 /* One that is connected. */
 struct peer {
     int socket;      /* -1 = none */
-    double heard_ms; /* when it last sent something, or came */
+    double heard_ms; /* when it last ended a valid message, or came: bytes alone are no sign of life */
     struct igtl_reader reader;
     uint8_t out[OUTGOING]; /* what is being sent, */
     size_t out_size, sent;
@@ -229,9 +229,10 @@ static void receive(struct station *station, struct peer *peer)
     uint8_t bytes[CHUNK];
     ssize_t size = recv(peer->socket, bytes, sizeof bytes, MSG_DONTWAIT);
     if (size > 0) {
-        peer->heard_ms = clock_ms();
         if (!igtl_read(&peer->reader, bytes, (size_t)size, hear, station)) {
             part(station, peer, true);
+        } else if (peer->reader.valid) {
+            peer->heard_ms = clock_ms();
         }
     } else if (size == 0 || (errno != EAGAIN && errno != EINTR)) {
         part(station, peer, false);
@@ -271,8 +272,7 @@ static struct peer *find_free(struct station *station)
     return NULL;
 }
 
-/* Where all places are taken, the one that is silent longest goes. One that sends keeps its place, however many come.
- */
+/* Where all places are taken, the one that is silent longest goes, unless it was heard of late. */
 static struct peer *replace_silent(struct station *station)
 {
     struct peer *silent = &station->peers[0];

@@ -322,6 +322,53 @@ static void idle_peers_give_way(void **state)
     station_stop(station);
 }
 
+/* Two send a message byte by byte that has a wrong checksum, two one of a kind that is not read: none is ever valid. */
+static void drip(const int peers[PLACES], size_t n)
+{
+    uint8_t bytes[2][CAPACITY];
+    size_t sizes[2] = {igtl_write_transform(bytes[0], CAPACITY, "Pointer", 2, turned),
+                       igtl_write_transform(bytes[1], CAPACITY, "Pointer", 2, turned)};
+    bytes[0][57] ^= 1; /* the last byte of the header, of the checksum */
+    bytes[1][2] = 'X'; /* the first letter of the type */
+    for (size_t p = 0; p < PLACES; p++) {
+        (void)!send(peers[p], &bytes[p % 2][n % sizes[p % 2]], 1, MSG_NOSIGNAL);
+    }
+}
+
+/* Four that send bytes, and never a valid message, do not keep a tracker out. */
+static void peers_that_drip_bytes_give_way(void **state)
+{
+    (void)state;
+    struct station *station = start(&(struct station_options){.tool = "Pointer"});
+    struct station_news news = {0};
+    int peers[PLACES];
+    for (unsigned p = 0; p < PLACES; p++) {
+        peers[p] = connect_to(station);
+        while (news.clients <= p) {
+            moment();
+            station_ask(station, &news);
+        }
+    }
+    int newcomer = connect_to(station);
+    try_pose(newcomer, "Pointer");
+    for (size_t n = 0; n < 10000 && !news.number; n++) {
+        if (is_closed(newcomer)) {
+            close(newcomer);
+            newcomer = connect_to(station);
+            try_pose(newcomer, "Pointer");
+        }
+        drip(peers, n);
+        moment();
+        station_ask(station, &news);
+    }
+    assert_int_equal(news.number, 1);
+    for (int p = 0; p < PLACES; p++) {
+        close(peers[p]);
+    }
+    close(newcomer);
+    station_stop(station);
+}
+
 /* Sends from all until one is shown out; whether that was the newcomer. @p pause becomes the longest time, s, in which
  * nothing was sent. */
 static bool newcomer_is_shown_out(const int peers[PLACES], int newcomer, double *pause)
@@ -472,6 +519,7 @@ int main(void)
         cmocka_unit_test(lost_and_stale_tools_are_no_poses),
         cmocka_unit_test(nonsense_ends_one_connection_only),
         cmocka_unit_test(idle_peers_give_way),
+        cmocka_unit_test(peers_that_drip_bytes_give_way),
         cmocka_unit_test(peers_that_send_keep_their_places),
         cmocka_unit_test(a_flood_leaves_the_newest_pose),
         cmocka_unit_test(sent_selection_arrives),
