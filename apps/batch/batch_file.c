@@ -18,7 +18,7 @@
 #include <unistd.h>
 #include <zlib.h>
 
-enum { LINE_SIZE = 256, CHUNK = 1 << 16 };
+enum { LINE_SIZE = 256, CHUNK = 1 << 13 };
 
 static uint32_t crc_of(const void *data, size_t size)
 {

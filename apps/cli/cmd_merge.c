@@ -166,7 +166,7 @@ static int check_poses(struct merge *merge)
 /* The rest of `in`. */
 static bool copy_rest(FILE *out, FILE *in)
 {
-    char chunk[1 << 16];
+    char chunk[1 << 13];
     for (size_t n; (n = fread(chunk, 1, sizeof chunk, in)) > 0;) {
         if (fwrite(chunk, 1, n, out) != n) {
             return false;

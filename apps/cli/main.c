@@ -8,9 +8,13 @@
 
 #include <conus/conus.h>
 
+#include <pthread.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
+
+enum { ENOUGH = 1 << 20, STACK = 8 << 20 }; /* bytes of stack */
 
 const struct command *const commands[] = {&cmd_query,   &cmd_batch,    &cmd_merge,   &cmd_track,   &cmd_sweep,
                                           &cmd_overlap, &cmd_connect,  &cmd_info,    &cmd_atlases, &cmd_render,
@@ -127,13 +131,52 @@ static int dispatch(int count, char **words)
     return command ? run_command(command, count, words) : unknown_command(name);
 }
 
+struct call {
+    int count;
+    char **words;
+    int code;
+};
+
+static void *run_call(void *user)
+{
+    struct call *call = user;
+    call->code = output_finish(dispatch(call->count, call->words));
+    return NULL;
+}
+
+/* Runs the program in a thread with a stack of its own, which hears all signals. False where there can be none. */
+static bool run_on_own_stack(struct call *call)
+{
+    pthread_t thread;
+    pthread_attr_t attributes;
+    sigset_t all;
+    sigfillset(&all);
+    if (pthread_attr_init(&attributes)) {
+        return false;
+    }
+    bool runs = !pthread_attr_setstacksize(&attributes, STACK) && !pthread_create(&thread, &attributes, run_call, call);
+    pthread_attr_destroy(&attributes);
+    return runs && !pthread_sigmask(SIG_SETMASK, &all, NULL) && !pthread_join(thread, NULL);
+}
+
+/* `ulimit -s 64` leaves too little for 256 rays side by side, for Embree and for OpenGL. */
+static bool stack_is_small(void)
+{
+    struct rlimit limit;
+    return getrlimit(RLIMIT_STACK, &limit) == 0 && limit.rlim_cur < ENOUGH;
+}
+
 int main(int argc, char **argv)
 {
+    struct call call = {.count = argc, .words = argv};
     /* A buffer for the longest help: a full disk is found, with its reason, when all is written at the end. */
     static char buffer[1 << 16];
     setvbuf(stdout, buffer, _IOFBF, sizeof buffer);
     /* A reader that went away is an error of writing, with a message and an exit code, not a sudden end. */
     struct sigaction ignore = {.sa_handler = SIG_IGN};
     sigaction(SIGPIPE, &ignore, NULL);
-    return output_finish(dispatch(argc, argv));
+    if (!stack_is_small() || !run_on_own_stack(&call)) {
+        run_call(&call);
+    }
+    return call.code;
 }

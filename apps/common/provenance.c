@@ -11,7 +11,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-enum { CHUNK = 1 << 16, DIGITS = 9 };
+enum { CHUNK = 1 << 13, DIGITS = 9 };
 
 /* All that conus writes but descriptions of columns, rows, and what was added by others. */
 static const char *const sealed[] = {"Space",   "GeneratedBy", "Atlas",  "Atlases", "Settings",

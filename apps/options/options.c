@@ -75,7 +75,7 @@ bool option_given(const struct arguments *arguments, const char *name)
 {
     struct found found = find_name(arguments->command, NULL, name, strlen(name));
     assert(found.option);
-    return arguments->given >> found.ordinal & 1;
+    return arguments->given[found.ordinal];
 }
 
 bool option_needs(const struct arguments *arguments, const char *name, const char *needed)
@@ -136,13 +136,13 @@ static int take_option(struct cursor *cursor, struct found found, const char *at
     if (option->type == OPTION_FLAG && attached) {
         return print_usage_error("--%s takes no value, found \"%s\"", option->name, attached);
     }
-    if (arguments->given >> found.ordinal & 1 && option->type != OPTION_LIST) {
+    if (arguments->given[found.ordinal] && option->type != OPTION_LIST) {
         return print_usage_error("--%s is given twice", option->name);
     }
     if (option->type != OPTION_FLAG && !(value = take_value(cursor, option, attached))) {
         return EXIT_USAGE;
     }
-    arguments->given |= UINT64_C(1) << found.ordinal;
+    arguments->given[found.ordinal] = true;
     return option_read(option, found.field, value) ? keep_use(arguments, option, value) : EXIT_USAGE;
 }
 
@@ -302,7 +302,7 @@ static int check_complete(const struct arguments *arguments)
                                  command->operands[arguments->operand_count], command->name);
     }
     for (size_t i = 0; (found = option_at(command, NULL, i)).option; i++) {
-        if (found.option->required && !(arguments->given >> i & 1)) {
+        if (found.option->required && !arguments->given[i]) {
             return print_usage_error("--%s %s is missing", found.option->name, found.option->value);
         }
     }
@@ -312,6 +312,7 @@ static int check_complete(const struct arguments *arguments)
 int options_parse(struct arguments *out, void *settings, const struct command *command, int count, char **words,
                   int first)
 {
+    assert(!option_at(command, NULL, OPTION_LIMIT).option);
     *out = (struct arguments){.command = command, .count = count, .words = words};
     struct cursor cursor = {.arguments = out, .settings = settings, .next = first};
     while (cursor.next < count) {

@@ -52,7 +52,8 @@ struct option_group {
     size_t offset; /**< Of the group's settings, in the command's. */
 };
 
-enum { OPTION_LIMIT = 64, OPERAND_LIMIT = 2 };
+/** OPTION_LIMIT: options of a command, with --help and --version; a name of one is shorter, too. */
+enum { OPTION_LIMIT = 128, OPERAND_LIMIT = 2 };
 
 /** An option as it was given. */
 struct option_use {
@@ -65,9 +66,9 @@ struct arguments {
     const struct command *command;
     const char *operands[OPERAND_LIMIT];
     size_t operand_count;
-    struct option_list more; /**< Operands behind those, of a command that repeats the last one. */
-    uint64_t given;          /**< Bit n: the command's n-th option. */
-    struct option_use *uses; /**< [use_count] In their order. */
+    struct option_list more;  /**< Operands behind those, of a command that repeats the last one. */
+    bool given[OPTION_LIMIT]; /**< Whether the command's n-th option was. */
+    struct option_use *uses;  /**< [use_count] In their order. */
     size_t use_count;
     bool is_brief; /**< Help was asked for by -h. */
     int count;     /**< The whole command line, for the provenance. */

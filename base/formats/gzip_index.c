@@ -63,16 +63,17 @@ static struct gzip_point *last_point(const struct gzip_indexer *indexer)
 /* Packs what inflate() can still copy from; the packed bytes, 0 = nothing, or it failed. */
 static uint32_t append_window(struct gzip_indexer *indexer, z_stream *z)
 {
-    uint8_t window[GZIP_INDEX_WINDOW];
-    uint8_t packed[GZIP_INDEX_WINDOW + GZIP_INDEX_WINDOW / 8];
+    enum { PACKED = GZIP_INDEX_WINDOW + GZIP_INDEX_WINDOW / 8 };
     uInt size = 0;
-    indexer->failed = indexer->failed || inflateGetDictionary(z, window, &size) != Z_OK;
-    if (indexer->failed || !size) {
-        return 0;
+    size_t used = 0;
+    uint8_t *window = memory_raw(GZIP_INDEX_WINDOW + PACKED, 1); /* and behind it what it is packed to */
+    indexer->failed = indexer->failed || !window || inflateGetDictionary(z, window, &size) != Z_OK;
+    if (!indexer->failed && size) {
+        used = libdeflate_deflate_compress(indexer->compressor, window, size, window + GZIP_INDEX_WINDOW, PACKED);
+        indexer->failed = !used;
+        buffer_append(&indexer->windows, window + GZIP_INDEX_WINDOW, used);
     }
-    size_t used = libdeflate_deflate_compress(indexer->compressor, window, size, packed, sizeof packed);
-    indexer->failed = !used;
-    buffer_append(&indexer->windows, packed, used);
+    memory_free(window);
     return (uint32_t)used;
 }
 

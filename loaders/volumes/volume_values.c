@@ -12,7 +12,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { BLOCK = 4096 }; /* voxels converted at a time: small enough for the cache, big enough for vectors */
+enum { BLOCK = 1024 }; /* voxels converted at a time: small enough for the cache, big enough for vectors */
 
 static size_t count_voxels(const struct volume_file *file)
 {

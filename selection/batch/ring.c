@@ -8,6 +8,8 @@
 #include <pthread.h>
 #include <signal.h>
 
+enum { STACK = 1 << 20 }; /* bytes of a thread */
+
 /* Block number n, counted from 0, lies in slot n modulo their count. Blocks below `delivered` are free to be read into;
  * of the others those are answered that is_answered marks. */
 struct pool {
@@ -70,18 +72,24 @@ static void *work(void *data)
     }
 }
 
-/* Signals are for the program's own threads. */
+/* Signals are for the program's own threads. Stacks do not depend on `ulimit -s`. */
 static size_t start_threads(struct pool *pool, pthread_t *threads, size_t wanted)
 {
     sigset_t all;
     sigset_t before;
+    pthread_attr_t attributes;
     size_t count = 0;
+    if (pthread_attr_init(&attributes)) {
+        return 0;
+    }
+    (void)pthread_attr_setstacksize(&attributes, STACK);
     sigfillset(&all);
     pthread_sigmask(SIG_SETMASK, &all, &before);
-    while (count < wanted && pthread_create(&threads[count], NULL, work, pool) == 0) {
+    while (count < wanted && pthread_create(&threads[count], &attributes, work, pool) == 0) {
         count++;
     }
     pthread_sigmask(SIG_SETMASK, &before, NULL);
+    pthread_attr_destroy(&attributes);
     return count;
 }
 

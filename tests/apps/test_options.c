@@ -134,6 +134,36 @@ static void the_closest_name_is_suggested(void **state)
     assert_null(closest_name("", name_at, names));
 }
 
+/* A command with as many options as there may be: --x0 to --x125, and the last two, whose names are their own. */
+static void each_option_counts_for_itself(void **state)
+{
+    (void)state;
+    enum { COUNT = OPTION_LIMIT - 2 };
+    static char names[COUNT][8];
+    static struct option options[COUNT + 3];
+    static bool fields[COUNT + 2];
+    for (size_t i = 0; i < COUNT + 2; i++) {
+        snprintf(names[i % COUNT], sizeof names[0], "x%zu", i % COUNT);
+        options[i] = (struct option){.name = i < COUNT    ? names[i]
+                                             : i == COUNT ? "help"
+                                                          : "version",
+                                     .type = OPTION_FLAG,
+                                     .offset = i * sizeof(bool)};
+    }
+    const struct option_group groups[] = {{"All", options, 0}, {NULL, NULL, 0}};
+    const struct command command = {.name = "test", .groups = groups};
+    struct arguments arguments;
+    char *words[] = {"conus", "test", "--x0", "--x64", "--x125"};
+    assert_int_equal(options_parse(&arguments, fields, &command, 5, words, 2), -1);
+    for (size_t i = 0; i < COUNT; i++) {
+        assert_int_equal(option_given(&arguments, names[i]), i == 0 || i == 64 || i == 125);
+    }
+    options_finish(fields, &arguments);
+    char *twice[] = {"conus", "test", "--x64", "--x64"};
+    assert_int_equal(options_parse(&arguments, fields, &command, 4, twice, 2), 2);
+    options_finish(fields, &arguments);
+}
+
 /* Complaints are part of what is exercised, not of this program's output. */
 static int silence(void **state)
 {
@@ -147,7 +177,7 @@ int main(void)
         cmocka_unit_test(only_decimal_numbers_are_numbers), cmocka_unit_test(only_digits_are_counts),
         cmocka_unit_test(vectors_are_three_numbers),        cmocka_unit_test(sizes_are_two_counts),
         cmocka_unit_test(bytes_have_binary_units),          cmocka_unit_test(ranges_may_be_open),
-        cmocka_unit_test(the_closest_name_is_suggested),
+        cmocka_unit_test(the_closest_name_is_suggested),    cmocka_unit_test(each_option_counts_for_itself),
     };
     return cmocka_run_group_tests(tests, silence, NULL);
 }

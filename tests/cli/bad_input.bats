@@ -37,6 +37,38 @@ refuses() {
     refuses 'cannot read: is a device or pipe, a regular file is needed' /dev/null
 }
 
+@test "a named pipe is refused at once, whatever it is to be; only poses and tables to compare wait for it" {
+    ball
+    mkfifo pipe.nii pipe.tsv pipe.obj pipe.tck pipe.txt pipe.atlas.json
+    local aim=(--origin 0,0,90 --toward 0,0,0)
+    for file in pipe.nii pipe.obj pipe.atlas.json; do
+        refuses 'cannot read: is a device or pipe, a regular file is needed' $file
+    done
+    fails 3 'is a device or pipe' query ball.nii "${aim[@]}" --labels pipe.tsv
+    fails 3 'is a device or pipe' query ball.nii "${aim[@]}" --pathway pipe.nii
+    fails 3 'is a device or pipe' query ball.nii "${aim[@]}" --streamlines pipe.tck
+    fails 3 'is a device or pipe' query ball.nii "${aim[@]}" --atlas-transform pipe.txt
+    fails 3 'is a device or pipe' query ball.nii "${aim[@]}" --only @pipe.txt
+    fails 3 'is a device or pipe' overlap ball.nii pipe.nii
+}
+
+# Here the stack of the shell's children is limited for good, so each runs in a shell of its own.
+@test "64 KB of stack are enough, and change no answer" {
+    ball
+    gzip -k ball.nii
+    printf 'x\ty\tz\ttx\tty\ttz\n0\t0\t90\t0\t0\t0\n0\t9\t90\t0\t0\t0\n' >poses.tsv
+    printf 'v 0 0 0\nv 1 0 0\nv 2 1 0\nv 1 2 0\nv 0 2 0\nf 1 2 3 4 5\n' >polygon.obj
+    for words in 'batch ball.nii --poses poses.tsv --angle 5 --threads 2' 'query ball.nii --pose poses.tsv --angle 5' \
+        'query ball.nii.gz --pose poses.tsv --angle 5 --layers all' 'query polygon.obj --pose poses.tsv --angle 5'; do
+        # shellcheck disable=SC2086 # words
+        "$CONUS" $words --quiet -o wide.tsv
+        # shellcheck disable=SC2086 # words
+        (ulimit -s 64 && "$CONUS" $words --quiet -o narrow.tsv)
+        cmp wide.tsv narrow.tsv
+        rm wide.* narrow.*
+    done
+}
+
 @test "an empty file, text, HTML" {
     : >empty.nii
     refuses 'content: the file is empty; needed is a labelled volume (NIfTI, MGH, NRRD, MetaImage, AFNI, TIFF), a surface, a folder' empty.nii

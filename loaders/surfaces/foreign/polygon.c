@@ -6,6 +6,7 @@
 #include "loaders/surfaces/foreign/foreign_mesh.h"
 
 #include "base/math3.h"
+#include "base/memory.h"
 
 struct polygon_corner {
     double at[3];
@@ -158,24 +159,34 @@ static conus_status fan_out(struct foreign_mesh *mesh, const struct polygon *pol
     return status;
 }
 
-conus_status polygon_cut(struct foreign_mesh *mesh, const uint32_t *corners, size_t count)
+static conus_status cut(struct foreign_mesh *mesh, struct polygon *polygon, size_t count)
 {
-    struct polygon polygon;
     conus_status status = CONUS_OK;
     size_t first = 0;
-    setup_polygon(&polygon, mesh, corners, count);
-    while (!status && polygon.left > 2) {
-        size_t ear = best_ear(&polygon, count);
+    while (!status && polygon->left > 2) {
+        size_t ear = best_ear(polygon, count);
         if (ear == count) {
-            return fan_out(mesh, &polygon, first);
+            return fan_out(mesh, polygon, first);
         }
-        if (polygon.ears == polygon.left || is_empty(&polygon, ear)) {
-            first = polygon.corners[ear].next;
-            status = take_ear(mesh, &polygon, ear);
+        if (polygon->ears == polygon->left || is_empty(polygon, ear)) {
+            first = polygon->corners[ear].next;
+            status = take_ear(mesh, polygon, ear);
         } else {
-            polygon.ears--;
-            polygon.corners[ear].measure = 0; /* until one beside it goes */
+            polygon->ears--;
+            polygon->corners[ear].measure = 0; /* until one beside it goes */
         }
     }
+    return status;
+}
+
+conus_status polygon_cut(struct foreign_mesh *mesh, const uint32_t *corners, size_t count)
+{
+    struct polygon *polygon = memory_raw(1, sizeof *polygon);
+    if (!polygon) {
+        return CONUS_ERROR_MEMORY;
+    }
+    setup_polygon(polygon, mesh, corners, count);
+    conus_status status = cut(mesh, polygon, count);
+    memory_free(polygon);
     return status;
 }
