@@ -17,8 +17,8 @@ static conus_status check_ball(const conus_selector *selector, const double cent
         return fail(CONUS_ERROR_ARGUMENT, "point: (%g, %g, %g), finite numbers are needed", centre[0], centre[1],
                     centre[2]);
     }
-    if (!(radius > 0 && isfinite(radius))) {
-        return fail(CONUS_ERROR_ARGUMENT, "radius: %g mm, allowed is more than 0", radius);
+    if (!(radius >= 0 && isfinite(radius))) {
+        return fail(CONUS_ERROR_ARGUMENT, "radius: %g mm, allowed are 0 (as far as the nearest) and more", radius);
     }
     return CONUS_OK;
 }
@@ -93,12 +93,9 @@ static conus_status answer_ball(conus_selection *selection, conus_selector *sele
     return status;
 }
 
-conus_status conus_select_ball(conus_selection **out, conus_selector *selector, const double centre[3], double radius)
+static conus_status select_within(conus_selection **out, conus_selector *selector, const double centre[3],
+                                  double radius)
 {
-    conus_status status = check_ball(selector, centre, radius);
-    if (status) {
-        return status;
-    }
     conus_selection *selection = memory_zeroed(1, sizeof *selection);
     if (!selection) {
         return CONUS_ERROR_MEMORY;
@@ -108,11 +105,83 @@ conus_status conus_select_ball(conus_selection **out, conus_selector *selector, 
     mat4_identity(selection->cone.pose.world_from_device);
     memcpy(selection->cone.pose.world_from_device + 12, centre, 3 * sizeof *centre);
     region_ball(&selection->region, centre, radius);
-    status = answer_ball(selection, selector);
+    conus_status status = answer_ball(selection, selector);
     if (status) {
         conus_selection_destroy(selection);
         return status;
     }
     *out = selection;
     return CONUS_OK;
+}
+
+double conus_selection_ball(const conus_selection *selection)
+{
+    return selection->region.shape == REGION_BALL ? selection->region.radius : 0;
+}
+
+/* ---- As far as the nearest ---------------------------------------------------------------------------------- */
+
+/* 1, 2 or 5 times a power of ten: the largest up to `length`; 1 of a length of 0. */
+static double round_number(double length)
+{
+    double unit = length > 0 ? pow(10, floor(log10(length))) : 1;
+    return length >= 5 * unit ? 5 * unit : length >= 2 * unit ? 2 * unit : unit;
+}
+
+/* Whether something is near the centre, but not at it. */
+static bool has_neighbour(const conus_selection *selection)
+{
+    for (size_t i = 0; i < selection->statistics.count; i++) {
+        const conus_result *result = &selection->statistics.results[i];
+        if (result->object && result->distance > 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Where the search begins, and how far it can matter: a twentieth of the diagonal of the box around all objects, as a
+ * round number, and the distance of the box's farthest corner. */
+static conus_status find_reach(double *first, double *last, const conus_atlas *atlas, const double centre[3])
+{
+    double low[3];
+    double high[3];
+    double diagonal[3];
+    double far[3];
+    conus_status status = conus_atlas_bounds(low, high, atlas);
+    if (!status) {
+        vec3_sub(diagonal, high, low);
+        for (int a = 0; a < 3; a++) {
+            far[a] = fmax(fabs(centre[a] - low[a]), fabs(centre[a] - high[a]));
+        }
+        *first = round_number(vec3_length(diagonal) / 20);
+        *last = vec3_length(far);
+    }
+    return status;
+}
+
+static conus_status select_nearest(conus_selection **out, conus_selector *selector, const double centre[3])
+{
+    double radius = 0;
+    double last = 0;
+    conus_selection *selection = NULL;
+    conus_status status = find_reach(&radius, &last, selector->atlas, centre);
+    for (bool is_enough = false; !status && !is_enough; radius *= 2) {
+        conus_selection_destroy(selection);
+        selection = NULL;
+        status = select_within(&selection, selector, centre, radius);
+        is_enough = status || radius >= last || has_neighbour(selection);
+    }
+    if (!status) {
+        *out = selection;
+    }
+    return status;
+}
+
+conus_status conus_select_ball(conus_selection **out, conus_selector *selector, const double centre[3], double radius)
+{
+    conus_status status = check_ball(selector, centre, radius);
+    return status       ? status
+           : radius > 0 ? select_within(out, selector, centre, radius)
+                        : select_nearest(out, selector, centre);
 }

@@ -80,14 +80,15 @@ static int check_poses(const struct query *query)
                                     : EXIT_DONE;
 }
 
-/* What is asked of each atlas: a cone or cylinder, or, with a radius, a ball around a point. */
+/* What is asked of each atlas: a cone or cylinder, or a ball around a point. */
 struct question {
     const char *id;
     size_t line; /* of its file; 0 = none */
     conus_pose pose;
     double angle;
+    bool is_point;
     double point[3];
-    double ball; /* radius; 0 = a cone or cylinder */
+    double radius; /* of the ball; 0 = as far as the nearest */
 };
 
 /* Adds a shank of a probe, which is what the axis passes. */
@@ -104,7 +105,7 @@ static conus_status add_shank(const struct answerer *answerer, const struct ques
 static int add_segments(struct query *query, size_t index, const struct question *question)
 {
     conus_segments *segments = NULL;
-    if (!query->segments.path || question->ball > 0) {
+    if (!query->segments.path || question->is_point) {
         return EXIT_DONE;
     }
     conus_status status = conus_segments_create(&segments, query->inquiry.answerers[index].selector, &question->pose);
@@ -117,7 +118,7 @@ static int add_segments(struct query *query, size_t index, const struct question
 static int add_answer(struct query *query, size_t index, const struct question *question, conus_selection *selection)
 {
     const struct answerer *answerer = &query->inquiry.answerers[index];
-    bool is_shank = is_of_probe(query->inquiry.format) && question->ball == 0;
+    bool is_shank = is_of_probe(query->inquiry.format) && !question->is_point;
     if (is_shank && query->settings->voxels) {
         conus_selection_destroy(selection);
         return print_usage_error("--voxels: the shanks of a probe have none, other formats list those of cones");
@@ -145,19 +146,20 @@ static int add_answer(struct query *query, size_t index, const struct question *
 static int ask(struct query *query, const struct question *question, bool *fault)
 {
     int code = EXIT_DONE;
+    double radius = question->radius;
     for (size_t i = 0; i < query->inquiry.atlases.count && !code; i++) {
         conus_selector *selector = query->inquiry.answerers[i].selector;
         conus_selection *selection = NULL;
-        conus_status status = question->ball > 0
-                                  ? conus_select_ball(&selection, selector, question->point, question->ball)
-                                  : conus_select(&selection, selector, &question->pose, question->angle);
+        conus_status status = question->is_point ? conus_select_ball(&selection, selector, question->point, radius)
+                                                 : conus_select(&selection, selector, &question->pose, question->angle);
         *fault = status == CONUS_ERROR_ARGUMENT && i == 0;
         if (*fault) {
             return EXIT_DONE;
         }
+        radius = status || !question->is_point ? radius : conus_selection_ball(selection); /* one for all atlases */
         code = status ? print_status(status) : add_answer(query, i, question, selection);
     }
-    return code || question->ball == 0
+    return code || !question->is_point
                ? code
                : rows_file_refuse(&query->segments, question->id, question->line, POINT_HAS_NO_AXIS);
 }
@@ -175,10 +177,10 @@ static int answer_row(void *user, const conus_pose_row *row)
     struct inquiry *inquiry = &query->inquiry;
     double radius = inquiry->settings->engine.radius;
     struct question question = {
-        .id = row->id, .line = row->line, .pose = row->pose, .ball = row->is_point ? radius : 0};
+        .id = row->id, .line = row->line, .pose = row->pose, .is_point = row->is_point, .radius = radius};
     bool fault = false;
     if (row->error || (row->is_point && radius == 0)) {
-        return refuse_row(query, row, row->error ? row->error : POINT_HAS_NO_DIRECTION);
+        return refuse_row(query, row, row->error ? row->error : POINT_HAS_NO_DIRECTION ", or the radius of a ball");
     }
     if (row->is_point) {
         memcpy(question.point, row->pose.world_from_device + 12, sizeof question.point);
@@ -188,6 +190,39 @@ static int answer_row(void *user, const conus_pose_row *row)
     }
     int code = ask(query, &question, &fault);
     return fault ? refuse_row(query, row, conus_message()) : code;
+}
+
+static bool is_outside(const conus_atlas *atlas, const double point[3])
+{
+    double low[3];
+    double high[3];
+    bool outside = conus_atlas_bounds(low, high, atlas) != CONUS_OK;
+    for (int a = 0; a < 3; a++) {
+        outside = outside || point[a] < low[a] || point[a] > high[a];
+    }
+    return outside;
+}
+
+/* Of a point outside of the box around the first atlas's objects, what is nearest to it, unless it is in the ball that
+ * was asked for. */
+static void say_nearest(const struct query *query, const struct question *question)
+{
+    const conus_atlas *atlas = query->inquiry.atlases.items[0].atlas;
+    conus_selection *selection = NULL;
+    const conus_result *nearest = NULL;
+    if (!is_outside(atlas, question->point) ||
+        conus_select_ball(&selection, query->inquiry.answerers[0].selector, question->point, 0)) {
+        return;
+    }
+    for (size_t i = 0; i < conus_selection_count(selection); i++) {
+        const conus_result *result = conus_selection_result(selection, i);
+        nearest = result->object && (!nearest || result->distance < nearest->distance) ? result : nearest;
+    }
+    if (nearest && nearest->distance > question->radius) {
+        print_error_line("note: the point lies outside of the atlas; the nearest to it is %s, %.2f mm away",
+                         conus_atlas_object(atlas, nearest->object)->name, nearest->distance);
+    }
+    conus_selection_destroy(selection);
 }
 
 static int answer_one(struct query *query)
@@ -201,7 +236,8 @@ static int answer_one(struct query *query)
         if (code) {
             return code;
         }
-        question.ball = settings->engine.radius;
+        question.is_point = true;
+        question.radius = settings->engine.radius;
     } else {
         int code = settings_pose(&question.pose, &settings->aim, &inquiry->frame, inquiry->arguments);
         if (code) {
@@ -211,7 +247,18 @@ static int answer_one(struct query *query)
         inquiry_count_pose(inquiry, 1, &question.pose, question.angle);
     }
     int code = ask(query, &question, &fault);
-    return fault ? print_status(CONUS_ERROR_ARGUMENT) : code;
+    code = fault ? print_status(CONUS_ERROR_ARGUMENT) : code;
+    if (!code && question.is_point && !settings->common.quiet) {
+        say_nearest(query, &question);
+    }
+    return code;
+}
+
+/* Whether the question is what is at a point, without a radius. */
+static bool is_of_nearest(const struct query *query)
+{
+    const struct arguments *arguments = query->inquiry.arguments;
+    return option_given(arguments, "point") && !option_given(arguments, "radius") && !option_given(arguments, "order");
 }
 
 static conus_status start_query(struct query *query)
@@ -231,6 +278,9 @@ static conus_status start_query(struct query *query)
     report.all_voxels = settings->voxels_of == 1;
     report.no_voxels = !settings->voxels;
     report.order = (conus_order)settings->axis.order;
+    if (is_of_nearest(query) && inquiry->format <= CONUS_FORMAT_NDJSON) {
+        report.order = CONUS_ORDER_DEPTH;
+    }
     report.contacts = query->contacts;
     report.electrodes = inquiry->format == CONUS_FORMAT_BIDS ? conus_pose_list_electrodes(inquiry->poses) : NULL;
     status = inquiry_reports(inquiry, &report);

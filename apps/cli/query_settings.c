@@ -12,7 +12,8 @@ static const struct option point_options[] = {
      .type = OPTION_VECTOR,
      .offset = offsetof(struct query_settings, point),
      .value = "X,Y,Z",
-     .help = "instead of a cone: a ball of --radius MM around this point, mm",
+     .help = "instead of a cone, what is at this point, mm, and within --radius MM of it, or as far as the nearest "
+             "neighbour",
      .words = "coordinate, whereami"},
     {0},
 };
@@ -91,7 +92,7 @@ static bool check_outputs(const struct query_settings *settings, const struct ar
     return ends_check(&settings->ends, arguments) && mask_check(&settings->mask, arguments);
 }
 
-/* A ball has a point and a radius, and nothing that is only of cones. */
+/* A point has a radius or none, and nothing that is only of cones. */
 static bool check_point(const struct arguments *arguments)
 {
     static const char *const of_cones[] = {"origin",   "toward", "direction",      "up",       "pose",
@@ -103,7 +104,7 @@ static bool check_point(const struct arguments *arguments)
             return false;
         }
     }
-    return option_needs(arguments, "point", "radius");
+    return true;
 }
 
 bool query_settings_check(const struct query_settings *settings, const struct arguments *arguments)

@@ -132,13 +132,24 @@ CONUS_CHECKED conus_status conus_select(conus_selection **out, conus_selector *s
  * @param[out] out The selection; end it with conus_selection_destroy().
  * @param selector The selector.
  * @param centre World mm.
- * @param radius mm.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a number out of its range, and with a selector that has a range.
+ * @param radius mm; 0 = as far as the nearest object that is not at the point: a twentieth of the diagonal of the box
+ * around all objects, rounded down to 1, 2 or 5 times a power of ten, doubled until one is found.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a number out of its range, and with a selector that has a range;
+ * #CONUS_ERROR_DATA with the radius 0 for an atlas without objects.
  * @threads One at a time for each @p selector. With the gl engine, the one that made it.
  * @since 0.1
  */
 CONUS_CHECKED conus_status conus_select_ball(conus_selection **out, conus_selector *selector, const double centre[3],
                                              double radius);
+
+/**
+ * Gives the radius of a selection by conus_select_ball(), mm: that which was chosen, where it was 0.
+ * @param selection The selection.
+ * @return 0 of a cone or cylinder.
+ * @threads Any.
+ * @since 0.1
+ */
+CONUS_API double conus_selection_ball(const conus_selection *selection);
 
 /**
  * Ends a selection.

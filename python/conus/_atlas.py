@@ -668,7 +668,7 @@ class Selector:
         self._warn_of(aim, opening)
         return selection
 
-    def near(self, point: Any, radius: float) -> Selection:
+    def near(self, point: Any, radius: float = 0) -> Selection:
         """What is at a point and near it: ``conus query --point``.
 
         Parameters
@@ -676,7 +676,7 @@ class Selector:
         point
             (3,) RAS mm.
         radius
-            mm.
+            mm; 0 is as far as the nearest object that is not at the point.
 
         Returns
         -------
@@ -1176,8 +1176,8 @@ class Atlas:
         ) as renderer:
             return renderer.render(selection, **view)
 
-    def near(self, point: Any, radius: float, **options: Any) -> Selection:
-        """What is within ``radius`` mm of a point: see :meth:`Selector.near`."""
+    def near(self, point: Any, radius: float = 0, **options: Any) -> Selection:
+        """What is at a point and within ``radius`` mm of it: see :meth:`Selector.near`."""
         return self._selector(options).near(point, radius)
 
     def select_many(self, origins: Any = None, directions: Any = None, *, poses: Any = None, up: Any = None,

@@ -76,7 +76,8 @@ static conus_status begin_selection(conus_selection **out, struct batch_worker *
         return conus_select(out, worker->selector, &pose->pose, angle_of(worker, pose));
     }
     return radius > 0 ? conus_select_ball(out, worker->selector, pose->pose.world_from_device + 12, radius)
-                      : fail(CONUS_ERROR_ARGUMENT, "a point, without the direction that a cone needs");
+                      : fail(CONUS_ERROR_ARGUMENT,
+                             "a point, without the direction that a cone needs, or the radius of a ball");
 }
 
 /* What poses are answered for. */

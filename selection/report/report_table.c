@@ -362,7 +362,7 @@ static const struct table_form *form_of(const conus_report *report, const struct
 static void write_summary(struct buffer *out, const conus_report *report, const struct report_query *query)
 {
     if (query->ball > 0) {
-        buffer_format(out, "ranked by share, then distance%s\n", report->options.order ? ", in order of depth" : "");
+        buffer_format(out, "ranked by share, then distance%s\n", report->options.order ? ", nearest first" : "");
         return;
     }
     buffer_format(out, "%u pixels in the cone (%u x %u buffer); ranked by %s%s; engine %s, %s\n", query->cone_pixels,
@@ -371,11 +371,31 @@ static void write_summary(struct buffer *out, const conus_report *report, const 
                   report->selector.sampling == CONUS_SAMPLING_SLICES ? "slices" : "exact");
 }
 
+/* What the centre of a ball is in. */
+static void write_here(struct buffer *out, const conus_report *report, size_t index)
+{
+    size_t count = 0;
+    buffer_text(out, "at the point: ");
+    for (size_t row = report->queries[index].first_row; row < report_row_end(report, index); row++) {
+        const conus_result *result = &report->rows[row].result;
+        if (result->object && result->distance == 0) {
+            buffer_format(out, "%s%s", count++ ? ", " : "", conus_atlas_object(report->atlas, result->object)->name);
+            if (isfinite(result->contact_value)) {
+                buffer_format(out, " (value %.4g)", result->contact_value);
+            }
+        }
+    }
+    buffer_text(out, count ? "\n" : "no area, pathway or bundle\n");
+}
+
 /* The answers of one atlas to query `index`. */
 static void write_answers(struct buffer *out, const conus_report *report, size_t index, int width)
 {
     const struct table_form *form = form_of(report, &report->queries[index]);
     table_write_atlas(out, report);
+    if (report->queries[index].ball > 0) {
+        write_here(out, report, index);
+    }
     form->header(out, report, width);
     for (size_t row = report->queries[index].first_row; row < report_row_end(report, index); row++) {
         form->result(out, report, &report->rows[row].result, width);

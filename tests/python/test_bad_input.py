@@ -223,9 +223,15 @@ def test_a_range_is_any_sequence_to_its_last_digit(atlas):
             assert hits[0].name == name
 
 
-@pytest.mark.parametrize("point, radius", [((NAN, 0, 0), 5), ((0, 0), 5), ((0, 0, 0), "a"), ((0, 0, 0), 5j), ("abc", 5), ((0, 0, 0), NAN), ((0, 0, 0), 0)])
+@pytest.mark.parametrize("point, radius", [((NAN, 0, 0), 5), ((0, 0), 5), ((0, 0, 0), "a"), ((0, 0, 0), 5j), ("abc", 5), ((0, 0, 0), NAN), ((0, 0, 0), -1)])
 def test_bad_ball_is_an_error(atlas, point, radius):
     assert_is_an_error(lambda: atlas.near(point, radius))
+
+
+def test_near_without_a_radius_reaches_the_nearest(atlas):
+    """The plate begins at 20 mm: seen from 0 it is 20 mm away, and nothing is at 0."""
+    near = atlas.near((0, 0, 0))
+    assert min(hit.distance_mm for hit in near if hit.kind == "area") == 20
 
 
 @pytest.mark.parametrize(

@@ -238,10 +238,36 @@ static void winding_tells_inside(void **unused)
     mesh_finish(&sphere);
 }
 
+/* The cubes are [2.5, 12.5] and [42.5, 52.5] along x, [2.5, 12.5] along y and z. The diagonal of the box around both is
+ * sqrt(50 50 + 10 10 + 10 10) = 51.96 mm; a twentieth, 2.6, is rounded to 2. */
+static void without_a_radius_a_ball_reaches_the_nearest(void **state)
+{
+    static const struct {
+        double x;
+        double radius;     /* 2, 4, 8, ...: the first that reaches a cube which the point is not in */
+        double nearest[2]; /* distance of the voxels' cube and of the mesh; NAN = beyond the radius */
+    } cases[] = {{0.6, 2, {1.9, NAN}}, {0, 4, {2.5, NAN}},        {7.5, 64, {0, 35}},
+                 {47.5, 64, {35, 0}},  {-100, 128, {102.5, NAN}}, {27, 16, {14.5, 15.5}}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        conus_selection *selection = ball(*state, cases[i].x, 7.5, 7.5, 0);
+        double found[3] = {NAN, NAN, NAN};
+        for (size_t k = 0; k < conus_selection_count(selection); k++) {
+            const conus_result *result = conus_selection_result(selection, k);
+            found[result->object] = result->distance; /* 0 is what is in no object */
+        }
+        assert_near(conus_selection_ball(selection), cases[i].radius, 0);
+        for (size_t k = 0; k < 2; k++) {
+            assert_int_equal(isnan(found[k + 1]), isnan(cases[i].nearest[k]));
+            assert_true(isnan(found[k + 1]) || fabs(found[k + 1] - cases[i].nearest[k]) < 1e-12);
+        }
+        conus_selection_destroy(selection);
+    }
+}
+
 static void bad_balls_are_refused(void **state)
 {
     const struct fixture *fixture = *state;
-    const double radii[] = {0, -1, NAN, INFINITY};
+    const double radii[] = {-1, -1e-300, NAN, INFINITY};
     conus_selection *selection = NULL;
     conus_image *image = NULL;
     for (size_t i = 0; i < 4; i++) {
@@ -275,6 +301,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(volumes_are_those_of_voxels, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_mesh_has_no_voxels, set_up, tear_down),
         cmocka_unit_test(winding_tells_inside),
+        cmocka_unit_test_setup_teardown(without_a_radius_a_ball_reaches_the_nearest, set_up, tear_down),
         cmocka_unit_test_setup_teardown(bad_balls_are_refused, set_up, tear_down),
         cmocka_unit_test_setup_teardown(survives_every_failing_allocation, set_up, tear_down),
     };
