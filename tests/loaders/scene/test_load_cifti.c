@@ -121,6 +121,9 @@ static void surfaces_and_voxels_are_one_atlas(void **state)
     assert_true(test_has_note(atlas, "x.dlabel.nii: map 0: labels of CortexLeft are on l.surf.gii (of no known kind)"));
     assert_true(test_has_note(atlas, "labels of CortexRight are raised by 10000, since others have them, too"));
     assert_true(test_has_note(atlas, "2 maps: number 0 (from 0) was used, \"one\""));
+    static const uint8_t red[3] = {255, 0, 0}; /* of A, in the file's table */
+    assert_memory_equal(conus_atlas_object(atlas, 2)->rgb, red, 3);
+    assert_memory_equal(conus_atlas_object(atlas, 3)->rgb, red, 3);
     const conus_volume_info *info = conus_atlas_volume(atlas, 0);
     assert_string_equal(info->format, "CIFTI-2");
     assert_int_equal(info->dim[1], 3);

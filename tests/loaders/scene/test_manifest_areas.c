@@ -186,6 +186,30 @@ static void a_surface_may_replace_voxels(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* The manifest's word counts before the table's, where it says one. */
+static void a_side_is_the_manifests(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *stated;
+        char hemisphere;
+    } cases[] = {{"", 'R'}, {", \"hemisphere\": \"L\"", 'L'}, {", \"hemisphere\": \"R\"", 'R'}};
+    static const char table[] = "index\tname\themisphere\n1\tSlab anterior\tL\n300\tSlab posterior\tR\n";
+    assert_ok(conus_write_file(test_in("sides.tsv"), table, strlen(table)));
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        char text[512];
+        snprintf(text, sizeof text,
+                 "\"prefer\": \"areas\", \"parcellation\": {\"file\": \"slabs.nii.gz\", \"labels\": \"sides.tsv\"}, "
+                 "\"areas\": [{\"file\": \"a.gii\", \"label\": 300%s}]",
+                 cases[i].stated);
+        conus_atlas *atlas = loaded(text);
+        assert_int_equal(conus_atlas_object(atlas, 1)->hemisphere, 'L');
+        assert_int_equal(conus_atlas_object(atlas, 2)->label, 300);
+        assert_int_equal(conus_atlas_object(atlas, 2)->hemisphere, cases[i].hemisphere);
+        conus_atlas_destroy(atlas);
+    }
+}
+
 static void voxels_may_lie_in_a_surface(void **state)
 {
     (void)state;
@@ -458,6 +482,7 @@ int main(void)
         cmocka_unit_test(patterns_number_by_file_name),
         cmocka_unit_test(labels_that_clash_are_refused),
         cmocka_unit_test(a_surface_may_replace_voxels),
+        cmocka_unit_test(a_side_is_the_manifests),
         cmocka_unit_test(voxels_may_lie_in_a_surface),
         cmocka_unit_test(the_tree_groups_areas),
         cmocka_unit_test(labels_of_vertices_cut_a_surface),

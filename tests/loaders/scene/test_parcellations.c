@@ -175,6 +175,9 @@ static void one_grid_makes_one_volume(void **state)
     assert_ok(conus_atlas_set_hemispheres(atlas, CONUS_HEMISPHERES_MERGED)); /* Front, by the column hemisphere */
     assert_int_equal(conus_atlas_object_count(atlas), 4);
     conus_atlas_destroy(atlas);
+    atlas = loaded("\"parcellations\": [" RIGHT ", " LEFT "]"); /* of values up to 1, and up to 2 */
+    assert_near(conus_atlas_volume(atlas, 0)->maximum, 2, 0);
+    conus_atlas_destroy(atlas);
 }
 
 static void the_first_keeps_what_both_have(void **state)

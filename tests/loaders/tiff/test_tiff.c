@@ -332,20 +332,6 @@ static void sizes_follow_from_the_file(void **state)
     }
 }
 
-static void pages_must_be_alike(void **state)
-{
-    (void)state;
-    uint8_t pixels[2 * PIXELS] = {0};
-    const struct tiff_field wide = {.tag = TAG_BITS, .value = 16};
-    struct tiff_builder b;
-    tiff_begin(&b, false, false);
-    tiff_add_page(&b, pixels, PIXELS, NULL, 0);
-    tiff_add_page(&b, pixels, 2 * PIXELS, &wide, 1);
-    assert_refused(&b, CONUS_ERROR_DATA,
-                   "page 1: 4 x 3 pixels of 16 bits, SampleFormat 1, but page 0 has 4 x 3 of 8 bits");
-    buffer_finish(&b.bytes);
-}
-
 /* Two pages whose strips are each almost the whole file. */
 static void strips_cannot_overlap_without_end(void **state)
 {
@@ -553,7 +539,6 @@ int main(void)
         cmocka_unit_test(differences_are_undone_row_by_row),
         cmocka_unit_test(bad_fields_are_named),
         cmocka_unit_test(sizes_follow_from_the_file),
-        cmocka_unit_test(pages_must_be_alike),
         cmocka_unit_test(strips_cannot_overlap_without_end),
         cmocka_unit_test(chains_of_directories_end),
         cmocka_unit_test(directories_lie_in_the_file),

@@ -1,0 +1,118 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Fields of TIFF with a list of values, each of which is tried: those of the specification and those beside them. */
+#include "base/file.h"
+#include "builders/tiff_builder.h"
+#include "loaders/tiff/tiff.h"
+#include "test.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <zlib.h>
+
+enum { PIXELS = 12, SHORT = 3 };
+
+/* One page of these packed bytes. */
+static conus_status read_page(struct bytes *out, const void *packed, size_t size, const struct tiff_field *fields,
+                              size_t count)
+{
+    struct tiff_builder b;
+    struct tiff tiff;
+    tiff_begin(&b, false, false);
+    tiff_add_page(&b, packed, size, fields, count);
+    conus_status status = tiff_parse(&tiff, (const uint8_t *)b.bytes.data, b.bytes.size);
+    if (!status) {
+        status = tiff_unpack(out, &tiff);
+        tiff_finish(&tiff);
+    }
+    buffer_finish(&b.bytes);
+    return status;
+}
+
+/* Page 1 differs from page 0 in one field. */
+static void pages_must_be_alike(void **state)
+{
+    (void)state;
+    static const struct {
+        struct tiff_field field;
+        size_t bytes;
+        const char *part;
+    } cases[] = {
+        {{.tag = TAG_BITS, .value = 16},
+         2 * PIXELS,
+         "page 1: 4 x 3 pixels of 16 bits, SampleFormat 1, but page 0 has 4 x"},
+        {{.tag = TAG_FORMAT, .value = 2},
+         PIXELS,
+         "page 1: 4 x 3 pixels of 8 bits, SampleFormat 2, but page 0 has 4 x 3 of "
+         "8 bits, SampleFormat 1: all must be alike"},
+        {{.tag = TAG_WIDTH, .value = 8}, 2 * PIXELS, "page 1: 8 x 3 pixels of 8 bits"},
+        {{.tag = TAG_LENGTH, .value = 6}, 2 * PIXELS, "page 1: 4 x 6 pixels of 8 bits"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        uint8_t pixels[2 * PIXELS] = {0};
+        struct tiff_builder b;
+        struct tiff tiff;
+        const struct tiff_field fields[] = {cases[i].field, {.tag = TAG_ROWS, .value = 6}};
+        tiff_begin(&b, false, false);
+        tiff_add_page(&b, pixels, PIXELS, NULL, 0);
+        tiff_add_page(&b, pixels, cases[i].bytes, fields, 2);
+        assert_fails(tiff_parse(&tiff, (const uint8_t *)b.bytes.data, b.bytes.size), CONUS_ERROR_DATA);
+        assert_non_null(strstr(conus_message(), cases[i].part));
+        buffer_finish(&b.bytes);
+    }
+}
+
+/* The eight orientations of TIFF 6.0, and the numbers beside them: the first row is the top in 1 only. */
+static void one_orientation_is_read(void **state)
+{
+    (void)state;
+    for (uint64_t orientation = 0; orientation <= 9; orientation++) {
+        const struct tiff_field field = {.tag = TAG_ORIENTATION, .value = orientation, .type = SHORT};
+        uint8_t pixels[PIXELS] = {7, 6, 5, 4, 3, 2, 1};
+        struct bytes got = {0};
+        conus_status status = read_page(&got, pixels, sizeof pixels, &field, 1);
+        if (orientation == 1) {
+            assert_ok(status);
+            assert_memory_equal(got.data, pixels, PIXELS);
+            bytes_finish(&got);
+        } else {
+            char part[40];
+            snprintf(part, sizeof part, "Orientation: found %d, allowed", (int)orientation);
+            assert_fails(status, CONUS_ERROR_UNSUPPORTED);
+            assert_non_null(strstr(conus_message(), part));
+        }
+    }
+}
+
+/* Numbers of TIFF 6.0, its supplements and libtiff; 8 and 32946 are the same deflate. */
+static void three_compressions_are_read(void **state)
+{
+    (void)state;
+    static const uint64_t refused[] = {0, 2, 3, 4, 6, 7, 9, 32771, 32773, 32809, 34712, 34887, 34925, 50000};
+    static const uint64_t deflate[] = {8, 32946};
+    uint8_t pixels[PIXELS] = {1, 2, 3};
+    uint8_t packed[64];
+    uLongf length = sizeof packed;
+    struct bytes got = {0};
+    assert_int_equal(compress(packed, &length, pixels, PIXELS), Z_OK);
+    for (size_t i = 0; i < 2; i++) {
+        const struct tiff_field field = {.tag = TAG_COMPRESSION, .value = deflate[i]};
+        assert_ok(read_page(&got, packed, length, &field, 1));
+        assert_memory_equal(got.data, pixels, PIXELS);
+        bytes_finish(&got);
+    }
+    for (size_t i = 0; i < sizeof refused / sizeof refused[0]; i++) {
+        const struct tiff_field field = {.tag = TAG_COMPRESSION, .value = refused[i]};
+        assert_fails(read_page(&got, packed, length, &field, 1), CONUS_ERROR_UNSUPPORTED);
+        assert_non_null(strstr(conus_message(), "allowed are 1 (none), 5 (LZW) and 8 (deflate)"));
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(pages_must_be_alike),
+        cmocka_unit_test(one_orientation_is_read),
+        cmocka_unit_test(three_compressions_are_read),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
