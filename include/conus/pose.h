@@ -45,7 +45,8 @@ CONUS_CHECKED conus_status conus_pose_toward(conus_pose *out, const double origi
                                              const double up[3]);
 
 /**
- * Makes a pose from a rigid, right-handed matrix. Deviations up to 1e-3 (rounded digits in files) are made exact.
+ * Makes a pose from a rigid, right-handed matrix. Deviations up to 2e-3 (three decimals in files) are made exact:
+ * the axis is kept as given.
  * @param[out] out The pose.
  * @param world_from_device Column-major; maps device mm to world mm.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another matrix.

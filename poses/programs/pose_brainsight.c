@@ -3,7 +3,6 @@
 #include "poses/programs/pose_brainsight.h"
 
 #include "base/math3.h"
-#include "poses/rows/pose.h"
 #include "poses/rows/pose_row.h"
 
 #include <stdio.h>
@@ -24,9 +23,6 @@ static const struct {
 enum { FIELD_LIMIT = 64 };
 
 static const size_t NO_COLUMN = SIZE_MAX;
-
-/* Digits are rounded to three places at worst: products of rows are off by up to 0.0005 (|a| + |b| + |c|) each. */
-static const double ROUNDED = 2e-3;
 
 struct reading {
     conus_pose_list *list;
@@ -206,7 +202,7 @@ static conus_status read_matrix(conus_pose *out, const struct reading *reading, 
     if (reading->lps) {
         pose_flip_matrix(m);
     }
-    status = pose_from_matrix_within(out, m, ROUNDED);
+    status = conus_pose_from_matrix(out, m);
     if (!status) {
         pose_turn(out, reading->options->axis);
     }

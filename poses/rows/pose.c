@@ -1,13 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Poses from a direction, a target, a matrix or a quaternion (Eq. 1, 2). */
-#include "poses/rows/pose.h"
-
 #include "base/math3.h"
 #include "base/status.h"
 #include "poses/rows/pose_row.h"
 
 /* Below this, two directions count as parallel, and a length as zero beside the numbers that made it. */
 static const double NEARLY_ZERO = 1e-9;
+
+/* Numbers have three decimals at worst: products of columns are off by up to 0.0005 (|x| + |y| + |z|) each, that is
+ * 0.0005 * 2 * sqrt(3) = 0.00173. */
+static const double ROUNDED = 2e-3;
 
 static void default_up(double up[3], const double d[3])
 {
@@ -104,11 +106,6 @@ static void make_rigid(double out[16], const double m[16])
 
 conus_status conus_pose_from_matrix(conus_pose *out, const double world_from_device[16])
 {
-    return pose_from_matrix_within(out, world_from_device, 1e-3);
-}
-
-conus_status pose_from_matrix_within(conus_pose *out, const double world_from_device[16], double tolerance)
-{
     double m[16];
     memcpy(m, world_from_device, sizeof m);
     for (int i = 0; i < 16; i++) {
@@ -123,11 +120,11 @@ conus_status pose_from_matrix_within(conus_pose *out, const double world_from_de
     }
     for (int a = 0; a < 3; a++) {
         for (int b = 0; b <= a; b++) {
-            if (fabs(vec3_dot(m + 4 * a, m + 4 * b) - (a == b)) > tolerance) {
+            if (fabs(vec3_dot(m + 4 * a, m + 4 * b) - (a == b)) > ROUNDED) {
                 return fail(CONUS_ERROR_ARGUMENT,
                             "pose matrix: columns %d and %d are not orthonormal within %g, a "
                             "rigid matrix (rotation and position) is needed",
-                            b, a, tolerance);
+                            b, a, ROUNDED);
             }
         }
     }

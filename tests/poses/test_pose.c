@@ -92,6 +92,22 @@ static void a_last_row_may_be_rounded_to_float(void **state)
     assert_non_null(strstr(conus_message(), "last row 0 0 0 0.99999, allowed is 0 0 0 1"));
 }
 
+/* x = (1, 1, 1) / sqrt 3, y = (1, -1, 0) / sqrt 2, z = x cross y = (1, 1, -2) / sqrt 6, with three decimals: x times x
+ * is 3 * 0.577^2 = 0.9988. Any rotation is then off by less than 0.00174; what is off by 0.0021 was no rotation. */
+static void a_rotation_may_have_three_decimals(void **state)
+{
+    (void)state;
+    conus_pose pose;
+    double m[16] = {0.577, 0.577, 0.577, 0, 0.707, -0.707, 0, 0, 0.408, 0.408, -0.816, 0, 1, 2, 3, 1};
+    assert_ok(conus_pose_from_matrix(&pose, m));
+    for (int i = 0; i < 16; i++) {
+        assert_true(fabs(pose.world_from_device[i] - m[i]) < 1e-3);
+    }
+    assert_true(fabs(pose.world_from_device[8] - 1 / sqrt(6)) < 1e-12); /* 0.408 : 0.408 : -0.816 is 1 : 1 : -2 */
+    const double long_x[16] = {sqrt(1.0021), 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 1, 2, 3, 1};
+    assert_fails(conus_pose_from_matrix(&pose, long_x), CONUS_ERROR_ARGUMENT);
+}
+
 static void impossible_poses_are_refused(void **state)
 {
     (void)state;
@@ -261,6 +277,7 @@ int main(void)
         cmocka_unit_test(up_is_anterior_only_near_the_vertical),
         cmocka_unit_test(quaternion_and_matrix_agree),
         cmocka_unit_test(a_last_row_may_be_rounded_to_float),
+        cmocka_unit_test(a_rotation_may_have_three_decimals),
         cmocka_unit_test(impossible_poses_are_refused),
         cmocka_unit_test(every_way_gives_the_same_pose),
         cmocka_unit_test(lps_negates_x_and_y),
