@@ -41,9 +41,15 @@ static conus_status describe(struct volume_header *header, const conus_voxels *v
     const int64_t dim[7] = {(int64_t)voxels->dim[0], (int64_t)voxels->dim[1], (int64_t)voxels->dim[2], 1, 1, 1, 1};
     header->info = (conus_volume_info){.slope = 1, .space_code = voxels->space_code};
     snprintf(header->info.format, sizeof header->info.format, "array");
+    char words[sizeof header->info.transform] = "the caller's world_from_voxel";
+    size_t used = strlen(words);
+    if (voxels->space_code) { /* as of NIfTI: by these words a file of poses is matched */
+        snprintf(words + used, sizeof words - used, ", code %d (%s)", voxels->space_code,
+                 space_code_name(voxels->space_code));
+    }
     conus_status status = volume_header_set_datatype(header, datatypes[voxels->type]);
     status = status ? status : volume_header_set_dim(header, dim);
-    return status ? status : space_describe(&header->info, voxels->world_from_voxel, "the caller's world_from_voxel");
+    return status ? status : space_describe(&header->info, voxels->world_from_voxel, words);
 }
 
 /* The strides of voxels one after the other. */

@@ -28,6 +28,7 @@ from ._library import (
     PoseWarning,
     UnsupportedError,
 )
+from ._pose_file import Poses, pose_formats, read_poses
 from ._picture import Picture, Renderer, transfer_presets
 from ._program import Difference, SourceFile, Verification, cite, verify
 from ._segments import Segments
@@ -37,7 +38,8 @@ from ._tracts import Tractogram, is_tractogram
 __version__ = _ffi.string(_lib.conus_version()).decode()
 __all__ = [
     "Answers", "ArgumentError", "Atlas", "CancelledError", "Connectivity", "DataError", "Difference", "Error", "FileError", "GLError",
-    "Hit", "InstalledAtlas", "Jitter", "OutOfMemoryError", "Overlap", "Picture", "Placement", "PoseWarning", "Renderer",
+    "Hit", "InstalledAtlas", "Jitter", "OutOfMemoryError", "Overlap", "Picture", "Placement", "PoseWarning", "Poses", "Renderer",
     "Segments", "Selection", "Selector", "SourceFile", "Step", "Sweep", "Track", "Tracker", "Tractogram",
-    "UnsupportedError", "Verification", "atlases", "cite", "is_tractogram", "load", "transfer_presets", "verify",
+    "UnsupportedError", "Verification", "atlases", "cite", "is_tractogram", "load", "pose_formats", "read_poses",
+    "transfer_presets", "verify",
 ]

@@ -68,10 +68,20 @@ class Objects:
 
 
 def _categories(values: Array, codes: Array) -> Any:
+    """Texts of the records; "" is missing."""
     import pandas
 
     unique, inverse = np.unique(values.astype(str), return_inverse=True)
+    if unique[0] == "":
+        unique, inverse = unique[1:], inverse - 1
     return pandas.Categorical.from_codes(inverse[codes], unique)
+
+
+def counts(values: Array, missing: Array) -> Any:
+    """Whole numbers, some of which are n/a."""
+    import pandas
+
+    return pandas.arrays.IntegerArray(np.array(values), np.array(missing))
 
 
 def _finite(values: Array) -> Array:
@@ -83,11 +93,11 @@ def identity_of(objects: Objects, records: Array, rank: Optional[Array] = None) 
     number = records["object"]
     columns = {
         "kind": _categories(_KINDS, records["kind"]),
-        "index": objects.labels[number],
+        "index": counts(objects.labels[number], number == 0),
         "name": _categories(objects.names, number),
         "abbreviation": _categories(objects.abbreviations, number),
     }
-    return columns if rank is None else {**columns, "rank": rank}
+    return columns if rank is None else {**columns, "rank": counts(rank, number == 0)}
 
 
 def points_of(prefix: str, points: Array, space: Optional[Space]) -> dict[str, Array]:
@@ -102,16 +112,25 @@ def own_points_of(atlas: Atlas, prefix: str, points: Array, space: Optional[Spac
     return {} if own is None else points_of(prefix, points if space and space.is_own else own, space)
 
 
-def with_errors(frame: pandas.DataFrame, errors: dict[int, str]) -> pandas.DataFrame:
-    """Rows of many poses, and one of kind "error" for each pose without an answer, whose name is the reason."""
+def with_errors(frame: pandas.DataFrame, pose: Array, queries: Array, errors: dict[int, str]) -> pandas.DataFrame:
+    """Rows of many poses, and one of kind "error" for each pose without an answer, whose name is the reason.
+
+    ``pose`` is the index of the pose of each row, ``queries`` has the name of each pose.
+    """
     import pandas
 
     if not errors:
         return frame
-    failed = pandas.DataFrame({"query": list(errors), "kind": "error", "name": list(errors.values())})
+    failed = pandas.DataFrame({"query": queries[list(errors)], "kind": "error", "name": list(errors.values())})
     for column in ("kind", "name"):
         frame[column] = frame[column].astype(object)
-    return pandas.concat([frame, failed]).sort_values("query", kind="stable", ignore_index=True)
+    order = np.argsort(np.concatenate([pose, list(errors)]), kind="stable")
+    return pandas.concat([frame, failed]).iloc[order].reset_index(drop=True)
+
+
+def queries_of(names: Optional[Array], count: int) -> Array:
+    """What the column query calls each pose: its id in a file, or its number from 1."""
+    return np.arange(1, count + 1) if names is None else names
 
 
 def _ordered(results: Array, query: Array, order: str, by_entry: bool) -> Array:
@@ -124,21 +143,22 @@ def _ordered(results: Array, query: Array, order: str, by_entry: bool) -> Array:
 
 
 def _columns(atlas: Atlas, results: Array, layers: bool, space: Optional[Space]) -> dict[str, Any]:
-    """The columns of `conus query`, of results; 0 where a rank or an index is n/a there."""
+    """The columns of ``conus query``, of results; what is n/a there is missing."""
+    unassigned = results["object"] == 0
     columns = identity_of(atlas.objects, results, results["rank"])
     for name in ("score", "pixels", "share"):
         columns[name] = results[name]
-    if layers:
-        columns["pierced"] = results["pierced"]
+    columns["pierced"] = counts(results["pierced"], unassigned) if layers else np.nan
     columns["center_px"] = _finite(results["centre_px"])
     columns["offset_deg"] = _finite(np.rad2deg(results["offset"]))
     columns["distance_mm"] = _finite(results["distance"])
     columns.update(points_of("contact_", results["contact"], space))
     columns.update(own_points_of(atlas, "atlas_", results["contact"], space))
+    for name, member in (("entry_mm", "entry"), ("exit_mm", "exit"), ("path_mm", "path"), ("volume_mm3", "volume"),
+                         ("fraction", "fraction"), ("mean_value", "mean_value"), ("max_value", "max_value")):
+        columns[name] = _finite(results[member]) if layers else np.nan
     if layers:
-        for name, member in (("entry_mm", "entry"), ("exit_mm", "exit"), ("path_mm", "path"), ("volume_mm3", "volume")):
-            columns[name] = _finite(results[member])
-        for name in ("fraction", "mean_value", "max_value", "voxels", "cone_fraction", "sum_value"):
+        for name in ("voxels", "cone_fraction", "sum_value"):
             columns[name] = results[name]
         columns.update(points_of("centroid_", results["centroid"], space))
         with np.errstate(invalid="ignore"):
@@ -150,8 +170,9 @@ def _columns(atlas: Atlas, results: Array, layers: bool, space: Optional[Space])
 
 
 def _bundle_columns(results: Array, space: Optional[Space]) -> dict[str, Any]:
-    """Of streamlines; 0 where the counts are n/a."""
-    columns = {"streamlines": results["streamlines"], "streamlines_total": results["streamlines_total"]}
+    """Of streamlines."""
+    others = results["kind"] != lib.CONUS_KIND_BUNDLE
+    columns = {name: counts(results[name], others) for name in ("streamlines", "streamlines_total")}
     columns["length_mm"] = results["length"]
     columns.update(points_of("near_", results["near"], space))
     columns["along"] = results["along"]
@@ -285,7 +306,9 @@ class Selection:
         return f"<conus.Selection: {hits}{', ...' if len(self) > 3 else ''}>"
 
     def to_dataframe(self, *, order: str = "rank") -> pandas.DataFrame:
-        """The rows of ``conus query`` (of a tracker ``conus track``), under the names of its columns.
+        """The rows of ``conus query`` (of a tracker ``conus track``), without the column ``query``.
+
+        Columns and values are those of the program; what is "n/a" there is missing.
 
         Parameters
         ----------
@@ -435,12 +458,14 @@ class Answers:
 
     space: Optional[Space] = None  #: of positions in tables; None = RAS mm
 
-    def __init__(self, atlas: Atlas, results: Array, starts: Array, errors: dict[int, str], layers: bool) -> None:
+    def __init__(self, atlas: Atlas, results: Array, starts: Array, errors: dict[int, str], layers: bool,
+                 names: Optional[Array] = None) -> None:
         self.atlas = atlas
         self.results = results
         self.starts = starts
         self.errors = errors
         self._layers = layers
+        self._queries = queries_of(names, len(starts) - 1)
 
     def __len__(self) -> int:
         return len(self.starts) - 1
@@ -458,9 +483,10 @@ class Answers:
         return query, _ordered(self.results, query, order, self._layers)
 
     def to_dataframe(self, *, order: str = "rank") -> pandas.DataFrame:
-        """The rows of ``conus batch``, under the names of its columns; ``query`` counts from 0.
+        """The rows of ``conus batch``: its columns and values, what is "n/a" there is missing.
 
-        A pose without an answer has one row of kind "error", whose name is the reason.
+        ``query`` is the pose's id in its file, or else its number from 1, though indices count from 0: pose ``i`` is
+        query ``i + 1``. A pose without an answer has one row of kind "error", whose name is the reason.
 
         Parameters
         ----------
@@ -470,8 +496,8 @@ class Answers:
         import pandas
 
         query, results = self._rows(order)
-        columns = {"query": query, **_columns(self.atlas, results, self._layers, self.space)}
-        return with_errors(pandas.DataFrame(columns, copy=False), self.errors)
+        columns = {"query": self._queries[query], **_columns(self.atlas, results, self._layers, self.space)}
+        return with_errors(pandas.DataFrame(columns, copy=False), query, self._queries, self.errors)
 
 
 class Track(Answers):
@@ -482,9 +508,10 @@ class Track(Answers):
     """
 
     def __init__(
-        self, atlas: Atlas, results: Array, starts: Array, errors: dict[int, str], layers: bool, steps: Array
+        self, atlas: Atlas, results: Array, starts: Array, errors: dict[int, str], layers: bool, steps: Array,
+        names: Optional[Array] = None,
     ) -> None:
-        super().__init__(atlas, results, starts, errors, layers)
+        super().__init__(atlas, results, starts, errors, layers, names)
         self.steps = steps
 
     def __repr__(self) -> str:
@@ -498,7 +525,7 @@ class Track(Answers):
         return np.asarray(names[self.steps["selected"]])
 
     def to_dataframe(self, selected: bool = False, *, order: str = "rank") -> pandas.DataFrame:
-        """The rows of ``conus track``, under the names of its columns; ``query`` counts from 0.
+        """The rows of ``conus track``: its columns and values, as :meth:`Answers.to_dataframe`.
 
         Parameters
         ----------
@@ -517,7 +544,7 @@ class Track(Answers):
 
         query, results = self._rows(order)
         steps = self.steps[query]
-        columns = {"query": query, **_columns(self.atlas, results, self._layers, self.space)}
+        columns = {"query": self._queries[query], **_columns(self.atlas, results, self._layers, self.space)}
         frame = pandas.DataFrame({**columns, **_step_columns(steps, results)}, copy=False)
         if not selected:
             return frame
@@ -547,7 +574,7 @@ class _Study:
         raise NotImplementedError
 
     def to_dataframe(self) -> pandas.DataFrame:
-        """The rows of ``conus sweep`` or ``conus overlap``, under the names of their columns."""
+        """The rows of ``conus sweep`` or ``conus overlap``, without the column ``query``."""
         import pandas
 
         return pandas.DataFrame({**identity_of(self.atlas.objects, self.records, self._ranks()), **self._measures()})
@@ -586,7 +613,8 @@ class Sweep(_Study):
 class Jitter(_Study):
     """The chances of each object under errors of the pose, most probable first."""
 
-    def __init__(self, atlas: Atlas, pointer: Any) -> None:
+    def __init__(self, atlas: Atlas, pointer: Any, samples: int, degrees: float, mm: float) -> None:
+        self._settings = {"samples": samples, "error_deg": degrees, "error_mm": mm}
         jitter = owned(pointer, lib.conus_jitter_destroy)
         count = lib.conus_jitter_count(jitter)
         super().__init__(atlas, array_of(lib.conus_jitter_chance(jitter, 0), count, CHANCE))
@@ -596,7 +624,7 @@ class Jitter(_Study):
         columns = {name: self.records[member] for name, member in names}
         columns["mean_share"] = self.records["share"]
         columns["sd_share"] = self.records["share_deviation"]
-        return columns
+        return {**columns, **self._settings}
 
 
 class Overlap(_Study):

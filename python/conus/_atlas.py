@@ -2,7 +2,6 @@
 """Atlases and what is asked of them."""
 from __future__ import annotations
 
-import logging
 import math
 import os
 import threading
@@ -11,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Callable, Iterable, Mapping, NamedTuple, 
 import numpy as np
 
 from ._answers import Answers, Array, Jitter, Objects, Overlap, Selection, Sweep, Track, kind_word
+from ._callback import Callback
 from ._connectivity import Connectivity, options_of as _ends
 from ._conus import ffi, lib
 from ._library import (
@@ -21,9 +21,11 @@ from ._library import (
     choice,
     flag,
     items,
+    message,
     optional,
     owned,
     path_of,
+    python_words,
     real,
     text,
     unmasked,
@@ -32,6 +34,7 @@ from ._library import (
     whole,
 )
 from ._picture import GLOwner, Picture, Renderer
+from ._pose_file import Poses
 from ._poses import Aims, PoseArray, notes_of, pose_of, warn
 from ._progress import LoadProgress, Progress, telling
 from ._space import space_of
@@ -45,7 +48,6 @@ if TYPE_CHECKING:
 Path = Union[str, bytes, "os.PathLike[str]", "os.PathLike[bytes]"]
 Labels = Union[Mapping[int, str], "pandas.DataFrame", None]
 
-_LOGGER = logging.getLogger("conus")
 _SCALARS = ("u1", "i1", "u2", "i2", "u4", "i4", "u8", "i8", "f4", "f8")
 
 
@@ -185,7 +187,7 @@ def _from_file(
     options.probability, options.cache = probability, flag("cache", cache)
     options.labels, options.labels_anyway, options.max_memory = table, flag("labels_anyway", labels_anyway), max_memory
     with telling(progress, "file", 1) as tell:
-        state = _Callback(tell)
+        state = Callback(tell)
         handle = state.hear(options)
         options.progress, options.progress_user = lib.conus_py_load_progress, handle
         status = lib.conus_atlas_load(out, file, options)
@@ -199,7 +201,7 @@ def _from_array(data: Any, affine: Any, labels: Labels, labels_anyway: bool, nam
     table, count, _words = _fill_labels(labels)
     options, out = ffi.new("conus_create_options *"), ffi.new("conus_atlas **")
     options.labels_anyway = flag("labels_anyway", labels_anyway)
-    state = _Callback()
+    state = Callback()
     _handle = state.hear(options)
     status = lib.conus_atlas_create(out, voxels, table, count, options)
     raw = owned(out[0], lib.conus_atlas_destroy)
@@ -387,7 +389,7 @@ def _add_pathway(atlas: Any, pathway: Any, max_memory: int, cache: bool) -> None
         _bands = _bands_of(options, values)
     else:
         options.threshold = real("pathways", values)
-    state = _Callback()
+    state = Callback()
     _handle = state.hear(options)
     if hasattr(source, "dataobj"):
         voxels, _alive = _fill_voxels(*_image_parts(source))
@@ -404,7 +406,7 @@ def _split_streamlines(streamlines: Any) -> tuple[list[Any], list[Any]]:
 
 def _add_streamlines(atlas: Any, given: Any, max_memory: int) -> None:
     source, options, _name = options_of(given, max_memory)
-    state = _Callback()
+    state = Callback()
     _handle = state.hear(options)
     if isinstance(source, (str, bytes, os.PathLike)):
         state.check(lib.conus_atlas_add_streamlines(atlas, path_of("streamlines", source), options))
@@ -417,7 +419,7 @@ def _set_context(atlas: Any, source: Any, blocks: float, opacity: float, max_mem
     options = ffi.new("conus_context_options *")
     options.block_threshold, options.opacity, options.max_memory = blocks, opacity, max_memory
     options.cache = cache
-    state = _Callback()
+    state = Callback()
     _handle = state.hear(options)
     if hasattr(source, "dataobj"):
         voxels, _alive = _fill_voxels(*_image_parts(source))
@@ -447,7 +449,7 @@ def _set_contexts(atlas: Any, context: Any, blocks: float, opacity: float, max_m
 def _region(source: Any, threshold: float, max_memory: int, cache: bool) -> Any:
     options, out = ffi.new("conus_roi_options *"), ffi.new("conus_roi **")
     options.threshold, options.max_memory, options.cache = real("threshold", threshold), max_memory, cache
-    state = _Callback()
+    state = Callback()
     _handle = state.hear(options)
     if hasattr(source, "dataobj") or isinstance(source, tuple):
         parts = (*source, "roi", 0) if isinstance(source, tuple) else _image_parts(source)
@@ -462,61 +464,7 @@ def _region(source: Any, threshold: float, max_memory: int, cache: bool) -> Any:
     return region
 
 
-# ---- Callbacks -----------------------------------------------------------------------------------------------------
-
-
-class _Callback:
-    """What C calls back; an exception in it, Ctrl-C too, ends the call and is raised behind it."""
-
-    def __init__(self, function: Any = None) -> None:
-        self.function = function
-        self.error: Optional[BaseException] = None
-
-    def call(self, *arguments: Any) -> bool:
-        return self.error is None if self.function is None else self.run(self.function, *arguments)
-
-    def run(self, function: Any, *arguments: Any) -> bool:
-        try:
-            function(*arguments)
-        except BaseException as error:  # pylint: disable=broad-except
-            self.error = self.error or error
-        return self.error is None
-
-    def hear(self, options: Any) -> Any:
-        """Lets the notes of the call go to the logger; gives the handle, which must live as long as the call."""
-        handle = ffi.new_handle(self)
-        options.log, options.log_user = lib.conus_py_log, handle
-        return handle
-
-    def check(self, status: int) -> None:
-        if self.error is not None:
-            raise self.error
-        check(status)
-
-
-def _log_note(note: Any) -> None:
-    path = os.fsdecode(ffi.string(note.path)) if note.path else ""
-    line = text(note.line)
-    level = logging.WARNING if note.severity == lib.CONUS_SEVERITY_WARNING else logging.INFO
-    _LOGGER.log(level, "%s", line if line.startswith(path) else f"{path}: {line}")
-
-
-@ffi.def_extern()  # type: ignore[misc]
-def conus_py_log(user: Any, note: Any) -> None:
-    callback: _Callback = ffi.from_handle(user)
-    callback.run(_log_note, note)
-
-
-@ffi.def_extern()  # type: ignore[misc]
-def conus_py_load_progress(user: Any, path: Any, done: int, total: int) -> bool:
-    callback: _Callback = ffi.from_handle(user)
-    return callback.call(os.fsdecode(ffi.string(path)), done, total)
-
-
-@ffi.def_extern()  # type: ignore[misc]
-def conus_py_receive(user: Any, answers: Any) -> bool:
-    callback: _Callback = ffi.from_handle(user)
-    return callback.call(answers)
+# ---- Asking --------------------------------------------------------------------------------------------------------
 
 
 class _Collector:
@@ -548,9 +496,6 @@ class _Collector:
 
     def finish(self) -> None:
         self.results.resize(int(self.starts[-1]), refcheck=False)
-
-
-# ---- Asking --------------------------------------------------------------------------------------------------------
 
 
 class Selector:
@@ -629,8 +574,10 @@ class Selector:
         return pose_of(origin, toward, direction, up, pose)
 
     def _poses(self, origins: Any, directions: Any, poses: Any, up: Any, angle: Any) -> PoseArray:
-        """The same of many."""
-        if self.space:
+        """The same of many. Those of a file are of the world already."""
+        if isinstance(poses, Poses):
+            poses.match(self.atlas)
+        elif self.space:
             origins = self.space.to_world("origins", origins)
             directions = self.space.directions_to_world("directions", directions)
             up, poses = self.space.directions_to_world("up", up), self.space.matrices_to_world("poses", poses)
@@ -791,7 +738,7 @@ class Selector:
         options.tilt, options.shift = math.radians(real("degrees", degrees)), real("mm", mm)
         options.samples = whole("samples", samples)
         self._call(lib.conus_jitter_create, out, self._p, aim, opening, options)
-        jitter = Jitter(self.atlas, out[0])
+        jitter = Jitter(self.atlas, out[0], options.samples or 1024, float(degrees), float(mm))
         self._warn_of(aim, opening)
         return jitter
 
@@ -868,9 +815,10 @@ class Selector:
         origins, directions, up
             (n, 3) RAS mm.
         poses
-            Instead of these: (n, 4, 4) matrices from device to world; a device points along its -z.
+            Instead of these: what :func:`read_poses` gives, or (n, 4, 4) matrices from device to world; a device
+            points along its -z.
         angle
-            Degrees, one number or (n,); 10 if not given.
+            Degrees, one number or (n,); 10 if not given. One number is of poses whose file has none of their own.
         threads
             None = as many as processors.
         progress
@@ -892,13 +840,14 @@ class Selector:
         options.angle = self._angle(None if np.ndim(angle) else angle)
         with telling(progress, "pose", len(array)) as tell:
             collector = _Collector(len(array), tell)
-            state = _Callback(collector.take)
+            state = Callback(collector.take)
             handle, select = ffi.new_handle(state), lib.conus_select_many
             self._call(select, astray, self._p, array.struct, options, lib.conus_py_receive, handle, state=state)
         collector.finish()
-        errors = {int(i): self._reason(array, int(i), options.angle) for i in np.flatnonzero(collector.status)}
+        errors = {i: self._reason(array, i, options.angle) for i in np.flatnonzero(collector.status).tolist()}
         self._warn(astray, many=True)
-        answers: Answers = self._place(Answers(self.atlas, collector.results, collector.starts, errors, self._layers))
+        answers: Answers = self._place(
+            Answers(self.atlas, collector.results, collector.starts, errors, self._layers, array.names))
         return answers
 
     def tracker(self, **constants: Any) -> Tracker:
@@ -943,7 +892,7 @@ class Selector:
             followed: Track = self._place(follow(tracker, times_s, array, default, trigger, tell))
             return followed
 
-    def _call(self, function: Any, *arguments: Any, state: Optional[_Callback] = None) -> None:
+    def _call(self, function: Any, *arguments: Any, state: Optional[Callback] = None) -> None:
         """Asks the library; one thread at a time does."""
         self.atlas._p  # pylint: disable=pointless-statement  # raises if it is closed
         if self._owner:
@@ -974,12 +923,14 @@ class Selector:
             warn(notes)
 
     def _reason(self, array: PoseArray, index: int, angle: float) -> str:
-        """Why a pose has no answer: asks for it alone."""
+        """Why a pose has no answer: asks for it alone, where its file does not say it."""
+        if index in array.reasons:
+            return array.reasons[index]
         pose, out = ffi.new("conus_pose *"), ffi.new("conus_selection **")
         with self._lock:
             status = array.fill(pose, index)
             status = status or lib.conus_select(out, self._p, pose, array.angle(index, angle))
-            reason = text(lib.conus_message()) if status else ""
+            reason = message() if status else ""
         if not status:
             lib.conus_selection_destroy(out[0])
         return reason
@@ -1034,7 +985,7 @@ class Atlas:
     @property
     def notes(self) -> list[str]:
         """What was noticed while the atlas was loaded."""
-        return [text(lib.conus_atlas_note(self._p, i)) for i in range(lib.conus_atlas_note_count(self._p))]
+        return [python_words(text(lib.conus_atlas_note(self._p, i))) for i in range(lib.conus_atlas_note_count(self._p))]
 
     @property
     def tractograms(self) -> list[Tractogram]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import operator
 import os
+import re
 from collections.abc import Mapping
 from typing import Any, Sequence
 
@@ -59,10 +60,36 @@ _ERRORS = {
 }
 
 
+# What the library's words call by the programs' options, and what it is here. Others are of other programs.
+_ARGUMENTS = {
+    "--any-space": "any_space", "--atlas-transform": "transforms", "--axis": "axis", "--context": "context",
+    "--labels": "labels", "--labels-anyway": "labels_anyway", "--mask-object": "name", "--max-memory": "max_memory",
+    "--pathway": "pathways", "--probability": "probability", "--search": "search", "--sidecar": "sidecar",
+    "--streamlines": "streamlines", "as ATLAS": "as source", "is ATLAS": "is source",
+    "--pathway FILE,name=NAME": "pathways=[(map, {name: (low, high)})]",
+}  # fmt: skip
+_OPTION = re.compile(rf"(?<![\w/.-])({'|'.join(sorted(_ARGUMENTS, key=len, reverse=True))})(?![\w/-])(:?)")
+
+
+def python_words(line: str) -> str:
+    """A message or note of the library, with the names of arguments in place of options."""
+
+    def name(found: re.Match[str]) -> str:
+        word = _ARGUMENTS[found[1]]
+        return word + (found[2] or ("=" if found[1].startswith("--") and "=" not in word else ""))
+
+    return _OPTION.sub(name, line)
+
+
+def message() -> str:
+    """Why the last call of this thread failed."""
+    return python_words(text(lib.conus_message()))
+
+
 def check(status: int) -> None:
     """Raises the error that a status means."""
     if status:
-        raise _ERRORS.get(status, Error)(text(lib.conus_message()))
+        raise _ERRORS.get(status, Error)(message())
 
 
 def text(pointer: Any) -> str:

@@ -2,15 +2,17 @@
 """Poses as the library takes them, and what looks wrong about them."""
 from __future__ import annotations
 
+import os
 import sys
 import warnings
-from typing import Any
+from typing import Any, Optional
 
 import numpy as np
 
 from ._answers import Array
 from ._conus import ffi, lib
-from ._library import ArgumentError, PoseWarning, check, numbers, owned, text, unmasked, vector
+from ._library import ArgumentError, PoseWarning, check, numbers, owned, shown, text, unmasked, vector
+from ._pose_file import Poses
 
 
 def pose_of(origin: Any, toward: Any, direction: Any, up: Any, pose: Any) -> Any:
@@ -46,6 +48,15 @@ class PoseArray:
     def __init__(self, origins: Any, directions: Any, poses: Any, up: Any, angle: Any) -> None:
         self.struct = ffi.new("conus_pose_array *")
         self._alive: list[Array] = []
+        self.names: Optional[Array] = None  #: of each pose; None = numbers
+        self.reasons: dict[int, str] = {}  #: why a pose of a file is none
+        if isinstance(poses, Poses):
+            self.names, self.reasons = poses.ids, poses.errors
+            if np.ndim(unmasked("angle", angle)) == 0 and not np.isnan(poses.angles).all():
+                angle = np.nan_to_num(poses.angles)  # 0 = the default
+            poses = poses.matrices
+        if isinstance(poses, (str, bytes, os.PathLike)):
+            raise ArgumentError(f"poses: a path, wanted are matrices or what conus.read_poses({shown(poses)}) gives")
         if poses is not None:
             if any(other is not None for other in (origins, directions, up)):
                 raise ArgumentError("poses: either matrices, or both origins and directions")

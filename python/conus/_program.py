@@ -8,7 +8,7 @@ import shutil
 import subprocess
 from typing import Any, NamedTuple, Optional, Sequence, Union
 
-from ._library import ArgumentError, DataError, FileError, UnsupportedError
+from ._library import ArgumentError, DataError, FileError, UnsupportedError, python_words
 
 Path = Union[str, "os.PathLike[str]"]
 
@@ -80,7 +80,7 @@ def _run(*words: str) -> subprocess.CompletedProcess[str]:
 def _refuse(ended: subprocess.CompletedProcess[str]) -> None:
     lines = ended.stderr.strip().splitlines() or [f"conus ended with {ended.returncode}"]
     errors = {2: ArgumentError, 4: UnsupportedError}
-    raise errors.get(ended.returncode, DataError)(lines[-1].removeprefix("conus: "))
+    raise errors.get(ended.returncode, DataError)(python_words(lines[-1].removeprefix("conus: ")))
 
 
 def verify(
@@ -96,7 +96,8 @@ def verify(
         _refuse(ended)
     found = json.loads(ended.stdout)
     return Verification(
-        found["verdict"], found["same_rows"], found["why"], found["notes"],
+        found["verdict"], found["same_rows"],
+        list(map(python_words, found["why"])), list(map(python_words, found["notes"])),
         [Difference(**item) for item in found["differences"]], found["lines_that_differ"],
         [SourceFile(**item) for item in found["files"]],
     )

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Optional
 
 import numpy as np
 
-from ._answers import Array, identity_of, own_points_of, points_of, with_errors
+from ._answers import Array, identity_of, own_points_of, points_of, queries_of, with_errors
 from ._conus import ffi, lib
 from ._library import SEGMENT, array_of, owned
 
@@ -31,12 +31,14 @@ class Segments:
     """
 
     def __init__(
-        self, atlas: Atlas, records: Array, starts: Optional[Array] = None, errors: Optional[dict[int, str]] = None
+        self, atlas: Atlas, records: Array, starts: Optional[Array] = None, errors: Optional[dict[int, str]] = None,
+        names: Optional[Array] = None,
     ) -> None:
         self.atlas = atlas
         self.records = records
         self.starts = starts
         self.errors = errors or {}
+        self._names = names
         self.space: Optional[Space] = None
 
     def __len__(self) -> int:
@@ -47,7 +49,7 @@ class Segments:
         return f"<conus.Segments: {len(self)} segments{of}>"
 
     def to_dataframe(self) -> pandas.DataFrame:
-        """The rows of ``--segments``, under the names of its columns; of many poses ``query`` counts from 0.
+        """The rows of ``--segments``; of many poses with ``query``, the pose's id in its file or its number from 1.
 
         A pose without an answer has one row of kind "error", whose name is the reason.
         """
@@ -56,7 +58,8 @@ class Segments:
         starts = np.array([0, len(self)]) if self.starts is None else self.starts
         query = np.repeat(np.arange(len(starts) - 1), np.diff(starts))
         objects, records = self.atlas.objects, self.records
-        columns = {} if self.starts is None else {"query": query}
+        queries = queries_of(self._names, len(starts) - 1)
+        columns = {} if self.starts is None else {"query": queries[query]}
         columns["order"] = np.arange(len(self)) - starts[query] + 1
         columns.update(identity_of(objects, records))
         columns["entry_mm"] = records["entry"]
@@ -66,7 +69,7 @@ class Segments:
             columns.update(points_of(f"{name}_", records[f"{name}_at"], self.space))
         for name in ("entry", "exit"):
             columns.update(own_points_of(self.atlas, f"atlas_{name}_", records[f"{name}_at"], self.space))
-        return with_errors(pandas.DataFrame(columns), self.errors)
+        return with_errors(pandas.DataFrame(columns), query, queries, self.errors)
 
     def _repr_html_(self) -> str:
         return str(self.to_dataframe()._repr_html_())
@@ -82,6 +85,6 @@ def follow_many(call: Any, atlas: Atlas, array: Any) -> Segments:
         if reason is None:
             found.append(records_of(out[0]))
         else:
-            errors[i] = reason
+            errors[i] = array.reasons.get(i, reason)
         starts[i + 1] = starts[i] + (len(found[-1]) if reason is None else 0)
-    return Segments(atlas, np.concatenate(found) if found else np.empty(0, SEGMENT), starts, errors)
+    return Segments(atlas, np.concatenate(found) if found else np.empty(0, SEGMENT), starts, errors, array.names)

@@ -8,7 +8,7 @@ import numpy as np
 
 from ._answers import Array, Selection, Track
 from ._conus import ffi, lib
-from ._library import RESULT, STEP, ArgumentError, array_of, check, flag, owned, real, text
+from ._library import RESULT, STEP, ArgumentError, array_of, check, flag, message, owned, real
 from ._poses import Aims, PoseArray, notes_of, rows_of, warn
 
 if TYPE_CHECKING:
@@ -153,9 +153,9 @@ class _Follower:
                 self.aims.add(index, pose, angle)
                 held = bool(self.trigger[index] > 0)
                 status = lib.conus_tracker_step(out, self.tracker._p, self.times[index], pose, angle, held)
-            reason = text(lib.conus_message()) if status else ""
+            reason = message() if status else ""
         if status == lib.CONUS_ERROR_ARGUMENT:
-            self.errors[index] = reason
+            self.errors[index] = self.poses.reasons.get(index, reason)
             self.results.append(np.empty(0, RESULT))
             return
         check(status)
@@ -194,4 +194,4 @@ def follow(tracker: Tracker, times_s: Any, poses: PoseArray, angle: float, trigg
     results = np.empty(starts[-1], RESULT)
     np.concatenate([np.empty(0, RESULT), *follower.results], out=results)
     selector = tracker.selector
-    return Track(selector.atlas, results, starts, follower.errors, selector._layers, follower.steps)
+    return Track(selector.atlas, results, starts, follower.errors, selector._layers, follower.steps, poses.names)

@@ -89,6 +89,7 @@ static void plates_from_names(void **state)
     assert_string_equal(conus_atlas_volume(atlas, 0)->path, "plates");
     assert_string_equal(conus_atlas_volume(atlas, 0)->orientation, "RAS");
     assert_int_equal(conus_atlas_volume(atlas, 0)->space_code, 4);
+    assert_non_null(strstr(conus_atlas_volume(atlas, 0)->transform, "code 4 (MNI 152)"));
     check_plates(atlas);
     conus_atlas_destroy(atlas);
 }
