@@ -242,7 +242,7 @@ static int print_unexpected(const struct arguments *arguments, const char *word)
     if (strchr(word, ',') || strspn(word, "+-.0123456789") == strlen(word)) {
         return print_usage_error("unexpected argument \"%s\"; a vector is one word: X,Y,Z without spaces", word);
     }
-    if (found->option && !(arguments->given >> found->ordinal & 1)) {
+    if (found->option && !arguments->given[found->ordinal]) {
         return print_usage_error("unexpected argument \"%s\"; a file of poses is given as --%s %s", word,
                                  found->option->name, word);
     }
