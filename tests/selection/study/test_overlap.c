@@ -40,7 +40,7 @@ static void peaks_are_found(void **state)
 {
     (void)state;
     conus_atlas *atlas = region_scene_slabs();
-    const float values[] = {3, 5, -4, 5, -6, 1, NAN, -6};
+    const float values[] = {3, 5, -4, 5, -6, -5, NAN, -6};
     const conus_voxels voxels = region_scene_cubes(values, (const size_t[]){8, 1, 1}, 1, (const double[]){0, 0, 0});
     conus_roi *roi = region_scene_make(&voxels, 2);
     conus_overlap *overlap = region_scene_overlap(atlas, roi, NULL);
@@ -55,7 +55,7 @@ static void peaks_are_found(void **state)
     assert_near(region_scene_find(overlap, 1)->peak, -4, 0);
     assert_near(region_scene_find(overlap, 2)->peak, -6, 0);
     assert_near(region_scene_find(overlap, 2)->peak_point[0], 4, 1e-12);
-    assert_near(region_scene_find(overlap, 2)->volume, 2, 1e-12);
+    assert_near(region_scene_find(overlap, 2)->volume, 3, 1e-12);
     conus_overlap_destroy(overlap);
     conus_roi_destroy(roi);
     conus_atlas_destroy(atlas);
@@ -88,6 +88,26 @@ static void what_is_hidden_is_not_covered(void **state)
     assert_int_equal(conus_overlap_count(overlap), 2);
     assert_near(region_scene_find(overlap, 2)->volume, 256, 1e-9);
     assert_near(region_scene_find(overlap, 0)->volume, 256, 1e-9);
+    conus_overlap_destroy(overlap);
+    conus_roi_destroy(roi);
+    conus_atlas_destroy(atlas);
+}
+
+/* With areas and pathways hidden, nothing is left that could be covered. */
+static void hidden_pathways_are_not_covered(void **state)
+{
+    (void)state;
+    uint64_t seed = 6;
+    bool hidden[300];
+    conus_atlas *atlas = scene_atlas(&seed, 6, 2);
+    memset(hidden, true, sizeof hidden);
+    hidden[0] = false;
+    assert_true(atlas->object_count < 300);
+    assert_ok(conus_atlas_set_hidden(atlas, hidden));
+    conus_roi *roi = region_scene_whole(32, 1, (const double[]){-16, -16, -16});
+    conus_overlap *overlap = region_scene_overlap(atlas, roi, NULL);
+    assert_int_equal(conus_overlap_count(overlap), 1);
+    assert_near(region_scene_find(overlap, 0)->roi_fraction, 1, 0);
     conus_overlap_destroy(overlap);
     conus_roi_destroy(roi);
     conus_atlas_destroy(atlas);
@@ -282,7 +302,8 @@ static void what_is_no_region_is_refused(void **state)
 static conus_status make_overlap(void *data)
 {
     const float values[] = {0, 1, 1, 0};
-    const conus_voxels voxels = region_scene_cubes(values, (const size_t[]){4, 1, 1}, 1, (const double[]){0, 1, 1});
+    conus_voxels voxels = region_scene_cubes(values, (const size_t[]){4, 1, 1}, 1, (const double[]){0, 1, 1});
+    voxels.world_from_voxel[1] = 0.3; /* oblique: polyhedra need memory */
     conus_roi *roi = NULL;
     conus_overlap *overlap = NULL;
     conus_report *report = NULL;
@@ -337,6 +358,7 @@ int main(void)
         cmocka_unit_test(peaks_are_found),
         cmocka_unit_test(of_equal_peaks_the_first_counts),
         cmocka_unit_test(what_is_hidden_is_not_covered),
+        cmocka_unit_test(hidden_pathways_are_not_covered),
         cmocka_unit_test(lines_along_edges_lose_nothing),
         cmocka_unit_test(a_ball_is_counted_by_its_inside),
         cmocka_unit_test(no_more_than_a_thin_surface_is_counted),

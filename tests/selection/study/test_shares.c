@@ -244,7 +244,8 @@ static void search_point(struct found *found, const conus_atlas *atlas, const st
     }
     mat4_point(point, region->info.world_from_voxel, point);
     for (size_t v = 0; v < atlas->volume_count; v++) {
-        uint32_t object = object_at(&atlas->volumes[v], point);
+        bool is_context = atlas->volumes[v].info.role == CONUS_ROLE_CONTEXT;
+        uint32_t object = is_context ? 0 : object_at(&atlas->volumes[v], point);
         if (object) {
             note(&found[object], value, down);
             any = true;
@@ -297,6 +298,9 @@ static void volumes_are_as_a_lattice_finds_them(void **state)
     uint64_t seed = 5;
     for (int round = 0; round < 60; round++) {
         conus_atlas *atlas = scene_atlas(&seed, 12, round % 3);
+        if (round % 5 == 0) { /* a context is nothing that could be covered */
+            scene_add_blockers(atlas, &seed, (const size_t[]){6, 6, 6}, 0.3);
+        }
         const size_t dim[3] = {1 + (size_t)test_random(&seed, 0, 6), 1 + (size_t)test_random(&seed, 0, 6),
                                1 + (size_t)test_random(&seed, 0, 6)};
         conus_volume_info grid = round % 2 ? atlas->volumes[0].info : scene_grid(&seed, dim);
