@@ -61,7 +61,7 @@ int answer_write(conus_report *report, const char *path, const char *sidecar, co
         return answer_write_json(path, provenance, text, size);
     }
     if (!sidecar) {
-        return output_write(path, text, size);
+        return output_write_table(path, text, size);
     }
     char *kept = malloc(size + 1); /* the sidecar takes its place in the report */
     if (!kept) {
@@ -70,7 +70,7 @@ int answer_write(conus_report *report, const char *path, const char *sidecar, co
     }
     memcpy(kept, text, size);
     int code = answer_write_sidecar(report, path, sidecar, provenance, kept, size);
-    code = code ? code : output_write(path, kept, size);
+    code = code ? code : output_write_table(path, kept, size);
     free(kept);
     return code;
 }

@@ -2,10 +2,13 @@
 /* Prints error lines, maps statuses to exit codes, and suggests names for misspelt words. */
 #include "common/messages.h"
 
+#include "common/terminal.h"
+
 #include <errno.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 enum { LINE_SIZE = 2048, WORD_SIZE = 64 };
 
@@ -21,12 +24,18 @@ void make_plain_line(char *text)
     conus_plain_text(text);
 }
 
+/* On a terminal with colours a note is told from an error by its word. */
 static void print_error_list(const char *format, va_list args)
 {
+    static const char note[] = "note:";
     vsnprintf(said, sizeof said, format, args);
     make_plain_line(said);
     if (!is_held) {
-        fprintf(stderr, "conus: %s\n", said);
+        bool is_note = strncmp(said, note, strlen(note)) == 0;
+        const char *form = !terminal_has_colour(STDERR_FILENO) ? "conus: %s%s\n"
+                           : is_note                           ? "conus: \033[33m%s\033[0m%s\n"
+                                                               : "\033[1mconus:\033[0m %s%s\n";
+        fprintf(stderr, form, is_note ? note : "", said + (is_note ? strlen(note) : 0));
     }
 }
 

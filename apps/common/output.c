@@ -3,6 +3,8 @@
 #include "common/output.h"
 
 #include "common/messages.h"
+#include "common/table_fit.h"
+#include "common/terminal.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -10,6 +12,7 @@
 #include <string.h>
 #include <strings.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 bool output_is_stdout(const char *path)
 {
@@ -36,6 +39,27 @@ int output_write(const char *path, const char *text, size_t size)
     return EXIT_DONE;
 }
 
+static int write_fitted(const char *text, size_t size, const char *whole)
+{
+    if (!isatty(STDOUT_FILENO)) {
+        return output_write(NULL, text, size);
+    }
+    char *fitted = table_fit(text, terminal_width(STDOUT_FILENO), terminal_has_colour(STDOUT_FILENO), whole);
+    if (!fitted) {
+        print_error_line("not enough memory");
+        return EXIT_DATA;
+    }
+    int code = output_write(NULL, fitted, strlen(fitted));
+    free(fitted);
+    return code;
+}
+
+int output_write_table(const char *path, const char *text, size_t size)
+{
+    return output_is_stdout(path) ? write_fitted(text, size, "-o FILE or --format tsv has all")
+                                  : output_write(path, text, size);
+}
+
 int output_put(bool put(FILE *out, const void *what), const void *what)
 {
     char *text = NULL;
@@ -46,7 +70,7 @@ int output_put(bool put(FILE *out, const void *what), const void *what)
     int code = EXIT_DATA;
     if (whole) {
         conus_plain_text(text);
-        code = output_write(NULL, text, strlen(text));
+        code = write_fitted(text, strlen(text), "--format tsv has all");
     } else {
         print_error_line("not enough memory");
     }

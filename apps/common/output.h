@@ -16,6 +16,9 @@ bool output_is_stdout(const char *path);
 /** Writes to the file @p path, or to stdout. Returns the exit code and prints an error unless it is 0. */
 int output_write(const char *path, const char *text, size_t size);
 
+/** The same of tables for people: on a terminal they fit it, and their headers are bold. */
+int output_write_table(const char *path, const char *text, size_t size);
+
 /** Has @p put write a text about @p what, makes it plain, then writes it to stdout in one piece: nothing comes out of a
  * failure. Returns the exit code likewise. */
 int output_put(bool put(FILE *out, const void *what), const void *what);

@@ -1,0 +1,85 @@
+#!/usr/bin/env bats
+# What a terminal shows: tables that fit, bold headers, colours, progress. terminal.py is the terminal.
+load helpers
+
+# on COLUMNS COMMAND...: on a terminal as wide as that.
+on() {
+    /usr/bin/python3 "$BATS_TEST_DIRNAME/terminal.py" "$@"
+}
+
+setup_nested() {
+    conus phantom nested -o . --size 32 --spacing 2,2,2
+    ask=(query nested.nii.gz --origin 0,0,100 --toward 0,0,0 --angle 20 --layers all)
+    export TERM=xterm
+    unset NO_COLOR COLUMNS
+}
+
+# plain: without the sequences that make text bold or coloured.
+plain() {
+    sed 's/\x1b\[[0-9;]*m//g'
+}
+
+@test "on a terminal the columns that do not fit are left out from the last on, and a line says which" {
+    setup_nested
+    conus "${ask[@]}" >all
+    [ "$(wc -L <all)" -gt 100 ]
+    for width in 60 80 100; do
+        on $width "$CONUS" "${ask[@]}" | plain >fitted
+        [ "$(grep -E '^(rank| +of cone| +[0-9]+  )' fitted | wc -L)" -le $width ] # but not the lines between tables
+        [ "$(grep -c ' left out: .*; -o FILE or --format tsv has all$' fitted)" -eq 1 ]
+        # Each line is the beginning of the whole one, up to the end of a column of its header.
+        paste -d '\n' all <(grep -v ' left out: ' fitted) | awk 'NR % 2 { whole = $0; next }
+            substr(whole, 1, length($0)) != $0 { print "not its beginning: " $0; exit 1 }'
+        header=$(grep '^rank' fitted)
+        [[ "$(grep '^rank' all)" == "$header  "* ]]
+        left=$(grep '^rank' all | cut -c "$((${#header} + 1))-" | sed 's/^  *//; s/   */, /g; s/  /, /g')
+        count=$(grep '^rank' all | cut -c "$((${#header} + 1))-" | sed 's/^  *//; s/   */\n/g; s/  /\n/g' | wc -l)
+        grep -qx "$count columns* left out: $left; -o FILE or --format tsv has all" fitted
+    done
+    on 200 "$CONUS" "${ask[@]}" | plain | cmp - all
+    on 0 "$CONUS" "${ask[@]}" | plain | cmp - all
+    COLUMNS=80 on 0 "$CONUS" "${ask[@]}" | plain | grep -q ' left out: '
+    COLUMNS=200 on 80 "$CONUS" "${ask[@]}" | plain | grep -q ' left out: ' # the terminal knows better
+}
+
+@test "a file, a pipe and other formats have all columns, and no colour" {
+    setup_nested
+    conus "${ask[@]}" >all
+    on 40 bash -c '"$@" | cat >piped' - "$CONUS" "${ask[@]}"
+    cmp piped all
+    on 40 "$CONUS" "${ask[@]}" -o file.txt
+    cmp file.txt all
+    for format in tsv csv ndjson; do
+        conus "${ask[@]}" --format $format >wanted
+        on 40 "$CONUS" "${ask[@]}" --format $format | cmp - wanted
+    done
+}
+
+@test "the header is bold and the word note is coloured, unless NO_COLOR or TERM=dumb forbid it" {
+    setup_nested
+    ask=(query nested.nii.gz --origin 0,0,0 --toward 0,0,50)
+    on 200 "$CONUS" "${ask[@]}" >shown
+    grep -q $'^\x1b\\[1mrank  name' shown
+    grep -q $'^conus: \x1b\\[33mnote:\x1b\\[0m the device lies inside' shown
+    plain <shown | grep -q '^conus: note: the device lies inside'
+    on 80 "$CONUS" query nested.nii.gz --nonsense >shown || [ $? -eq 2 ]
+    grep -q $'^\x1b\\[1mconus:\x1b\\[0m unknown option --nonsense' shown
+    for setting in NO_COLOR=1 TERM=dumb TERM=; do
+        env "$setting" /usr/bin/python3 "$BATS_TEST_DIRNAME/terminal.py" 200 "$CONUS" "${ask[@]}" >shown
+        not grep -q $'\x1b' shown
+        grep -q '^conus: note: the device lies inside' shown
+    done
+    env NO_COLOR= /usr/bin/python3 "$BATS_TEST_DIRNAME/terminal.py" 200 "$CONUS" "${ask[@]}" | grep -q $'\x1b' # an empty one is none
+    run -0 --separate-stderr conus "${ask[@]}"
+    [[ $stderr != *$'\x1b'* ]]
+}
+
+@test "other tables fit, too" {
+    setup_nested
+    for command in "info nested.nii.gz" "sweep nested.nii.gz --origin 0,0,100 --toward 0,0,0 --angle 20" \
+        "query nested.nii.gz --point 0,0,20" "query nested.nii.gz --origin 0,0,100 --toward 0,0,0 --segments -"; do
+        read -ra words <<<"$command"
+        on 50 "$CONUS" "${words[@]}" | plain | grep -E '[^ ]   *[^ ]+   *[^ ]' >fitted || true
+        [ -s fitted ] && [ "$(wc -L <fitted)" -le 50 ] || { echo "$command:"; cat fitted; return 1; }
+    done
+}
