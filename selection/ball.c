@@ -55,7 +55,8 @@ static void set_shares(conus_selection *selection)
             census_walk(&selection->region, volume, add_count, &voxels);
             counted = volume;
         }
-        bool in_grid = volume && isfinite(result->volume);
+        bool is_surface = result->object && !result->voxels && atlas_object_mesh(atlas, result->object);
+        bool in_grid = volume && isfinite(result->volume) && !is_surface;
         result->share = in_grid && voxels ? (double)result->voxels / (double)voxels : NAN;
     }
 }
@@ -80,6 +81,8 @@ static conus_status answer_ball(conus_selection *selection, conus_selector *sele
                                         .near = &selector->near,
                                         .tracts = selector_take_tracts(selector, &selection->region),
                                         .tract_index = selector->tract_index,
+                                        .solids = &selector->solids,
+                                        .region = &selection->region,
                                         .whole = selector->whole,
                                         .group = level_group(selector->level)};
     status = statistics_gather(&selection->statistics, &gathering, &selector->tally);

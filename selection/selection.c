@@ -267,6 +267,8 @@ conus_status selection_complete(conus_selection *selection, conus_selector *sele
             .census = selection->has_layers ? &selector->census : NULL,
             .tracts = selection->has_layers ? selector_take_tracts(selector, &selection->region) : NULL,
             .tract_index = selector->tract_index,
+            .solids = selection->has_layers ? &selector->solids : NULL,
+            .region = &selection->region,
             .whole = selector->whole,
             .group = level_group(selector->level)};
         status = statistics_gather(&selection->statistics, &gathering, &selector->tally);

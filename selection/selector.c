@@ -97,6 +97,21 @@ static conus_status measure_objects(conus_selector *selector)
     return CONUS_OK;
 }
 
+/* The surfaces that measure_objects() has counted, but for those of objects whose whole is not known. */
+static conus_status list_solids(conus_selector *selector)
+{
+    const conus_atlas *atlas = selector->atlas;
+    conus_status status = CONUS_OK;
+    for (uint32_t number = 1; number <= atlas->object_count && !status; number++) {
+        const struct mesh *mesh = atlas_object_mesh(atlas, number);
+        if (mesh && !atlas->places[number - 1].is_hidden && !lies_in_mesh(selector, number) &&
+            selector->whole[level_group(selector->level)[number]] > 0) {
+            status = solids_add(&selector->solids, number, mesh);
+        }
+    }
+    return status;
+}
+
 conus_status conus_selector_create(conus_selector **out, const conus_atlas *atlas,
                                    const conus_selector_options *options)
 {
@@ -112,6 +127,7 @@ conus_status conus_selector_create(conus_selector **out, const conus_atlas *atla
     status = status ? status : check_options(&selector->options);
     status = status ? status : set_level(selector, selector->options.level);
     status = status ? status : measure_objects(selector);
+    status = status ? status : list_solids(selector);
     status = status ? status : census_labels_create(&selector->labels, atlas);
     if (!status) {
         if (selector->options.sampling == CONUS_SAMPLING_SLICES && selector->options.slice_fraction == 0) {
@@ -152,6 +168,7 @@ conus_status selector_share(conus_selector **out, const conus_selector *selector
                                .labels = selector->labels,
                                .tract_index = selector->tract_index,
                                .whole = selector->whole,
+                               .solids = selector->solids,
                                .inside_only = selector->inside_only,
                                .is_shared = true};
     memcpy(shared->box, selector->box, sizeof shared->box);
@@ -217,6 +234,7 @@ void conus_selector_destroy(conus_selector *selector)
             level_destroy(selector->level);
             memory_free(selector->level_spec);
             memory_free(selector->whole);
+            solids_finish(&selector->solids);
             census_labels_destroy(selector->labels, selector->volume_count);
         }
         if (selector->owns_axis) {

@@ -30,9 +30,10 @@ struct conus_selector {
     struct tract_index *tract_index; /**< NULL until selector_prepare_tracts(), and without bundles. */
     bool owns_tract_index;           /**< It is not another selector's. */
     struct tract_census tracts;
-    double *whole;    /**< [object_count + 1] Volumes of what is reported, mm^3; with all layers. */
-    bool inside_only; /**< Of its selections only the pixels in the cone will be traced. */
-    bool is_shared;   /**< Engine, level and volumes are another selector's. */
+    struct solids solids; /**< What is counted of surfaces; with all layers, and for balls. */
+    double *whole;        /**< [object_count + 1] Volumes of what is reported, mm^3; with all layers. */
+    bool inside_only;     /**< Of its selections only the pixels in the cone will be traced. */
+    bool is_shared;       /**< Engine, level and volumes are another selector's. */
 };
 
 /** A selector like @p selector, which must outlive it, with the same engine and scratch of its own: each may answer on

@@ -178,7 +178,8 @@ typedef struct conus_result {
     double exit;          /**< Farthest exit of any of these rays, mm from the apex. */
     double path;          /**< Mean length of these rays inside it, mm. */
     uint64_t voxels;      /**< Its voxels whose centre is in the cone. */
-    double volume;        /**< Their volume, mm^3; of a mesh, estimated from the rays. */
+    double volume;        /**< Their volume, mm^3, or that of a closed surface's inside in the cone; of another surface
+                               an estimate from the rays. */
     double fraction;      /**< That volume as a part of the object's whole volume. */
     double cone_fraction; /**< That volume as a part of the volume of all areas in the cone. */
     double sum_value;     /**< Of a pathway: sum of the values of these voxels. */

@@ -26,7 +26,9 @@ struct tallied {
     double last_exit;    /* and how far they reach */
     double entry, exit;
     double length; /* of all its intervals' union, over all rays, but for the last run */
-    double volume; /* of its meshes                          */
+    double volume; /* of its meshes, by rays                 */
+    double solid;  /* of its surfaces in the region,         */
+    bool is_solid; /* where that was counted                 */
     bool in_grid;  /* some of it is voxels,                  */
     uint64_t voxels;
     double mm3; /* of which these are in the cone         */
@@ -272,13 +274,39 @@ static void add_streamlines(struct tally *tally, const struct gathering *gatheri
     }
 }
 
+/* A surface has a result where some of its inside is in the region, though no ray may pass it. */
+static void add_solids(struct tally *tally, const struct gathering *gathering)
+{
+    struct region_solid region;
+    region_solid_init(&region, gathering->region);
+    for (size_t i = 0; i < gathering->solids->count; i++) {
+        const struct solid *solid = &gathering->solids->solids[i];
+        uint32_t number = group_of(gathering, solid->object);
+        double volume = solid_volume(solid, &region);
+        if (volume != 0 || tally->objects[number].touched) {
+            struct tallied *to = touch(tally, number);
+            to->solid += volume;
+            to->is_solid = true;
+        }
+    }
+}
+
 /* ---- Results ------------------------------------------------------------------------------------------------ */
 
-/* mm^3 in the cone: of voxels by count, of meshes from the rays, for each of which `total` is the whole cone. */
+/* mm^3 in the cone: of voxels by count, of surfaces by their triangles or, where these enclose no known volume, from
+ * the rays, for each of which `total` is the whole cone. */
 static double volume_of(const struct tallied *object, const struct gathering *gathering, double total)
 {
-    double of_meshes = object->volume > 0 ? object->volume / total * cone_cross_section(gathering->cone) : 0;
-    return object->mm3 + of_meshes;
+    double from_rays = object->volume > 0 ? object->volume / total * cone_cross_section(gathering->cone) : 0;
+    return object->mm3 + (object->is_solid ? object->solid : from_rays);
+}
+
+/* Its sums are rounded. */
+static double fraction_of(double volume, double whole)
+{
+    static const double rounding = 1e-9;
+    double fraction = whole > 0 ? volume / whole : NAN;
+    return fraction > 1 && fraction < 1 + rounding ? 1 : fraction;
 }
 
 /* Of all areas in the cone. */
@@ -319,12 +347,11 @@ static void describe_layers(conus_result *result, const struct tallied *object, 
         result->exit = object->exit;
         result->path = (object->length + (object->last_exit - object->run_entry)) / object->pierced;
     }
-    if (object->in_grid || object->volume > 0) {
+    if (object->in_grid || object->is_solid || object->volume > 0) {
         result->volume = volume_of(object, gathering, totals->weight);
     }
     if (result->object && result->volume >= 0) {
-        double whole = gathering->whole[result->object];
-        result->fraction = whole > 0 ? result->volume / whole : NAN;
+        result->fraction = fraction_of(result->volume, gathering->whole[result->object]);
         result->cone_fraction = pathway || totals->areas == 0 ? NAN : result->volume / totals->areas;
     }
 }
@@ -420,6 +447,11 @@ conus_status statistics_gather(struct statistics *out, const struct gathering *g
     }
     if (gathering->census) {
         add_census(tally, gathering);
+    }
+    if (gathering->solids) {
+        add_solids(tally, gathering);
+    }
+    if (gathering->census) {
         totals.areas = volume_of_areas(tally, gathering, totals.weight);
     }
     size_t count = tally->touched_count;

@@ -7,6 +7,7 @@
 #include "selection/evidence/layers.h"
 #include "selection/measure/census.h"
 #include "selection/measure/near.h"
+#include "selection/measure/solids.h"
 #include "selection/measure/tract_census.h"
 
 struct statistics {
@@ -41,15 +42,17 @@ struct gathering {
     const struct near *near;           /**< What is near to a ball's centre; with its census.                        */
     const struct tract_census *tracts; /**< Of the streamlines there, with a census; NULL = there is no bundle. */
     const struct tract_index *tract_index;
-    const double *whole;   /**< [object_count + 1] Whole volumes of the objects, with layers, mm^3.  */
-    const uint32_t *group; /**< [object_count + 1] As what each object is reported; NULL = itself. */
+    const struct solids *solids; /**< Surfaces whose inside is counted; with a census. NULL = none. */
+    const struct region *region; /**< In which it is; with solids.                                 */
+    const double *whole;         /**< [object_count + 1] Whole volumes of the objects, with layers, mm^3.  */
+    const uint32_t *group;       /**< [object_count + 1] As what each object is reported; NULL = itself. */
 };
 
 /** Gathers pixels, share (Eq. 4), nearest distance, smallest offset and contact (Eq. 11) of each object that an
  * in-cone pixel hit first, and with layers pierced pixels, entry, exit and path length, and what lies in the cone,
- * by the census or, of meshes, by rays (Eq. 10): objects with a voxel there have a result even if no ray hits them. So
- * have bundles with a streamline there (Eq. 19). Of a ball, which has no pixels, distance and contact are those of what
- * is near. @p tally is prepared for the atlas's objects. */
+ * by the census, of surfaces by their triangles (Eq. 10): objects with a voxel or some of their inside there have a
+ * result even if no ray hits them. So have bundles with a streamline there (Eq. 19). Of a ball, which has no pixels,
+ * distance and contact are those of what is near. @p tally is prepared for the atlas's objects. */
 conus_status statistics_gather(struct statistics *out, const struct gathering *gathering, struct tally *tally);
 
 /** The result of an object of which nothing is known. */

@@ -100,8 +100,7 @@ static bool clip_square(double s[2], const double at[3], const double step[3], d
     return true;
 }
 
-/* Cuts s to where the line v + s u from the region's origin lies in it. */
-static bool clip(double s[2], const struct region *region, const double v[3], const double u[3])
+bool region_line(double s[2], const struct region *region, const double v[3], const double u[3])
 {
     double at[3];
     double step[3];
@@ -130,7 +129,7 @@ bool region_segment(double out[2], const struct region *region, double ends[2][3
         double u[3];
         vec3_sub(v, ends[0], region->origin);
         vec3_sub(u, ends[1], ends[0]);
-        bool found = clip(s, region, v, u);
+        bool found = region_line(s, region, v, u);
         if (inside[0] || inside[1]) {
             s[0] = inside[0] ? 0 : found ? s[0] : 1;
             s[1] = inside[1] ? 1 : found ? s[1] : 0;

@@ -14,6 +14,11 @@
  * met within 1e-12 of the coordinates' size, in mm. */
 bool region_segment(double out[2], const struct region *region, double ends[2][3], const bool inside[2]);
 
+/** Cuts @p s to where the line @p v + s @p u, both from the region's origin, lies in it; false where that leaves
+ * nothing.
+ */
+bool region_line(double s[2], const struct region *region, const double v[3], const double u[3]);
+
 /** Where the box, its border included, lies. Outside: region_has() holds at none of its points, and no segment in it
  * comes in; inside: it holds at all of them. A box at the border may get TRACT_PERHAPS either way. */
 enum tract_answer region_box(const struct region *region, const double low[3], const double high[3]);

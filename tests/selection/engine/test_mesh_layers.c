@@ -88,11 +88,10 @@ static void chords_converge_with_the_square_of_the_edges(void **state)
     assert_true(fine < coarse / 12);
 }
 
-static void volumes_of_rays_converge_to_the_mesh_s(void **state)
+static void volumes_are_the_mesh_s_whatever_the_rays(void **state)
 {
     (void)state;
-    static const uint32_t sizes[] = {16, 64, 256};
-    static const double allowed[] = {0.04, 0.005, 0.0007};
+    static const uint32_t sizes[] = {1, 16, 64};
     for (int aperture = 0; aperture < 2; aperture++) {
         conus_atlas *atlas = atlas_of(mesh_scene_sphere((double[]){1, 2, 3}, 20, 60, 90));
         for (int i = 0; i < 3; i++) {
@@ -101,8 +100,8 @@ static void volumes_of_rays_converge_to_the_mesh_s(void **state)
             options.resolution = sizes[i];
             options.aperture = aperture ? CONUS_APERTURE_SQUARE : CONUS_APERTURE_CIRCLE;
             conus_result row = measure(atlas, &options, &cone);
-            assert_near(row.volume, conus_atlas_object(atlas, 1)->volume_mm3, allowed[i] * row.volume);
-            assert_near(row.fraction, 1, allowed[i]);
+            assert_near(row.volume, conus_atlas_object(atlas, 1)->volume_mm3, 0);
+            assert_near(row.fraction, 1, 0);
             assert_near(row.cone_fraction, 1, 1e-12);
         }
         conus_atlas_destroy(atlas);
@@ -373,7 +372,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(chords_converge_with_the_square_of_the_edges),
-        cmocka_unit_test(volumes_of_rays_converge_to_the_mesh_s),
+        cmocka_unit_test(volumes_are_the_mesh_s_whatever_the_rays),
         cmocka_unit_test(an_inward_facing_mesh_is_the_same),
         cmocka_unit_test(a_cylinder_through_a_sphere),
         cmocka_unit_test(a_range_cuts_a_sphere_to_a_slab),

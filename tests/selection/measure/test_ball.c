@@ -223,7 +223,10 @@ static void a_mesh_has_no_voxels(void **state)
     const conus_result *area = conus_selection_result(selection, 0);
     assert_int_equal(area->object, 2);
     assert_near(area->distance, 0, 0);
-    assert_true(isnan(area->volume) && isnan(area->share));
+    assert_near(area->volume, 36 * MATH3_PI, 1e-9); /* the ball lies in the cube */
+    assert_near(area->fraction, 0.036 * MATH3_PI, 1e-12);
+    assert_int_equal(area->voxels, 0);
+    assert_true(isnan(area->share));
     conus_selection_destroy(selection);
 }
 
