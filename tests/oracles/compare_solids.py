@@ -21,7 +21,6 @@ import numpy as np
 
 ALLEN = "meshes/brainglobe-allen-ccf2017-subset"
 SIGMAS = 4
-CELLS = 300  # along both edges of the grid by which points are found
 
 # options; half the angle, radius, square, range
 SHAPES = [(["--angle", "30"], 15.0, 0.0, False, (0.0, np.inf)),
@@ -34,17 +33,18 @@ SHAPES = [(["--angle", "30"], 15.0, 0.0, False, (0.0, np.inf)),
 def windings(points, vertices, triangles):
     """How often the surface winds around each point: ways out less ways in, upwards."""
     low, high = vertices[:, :2].min(0), vertices[:, :2].max(0)
-    cell = np.minimum((points[:, :2] - low) / (high - low) * CELLS, CELLS - 1).astype(int)
-    order = np.argsort(cell[:, 0] * CELLS + cell[:, 1], kind="stable")
-    first = np.searchsorted((cell[:, 0] * CELLS + cell[:, 1])[order], np.arange(CELLS * CELLS + 1))
+    cells = int(np.sqrt(len(points) / 10)) + 1  # along both edges of the grid by which points are found
+    cell = np.minimum((points[:, :2] - low) / (high - low) * cells, cells - 1).astype(int)
+    order = np.argsort(cell[:, 0] * cells + cell[:, 1], kind="stable")
+    first = np.searchsorted((cell[:, 0] * cells + cell[:, 1])[order], np.arange(cells * cells + 1))
     sorted_points, counts = points[order], np.zeros(len(points), int)
     corners = vertices[triangles]
     ends = np.stack([corners[:, :, :2].min(1), corners[:, :, :2].max(1)], 1)
-    ends = np.clip((ends - low) / (high - low) * CELLS, 0, CELLS - 1).astype(int)
+    ends = np.clip((ends - low) / (high - low) * cells, 0, cells - 1).astype(int)
     for (a, b, c), (begin, end) in zip(corners, ends):
         det = (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1])
         for row in range(begin[0], end[0] + 1) if det else ():
-            near = slice(first[row * CELLS + begin[1]], first[row * CELLS + end[1] + 1])
+            near = slice(first[row * cells + begin[1]], first[row * cells + end[1] + 1])
             x, y, z = sorted_points[near].T
             u = ((x - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (y - a[1])) / det
             v = ((b[0] - a[0]) * (y - a[1]) - (x - a[0]) * (b[1] - a[1])) / det
