@@ -4,6 +4,7 @@
 
 #include "common/messages.h"
 #include "common/output.h"
+#include "common/outputs.h"
 #include "common/provenance.h"
 #include "settings/aim_notes.h"
 #include "settings/atlas_notes.h"
@@ -133,6 +134,9 @@ static int check_files(const struct work *work)
     const char *input = work->output ? atlases_input(&work->atlases, inputs, work->sidecar) : NULL;
     const char *option = settings->of_segments ? "--segments" : "--output";
     int code = input ? print_usage_error("%s would overwrite %s %s", option, input, work->sidecar) : EXIT_DONE;
+    code = code || !work->output ? code : outputs_check_name(work->output); /* of a table of batches, too */
+    code = code || !work->output ? code : outputs_check_name(settings->poses);
+    code = code || !work->output ? code : atlases_check_names(&work->atlases);
     for (size_t i = 0; work->output && !code && i < sizeof endings / sizeof endings[0]; i++) {
         char *path = NULL;
         if (asprintf(&path, "%s%s", work->output, endings[i]) < 0) {
@@ -143,6 +147,7 @@ static int check_files(const struct work *work)
         code = input ? print_usage_error("%s would overwrite %s %s", option, input, path) : EXIT_DONE;
         free(path);
     }
+    code = code || !work->output ? code : outputs_check_sidecar(work->sidecar);
     return code;
 }
 
@@ -239,6 +244,9 @@ int work_init(struct work *out, const struct batch_settings *settings, const str
     }
     code = out->output ? output_check_file(out->output) : EXIT_DONE;
     code = code || !out->sidecar ? code : output_check_file(out->sidecar);
+    for (int i = 1; out->output && i < arguments->count && !code; i++) {
+        code = outputs_check_name(arguments->words[i]);
+    }
     return code ? code : atlases_name(&out->atlases, arguments->operands[0], &settings->atlas);
 }
 

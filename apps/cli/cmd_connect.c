@@ -45,38 +45,14 @@ static int add_answer(struct connect *connect, size_t index)
     return matrix_file_take(&connect->matrix, surveyor->selector, &report, "1", connectivity);
 }
 
-/* Whether no output is a file that is read, or another output. */
-static bool check_outputs(const struct connect *connect)
-{
-    const char *output = connect->settings->survey.answer.output;
-    const char *const outputs[] = {output_is_stdout(output) ? NULL : output, connect->survey.sidecar,
-                                   connect->matrix.path};
-    static const char *const names[] = {"--output", "the .json beside --output", "--connectivity"};
-    for (size_t i = 0; i < 3; i++) {
-        const char *input = outputs[i] ? survey_input(&connect->survey, outputs[i]) : NULL;
-        if (input) {
-            print_error_line("%s would overwrite %s %s", names[i], input, outputs[i]);
-            return false;
-        }
-        for (size_t j = 0; outputs[i] && j < i; j++) {
-            if (outputs[j] && paths_equal(outputs[i], outputs[j])) {
-                print_error_line("%s and %s are the same file %s", names[j], names[i], outputs[i]);
-                return false;
-            }
-        }
-    }
-    return true;
-}
-
 static int answer(struct connect *connect)
 {
     struct survey *survey = &connect->survey;
     struct provenance provenance = {0};
     int code = survey_load(survey);
     code = code ? code : survey_start(survey, &rows);
-    if (!code && (!check_outputs(connect) || !ends_check_atlases(&survey->atlases))) {
-        return EXIT_USAGE;
-    }
+    code = code ? code : survey_check_outputs(survey, connect->matrix.path);
+    code = code || ends_check_atlases(&survey->atlases) ? code : EXIT_USAGE;
     for (size_t i = 0; !code && i < survey->atlases.count; i++) {
         code = add_answer(connect, i);
     }

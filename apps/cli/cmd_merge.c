@@ -7,6 +7,7 @@
 #include "common/input_file.h"
 #include "common/messages.h"
 #include "common/output.h"
+#include "common/outputs.h"
 #include "common/provenance.h"
 
 #include <errno.h>
@@ -255,6 +256,7 @@ static int check_paths(const struct merge *merge)
     }
     int code = output_check_file(output);
     code = code ? code : output_check_file(merge->sidecar);
+    code = code ? code : outputs_check_sidecar(merge->sidecar);
     for (size_t i = 0; i < merge->count && !code; i++) {
         const struct part *part = &merge->parts[i];
         if (is_of(part, output) || is_of(part, merge->sidecar)) {

@@ -182,25 +182,11 @@ static int start(struct overlap *overlap)
     return code ? code : survey_start(&overlap->survey, &rows);
 }
 
-/* Whether no output is a file that is read. */
-static bool check_output(const struct overlap *overlap, const char *path)
-{
-    const char *input = path ? survey_input(&overlap->survey, path) : NULL;
-    if (input) {
-        print_error_line("--output would overwrite %s %s", input, path);
-    }
-    return !input;
-}
-
 static int answer(struct overlap *overlap)
 {
-    const char *output = overlap->settings->survey.answer.output;
     struct provenance provenance = {0};
     int code = start(overlap);
-    if (!code && (!check_output(overlap, output_is_stdout(output) ? NULL : output) ||
-                  !check_output(overlap, overlap->survey.sidecar))) {
-        return EXIT_USAGE;
-    }
+    code = code ? code : survey_check_outputs(&overlap->survey, NULL);
     for (size_t i = 0; !code && i < region_count(overlap); i++) {
         code = add_region(overlap, region_path(overlap, i));
     }

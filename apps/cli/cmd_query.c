@@ -411,11 +411,11 @@ static int answer_query(struct query *query)
         return code;
     }
     bool has_ends = query->settings->ends.endpoints || query->settings->ends.connectivity;
-    if (!inquiry_check_inputs(inquiry, NULL) || !check_voxels(query) ||
-        (has_ends && !ends_check_atlases(&inquiry->atlases))) {
+    if (!check_voxels(query) || (has_ends && !ends_check_atlases(&inquiry->atlases))) {
         return EXIT_USAGE;
     }
-    code = inquiry_match(inquiry);
+    code = inquiry_check_outputs(inquiry, NULL);
+    code = code ? code : inquiry_match(inquiry);
     if (code) {
         return code;
     }
@@ -449,7 +449,7 @@ static int start_segments(struct query *query)
                               answer_has_format ? CONUS_FORMAT_TABLE : inquiry->format);
     if (path) {
         inquiry_add_output(inquiry, "--segments", output_is_stdout(path) ? NULL : path);
-        inquiry_add_output(inquiry, "the .json beside --segments", query->segments.sidecar);
+        inquiry_add_sidecar(inquiry, "the .json beside --segments", query->segments.sidecar);
     }
     return code;
 }
@@ -460,7 +460,7 @@ static int start_ends(struct query *query)
     const struct ends_settings *settings = &query->settings->ends;
     int code = ends_init(&query->ends, settings, inquiry->arguments);
     inquiry_add_output(inquiry, "--endpoints", settings->endpoints);
-    inquiry_add_output(inquiry, "the .json beside --endpoints", query->ends.rows.sidecar);
+    inquiry_add_sidecar(inquiry, "the .json beside --endpoints", query->ends.rows.sidecar);
     inquiry_add_output(inquiry, "--connectivity", settings->connectivity);
     return code;
 }
@@ -476,7 +476,7 @@ static int start_outputs(struct query *query)
     inquiry_add_output(inquiry, "--image", settings->image);
     inquiry_add_output(inquiry, "--deep", settings->deep);
     inquiry_add_output(inquiry, "--mask", settings->mask.path);
-    inquiry_add_output(inquiry, "the .json beside --mask", query->mask.sidecar);
+    inquiry_add_sidecar(inquiry, "the .json beside --mask", query->mask.sidecar);
     inquiry_add_output(inquiry, "--streamlines-out", settings->streamlines.path);
     int code = settings_contacts(&query->contacts, &settings->axis);
     code = code ? code : start_segments(query);
@@ -484,7 +484,7 @@ static int start_outputs(struct query *query)
     if (code) {
         return code;
     }
-    return check_format(inquiry) && inquiry_check_outputs(inquiry) ? EXIT_DONE : EXIT_USAGE;
+    return check_format(inquiry) && outputs_differ(inquiry->outputs, inquiry->output_count) ? EXIT_DONE : EXIT_USAGE;
 }
 
 static int run_query(const void *given, const struct arguments *arguments)

@@ -358,8 +358,9 @@ static int answer_sweep(struct sweep *sweep)
     struct inquiry *inquiry = &sweep->inquiry;
     int code = inquiry_load(inquiry, load_poses, inquiry);
     code = code ? code : inquiry_match(inquiry);
-    if (code || !inquiry_check_inputs(inquiry, NULL)) {
-        return code ? code : EXIT_USAGE;
+    code = code ? code : inquiry_check_outputs(inquiry, NULL);
+    if (code) {
+        return code;
     }
     conus_status status = start_sweep(sweep);
     code = status ? print_status(status) : answer_all(sweep);

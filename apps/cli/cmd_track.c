@@ -373,10 +373,8 @@ static int answer_track(struct track *track)
 {
     struct inquiry *inquiry = &track->inquiry;
     int code = inquiry_load(inquiry, open_poses, track);
-    if (code || !inquiry_check_inputs(inquiry, track->settings->station.world_from_tracker)) {
-        return code ? code : EXIT_USAGE;
-    }
-    code = inquiry_match(inquiry);
+    code = code ? code : inquiry_check_outputs(inquiry, track->settings->station.world_from_tracker);
+    code = code ? code : inquiry_match(inquiry);
     if (code) {
         return code;
     }

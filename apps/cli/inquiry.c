@@ -24,7 +24,13 @@ bool inquiry_check(const struct inquiry_settings *settings, const struct argumen
 void inquiry_add_output(struct inquiry *inquiry, const char *what, const char *path)
 {
     assert(inquiry->output_count < INQUIRY_OUTPUTS);
-    inquiry->outputs[inquiry->output_count++] = (struct output){what, path};
+    inquiry->outputs[inquiry->output_count++] = (struct output){.what = what, .path = path};
+}
+
+void inquiry_add_sidecar(struct inquiry *inquiry, const char *what, const char *path)
+{
+    inquiry_add_output(inquiry, what, path);
+    inquiry->outputs[inquiry->output_count - 1].is_sidecar = true;
 }
 
 int inquiry_init(struct inquiry *out, const struct inquiry_settings *settings, const struct arguments *arguments)
@@ -41,7 +47,7 @@ int inquiry_init(struct inquiry *out, const struct inquiry_settings *settings, c
     }
     int code = answer_sidecar(&out->sidecar, out->format, &settings->answer);
     inquiry_add_output(out, "--output", output_is_stdout(output) ? NULL : output);
-    inquiry_add_output(out, settings->answer.sidecar ? "--sidecar" : "the .json beside --output", out->sidecar);
+    inquiry_add_sidecar(out, settings->answer.sidecar ? "--sidecar" : "the .json beside --output", out->sidecar);
     return code;
 }
 
@@ -60,28 +66,14 @@ void inquiry_finish(struct inquiry *inquiry)
     free(inquiry->sidecar);
 }
 
-bool inquiry_check_outputs(const struct inquiry *inquiry)
-{
-    for (size_t i = 0; i < inquiry->output_count; i++) {
-        const struct output *one = &inquiry->outputs[i];
-        for (size_t j = 0; one->path && j < i; j++) {
-            const struct output *other = &inquiry->outputs[j];
-            if (other->path && paths_equal(one->path, other->path)) {
-                print_error_line("%s and %s are the same file %s", other->what, one->what, one->path);
-                return false;
-            }
-        }
-    }
-    return true;
-}
-
 static const char *coordinates_of(const struct inquiry *inquiry)
 {
     return inquiry->poses ? conus_pose_list_coordsystem(inquiry->poses)
                           : conus_pose_stream_coordsystem(inquiry->stream);
 }
 
-bool inquiry_check_inputs(const struct inquiry *inquiry, const char *matrix)
+/* Whether no output is a file that is read; prints an error if one is. */
+static bool check_inputs(const struct inquiry *inquiry, const char *matrix)
 {
     const struct inquiry_settings *settings = inquiry->settings;
     const struct input inputs[] = {{"the label table", settings->atlas.labels},
@@ -99,6 +91,16 @@ bool inquiry_check_inputs(const struct inquiry *inquiry, const char *matrix)
         }
     }
     return true;
+}
+
+int inquiry_check_outputs(const struct inquiry *inquiry, const char *matrix)
+{
+    const struct arguments *arguments = inquiry->arguments;
+    bool fits = outputs_differ(inquiry->outputs, inquiry->output_count) && check_inputs(inquiry, matrix);
+    int code = fits ? answer_check_names(inquiry->format, inquiry->outputs, inquiry->output_count, arguments,
+                                         &inquiry->atlases)
+                    : EXIT_USAGE;
+    return code ? code : outputs_check(inquiry->outputs, inquiry->output_count, inquiry->settings->answer.force);
 }
 
 void inquiry_list_inputs(struct provenance *out, const struct inquiry *inquiry)

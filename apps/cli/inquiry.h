@@ -6,6 +6,7 @@
 #define CONUS_CLI_INQUIRY_H
 
 #include "cli/answers/answer_format.h"
+#include "common/outputs.h"
 #include "settings/pose_settings.h"
 
 struct inquiry_settings {
@@ -43,12 +44,6 @@ struct inquiry_settings {
 
 enum { INQUIRY_OUTPUTS = 13 };
 
-/** A file that is written. */
-struct output {
-    const char *what; /**< "--output", for messages. */
-    const char *path; /**< NULL = none. */
-};
-
 /** What answers for one atlas. */
 struct answerer {
     conus_selector *selector;
@@ -83,10 +78,10 @@ void inquiry_finish(struct inquiry *inquiry);
 
 /** Adds an output to those that are checked. */
 void inquiry_add_output(struct inquiry *inquiry, const char *what, const char *path);
-/** Whether all outputs are different files; prints an error if not. */
-bool inquiry_check_outputs(const struct inquiry *inquiry);
-/** Whether no output is a file that is read, @p matrix (NULL = none) or the atlas's among them; likewise. */
-bool inquiry_check_inputs(const struct inquiry *inquiry, const char *matrix);
+void inquiry_add_sidecar(struct inquiry *inquiry, const char *what, const char *path);
+/** Checks that all outputs are different files, none is a file that is read, @p matrix (NULL = none) or the atlas's
+ * among them, and none is there already, unless --force is given. */
+int inquiry_check_outputs(const struct inquiry *inquiry, const char *matrix);
 
 /** Adds what was read besides the atlases: the poses, their coordinate system, the areas of --level. */
 void inquiry_list_inputs(struct provenance *out, const struct inquiry *inquiry);

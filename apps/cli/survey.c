@@ -83,12 +83,28 @@ int survey_start(struct survey *survey, const conus_report_options *rows)
     return status ? print_status(status) : EXIT_DONE;
 }
 
-const char *survey_input(const struct survey *survey, const char *path)
+int survey_check_outputs(const struct survey *survey, const char *matrix)
 {
-    const struct input inputs[] = {{"the label table", survey->settings->atlas.labels},
-                                   {"the list of areas", settings_level_file(&survey->settings->engine)},
+    const struct survey_settings *settings = survey->settings;
+    const char *output = settings->answer.output;
+    const struct input inputs[] = {{"the label table", settings->atlas.labels},
+                                   {"the list of areas", settings_level_file(&settings->engine)},
                                    {0}};
-    return atlases_input(&survey->atlases, inputs, path);
+    const struct output outputs[] = {
+        {"--output", output_is_stdout(output) ? NULL : output, false},
+        {settings->answer.sidecar ? "--sidecar" : "the .json beside --output", survey->sidecar, true},
+        {"--connectivity", matrix, false}};
+    enum { COUNT = sizeof outputs / sizeof outputs[0] };
+    for (size_t i = 0; i < COUNT; i++) {
+        const char *input = outputs[i].path ? atlases_input(&survey->atlases, inputs, outputs[i].path) : NULL;
+        if (input) {
+            return print_usage_error("%s would overwrite %s %s", outputs[i].what, input, outputs[i].path);
+        }
+    }
+    int code = outputs_differ(outputs, COUNT)
+                   ? answer_check_names(survey->format, outputs, COUNT, survey->arguments, &survey->atlases)
+                   : EXIT_USAGE;
+    return code ? code : outputs_check(outputs, COUNT, settings->answer.force);
 }
 
 void survey_describe(const struct survey *survey, struct provenance *provenance)

@@ -19,9 +19,12 @@ bool output_is_stdout(const char *path)
     return !path || strcmp(path, "-") == 0;
 }
 
+/* Whoever closed the pipe, `head` for example, has what it wants: only the exit code says so. */
 static int print_stdout_error(int error)
 {
-    print_error_line("standard output: cannot write: %s", strerror(error));
+    if (error != EPIPE) {
+        print_error_line("standard output: cannot write: %s", strerror(error));
+    }
     return EXIT_DATA;
 }
 

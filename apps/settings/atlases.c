@@ -4,6 +4,7 @@
 
 #include "common/messages.h"
 #include "common/output.h"
+#include "common/outputs.h"
 #include "settings/atlas_name.h"
 
 #include <stdio.h>
@@ -170,6 +171,18 @@ const char *atlases_input(const struct atlases *atlases, const struct input *inp
         what = paths_equal(item->given, path) ? "the atlas" : settings_input(item->atlas, inputs, path);
     }
     return what;
+}
+
+int atlases_check_names(const struct atlases *atlases)
+{
+    int code = EXIT_DONE;
+    for (size_t i = 0; i < atlases->count; i++) {
+        const conus_atlas *atlas = atlases->items[i].atlas;
+        for (size_t k = 0; k < conus_atlas_file_count(atlas) && !code; k++) {
+            code = outputs_check_name(conus_atlas_file(atlas, k));
+        }
+    }
+    return code;
 }
 
 /* ---- Spaces ------------------------------------------------------------------------------------------------------ */

@@ -36,6 +36,10 @@ void atlases_finish(struct atlases *atlases);
  * from, so that no output overwrites it; NULL if it is none of them. */
 const char *atlases_input(const struct atlases *atlases, const struct input *inputs, const char *path);
 
+/** Whether a sidecar can hold the names of all files that were read. Returns the exit code and prints an error unless
+ * it is 0. */
+int atlases_check_names(const struct atlases *atlases);
+
 /** Whether the headers of two volumes, NULL = none, name different spaces. */
 bool spaces_differ(const conus_volume_info *a, const conus_volume_info *b);
 

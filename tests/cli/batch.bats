@@ -414,12 +414,12 @@ wait_for_lines() {
     grep -q 'standard output: cannot write: No space left on device' said
 }
 
-@test "a closed pipe ends it with a message" {
+@test "a closed pipe ends it" {
     setup_ball 5000
     set +o pipefail
     { batch 2>said || echo $? >code; } | head -n 1 >first
     [ "$(cat code)" -eq 3 ]
-    grep -q 'standard output: cannot write: Broken pipe' said
+    [ ! -s said ]
 }
 
 @test "SIGINT and SIGTERM finish the block and say how to go on" {
@@ -486,7 +486,7 @@ pipe_in() {
     wait "$pid" || code=$?
     exec 5>&-
     [ "$code" -eq 3 ]
-    grep -q 'standard output: cannot write: Broken pipe' said
+    [ ! -s said ]
 }
 
 @test "two runs do not write one file" {

@@ -163,15 +163,15 @@ PYTHON
     printf 'query_id,x,y,z,tx,ty,tz,time_s\n"one, two",0,-50,0,0,0,0,0\nlost,0,0,0,0,0,0,1\n3,5,-50,3,0,0,0,2\n' >poses.csv
     local of=(slabs.nii.gz --labels names.tsv --quiet)
     for format in csv tsv; do
-        run -1 conus query "${of[@]}" --pose poses.csv -o "query.$format"
+        run -1 conus query "${of[@]}" --force --pose poses.csv -o "query.$format"
         run -1 conus query "${of[@]}" --pose poses.csv --layers all --format $format
         printf '%s\n' "$output" | grep -v '^conus: ' >"layers.$format"
         run -1 conus batch "${of[@]}" --poses poses.csv --force -o "batch.$format"
         run -1 conus batch "${of[@]}" --poses poses.csv --force --summary --format $format -o "summary.$format"
-        run -1 conus track "${of[@]}" --poses poses.csv --score intenselect -o "track.$format"
-        run -1 conus sweep "${of[@]}" --pose poses.csv -o "admissions.$format"
-        run -1 conus sweep "${of[@]}" --pose poses.csv --angles 5,10 -o "shares.$format"
-        run -1 conus sweep "${of[@]}" --pose poses.csv --jitter 2,1 --samples 16 -o "chances.$format"
+        run -1 conus track "${of[@]}" --force --poses poses.csv --score intenselect -o "track.$format"
+        run -1 conus sweep "${of[@]}" --force --pose poses.csv -o "admissions.$format"
+        run -1 conus sweep "${of[@]}" --force --pose poses.csv --angles 5,10 -o "shares.$format"
+        run -1 conus sweep "${of[@]}" --force --pose poses.csv --jitter 2,1 --samples 16 -o "chances.$format"
     done
     for name in query layers batch summary track admissions shares chances; do
         same_cells $name.csv $name.tsv

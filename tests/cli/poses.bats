@@ -212,7 +212,7 @@ answered() {
                 json) [ "$(jq -c '.Rows, .Queries' <<<"$output" | paste -sd/)" = '[]/[]' ] ;;
             esac
             # shellcheck disable=SC2086
-            answers $command none.tsv sphere.nii.gz --format $format --quiet -o "answer.$format"
+            answers $command none.tsv sphere.nii.gz --format $format --quiet --force -o "answer.$format"
         done
         : >empty.tsv
         # shellcheck disable=SC2086

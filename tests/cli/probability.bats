@@ -53,20 +53,20 @@ row() {
 @test "contacts, their values and the settings follow it, in every command" {
     maps
     # A is 0.56 in plane 7, from z = 7 - 6 = 1 on; of 0.25 and more it begins in plane 4.
-    answers query maps.xml --only A $AIM -o rows.tsv
+    answers query --force maps.xml --only A $AIM -o rows.tsv
     [ "$(row A distance_mm contact_value)" = '38 0.319999993' ]
-    answers query maps.xml --only A $AIM --probability 0.5 -o rows.tsv
+    answers query --force maps.xml --only A $AIM --probability 0.5 -o rows.tsv
     [ "$(row A distance_mm contact_value)" = '41 0.560000002' ]
     jq -e '.Atlas.volumes[0].threshold == 0.5' rows.json
     cp rows.tsv wanted.tsv
     printf 'x\ty\tz\ttx\tty\ttz\ttime_s\n0.2\t0.3\t-40\t0.2\t0.3\t0\t0\n' >poses.tsv
     run -0 "$CONUS" batch maps.xml --only A --poses poses.tsv --radius 1 --probability 0.5 -q -o batch.tsv
     cmp batch.tsv wanted.tsv
-    run -0 "$CONUS" track maps.xml --only A --poses poses.tsv --radius 1 --probability 0.5 -q --format tsv -o rows.tsv
+    run -0 "$CONUS" track --force maps.xml --only A --poses poses.tsv --radius 1 --probability 0.5 -q --format tsv -o rows.tsv
     [ "$(row A distance_mm contact_value)" = '41 0.560000002' ]
     # Of B the centre that is the first in a growing cone is the farthest, in plane 4: 38.5 mm away, and off the axis by
     # 0.3 and 0.2 mm.
-    answers sweep maps.xml --only B --origin 0.2,0.3,-40 --toward 0.2,0.3,0 --probability 0.5 -q --format tsv -o rows.tsv
+    answers sweep --force maps.xml --only B --origin 0.2,0.3,-40 --toward 0.2,0.3,0 --probability 0.5 -q --format tsv -o rows.tsv
     row B distance_mm | awk '{ exit !($1 - sqrt(38.5 ^ 2 + 0.3 ^ 2 + 0.2 ^ 2) < 1e-6) }'
     row B distance_mm | awk '{ exit !($1 > 38.5) }'
     gl render maps.xml --probability 0.5 --only A --origin 0.2,0.3,-40 --toward 0.2,0.3,0 -q -o half.png

@@ -138,7 +138,7 @@ END
     answers query atlas.xml $aim --format tsv
     [ "$(cell name 1)" = Ball ]
     fails 2 '--output would overwrite the atlas atlas.xml' query atlas.xml $aim --format table -o atlas.xml
-    fails 3 'no/such/a.json: cannot write: No such file' query sphere.nii.gz $aim -o no/such/a.tsv
+    fails 3 'no/such/a.tsv: cannot write: No such file' query sphere.nii.gz $aim -o no/such/a.tsv
     fails 3 '.: cannot write: is a folder' query sphere.nii.gz $aim -o .
     nothing_left sphere.{nii.gz,tsv,json} tract.png poses.json atlas.xml volumes/sphere.nii.gz
 }
@@ -381,4 +381,99 @@ END
     [ "$output" = "$(cat sphere.tsv)" ]
     [[ "${stderr_lines[0]}" == *'sphere.txt is not a label table of a known format: passed over' ]]
     [[ "${stderr_lines[1]}" == *'sphere.tsv is not a label table of a known format: passed over' ]]
+}
+
+# refuses TEXT COMMAND ARGUMENT...: it is refused, and no file here changes or comes.
+refuses() {
+    local text=$1 before
+    shift
+    before=$(find . -type f -exec sha256sum {} + | sort)
+    fails 2 "$text" "$@"
+    [ "$(find . -type f -exec sha256sum {} + | sort)" = "$before" ]
+}
+
+# One rule for every command and every option that names a file.
+@test "no file is replaced without --force, and no sidecar replaces what is none" {
+    conus phantom nested -o . --size 24 --spacing 3,3,3
+    python3 "$BATS_TEST_DIRNAME/tck.py" lines.tck -30,0,0 30,0,0 -- 0,-20,0 0,0,9
+    printf 'time_s\tx\ty\tz\ttx\tty\ttz\n0\t0\t0\t90\t0\t0\t0\n' >hand.tsv
+    local aim='--origin 0,-100,0 --toward 0,0,0 --angle 30 -q' N=nested.nii.gz option file
+    local outputs=(output=o.tsv voxels=v.tsv\ --voxels-of=all image=i.png deep=d.exr mask=m.nii.gz segments=s.tsv endpoints=e.tsv
+        connectivity=c.tsv streamlines-out=l.tck)
+    for option in "${outputs[@]}"; do
+        file=${option#*=}
+        file=${file% *}
+        echo mine >"$file"
+        refuses "$file: there is a file already (--${option%%=*}); --force replaces it" \
+            query $N $aim --layers all --streamlines lines.tck --$option
+        grep -qx mine "$file"
+        conus query $N $aim --layers all --streamlines lines.tck --$option --force >seen
+        ! grep -qx mine "$file" || return 1
+        rm "$file"
+    done
+    for file in o.json m.json s.json e.json; do # beside them
+        rm -f [omse].*
+        echo '{"GeneratedBy": [{"Name": "fMRIPrep"}]}' >$file
+        for force in '' --force; do
+            refuses "$file: there is a file" query $N $aim --streamlines lines.tck --layers all -o o.tsv --mask m.nii.gz \
+                --segments s.tsv --endpoints e.tsv $force
+        done
+    done
+    rm [omse].*
+    local asks=("query $N $aim" "sweep $N $aim" "track $N --poses hand.tsv -q" "overlap $N $N --threshold 300 -q"
+        "connect $N --streamlines lines.tck -q")
+    for ask in "${asks[@]}"; do
+        conus $ask -o a.tsv
+        refuses 'a.tsv: there is a file already (--output)' $ask -o a.tsv
+        answers $ask -o a.tsv --force
+        rm a.tsv
+        refuses 'a.json: there is a file already (the .json beside --output)' $ask -o a.csv
+        answers $ask -o a.csv --force # it is a sidecar
+        refuses 'a.json: there is a file already (--output)' $ask -o a.json
+        answers $ask -o a.json --force # which is an answer now
+        refuses 'a.json: there is a file that is no sidecar, which a sidecar does not replace' $ask -o a.tsv --force
+        answers $ask -o a.tsv --sidecar b.json
+        refuses 'b.json: there is a file already (--sidecar)' $ask --sidecar b.json
+        refuses '--force has no effect without a file' $ask --force
+        rm a.tsv a.csv a.json b.json
+    done
+    printf 'x\ty\tz\ttx\tty\ttz\n0\t-100\t0\t0\t0\t0\n' >poses.tsv
+    echo '{}' >rows.json
+    refuses 'rows.json: there is a file that is no sidecar' batch $N --poses poses.tsv -o rows.tsv --force
+    conus query $N $aim --format tsv -o /dev/stdout >redirected
+    conus query $N $aim --format tsv -o /dev/stdout >>redirected # what is open is written to
+    [ "$(wc -l <redirected)" -eq "$((2 * $(conus query $N $aim --format tsv | wc -l)))" ]
+    answers query $N $aim --format tsv -o /dev/null
+}
+
+@test "a folder that is not there is named by the file that was asked for" {
+    conus phantom nested -o . --size 24 --spacing 3,3,3
+    fails 3 'none/x.tsv: cannot write: No such file or directory' query nested.nii.gz --origin 0,-100,0 --toward 0,0,0 -o none/x.tsv
+    fails 3 'none/m.nii: cannot write: No such file' query nested.nii.gz --origin 0,-100,0 --toward 0,0,0 --mask none/m.nii
+    fails 3 'none/x.tsv: cannot write: No such file' overlap nested.nii.gz nested.nii.gz --threshold 300 -o none/x.tsv
+}
+
+# Else what is written could not be verified: the sidecar has no such name.
+@test "names that no sidecar can hold are refused where they would be recorded" {
+    conus phantom nested -o . --size 24 --spacing 3,3,3
+    local odd aim='--origin 0,-100,0 --toward 0,0,0 -q' ball
+    mkdir lists
+    for odd in $'a\nb' $'a\tb' $'a\xe9b' $'a\e[1mb' $'a\u202eb'; do
+        cp nested.nii.gz "$odd.nii.gz"
+        refuses 'which no sidecar can name; rename the file' query "$odd.nii.gz" $aim -o rows.tsv
+        refuses 'which no sidecar can name' query nested.nii.gz $aim -o "$odd.tsv"
+        refuses 'which no sidecar can name' query nested.nii.gz $aim -o rows.json --atlas "$odd.nii.gz"
+        refuses 'which no sidecar can name' sweep nested.nii.gz $aim --sidecar "$odd.json"
+        refuses 'which no sidecar can name' overlap nested.nii.gz "$odd.nii.gz" --threshold 1 -o rows.tsv
+        printf 'x\ty\tz\ttx\tty\ttz\n0\t-100\t0\t0\t0\t0\n' >"$odd.poses.tsv"
+        refuses 'which no sidecar can name' batch nested.nii.gz --poses "$odd.poses.tsv" -o rows.tsv
+        conus query "$odd.nii.gz" $aim >seen # nothing is recorded
+        conus batch nested.nii.gz --poses "$odd.poses.tsv" >seen
+        rm "$odd".*
+    done
+    ball=$(printf 'n\u00e9 \u00fcb\u00e8r'"'"'s "b" $HOME \\')
+    mkdir "$ball"
+    cp nested.nii.gz "$ball/$ball.nii.gz"
+    answers query "$ball/$ball.nii.gz" $aim -o "$ball/rows.tsv"
+    answers verify "$ball/rows.tsv"
 }

@@ -24,7 +24,7 @@ shanks() {
 
 @test "each crossing has a row, and so has what lies between" {
     u_shape
-    run -0 --separate-stderr conus query $AXIS --range 0,80 --segments rows.tsv
+    run -0 --separate-stderr conus query --force $AXIS --range 0,80 --segments rows.tsv
     [[ $output == cone\ of* ]]
     [ "$(depths rows.tsv)" = "unassigned unassigned 0 18;area U 18 28;unassigned unassigned 28 35;area Ball 35 45;unassigned unassigned 45 52;area U 52 62;unassigned unassigned 62 80;" ]
     [ "$(head -1 rows.tsv | tr '\t' ' ')" = "query order kind index name abbreviation entry_mm exit_mm length_mm entry_x entry_y entry_z exit_x exit_y exit_z" ]
@@ -55,7 +55,7 @@ shanks() {
 @test "the ending says the format, - is in place of the answer" {
     u_shape
     for ending in tsv csv json ndjson txt; do
-        conus query $AXIS -q --segments rows.$ending -o answer.$ending
+        conus query --force $AXIS -q --segments rows.$ending -o answer.$ending
     done
     [ "$(jq -r '.Rows | length' rows.json)" -eq 6 ]
     [ "$(wc -l <rows.ndjson)" -eq 6 ]
@@ -95,7 +95,7 @@ shanks() {
 @test "several atlases, moved ones and hidden objects are heard" {
     u_shape
     conus phantom sphere -o .
-    conus query $AXIS --atlas sphere.nii.gz -q --segments rows.tsv -o answer.tsv
+    conus query --force $AXIS --atlas sphere.nii.gz -q --segments rows.tsv -o answer.tsv
     [ "$(cut -f 2,3,6 rows.tsv | tr '\t\n' ' ;')" = "atlas order name;u-shape 1 unassigned;u-shape 2 U;u-shape 3 unassigned;u-shape 4 Ball;u-shape 5 unassigned;u-shape 6 U;sphere 1 unassigned;sphere 2 Sphere;" ]
     conus query $AXIS --hide Ball -q --segments hidden.tsv -o hidden-answer.tsv
     [ "$(depths hidden.tsv)" = "unassigned unassigned 0 18;area U 18 28;unassigned unassigned 28 52;area U 52 62;" ]
@@ -108,7 +108,7 @@ shanks() {
 @test "rows without a pose and points have a row of kind error" {
     u_shape
     { shanks && printf 'lost\tnan\t0\t0\t0\t0\t0\n'; } >poses.tsv
-    run -1 --separate-stderr conus query u-shape.nii.gz --pose poses.tsv --segments rows.tsv -o answer.tsv
+    run -1 --separate-stderr conus query --force u-shape.nii.gz --pose poses.tsv --segments rows.tsv -o answer.tsv
     [ "$(tail -1 rows.tsv | cut -f 1-3)" = "$(printf 'lost\tn/a\terror')" ]
     run -1 --separate-stderr conus batch u-shape.nii.gz --poses poses.tsv --segments batch.tsv
     cmp rows.tsv batch.tsv
@@ -120,7 +120,7 @@ shanks() {
 @test "a batch has the rows of a query, in shards and after a kill" {
     u_shape
     for ((i = 0; i < 40; i++)); do printf '%d\t0\t%d\t0\t0\t5\n' $((40 + i)) $((i % 7)); done | sed '1i x\ty\tz\ttx\tty\ttz' >poses.tsv
-    conus query u-shape.nii.gz --pose poses.tsv -q --segments wanted.tsv -o answer.tsv
+    conus query --force u-shape.nii.gz --pose poses.tsv -q --segments wanted.tsv -o answer.tsv
     conus batch u-shape.nii.gz --poses poses.tsv -q --segments rows.tsv --threads 3 --block 4
     cmp wanted.tsv rows.tsv
     conus batch u-shape.nii.gz --poses poses.tsv -q --segments both.tsv -o both-rows.tsv

@@ -73,7 +73,7 @@ near() {
     answers "${view[@]}" -o rows.tsv --image seen.exr
     not grep -q '"hidden"' rows.json
     not grep -aq conus:hidden seen.exr
-    answers "${view[@]}" --hide Inner -o rows.tsv --image seen.exr --layers all --deep deep.exr
+    answers "${view[@]}" --hide Inner --force -o rows.tsv --image seen.exr --layers all --deep deep.exr
     grep -q '"hidden": "areas 300"' rows.json
     grep -aq 'conus:hidden' seen.exr
     grep -aq 'areas 300' seen.exr
@@ -101,7 +101,7 @@ near() {
     printf 'x\ty\tz\ttx\tty\ttz\n' >poses.tsv
     printf '0\t-100\t0\t0\t0\t0\n0\t0\t100\t0\t0\t0\n' >>poses.tsv
     local of=(batch "${atlas[@]}" --poses poses.tsv --angle 4 -q)
-    answers "${of[@]}" --hide Shell -o rows.tsv
+    answers "${of[@]}" --hide Shell --force -o rows.tsv
     output=$(cat rows.tsv)
     [ "$(cell name 1)/$(cell name 3)" = Core/Core ]
     answers "${of[@]}" --shard 0/2 --hide Shell -o part0.tsv

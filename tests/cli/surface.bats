@@ -160,9 +160,9 @@ labels() {
     run -0 --separate-stderr "$CONUS" info faces --format tsv
     [ "$(cut -f 3 <<<"$output" | tail -n +2 | sort | paste -sd ' ')" = "S.L.mid.32k_fs_LR S.R.mid.32k_fs_LR lh.pial lh.white" ]
     for folder in faces faces/; do
-        run -0 --separate-stderr "$CONUS" query $folder --origin 5,5,30 --toward 5,5,0 --angle 5 --image faces.exr -q
+        run -0 --separate-stderr "$CONUS" query --force $folder --origin 5,5,30 --toward 5,5,0 --angle 5 --image faces.exr -q
         grep -qF "atlas faces, placed by the coordinates in its mesh files" <<<"$output"
-        run -0 --separate-stderr "$CONUS" query $folder --origin 5,5,30 --toward 5,5,0 --angle 5 -q -o rows.tsv
+        run -0 --separate-stderr "$CONUS" query --force $folder --origin 5,5,30 --toward 5,5,0 --angle 5 -q -o rows.tsv
         grep -qF "\"path\": \"$folder\"" rows.json
         for file in faces/*; do
             sum=$(sha256sum <"$file" | cut -d ' ' -f 1)
@@ -181,10 +181,10 @@ labels() {
     printf '1 One\n2 Two\n3 Three\n' >names.txt
     for atlas in s.xml s.atlas.json "slabs.nii.gz --labels names.txt"; do
         # shellcheck disable=SC2086 # words
-        run -0 --separate-stderr "$CONUS" query $atlas --origin 0,0,100 --toward 0,0,0 --image s.exr -q
+        run -0 --separate-stderr "$CONUS" query --force $atlas --origin 0,0,100 --toward 0,0,0 --image s.exr -q
         grep -qF "atlas ${atlas%% *}, placed by" <<<"$output"
         # shellcheck disable=SC2086
-        run -0 --separate-stderr "$CONUS" query $atlas --origin 0,0,100 --toward 0,0,0 -q -o s.tsv
+        run -0 --separate-stderr "$CONUS" query --force $atlas --origin 0,0,100 --toward 0,0,0 -q -o s.tsv
         for file in slabs.nii.gz "${atlas##* }"; do
             sum=$(sha256sum <"$file" | cut -d ' ' -f 1)
             grep -qF "$sum" s.json
@@ -198,8 +198,8 @@ labels() {
 names_files() {
     local file sum words
     read -ra words <<<"$atlas"
-    run -0 --separate-stderr "$CONUS" query "${words[@]}" --origin 0,0,100 --toward 0,0,0 -q -o p.tsv
-    run -0 --separate-stderr "$CONUS" query "${words[@]}" --origin 0,0,100 --toward 0,0,0 -q --image p.exr
+    run -0 --separate-stderr "$CONUS" query --force "${words[@]}" --origin 0,0,100 --toward 0,0,0 -q -o p.tsv
+    run -0 --separate-stderr "$CONUS" query --force "${words[@]}" --origin 0,0,100 --toward 0,0,0 -q --image p.exr
     for file in "$@"; do
         sum=$(sha256sum <"$file" | cut -d ' ' -f 1)
         grep -qF "$sum" p.json

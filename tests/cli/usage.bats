@@ -226,12 +226,12 @@ END
     nothing_left
 }
 
-@test "a full disk and a closed pipe are errors" {
+@test "a full disk and a closed pipe are errors, the latter without a message" {
     [ -c /dev/full ] || skip "no /dev/full"
     run -3 --separate-stderr bash -c "'$CONUS' query --help >/dev/full"
     check_message 'standard output: cannot write: No space left on device'
     run -3 --separate-stderr bash -c "'$CONUS' --help >&-"
     check_message 'standard output: cannot write: Bad file descriptor'
     run -3 --separate-stderr bash -c "exec 3> >(:); wait \$!; '$CONUS' --help >&3"
-    check_message 'standard output: cannot write: Broken pipe'
+    [ -z "$stderr" ]
 }

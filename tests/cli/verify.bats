@@ -184,7 +184,7 @@ says() {
     cp out/seen.exr kept.exr
     cp out/deep.exr out/seen.exr
     says 1 'its bytes differ' out/seen.exr --sidecar out/layers.json
-    conus query atlas/nested.nii.gz --origin 0,-100,1 --toward 0,0,0 --angle 30 --layers all --image out/seen.exr -q -o x.tsv
+    conus query atlas/nested.nii.gz --origin 0,-100,1 --toward 0,0,0 --angle 30 --layers all --image out/seen.exr -q -o x.tsv --force
     says 1 'of 256 pixels differ' out/seen.exr --sidecar out/layers.json
 }
 

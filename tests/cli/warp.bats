@@ -88,7 +88,7 @@ images=,from=nested.nii.gz,to=nested.nii.gz
     field itk
     printf '1 0 0 5\n0 1 0 0\n0 0 1 0\n0 0 0 1\n' >five.txt
     for file in five.txt itk.nii.gz; do
-        conus query nested.nii.gz --atlas-transform $file $aim -q --mask mask.nii.gz >answer.txt
+        conus query --force nested.nii.gz --atlas-transform $file $aim -q --mask mask.nii.gz >answer.txt
         # all of it is in the areas whose voxels it has: none is in no area
         answers overlap nested.nii.gz mask.nii.gz --atlas-transform $file --format tsv --quiet
         [[ $output == *$'\tarea\t'* && $output != *unassigned* ]]

@@ -77,7 +77,7 @@ def random_region(generator, index, corners):
 
 def query(conus, volume, pathway, region, content, mask):
     numbers = lambda values: ",".join(map(repr, values))
-    command = [conus, "query", volume.path, "--quiet", "--format", "tsv", "--mask", mask, "--mask-of", content]
+    command = [conus, "query", volume.path, "--quiet", "--format", "tsv", "--mask", mask, "--force", "--mask-of", content]
     if pathway:
         command += ["--pathway", f"{pathway.path},threshold={pathway.threshold},name=pathway"]
     if region["shape"] == "ball":

@@ -111,10 +111,10 @@ def compare(conus, path, random, folder):
     rows = os.path.join(folder, "rows.tsv")
     for radius in RADII:
         words = [f"--streamlines={file}", f"--endpoint-radius={radius}", "-q"]
-        subprocess.run([conus, "connect", volume, *words, "-o", rows], check=True)
+        subprocess.run([conus, "connect", volume, *words, "-o", rows, "--force"], check=True)
         same(read(rows), count(lines, labels, matrix, radius), f"{path}, all, {radius} mm")
         point = "--point=" + ",".join(f"{x:.3f}" for x in centre)
-        subprocess.run([conus, "query", volume, *words, point, f"--radius={ball}", "--endpoints", rows],
+        subprocess.run([conus, "query", volume, *words, point, f"--radius={ball}", "--endpoints", rows, "--force"],
                        check=True, stdout=subprocess.DEVNULL)
         chosen = [line for line, distance in zip(lines, away) if distance <= ball]
         same(read(rows), count(chosen, labels, matrix, radius), f"{path}, in the ball, {radius} mm")

@@ -178,7 +178,7 @@ def compare_sources(conus, path, folder):
     out = os.path.join(folder, "answer.json")
     mask = os.path.join(folder, "mask")
     run(conus, "query", path, "--origin=-90,0,10", "--toward=0,0,10", "--angle", "10", "--quiet", "--engine", "rays",
-        "--format", "json", "-o", out, "--mask", mask + ".nii.gz", "--mask-object", "1")
+        "--format", "json", "-o", out, "--mask", mask + ".nii.gz", "--mask-object", "1", "--force")
     with open(mask + ".json", encoding="utf-8") as file:
         sources = {os.path.basename(source) for source in json.load(file)["Sources"]}
     os.remove(mask + ".nii.gz")

@@ -41,7 +41,7 @@ B1\t0\t-9\t0\t2\tB
 
 
 def run(conus, *words, code=0):
-    more = [] if words[0] == "phantom" else ["--quiet", "--force"] if words[0] == "batch" and "-o" in words else ["--quiet"]
+    more = [] if words[0] == "phantom" else ["--quiet", "--force"] if "-o" in words else ["--quiet"]
     result = subprocess.run([conus, *words, *more], capture_output=True, text=True, check=False)
     assert result.returncode == code, (words, result.returncode, result.stderr)
     return result.stdout

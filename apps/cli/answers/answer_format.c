@@ -50,6 +50,10 @@ const struct option answer_output_options[] = {
      .offset = offsetof(struct answer_settings, sidecar),
      .value = "FILE.json",
      .help = "write that .json to FILE.json, also of an answer on standard output"},
+    {.name = "force",
+     .type = OPTION_FLAG,
+     .offset = offsetof(struct answer_settings, force),
+     .help = "replace files that are there already"},
     {0},
 };
 
@@ -87,4 +91,18 @@ int answer_sidecar(char **out, conus_format format, const struct answer_settings
         return EXIT_DATA;
     }
     return EXIT_DONE;
+}
+
+int answer_check_names(conus_format format, const struct output *outputs, size_t count,
+                       const struct arguments *arguments, const struct atlases *atlases)
+{
+    bool is_recorded = false;
+    int code = EXIT_DONE;
+    for (size_t i = 0; i < count; i++) {
+        is_recorded = is_recorded || (outputs[i].path && (outputs[i].is_sidecar || format == CONUS_FORMAT_JSON));
+    }
+    for (int i = 1; is_recorded && i < arguments->count && !code; i++) {
+        code = outputs_check_name(arguments->words[i]);
+    }
+    return !is_recorded || code ? code : atlases_check_names(atlases);
 }

@@ -4,17 +4,20 @@
 #define CONUS_CLI_ANSWERS_ANSWER_FORMAT_H
 
 #include "common/answer_file.h"
+#include "common/outputs.h"
+#include "settings/atlases.h"
 #include "settings/settings.h"
 
 struct answer_settings {
     size_t format; /* conus_format */
     const char *output;
     const char *sidecar; /* NULL = beside the output */
+    bool force;
 };
 
 extern const struct option format_options[];        /**< answer_settings: --format */
 extern const struct option query_format_options[];  /**< The same, with the formats of other programs. */
-extern const struct option answer_output_options[]; /**< answer_settings: --output, --sidecar */
+extern const struct option answer_output_options[]; /**< answer_settings: --output, --sidecar, --force */
 
 /** The format of --format if that was given, else the one of the ending of --output; a table for stdout, a device or a
  * pipe, which have no ending. False, after an error message, for a file whose ending says nothing. */
@@ -24,5 +27,10 @@ bool answer_format(conus_format *out, const struct arguments *arguments, const s
  * behind it; *out is the caller's to free(), or NULL where there is none to write: a report in JSON says everything
  * itself. Returns the exit code and prints an error unless it is 0. */
 int answer_sidecar(char **out, conus_format format, const struct answer_settings *settings);
+
+/** Checks the names of the atlases' files and the words of the command line, where they are recorded: in a sidecar or
+ * a file in JSON. Likewise. */
+int answer_check_names(conus_format format, const struct output *outputs, size_t count,
+                       const struct arguments *arguments, const struct atlases *atlases);
 
 #endif
