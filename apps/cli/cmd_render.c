@@ -117,7 +117,7 @@ static const struct option row_options[] = {
      .type = OPTION_TEXT,
      .offset = offsetof(struct render_settings, choice) + offsetof(struct row_choice, id),
      .value = "NAME",
-     .help = "only the pose of that name (column query_id)"},
+     .help = "only the pose of that name (column query_id; of Brainsight target/M1, say)"},
     {0},
 };
 

@@ -122,8 +122,9 @@ void settings_say_no_poses(const char *path, const struct common_settings *commo
 
 static int print_match_error(const char *path, const struct named_atlas *atlas)
 {
-    print_error_line("%s: %s%s%s; --any-space takes them nevertheless", settings_poses_name(path),
-                     atlas->name ? atlas->name : "", atlas->name ? ": " : "", conus_message());
+    print_error_line("%s: %s%s%s; --atlas-transform FILE brings the atlas to them, --any-space takes them as they are",
+                     settings_poses_name(path), atlas->name ? atlas->name : "", atlas->name ? ": " : "",
+                     conus_message());
     return EXIT_DATA;
 }
 

@@ -95,11 +95,12 @@ static conus_status compare(conus_atlas *atlas, const struct head *head, const s
         return notes_warn(&atlas->notes, "%.0f %% of the atlas is in the head of %s; %s it would be %.0f %%",
                           100 * fit.in_head, head->context->info.path, best->words, 100 * most.in_head);
     }
-    return fit.in_head >= 0.5
+    return fit.in_head >= 0.8
                ? CONUS_OK
                : notes_warn(&atlas->notes,
-                            "%.0f %% of the atlas is in the head of %s: is the transform of another image?",
-                            100 * fit.in_head, head->context->info.path);
+                            "%.0f %% of the atlas is in the head of %s: is the transform %sof another image?",
+                            100 * fit.in_head, head->context->info.path,
+                            atlas->warp_count ? "of the other direction, or " : "");
 }
 
 static conus_status note_of(conus_atlas *atlas, const struct volume *context)

@@ -310,6 +310,12 @@ static void what_is_hardly_better_is_not_told(void **state)
     assert_string_equal(said_of(nearly, (const double[]){-4, 0, 0}),
                         "83 % of the atlas is in the head of array; in the other direction it would be 100 %");
     assert_string_equal(said_of(nearly, (const double[]){0, 0, 0}), "");
+    /* without a better reading four fifths are enough: of the layers, 4 mm each from -12 to 12 along y, a head from -8
+     * to 24 holds five of six, one from -4 to 28 four */
+    const double aside[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -2, 0, 0, 1};
+    assert_string_equal(said_of(aside, (const double[]){0, 8, 0}), "");
+    assert_string_equal(said_of(aside, (const double[]){0, 12, 0}),
+                        "67 % of the atlas is in the head of array: is the transform of another image?");
     /* half as much outside is needed, too: one layer is in the head, and two would be the other way round */
     const double far[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 2, 0, 0, 1};
     assert_string_equal(said_of(far, (const double[]){22, 0, 0}),

@@ -92,6 +92,9 @@ session() {
     fails 2 '--output: {query} and {row} stand for poses of a file' render sphere.nii.gz -o '{query}.png'
     fails 2 '--row 7: session.csv has 6 poses' "${render[@]}" -o a.png --row 7
     fails 2 '--query-id: session.csv has no pose "tp", did you mean "top"?' "${render[@]}" -o a.png --query-id tp
+    cp "$BATS_TEST_DIRNAME/../fuzz/corpus/poses/brainsight.txt" .
+    fails 2 '--query-id: brainsight.txt has no pose "M1 left", did you mean "target/M1 left"?' \
+        render sphere.nii.gz --poses brainsight.txt -o a.png --query-id 'M1 left'
     fails 2 '--row and --query-id exclude each other' "${render[@]}" -o a.png --row 1 --query-id top
     fails 2 '--row has no effect without --poses' render sphere.nii.gz -o a.png --row 1
     fails 2 '--pose and --poses exclude each other' "${render[@]}" --pose session.csv -o a.png

@@ -139,13 +139,26 @@ static const char *name_at(const void *list, size_t index)
     return row ? row->id : NULL;
 }
 
+/* The name of which @p id is the part behind the last "/", as in target/M1; NULL if there is none. */
+static const char *name_behind(const conus_pose_list *list, const char *id)
+{
+    const char *found = NULL;
+    for (size_t i = 0; !found && i < conus_pose_list_count(list); i++) {
+        const char *name = conus_pose_list_row(list, i)->id;
+        const char *slash = strrchr(name, '/');
+        found = slash && strcmp(slash + 1, id) == 0 ? name : NULL;
+    }
+    return found;
+}
+
 static int refuse_choice(const struct drawn_rows *rows, const conus_pose_list *list, const struct row_choice *choice)
 {
     size_t count = conus_pose_list_count(list);
     if (choice->number) {
         return print_usage_error("--row %" PRIu32 ": %s has %zu poses", choice->number, rows->file, count);
     }
-    const char *close = closest_name(choice->id, name_at, list);
+    const char *close = name_behind(list, choice->id);
+    close = close ? close : closest_name(choice->id, name_at, list);
     return print_usage_error("--query-id: %s has no pose \"%s\"%s%s%s", rows->file, choice->id,
                              close ? ", did you mean \"" : "", close ? close : "", close ? "\"?" : "");
 }
