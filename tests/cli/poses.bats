@@ -51,7 +51,9 @@ answered() {
 
 @test "hostile: binary" {
     sphere --size 16
-    fails 3 'sphere.nii.gz: packed by gzip' query sphere.nii.gz --pose sphere.nii.gz
+    fails 3 'sphere.nii.gz: is an atlas, not a file of poses' query sphere.nii.gz --pose sphere.nii.gz
+    printf %b "$HEADER$FIRST" | gzip >poses.tsv.gz
+    fails 3 'poses.tsv.gz: packed by gzip' query sphere.nii.gz --pose poses.tsv.gz
     head -c 100000 /dev/zero | tr '\0' '\377' >poses.bin
     fails 3 'poses.bin: header: a line of more than 65535 bytes' query sphere.nii.gz --pose poses.bin
     printf %b "$HEADER$FIRST"'\0\1\2\n\xff\xfe\n'"$LAST" >poses.tsv
