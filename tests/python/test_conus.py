@@ -706,6 +706,32 @@ def test_picture_is_a_png(atlas):
     assert atlas.select((0, 0, 0), direction=(1, 0, 0))._repr_png_()[:8] == b"\x89PNG\r\n\x1a\n"
 
 
+def quarters():
+    """A wall whose quarters about the x axis are the labels 1, 3 and twice 2, with a wall of 4 behind it."""
+    labels = np.zeros((40, 30, 30), "u1")
+    labels[30, 15:, 15:], labels[30, 15:, :15], labels[30, :15], labels[35] = 1, 3, 2, 4
+    return conus.load(labels, AFFINE, labels={1: "quarter", 2: "half", 3: "rest", 4: "behind"})
+
+
+def test_bars_are_from_the_best_down(monkeypatch):
+    """By symmetry of the wall: half 1/2, quarter 1/4, rest 1/4. The best bar is the topmost, each in its own colour."""
+    monkeypatch.setenv("MPLBACKEND", "agg")
+    pyplot = pytest.importorskip("matplotlib.pyplot")
+    atlas = quarters()
+    hits = atlas.select((0, 0, 0), direction=(1, 0, 0), angle=60, aperture="square", layers="all")
+    axes = hits.plot(pyplot.figure().subplots())
+    bars = sorted(axes.patches, key=lambda bar: -bar.get_y())
+    assert [round(bar.get_width(), 9) for bar in bars] == [50, 25, 25]
+    names = [label.get_text() for label in sorted(axes.get_yticklabels(), key=lambda label: -label.get_position()[1])]
+    assert names == ["half", *(hit.name for hit in hits[1:3])] and {*names} == {"half", "quarter", "rest"}
+    for bar, name in zip(bars, names):
+        np.testing.assert_allclose(bar.get_facecolor()[:3], atlas.objects.colours[atlas.find(name)] / 255)
+    assert axes.get_xlabel() == "share of the cone, %"
+    assert repr(hits).startswith("<conus.Selection: half 50.0 %, ") and repr(hits).endswith(" 25.0 %, ...>")
+    assert [hit.name for hit in hits[3:]] == ["behind", "unassigned"]
+    pyplot.close("all")
+
+
 def test_words_of_a_selection(atlas):
     assert repr(atlas.select((0, 0, 0), direction=(1, 0, 0))) == "<conus.Selection: right 100.0 %, unassigned 0.0 %>"
     assert repr(atlas) == "<conus.Atlas of 2 objects>"
