@@ -14,6 +14,17 @@ answers_are() {
     sed -E 's/ [0-9]+\.[0-9]{3} ms$/ T ms/' said | diff <(printf '%s\n' "$@") -
 }
 
+@test "the example of docs/api.md is C99" {
+    root=$BATS_TEST_DIRNAME/../..
+    {
+        printf '#include <conus/conus.h>\n#include <stdio.h>\nint main(void)\n{\n'
+        awk '/^```$/ && on { exit } on { print } /^```c$/ { on = 1 }' "$root/docs/api.md"
+        printf 'return 0;\n}\n'
+    } >example.c
+    grep -q conus_select example.c
+    cc -std=c99 -Wall -Werror -fsyntax-only -I "$root/include" example.c
+}
+
 @test "live_pose answers each pose when it comes" {
     ball
     mkfifo poses

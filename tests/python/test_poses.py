@@ -65,7 +65,7 @@ def test_every_file_has_the_rows_of_the_program(paths, name):
         assert str(error).split(": ")[-1][:40] in str(refused.value)
         return
     rows = batch(paths, *words)
-    rows["name"] = [name.replace("--axis", "axis=") for name in rows["name"]]
+    rows["name"] = [name.replace("--axis", "axis=").removesuffix(", or the radius of a ball") for name in rows["name"]]
     if len(poses):
         assert_rows_of_the_program(load(paths).select_many(poses=poses).to_dataframe(), rows)
 
