@@ -47,6 +47,7 @@ void conus_atlas_destroy(conus_atlas *atlas)
     atlas_cut_context_surfaces(atlas, 0);
     memory_free(atlas->context_surfaces);
     memory_free(atlas->places);
+    name_set_finish(&atlas->taken);
     memory_free(atlas->path);
     memory_free(atlas->label_source);
     memory_free(atlas->transfer);
@@ -107,6 +108,7 @@ conus_status atlas_append_object(conus_atlas *atlas, const conus_object *object,
 
 void atlas_cut_objects(conus_atlas *atlas, size_t count)
 {
+    name_set_finish(&atlas->taken);
     while (atlas->object_count > count) {
         object_finish(&atlas->objects[--atlas->object_count]);
     }

@@ -42,9 +42,10 @@ struct conus_atlas {
     conus_object *objects;       /**< [object_count]; object number k is objects[k - 1]. Strings are owned.     */
     struct object_place *places; /**< [object_count]                                                            */
     size_t object_count;
-    size_t area_count;   /**< The first so many objects are areas.                                   */
-    uint32_t first_pair; /**< Areas from this number on stand for pairs of left and right ones, which have them as
-                            parents (atlas/areas/hemispheres.c); 0 = none do. */
+    struct name_set taken; /**< Names of the first objects behind the areas, as far as bundles asked for them. */
+    size_t area_count;     /**< The first so many objects are areas.                                   */
+    uint32_t first_pair;   /**< Areas from this number on stand for pairs of left and right ones, which have them as
+                              parents (atlas/areas/hemispheres.c); 0 = none do. */
     conus_hemispheres hemispheres; /**< What has been done to them.                                   */
     uint32_t half_step; /**< The labels of left halves are their areas' and this, those of right ones twice it;
                            0 = no area is cut in halves.                                       */

@@ -100,22 +100,24 @@ static void measure_bundle(conus_object *bundle, const struct tractogram *tracto
 
 static uint32_t next_ordinal(const conus_atlas *atlas)
 {
-    uint32_t ordinal = 1;
-    for (size_t i = atlas->area_count; i < atlas->object_count; i++) {
-        ordinal += atlas->places[i].is_bundle;
+    size_t i = atlas->object_count;
+    while (i > atlas->area_count && !atlas->places[i - 1].is_bundle) {
+        i--;
     }
-    return ordinal;
+    return i > atlas->area_count ? atlas->objects[i - 1].label + 1 : 1;
 }
 
 /* "bundle" or "pathway": what has that name already; NULL = nothing. */
-static const char *taken_by(const conus_atlas *atlas, const char *name)
+static conus_status find_taken(const char **by, conus_atlas *atlas, const char *name)
 {
-    for (size_t i = atlas->area_count; i < atlas->object_count; i++) {
-        if (strcmp(atlas->objects[i].name, name) == 0) {
-            return atlas->places[i].is_bundle ? "bundle" : "pathway";
-        }
+    conus_status status = CONUS_OK;
+    while (!status && atlas->taken.count < atlas->object_count - atlas->area_count) {
+        size_t i = atlas->area_count + atlas->taken.count;
+        status = name_set_add(&atlas->taken, atlas->objects[i].name, i);
     }
-    return NULL;
+    const struct known_name *found = status ? NULL : name_set_find(&atlas->taken, name);
+    *by = !found ? NULL : atlas->places[found->value].is_bundle ? "bundle" : "pathway";
+    return status;
 }
 
 /* A group whose name is taken is called after its tractogram, too. */
@@ -123,12 +125,13 @@ static conus_status settle_group_name(conus_atlas *atlas, struct tractogram *tra
 {
     struct buffer text = {0};
     char **own = &tractogram->groups[group].name;
-    const char *other = taken_by(atlas, *own);
-    if (!other) {
-        return CONUS_OK;
+    const char *other;
+    conus_status status = find_taken(&other, atlas, *own);
+    if (status || !other) {
+        return status;
     }
     buffer_format(&text, "%s %s", name, *own);
-    conus_status status = buffer_status(&text);
+    status = buffer_status(&text);
     char *longer = status ? NULL : memory_text(text.data, strlen(text.data));
     status = status || longer ? status : CONUS_ERROR_MEMORY;
     status = status ? status
@@ -142,12 +145,14 @@ static conus_status settle_group_name(conus_atlas *atlas, struct tractogram *tra
     return status;
 }
 
-static conus_status check_name(const conus_atlas *atlas, const char *name, const char *path)
+static conus_status check_name(conus_atlas *atlas, const char *name, const char *path)
 {
-    const char *other = taken_by(atlas, name);
-    return other ? fail(CONUS_ERROR_ARGUMENT, "%s: bundle %s: another %s has that name; name= gives it one of its own",
-                        path, name, other)
-                 : CONUS_OK;
+    const char *other;
+    conus_status status = find_taken(&other, atlas, name);
+    return status  ? status
+           : other ? fail(CONUS_ERROR_ARGUMENT,
+                          "%s: bundle %s: another %s has that name; name= gives it one of its own", path, name, other)
+                   : CONUS_OK;
 }
 
 /* Of the tractogram that comes next. */

@@ -302,6 +302,7 @@ conus_status atlas_exchange_areas(conus_atlas *atlas, conus_atlas *areas)
         }
     }
     if (!status) {
+        name_set_finish(&atlas->taken);
         exchange_objects(atlas, areas);
     }
     for (size_t i = 0; wide && i < atlas->volume_count; i++) {

@@ -8,6 +8,7 @@
 
 void file_sums_cut(struct file_sums *sums, size_t count)
 {
+    name_set_finish(&sums->paths);
     while (sums->count > count) {
         memory_free(sums->items[--sums->count].path);
     }
@@ -20,14 +21,14 @@ void file_sums_finish(struct file_sums *sums)
     *sums = (struct file_sums){0};
 }
 
-static bool has_path(const struct file_sums *sums, const char *path)
+static conus_status find_path(bool *out, struct file_sums *sums, const char *path)
 {
-    for (size_t i = 0; i < sums->count; i++) {
-        if (strcmp(sums->items[i].path, path) == 0) {
-            return true;
-        }
+    conus_status status = CONUS_OK;
+    while (!status && sums->paths.count < sums->count) {
+        status = name_set_add(&sums->paths, sums->items[sums->paths.count].path, sums->paths.count);
     }
-    return false;
+    *out = !status && name_set_find(&sums->paths, path);
+    return status;
 }
 
 /* Takes the path of `sum`. */
@@ -44,12 +45,14 @@ static conus_status append_sum(struct file_sums *sums, const struct file_sum *su
 
 conus_status file_sums_put(struct file_sums *sums, const char *path, const char sha256[65])
 {
-    if (has_path(sums, path)) {
-        return CONUS_OK;
+    bool known;
+    conus_status status = find_path(&known, sums, path);
+    if (status || known) {
+        return status;
     }
     struct file_sum sum = {.path = memory_text(path, strlen(path))};
     memcpy(sum.sha256, sha256, sizeof sum.sha256);
-    conus_status status = sum.path ? append_sum(sums, &sum) : CONUS_ERROR_MEMORY;
+    status = sum.path ? append_sum(sums, &sum) : CONUS_ERROR_MEMORY;
     if (status) {
         memory_free(sum.path);
     }
@@ -59,8 +62,10 @@ conus_status file_sums_put(struct file_sums *sums, const char *path, const char 
 conus_status file_sums_add(struct file_sums *sums, const char *path, const struct bytes *content)
 {
     char sha256[65];
-    if (has_path(sums, path)) {
-        return CONUS_OK;
+    bool known;
+    conus_status status = find_path(&known, sums, path);
+    if (status || known) {
+        return status;
     }
     file_sha256(sha256, content);
     return file_sums_put(sums, path, sha256);
@@ -70,7 +75,9 @@ conus_status file_sums_move(struct file_sums *sums, struct file_sums *from)
 {
     conus_status status = CONUS_OK;
     for (size_t i = 0; !status && i < from->count; i++) {
-        if (!has_path(sums, from->items[i].path)) {
+        bool known;
+        status = find_path(&known, sums, from->items[i].path);
+        if (!status && !known) {
             status = append_sum(sums, &from->items[i]);
             from->items[i].path = status ? from->items[i].path : NULL;
         }

@@ -4,6 +4,7 @@
 #define CONUS_BASE_FILE_SUMS_H
 
 #include "base/file.h"
+#include "base/name_set.h"
 
 struct file_sum {
     char *path;
@@ -14,6 +15,7 @@ struct file_sum {
 struct file_sums {
     struct file_sum *items;
     size_t count;
+    struct name_set paths; /**< Of the first items, to find them. */
 };
 
 void file_sums_finish(struct file_sums *sums);

@@ -30,6 +30,19 @@ void mesh_parts_finish(struct mesh_parts *parts)
     *parts = (struct mesh_parts){0};
 }
 
+struct mesh_part *mesh_parts_find(const struct mesh_parts *parts, uint32_t label)
+{
+    size_t low = 0;
+    size_t high = parts->count;
+    while (low < high) {
+        size_t middle = low + (high - low) / 2;
+        bool below = parts->parts[middle].label < label;
+        low = below ? middle + 1 : low;
+        high = below ? high : middle;
+    }
+    return low < parts->count && parts->parts[low].label == label ? &parts->parts[low] : NULL;
+}
+
 static uint32_t label_of(const uint32_t *corners, const uint32_t *labels)
 {
     uint32_t a = labels[corners[0]];

@@ -18,6 +18,9 @@ struct mesh_parts {
 
 void mesh_parts_finish(struct mesh_parts *parts);
 
+/** The part with that label, or NULL. They ascend by label. */
+struct mesh_part *mesh_parts_find(const struct mesh_parts *parts, uint32_t label);
+
 /** Cuts the checked @p mesh by @p labels (one per vertex, 0 = none). A triangle belongs to the label of most of its
  * corners; where all three differ, to that of its first. Triangles of label 0 are left out, with a note. Parts are open
  * at their borders, as areas of a surface are. CONUS_ERROR_DATA where no triangle is labelled. */

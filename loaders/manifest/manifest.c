@@ -122,7 +122,7 @@ static conus_status read_parcellations(void *field, const json_t *value, const s
     conus_status status = refuse_both(out);
     return status ? status
                   : schema_list((void **)&out->parcellations, &out->parcellation_count, sizeof *out->parcellations,
-                                value, read_labelled, place);
+                                MANIFEST_FEW, value, read_labelled, place);
 }
 
 static conus_status read_end(void *field, const json_t *value, const struct schema_place *place)
@@ -153,7 +153,7 @@ static conus_status read_bands(void *field, const json_t *value, const struct sc
     if (!json_array_size(value)) {
         return schema_fail(place, value, "a list of bands");
     }
-    return schema_list((void **)&out->bands, &out->band_count, sizeof *out->bands, value, read_band, place);
+    return schema_list((void **)&out->bands, &out->band_count, sizeof *out->bands, SIZE_MAX, value, read_band, place);
 }
 
 static conus_status check_bands(const struct manifest_pathway *pathway, const struct schema_place *place)
@@ -332,25 +332,26 @@ static conus_status read_node(void *field, const json_t *value, const struct sch
 static conus_status read_pathways(void *field, const json_t *value, const struct schema_place *place)
 {
     struct manifest *out = field;
-    return schema_list((void **)&out->pathways, &out->pathway_count, sizeof *out->pathways, value, read_pathway, place);
+    return schema_list((void **)&out->pathways, &out->pathway_count, sizeof *out->pathways, MANIFEST_MANY, value,
+                       read_pathway, place);
 }
 
 static conus_status read_maps(void *field, const json_t *value, const struct schema_place *place)
 {
     struct manifest *out = field;
-    return schema_list((void **)&out->maps, &out->map_count, sizeof *out->maps, value, read_map, place);
+    return schema_list((void **)&out->maps, &out->map_count, sizeof *out->maps, MANIFEST_MANY, value, read_map, place);
 }
 
 static conus_status read_areas(void *field, const json_t *value, const struct schema_place *place)
 {
     struct manifest *out = field;
-    return schema_list((void **)&out->areas, &out->area_count, sizeof *out->areas, value, read_area, place);
+    return schema_list((void **)&out->areas, &out->area_count, sizeof *out->areas, SIZE_MAX, value, read_area, place);
 }
 
 static conus_status read_tree(void *field, const json_t *value, const struct schema_place *place)
 {
     struct manifest *out = field;
-    return schema_list((void **)&out->tree, &out->tree_count, sizeof *out->tree, value, read_node, place);
+    return schema_list((void **)&out->tree, &out->tree_count, sizeof *out->tree, SIZE_MAX, value, read_node, place);
 }
 
 static conus_status read_space(void *field, const json_t *value, const struct schema_place *place)

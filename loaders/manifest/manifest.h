@@ -8,7 +8,11 @@
 #include "atlas/labels/labels.h"
 #include "atlas/surface/mesh_space.h"
 
-enum { MANIFEST_VERSION = 1 };
+enum {
+    MANIFEST_VERSION = 1,
+    MANIFEST_FEW = 64,   /**< Entries of a list of which each is compared with all: parcellations, transforms. */
+    MANIFEST_MANY = 4096 /**< Of pathways, probabilities, streamlines and contexts, files of their own. */
+};
 
 /** One volume of a file. */
 struct manifest_volume {

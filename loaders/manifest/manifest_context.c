@@ -83,7 +83,8 @@ conus_status manifest_contexts_read(void *field, const json_t *value, const stru
 {
     struct manifest *out = field;
     if (json_is_array(value)) {
-        return schema_list((void **)&out->contexts, &out->context_count, sizeof *out->contexts, value, read_one, place);
+        return schema_list((void **)&out->contexts, &out->context_count, sizeof *out->contexts, MANIFEST_MANY, value,
+                           read_one, place);
     }
     if (!json_is_string(value) && !json_is_object(value)) {
         return schema_fail(place, value, "a path, an object or a list of these");

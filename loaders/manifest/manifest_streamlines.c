@@ -20,8 +20,8 @@ static conus_status read_one(void *field, const json_t *value, const struct sche
 conus_status manifest_streamlines_read(void *field, const json_t *value, const struct schema_place *place)
 {
     struct manifest *out = field;
-    return schema_list((void **)&out->streamlines, &out->streamlines_count, sizeof *out->streamlines, value, read_one,
-                       place);
+    return schema_list((void **)&out->streamlines, &out->streamlines_count, sizeof *out->streamlines, MANIFEST_MANY,
+                       value, read_one, place);
 }
 
 void manifest_streamlines_finish(struct manifest *manifest)

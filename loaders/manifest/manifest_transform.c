@@ -31,8 +31,8 @@ conus_status manifest_transforms_read(void *field, const json_t *value, const st
 {
     struct manifest *out = field;
     if (json_is_array(value)) {
-        return schema_list((void **)&out->transforms, &out->transform_count, sizeof *out->transforms, value, read_one,
-                           place);
+        return schema_list((void **)&out->transforms, &out->transform_count, sizeof *out->transforms, MANIFEST_FEW,
+                           value, read_one, place);
     }
     if (!json_is_string(value) && !json_is_object(value)) {
         return schema_fail(place, value, "a path, an object or a list of these");

@@ -213,13 +213,16 @@ conus_status schema_word(unsigned *out, const json_t *value, const struct schema
     return status;
 }
 
-conus_status schema_list(void **entries, size_t *count, size_t size, const json_t *list,
+conus_status schema_list(void **entries, size_t *count, size_t size, size_t most, const json_t *list,
                          conus_status (*read)(void *, const json_t *, const struct schema_place *),
                          const struct schema_place *place)
 {
     size_t length = json_array_size(list);
     if (!json_is_array(list)) {
         return schema_fail(place, list, "a list");
+    }
+    if (length > most) {
+        return fail(CONUS_ERROR_DATA, "%s: %zu entries, allowed are %zu", place->key, length, most);
     }
     *entries = memory_zeroed(length, size);
     if (!*entries) {

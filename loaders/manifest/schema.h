@@ -42,9 +42,9 @@ conus_status schema_object(void *out, const json_t *object, const struct schema_
 conus_status schema_path_or_object(char **path, void *out, const json_t *value, const struct schema_field *fields,
                                    const struct schema_place *place);
 
-/** Reads a list into *entries, zeroed, of @p size bytes each; set with *count as soon as it is there, and the caller's
- * to memory_free() with what is in it, also on failure. */
-conus_status schema_list(void **entries, size_t *count, size_t size, const json_t *list, schema_read read,
+/** Reads a list of at most @p most entries into *entries, zeroed, of @p size bytes each; set with *count as soon as it
+ * is there, and the caller's to memory_free() with what is in it, also on failure. */
+conus_status schema_list(void **entries, size_t *count, size_t size, size_t most, const json_t *list, schema_read read,
                          const struct schema_place *place);
 
 /* Values. */

@@ -8,9 +8,11 @@
 #include "base/buffer.h"
 #include "base/folder.h"
 #include "base/memory.h"
+#include "base/order.h"
 #include "loaders/surfaces/foreign/mesh_foreign.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* ---- Reading ---------------------------------------------------------------------------------------------------- */
@@ -90,13 +92,15 @@ static conus_status hand_out_parts(struct surfaces *surfaces, struct area_plan *
     conus_status status = CONUS_OK;
     for (size_t i = 0; !status && i < plan->count; i++) {
         struct planned_area *area = &plan->areas[i];
-        for (size_t k = 0; area->is_part && area->surface == surface && k < parts->count; k++) {
-            if (parts->parts[k].label == area->part) {
-                surfaces->meshes[i] = parts->parts[k].mesh;
-                parts->parts[k].mesh = (struct mesh){0};
-            }
+        if (!area->is_part || area->surface != surface) {
+            continue;
         }
-        if (area->is_part && area->surface == surface && !surfaces->meshes[i].triangle_count) {
+        struct mesh_part *part = mesh_parts_find(parts, area->part);
+        if (part) {
+            surfaces->meshes[i] = part->mesh;
+            part->mesh = (struct mesh){0};
+        }
+        if (!surfaces->meshes[i].triangle_count) {
             status = notes_warn(surfaces->notes, "%s: label %u is on no triangle, left out", area->path, area->part);
         }
     }
@@ -193,65 +197,139 @@ static conus_status read_all(struct surfaces *surfaces, struct area_plan *plan)
 /* ---- Notes about many surfaces ------------------------------------------------------------------------------------
  */
 
-/* The area that a note "path: text" is about, and its text; NULL if it is about none. */
-static const struct planned_area *area_of_note(const char **text, const struct area_plan *plan, const char *note)
+/* A note "path: text" about an area. */
+struct said {
+    const struct planned_area *area; /* NULL: it is about none */
+    const char *text;
+    size_t line; /* which note it is */
+};
+
+struct gathering {
+    const struct planned_area **areas; /* [area_count] by path */
+    size_t area_count;
+    struct said *said; /* [count] by text */
+    size_t count;
+    bool *is_first; /* [count] of those notes that say the same */
+};
+
+static int compare_paths(const void *a, const void *b)
 {
-    for (size_t i = 0; i < plan->count; i++) {
-        size_t length = strlen(plan->areas[i].path);
-        if (strncmp(note, plan->areas[i].path, length) == 0 && strncmp(note + length, ": ", 2) == 0) {
-            *text = note + length + 2;
-            return &plan->areas[i];
-        }
-    }
-    return NULL;
+    const struct planned_area *x = *(const struct planned_area *const *)a;
+    const struct planned_area *y = *(const struct planned_area *const *)b;
+    int order = strcmp(x->path, y->path);
+    return order ? order : (x > y) - (x < y);
 }
 
-/* Adds note `first`; if others say the same about other surfaces, "N surfaces (a, b, ...): text", and takes those out.
- * It is heard with the path of the first surface. */
-static conus_status add_gathered(struct notes *to, const struct area_plan *plan, struct notes *from, size_t first,
-                                 struct load_progress *progress)
+/* A text is below all notes that say nothing about an area. */
+static int compare_said(const void *a, const void *b)
+{
+    const struct said *x = a;
+    const struct said *y = b;
+    int order = x->area && y->area ? strcmp(x->text, y->text) : (y->area != NULL) - (x->area != NULL);
+    return order ? order : compare_unsigned(x->line, y->line);
+}
+
+static bool say_the_same(const struct said *a, const struct said *b)
+{
+    return a->area && b->area && strcmp(a->text, b->text) == 0;
+}
+
+/* The first area whose path is the first `size` bytes of `note`. */
+static const struct planned_area *find_area(const struct gathering *gathering, const char *note, size_t size)
+{
+    size_t low = 0;
+    size_t high = gathering->area_count;
+    while (low < high) {
+        size_t middle = low + (high - low) / 2;
+        bool below = strncmp(gathering->areas[middle]->path, note, size) < 0;
+        low = below ? middle + 1 : low;
+        high = below ? high : middle;
+    }
+    const char *path = low < gathering->area_count ? gathering->areas[low]->path : "";
+    return strlen(path) == size && strncmp(path, note, size) == 0 ? gathering->areas[low] : NULL;
+}
+
+static struct said read_note(const struct gathering *gathering, const char *note, size_t line)
+{
+    struct said said = {.line = line};
+    for (const char *end = strstr(note, ": "); end && !said.area; end = strstr(end + 1, ": ")) {
+        said.area = find_area(gathering, note, (size_t)(end - note));
+        said.text = end + 2;
+    }
+    return said;
+}
+
+static conus_status gathering_init(struct gathering *out, const struct area_plan *plan, const struct notes *from)
+{
+    out->areas = memory_raw(plan->count, sizeof *out->areas);
+    out->said = memory_raw(from->count, sizeof *out->said);
+    out->is_first = memory_zeroed(from->count, sizeof *out->is_first);
+    if (!out->areas || !out->said || !out->is_first) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (size_t i = 0; i < plan->count; i++) {
+        out->areas[out->area_count++] = &plan->areas[i];
+    }
+    qsort(out->areas, out->area_count, sizeof *out->areas, compare_paths);
+    for (size_t i = 0; i < from->count; i++) {
+        out->said[out->count++] = read_note(out, from->lines[i], i);
+    }
+    qsort(out->said, out->count, sizeof *out->said, compare_said);
+    for (size_t i = 0; i < out->count; i++) {
+        out->is_first[out->said[i].line] = !i || !say_the_same(&out->said[i - 1], &out->said[i]);
+    }
+    return CONUS_OK;
+}
+
+static void gathering_finish(struct gathering *gathering)
+{
+    memory_free(gathering->areas);
+    memory_free(gathering->said);
+    memory_free(gathering->is_first);
+}
+
+/* Adds `note`, or if others say the same about other surfaces "N surfaces (a, b, ...): text". It is heard with the path
+ * of the first surface. `said` has `left` from that one on. */
+static conus_status add_gathered(struct notes *to, const struct said *said, size_t left, conus_severity severity,
+                                 const char *note, struct load_progress *progress)
 {
     enum { SHOWN = 3 };
-    const char *text = NULL;
-    const char *other = NULL;
     struct buffer names = {0};
     size_t count = 0;
-    conus_severity severity = from->marks[first].severity;
-    const struct planned_area *about = area_of_note(&text, plan, from->lines[first]);
-    if (!about) {
-        return notes_put(to, severity, "%s", from->lines[first]);
-    }
-    for (size_t i = first; i < from->count; i++) {
-        const struct planned_area *area = from->lines[i] ? area_of_note(&other, plan, from->lines[i]) : NULL;
-        if (!area || strcmp(other, text) != 0) {
-            continue;
-        }
-        if (count++ < SHOWN) {
-            buffer_format(&names, "%s%s", count > 1 ? ", " : "", path_base(area->path));
-        }
-        if (i != first) {
-            memory_free(from->lines[i]);
-            from->lines[i] = NULL;
+    for (; count < left && (!count || say_the_same(said, &said[count])); count++) {
+        if (count < SHOWN && said->area) {
+            buffer_format(&names, "%s%s", count ? ", " : "", path_base(said[count].area->path));
         }
     }
     conus_status status = buffer_status(&names);
-    status = status ? status : load_progress_at(progress, about->path);
+    status = status || !said->area ? status : load_progress_at(progress, said->area->path);
     status = status       ? status
-             : count == 1 ? notes_put(to, severity, "%s", from->lines[first])
+             : count == 1 ? notes_put(to, severity, "%s", note)
                           : notes_put(to, severity, "%zu surfaces (%s%s): %s", count, names.data,
-                                      count > SHOWN ? ", ..." : "", text);
+                                      count > SHOWN ? ", ..." : "", said->text);
     buffer_finish(&names);
     return status;
 }
 
-/* Moves the notes to `to`; what several surfaces have in common is said once. */
+/* Moves the notes to `to`; what several surfaces have in common is said once, where the first of them says it. */
 static conus_status gather_notes(struct notes *to, const struct area_plan *plan, struct notes *from,
                                  struct load_progress *progress)
 {
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && i < from->count; i++) {
-        status = from->lines[i] ? add_gathered(to, plan, from, i, progress) : CONUS_OK;
+    struct gathering gathering = {0};
+    conus_status status = gathering_init(&gathering, plan, from);
+    size_t *at = status ? NULL : memory_raw(from->count, sizeof *at); /* where a note is in said */
+    status = status || at ? status : CONUS_ERROR_MEMORY;
+    for (size_t i = 0; !status && i < gathering.count; i++) {
+        at[gathering.said[i].line] = i;
     }
+    for (size_t i = 0; !status && i < from->count; i++) {
+        if (gathering.is_first[i]) {
+            status = add_gathered(to, gathering.said + at[i], gathering.count - at[i], from->marks[i].severity,
+                                  from->lines[i], progress);
+        }
+    }
+    memory_free(at);
+    gathering_finish(&gathering);
     return status;
 }
 

@@ -112,16 +112,6 @@ static conus_status add_area(conus_atlas *atlas, const struct surface *surface, 
     return atlas_add_mesh(atlas, &area, &part->mesh);
 }
 
-static bool has_part(const struct mesh_parts *parts, uint32_t label)
-{
-    for (size_t i = 0; i < parts->count; i++) {
-        if (parts->parts[i].label == label) {
-            return true;
-        }
-    }
-    return false;
-}
-
 /* Names that have no triangle are no areas, which have a shape. */
 static conus_status note_missing(conus_atlas *atlas, const struct surface *surface)
 {
@@ -130,7 +120,7 @@ static conus_status note_missing(conus_atlas *atlas, const struct surface *surfa
     size_t count = 0;
     for (size_t i = 0; i < surface->labels.table.count; i++) {
         const struct label *label = &surface->labels.table.entries[i];
-        if (label->name && !has_part(&surface->parts, label->number) && count++ < SHOWN) {
+        if (label->name && !mesh_parts_find(&surface->parts, label->number) && count++ < SHOWN) {
             buffer_format(&names, "%s%s", count > 1 ? ", " : "", label->name);
         }
     }

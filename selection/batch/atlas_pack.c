@@ -273,6 +273,8 @@ static conus_atlas bare_atlas(const conus_atlas *atlas)
     bare.path = NULL;
     bare.label_source = NULL;
     bare.files.items = NULL;
+    bare.files.paths = (struct name_set){0};
+    bare.taken = (struct name_set){0};
     bare.transfer = NULL;
     bare.context_surfaces = NULL;
     bare.context_surface_count = 0;

@@ -1,0 +1,50 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Lists of a manifest: how long they may be. */
+#include "base/buffer.h"
+#include "loaders/manifest/manifest.h"
+#include "test.h"
+
+#include <stdio.h>
+
+/* Each entry costs a look at all others: 64 of what are few, 4096 of files of their own; of areas any number. */
+static void long_lists_are_refused(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *key;
+        size_t most;
+    } lists[] = {{"parcellations", 64}, {"transform", 64}, {"pathways", 4096}, {"probabilities", 4096},
+                 {"streamlines", 4096}, {"context", 4096}, {"areas", 5000}};
+    for (size_t i = 0; i < sizeof lists / sizeof lists[0]; i++) {
+        for (size_t more = 0; more < 2; more++) {
+            struct manifest m;
+            struct buffer text = {0};
+            char message[80];
+            buffer_format(&text, "{\"conus_atlas\": 1, %s\"%s\": [", i < 6 ? "\"areas\": [\"b\"], " : "", lists[i].key);
+            for (size_t k = 0; k < lists[i].most + more; k++) {
+                buffer_text(&text, k ? ", \"a\"" : "\"a\"");
+            }
+            buffer_text(&text, "]}");
+            conus_status status = manifest_parse(&m, text_from(text.data));
+            bool fine = !more || lists[i].most == 5000;
+            if (fine && status) {
+                fail_msg("%s: %s", lists[i].key, conus_message());
+            }
+            assert_int_equal(status, fine ? CONUS_OK : CONUS_ERROR_DATA);
+            if (status) {
+                snprintf(message, sizeof message, "%s: %zu entries, allowed are %zu", lists[i].key, lists[i].most + 1,
+                         lists[i].most);
+                assert_string_equal(conus_message(), message);
+            } else {
+                manifest_finish(&m);
+            }
+            buffer_finish(&text);
+        }
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(long_lists_are_refused)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
