@@ -54,7 +54,10 @@ static conus_status start_cifti(struct parsing *parsing, const struct xml_event 
     (void)parsing;
     return version && (strcmp(version, "2") == 0 || strcmp(version, "2.0") == 0)
                ? CONUS_OK
-               : fail(CONUS_ERROR_UNSUPPORTED, "Version: found \"%.20s\", 2 is read", quote(version));
+               : fail(CONUS_ERROR_UNSUPPORTED,
+                      "Version: found \"%.20s\", 2 is read (wb_command -file-convert "
+                      "-cifti-version-convert IN 2 OUT)",
+                      quote(version));
 }
 
 static conus_status start_matrix(struct parsing *parsing, const struct xml_event *event)

@@ -109,10 +109,11 @@ static conus_status hand_out_parts(struct surfaces *surfaces, struct area_plan *
 
 static conus_status cut_labelled(struct surfaces *surfaces, struct area_plan *plan, size_t index)
 {
-    const struct labelled_surface *labelled = &plan->labelled[index];
+    struct labelled_surface *labelled = &plan->labelled[index];
     struct mesh mesh = {0};
     struct mesh_parts parts = {0};
     conus_status status = read_labelled(&mesh, surfaces, labelled->path);
+    status = status ? status : vertex_labels_extend(&labelled->labels, mesh.vertex_count);
     if (!status && mesh.vertex_count != labelled->labels.count) {
         status = fail(CONUS_ERROR_DATA, "vertex_labels: %zu labels, %s has %zu vertices: they must be as many",
                       labelled->labels.count, path_base(labelled->path), mesh.vertex_count);

@@ -53,7 +53,11 @@ static conus_status take_whole(struct surface *surface)
 
 static conus_status cut_surface(struct surface *surface, const char *path)
 {
-    const struct vertex_labels *labels = &surface->labels;
+    struct vertex_labels *labels = &surface->labels;
+    conus_status status = vertex_labels_extend(labels, surface->mesh.vertex_count);
+    if (status) {
+        return status;
+    }
     if (labels->count != surface->mesh.vertex_count) {
         return fail(CONUS_ERROR_DATA, "%s: labels of %zu vertices, the surface %s has %zu", path, labels->count,
                     surface->mesh.path, surface->mesh.vertex_count);

@@ -479,6 +479,14 @@ static conus_status look_at_other(struct manifest_draft *draft, const char *name
     return known ? CONUS_OK : manifest_draft_log(draft, "%s: left out, another stack of the BrainGlobe folder", name);
 }
 
+/* Surfaces may be made of the same areas. */
+static conus_status note_both(struct manifest_draft *draft)
+{
+    const char *file = json_array_size(draft->areas) ? parcellation_file(draft, 0) : NULL;
+    static const char words[] = "%s and surfaces: areas that are in both are there twice: take one out of the manifest";
+    return file ? manifest_draft_log(draft, words, file) : CONUS_OK;
+}
+
 static conus_status scan_folder(struct manifest_draft *draft)
 {
     struct names names = {0};
@@ -506,7 +514,7 @@ static conus_status scan_folder(struct manifest_draft *draft)
         memory_free(path);
     }
     names_finish(&names);
-    return status;
+    return status || voxels || labelled ? status : note_both(draft);
 }
 
 /* Areas of probabilities may overlap, so a manifest has them or a parcellation and surfaces: beside those they are

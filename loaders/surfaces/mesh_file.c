@@ -15,6 +15,7 @@
 #include "loaders/surfaces/cifti_vertices.h"
 #include "loaders/surfaces/foreign/mesh_foreign.h"
 #include "loaders/surfaces/freesurfer_annot.h"
+#include "loaders/surfaces/freesurfer_label.h"
 #include "loaders/surfaces/freesurfer_surface.h"
 #include "loaders/surfaces/gifti.h"
 #include "loaders/surfaces/gifti_mesh.h"
@@ -200,6 +201,39 @@ static conus_status take_gifti_labels(struct vertex_labels *out, const struct by
     return status;
 }
 
+/* One area, called as the file is: "V1_exvivo" of lh.V1_exvivo.label, with the side that this says. */
+static conus_status take_freesurfer_label(struct vertex_labels *out, struct text text, const char *path)
+{
+    const char *name = path_base(path);
+    bool left = strncmp(name, "lh.", 3) == 0;
+    bool right = strncmp(name, "rh.", 3) == 0;
+    name += left || right ? 3 : 0;
+    size_t ending = path_ending_length(name, ".label/.label.gz");
+    conus_status status = freesurfer_label_parse(&out->labels, &out->count, text);
+    struct label *label = status ? NULL : label_table_add(&out->table, 1);
+    status = status || label ? status : CONUS_ERROR_MEMORY;
+    status = status ? status : label_set_text(&label->name, (struct text){name, strlen(name) - ending});
+    out->hemisphere = left ? 'L' : right ? 'R' : '\0';
+    out->is_list = true;
+    return status;
+}
+
+conus_status vertex_labels_extend(struct vertex_labels *labels, size_t count)
+{
+    if (!labels->is_list || labels->count >= count) {
+        return CONUS_OK;
+    }
+    uint32_t *longer = memory_zeroed(count, sizeof *longer);
+    if (!longer) {
+        return CONUS_ERROR_MEMORY;
+    }
+    memcpy(longer, labels->labels, labels->count * sizeof *longer);
+    memory_free(labels->labels);
+    labels->labels = longer;
+    labels->count = count;
+    return CONUS_OK;
+}
+
 static conus_status take_labels(struct vertex_labels *out, const struct bytes *bytes, const char *path, struct text map,
                                 const struct mesh_file_options *options, struct notes *notes)
 {
@@ -216,10 +250,15 @@ static conus_status take_labels(struct vertex_labels *out, const struct bytes *b
     if (freesurfer_is_surface(bytes->data, bytes->size) || mesh_foreign_is(path)) {
         return CONUS_OK;
     }
+    const struct text text = {(const char *)bytes->data, bytes->size};
+    if (freesurfer_label_is(text)) {
+        return take_freesurfer_label(out, text, path);
+    }
     conus_status status =
         freesurfer_annot_parse(&out->labels, &out->count, &out->table, bytes->data, bytes->size, notes);
     if (status == CONUS_ERROR_DATA && file_kind_of(NULL, bytes)) { /* an annotation has no mark of its own */
-        return file_kind_fail(NULL, bytes, "labels of vertices (GIFTI or CIFTI labels, or a FreeSurfer annotation)");
+        return file_kind_fail(NULL, bytes,
+                              "labels of vertices (GIFTI or CIFTI labels, or a FreeSurfer annotation or label)");
     }
     return status == CONUS_ERROR_DATA ? fail_in(status, "not GIFTI, and as a FreeSurfer annotation") : status;
 }

@@ -35,14 +35,18 @@ struct vertex_labels {
     size_t count;
     struct label_table table; /**< Sorted. */
     char hemisphere;          /**< 'L', 'R', 'B' where the file says so, else 0. */
+    bool is_list; /**< Of a file that lists vertices: those behind the last one listed are missing, and have label 0. */
 };
+
+/** Gives it @p count labels, those of all vertices of its surface, where it is a list that has no more. */
+conus_status vertex_labels_extend(struct vertex_labels *labels, size_t count);
 
 void vertex_labels_finish(struct vertex_labels *labels);
 
 /** Reads GIFTI labels (.label.gii, the first LABEL array, or that of ",map=K" or ",map=NAME" behind @p path; also those
- * of a surface file itself), a FreeSurfer annotation (.annot) or, likewise with maps, those of one surface in a CIFTI
- * file (.dlabel.nii), each plain or gzip. A surface without labels has none:
- * count 0. Notes and errors carry the path.
+ * of a surface file itself), a FreeSurfer annotation (.annot) or label (lh.V1.label), or, likewise with maps, those of
+ * one surface in a CIFTI file (.dlabel.nii), each plain or gzip. A surface without labels has none: count 0. Notes and
+ * errors carry the path.
  * @p options may be NULL. */
 conus_status vertex_labels_read(struct vertex_labels *out, const char *path, const struct mesh_file_options *options,
                                 struct notes *notes);

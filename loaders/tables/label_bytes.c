@@ -49,16 +49,23 @@ static conus_status parse_lut(struct label_table *out, const uint8_t *lut)
     return CONUS_OK;
 }
 
-/* An answer of conus, or its list of voxels, may lie beside the atlas under its name, and has rows like a table. */
-static bool is_answer(struct text text)
+/* An answer of conus, or its list of voxels, may lie beside the atlas under its name, and has rows like a table. So
+ * have FreeSurfer's lists of vertices and FSL's matrices. */
+static bool is_other(struct text text)
 {
-    return text_starts(text, "query\tkind\tindex\t") || text_starts(text, "query\tpathway\ti\t");
+    static const char *const starts[] = {"query\tkind\tindex\t", "query\tpathway\ti\t", "#!ascii label", "/NumWaves",
+                                         "/ContrastName"};
+    bool other = false;
+    for (size_t i = 0; i < sizeof starts / sizeof starts[0]; i++) {
+        other = other || text_starts(text, starts[i]);
+    }
+    return other;
 }
 
 const struct label_format *label_format_of(struct text text)
 {
     struct text start = text_trim(text);
-    if (!text_is_readable(text) || is_answer(text)) {
+    if (!text_is_readable(text) || is_other(text)) {
         return NULL;
     }
     if (start.data[0] == '<') {

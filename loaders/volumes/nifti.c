@@ -215,6 +215,8 @@ static const struct {
     {3011, {"a CIFTI matrix of connections of parcels (.pconnseries.nii)", PARCELS}},
     {3012, {"a CIFTI matrix of connections of parcels (.pconnscalar.nii)", PARCELS}},
 };
+static const struct file_kind first_version = {
+    "a CIFTI-1 file", "convert it to CIFTI-2: wb_command -file-convert -cifti-version-convert IN 2 OUT"};
 static const struct file_kind other_matrix = {"a CIFTI matrix of an unknown kind", PARCELS};
 
 static bool is_matrix(int version, int intent_code)
@@ -231,8 +233,17 @@ int nifti_matrix_intent(const uint8_t *data, size_t size)
     return is_matrix(2, intent_code) ? intent_code : 0;
 }
 
-static const struct file_kind *kind_of_matrix(int intent_code)
+/* CIFTI-1 calls labels by the code of connections; which version it is stands in the XML only. */
+static bool is_first_version(const uint8_t *data, size_t size)
 {
+    return text_mentions((struct text){(const char *)data, size}, "<CIFTI Version=\"1");
+}
+
+static const struct file_kind *kind_of_matrix(int intent_code, const uint8_t *data, size_t size)
+{
+    if (is_first_version(data, size)) {
+        return &first_version;
+    }
     for (size_t i = 0; i < sizeof matrices / sizeof matrices[0]; i++) {
         if (matrices[i].intent_code == intent_code) {
             return &matrices[i].kind;
@@ -244,12 +255,12 @@ static const struct file_kind *kind_of_matrix(int intent_code)
 const struct file_kind *nifti_matrix_kind(const uint8_t *data, size_t size)
 {
     int intent_code = nifti_matrix_intent(data, size);
-    return intent_code ? kind_of_matrix(intent_code) : NULL;
+    return intent_code ? kind_of_matrix(intent_code, data, size) : NULL;
 }
 
-static conus_status refuse_matrix(const struct fields *f)
+static conus_status refuse_matrix(const struct fields *f, const uint8_t *data, size_t size)
 {
-    const struct file_kind *kind = kind_of_matrix(f->intent_code);
+    const struct file_kind *kind = kind_of_matrix(f->intent_code, data, size);
     return is_matrix(f->version, f->intent_code)
                ? fail(CONUS_ERROR_UNSUPPORTED, "intent_code: found %d, %s, allowed are volumes; %s", f->intent_code,
                       kind->words, kind->way)
@@ -316,7 +327,7 @@ conus_status nifti_header_parse(struct volume_header *out, const uint8_t *data, 
         return status;
     }
     struct volume_header header;
-    if ((status = refuse_matrix(&f)) || (status = begin_header(&header, &f))) {
+    if ((status = refuse_matrix(&f, data, size)) || (status = begin_header(&header, &f))) {
         return status;
     }
     for (int i = 1; i < 4; i++) { /* an axis that the file does not have has a size of its own choosing */

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* FreeSurfer annotations: every label that a vertex has is in the table. */
+/* FreeSurfer annotations: every label that a vertex has is in the table. And FreeSurfer's lists of vertices. */
 #include "base/memory.h"
 #include "loaders/surfaces/freesurfer_annot.h"
+#include "loaders/surfaces/freesurfer_label.h"
 
 #include <stdlib.h>
 
@@ -23,5 +24,12 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         label_table_finish(&table);
     }
     notes_finish(&notes);
+    const struct text text = {(const char *)data, size};
+    if (freesurfer_label_is(text) && !freesurfer_label_parse(&labels, &count, text)) {
+        if (!count || labels[count - 1] != 1) { /* the last one is in the list */
+            abort();
+        }
+        memory_free(labels);
+    }
     return 0;
 }

@@ -38,7 +38,11 @@ static const struct {
     {"a+tlrc.HEAD", BYTES("\ntype = string-attribute\nname = HISTORY_NOTE\n"), "a volume", "ATLAS"},
     {"a+tlrc.BRIK.gz", BYTES("\1\2\3\4\5\6\7\0"), "the voxels of an AFNI data set", "its .HEAD"},
     {"lh.aparc.annot", BYTES("\0\0\x27\x0a\0\0\0\0\0"), "a FreeSurfer annotation", "--labels"},
-    {"lh.x.label", BYTES("#!ascii label  , from subject\n3\n"), "a FreeSurfer label", ".annot"},
+    {"lh.x.label", BYTES("#!ascii label  , from subject\n3\n"), "a FreeSurfer label of vertices", "--labels"},
+    {"design.mat", BYTES("/NumWaves\t2\n/NumPoints\t2\n/PPheights\t1 1\n\n/Matrix\n1 0\n1 1\n"),
+     "a design matrix of FSL's statistics", NULL},
+    {"one.mat", BYTES("/NumWaves 1\n/NumPoints 2\n/PPheights 1\n"), "a design matrix of FSL's statistics", NULL},
+    {"design.con", BYTES("/ContrastName1\tmean\n/NumWaves\t1\n"), "contrasts of FSL's statistics", NULL},
     {"lh.curv", BYTES("\xff\xff\xff\0\0\2\x82\0\0\5\0\0\0\0\1\0\0\0\0"), "values of the vertices of a surface", NULL},
     {"lh.pial",
      BYTES("\xff\xff\xfe"

@@ -16,6 +16,9 @@ enum foreign_format {
     FOREIGN_VTP
 };
 
+/** Whether @p path ends in @p ending, or in that and ".gz". */
+bool foreign_is_named(const char *path, const char *ending);
+
 /** The format of the file @p path, of which @p head has the first bytes, unpacked. The content decides where a format
  * has a signature, the name for STL, OBJ and OFF. */
 enum foreign_format foreign_format_of(const char *path, struct text head);

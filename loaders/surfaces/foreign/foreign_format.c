@@ -5,7 +5,15 @@
 #include "base/folder.h"
 #include "loaders/surfaces/foreign/mesh_foreign.h"
 
+#include <stdio.h>
 #include <string.h>
+
+bool foreign_is_named(const char *path, const char *ending)
+{
+    char packed[16];
+    snprintf(packed, sizeof packed, "%s.gz", ending);
+    return path_ends_in(path, ending) || path_ends_in(path, packed);
+}
 
 enum foreign_format foreign_format_of(const char *path, struct text head)
 {
@@ -15,17 +23,17 @@ enum foreign_format foreign_format_of(const char *path, struct text head)
     if (text_starts(head, "ply\n") || text_starts(head, "ply\r")) {
         return FOREIGN_PLY;
     }
-    if (text_starts(head, "MZ") && !path_ends_in(path, ".obj") && !path_ends_in(path, ".stl")) {
+    if (text_starts(head, "MZ") && !foreign_is_named(path, ".obj") && !foreign_is_named(path, ".stl")) {
         return FOREIGN_MZ3;
     }
     if (text_starts(text_trim(text_from_bytes((const uint8_t *)head.data, head.size)), "<") &&
         text_mentions(head, "<VTKFile")) {
         return FOREIGN_VTP;
     }
-    return path_ends_in(path, ".stl")   ? FOREIGN_STL
-           : path_ends_in(path, ".off") ? FOREIGN_OFF
-           : path_ends_in(path, ".obj") ? FOREIGN_OBJ
-                                        : FOREIGN_NONE;
+    return foreign_is_named(path, ".stl")   ? FOREIGN_STL
+           : foreign_is_named(path, ".off") ? FOREIGN_OFF
+           : foreign_is_named(path, ".obj") ? FOREIGN_OBJ
+                                            : FOREIGN_NONE;
 }
 
 enum mesh_space foreign_space_in(struct text text)

@@ -29,7 +29,7 @@ bool mesh_foreign_is(const char *path)
 {
     static const char *const endings[] = {".vtk", ".vtp", ".ply", ".stl", ".obj", ".off", ".mz3"};
     for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
-        if (path_ends_in(path, endings[i])) {
+        if (foreign_is_named(path, endings[i])) {
             return true;
         }
     }

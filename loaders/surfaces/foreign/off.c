@@ -10,8 +10,8 @@ struct off {
     bool has_colours; /* of vertices: to the end of the line */
 };
 
-/* The word that a file begins with: [ST][C][N]OFF. */
-static conus_status read_keyword(struct off *out, struct text word)
+/* The word that a file begins with: [ST][C][N]OFF, perhaps with the number of vertices right behind it. */
+static conus_status read_keyword(struct off *out, struct words *words, struct text word)
 {
     struct text rest = word;
     bool texture = text_starts(rest, "ST");
@@ -21,6 +21,12 @@ static conus_status read_keyword(struct off *out, struct text word)
     bool normals = text_starts(rest, "N");
     rest = normals ? (struct text){rest.data + 1, rest.size - 1} : rest;
     out->numbers = (normals ? 3U : 0U) + (texture ? 2U : 0U);
+    int64_t count;
+    if (text_starts(rest, "OFF") && text_to_int((struct text){rest.data + 3, rest.size - 3}, &count)) {
+        words->rest.size += rest.size - 3;
+        words->rest.data = rest.data + 3;
+        return CONUS_OK;
+    }
     return text_equal(rest, "OFF")
                ? CONUS_OK
                : fail(CONUS_ERROR_UNSUPPORTED, "header: \"%.*s\", allowed are OFF, COFF, NOFF, CNOFF and ST in front",
@@ -35,7 +41,7 @@ static conus_status read_header(struct off *out, struct words *words)
     conus_status status = CONUS_OK;
     if (words_peek(words, &word) && !text_to_int(word, &number)) {
         (void)words_next(words, &word);
-        status = read_keyword(out, word);
+        status = read_keyword(out, words, word);
     }
     if (!status && words_peek(words, &word) && text_equal(word, "BINARY")) {
         status = fail(CONUS_ERROR_UNSUPPORTED, "header: a binary OFF file, only text is read");

@@ -149,6 +149,9 @@ static conus_status take_line(struct ply *ply, struct text line, bool *done)
         ply->mesh->space = ply->mesh->space ? ply->mesh->space : foreign_space_in(rest);
         return CONUS_OK;
     }
+    if (text_starts(line, "Created by ")) { /* Blender 2.47 leaves out "comment" */
+        return CONUS_OK;
+    }
     return text_equal(word, "format")              ? take_format(ply, rest, line)
            : text_equal(word, "element")           ? take_element(ply, rest, line)
            : text_equal(word, "property")          ? take_property(ply, rest, line)

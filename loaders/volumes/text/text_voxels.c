@@ -6,6 +6,7 @@
 #include "base/text.h"
 #include "loaders/volumes/text/text_numbers.h"
 
+#include <stdio.h>
 #include <string.h>
 
 /* Which unpacked bytes of the voxels are wanted: all of interleaved ones. */
@@ -73,7 +74,14 @@ static conus_status read_packed(struct bytes *out, struct gzip_range *range, con
     if (!range->zlib && !gzip_is(data, size)) {
         return fail(CONUS_ERROR_DATA, "encoding: found gzip in the header, but the voxels are not packed so");
     }
-    return stored_stream(out, range, stored, start, size, sha256);
+    conus_status status = stored_stream(out, range, stored, start, size, sha256);
+    if (status != CONUS_ERROR_DATA || size == stored->bytes.size - start) {
+        return status;
+    }
+    char why[200];
+    snprintf(why, sizeof why, "%s", conus_message());
+    return fail(status, "CompressedDataSize: found %zu, the file has %zu bytes of voxels: %s", size,
+                stored->bytes.size - start, why);
 }
 
 /* Voxels that are text, or packed apart from their header. */

@@ -482,6 +482,24 @@ static void files_are_plain_or_packed(void **state)
 }
 
 /* Of CIFTI files only labels are areas: the others are called by their name wherever they are given. */
+/* The first version calls labels by the code of connections. */
+static void the_first_version_is_named(void **state)
+{
+    (void)state;
+    struct buffer bytes = {0};
+    struct volume_file file;
+    struct notes notes = {0};
+    const struct cifti_spec spec = {
+        .field = "intent_code", .value = 3001, .find = "Version=\"2\"", .replace = "Version=\"1.0\""};
+    cifti_build(&bytes, &spec);
+    const struct bytes head = {(uint8_t *)bytes.data, bytes.size};
+    assert_string_equal(file_kind_of(NULL, &head)->words, "a CIFTI-1 file");
+    assert_fails(volume_file_open(&file, write_bytes("x.nii", &bytes), 0, &notes), CONUS_ERROR_UNSUPPORTED);
+    assert_non_null(strstr(conus_message(), "a CIFTI-1 file, allowed are volumes; convert it to CIFTI-2: wb_command "));
+    buffer_finish(&bytes);
+    notes_finish(&notes);
+}
+
 static void other_matrices_are_named(void **state)
 {
     (void)state;
@@ -525,7 +543,7 @@ int main(void)
         cmocka_unit_test(every_contradiction_is_an_error),   cmocka_unit_test(labels_must_be_whole_and_in_the_table),
         cmocka_unit_test(every_prefix_is_refused),           cmocka_unit_test(every_prefix_of_the_xml_is_refused),
         cmocka_unit_test(every_failing_allocation),          cmocka_unit_test(files_are_plain_or_packed),
-        cmocka_unit_test(other_matrices_are_named),
+        cmocka_unit_test(the_first_version_is_named),        cmocka_unit_test(other_matrices_are_named),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -2,6 +2,7 @@
 /* conus_manifest_write(): what it takes files for, and that what it writes loads. */
 #include "base/buffer.h"
 #include "base/file.h"
+#include "builders/gifti_builder.h"
 #include "loaders/manifest/manifest_scan.h"
 #include "loaders/volumes/nifti_write.h"
 #include "test.h"
@@ -219,6 +220,32 @@ static void every_failing_allocation_is_reported(void **state)
     test_every_allocation(write_again, path);
 }
 
+static void count_notes(void *user, const conus_note *note)
+{
+    static const char words[] = "blocks.nii and surfaces: areas that are in both are there twice: take one out of the";
+    *(int *)user += strncmp(note->line, words, strlen(words)) == 0;
+}
+
+/* Whether surfaces are of the parcellation's own areas, nobody can know but the user. */
+static void surfaces_beside_a_parcellation_are_noted(void **state)
+{
+    (void)state;
+    int count = 0;
+    const conus_manifest_options options = {.log = count_notes, .log_user = &count};
+    struct buffer bytes = {0};
+    test_folder("both");
+    assert_ok(write_volume("blocks.nii", in_blocks));
+    assert_ok(conus_manifest_write(test_in("one.atlas.json"), &options));
+    assert_int_equal(count, 0);
+    gifti_begin(&bytes, "", 2);
+    gifti_append_tetrahedron(&bytes, "ASCII", false, false);
+    gifti_end(&bytes);
+    assert_ok(conus_write_file(test_in("a.gii"), bytes.data, bytes.size));
+    buffer_finish(&bytes);
+    assert_ok(conus_manifest_write(test_in("two.atlas.json"), &options));
+    assert_int_equal(count, 1);
+}
+
 static uint32_t in_percent(size_t i)
 {
     return i < 40 ? 70 : 0;
@@ -261,6 +288,7 @@ int main(void)
         cmocka_unit_test(halves_are_joined),
         cmocka_unit_test(what_is_written_loads),
         cmocka_unit_test(every_failing_allocation_is_reported),
+        cmocka_unit_test(surfaces_beside_a_parcellation_are_noted),
         cmocka_unit_test(probabilities_stand_alone),
     };
     return cmocka_run_group_tests(tests, write_files, NULL);

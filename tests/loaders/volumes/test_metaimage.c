@@ -186,7 +186,7 @@ static void packed_and_text_voxels(void **state)
     struct buffer packed = {0};
     struct buffer gzip = {0};
     struct buffer words = {0};
-    char size[80];
+    char size[120];
     append_counting(&voxels, 12, 1, false);
     append_zlib(&packed, &voxels);
     append_gzip(&gzip, voxels.data, voxels.size);
@@ -202,6 +202,11 @@ static void packed_and_text_voxels(void **state)
     snprintf(size, sizeof size, "CompressedData = True\nCompressedDataSize = %zu", packed.size + 1);
     assert_fails(open_bent(&file, "CompressedData = False", size, &packed, ""), CONUS_ERROR_DATA);
     assert_said("CompressedDataSize: found ");
+    snprintf(size, sizeof size, "CompressedData = True\nCompressedDataSize = %zu", packed.size - 1);
+    assert_fails(open_bent(&file, "CompressedData = False", size, &packed, ""), CONUS_ERROR_DATA);
+    snprintf(size, sizeof size, "CompressedDataSize: found %zu, the file has %zu bytes of voxels: gzip",
+             packed.size - 1, packed.size);
+    assert_said(size);
     assert_ok(open_bent(&file, "BinaryData = True", "BinaryData = False", &words, ""));
     check_labels(&file, 12, 0, 1);
     packed.data[packed.size - 1] ^= 1; /* its checksum */

@@ -2,6 +2,7 @@
 /* Mesh files of other programs: space, objects, notes, and files that break other readers. */
 #include "base/buffer.h"
 #include "base/file.h"
+#include "builders/nifti_builder.h"
 #include "loaders/surfaces/foreign/mesh_foreign.h"
 #include "loaders/surfaces/mesh_file.h"
 #include "loaders/surfaces/mesh_format.h"
@@ -87,6 +88,53 @@ static void good_files_are_read_and_their_space_is_honoured(void **state)
         check_shape(&mesh, cases[i].volume, cases[i].at, cases[i].up);
         notes_finish(&notes);
     }
+}
+
+static void refuse(const char *name, const char *text, size_t size, const char *part)
+{
+    const char *const paths[] = {write_text(name, text, size)};
+    struct mesh mesh;
+    struct notes notes = {0};
+    if (mesh_foreign_read(&mesh, paths, 1, NULL, &notes) == CONUS_OK) {
+        fail_msg("%s was read", paths[0]);
+    }
+    notes_finish(&notes);
+    if (strncmp(conus_message(), paths[0], strlen(paths[0])) != 0 || !strstr(conus_message(), part)) {
+        fail_msg("\"%s\" does not begin with %s or does not say \"%s\"", conus_message(), paths[0], part);
+    }
+}
+
+/* As other readers take them: the count right behind the keyword, Blender's line that is no comment, and packed files
+ * whose names say so. The cube of `quads` and the tetrahedron. */
+static void sloppy_and_packed_files_are_read(void **state)
+{
+    (void)state;
+    static const char off[] = "\t   OFF8 6 12 # or nah\n0 0 0\n3 0 0\n3 3 0\n0 3 0\n0 0 3\n3 0 3\n3 3 3\n0 3 3\n"
+                              "4 0 3 2 1 1.0 0.0 0.0 0.75\n4 4 5 6 7\n4 0 1 5 4\n4 1 2 6 5\n4 2 3 7 6\n4 3 0 4 7\n";
+    char blender[512];
+    struct buffer packed = {0};
+    const char *at = strstr(ply, "comment SPACE=LPS\n");
+    snprintf(blender, sizeof blender, "%.*sCreated by Blender3D 247 - www.blender.org, source file: \n%s",
+             (int)(at - ply), ply, at);
+    append_gzip(&packed, quads, strlen(quads));
+    const struct {
+        const char *name, *data;
+        size_t size;
+        double volume, at, up;
+    } cases[] = {{"cube.off", off, strlen(off), 27, 1.5, 1.5},
+                 {"blender.ply", blender, strlen(blender), 4.5, -0.75, 0.75},
+                 {"cube.obj.gz", packed.data, packed.size, 27, 1.5, 1.5}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        struct mesh mesh;
+        struct notes notes = {0};
+        read_one(&mesh, write_text(cases[i].name, cases[i].data, cases[i].size), NULL, &notes);
+        check_shape(&mesh, cases[i].volume, cases[i].at, cases[i].up);
+        notes_finish(&notes);
+    }
+    refuse("x.off", "OFFx 6 12\n", 10, "header: \"OFFx\", allowed are OFF");
+    refuse("x.off", "OFF8.5 6 12\n", 12, "header: \"OFF8.5\"");
+    refuse("mni.obj.gz", "P 0.3 0.3 0.4 10 1 4\n 0 0 0\n", 29, "an MNI object file, not Wavefront's OBJ");
+    buffer_finish(&packed);
 }
 
 /* A file of three tetrahedra: one before the first object, "left", and "right side" in two pieces. The sizes are 3, 6
@@ -201,20 +249,6 @@ static void what_we_write_is_read(void **state)
         assert_int_equal(back.triangle_count, 4);
         check_shape(&back, 3.25 * 3.25 * 3.25 / 6, 3.25 / 4, 3.25 / 4);
         buffer_finish(&bytes);
-    }
-}
-
-static void refuse(const char *name, const char *text, size_t size, const char *part)
-{
-    const char *const paths[] = {write_text(name, text, size)};
-    struct mesh mesh;
-    struct notes notes = {0};
-    if (mesh_foreign_read(&mesh, paths, 1, NULL, &notes) == CONUS_OK) {
-        fail_msg("%s was read", paths[0]);
-    }
-    notes_finish(&notes);
-    if (strncmp(conus_message(), paths[0], strlen(paths[0])) != 0 || !strstr(conus_message(), part)) {
-        fail_msg("\"%s\" does not begin with %s or does not say \"%s\"", conus_message(), paths[0], part);
     }
 }
 
@@ -419,6 +453,8 @@ static void names_tell_what_is_foreign(void **state)
     assert_true(mesh_foreign_is("folder/a.PLY"));
     assert_true(mesh_foreign_is("a.off"));
     assert_true(mesh_foreign_is("a.mz3"));
+    assert_true(mesh_foreign_is("folder/a.OBJ.gz"));
+    assert_false(mesh_foreign_is("a.nii.gz"));
     assert_false(mesh_foreign_is("a.gii"));
     assert_false(mesh_foreign_is(".obj"));
     assert_false(mesh_foreign_is(""));
@@ -431,6 +467,7 @@ int main(void)
         cmocka_unit_test(binary_stl_files_have_the_size_that_they_say),
         cmocka_unit_test(triangles_without_area_are_counted),
         cmocka_unit_test(other_files_that_are_cut_off_are_refused),
+        cmocka_unit_test(sloppy_and_packed_files_are_read),
         cmocka_unit_test(objects_are_areas),
         cmocka_unit_test(objects_without_memory_leave_nothing_behind),
         cmocka_unit_test(a_file_of_many_objects_may_be_one_surface),
