@@ -90,7 +90,7 @@ static conus_status create_of_voxels(conus_atlas **out, struct volume_file *file
     file->info.role = CONUS_ROLE_PARCELLATION;
     conus_status status = volume_file_labels(&numbers, file);
     status = status ? status : add_labels(&table, labels, label_count, &notes);
-    status = status || options->labels_anyway ? status : parcellation_refuse_grey(file, &numbers, &table, false);
+    status = status ? status : parcellation_check_grey(file, &numbers, &table, false, options->labels_anyway, &notes);
     status = status ? status
                     : atlas_create_of(&atlas, &volume, 1, &table, label_count ? "the program" : "none found", &notes);
     status = status ? status : set_words(atlas, file->path);

@@ -183,19 +183,28 @@ static conus_status read_names(struct parcellation *parts, const char *override,
                                           &parts->notes);
 }
 
-conus_status parcellation_refuse_grey(const struct volume_file *file, const struct label_voxels *labels,
-                                      const struct label_table *table, bool stated)
+conus_status parcellation_check_grey(const struct volume_file *file, const struct label_voxels *labels,
+                                     const struct label_table *table, bool stated, bool anyway, struct notes *notes)
 {
     struct grey_verdict verdict;
     conus_status status = grey_judge_file(&verdict, file, labels, table, stated);
-    return status || !verdict.grey
-               ? status
+    if (status || !verdict.grey) {
+        return status;
+    }
+    double equal = 100 * verdict.equal;
+    double needed = 100 * verdict.needed;
+    return anyway
+               ? notes_warn(notes,
+                            "%s: looks like an image, not like labels (%.0f %% of its neighbouring voxels are equal): "
+                            "its grey values are listed as areas",
+                            path_base(file->path), equal)
                : fail(
                      CONUS_ERROR_DATA,
                      "%s: looks like an image, not like labels: %.0f %% of its neighbouring voxels are equal, of areas "
-                     "%.0f %% would be; --context draws it, --pathway selects what is bright in it, --labels-anyway "
-                     "treats every value as a label",
-                     file->path, 100 * verdict.equal, 100 * verdict.needed);
+                     "%.0f %% would be; an atlas is needed ('conus atlases' lists those that are installed), --context "
+                     "draws an image, --pathway selects what is bright in it, --labels-anyway takes every value as a "
+                     "label",
+                     file->path, equal, needed);
 }
 
 static conus_status read_cifti(struct parcellation *out, const char *path, const conus_load_options *options)
@@ -220,8 +229,9 @@ conus_status parcellation_read(struct parcellation *out, const char *path, const
     status = status ? status : file_sums_move(&out->read, &out->file.read);
     status = status ? status : read_names(out, options->labels, markup);
     out->file.info.role = CONUS_ROLE_PARCELLATION;
-    return status || options->labels_anyway ? status
-                                            : parcellation_refuse_grey(&out->file, &out->labels, &out->table, markup);
+    return status ? status
+                  : parcellation_check_grey(&out->file, &out->labels, &out->table, markup, options->labels_anyway,
+                                            &out->notes);
 }
 
 conus_status parcellation_atlas(conus_atlas **out, struct parcellation *parts)

@@ -26,9 +26,9 @@ conus_status parcellation_read(struct parcellation *out, const char *path, const
 void parcellation_finish(struct parcellation *parts);
 
 /** Fails with CONUS_ERROR_DATA where @p labels, the voxels of @p file, look like an image's grey values, as of
- * grey_judge_file(). */
-conus_status parcellation_refuse_grey(const struct volume_file *file, const struct label_voxels *labels,
-                                      const struct label_table *table, bool stated);
+ * grey_judge_file(); a note says so where they are labels @p anyway. */
+conus_status parcellation_check_grey(const struct volume_file *file, const struct label_voxels *labels,
+                                     const struct label_table *table, bool stated, bool anyway, struct notes *notes);
 
 /** An atlas of it; the notes go there. */
 conus_status parcellation_atlas(conus_atlas **out, struct parcellation *parts);

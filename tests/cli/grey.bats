@@ -20,7 +20,7 @@ grey() {
 # refuses ARGUMENT...: in one line with the way on, leaving nothing behind.
 refuses() {
     fails 3 't1.nii.gz: looks like an image, not like labels' "$@"
-    [[ "$stderr" == *--context*--pathway*--labels-anyway* ]]
+    [[ "$stderr" == *'conus atlases'*--context*--pathway*--labels-anyway* ]]
     nothing_left t1.nii.gz poses.tsv
 }
 
@@ -65,6 +65,8 @@ refuses() {
     grey
     run -0 --separate-stderr "$CONUS" info t1.nii.gz --labels-anyway --format tsv
     [ "$(grep -c ^area <<<"$output")" -gt 40000 ]
+    run -0 --separate-stderr "$CONUS" info t1.nii.gz --labels-anyway
+    [[ "$output" == *'t1.nii.gz: looks like an image, not like labels'*'its grey values are listed as areas'* ]]
     # shellcheck disable=SC2086
     answers query t1.nii.gz $aim --labels-anyway --format tsv
     [ "$(cell kind 1)" = area ]
