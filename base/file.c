@@ -202,7 +202,7 @@ static conus_status write_directly(const char *path, const void *data, size_t si
     return status;
 }
 
-enum { WRITE_WAIT = 1, WRITE_NEW = 2 };
+enum { WRITE_WAIT = 1, WRITE_NEW = 2, WRITE_NAMELESS = 4 };
 
 /* Gives the finished file its name. */
 static bool name_file(const char *path, const char *temporary, unsigned how)
@@ -217,40 +217,80 @@ static bool name_file(const char *path, const char *temporary, unsigned how)
     return linked;
 }
 
-/* A new file beside `path`, whose name nobody else has: neither another thread or process, on this machine or another,
- * nor one that ended before its time. */
+enum { ATTEMPTS = 100 };
+
+/* A name beside `path` that nobody else has: neither another thread or process, on this machine or another, nor one
+ * that ended before its time. */
+static bool find_name(char *out, size_t length, const char *path)
+{
+    uint32_t number;
+    if (getrandom(&number, sizeof number, 0) != (ssize_t)sizeof number) {
+        return false;
+    }
+    snprintf(out, length, "%s.%08" PRIx32 ".part", path, number);
+    return true;
+}
+
 static int open_temporary(char *temporary, size_t length, const char *path)
 {
-    enum { ATTEMPTS = 100 };
     int descriptor = -1;
-    for (int i = 0; i < ATTEMPTS && descriptor < 0; i++) {
-        uint32_t number;
-        if (getrandom(&number, sizeof number, 0) != (ssize_t)sizeof number) {
-            return -1;
-        }
-        snprintf(temporary, length, "%s.%08" PRIx32 ".part", path, number);
+    errno = EEXIST;
+    for (int i = 0; i < ATTEMPTS && descriptor < 0 && errno == EEXIST && find_name(temporary, length, path); i++) {
         descriptor = open(temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-        if (descriptor < 0 && errno != EEXIST) {
-            return -1;
-        }
     }
     return descriptor;
 }
 
-static conus_status write_and_rename(const char *path, char *temporary, size_t length, const void *data, size_t size,
-                                     unsigned how)
+/* A new file in the folder of `path` without a name: nothing is left of it when the process is killed. -1 where there
+ * are none such. */
+static int open_nameless(char *folder, const char *path)
 {
-    int descriptor = open_temporary(temporary, length, path);
+    const char *slash = strrchr(path, '/');
+    size_t length = slash ? (size_t)(slash - path) + 1 : 0;
+    memcpy(folder, path, length);
+    memcpy(folder + length, ".", sizeof ".");
+    return access("/proc/self/fd", F_OK) ? -1 : open(folder, O_WRONLY | O_TMPFILE | O_CLOEXEC, 0666);
+}
+
+/* Gives it the name `path`; where a file is there that it replaces, by way of another name. */
+static bool name_nameless(const char *path, char *temporary, size_t length, int descriptor, unsigned how)
+{
+    char own[32];
+    snprintf(own, sizeof own, "/proc/self/fd/%d", descriptor);
+    bool named = linkat(AT_FDCWD, own, AT_FDCWD, path, AT_SYMLINK_FOLLOW) == 0;
+    if (named || errno != EEXIST || (how & WRITE_NEW)) {
+        return named;
+    }
+    for (int i = 0; i < ATTEMPTS && !named && errno == EEXIST && find_name(temporary, length, path); i++) {
+        named = linkat(AT_FDCWD, own, AT_FDCWD, temporary, AT_SYMLINK_FOLLOW) == 0;
+    }
+    if (named && rename(temporary, path)) {
+        int error = errno;
+        unlink(temporary);
+        errno = error;
+        named = false;
+    }
+    return named;
+}
+
+static conus_status write_and_name(const char *path, char *temporary, size_t length, const void *data, size_t size,
+                                   unsigned how)
+{
+    bool nameless = how & WRITE_NAMELESS;
+    int descriptor = nameless ? open_nameless(temporary, path) : open_temporary(temporary, length, path);
     if (descriptor < 0) {
         return fail_errno(path, "write");
     }
     bool written = file_write_fully(descriptor, data, size) && (!(how & WRITE_WAIT) || fsync(descriptor) == 0);
+    written = written && (!nameless || name_nameless(path, temporary, length, descriptor, how));
     written = close(descriptor) == 0 && written;
-    if (!written || !name_file(path, temporary, how)) {
+    if (!written || (!nameless && !name_file(path, temporary, how))) {
         conus_status status = errno == EEXIST
                                   ? fail(CONUS_ERROR_IO, "%s: there is a file already, which is not replaced", path)
                                   : fail_errno(path, "write");
-        unlink(temporary);
+        if (!nameless) {
+            unlink(temporary);
+        }
         return status;
     }
     return CONUS_OK;
@@ -263,7 +303,8 @@ static conus_status replace_file(const char *path, const void *data, size_t size
     if (!temporary) {
         return fail_in(CONUS_ERROR_MEMORY, path);
     }
-    conus_status status = write_and_rename(path, temporary, length, data, size, how);
+    conus_status status = write_and_name(path, temporary, length, data, size, how | WRITE_NAMELESS);
+    status = status ? write_and_name(path, temporary, length, data, size, how) : status; /* an error is that of this */
     memory_free(temporary);
     return status;
 }

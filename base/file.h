@@ -49,9 +49,10 @@ conus_status file_read_allowed(struct bytes *out, const char *path, uint64_t max
 /** Reads the first @p most bytes of the regular file @p path, or fewer where it ends earlier. */
 conus_status file_read_head(struct bytes *out, const char *path, size_t most);
 
-/** Writes @p size bytes so that @p path appears whole or not at all: a temporary file beside it, flushed to the disk
- * and renamed. Anything that is not a regular file (a pipe, a terminal) is written directly, /dev/stdout behind what is
- * there; of a link the file that it leads to is replaced, and a link that leads nowhere is an error. */
+/** Writes @p size bytes so that @p path appears whole or not at all: a file without a name in its folder,
+ * or else with another one, is flushed to the disk, and then gets this name. Anything that is not a regular file (a
+ * pipe, a terminal) is written directly, /dev/stdout behind what is there; of a link the file that it leads to is
+ * replaced, and a link that leads nowhere is an error. */
 conus_status file_write(const char *path, const void *data, size_t size);
 
 /** The same without waiting for the disk, for many files that are cheap to make again: a crash of the whole machine in

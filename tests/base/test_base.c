@@ -365,41 +365,6 @@ static void changes_are_noticed(void **state)
     assert_fails(file_state_find(&(struct file_state){0}, "/nowhere/at all"), CONUS_ERROR_IO);
 }
 
-/* How often the next random numbers are 7. */
-static size_t sevens;
-
-ssize_t __real_getrandom(void *out, size_t size, unsigned flags);
-ssize_t __wrap_getrandom(void *out, size_t size, unsigned flags);
-
-ssize_t __wrap_getrandom(void *out, size_t size, unsigned flags)
-{
-    ssize_t got = __real_getrandom(out, size, flags);
-    if (sevens) {
-        sevens--;
-        memcpy(out, &(uint32_t){7}, sizeof(uint32_t));
-    }
-    return got;
-}
-
-/* A name that is taken is passed over, and what has it stays. */
-static void a_taken_name_is_passed_over(void **state)
-{
-    (void)state;
-    char left[300];
-    char path[256];
-    struct bytes bytes = {0};
-    snprintf(path, sizeof path, "%s", test_scratch("taken.txt"));
-    snprintf(left, sizeof left, "%s.00000007.part", path);
-    assert_ok(file_write(left, "left", 4));
-    sevens = 3;
-    assert_ok(file_write(path, "one", 3));
-    assert_int_equal(sevens, 0);
-    assert_ok(file_read(&bytes, left, 100));
-    assert_memory_equal(bytes.data, "left", 4);
-    bytes_finish(&bytes);
-    assert_int_equal(unlink(left), 0);
-}
-
 enum { WRITERS = 8, WRITES = 50 };
 
 static void *write_again_and_again(void *path)
@@ -584,7 +549,6 @@ int main(void)
         cmocka_unit_test(inverse_undoes_an_affine),
         cmocka_unit_test(files_appear_whole),
         cmocka_unit_test(changes_are_noticed),
-        cmocka_unit_test(a_taken_name_is_passed_over),
         cmocka_unit_test(writers_do_not_collide),
         cmocka_unit_test(links_are_written_through),
         cmocka_unit_test(open_files_are_written_to),

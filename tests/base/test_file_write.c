@@ -1,0 +1,119 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Files that are written whole or not at all, and the names that they have on the way. */
+#include "base/file.h"
+#include "test.h"
+
+#include <dirent.h>
+#include <signal.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+/* How often the next random numbers are 7. */
+static size_t sevens;
+
+ssize_t __real_getrandom(void *out, size_t size, unsigned flags);
+ssize_t __wrap_getrandom(void *out, size_t size, unsigned flags);
+
+ssize_t __wrap_getrandom(void *out, size_t size, unsigned flags)
+{
+    ssize_t got = __real_getrandom(out, size, flags);
+    if (sevens) {
+        sevens--;
+        memcpy(out, &(uint32_t){7}, sizeof(uint32_t));
+    }
+    return got;
+}
+
+/* Whether files without a name cannot be named, as where there is no /proc. */
+static bool all_have_names;
+
+int __real_access(const char *path, int how);
+int __wrap_access(const char *path, int how);
+
+int __wrap_access(const char *path, int how)
+{
+    return all_have_names && strncmp(path, "/proc/", 6) == 0 ? -1 : __real_access(path, how);
+}
+
+/* A name that is taken is passed over, and what has it stays. */
+static void pass_over_a_taken_name(void)
+{
+    char left[300];
+    char path[256];
+    struct bytes bytes = {0};
+    snprintf(path, sizeof path, "%s", test_scratch("taken.txt"));
+    snprintf(left, sizeof left, "%s.00000007.part", path);
+    assert_ok(file_write(left, "left", 4));
+    assert_ok(file_write(path, "none", 4));
+    sevens = 3;
+    assert_ok(file_write(path, "one", 3));
+    assert_int_equal(sevens, 0);
+    assert_ok(file_read(&bytes, path, 100));
+    assert_memory_equal(bytes.data, "one", 3);
+    bytes_finish(&bytes);
+    assert_fails(file_write_new(path, "two", 3), CONUS_ERROR_IO);
+    assert_int_equal(unlink(path), 0);
+    assert_ok(file_write_new(path, "two", 3));
+    assert_int_equal(unlink(path), 0);
+    assert_ok(file_read(&bytes, left, 100));
+    assert_memory_equal(bytes.data, "left", 4);
+    bytes_finish(&bytes);
+    assert_int_equal(unlink(left), 0);
+}
+
+static void a_taken_name_is_passed_over(void **state)
+{
+    (void)state;
+    pass_over_a_taken_name();
+    all_have_names = true;
+    pass_over_a_taken_name();
+    all_have_names = false;
+}
+
+/* Of a process that ends while it writes nothing is left, and what was there stays. */
+static void nothing_is_left_of_what_is_killed(void **state)
+{
+    (void)state;
+    static char much[1 << 16];
+    struct bytes bytes = {0};
+    char path[300];
+    char folder[256];
+    snprintf(folder, sizeof folder, "%s", test_scratch("killed"));
+    assert_ok(file_make_folder(folder));
+    snprintf(path, sizeof path, "%s/file", folder);
+    for (int there = 0; there < 2; there++) {
+        pid_t child = fork();
+        if (child == 0) {
+            const struct rlimit least = {4096, 4096}; /* SIGXFSZ ends it */
+            setrlimit(RLIMIT_FSIZE, &least);
+            _exit(file_write(path, much, sizeof much));
+        }
+        int ended = 0;
+        assert_int_equal(waitpid(child, &ended, 0), child);
+        assert_true(WIFSIGNALED(ended) && WTERMSIG(ended) == SIGXFSZ);
+        DIR *open = opendir(folder);
+        size_t count = 0;
+        while (readdir(open)) {
+            count++;
+        }
+        closedir(open);
+        assert_int_equal(count, 2 + there); /* "." and ".." */
+        assert_ok(file_write(path, "kept", 4));
+    }
+    assert_ok(file_read(&bytes, path, 100));
+    assert_memory_equal(bytes.data, "kept", 4);
+    bytes_finish(&bytes);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_taken_name_is_passed_over),
+        cmocka_unit_test(nothing_is_left_of_what_is_killed),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
