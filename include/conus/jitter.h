@@ -40,7 +40,8 @@ typedef struct conus_chance {
                    ranks best; #CONUS_KIND_UNASSIGNED where no pixel hits any. They sum to 1. */
     double hit_error;       /**< Standard error of that number, from 16 independent sets of samples. */
     double seen;            /**< Probability that some pixel hits it first. */
-    double in_cone;         /**< Probability that it is in the cone at all; NaN without #CONUS_LAYERS_ALL. */
+    double in_cone;         /**< Probability that it is in the cone at all, a bundle with one of its streamlines (Eq.
+                               19); NaN without #CONUS_LAYERS_ALL. */
     double share;           /**< Mean share (Eq. 4); they sum to 1. */
     double share_deviation; /**< Standard deviation of the share from sample to sample. */
 } conus_chance;

@@ -218,7 +218,7 @@ static const struct report_column chance_columns[] = {
     {"p_hit", NULL, "probability that it is the one hit; of a query they sum to 1", OF_ROW(NUMBER, chance.hit)},
     {"p_hit_error", NULL, "standard error of p_hit, on the safe side", OF_ROW(NUMBER, chance.hit_error)},
     {"p_seen", NULL, "probability that some pixel hits it first", OF_ROW(NUMBER, chance.seen)},
-    {"p_in_cone", NULL, "probability that it is in the cone at all; needs all layers", OF_ROW(NUMBER, chance.in_cone)},
+    {"p_in_cone", NULL, "probability that it, or a streamline of it, is in the cone; needs all layers", OF_ROW(NUMBER, chance.in_cone)},
     {"mean_share", NULL, "mean part of the cone's solid angle; of a query they sum to 1", OF_ROW(NUMBER, chance.share)},
     {"sd_share", NULL, "standard deviation of that part from sample to sample", OF_ROW(NUMBER, chance.share_deviation)},
     {"samples", NULL, "poses that were looked from", OF_QUERY(COUNT, jitter.samples)},

@@ -139,7 +139,7 @@ static void add_result(struct count *counts, const conus_result *result)
 {
     struct count *count = &counts[result->object];
     count->seen += result->pixels > 0;
-    count->inside++;
+    count->inside += result->kind != CONUS_KIND_BUNDLE || result->streamlines > 0; /* a ray may hit its tube only */
     count->share += result->share;
     count->square += result->share * result->share;
 }

@@ -180,7 +180,7 @@ open("arc.trx/header.json", "w").write("{\"NB_STREAMLINES\": 2, \"NB_VERTICES\":
     # shellcheck disable=SC2086
     conus query slabs.nii.gz $AIM --streamlines two.tck,radius=0.25 -o rows.tsv
     answers cite rows.tsv
-    [[ "${output//$'\n'/ }" == *'The 2 streamlines of two.tck counted as tubes of radius 0.25 mm.'* ]]
+    [[ "${output//$'\n'/ }" == *'The 2 streamlines of two.tck counted as lines; rays hit them as tubes of radius 0.25 mm.'* ]]
 }
 
 @test "an option that is none, and a file that is none, are refused" {

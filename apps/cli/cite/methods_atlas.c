@@ -78,7 +78,9 @@ static void put_tractograms(FILE *out, const json_t *tractograms)
     size_t size = json_array_size(tractograms);
     for (size_t i = 0; i < size && i < LISTED; i++) {
         const json_t *entry = json_array_get(tractograms, i);
-        fprintf(out, " The %" JSON_INTEGER_FORMAT " streamlines of %s counted as tubes of radius %.9g mm.",
+        fprintf(out,
+                " The %" JSON_INTEGER_FORMAT
+                " streamlines of %s counted as lines; rays hit them as tubes of radius %.9g mm.",
                 json_integer_value(json_object_get(entry, "streamlines")),
                 name_of(json_string_value(json_object_get(entry, "path"))),
                 json_number_value(json_object_get(entry, "radius_mm")));

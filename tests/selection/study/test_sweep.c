@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Eq. 13: which angle admits an object, against a search of every voxel, against dense points of every triangle,
- * against the census of cones a little narrower and a little wider, and in closed form. */
+ * against the census of cones a little narrower and a little wider, and in closed form. And Eq. 14 of bundles. */
 #include "atlas/atlas.h"
 #include "base/math3.h"
 #include "base/memory.h"
@@ -424,10 +424,64 @@ static void every_failing_allocation_is_survived(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* ---- Errors of the pose (Eq. 14) ----------------------------------------------------------------------------- */
+
+/* The part of normal numbers below x. */
+static double below(double x)
+{
+    return 0.5 * erfc(-x / sqrt(2));
+}
+
+static const conus_chance *chance_of(const conus_jitter *jitter, uint32_t object)
+{
+    for (size_t i = 0; i < conus_jitter_count(jitter); i++) {
+        if (conus_jitter_chance(jitter, i)->object == object) {
+            return conus_jitter_chance(jitter, i);
+        }
+    }
+    return NULL;
+}
+
+/* A straight streamline at the distance y from the axis of a cylinder of radius R comes in where the shift across it
+ * does: with the probability of a normal number between -R - y and R - y. The tube that rays hit is 2 mm thicker, and
+ * the cylinder's rays reach 31/32 of its radius. */
+static void a_bundle_is_in_the_cone_with_a_line_of_it(void **state)
+{
+    (void)state;
+    static const float points[] = {-500, 3, 0, 500, 3, 0};
+    static const uint64_t first[] = {0, 2};
+    const double radius = 1.5;
+    const double shift = 2;
+    const double tube = 2;
+    const conus_polylines lines = {
+        .points = points, .type = CONUS_SCALAR_FLOAT32, .point_count = 2, .first = first, .streamline_count = 1};
+    const conus_selector_options options = {.resolution = 32, .radius = radius, .layers = CONUS_LAYERS_ALL};
+    conus_atlas *atlas = mesh_scene_atlas();
+    assert_ok(conus_atlas_add_polylines(atlas, &lines, &(conus_streamlines_options){.radius = tube}));
+    conus_selector *selector = NULL;
+    conus_jitter *jitter = NULL;
+    conus_pose pose;
+    assert_ok(conus_pose_along(&pose, (double[]){0, 0, 50}, (double[]){0, 0, -1}, NULL));
+    assert_ok(conus_selector_create(&selector, atlas, &options));
+    assert_ok(
+        conus_jitter_create(&jitter, selector, &pose, 0, &(conus_jitter_options){.shift = shift, .samples = 4096}));
+    conus_selector_destroy(selector);
+    const conus_chance *row = chance_of(jitter, 1);
+    double in = below((radius - 3) / shift) - below((-radius - 3) / shift);
+    double reach = radius * 31 / 32 + tube;
+    double seen = below((reach - 3) / shift) - below((-reach - 3) / shift);
+    assert_near(row->in_cone, in, 2e-3);
+    assert_near(row->seen, seen, 5e-3);
+    assert_true(row->seen > row->in_cone + 0.3);
+    conus_jitter_destroy(jitter);
+    conus_atlas_destroy(atlas);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(voxels_are_admitted_by_their_centres),
+        cmocka_unit_test(a_bundle_is_in_the_cone_with_a_line_of_it),
         cmocka_unit_test(a_little_less_is_too_narrow),
         cmocka_unit_test(surfaces_are_admitted_by_their_nearest_point),
         cmocka_unit_test(a_ball_is_admitted_at_its_tangent),
