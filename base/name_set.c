@@ -23,10 +23,10 @@ void name_set_finish(struct name_set *set)
     *set = (struct name_set){0};
 }
 
-const struct known_name *name_set_find(const struct name_set *set, const char *name)
+struct known_name *name_set_find(const struct name_set *set, const char *name)
 {
     const struct known_name key = {.name = name};
-    const struct known_name *found = NULL;
+    struct known_name *found = NULL;
     for (size_t end = set->count; end && !found; end -= lowest_bit(end)) {
         size_t length = lowest_bit(end);
         found = bsearch(&key, set->items + end - length, length, sizeof key, compare_names);

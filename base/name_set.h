@@ -23,8 +23,8 @@ struct name_set {
 
 void name_set_finish(struct name_set *set);
 
-/** One that goes by @p name, or NULL. Valid until the next name is added. */
-const struct known_name *name_set_find(const struct name_set *set, const char *name);
+/** One that goes by @p name, whose value may be changed, or NULL. Valid until the next name is added. */
+struct known_name *name_set_find(const struct name_set *set, const char *name);
 
 /** Adds a name, also one that is there. */
 conus_status name_set_add(struct name_set *set, const char *name, size_t value);

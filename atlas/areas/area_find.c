@@ -3,7 +3,9 @@
 #include "atlas/areas/area_find.h"
 
 #include "base/buffer.h"
+#include "base/memory.h"
 
+#include <stdio.h>
 #include <string.h>
 #include <strings.h>
 
@@ -241,6 +243,54 @@ conus_status object_find(uint32_t *out, const conus_atlas *atlas, struct text te
         *out = found;
     }
     return status;
+}
+
+/* ---- Many of them ------------------------------------------------------------------------------------------------ */
+
+/* Notes that object `number` is called so. */
+static conus_status index_name(struct object_index *index, const char *name, size_t number)
+{
+    struct known_name *known = name_set_find(&index->names, name);
+    if (!*name || !known) {
+        return *name ? name_set_add(&index->names, name, number) : CONUS_OK;
+    }
+    known->value = known->value == number ? number : 0;
+    return CONUS_OK;
+}
+
+conus_status object_index_init(struct object_index *out, const conus_atlas *atlas)
+{
+    size_t count = atlas->half_step ? 0 : atlas->object_count; /* who asks for an area that was cut gets its halves */
+    conus_status status = CONUS_OK;
+    out->digits = memory_raw(count, LABEL_DIGITS);
+    for (size_t i = 0; !status && out->digits && i < count; i++) {
+        const conus_object *object = &atlas->objects[i];
+        char *digits = out->digits + i * LABEL_DIGITS;
+        if (!atlas_is_paired(atlas, (uint32_t)i + 1)) {
+            snprintf(digits, LABEL_DIGITS, "%u", object->label);
+            status = index_name(out, object->name, i + 1);
+            status = status ? status : index_name(out, object->abbreviation, i + 1);
+            status = status || object->kind != CONUS_KIND_AREA ? status : index_name(out, digits, i + 1);
+        }
+    }
+    return out->digits ? status : CONUS_ERROR_MEMORY;
+}
+
+void object_index_finish(struct object_index *index)
+{
+    name_set_finish(&index->names);
+    memory_free(index->digits);
+}
+
+uint32_t object_index_find(const struct object_index *index, struct text text)
+{
+    char name[256];
+    if (text.size >= sizeof name || memchr(text.data, '\0', text.size)) {
+        return 0;
+    }
+    snprintf(name, sizeof name, "%.*s", (int)text.size, text.data);
+    const struct known_name *known = name_set_find(&index->names, name);
+    return known ? (uint32_t)known->value : 0;
 }
 
 conus_status conus_atlas_find(uint32_t *out, const conus_atlas *atlas, const char *name)

@@ -4,7 +4,22 @@
 #define CONUS_ATLAS_AREAS_AREA_FIND_H
 
 #include "atlas/atlas.h"
+#include "base/name_set.h"
 #include "base/text.h"
+
+/** What the objects of an atlas are called, to find many of them: each of the functions below looks at all. */
+struct object_index {
+    struct name_set names; /* value: the number of the object, 0 of several */
+    char *digits;          /* labels as text */
+};
+
+/** Begins as all 0. The atlas must not change meanwhile. */
+conus_status object_index_init(struct object_index *out, const conus_atlas *atlas);
+void object_index_finish(struct object_index *index);
+
+/** The number of the one object that goes by exactly @p text; 0 where the functions below know more: of several, of
+ * none, and of one in other letters or cut in two. */
+uint32_t object_index_find(const struct object_index *index, struct text text);
 
 /** The number of the one area whose name, abbreviation or label is @p text (not empty); if there is none, whose name or
  * abbreviation differs from it in upper and lower case only. CONUS_ERROR_ARGUMENT if there is none, with the closest

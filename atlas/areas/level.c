@@ -23,6 +23,7 @@ struct climb {
     uint32_t *order;  /* [object_count + 1] areas, parents before their children */
     bool *targets;    /* [object_count + 1] at which a climb ends */
     bool is_list;
+    struct object_index index; /* of a list */
 };
 
 static uint32_t parent_of(const conus_atlas *atlas, uint32_t number)
@@ -93,13 +94,14 @@ static void climb_to_targets(struct climb *climb)
 static conus_status list_area(void *user, struct text name)
 {
     struct climb *climb = user;
-    uint32_t number = 0;
     uint32_t halves[2];
-    if (area_find_halves(halves, climb->atlas, name)) {
+    uint32_t number = object_index_find(&climb->index, name);
+    number = number <= climb->atlas->area_count ? number : 0; /* area_find() says that it is a pathway */
+    if (!number && area_find_halves(halves, climb->atlas, name)) {
         climb->targets[halves[0]] = climb->targets[halves[1]] = true;
         return CONUS_OK;
     }
-    conus_status status = area_find(&number, climb->atlas, name);
+    conus_status status = number ? CONUS_OK : area_find(&number, climb->atlas, name);
     if (!status) {
         climb->targets[number] = true;
     }
@@ -109,7 +111,10 @@ static conus_status list_area(void *user, struct text name)
 static conus_status target_list(struct climb *climb, struct text spec)
 {
     climb->is_list = true;
-    return area_list_read(spec, list_area, NULL, climb);
+    conus_status status = object_index_init(&climb->index, climb->atlas);
+    status = status ? status : area_list_read(spec, list_area, NULL, climb);
+    object_index_finish(&climb->index);
+    return status;
 }
 
 /* ---- The level -------------------------------------------------------------------------------------------------- */

@@ -186,21 +186,32 @@ bool atlas_has_meshes(const conus_atlas *atlas)
 struct naming {
     conus_atlas *atlas;
     bool *named; /* [object_count + 1] */
+    struct object_index index;
 };
 
 static conus_status name_object(void *user, struct text name)
 {
     struct naming *naming = user;
-    uint32_t found[2] = {0};
-    bool is_cut = area_find_halves(found, naming->atlas, name);
-    conus_status status = is_cut ? CONUS_OK : object_find(&found[0], naming->atlas, name);
-    for (uint32_t number = 1; number <= naming->atlas->object_count && !status; number++) {
-        if (atlas_is_below(naming->atlas, number, found[0]) ||
-            (is_cut && atlas_is_below(naming->atlas, number, found[1]))) {
-            naming->named[number] = true;
-        }
+    uint32_t halves[2];
+    uint32_t found = object_index_find(&naming->index, name);
+    if (!found && area_find_halves(halves, naming->atlas, name)) {
+        naming->named[halves[0]] = naming->named[halves[1]] = true;
+        return CONUS_OK;
+    }
+    conus_status status = found ? CONUS_OK : object_find(&found, naming->atlas, name);
+    if (!status) {
+        naming->named[found] = true;
     }
     return status;
+}
+
+/* What is below what was named is named, too. */
+static bool is_named(const struct naming *naming, uint32_t number)
+{
+    while (number && !naming->named[number]) {
+        number = naming->atlas->objects[number - 1].parent;
+    }
+    return number;
 }
 
 /* A list is a source of the answers, and no output is to overwrite it. */
@@ -213,15 +224,16 @@ static conus_status note_list(void *user, const char *path, const struct bytes *
 /* Hides what @p list names, or what it does not, of what is not hidden yet. */
 static conus_status hide_list(bool *hidden, conus_atlas *atlas, const char *list, bool others, const char *what)
 {
-    struct naming naming = {atlas, memory_zeroed(atlas->object_count + 1, sizeof *naming.named)};
-    conus_status status = naming.named ? CONUS_OK : CONUS_ERROR_MEMORY;
+    struct naming naming = {.atlas = atlas, .named = memory_zeroed(atlas->object_count + 1, sizeof *naming.named)};
+    conus_status status = naming.named ? object_index_init(&naming.index, atlas) : CONUS_ERROR_MEMORY;
     if (!status) {
         status = area_list_read(text_from(list), name_object, note_list, &naming);
         status = status ? fail_in(status, what) : status;
     }
-    for (size_t number = 1; number <= atlas->object_count && !status; number++) {
-        hidden[number] = hidden[number] || naming.named[number] != others;
+    for (uint32_t number = 1; number <= atlas->object_count && !status; number++) {
+        hidden[number] = hidden[number] || is_named(&naming, number) != others;
     }
+    object_index_finish(&naming.index);
     memory_free(naming.named);
     return status;
 }

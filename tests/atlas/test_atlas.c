@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Atlases built in memory: dense areas, pathways, notes on oddities. */
+#include "atlas/areas/area_find.h"
 #include "atlas/atlas.h"
 #include "atlas/space.h"
 #include "base/math3.h"
@@ -181,6 +182,38 @@ static void many_missing_parents_are_counted(void **state)
     label_table_finish(&table);
 }
 
+/* What is exactly one object's is found as area_find() finds it; all else is left to that. */
+static void exact_names_are_found_by_an_index(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text;
+        uint32_t number;
+    } cases[] = {{"seven", 1}, {"7", 1},  {"absent", 2}, {"9", 2},    {"300", 3},        {"far", 4},
+                 {"FAR", 0},   {"07", 0}, {"", 0},       {"seve", 0}, {"4000000001", 4}, {"seven ", 0}};
+    conus_atlas *atlas = NULL;
+    struct object_index index = {0};
+    assert_ok(make_atlas(&atlas));
+    assert_ok(object_index_init(&index, atlas));
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        uint32_t found = 0;
+        assert_int_equal(object_index_find(&index, text_from(cases[i].text)), cases[i].number);
+        if (cases[i].number) {
+            assert_ok(area_find(&found, atlas, text_from(cases[i].text)));
+            assert_int_equal(found, cases[i].number);
+        }
+    }
+    object_index_finish(&index);
+    conus_atlas_destroy(atlas);
+    index = (struct object_index){0};
+    assert_ok(make_chain(&atlas, 3, true)); /* three of one name */
+    assert_ok(object_index_init(&index, atlas));
+    assert_int_equal(object_index_find(&index, text_from("part")), 0);
+    assert_int_equal(object_index_find(&index, text_from("2")), 2);
+    object_index_finish(&index);
+    conus_atlas_destroy(atlas);
+}
+
 static conus_status make_with_pathway(void *data)
 {
     (void)data;
@@ -287,11 +320,17 @@ static void latin1_names_become_utf8(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(areas_are_dense_and_keep_their_labels), cmocka_unit_test(oddities_are_noted),
-        cmocka_unit_test(trees_are_not_deeper_than_allowed),     cmocka_unit_test(circles_are_broken_or_refused),
-        cmocka_unit_test(many_missing_parents_are_counted),      cmocka_unit_test(pathways_follow_the_areas),
-        cmocka_unit_test(every_failing_allocation_is_clean),     cmocka_unit_test(areas_may_be_meshes),
-        cmocka_unit_test(orientation_follows_the_affine),        cmocka_unit_test(latin1_names_become_utf8),
+        cmocka_unit_test(areas_are_dense_and_keep_their_labels),
+        cmocka_unit_test(oddities_are_noted),
+        cmocka_unit_test(exact_names_are_found_by_an_index),
+        cmocka_unit_test(trees_are_not_deeper_than_allowed),
+        cmocka_unit_test(circles_are_broken_or_refused),
+        cmocka_unit_test(many_missing_parents_are_counted),
+        cmocka_unit_test(pathways_follow_the_areas),
+        cmocka_unit_test(every_failing_allocation_is_clean),
+        cmocka_unit_test(areas_may_be_meshes),
+        cmocka_unit_test(orientation_follows_the_affine),
+        cmocka_unit_test(latin1_names_become_utf8),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
