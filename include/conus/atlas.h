@@ -32,8 +32,8 @@ typedef bool (*conus_load_progress)(void *user, const char *path, size_t done, s
 /** How conus_atlas_load() reads. */
 typedef struct conus_load_options {
     size_t struct_size;  /**< Its size, as #CONUS_LOAD_OPTIONS_INIT sets it; 0 = that of this version. */
-    const char *labels;  /**< Path of a label table that replaces the one beside or inside the file. For a surface: path
-                            of the labels of its vertices (.label.gii, .annot, .dlabel.nii). For a file of several
+    const char *labels;  /**< Label table that replaces the file's own: PATH[,label=COLUMN,name=COLUMN]. For a surface:
+                            labels of its vertices (.label.gii, .annot, .label, .dlabel.nii). For a file of several
                             volumes, none of them chosen: names of these. NULL = none. */
     uint64_t max_memory; /**< Largest file, and largest volume unpacked, in bytes, of those that are held in memory: of
                             large label volumes in a plain NIfTI or MGH file only the labels are. 0 = 8 GiB. */
