@@ -8,6 +8,7 @@
 #include "common/messages.h"
 #include "common/output.h"
 #include "common/outputs.h"
+#include "common/progress.h"
 #include "common/provenance.h"
 
 #include <errno.h>
@@ -62,6 +63,7 @@ struct merge {
     size_t count;
     char *sidecar, *temporary, *command_line;
     struct batch_record record; /* of the whole */
+    struct progress progress;
 };
 
 /* ---- Do they belong together? ------------------------------------------------------------------------------------ */
@@ -205,6 +207,7 @@ static int copy_all(struct merge *merge)
         if (in) {
             fclose(in);
         }
+        progress_update(&merge->progress, merge->count + i + 1, 0);
     }
     copied = copied && !fflush(out) && !fsync(fileno(out));
     copied = !fclose(out) && copied;
@@ -279,9 +282,11 @@ static int check_paths(const struct merge *merge)
 static int merge_shards(struct merge *merge)
 {
     int code = check_paths(merge);
+    progress_start(&merge->progress, PROGRESS_AUTO, false, "files", 2 * (uint64_t)merge->count); /* read, then joined */
     for (size_t i = 0; i < merge->count && !code; i++) {
         code = read_part(&merge->parts[i]);
         code = code ? code : check_errors(&merge->parts[i]);
+        progress_update(&merge->progress, i + 1, 0);
     }
     if (code) {
         return code;
@@ -317,6 +322,7 @@ static int run_merge(const void *given, const struct arguments *arguments)
 {
     struct merge merge = {.settings = given};
     int code = init(&merge, arguments) ? merge_shards(&merge) : EXIT_DATA;
+    progress_finish(&merge.progress, 0, 0);
     for (size_t i = 0; merge.parts && i < merge.count; i++) {
         free(merge.parts[i].sidecar);
     }

@@ -5,6 +5,7 @@
 #include "cli/pictures/translucent.h"
 #include "common/messages.h"
 #include "common/output.h"
+#include "common/progress.h"
 #include "figures/figure.h"
 #include "settings/aim_notes.h"
 #include "settings/atlas_input.h"
@@ -276,11 +277,6 @@ static int load_poses(conus_pose_list **out, const struct picture *picture, cons
     return status ? settings_print_poses_error(status, path, "pose", picture->arguments) : EXIT_DONE;
 }
 
-static const char *why_no_pose(const conus_pose_row *row)
-{
-    return row->error ? row->error : row->is_point ? POINT_HAS_NO_DIRECTION : NULL;
-}
-
 static int match_poses(const struct picture *picture, conus_pose_list *poses, const char *path)
 {
     struct named_atlas atlas = {.atlas = picture->atlas};
@@ -298,8 +294,8 @@ static int load_camera(struct picture *picture)
     const conus_pose_row *row = conus_pose_list_row(list, 0);
     if (!code && conus_pose_list_count(list) != 1) {
         code = print_usage_error("%s has %zu poses, a camera takes one", path, conus_pose_list_count(list));
-    } else if (!code && why_no_pose(row)) {
-        print_error_line("%s:%zu: %s", path, row->line, why_no_pose(row));
+    } else if (!code && settings_row_error(row)) {
+        print_error_line("%s:%zu: %s", path, row->line, settings_row_error(row));
         code = EXIT_DATA;
     } else if (!code) {
         picture->camera = row->pose;
@@ -479,8 +475,8 @@ static int draw_row(struct picture *picture, const struct drawn_row *drawn)
 {
     const struct render_settings *settings = picture->settings;
     const conus_pose_row *row = drawn->row;
-    if (why_no_pose(row)) {
-        return refuse_row(picture, row, why_no_pose(row), EXIT_DATA);
+    if (settings_row_error(row)) {
+        return refuse_row(picture, row, settings_row_error(row), EXIT_DATA);
     }
     double angle = row->angle != 0 ? row->angle : settings_angle(&settings->aim, &settings->engine);
     bool fault = false;
@@ -506,12 +502,13 @@ static int draw_rows(struct picture *picture)
     if (!rows->count) {
         settings_say_no_poses(picture->settings->aim.pose, &picture->settings->common);
     }
+    struct progress progress;
+    progress_start(&progress, PROGRESS_AUTO, picture->settings->common.quiet, "pictures", rows->count);
     for (size_t i = 0; i < rows->count && !code; i++) {
         code = draw_row(picture, &rows->items[i]);
+        progress_update(&progress, i + 1, 0);
     }
-    if (!code) {
-        say_aims(picture);
-    }
+    progress_finish(&progress, 0, 0);
     return code;
 }
 
@@ -530,9 +527,6 @@ static int draw_origin(struct picture *picture)
         return print_status(CONUS_ERROR_ARGUMENT);
     }
     conus_aims_add(picture->aims, 1, &pose, angle);
-    if (!code) {
-        say_aims(picture);
-    }
     return code;
 }
 
@@ -562,6 +556,9 @@ static int run_render(const void *given, const struct arguments *arguments)
     code = code || !picture.poses ? code : match_poses(&picture, picture.poses, settings->aim.pose);
     code = code ? code : prepare(&picture);
     code = code ? code : draw_all(&picture);
+    if (!code && picture.selector) {
+        say_aims(&picture);
+    }
     if (!code) {
         settings_say_notes(picture.atlas, &settings->common);
         code = picture.failed ? EXIT_DIFFERENT : EXIT_DONE;

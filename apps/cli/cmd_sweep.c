@@ -251,12 +251,21 @@ static bool has_errors(const conus_pose_row *row)
     return isfinite(row->error_deg) || isfinite(row->error_mm);
 }
 
+static bool show_sample(void *user, size_t done, size_t total)
+{
+    (void)total;
+    inquiry_show_step(user, done);
+    return true;
+}
+
 /* What is asked for on the command line wins; of a row's own errors one that is missing is 0. */
 static conus_status add_chances(struct sweep *sweep, const struct answerer *answerer, const conus_pose_row *row,
                                 double angle)
 {
     conus_jitter *jitter = NULL;
     conus_jitter_options options = sweep->jitter;
+    options.progress = show_sample;
+    options.progress_user = &sweep->inquiry;
     if (sweep->jitter_of_rows) {
         options.tilt = isfinite(row->error_deg) ? radians(row->error_deg) : 0;
         options.shift = isfinite(row->error_mm) ? row->error_mm : 0;
@@ -328,13 +337,16 @@ static void say_unused_errors(const struct sweep *sweep)
 static int answer_all(struct sweep *sweep)
 {
     struct inquiry *inquiry = &sweep->inquiry;
+    inquiry->steps = sweep->rows == CONUS_ROWS_CHANCES ? (sweep->jitter.samples ? sweep->jitter.samples : 1024) : 0;
     if (inquiry->poses) {
         say_unused_errors(sweep);
         return inquiry_each_row(inquiry, answer_row, sweep);
     }
     conus_pose_row row = {.id = "1", .error_deg = NAN, .error_mm = NAN};
     int code = settings_pose(&row.pose, &inquiry->settings->aim, &inquiry->frame, inquiry->arguments);
+    inquiry_start_progress(inquiry, 1);
     conus_status status = code ? CONUS_OK : add_answers(sweep, &row);
+    progress_finish(&inquiry->progress, 0, 0);
     return status ? print_status(status) : code;
 }
 

@@ -219,6 +219,17 @@ double inquiry_angle(const struct inquiry *inquiry, const conus_pose_row *row)
     return row->angle != 0 ? row->angle : settings_angle(&inquiry->settings->aim, &inquiry->settings->engine);
 }
 
+void inquiry_start_progress(struct inquiry *inquiry, size_t rows)
+{
+    progress_start(&inquiry->progress, PROGRESS_AUTO, inquiry->settings->common.quiet,
+                   inquiry->steps ? "samples" : "poses", rows * (inquiry->steps ? inquiry->steps : 1));
+}
+
+void inquiry_show_step(struct inquiry *inquiry, size_t done)
+{
+    progress_update(&inquiry->progress, inquiry->row * (inquiry->steps ? inquiry->steps : 1) + done, 0);
+}
+
 int inquiry_each_row(struct inquiry *inquiry, int (*answer)(void *user, const conus_pose_row *row), void *user)
 {
     int code = EXIT_DONE;
@@ -226,9 +237,13 @@ int inquiry_each_row(struct inquiry *inquiry, int (*answer)(void *user, const co
     if (!count) {
         settings_say_no_poses(inquiry->settings->aim.pose, &inquiry->settings->common);
     }
+    inquiry_start_progress(inquiry, count);
     for (size_t i = 0; !code && i < count; i++) {
+        inquiry->row = i;
         code = answer(user, conus_pose_list_row(inquiry->poses, i));
+        inquiry_show_step(inquiry, inquiry->steps ? inquiry->steps : 1);
     }
+    progress_finish(&inquiry->progress, 0, 0);
     return code;
 }
 

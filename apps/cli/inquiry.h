@@ -7,6 +7,7 @@
 
 #include "cli/answers/answer_format.h"
 #include "common/outputs.h"
+#include "common/progress.h"
 #include "settings/pose_settings.h"
 
 struct inquiry_settings {
@@ -66,6 +67,9 @@ struct inquiry {
     conus_pose_list *poses;     /**< All of a file; or */
     conus_pose_stream *stream;  /**< one after the other; or both NULL. */
     bool failed;                /**< Some poses had no answer. */
+    struct progress progress;   /**< Of those of a file, or of the steps of each, */
+    size_t steps;               /**< how many each has; 0 = 1, */
+    size_t row;                 /**< and which one is being answered, from 0. */
 };
 
 /** Whether --slices, --score, --context, --angle and --radius fit together; prints an error if not. */
@@ -110,7 +114,11 @@ void inquiry_count_pose(struct inquiry *inquiry, size_t line, const conus_pose *
 
 /** The row's angle, radians; without one that of --angle. */
 double inquiry_angle(const struct inquiry *inquiry, const conus_pose_row *row);
-/** Answers each row of the list by @p answer. */
+/** Begins to show how many of the steps of @p rows rows are done; inquiry_each_row() does. */
+void inquiry_start_progress(struct inquiry *inquiry, size_t rows);
+/** Shows how many steps of the row that is being answered are done. */
+void inquiry_show_step(struct inquiry *inquiry, size_t done);
+/** Answers each row of the list by @p answer, and shows how far that is. */
 int inquiry_each_row(struct inquiry *inquiry, int (*answer)(void *user, const conus_pose_row *row), void *user);
 /** Prints why a row has no answer. */
 int inquiry_skip_row(struct inquiry *inquiry, const conus_pose_row *row, const char *why);

@@ -15,6 +15,7 @@ enum { LINE_SIZE = 2048, WORD_SIZE = 64 };
 /* The thread's newest. */
 static _Thread_local char said[LINE_SIZE];
 static _Thread_local bool is_held;
+static _Thread_local bool is_unfinished;
 
 void make_plain_line(char *text)
 {
@@ -35,8 +36,15 @@ static void print_error_list(const char *format, va_list args)
         const char *form = !terminal_has_colour(STDERR_FILENO) ? "conus: %s%s\n"
                            : is_note                           ? "conus: \033[33m%s\033[0m%s\n"
                                                                : "\033[1mconus:\033[0m %s%s\n";
+        fputs(is_unfinished ? "\r\033[K" : "", stderr);
+        is_unfinished = false;
         fprintf(stderr, form, is_note ? note : "", said + (is_note ? strlen(note) : 0));
     }
+}
+
+void messages_unfinished(bool is)
+{
+    is_unfinished = is;
 }
 
 void messages_hold(bool held)

@@ -18,6 +18,9 @@ enum exit_code {
 /** Writes "conus: " and the line to stderr; control characters become spaces. */
 void print_error_line(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
+/** Whether the terminal's last line is unfinished, as that of a progress is: a message takes its place. */
+void messages_unfinished(bool is);
+
 /** While lines are held, this thread prints none; error_line() has the last one. */
 void messages_hold(bool held);
 

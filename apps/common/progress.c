@@ -1,24 +1,44 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The progress line on a terminal, or as JSON. */
+/* The progress line on a terminal or in a log, or as JSON. */
 #include "common/progress.h"
 
+#include "common/messages.h"
 #include "link/clock.h"
 
 #include <stdio.h>
+#include <string.h>
 #include <unistd.h>
 
 const char *const progress_kinds[] = {"auto", "json", "none", NULL};
 
-static const double interval_ms = 100;
+enum { LINE_SIZE = 256 };
 
-void progress_start(struct progress *out, enum progress_kind kind, bool quiet)
+static const double interval_ms = 100;
+static const double log_interval_ms = 5 * 60 * 1000;
+
+static int redirected = -1;
+
+void progress_redirect(int descriptor)
+{
+    redirected = descriptor;
+}
+
+void progress_start(struct progress *out, enum progress_kind kind, bool quiet, const char *what, uint64_t total)
 {
     double start = clock_ms();
-    *out = (struct progress){.kind = kind, .started = start, .shown = start};
-    if (kind == PROGRESS_JSON) {
+    bool is_redirected = redirected >= 0;
+    bool is_for_people = is_redirected || (kind == PROGRESS_AUTO && !quiet);
+    *out = (struct progress){.kind = is_redirected ? PROGRESS_AUTO : kind,
+                             .what = what,
+                             .total = total,
+                             .to = is_redirected ? redirected : STDERR_FILENO,
+                             .started = start,
+                             .shown = start};
+    if (out->kind == PROGRESS_JSON) {
         out->shown -= 2 * interval_ms; /* a program hears of the first block at once */
     }
-    out->on_terminal = kind == PROGRESS_AUTO && !quiet && isatty(STDERR_FILENO);
+    out->on_terminal = is_for_people && isatty(out->to);
+    out->in_log = is_for_people && !out->on_terminal && !is_redirected;
 }
 
 bool progress_is_shown(const struct progress *progress)
@@ -32,20 +52,32 @@ static double rate_of(const struct progress *progress, uint64_t done)
     return seconds > 0 ? (double)(done - progress->before) / seconds : 0;
 }
 
-static void show_line(const struct progress *progress, uint64_t done, uint64_t errors)
+/* A time as people say it: in seconds up to two minutes, in minutes up to two hours. */
+static void add_time(char line[LINE_SIZE], double seconds)
+{
+    size_t used = strlen(line);
+    const char *form = seconds < 120 ? ", %.0f s left" : seconds < 7200 ? ", %.0f min left" : ", %.1f h left";
+    snprintf(line + used, LINE_SIZE - used, form, seconds / (seconds < 120 ? 1 : seconds < 7200 ? 60 : 3600));
+}
+
+/* "120 of 1000 poses, 25/s, 12 %, 35 s left, 3 errors" */
+static void make_line(char line[LINE_SIZE], const struct progress *progress, uint64_t done, uint64_t errors)
 {
     double rate = rate_of(progress, done);
-    fprintf(stderr, "\r\033[K%llu", (unsigned long long)done);
+    char total[32] = "";
     if (progress->total) {
-        fprintf(stderr, " of %llu", (unsigned long long)progress->total);
+        snprintf(total, sizeof total, " of %llu", (unsigned long long)progress->total);
     }
-    fprintf(stderr, " poses, %.0f/s", rate);
+    snprintf(line, LINE_SIZE, rate < 10 ? "%llu%s %s, %.2g/s" : "%llu%s %s, %.0f/s", (unsigned long long)done, total,
+             progress->what, rate);
     if (progress->total && rate > 0) {
-        fprintf(stderr, ", %.0f %%, %.0f s left", 100 * (double)done / (double)progress->total,
-                (double)(progress->total - done) / rate);
+        size_t used = strlen(line);
+        snprintf(line + used, LINE_SIZE - used, ", %.0f %%", 100 * (double)done / (double)progress->total);
+        add_time(line, (double)(progress->total - done) / rate);
     }
     if (errors) {
-        fprintf(stderr, ", %llu errors", (unsigned long long)errors);
+        size_t used = strlen(line);
+        snprintf(line + used, LINE_SIZE - used, ", %llu errors", (unsigned long long)errors);
     }
 }
 
@@ -66,24 +98,36 @@ static void show_json(const struct progress *progress, uint64_t done, uint64_t e
 void progress_update(struct progress *progress, uint64_t done, uint64_t errors)
 {
     double time = clock_ms();
-    if (!progress_is_shown(progress) || time - progress->shown < interval_ms) {
+    bool is_shown = progress_is_shown(progress);
+    if ((!is_shown && !progress->in_log) ||
+        time - progress->shown < (progress->in_log ? log_interval_ms : interval_ms)) {
         return;
     }
     progress->shown = time;
-    if (progress->on_terminal) {
-        show_line(progress, done, errors);
-    } else {
+    if (progress->kind == PROGRESS_JSON) {
         show_json(progress, done, errors, false);
+        return;
+    }
+    char line[LINE_SIZE];
+    make_line(line, progress, done, errors);
+    if (progress->on_terminal) {
+        dprintf(progress->to, "\r\033[K%s", line);
+        messages_unfinished(true);
+    } else {
+        print_error_line("%s", line);
     }
 }
 
 void progress_finish(struct progress *progress, uint64_t done, uint64_t errors)
 {
     if (progress->on_terminal) {
-        fputs("\r\033[K", stderr);
-    } else if (progress->kind == PROGRESS_JSON) {
+        dprintf(progress->to, "\r\033[K");
+        messages_unfinished(false);
+    }
+    if (progress->kind == PROGRESS_JSON) {
         show_json(progress, done, errors, true);
     }
     progress->kind = PROGRESS_NONE;
     progress->on_terminal = false;
+    progress->in_log = false;
 }

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file How far a long piece of work has got, on stderr, at most ten times a second. */
+/** @file
+ * How far a long piece of work has got, on stderr: on a terminal at most ten times a second, on one line that is gone
+ * at the end; in a file or pipe a line every five minutes. */
 #ifndef CONUS_COMMON_PROGRESS_H
 #define CONUS_COMMON_PROGRESS_H
 
@@ -12,14 +14,21 @@ extern const char *const progress_kinds[]; /**< Their names; ends with NULL. */
 
 struct progress {
     enum progress_kind kind;
+    const char *what; /**< "poses" */
     bool on_terminal;
+    bool in_log;           /**< A line now and then. */
+    int to;                /**< Descriptor of the terminal. */
     uint64_t total;        /**< 0 = not known. */
     uint64_t before;       /**< Done when it began. */
     double started, shown; /**< By clock_ms(). */
 };
 
-/** @p quiet: no line on a terminal. */
-void progress_start(struct progress *out, enum progress_kind kind, bool quiet);
+/** @p quiet: no lines for people. @p what is counted: "poses"; @p total of them, 0 = not known. */
+void progress_start(struct progress *out, enum progress_kind kind, bool quiet, const char *what, uint64_t total);
+
+/** From here on, progress that begins goes to the terminal at @p descriptor, whatever it was asked for, and nowhere
+ * where that is none: of a process that answers for another one. */
+void progress_redirect(int descriptor);
 
 /** Whether anything will be shown, so that it is worth counting what there is to do. */
 bool progress_is_shown(const struct progress *progress);

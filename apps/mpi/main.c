@@ -199,7 +199,8 @@ static int open_output(struct run *run)
 static void start_progress(struct run *run)
 {
     const struct work *work = &run->work;
-    progress_start(&run->progress, (enum progress_kind)work->settings->progress, work->settings->common.quiet);
+    progress_start(&run->progress, (enum progress_kind)work->settings->progress, work->settings->common.quiet, "poses",
+                   0);
     run->progress.before = run->kept.poses;
     if (progress_is_shown(&run->progress)) {
         uint64_t total = work->count;

@@ -4,6 +4,7 @@
 
 #include "common/messages.h"
 #include "common/output.h"
+#include "settings/settings.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -111,6 +112,11 @@ int settings_check_electrodes(conus_format format, const char *electrodes, const
     print_error_line("%s: --format bids adds to a table of electrodes, with the columns name, x, y and z",
                      settings_poses_name(path));
     return EXIT_DATA;
+}
+
+const char *settings_row_error(const conus_pose_row *row)
+{
+    return row->error ? row->error : row->is_point ? POINT_HAS_NO_DIRECTION : NULL;
 }
 
 void settings_say_no_poses(const char *path, const struct common_settings *common)

@@ -39,6 +39,9 @@ int settings_print_poses_error(conus_status status, const char *path, const char
  * adds columns to it. Returns the exit code and prints an error unless it is 0. */
 int settings_check_electrodes(conus_format format, const char *electrodes, const char *path);
 
+/** Why a row has no cone; NULL if it is a pose. */
+const char *settings_row_error(const conus_pose_row *row);
+
 /** Says, unless --quiet, that there is no pose in the file. */
 void settings_say_no_poses(const char *path, const struct common_settings *common);
 

@@ -254,6 +254,25 @@ conus_status manifest_surfaces_add(struct manifest_draft *draft, const char *nam
     return status;
 }
 
+/* Of a folder without surfaces; where a manifest lies in it, that is what was meant. */
+static conus_status refuse_folder(const char *folder)
+{
+    struct names names = {0};
+    int length = (int)strlen(folder) - 1; /* without the slash */
+    conus_status status = names_list(&names, folder, ".atlas.json");
+    if (!status && names.count) {
+        status = fail(CONUS_ERROR_DATA, "%.*s: no surfaces in this folder, but a manifest: %s%s is the atlas", length,
+                      folder, folder, names.names[0]);
+    } else if (!status) {
+        status = fail(CONUS_ERROR_DATA,
+                      "%.*s: no surfaces in this folder (or structures.json and annotation.tiff or meshes/, as "
+                      "BrainGlobe has them); for volumes: conus manifest",
+                      length, folder);
+    }
+    names_finish(&names);
+    return status;
+}
+
 conus_status manifest_of_folder(struct buffer *out, const char *folder, bool meshes)
 {
     static const conus_manifest_options silent;
@@ -264,10 +283,7 @@ conus_status manifest_of_folder(struct buffer *out, const char *folder, bool mes
     status = status || meshes ? status : brainglobe_has_voxels(&voxels, folder);
     status = status ? status : voxels ? manifest_brainglobe_set(&draft) : manifest_surfaces_add(&draft, "");
     if (!status && !voxels && !json_array_size(draft.areas)) {
-        status = fail(CONUS_ERROR_DATA,
-                      "%.*s: no surfaces in this folder (or structures.json and annotation.tiff or meshes/, as "
-                      "BrainGlobe has them); for volumes: conus manifest",
-                      (int)strlen(folder) - 1, folder);
+        status = refuse_folder(folder);
     }
     status = status ? status : manifest_draft_format(out, &draft);
     manifest_draft_finish(&draft);

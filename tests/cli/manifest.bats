@@ -13,6 +13,15 @@ said() {
     [[ "$stderr" == *"$1"* ]] || { echo "said: $stderr"; echo "wanted: $1"; return 1; }
 }
 
+@test "a folder that has only a manifest for an atlas is told so" {
+    mkdir -p bundles/empty
+    conus phantom bundle -o bundles
+    fails 3 'bundles: no surfaces in this folder, but a manifest: bundles/bundle.atlas.json is the atlas' info bundles
+    fails 3 'bundles: no surfaces in this folder, but a manifest: bundles/bundle.atlas.json is the atlas' info bundles/
+    answers info bundles/bundle.atlas.json
+    fails 3 'bundles/empty: no surfaces in this folder (or ' info bundles/empty
+}
+
 @test "a folder becomes a scene" {
     mkdir scene
     conus phantom slabs -o scene --size 24

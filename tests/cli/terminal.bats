@@ -83,3 +83,27 @@ plain() {
         [ -s fitted ] && [ "$(wc -L <fitted)" -le 50 ] || { echo "$command:"; cat fitted; return 1; }
     done
 }
+
+# On a terminal a line is rewritten in place: \r, then the sequence that clears the line. It is gone at the end.
+@test "long work shows how far it is, with the time left, and leaves no trace of it" {
+    setup_nested
+    conus phantom sphere -o . --size 64
+    awk 'BEGIN { print "x\ty\tz\ttx\tty\ttz"; for (i = 0; i < 40000; i++) print i % 50 "\t0\t100\t0\t0\t0" }' >poses.tsv
+    shows() { # shows TEXT COMMAND...: somewhere in what it shows is a progress that TEXT fits, and nothing is left of it
+        local text=$1
+        shift
+        on 100 "$@" >shown
+        tr '\r' '\n' <shown | grep -qE $'^\x1b\\[K'"[0-9]+ of $text, [0-9.]+/s, [0-9]+ %, [0-9.]+ (s|min|h) left" ||
+            { echo "$*:"; head -c 2000 shown | cat -v; return 1; }
+    }
+    shows '[0-9]+ samples' "$CONUS" sweep sphere.nii.gz --origin 0,0,100 --toward 0,0,0 --jitter 2,2 --samples 131072 -o chances.tsv
+    shows '40000 poses' "$CONUS" query sphere.nii.gz --pose poses.tsv -o query.tsv
+    [[ "$(tail -c 5 shown)" == *$'\r\x1b[K' ]] || [ ! -s shown ]
+    shows '40000 poses' "$CONUS" batch sphere.nii.gz --poses poses.tsv -o rows.tsv --block 16 --threads 1
+    shows '40000 poses' "$CONUS" verify rows.tsv
+    on 100 "$CONUS" query sphere.nii.gz --pose poses.tsv -o quiet.tsv --quiet >shown
+    [ ! -s shown ]
+    conus query sphere.nii.gz --pose poses.tsv -o plain.tsv 2>said
+    [ ! -s said ]
+    cmp plain.tsv query.tsv
+}

@@ -6,6 +6,7 @@
 #include "cli/verify/stage.h"
 #include "common/messages.h"
 #include "common/output.h"
+#include "common/progress.h"
 
 #include <fcntl.h>
 #include <signal.h>
@@ -337,6 +338,7 @@ static int answer_in_child(const struct replay *replay, const struct stage *stag
     static struct writing writing;
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     signal(SIGINT, SIG_DFL);
+    progress_redirect(fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, STDERR_FILENO + 1));
     if (!redirect("/dev/null", O_RDONLY, STDIN_FILENO) || !redirect("/dev/null", O_WRONLY, STDOUT_FILENO) ||
         !redirect(stage->messages, O_WRONLY | O_CREAT | O_TRUNC, STDERR_FILENO) || chdir(stage->cwd)) {
         return EXIT_DATA;
