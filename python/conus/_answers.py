@@ -320,6 +320,8 @@ class Selection:
         is_ball = lib.conus_selection_evidence(self._p).resolution == 0
         results = _ordered(self.results, np.zeros(len(self)), order, self._layers and not is_ball)
         columns = _columns(self.atlas, results, self._layers or is_ball, self.space)
+        if is_ball:  # which no ray looks for
+            columns.update({name: counts(results[name], np.ones(len(results), bool)) for name in ("pixels", "pierced")})
         if len(self._steps):
             columns.update(_step_columns(self._steps.repeat(len(self)), results))
         return pandas.DataFrame(columns)

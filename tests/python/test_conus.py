@@ -154,6 +154,30 @@ def test_rows_are_those_of_the_program(options):
     assert_rows_of_the_program(frame, rows)
 
 
+ASKED = {
+    "cone": (lambda atlas: atlas.select((-80, 0, 0), direction=(1, 0.01, 0), angle=30),
+             ["--origin=-80,0,0", "--direction=1,0.01,0", "--angle=30"]),
+    "layers": (lambda atlas: atlas.select((-80, 0, 0), direction=(1, 0.01, 0), angle=30, layers="all"),
+               ["--origin=-80,0,0", "--direction=1,0.01,0", "--angle=30", "--layers=all"]),
+    "lps": (lambda atlas: atlas.select((80, 0, 0), direction=(-1, -0.01, 0), angle=30, space="lps"),
+            ["--origin=80,0,0", "--direction=-1,-0.01,0", "--angle=30", "--space=lps"]),
+    "ball": (lambda atlas: atlas.near((-30, 1, 2), 6), ["--point=-30,1,2", "--radius=6"]),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", ASKED)
+def test_rows_with_streamlines_are_those_of_the_program(case, tmp_path):
+    """Three streamlines in the left plate, so that some columns are n/a for areas and others for bundles."""
+    ask, words = ASKED[case]
+    nibabel.save(nibabel.Nifti1Image(plates(), AFFINE), tmp_path / "plates.nii")
+    lines = [np.array([[-30, y, -20], [-30, y, 20]], "f4") for y in (-4, 0, 3)]
+    nibabel.streamlines.save(nibabel.streamlines.Tractogram(lines, affine_to_rasmm=np.eye(4)), str(tmp_path / "up.tck"))
+    frame = ask(conus.load(tmp_path / "plates.nii", streamlines=[tmp_path / "up.tck"])).to_dataframe()
+    rows = run_conus("query", tmp_path / "plates.nii", "--streamlines", tmp_path / "up.tck", "--format=tsv", "-q", *words)
+    assert_rows_of_the_program(frame, rows)
+    assert set(frame["kind"]) == {"area", "unassigned", *(["bundle"] if case in ("layers", "ball") else [])}
+
+
 @needs_aal
 def test_sweep_and_jitter_are_those_of_the_program():
     atlas, aim = conus.load(AAL), ("--origin=-90,20,20", "--toward=0,-10,10", "--angle=20", "--format=tsv")
