@@ -184,6 +184,7 @@ static int answer_row(void *user, const conus_pose_row *row)
     }
     if (row->is_point) {
         memcpy(question.point, row->pose.world_from_device + 12, sizeof question.point);
+        inquiry_count_point(inquiry, row->line, question.point, radius);
     } else {
         question.angle = inquiry_angle(inquiry, row);
         inquiry_count_pose(inquiry, row->line, &row->pose, question.angle);

@@ -214,6 +214,13 @@ void inquiry_count_pose(struct inquiry *inquiry, size_t line, const conus_pose *
     }
 }
 
+void inquiry_count_point(struct inquiry *inquiry, size_t line, const double point[3], double radius)
+{
+    for (size_t i = 0; i < inquiry->atlases.count; i++) {
+        conus_aims_add_point(inquiry->answerers[i].aims, line, point, radius);
+    }
+}
+
 double inquiry_angle(const struct inquiry *inquiry, const conus_pose_row *row)
 {
     return row->angle != 0 ? row->angle : settings_angle(&inquiry->settings->aim, &inquiry->settings->engine);

@@ -112,6 +112,9 @@ conus_status inquiry_reports(struct inquiry *inquiry, const conus_report_options
 /** Counts a pose for each atlas, among those whose notes inquiry_say_aims() prints. */
 void inquiry_count_pose(struct inquiry *inquiry, size_t line, const conus_pose *pose, double angle);
 
+/** Counts a point for each atlas, among the same. */
+void inquiry_count_point(struct inquiry *inquiry, size_t line, const double point[3], double radius);
+
 /** The row's angle, radians; without one that of --angle. */
 double inquiry_angle(const struct inquiry *inquiry, const conus_pose_row *row);
 /** Begins to show how many of the steps of @p rows rows are done; inquiry_each_row() does. */

@@ -236,6 +236,8 @@ static void add_astray(conus_astray *sum, const conus_astray *more)
     add_oddity(&sum->inside, &more->inside);
     add_oddity(&sum->away, &more->away);
     add_oddity(&sum->tiny, &more->tiny);
+    sum->points += more->points;
+    add_oddity(&sum->apart, &more->apart);
 }
 
 /* Rank 0 says how many poses have no answer, with the first one that any rank met. */

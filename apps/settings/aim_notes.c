@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { LINE_SIZE = 1024, LINE_LIMIT = 2 };
+enum { LINE_SIZE = 1024, LINE_LIMIT = 3 };
 
 /* What is odd, for one atlas. */
 struct lines {
@@ -60,6 +60,19 @@ static void add_tiny(struct lines *out, const conus_astray *found, const char *f
                  file, found->tiny.count, found->poses, found->tiny.first, remedy);
     } else {
         add_line(out, "the device lies within 1 mm of the world's origin%s", remedy);
+    }
+}
+
+/* Some points may well lie outside, as contacts beside a brain do: only more than a fifth is odd. */
+static void add_apart(struct lines *out, const conus_astray *found, const char *file)
+{
+    const conus_oddity *apart = &found->apart;
+    if (file && 5 * apart->count > found->points) {
+        add_line(out,
+                 "%s: %" PRIu64 " of %" PRIu64
+                 " points lie more than the radius outside of the atlas, the first in line %" PRIu64
+                 "; are they in its space?",
+                 file, apart->count, found->points, apart->first);
     }
 }
 
@@ -118,6 +131,7 @@ static void find_lines(struct lines *out, const struct aimed *aimed, const char 
 {
     char words[256];
     conus_reading reading = {0};
+    add_apart(out, aimed->found, file);
     if (aimed->frame->space >= CONUS_SPACE_CCF) {
         find_rodent_lines(out, aimed, file);
         return;

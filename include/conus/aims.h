@@ -32,6 +32,8 @@ typedef struct conus_astray {
                             closed surface; of several such surfaces the object is the smallest. */
     conus_oddity away;   /**< The cone or cylinder misses the box around all objects. */
     conus_oddity tiny;   /**< Within 1 mm of 0 in every coordinate, and not at 0. */
+    uint64_t points;     /**< Points counted. */
+    conus_oddity apart;  /**< The ball around a point misses the box around all objects; the pose is not turned. */
 } conus_astray;
 
 /** In what other way the first of some odd poses may have been meant. */
@@ -72,6 +74,17 @@ CONUS_API void conus_aims_destroy(conus_aims *aims);
  * @since 0.1
  */
 CONUS_API void conus_aims_add(conus_aims *aims, uint64_t number, const conus_pose *pose, double angle);
+
+/**
+ * Counts a point. One that is not finite is not counted.
+ * @param aims The counts.
+ * @param number The caller's number of the point.
+ * @param point World mm.
+ * @param radius Of the ball around it, mm.
+ * @threads One at a time for each @p aims.
+ * @since 0.1
+ */
+CONUS_API void conus_aims_add_point(conus_aims *aims, uint64_t number, const double point[3], double radius);
 
 /**
  * Gives the counts.

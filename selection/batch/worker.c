@@ -142,6 +142,9 @@ static void count_aims(struct batch_worker *worker, const struct batch_pose *pos
     for (size_t i = 0; i < count; i++) {
         if (!poses[i].is_no_pose && !poses[i].is_point) {
             conus_aims_add(&worker->aims, poses[i].line, &poses[i].pose, angle_of(worker, &poses[i]));
+        } else if (!poses[i].is_no_pose && worker->selector->options.radius > 0) {
+            conus_aims_add_point(&worker->aims, poses[i].line, poses[i].pose.world_from_device + 12,
+                                 worker->selector->options.radius);
         }
     }
 }

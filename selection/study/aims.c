@@ -220,6 +220,24 @@ void conus_aims_add(conus_aims *aims, uint64_t number, const conus_pose *pose, d
     }
 }
 
+void conus_aims_add_point(conus_aims *aims, uint64_t number, const double point[3], double radius)
+{
+    struct cone ball = {0};
+    double gap[3];
+    if (!aims->has_box || !vec3_is_finite(point)) {
+        return;
+    }
+    mat4_identity(ball.pose.world_from_device);
+    for (int i = 0; i < 3; i++) {
+        ball.pose.world_from_device[12 + i] = point[i];
+        gap[i] = fmax(0, fmax(aims->low[i] - point[i], point[i] - aims->high[i]));
+    }
+    aims->found.points++;
+    if (vec3_length(gap) > radius * (1 + margin)) {
+        count(&aims->found.apart, number, &ball, 0);
+    }
+}
+
 const conus_astray *conus_aims_found(const conus_aims *aims)
 {
     return &aims->found;
@@ -240,4 +258,6 @@ void aims_merge(conus_astray *aims, const conus_astray *from)
     merge(&aims->inside, &from->inside);
     merge(&aims->away, &from->away);
     merge(&aims->tiny, &from->tiny);
+    aims->points += from->points;
+    merge(&aims->apart, &from->apart);
 }

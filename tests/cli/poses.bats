@@ -303,6 +303,20 @@ same_answers() {
     [[ "$stderr" != *'in metres'* ]]
 }
 
+# The ball of 20 mm fits into x from -20 to 20; two of five points are farther right than 25 mm, then one of five.
+@test "points of which more than a fifth lie outside of the atlas have a note, in query and in batch" {
+    sphere
+    printf '%s 0 0 p\n' 1 26 2 27 3 >points.txt
+    note='note: points.txt: 2 of 5 points lie more than the radius outside of the atlas, the first in line 2; are they'
+    run -0 --separate-stderr "$CONUS" query sphere.nii.gz --pose points.txt --radius 5
+    [[ "$stderr" == *"$note"* ]]
+    run -0 --separate-stderr "$CONUS" batch sphere.nii.gz --poses points.txt --radius 5
+    [[ "$stderr" == *"$note"* ]]
+    printf '%s 0 0 p\n' 1 26 2 24 3 >points.txt
+    run -0 --separate-stderr "$CONUS" query sphere.nii.gz --pose points.txt --radius 5
+    [ -z "$stderr" ]
+}
+
 @test "batch answers every format as query does" {
     sphere --size 16
     for file in brainsight.txt localite-instrument.xml localite-trigger.xml lines.mrk.json; do
@@ -347,7 +361,8 @@ same_answers() {
     sphere --size 16
     printf '0 -8 0 below\n0 0 0\n0 x 0 bad\n0 0 90 far\n' >points.txt
     run -1 --separate-stderr "$CONUS" query sphere.nii.gz --pose points.txt --radius 5 --layers all --format tsv
-    check_message 'points.txt:3: y: "x" is not a finite number'
+    [ "${stderr_lines[0]}" = 'conus: points.txt:3: y: "x" is not a finite number' ]
+    [[ "${stderr_lines[1]}" == 'conus: note: points.txt: 1 of 3 points lie more than the radius outside of the atlas, '* ]]
     [ "$(cell query 1)/$(cell name 1)/$(cell distance_mm 1)" = below/Sphere/3 ]
     local wanted=$output
     run -1 --separate-stderr "$CONUS" batch sphere.nii.gz --poses points.txt --radius 5 --layers all

@@ -221,6 +221,41 @@ static void a_cylinder_may_begin_inside(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* From the corner (x + 3, y + 4, z) of the box the way is 5 mm. */
+static void points_may_lie_apart(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = block();
+    conus_selector *selector = NULL;
+    conus_aims *aims = NULL;
+    double low[3];
+    double high[3];
+    assert_ok(conus_selector_create(&selector, atlas, &(conus_selector_options){.radius = 5}));
+    assert_ok(conus_aims_create(&aims, selector));
+    assert_ok(conus_atlas_bounds(low, high, atlas));
+    const double corner[3] = {high[0] + 3, high[1] + 4, high[2]};
+    const double under[3] = {low[0], low[1], low[2] - 6};
+    conus_aims_add_point(aims, 1, low, 5);
+    conus_aims_add_point(aims, 2, corner, 5);
+    conus_aims_add_point(aims, 3, (const double[]){NAN, 0, 0}, 5);
+    assert_int_equal(conus_aims_found(aims)->apart.count, 0);
+    conus_aims_add_point(aims, 7, corner, 4.99);
+    conus_aims_add_point(aims, 5, under, 5);
+    const conus_astray *found = conus_aims_found(aims);
+    assert_int_equal(found->points, 4);
+    assert_int_equal(found->poses, 0);
+    assert_int_equal(found->apart.count, 2);
+    assert_int_equal(found->apart.first, 5);
+    assert_near(found->apart.pose.world_from_device[14], low[2] - 6, 0);
+    conus_astray sum = *found;
+    aims_merge(&sum, found);
+    assert_int_equal(sum.points, 8);
+    assert_int_equal(sum.apart.count, 4);
+    conus_aims_destroy(aims);
+    conus_selector_destroy(selector);
+    conus_atlas_destroy(atlas);
+}
+
 /* ---- Closed surfaces ------------------------------------------------------------------------------------------- */
 
 static uint64_t inside_first(const conus_atlas *atlas, const conus_selector_options *options, const double (*places)[3],
@@ -411,6 +446,7 @@ int main(void)
         cmocka_unit_test(what_is_hit_is_not_missed),
         cmocka_unit_test(poses_are_counted_by_kind),
         cmocka_unit_test(a_cylinder_may_begin_inside),
+        cmocka_unit_test(points_may_lie_apart),
         cmocka_unit_test(a_device_may_lie_inside_a_closed_surface),
         cmocka_unit_test(the_smallest_surface_around_counts_in_any_order),
         cmocka_unit_test(the_box_of_a_surface_is_not_its_inside),
