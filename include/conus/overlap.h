@@ -84,8 +84,9 @@ CONUS_API const conus_volume_info *conus_roi_volume(const conus_roi *roi);
  */
 CONUS_API uint64_t conus_roi_voxels(const conus_roi *roi);
 
-/** How much of an object a region of interest covers (Eq. 16). What voxels have in common is exact; the inside of
- * surfaces is measured round 4 x 4 lines through each voxel. */
+/** How much of an object a region of interest covers (Eq. 16): exact for voxels and closed surfaces as they are. What
+ * is in no surface, or in one of several that are reported as one area, is measured round 4 x 4 lines through each
+ * voxel. */
 typedef struct conus_coverage {
     conus_kind kind;      /**< What it is; #CONUS_KIND_UNASSIGNED: what of the region is in no object. */
     uint32_t object;      /**< Number in the atlas, as it is reported (level); 0 for #CONUS_KIND_UNASSIGNED. */

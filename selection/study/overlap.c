@@ -5,6 +5,7 @@
 #include "atlas/roi.h"
 #include "atlas/space.h"
 #include "atlas/surface/mesh_lines.h"
+#include "atlas/surface/mesh_voxels.h"
 #include "base/math3.h"
 #include "base/memory.h"
 #include "selection/selector.h"
@@ -13,14 +14,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Lines through a voxel along each of its first two axes, on which surfaces are told from within. */
+/* Lines through a voxel along each of its first two axes, on which it is told what is in several surfaces or in none.
+ */
 enum { LINES = 4 };
+
+static const double LEAST = 1e-9; /* part of a voxel that is no rounding of the inside of a mesh */
 
 /* What has been found of an object, as it is reported; number 0 is of nothing. */
 struct tally_of_pieces {
     double voxels;     /* their volume, of which a voxel of the region has 1 */
     uint64_t last;     /* piece, from 1, that was counted last: an object that is met twice there counts once */
     size_t peak_voxel; /* where voxels > 0 */
+    uint32_t members;  /* objects of the atlas that are reported as this one */
+    bool is_measured;  /* of one surface, measured by itself: its pieces say only what is in no object */
 };
 
 /* A mesh on the line under way: its crossings, of which those up to the piece are behind. */
@@ -150,17 +156,21 @@ static bool is_peak(const struct counting *counting, size_t voxel, size_t peak)
     return more > 0 || (more == 0 && voxel < peak);
 }
 
+static void add_share(struct counting *counting, struct tally_of_pieces *tally, size_t voxel, double share)
+{
+    if (tally->voxels == 0 || is_peak(counting, voxel, tally->peak_voxel)) {
+        tally->peak_voxel = voxel;
+    }
+    tally->voxels += share;
+}
+
 static void count_object(struct counting *counting, uint32_t object, double share)
 {
     struct tally_of_pieces *tally = &counting->tallies[level_group(counting->selector->level)[object]];
-    if (tally->last == counting->piece) {
-        return;
+    if (tally->last != counting->piece && !tally->is_measured) {
+        tally->last = counting->piece;
+        add_share(counting, tally, counting->voxel, share);
     }
-    if (tally->voxels == 0 || is_peak(counting, counting->voxel, tally->peak_voxel)) {
-        tally->peak_voxel = counting->voxel;
-    }
-    tally->last = counting->piece;
-    tally->voxels += share;
 }
 
 static void count_piece(void *user, const uint32_t *objects, size_t count, double share)
@@ -214,6 +224,47 @@ static conus_status count_lines(struct counting *counting)
     conus_status status = CONUS_OK;
     for (size_t line = 0; !status && line < count[0] * count[1]; line++) {
         status = count_line(counting, line % count[0], line / count[0]);
+    }
+    return status;
+}
+
+/* Adds up the inside of the mesh in the region's voxels. */
+static conus_status measure_mesh(struct counting *counting, struct tally_of_pieces *tally, const struct mesh *mesh)
+{
+    const conus_roi *roi = counting->roi;
+    const size_t *dim = roi->volume.info.dim;
+    struct voxel_box box = {.low = {roi->low[0], roi->low[1], roi->low[2]},
+                            .high = {roi->high[0], roi->high[1], roi->high[2]}};
+    conus_status status = mesh_voxels_measure(&box, mesh, roi->volume.voxel_from_world);
+    size_t count = !status && box.inside ? box.count[0] * box.count[1] * box.count[2] : 0;
+    for (size_t i = 0; i < count; i++) {
+        size_t at[3] = {box.low[0] + i % box.count[0], box.low[1] + i / box.count[0] % box.count[1],
+                        box.low[2] + i / box.count[0] / box.count[1]};
+        size_t voxel = at[0] + dim[0] * (at[1] + dim[1] * at[2]);
+        if (box.inside[i] > LEAST && roi_has(roi, voxel)) {
+            add_share(counting, tally, voxel, box.inside[i]);
+        }
+    }
+    tally->is_measured = true;
+    memory_free(box.inside);
+    return status;
+}
+
+/* Measures the surfaces that have a volume and are reported by themselves. */
+static conus_status measure_meshes(struct counting *counting)
+{
+    const conus_atlas *atlas = counting->selector->atlas;
+    const uint32_t *groups = level_group(counting->selector->level);
+    conus_status status = CONUS_OK;
+    for (uint32_t number = 1; number <= atlas->object_count; number++) {
+        counting->tallies[groups[number]].members++;
+    }
+    for (uint32_t number = 1; !status && number <= atlas->object_count; number++) {
+        const struct mesh *mesh = closed_mesh(atlas, number);
+        uint32_t group = groups[number];
+        if (mesh && counting->tallies[group].members == 1 && counting->selector->whole[group] > 0) {
+            status = measure_mesh(counting, &counting->tallies[group], mesh);
+        }
     }
     return status;
 }
@@ -286,6 +337,7 @@ static conus_status build(struct conus_overlap *overlap, const conus_selector *s
         fits ? shares_init(&counting.shares, selector->atlas, info->world_from_voxel, count) : CONUS_ERROR_MEMORY;
     counting.shares.take = count_piece;
     counting.shares.user = &counting;
+    status = status ? status : measure_meshes(&counting);
     status = status ? status : cross_meshes(&counting);
     status = status ? status : count_lines(&counting);
     if (!status) {

@@ -98,7 +98,7 @@ METHOD='T. Rick, A. von Kapri, T. Kuhlen: GPU Implementation of 3D Object Select
     cites g.tsv
     has 'The volume that a region of interest has in common with each area was determined'
     has 'values of at least 1'
-    has 'Volumes that voxels have in common are exact'
+    has 'Volumes are exact for the voxels and closed surfaces as they are'
     [[ "$output" != *cone* && "$output" != *Rick* ]]
 }
 

@@ -516,8 +516,8 @@ static void put_overlap(FILE *out, const struct citation *citation)
         fputs(" A region was the voxels of a mask that are not 0.", out);
     }
     fputs(
-        " Volumes that voxels have in common are exact; those of surfaces were measured round 4 × 4 lines through each "
-        "voxel of the region.",
+        " Volumes are exact for the voxels and closed surfaces as they are; what is in no surface, or in several that "
+        "are one area, was measured round 4 × 4 lines through each voxel of the region.",
         out);
 }
 
