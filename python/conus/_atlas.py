@@ -17,6 +17,7 @@ from ._library import (
     RESULT,
     ArgumentError,
     affine_of,
+    byte_count,
     check,
     choice,
     flag,
@@ -305,7 +306,7 @@ def load(
     OutOfMemoryError
         For what is larger than ``max_memory``.
     """
-    max_memory, probability = whole("max_memory", max_memory, high=2**64 - 1), real("probability", probability)
+    max_memory, probability = byte_count("max_memory", max_memory), real("probability", probability)
     if isinstance(source, (str, bytes, os.PathLike)):
         source, labels = _find(source, labels)
         raw = _from_file(source, labels, labels_anyway, max_memory, progress, probability, cache)
@@ -791,7 +792,7 @@ class Selector:
         Overlap
             The largest volume first.
         """
-        region = _region(roi, threshold, whole("max_memory", max_memory), flag("cache", cache))
+        region = _region(roi, threshold, byte_count("max_memory", max_memory), flag("cache", cache))
         out = ffi.new("conus_overlap **")
         self._call(lib.conus_overlap_create, out, self._p, region)
         overlap: Overlap = self._place(Overlap(self.atlas, out[0]))

@@ -141,6 +141,11 @@ def whole(name: str, value: Any, low: int = 0, high: int = 2**32 - 1) -> int:
     return number
 
 
+def byte_count(name: str, value: Any) -> int:
+    """So many bytes."""
+    return whole(name, value, high=2**64 - 1)
+
+
 def numbers(name: str, values: Any) -> np.ndarray[Any, Any]:
     """An array of double."""
     unmasked(name, values)

@@ -17,6 +17,7 @@ from ._library import (
     ArgumentError,
     GLError,
     array_of,
+    byte_count,
     check,
     choice,
     dtype_of,
@@ -189,7 +190,7 @@ class Renderer:
         self.atlas = atlas
         self._p: Any = None
         pointer, out = atlas._p, ffi.new("conus_renderer **")
-        options = ffi.new("conus_renderer_options *", {"max_memory": whole("max_memory", max_memory, high=2**64 - 1)})
+        options = ffi.new("conus_renderer_options *", {"max_memory": byte_count("max_memory", max_memory)})
         is_name = isinstance(transfer, (str, bytes, os.PathLike))
         name = path_of("transfer", transfer) if is_name else ffi.NULL
         options.transfer = name

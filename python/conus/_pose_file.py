@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import threading
 from typing import TYPE_CHECKING, Any, Optional, Union
 
@@ -11,7 +12,19 @@ import numpy as np
 from ._answers import Array
 from ._callback import Callback
 from ._conus import ffi, lib
-from ._library import ArgumentError, DataError, check, choice, flag, owned, path_of, python_words, shown, text, whole
+from ._library import (
+    ArgumentError,
+    DataError,
+    byte_count,
+    check,
+    choice,
+    flag,
+    owned,
+    path_of,
+    python_words,
+    shown,
+    text,
+)
 from ._space import space_of
 
 if TYPE_CHECKING:
@@ -180,7 +193,7 @@ def read_poses(
     """
     options, out = ffi.new("conus_pose_options *"), ffi.new("conus_pose_list **")
     options.format, options.axis = choice("format", format, pose_formats()), choice("axis", axis, _AXES)
-    options.along_shafts, options.max_memory = flag("along_shafts", along_shafts), whole("max_memory", max_memory)
+    options.along_shafts, options.max_memory = flag("along_shafts", along_shafts), byte_count("max_memory", max_memory)
     if space in ("ccf", "bregma") and atlas is None:
         raise ArgumentError(f"space: {space} lies where an atlas has it, atlas=... is needed")
     found = space_of(ffi.NULL if atlas is None else atlas._p, space, bregma)
@@ -189,7 +202,7 @@ def read_poses(
     handle = state.hear(options)
     status = lib.conus_pose_list_load(out, path_of("path", path), options)
     state.check(status)
-    poses = Poses(out[0], str(path), flag("any_space", any_space), (state, handle))
+    poses = Poses(out[0], os.fsdecode(path), flag("any_space", any_space), (state, handle))
     if atlas is not None:
         poses.match(atlas)
     return poses

@@ -93,6 +93,15 @@ def test_file_above_max_memory_is_an_error():
     assert_is_an_error(lambda: conus.load(AAL, max_memory=10), conus.OutOfMemoryError)
 
 
+def test_max_memory_may_be_above_4_gib(tmp_path):
+    """And up to what 64 bits hold, wherever it is given."""
+    (tmp_path / "p.tsv").write_text("x\ty\tz\tdx\tdy\tdz\n0\t0\t0\t1\t0\t0\n")
+    for size in (2**33, 2**64 - 1):
+        atlas = conus.load(plates(), AFFINE, labels=NAMES, max_memory=size)
+        assert len(atlas.overlap((plates() > 0, AFFINE), max_memory=size)) >= 2
+        assert len(conus.read_poses(tmp_path / "p.tsv", max_memory=size)) == 1
+
+
 def test_missing_cells_of_a_table_say_nothing():
     labels = table(index=[1.0, 2.0], name=["x", NAN], abbreviation=[None, "b"], hemisphere=[NAN, "R"], parent=[NAN, 1])
     info = conus.load(plates(), AFFINE, labels=labels).info()
