@@ -30,25 +30,29 @@ static double part_of_voxel(struct convex_stack *stack, const struct convex *box
     return part.volume;
 }
 
+/* What was measured of a voxel; 0 outside of the box. */
+static double inside(const struct voxel_box *voxels, const size_t at[3])
+{
+    bool there = voxels->inside != NULL;
+    size_t index = 0;
+    for (int a = 2; a >= 0; a--) {
+        there = there && at[a] >= voxels->low[a] && at[a] <= voxels->high[a];
+        index = index * voxels->count[a] + at[a] - voxels->low[a];
+    }
+    return there ? voxels->inside[index] : 0;
+}
+
 static void compare(const struct mesh *mesh, const struct convex *box, const double m[16], const size_t low[3],
                     const size_t high[3])
 {
     struct convex_stack stack = {0};
     struct voxel_box voxels = {.low = {low[0], low[1], low[2]}, .high = {high[0], high[1], high[2]}};
+    const size_t count[3] = {high[0] - low[0] + 1, high[1] - low[1] + 1, high[2] - low[2] + 1};
     assert_ok(mesh_voxels_measure(&voxels, mesh, m));
-    for (size_t k = low[2]; k <= high[2]; k++) {
-        for (size_t j = low[1]; j <= high[1]; j++) {
-            for (size_t i = low[0]; i <= high[0]; i++) {
-                const size_t at[3] = {i, j, k};
-                bool there = voxels.inside != NULL;
-                size_t index = 0;
-                for (int a = 2; a >= 0; a--) {
-                    there = there && at[a] >= voxels.low[a] && at[a] <= voxels.high[a];
-                    index = index * voxels.count[a] + at[a] - voxels.low[a];
-                }
-                assert_near(there ? voxels.inside[index] : 0, part_of_voxel(&stack, box, m, at), 1e-10);
-            }
-        }
+    for (size_t i = 0; i < count[0] * count[1] * count[2]; i++) {
+        const size_t at[3] = {low[0] + i % count[0], low[1] + i / count[0] % count[1],
+                              low[2] + i / count[0] / count[1]};
+        assert_near(inside(&voxels, at), part_of_voxel(&stack, box, m, at), 1e-10);
     }
     memory_free(voxels.inside);
     convex_finish(&stack);
