@@ -520,6 +520,24 @@ bool conus_pose_stream_has_times(const conus_pose_stream *stream)
     return found;
 }
 
+bool conus_pose_stream_has_angles(const conus_pose_stream *stream)
+{
+    bool found = stream->format == CONUS_POSE_FORMAT_TABLE && pose_table_has_angles(&stream->table);
+    for (size_t i = 0; is_whole(stream) && i < stream->whole.count; i++) {
+        found = found || stream->whole.rows[i].angle != 0;
+    }
+    return found;
+}
+
+bool conus_pose_stream_has_points(const conus_pose_stream *stream)
+{
+    bool found = stream->format == CONUS_POSE_FORMAT_POINTS;
+    for (size_t i = 0; is_whole(stream) && i < stream->whole.count; i++) {
+        found = found || stream->whole.rows[i].is_point;
+    }
+    return found;
+}
+
 const char *conus_pose_stream_electrodes(const conus_pose_stream *stream)
 {
     return conus_pose_list_electrodes(&stream->whole);

@@ -340,6 +340,11 @@ bool pose_table_has_times(const struct pose_table *table)
     return table->has[TIME];
 }
 
+bool pose_table_has_angles(const struct pose_table *table)
+{
+    return table->has[ANGLE];
+}
+
 /* Positions and directions that a row has, to the world. */
 static conus_status turn_places(double v[COLUMNS], const struct pose_table *table, const conus_frame *frame)
 {

@@ -29,6 +29,8 @@ conus_status pose_table_header(struct pose_table *out, struct notes *notes, stru
 
 /** Whether there is a column time_s. */
 bool pose_table_has_times(const struct pose_table *table);
+/** Whether rows may have angles. */
+bool pose_table_has_angles(const struct pose_table *table);
 
 /** A row's name; "" if it gives none. */
 struct pose_name {

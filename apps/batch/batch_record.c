@@ -114,6 +114,8 @@ static json_t *json_from_record(const struct batch_record *record)
         json_object_set_new(batch, "pose_file_sha256",
                             *record->pose_hash ? json_string(record->pose_hash) : json_null());
         json_object_set_new(batch, "angle_deg", json_real(record->angle));
+        json_object_set_new(batch, "own_angles", json_boolean(record->has_angles));
+        json_object_set_new(batch, "points", json_boolean(record->has_points));
     }
     if (record->pose_file && *record->coordsystem) {
         json_t *path = json_string(record->coordsystem);

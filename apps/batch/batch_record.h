@@ -20,7 +20,8 @@ struct batch_record {
     const char *coordsystem;       /**< The file that says what its positions are in; "" = none, */
     const char *coordsystem_hash;  /**< its SHA-256, */
     const char *level_file;        /**< Of areas, "--level @FILE"; NULL = none. */
-    double angle;                  /**< and the angle of poses without one, degrees. */
+    double angle;                  /**< and the angle of poses without one, degrees; */
+    bool has_angles, has_points;   /**< poses may have angles of their own, or be points. */
 };
 
 /** Fingerprint of a batch: of its sidecar, header row, the atlases' objects, how poses are read, and what they are read

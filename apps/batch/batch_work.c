@@ -380,6 +380,8 @@ int work_write_sidecar(struct work *work, struct batch_record *record)
     record->coordsystem_hash = conus_pose_stream_coordsystem_sha256(work->poses);
     record->level_file = settings_level_file(&work->settings->engine);
     record->angle = angle * (180 / M_PI);
+    record->has_angles = conus_pose_stream_has_angles(work->poses);
+    record->has_points = conus_pose_stream_has_points(work->poses);
     memcpy(record->fingerprint, work->fingerprint, sizeof record->fingerprint);
     conus_status status = conus_batch_sidecar(&text, &size, work->batch);
     return status ? print_status(status) : batch_record_write(work->sidecar, text, record, work->command_line);

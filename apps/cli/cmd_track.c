@@ -327,7 +327,7 @@ static int write_rest(struct track *track)
     const struct inquiry *inquiry = &track->inquiry;
     const char *output = inquiry->settings->answer.output;
     conus_report *report = inquiry->answerers[0].report;
-    struct provenance provenance = {0};
+    struct provenance provenance = {.poses = inquiry->stream};
     inquiry_list_inputs(&provenance, inquiry);
     if (inquiry->format == CONUS_FORMAT_JSON) {
         return answer_write(report, output, NULL, &provenance);

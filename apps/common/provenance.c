@@ -195,6 +195,10 @@ static bool add_files(json_t *root, const struct provenance *provenance)
 {
     json_t *outputs = json_array();
     bool whole = outputs && provenance_put_input(root, NULL);
+    if (provenance->poses) {
+        json_object_set_new(json_object_get(root, "Settings"), "own_angles",
+                            json_boolean(conus_pose_stream_has_angles(provenance->poses)));
+    }
     for (size_t i = 0; i < provenance->input_count; i++) {
         whole = provenance_put_input(root, provenance->inputs[i]) && whole;
     }

@@ -5,6 +5,7 @@
 #ifndef CONUS_COMMON_PROVENANCE_H
 #define CONUS_COMMON_PROVENANCE_H
 
+#include <conus/conus.h>
 #include <jansson.h>
 #include <nettle/sha2.h>
 #include <stdbool.h>
@@ -26,7 +27,8 @@ struct provenance {
     const char *inputs[PROVENANCE_FILES]; /**< Files that were read, besides those of the atlas. */
     struct provenance_output outputs[PROVENANCE_FILES];
     size_t input_count, output_count;
-    const char *option; /**< Whose file the answer goes to; NULL = "output". */
+    const char *option;             /**< Whose file the answer goes to; NULL = "output". */
+    const conus_pose_stream *poses; /**< Of steps, which are forgotten: whether they had angles. NULL = no steps. */
 };
 
 /** The path of the sidecar of @p output: "a.json" of "a.tsv" or "a.csv", else with ".json" behind it. NULL without

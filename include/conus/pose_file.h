@@ -195,6 +195,24 @@ CONUS_API const char *conus_pose_stream_space(const conus_pose_stream *stream);
 CONUS_API bool conus_pose_stream_has_times(const conus_pose_stream *stream);
 
 /**
+ * Returns whether rows may have an angle of their own.
+ * @param stream The stream.
+ * @return False for a table without that column and for formats without angles.
+ * @threads One at a time for each @p stream.
+ * @since 0.1
+ */
+CONUS_API bool conus_pose_stream_has_angles(const conus_pose_stream *stream);
+
+/**
+ * Returns whether rows may be points, which have no direction.
+ * @param stream The stream.
+ * @return False for a table and a matrix, and where everything was read and no row is a point.
+ * @threads One at a time for each @p stream.
+ * @since 0.1
+ */
+CONUS_API bool conus_pose_stream_has_points(const conus_pose_stream *stream);
+
+/**
  * Gives the table of electrodes (BIDS) that was read, for conus_report_options.electrodes.
  * @param stream The stream.
  * @return NULL for other formats. Borrowed from the stream.

@@ -258,3 +258,49 @@ METHOD='T. Rick, A. von Kapri, T. Kuhlen: GPU Implementation of 3D Object Select
     run -0 "$CONUS" cite a.json --unverified
     [[ "$output" != *verified* ]]
 }
+
+# What a file of poses has is recorded, where the poses are not: nothing is said that does not apply.
+@test "of a batch and a track only what applies is said" {
+    scene
+    local header='x\ty\tz\ttx\tty\ttz' row='0\t100\t0\t0\t0\t0'
+    printf "$header\n$row\n" >plain.tsv
+    printf "$header\tangle\n$row\t5\n" >angles.tsv
+    printf "time_s\t$header\n0\t$row\n" >steps.tsv
+    printf "time_s\t$header\tangle\n0\t$row\t5\n" >step-angles.tsv
+    printf '0 -23 0 A1\n' >points.txt
+    conus batch nested.nii.gz --poses plain.tsv --angle 30 -q -o a.tsv
+    [ "$(jq -c '.Batch | [.own_angles, .points]' a.json)" = '[false,false]' ]
+    cites a.tsv
+    has 'a full opening angle of 30°, were determined'
+    [[ "$output" != *own* && "$output" != *120°* ]]
+    conus batch nested.nii.gz --poses plain.tsv --angle 130 -q -o b.tsv
+    cites b.tsv
+    has 'a full opening angle of 130°, were determined'
+    has '(evenly spread in angle where it opens beyond 120°)'
+    conus batch nested.nii.gz --poses angles.tsv --angle 30 -q -o c.tsv
+    [ "$(jq -c '.Batch | [.own_angles, .points]' c.json)" = '[true,false]' ]
+    cites c.tsv
+    has "a full opening angle of 30°, or the pose's own where the file gives one, were determined"
+    has 'beyond 120°'
+    conus batch nested.nii.gz --poses plain.tsv --radius 3 -q -o d.tsv
+    cites d.tsv
+    [[ "$output" != *'a ball of that radius'* ]]
+    conus batch nested.nii.gz --poses points.txt --radius 3 -q -o e.tsv
+    [ "$(jq -c '.Batch | [.own_angles, .points]' e.json)" = '[false,true]' ]
+    cites e.tsv
+    has '(a ball of that radius where the file gives a point without a direction)'
+    conus batch nested.nii.gz --poses plain.tsv --angle 30 --shard 0/1 -q -o s.tsv
+    conus merge s.tsv -o merged.tsv
+    cites merged.tsv
+    [[ "$output" != *own* ]]
+    conus track nested.nii.gz --poses steps.tsv --angle 30 -q -o f.tsv
+    cites f.tsv
+    has 'a full opening angle of 30°, were determined for each step'
+    [[ "$output" != *own* && "$output" != *120°* ]]
+    conus track nested.nii.gz --poses step-angles.tsv --angle 30 -q -o g.json
+    cites g.json
+    has "a full opening angle of 30°, or the step's own where the file gives one,"
+    jq 'del(.Batch.own_angles, .Batch.points)' a.json >older.json # which did not say it
+    cites a.tsv --sidecar older.json --unverified
+    has "or the pose's own where the file gives one"
+}

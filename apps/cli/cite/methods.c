@@ -190,19 +190,35 @@ static size_t find_angles(double angles[LISTED + 1], double *least, double *most
     return count;
 }
 
+/* Whether poses of a file that are not listed one by one may have angles of their own: older sidecars do not say. */
+static bool may_have_own_angles(const struct citation *citation)
+{
+    const json_t *batch = json_object_get(citation->sidecar, "Batch");
+    const json_t *own = batch ? json_object_get(batch, "own_angles") : citation_setting(citation, "own_angles");
+    bool is_file = batch || (citation_is_of(citation, "track") && option_value(citation, "poses"));
+    return is_file && !json_is_false(own);
+}
+
+/* The angle of poses without their own, of a file whose poses are not listed. */
+static double common_angle(const struct citation *citation)
+{
+    const json_t *batch = json_object_get(citation->sidecar, "Batch");
+    const char *given = option_value(citation, "angle");
+    return batch ? json_number_value(json_object_get(batch, "angle_deg")) : given ? strtod(given, NULL) : 10;
+}
+
 static void put_angles(FILE *out, const struct citation *citation)
 {
     double angles[LISTED + 1];
     double least;
     double most;
     size_t count = find_angles(angles, &least, &most, citation);
-    const json_t *batch = json_object_get(citation->sidecar, "Batch");
-    const char *given = option_value(citation, "angle");
-    if (batch) {
-        fprintf(out, "%.9g°, or the pose's own where the file gives one",
-                json_number_value(json_object_get(batch, "angle_deg")));
-    } else if (citation_is_of(citation, "track")) {
-        fprintf(out, "%s°, or the step's own where the file gives one", given ? given : "10");
+    bool is_track = citation_is_of(citation, "track");
+    if (is_track || json_object_get(citation->sidecar, "Batch")) {
+        fprintf(out, "%.9g°", common_angle(citation));
+        if (may_have_own_angles(citation)) {
+            fprintf(out, ", or the %s's own where the file gives one", is_track ? "step" : "pose");
+        }
     } else if (count > LISTED || (count > 1 && !option_value(citation, "angles"))) {
         fprintf(out, "%.9g° to %.9g°%s", least, most,
                 option_value(citation, "angles") ? "" : ", depending on the pose");
@@ -235,7 +251,8 @@ static void put_shape(FILE *out, const struct citation *citation)
     } else if (radius > 0) {
         fprintf(out, "%s of %.9g mm about the device's axis",
                 is_square ? "a square prism with half an edge" : "a cylinder with a radius", radius);
-        if (json_object_get(citation->sidecar, "Batch") || count_with(citation, "point_ras")) {
+        const json_t *batch = json_object_get(citation->sidecar, "Batch");
+        if ((batch && !json_is_false(json_object_get(batch, "points"))) || count_with(citation, "point_ras")) {
             fputs(" (a ball of that radius where the file gives a point without a direction)", out);
         }
     } else {
@@ -317,7 +334,9 @@ static void put_grid(FILE *out, const struct citation *citation)
     double least;
     double most;
     find_angles(angles, &least, &most, citation);
-    bool may_be_wide = !is_tube && (most > 120 || citation_setting(citation, "spread"));
+    bool is_listed = queries(citation) && !citation_is_of(citation, "track");
+    bool may_be_wide =
+        !is_tube && (is_listed ? most > 120 : common_angle(citation) > 120 || may_have_own_angles(citation));
     fprintf(out, " %s was filled with ", shape_of(citation));
     if (pixels) {
         fprintf(out, "%lld ", pixels);
