@@ -39,7 +39,8 @@ static conus_status next_vertex(uint64_t *out, struct text *rest, size_t line)
 static conus_status read_count(uint64_t *out, struct text *rest)
 {
     struct text line = {0};
-    bool good = text_line(rest, &line) && text_line(rest, &line) && text_to_uint(text_trim(line), VERTEX_LIMIT, out);
+    bool good = text_line(rest, &line); /* what the file is */
+    good = good && text_line(rest, &line) && text_to_uint(text_trim(line), VERTEX_LIMIT, out);
     return good && *out ? CONUS_OK
                         : fail(CONUS_ERROR_DATA, "line 2: the number of vertices, 1 to %d, is needed", VERTEX_LIMIT);
 }
