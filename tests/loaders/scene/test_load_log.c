@@ -185,6 +185,7 @@ static const struct wanted behind_volume[] = {
     {CONUS_SEVERITY_NOTE, "a.gii", "2 surfaces (a.gii, b.gii): the surface is not closed"},
     {CONUS_SEVERITY_NOTE, "p.nii", "pathway P: values up to 1, taken as probabilities"},
     {CONUS_SEVERITY_WARNING, "c.nii", "1 voxels are not finite numbers"},
+    {CONUS_SEVERITY_WARNING, "c.nii", "lies beside the box around the areas"},
 };
 
 enum { OF_SCENE = OF_VOLUME + sizeof behind_volume / sizeof behind_volume[0] };
