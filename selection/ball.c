@@ -169,11 +169,13 @@ static conus_status select_nearest(conus_selection **out, conus_selector *select
     double last = 0;
     conus_selection *selection = NULL;
     conus_status status = find_reach(&radius, &last, selector->atlas, centre);
-    for (bool is_enough = false; !status && !is_enough; radius *= 2) {
+    bool is_enough = false;
+    while (!status && !is_enough) {
         conus_selection_destroy(selection);
         selection = NULL;
         status = select_within(&selection, selector, centre, radius);
         is_enough = status || radius >= last || has_neighbour(selection);
+        radius *= 2;
     }
     if (!status) {
         *out = selection;

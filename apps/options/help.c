@@ -91,7 +91,7 @@ static void put_option(FILE *out, const struct option *option)
     }
     if (option->words) {
         column = put_wrapped(out, "(also:", column);
-        column = put_wrapped(out, option->words, column);
+        put_wrapped(out, option->words, column);
         fputc(')', out);
     }
     fputc('\n', out);

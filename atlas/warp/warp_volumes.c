@@ -222,7 +222,9 @@ static bool find_place(double p[3], const struct volume_source *source, const st
     for (size_t i = source->first_warp; i < way->count; i++) {
         double before[16];
         if (i > source->first_warp) {
-            (void)mat4_invert_affine(before, way->warps[i].after); /* which was inverted when it came */
+            if (!mat4_invert_affine(before, way->warps[i].after)) {
+                return false; /* does not happen: it was inverted when it came */
+            }
             mat4_point(p, before, p);
         }
         if (deformation_find(p, &way->warps[i].field, p) == DEFORMATION_LOST || !vec3_is_finite(p)) {

@@ -262,7 +262,7 @@ static struct said read_note(const struct gathering *gathering, const char *note
 
 static conus_status gathering_init(struct gathering *out, const struct area_plan *plan, const struct notes *from)
 {
-    out->areas = memory_raw(plan->count, sizeof *out->areas);
+    out->areas = memory_raw(plan->count, sizeof(void *));
     out->said = memory_raw(from->count, sizeof *out->said);
     out->is_first = memory_zeroed(from->count, sizeof *out->is_first);
     if (!out->areas || !out->said || !out->is_first) {
@@ -271,7 +271,7 @@ static conus_status gathering_init(struct gathering *out, const struct area_plan
     for (size_t i = 0; i < plan->count; i++) {
         out->areas[out->area_count++] = &plan->areas[i];
     }
-    qsort(out->areas, out->area_count, sizeof *out->areas, compare_paths);
+    qsort(out->areas, out->area_count, sizeof(void *), compare_paths);
     for (size_t i = 0; i < from->count; i++) {
         out->said[out->count++] = read_note(out, from->lines[i], i);
     }

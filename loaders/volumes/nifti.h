@@ -11,7 +11,8 @@
 #include "loaders/volumes/volume_file.h"
 #include "loaders/volumes/volume_header.h"
 
-/** Bytes that nifti_header_parse() wants to see, if there are as many: the header, and where the XML of CIFTI begins. */
+/** Bytes that nifti_header_parse() wants to see, if there are as many: the header, and where the XML of CIFTI begins.
+ */
 enum { NIFTI_HEAD_SIZE = 1024 };
 
 /** True where @p data begins with the size of a NIfTI (or ANALYZE) header in either byte order. */

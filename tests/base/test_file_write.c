@@ -90,7 +90,7 @@ static void nothing_is_left_of_what_is_killed(void **state)
         if (child == 0) {
             const struct rlimit least = {4096, 4096}; /* SIGXFSZ ends it */
             setrlimit(RLIMIT_FSIZE, &least);
-            _exit(file_write(path, much, sizeof much));
+            _exit((int)file_write(path, much, sizeof much));
         }
         int ended = 0;
         assert_int_equal(waitpid(child, &ended, 0), child);

@@ -346,10 +346,20 @@ static void every_prefix_and_byte(void **state)
     finish(&indexed);
 }
 
+/* Where the numbers of an index are in its bytes. */
+enum {
+    HEAD_UNPACKED = 0,
+    HEAD_PACKED = 8,
+    HEAD_BEGIN = 32,
+    HEAD_ZLIB = 40,
+    HEAD_COUNT = 48,
+    HEAD_WINDOWS = 56,
+    POINTS = 136
+};
+
 static void parts_that_contradict_are_refused(void **state)
 {
     (void)state;
-    enum { HEAD_UNPACKED = 0, HEAD_PACKED = 8, HEAD_BEGIN = 32, HEAD_ZLIB = 40, HEAD_COUNT = 48, HEAD_WINDOWS = 56, POINTS = 136 };
     struct indexed indexed;
     struct gzip_index index;
     pack(&indexed, 0);

@@ -153,14 +153,14 @@ result() {
     conus query sphere.nii.gz $aim --angle 30 -o a.tsv
     conus query sphere.nii.gz $aim --angle 30 -o b.tsv
     answers diff a.tsv b.tsv
-    conus query sphere.nii.gz $aim --angle 31 -o b.tsv
+    conus query sphere.nii.gz $aim --angle 31 --force -o b.tsv
     run -1 conus diff a.tsv b.tsv
     has "changed   query 1: area 1 Sphere:"
 }
 
 @test "pictures are compared channel by channel" {
     sphere --size 32
-    local aim='--origin 0,0,100 --toward 0,0,0 -o out.txt'
+    local aim='--origin 0,0,100 --toward 0,0,0 --force -o out.txt'
     conus query sphere.nii.gz $aim --angle 30 --image a.exr
     conus query sphere.nii.gz $aim --angle 30 --image b.exr
     conus query sphere.nii.gz $aim --angle 31 --image c.exr

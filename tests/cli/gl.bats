@@ -7,8 +7,8 @@ load helpers
     local aim='--origin=-90,20,20 --toward=0,-10,10 --angle 20'
     for how in '--sampling exact' '--sampling slices' '--sampling slices --slices 900' \
         '--sampling slices --slice-fraction 1' '--sampling slices --slices 300 --slice-fraction 0.55' '--resolution 33'; do
-        gl query "$aal" $aim $how --engine gl -o gl.tsv
-        answers query "$aal" $aim $how --engine rays -o rays.tsv
+        gl query "$aal" $aim $how --engine gl --force -o gl.tsv
+        answers query "$aal" $aim $how --engine rays --force -o rays.tsv
         answers diff gl.tsv rays.tsv --tolerance 1e-3
     done
 }
@@ -19,8 +19,8 @@ load helpers
     for how in '--angle 20 --layers all' '--radius 4 --layers all' '--angle 12 --layers all --range 40,70' \
         '--radius 2.5' '--angle 20 --range 90,140 --resolution 40' '--angle 8 --layers all --aperture square' \
         '--angle 150 --layers all' '--angle 179 --range 20,70' '--angle 140 --aperture square'; do
-        gl query "$aal" $aim $how --engine gl -o gl.tsv
-        answers query "$aal" $aim $how --engine rays -o rays.tsv
+        gl query "$aal" $aim $how --engine gl --force -o gl.tsv
+        answers query "$aal" $aim $how --engine rays --force -o rays.tsv
         cmp gl.tsv rays.tsv
         [ "$(wc -l <gl.tsv)" -gt 2 ]
     done
@@ -31,8 +31,8 @@ load helpers
     for how in '--origin 60,0,0 --toward 0,0,0 --angle 30' '--origin 0,0,0 --toward 3,9,40 --angle 90 --layers all' \
         '--origin 30,30,30 --toward 0,0,0 --radius 12 --layers all' '--origin 5,0,0 --toward 0,0,20 --angle 150' \
         '--origin 0,0,-90 --toward 1,2,0 --angle 25 --range 65,80 --aperture square --resolution 33'; do
-        gl query bundle.atlas.json $how --engine gl -o gl.tsv
-        answers query bundle.atlas.json $how -o rays.tsv
+        gl query bundle.atlas.json $how --engine gl --force -o gl.tsv
+        answers query bundle.atlas.json $how --force -o rays.tsv
         cmp gl.tsv rays.tsv
         grep -q Bundle gl.tsv
     done

@@ -44,7 +44,8 @@ consumer_answers() {
         [ "$output" = "$(conus --version)" ] && [ -z "$stderr" ] || { echo "$program: $output$stderr"; return 1; }
         for word in --help -h; do
             run -0 --separate-stderr "$program" $word
-            [[ "$output" == "usage: conus"* ]] && [ -z "$stderr" ] || { echo "$program: $output$stderr"; return 1; }
+            [[ $'\n'"$output" == *$'\n'"usage: conus"* ]] && [ -z "$stderr" ] ||
+                { echo "$program: $output$stderr"; return 1; }
         done
         run -2 --separate-stderr "$program" --nonsense
         [ -z "$output" ] && [ -n "$stderr" ] || { echo "$program: $output$stderr"; return 1; }

@@ -73,20 +73,23 @@ static void put_volumes(FILE *out, const json_t *volumes, bool is_overlap)
     }
 }
 
-static void put_tractograms(FILE *out, const json_t *tractograms)
+static void put_tractograms(FILE *out, const json_t *tractograms, bool has_rays)
 {
     size_t size = json_array_size(tractograms);
     for (size_t i = 0; i < size && i < LISTED; i++) {
         const json_t *entry = json_array_get(tractograms, i);
-        fprintf(out,
-                " The %" JSON_INTEGER_FORMAT
-                " streamlines of %s counted as lines; rays hit them as tubes of radius %.9g mm.",
+        fprintf(out, " The %" JSON_INTEGER_FORMAT " streamlines of %s counted as lines",
                 json_integer_value(json_object_get(entry, "streamlines")),
-                name_of(json_string_value(json_object_get(entry, "path"))),
-                json_number_value(json_object_get(entry, "radius_mm")));
+                name_of(json_string_value(json_object_get(entry, "path"))));
+        if (has_rays) {
+            fprintf(out, "; rays hit them as tubes of radius %.9g mm",
+                    json_number_value(json_object_get(entry, "radius_mm")));
+        }
+        fputc('.', out);
     }
     if (size > LISTED) {
-        fprintf(out, " So did those of %zu more tractograms, each of its own radius.", size - LISTED);
+        fprintf(out, " So did those of %zu more tractograms%s.", size - LISTED,
+                has_rays ? ", each of its own radius" : "");
     }
 }
 
@@ -133,7 +136,7 @@ static void put_treatment(FILE *out, const struct citation *citation, const json
     const char *level = json_string_value(json_object_get(atlas, "level"));
     level = level ? level : json_string_value(citation_setting(citation, "level"));
     put_volumes(out, json_object_get(atlas, "volumes"), citation_is_of(citation, "overlap"));
-    put_tractograms(out, json_object_get(atlas, "tractograms"));
+    put_tractograms(out, json_object_get(atlas, "tractograms"), citation_has_rays(citation));
     if (level) {
         fprintf(out, " Areas were joined along the area tree to the level \"%s\".", level);
     }

@@ -280,8 +280,8 @@ static void a_volume_of_a_plain_file_is_read_alone(void **state)
     test_limit_allocations(0);
 }
 
-/* What counts is what is held: the places of the labels and 512 bytes for each different one, not the file, nor a volume
- * as it is stored. */
+/* What counts is what is held: the places of the labels and 512 bytes for each different one, not the file, nor a
+ * volume as it is stored. */
 static void of_a_plain_file_its_labels_count(void **state)
 {
     (void)state;

@@ -233,7 +233,7 @@ static void cylinders_and_ranges_are_drawn_to_scale(void **state)
         memset(rgba, 0, sizeof rgba);
         cut_draw_cone(rgba, &place, &cone);
         for (int i = 0; i < SIDE * SIDE; i++) {
-            double depth = 60 - (30 - i / SIDE);
+            int depth = 30 + i / SIDE;
             double wall = is_cone ? (abs(i % SIDE - 30) - 0.5 * depth) / sqrt(1.25) : abs(i % SIDE - 30) - 8;
             double border = fmax(wall, fmax(cone.near - depth, depth - cone.far));
             const uint8_t red = rgba[4 * i];

@@ -283,7 +283,7 @@ static conus_atlas *atlas_of_lines(const double lines[][2][3], size_t count)
     tract_begin(&builder);
     for (size_t k = 0; k < count; k++) {
         tract_add_point(&builder, lines[k][0]);
-        if (memcmp(lines[k][0], lines[k][1], sizeof lines[k][0]) != 0) {
+        if (lines[k][0][0] != lines[k][1][0]) { /* all lines here run along x */
             tract_add_point(&builder, lines[k][1]);
         }
         tract_end_streamline(&builder);

@@ -451,7 +451,8 @@ static void a_torus_is_crossed_four_times(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Boxes that touch or lie in each other have with their parent one stretch, without a seam. Boxes apart stay two rows. */
+/* Boxes that touch or lie in each other have with their parent one stretch, without a seam. Boxes apart stay two rows.
+ */
 static void a_level_joins_what_touches(void **state)
 {
     (void)state;
