@@ -83,6 +83,53 @@ static void one_orientation_is_read(void **state)
     }
 }
 
+/* Fields that say something else about the pixels, each with the values 0 to 4: those that TIFF 6.0 and SGI's fields of
+ * depth give the meaning of plain pages of one number are read, all others are refused. */
+static void fields_have_their_plain_values(void **state)
+{
+    (void)state;
+    static const struct {
+        uint16_t tag;
+        bool is_read[5];
+    } cases[] = {{254, {true, false, true}},      /* NewSubfileType: an image, a page */
+                 {262, {[1] = true, [3] = true}}, /* PhotometricInterpretation: black is 0, a palette */
+                 {266, {[1] = true}},             /* FillOrder */
+                 {277, {[1] = true}},             /* SamplesPerPixel */
+                 {284, {[1] = true, [2] = true}}, /* PlanarConfiguration: of one sample the same */
+                 {32997, {[1] = true}},           /* ImageDepth */
+                 {32998, {[1] = true}}};          /* TileDepth */
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        for (uint64_t value = 0; value < 5; value++) {
+            const struct tiff_field field = {.tag = cases[i].tag, .value = value, .type = SHORT};
+            uint8_t pixels[PIXELS] = {7, 6, 5, 4, 3, 2, 1};
+            struct bytes got = {0};
+            conus_status status = read_page(&got, pixels, sizeof pixels, &field, 1);
+            assert_int_equal(status, cases[i].is_read[value] ? CONUS_OK : CONUS_ERROR_UNSUPPORTED);
+            bytes_finish(&got);
+        }
+    }
+}
+
+/* Whole numbers of 8 to 64 bits, floats of 32 and 64: as large as the types of a C compiler. */
+static void numbers_are_of_whole_types(void **state)
+{
+    (void)state;
+    static const uint64_t sizes[] = {1, 4, 8, 12, 16, 24, 32, 64, 128};
+    for (uint64_t format = 0; format <= 6; format++) {
+        for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
+            const uint64_t bits = sizes[i];
+            const struct tiff_field fields[] = {{.tag = TAG_BITS, .value = bits}, {.tag = TAG_FORMAT, .value = format}};
+            bool is_whole = bits == 8 || bits == 16 || bits == 32 || bits == 64;
+            bool is_read = is_whole && (format == 1 || format == 2 || (format == 3 && bits >= 32));
+            uint8_t pixels[PIXELS * 16] = {0};
+            struct bytes got = {0};
+            conus_status status = read_page(&got, pixels, PIXELS * bits / 8, fields, 2);
+            assert_int_equal(status, is_read ? CONUS_OK : CONUS_ERROR_UNSUPPORTED);
+            bytes_finish(&got);
+        }
+    }
+}
+
 /* Numbers of TIFF 6.0, its supplements and libtiff; 8 and 32946 are the same deflate. */
 static void three_compressions_are_read(void **state)
 {
@@ -112,6 +159,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(pages_must_be_alike),
         cmocka_unit_test(one_orientation_is_read),
+        cmocka_unit_test(fields_have_their_plain_values),
+        cmocka_unit_test(numbers_are_of_whole_types),
         cmocka_unit_test(three_compressions_are_read),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
