@@ -85,20 +85,11 @@ static struct box find_centres(const struct volume *volume, const double m[16])
     return box;
 }
 
-static bool is_same(const double a[16], const double b[16])
-{
-    bool same = true;
-    for (int i = 0; i < 16; i++) {
-        same = same && a[i] == b[i];
-    }
-    return same;
-}
-
 /* The same, from where it is known. */
 static struct box centres_of(const struct volume *volume, const double m[16])
 {
     struct box box;
-    if (!volume->distances || !is_same(m, volume->centres.m)) {
+    if (!volume->distances || !mat4_is_same(m, volume->centres.m)) {
         return find_centres(volume, m);
     }
     memcpy(box.low, volume->centres.low, sizeof box.low);
@@ -252,11 +243,7 @@ static void add_triangles(struct moment *moment, const struct mesh *mesh)
         double p[3][3];
         double normal[3];
         double middle[3];
-        for (size_t k = 0; k < 3; k++) {
-            for (size_t a = 0; a < 3; a++) {
-                p[k][a] = (double)mesh->positions[3 * (size_t)mesh->triangles[3 * t + k] + a];
-            }
-        }
+        mesh_corners(p, mesh, t);
         for (int a = 0; a < 3; a++) {
             middle[a] = (p[0][a] + p[1][a] + p[2][a]) / 3;
         }

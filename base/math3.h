@@ -140,6 +140,15 @@ static inline double mat4_determinant3(const double m[16])
     return vec3_dot(m, cross);
 }
 
+static inline bool mat4_is_same(const double a[16], const double b[16])
+{
+    bool same = true;
+    for (int i = 0; i < 16; i++) {
+        same = same && a[i] == b[i];
+    }
+    return same;
+}
+
 /** Whether the last row is 0 0 0 1. */
 static inline bool mat4_is_affine(const double m[16])
 {

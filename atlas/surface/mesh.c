@@ -36,21 +36,11 @@ conus_status mesh_init(struct mesh *out, size_t vertex_count, size_t triangle_co
     return CONUS_OK;
 }
 
-static void copy_corner(double out[3], const struct mesh *mesh, size_t triangle, int k)
-{
-    const float *p = &mesh->positions[3 * (size_t)mesh->triangles[3 * triangle + (size_t)k]];
-    for (int a = 0; a < 3; a++) {
-        out[a] = (double)p[a];
-    }
-}
-
 /* Twice the area times the unit normal. */
 static void normal_of(double out[3], const struct mesh *mesh, size_t triangle)
 {
     double p[3][3];
-    for (int k = 0; k < 3; k++) {
-        copy_corner(p[k], mesh, triangle, k);
-    }
+    mesh_corners(p, mesh, triangle);
     vec3_sub(p[1], p[1], p[0]);
     vec3_sub(p[2], p[2], p[0]);
     vec3_cross(out, p[1], p[2]);
@@ -126,8 +116,8 @@ static void integrate_triangles(struct mesh_shape *out, const struct mesh *mesh)
         double normal[3];
         double sum[3] = {0};
         normal_of(normal, mesh, i);
+        mesh_corners(p, mesh, i);
         for (int k = 0; k < 3; k++) {
-            copy_corner(p[k], mesh, i, k);
             vec3_sub(p[k], p[k], middle);
             vec3_add_scaled(sum, sum, 1, p[k]);
         }
@@ -150,12 +140,12 @@ conus_status mesh_measure(struct mesh_shape *out, const struct mesh *mesh)
     if (status) {
         return status;
     }
-    for (size_t i = 0; i < 3 * mesh->triangle_count; i++) {
-        double p[3];
-        copy_corner(p, mesh, i / 3, (int)(i % 3));
-        for (int a = 0; a < 3; a++) {
-            shape.low[a] = fmin(shape.low[a], p[a]);
-            shape.high[a] = fmax(shape.high[a], p[a]);
+    for (size_t i = 0; i < mesh->triangle_count; i++) {
+        double p[3][3];
+        mesh_corners(p, mesh, i);
+        for (int k = 0; k < 9; k++) {
+            shape.low[k % 3] = fmin(shape.low[k % 3], p[k / 3][k % 3]);
+            shape.high[k % 3] = fmax(shape.high[k % 3], p[k / 3][k % 3]);
         }
     }
     integrate_triangles(&shape, mesh);
@@ -173,8 +163,8 @@ double mesh_crossing(int *side, const struct mesh *mesh, size_t triangle, const 
     double nearest = INFINITY;
     double farthest = -INFINITY;
     double per_length = 1 / vec3_dot(direction, direction);
+    mesh_corners(p, mesh, triangle);
     for (int k = 0; k < 3; k++) {
-        copy_corner(p[k], mesh, triangle, k);
         vec3_sub(p[k], p[k], origin);
         double reach = vec3_dot(p[k], direction) * per_length;
         nearest = nearest < reach ? nearest : reach; /* quicker than fmin() */
@@ -237,12 +227,12 @@ static bool is_left(const double a[2], const double b[2])
 
 bool mesh_is_passed(const struct mesh *mesh, size_t triangle, const double origin[3], const double direction[3])
 {
+    double corners[3][3];
     double p[3][2];
     const struct view view = view_along(origin, direction);
+    mesh_corners(corners, mesh, triangle);
     for (int k = 0; k < 3; k++) {
-        double corner[3];
-        copy_corner(corner, mesh, triangle, k);
-        move_into_view(p[k], &view, corner);
+        move_into_view(p[k], &view, corners[k]);
     }
     bool left = is_left(p[0], p[1]);
     return is_left(p[1], p[2]) == left && is_left(p[2], p[0]) == left;

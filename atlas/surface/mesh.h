@@ -25,6 +25,17 @@ struct mesh {
     struct mesh_shape shape; /**< mesh_check() fills in whether it is closed, atlas_add_mesh() all of it.       */
 };
 
+/** The corners of @p triangle. */
+static inline void mesh_corners(double out[3][3], const struct mesh *mesh, size_t triangle)
+{
+    for (size_t k = 0; k < 3; k++) {
+        const float *position = mesh->positions + 3 * (size_t)mesh->triangles[3 * triangle + k];
+        for (int a = 0; a < 3; a++) {
+            out[k][a] = (double)position[a];
+        }
+    }
+}
+
 void mesh_finish(struct mesh *mesh);
 
 /** A mesh of zeroed arrays for so many vertices and triangles. */

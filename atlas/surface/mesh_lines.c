@@ -73,14 +73,9 @@ static bool add_crossing(struct mesh_lines *lines, uint32_t object, double p[3][
 
 static void find_corners(double p[3][3], const struct mesh *mesh, size_t triangle, const double *lines_from_mesh)
 {
-    for (size_t k = 0; k < 3; k++) {
-        const float *position = &mesh->positions[3 * (size_t)mesh->triangles[3 * triangle + k]];
-        for (int a = 0; a < 3; a++) {
-            p[k][a] = (double)position[a];
-        }
-        if (lines_from_mesh) {
-            mat4_point(p[k], lines_from_mesh, p[k]);
-        }
+    mesh_corners(p, mesh, triangle);
+    for (int k = 0; lines_from_mesh && k < 3; k++) {
+        mat4_point(p[k], lines_from_mesh, p[k]);
     }
 }
 

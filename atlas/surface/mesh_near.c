@@ -6,11 +6,9 @@
 
 static void copy_corners(double out[3][3], const struct mesh *mesh, size_t triangle, const double origin[3])
 {
+    mesh_corners(out, mesh, triangle);
     for (int c = 0; c < 3; c++) {
-        const float *position = mesh->positions + 3 * (size_t)mesh->triangles[3 * triangle + (size_t)c];
-        for (int a = 0; a < 3; a++) {
-            out[c][a] = (double)position[a] - origin[a];
-        }
+        vec3_sub(out[c], out[c], origin);
     }
 }
 

@@ -7,7 +7,7 @@
 #include "base/memory.h"
 #include "selection/region/region_segment.h"
 
-enum { BLOCK_TRIANGLES = 16, FIRST_CAPACITY = 16 };
+enum { BLOCK_TRIANGLES = 16 };
 
 /* Triangles beside each other. */
 struct solid_block {
@@ -15,16 +15,6 @@ struct solid_block {
     double volume;  /* between them and the corner `low` */
     double area[3]; /* a third of the sum of their areas along their normals */
 };
-
-static void read_corners(double out[3][3], const struct mesh *mesh, size_t triangle)
-{
-    for (size_t c = 0; c < 3; c++) {
-        const float *position = mesh->positions + 3 * (size_t)mesh->triangles[3 * triangle + c];
-        for (int a = 0; a < 3; a++) {
-            out[c][a] = (double)position[a];
-        }
-    }
-}
 
 /* Orders the boxes so that each BLOCK_TRIANGLES in a row are neighbours. */
 static void gather_neighbours(struct bvh_box *boxes, size_t count)
@@ -73,7 +63,7 @@ static struct solid_block measure_block(const struct solid *solid, size_t block)
     struct solid_block out = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}, 0, {0}};
     double p[3][3];
     for (size_t t = block * BLOCK_TRIANGLES; t < block_end(solid, block); t++) {
-        read_corners(p, solid->mesh, solid->triangles[t]);
+        mesh_corners(p, solid->mesh, solid->triangles[t]);
         for (int i = 0; i < 9; i++) {
             out.low[i % 3] = fmin(out.low[i % 3], p[i / 3][i % 3]);
             out.high[i % 3] = fmax(out.high[i % 3], p[i / 3][i % 3]);
@@ -82,7 +72,7 @@ static struct solid_block measure_block(const struct solid *solid, size_t block)
     for (size_t t = block * BLOCK_TRIANGLES; t < block_end(solid, block); t++) {
         double edges[2][3];
         double normal[3];
-        read_corners(p, solid->mesh, solid->triangles[t]);
+        mesh_corners(p, solid->mesh, solid->triangles[t]);
         vec3_sub(edges[0], p[1], p[0]);
         vec3_sub(edges[1], p[2], p[0]);
         vec3_cross(normal, edges[0], edges[1]);
@@ -95,14 +85,8 @@ static struct solid_block measure_block(const struct solid *solid, size_t block)
 
 conus_status solids_add(struct solids *solids, uint32_t object, const struct mesh *mesh)
 {
-    if (solids->count == solids->capacity) {
-        size_t capacity = solids->capacity ? 2 * solids->capacity : FIRST_CAPACITY;
-        struct solid *larger = memory_resize(solids->solids, capacity, sizeof *larger);
-        if (!larger) {
-            return CONUS_ERROR_MEMORY;
-        }
-        solids->solids = larger;
-        solids->capacity = capacity;
+    if (!memory_reserve(&solids->solids, &solids->capacity, solids->count + 1, sizeof *solids->solids)) {
+        return CONUS_ERROR_MEMORY;
     }
     struct solid solid = {
         .object = object, .mesh = mesh, .block_count = (mesh->triangle_count + BLOCK_TRIANGLES - 1) / BLOCK_TRIANGLES};
@@ -162,7 +146,7 @@ static double block_volume(const struct solid *solid, size_t number, const struc
     }
     for (size_t t = number * BLOCK_TRIANGLES; t < block_end(solid, number); t++) {
         double corners[3][3];
-        read_corners(corners, solid->mesh, solid->triangles[t]);
+        mesh_corners(corners, solid->mesh, solid->triangles[t]);
         sum += region_triangle(cut, corners);
     }
     return sum;

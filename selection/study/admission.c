@@ -176,10 +176,11 @@ static bool hits_axis(double *depth, bool *faces, const struct polygon *triangle
 
 static void read_triangle(struct polygon *out, const struct region *region, const struct mesh *mesh, size_t triangle)
 {
+    double corners[3][3];
+    mesh_corners(corners, mesh, triangle);
     out->count = 3;
     for (int i = 0; i < 3; i++) {
-        const float *vertex = &mesh->positions[3 * (size_t)mesh->triangles[3 * triangle + (size_t)i]];
-        to_device(out->corners[i], region, (const double[]){vertex[0], vertex[1], vertex[2]});
+        to_device(out->corners[i], region, corners[i]);
     }
 }
 

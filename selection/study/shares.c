@@ -23,11 +23,7 @@ static bool counts(const struct volume *volume)
 
 static bool same_grid(const struct volume *a, const struct volume *b)
 {
-    bool same = true;
-    for (int i = 0; i < 16; i++) {
-        same = same && a->voxel_from_world[i] == b->voxel_from_world[i];
-    }
-    return same;
+    return mat4_is_same(a->voxel_from_world, b->voxel_from_world);
 }
 
 /* Appends a grid of all volumes from `first` on that lie as that one does, unless an earlier one did. */
