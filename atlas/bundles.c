@@ -10,8 +10,6 @@
 
 enum { FIRST_COLOUR = 2000 }; /* of the palette, away from those of areas and pathways */
 
-/* ---- The streamlines that no group has -------------------------------------------------------------------------- */
-
 /* Numbers of the streamlines that no group has; all of them where there are no groups. */
 static conus_status find_rest(struct tract_group *out, const struct tractogram *tractogram)
 {
@@ -59,8 +57,6 @@ static conus_status group_rest(struct tractogram *tractogram, const char *name)
     }
     return CONUS_OK;
 }
-
-/* ---- Objects ---------------------------------------------------------------------------------------------------- */
 
 const struct tractogram *atlas_bundle_tractogram(const conus_atlas *atlas, uint32_t number)
 {
@@ -221,8 +217,6 @@ void bundles_find_objects(uint32_t *objects, const conus_atlas *atlas, const str
         }
     }
 }
-
-/* ---- Moves ------------------------------------------------------------------------------------------------------ */
 
 static conus_status move_points(struct tractogram *out, const struct tractogram *tractogram, const double matrix[16])
 {

@@ -8,8 +8,6 @@
 
 #include <string.h>
 
-/* ---- Where everything is ------------------------------------------------------------------------------------- */
-
 struct box {
     double low[3], high[3];
 };
@@ -192,8 +190,6 @@ bool atlas_area_bounds(double low[3], double high[3], const conus_atlas *atlas, 
     memcpy(high, box.high, sizeof box.high);
     return box.low[0] <= box.high[0];
 }
-
-/* ---- Where an object is -------------------------------------------------------------------------------------- */
 
 /* Sums of what belongs to an object. */
 struct moment {

@@ -45,8 +45,6 @@ const char *conus_space_unit(conus_space space)
     return (size_t)space < SPACES ? spaces[space].unit : NULL;
 }
 
-/* ---- The CCF in an atlas ---------------------------------------------------------------------------------------- */
-
 static bool is_near(double found, double wanted)
 {
     return fabs(found - wanted) <= 1e-3 * wanted;
@@ -224,8 +222,6 @@ conus_status conus_frame_find(conus_frame *out, const conus_atlas *atlas, conus_
     *out = status ? *out : frame;
     return status;
 }
-
-/* ---- Positions and directions ----------------------------------------------------------------------------------- */
 
 static conus_status check_point(conus_space space, const double p[3])
 {

@@ -17,8 +17,6 @@ struct step {
     uint64_t voxels; /* counted */
 };
 
-/* ---- Voxels ----------------------------------------------------------------------------------------------------- */
-
 /* Of steps by their lower ends, none of which overlap; NULL = the value is in none, as NaN is. */
 static struct step *step_of(struct step *steps, size_t count, float value)
 {
@@ -63,8 +61,6 @@ static struct step step_from(double threshold, uint32_t number)
 {
     return (struct step){.low = (float)threshold, .high = INFINITY, .number = number};
 }
-
-/* ---- Pathways --------------------------------------------------------------------------------------------------- */
 
 static void count_voxels(conus_object *object, const struct step *step, const conus_volume_info *info)
 {
@@ -236,8 +232,6 @@ conus_status conus_atlas_set_threshold(conus_atlas *atlas, size_t number, double
     return status;
 }
 
-/* ---- Other areas ------------------------------------------------------------------------------------------------ */
-
 /* Wider masks for the volumes in which numbers of pathways no longer fit, by volume. */
 static conus_status widen_masks(uint32_t **wide, const conus_atlas *atlas, const conus_atlas *areas)
 {
@@ -311,8 +305,6 @@ conus_status atlas_exchange_areas(conus_atlas *atlas, conus_atlas *areas)
     memory_free(wide);
     return status;
 }
-
-/* ---- Context ---------------------------------------------------------------------------------------------------- */
 
 conus_status atlas_set_context(conus_atlas *atlas, const conus_volume_info *info, float *values)
 {

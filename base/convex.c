@@ -31,8 +31,6 @@ static void push(struct convex_stack *stack, const struct convex_edge *edge)
     }
 }
 
-/* ---- Boxes ------------------------------------------------------------------------------------------------------ */
-
 static void measure_box(struct convex *box)
 {
     box->volume = (box->high[0] - box->low[0]) * (box->high[1] - box->low[1]) * (box->high[2] - box->low[2]);
@@ -103,8 +101,6 @@ static void push_box(struct convex_stack *stack, const struct convex *box)
     }
 }
 
-/* ---- Polyhedra -------------------------------------------------------------------------------------------------- */
-
 /* Fills in bounds and volume of the polyhedron whose edges are the last on the stack, from out->first on. Each edge
  * makes a tetrahedron with a corner of its face and one of the polyhedron. */
 static void measure(struct convex *out, const struct convex_stack *stack)
@@ -156,8 +152,6 @@ bool convex_move(struct convex *out, struct convex_stack *stack, const struct co
     *out = moved;
     return true;
 }
-
-/* ---- Cutting ---------------------------------------------------------------------------------------------------- */
 
 /* A plane, and the face under way. */
 struct cut {

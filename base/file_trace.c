@@ -24,8 +24,6 @@ void file_trace_finish(struct file_trace *trace)
     *trace = (struct file_trace){0};
 }
 
-/* ---- Keeping ----------------------------------------------------------------------------------------------------- */
-
 /* Takes the strings of `item`, of which NULL stands for want of memory where `given` has one. */
 static void append_item(struct file_trace *trace, struct traced item, const char *given)
 {
@@ -125,8 +123,6 @@ bool file_trace_real_path(char *out, const char *path)
     return found;
 }
 
-/* ---- Beginning and ending ---------------------------------------------------------------------------------------- */
-
 void file_trace_begin(struct file_trace *out)
 {
     *out = (struct file_trace){0};
@@ -189,8 +185,6 @@ const struct traced *file_trace_find(const struct file_trace *trace, const char 
     return found && found->kind == TRACE_FILE ? found : NULL;
 }
 
-/* ---- At rest ----------------------------------------------------------------------------------------------------- */
-
 /* File systems whose times are of this machine's clock (linux/magic.h, and ZFS and bcachefs). */
 static bool has_own_clock(const char *path)
 {
@@ -232,8 +226,6 @@ bool file_trace_is_settled(const struct file_trace *trace)
     }
     return settled;
 }
-
-/* ---- Asking again ------------------------------------------------------------------------------------------------ */
 
 static bool find_kind(enum trace_kind *out, struct file_state *state, const char *path)
 {
@@ -302,8 +294,6 @@ bool file_trace_holds(const struct file_trace *trace)
     open_trace = own;
     return same;
 }
-
-/* ---- As bytes ---------------------------------------------------------------------------------------------------- */
 
 /* Ahead of the strings of an item. Sizes count a final NUL; 0 = no string. */
 struct item_head {

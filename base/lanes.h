@@ -81,8 +81,6 @@ static INLINE void store_longs(uint64_t *to, longs x)
     *(longs *)to = x;
 }
 
-/* ---- Truths ------------------------------------------------------------------------------------------------- */
-
 #if defined(__AVX512DQ__) && LANES == 16
 
 typedef __mmask16 truths; /* bit l is lane l's */

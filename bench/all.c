@@ -12,8 +12,6 @@
 
 enum { TIME_LIMIT = 900 }; /* seconds, of one scenario */
 
-/* ---- The process of a scenario ---------------------------------------------------------------------------------- */
-
 /* {settings, driver, runs, ratios, left_out}, or {error}. */
 static json_t *run_here(struct bench *bench, const struct bench_scenario *scenario)
 {
@@ -37,8 +35,6 @@ static int child(struct bench *bench, const struct bench_scenario *scenario, int
     json_decref(result);
     return written && !close(out) ? EXIT_SUCCESS : EXIT_FAILURE;
 }
-
-/* ---- The process of all ----------------------------------------------------------------------------------------- */
 
 /* What `all` gives the scenario to do. */
 static struct bench_options options_for(const struct bench *bench, const struct bench_scenario *scenario)

@@ -95,8 +95,6 @@ conus_status bench_brain(char *path, size_t size, const struct bench *bench)
     return access(path, R_OK) == 0 ? CONUS_OK : conus_phantom_write("brain", bench->folder, NULL);
 }
 
-/* ---- Statistics ------------------------------------------------------------------------------------------------ */
-
 static int compare_times(const void *a, const void *b)
 {
     double x = *(const double *)a;
@@ -169,8 +167,6 @@ static conus_status add_run(struct bench *bench, const char *scenario, struct be
     }
     return json_array_append_new(bench->runs, run) ? fail(CONUS_ERROR_MEMORY, "out of memory") : CONUS_OK;
 }
-
-/* ---- Measuring ------------------------------------------------------------------------------------------------- */
 
 static double time_once(const struct bench *bench, const struct bench_variant *variant, double *cpu)
 {
@@ -251,8 +247,6 @@ conus_status bench_measure(struct bench *bench, const char *scenario, struct ben
     memory_free(scratch);
     return status;
 }
-
-/* ---- What follows ---------------------------------------------------------------------------------------------- */
 
 conus_status bench_value(struct bench *bench, const char *key, double value, bool equal)
 {

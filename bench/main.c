@@ -91,8 +91,6 @@ static void print_help(void)
          "  --json FILE    write everything measured");
 }
 
-/* ---- Options --------------------------------------------------------------------------------------------------- */
-
 static conus_status parse_count(const char *option, const char *value, size_t *out)
 {
     uint64_t number;
@@ -199,8 +197,6 @@ static conus_status parse_arguments(struct arguments *out, int argc, char **argv
     return optind + 1 == argc ? parse_scenario(out, argv[optind])
                               : fail(CONUS_ERROR_ARGUMENT, "name one scenario, or all; see conus-bench --help");
 }
-
-/* ---- Running --------------------------------------------------------------------------------------------------- */
 
 static int remove_entry(const char *path, const struct stat *about, int kind, struct FTW *where)
 {

@@ -15,8 +15,6 @@
 #include <time.h>
 #include <unistd.h>
 
-/* ---- Where ----------------------------------------------------------------------------------------------------- */
-
 /* The words behind the first "model name" of /proc/cpuinfo. */
 static void find_cpu_model(char *out, size_t size)
 {
@@ -77,8 +75,6 @@ static json_t *json_number(double value)
     return isfinite(value) ? json_real(value) : json_null();
 }
 
-/* ---- What is held ---------------------------------------------------------------------------------------------- */
-
 static const struct hold {
     const char *key;
     bool at_most;
@@ -138,8 +134,6 @@ void report_print_holds(const json_t *root)
     }
 }
 
-/* ---- All of it ------------------------------------------------------------------------------------------------- */
-
 json_t *report_settings(const struct bench *bench, double seconds, double load)
 {
     const struct bench_options *o = &bench->options;
@@ -180,8 +174,6 @@ conus_status report_write(const json_t *root, const char *path)
     free(text);
     return status;
 }
-
-/* ---- Is it as it should be? ------------------------------------------------------------------------------------ */
 
 static size_t check_keys(const json_t *object, const char *const *keys, const char *what)
 {

@@ -26,8 +26,6 @@ static void append_options(struct buffer *key, const conus_load_options *options
     buffer_append(key, options->labels_anyway ? "y" : "n", 1);
 }
 
-/* ---- Notes ------------------------------------------------------------------------------------------------------- */
-
 /* Ahead of the strings of a note. Sizes count a final NUL; a path of 0 is none. */
 struct heard_head {
     uint64_t severity, path_size, text_size;
@@ -82,8 +80,6 @@ bool atlas_cache_tell(const uint8_t *notes, size_t size, conus_log log, void *us
     return used;
 }
 
-/* ---- Beginning and ending ---------------------------------------------------------------------------------------- */
-
 void atlas_cache_init(struct atlas_cache *out, const char *path, const conus_load_options *options)
 {
     *out = (struct atlas_cache){.options = *options, .given = options};
@@ -122,8 +118,6 @@ void atlas_cache_watched(struct atlas_cache *cache)
     }
 }
 
-/* ---- Finding ----------------------------------------------------------------------------------------------------- */
-
 conus_atlas *atlas_cache_find(struct atlas_cache *cache)
 {
     struct cache_mapping mapping = {0};
@@ -143,8 +137,6 @@ conus_atlas *atlas_cache_find(struct atlas_cache *cache)
     atlas_cache_tell(notes->data, notes->size, cache->given->log, cache->given->log_user);
     return atlas;
 }
-
-/* ---- Keeping ----------------------------------------------------------------------------------------------------- */
 
 /* A folder that stands for a manifest has no bytes of its own. */
 static bool was_watched(const struct file_trace *trace, const char *path)

@@ -122,8 +122,6 @@ double conus_selection_ball(const conus_selection *selection)
     return selection->region.shape == REGION_BALL ? selection->region.radius : 0;
 }
 
-/* ---- As far as the nearest ---------------------------------------------------------------------------------- */
-
 /* 1, 2 or 5 times a power of ten: the largest up to `length`; 1 of a length of 0. */
 static double round_number(double length)
 {

@@ -56,7 +56,7 @@ bool batch_file_checksum(const char *path, uint32_t *crc, uint64_t *size)
     return whole;
 }
 
-/* ---- The journal: lines of words, the last of which is the CRC-32 of the line before it ------------------------ */
+/* The journal: lines of words, the last of which is the CRC-32 of the line before it. */
 
 static bool write_line(const struct batch_file *file, const char *line)
 {
@@ -148,8 +148,6 @@ static bool append_entry(struct batch_file *file, const struct batch_entry *entr
              entry->size, entry->crc);
     return write_line(file, line);
 }
-
-/* ---- Opening --------------------------------------------------------------------------------------------------- */
 
 static void close_files(struct batch_file *file)
 {

@@ -72,8 +72,6 @@ static bool add_job(struct batch_jobs *jobs, const size_t place[COLUMNS], char *
     return true;
 }
 
-/* ---- Files of several rows -------------------------------------------------------------------------------------- */
-
 /* A file that a row writes. */
 struct claim {
     struct path_place place;
@@ -146,8 +144,6 @@ static bool check_outputs(const struct batch_jobs *jobs, const char *path)
     free(claims);
     return fine && !twice;
 }
-
-/* ---- The table -------------------------------------------------------------------------------------------------- */
 
 static bool check_text(const char *text, size_t size, const char *path)
 {

@@ -66,8 +66,6 @@ static bool check_settings(conus_format *format, const struct batch_settings *se
            settings_check_space(arguments, &settings->aim.space) && options_exclude(arguments, "force", "resume");
 }
 
-/* ---- The poses -------------------------------------------------------------------------------------------------- */
-
 /* Which of them are this shard's. */
 static int choose_poses(struct work *work)
 {
@@ -150,8 +148,6 @@ static int check_files(const struct work *work)
     code = code || !work->output ? code : outputs_check_sidecar(work->sidecar);
     return code;
 }
-
-/* ---- The atlas and the engine ----------------------------------------------------------------------------------- */
 
 /* Those that are there already are shared, with their context. */
 static int load_atlases(struct work *work)
@@ -263,8 +259,6 @@ int work_open(struct work *work)
                 : settings_match_stream(work->poses, settings->poses, &work->atlases, &settings->file,
                                         &settings->common);
 }
-
-/* ---- What the output says about itself --------------------------------------------------------------------------- */
 
 static const char *name_of(const char *path)
 {

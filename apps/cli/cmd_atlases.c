@@ -51,8 +51,6 @@ static const struct option_group groups[] = {
     {0},
 };
 
-/* ---- Lines ------------------------------------------------------------------------------------------------------- */
-
 /* Writes a text of any bytes as one cell. */
 static void put_cell(FILE *out, const char *text)
 {
@@ -112,8 +110,6 @@ static void put_places(FILE *out, const conus_catalogue *catalogue)
         fprintf(out, "\t%s\n", state_of(place));
     }
 }
-
-/* ---- Formats ----------------------------------------------------------------------------------------------------- */
 
 static void put_table(FILE *out, const conus_catalogue *catalogue, bool places)
 {

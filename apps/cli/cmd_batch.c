@@ -19,8 +19,6 @@ struct run {
     int code; /* of the sink */
 };
 
-/* ---- The rows --------------------------------------------------------------------------------------------------- */
-
 static int write_block(struct run *run, const conus_batch_block *block)
 {
     return run->work.output ? batch_file_append(&run->file, block) : output_write(NULL, block->text, block->size);
@@ -52,8 +50,6 @@ static int open_output(struct run *run)
     run->errors = run->file.errors;
     return code;
 }
-
-/* ---- The run ---------------------------------------------------------------------------------------------------- */
 
 static void start_progress(struct run *run)
 {

@@ -124,8 +124,6 @@ static int make_atlases(struct citing *citing, size_t count)
     return citing->citation.atlas_count ? EXIT_DONE : no_memory();
 }
 
-/* ---- Of a result ------------------------------------------------------------------------------------------------- */
-
 /* The first file with this path, else with one in this folder. */
 static const struct recorded_file *find_input(const struct record *record, const char *path)
 {
@@ -237,8 +235,6 @@ static int verify_result(const struct citing *citing, const char *sidecar)
     return code;
 }
 
-/* ---- Of an atlas ------------------------------------------------------------------------------------------------- */
-
 static const char *sum_of(const conus_atlas *atlas, const char *path)
 {
     const char *sum = NULL;
@@ -272,8 +268,6 @@ static int cite_atlas(struct citing *citing)
     atlas_name_finish(&found);
     return atlas->name ? EXIT_DONE : no_memory();
 }
-
-/* ---- What is written --------------------------------------------------------------------------------------------- */
 
 /* Breaks a line at spaces. */
 static void put_wrapped(FILE *out, const char *text)

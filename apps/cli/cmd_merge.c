@@ -66,8 +66,6 @@ struct merge {
     struct progress progress;
 };
 
-/* ---- Do they belong together? ------------------------------------------------------------------------------------ */
-
 static int read_part(struct part *part)
 {
     uint32_t crc;
@@ -163,9 +161,6 @@ static int check_poses(struct merge *merge)
     return EXIT_DONE;
 }
 
-/* ---- Writing ------------------------------------------------------------------------------------------------------
- */
-
 /* The rest of `in`. */
 static bool copy_rest(FILE *out, FILE *in)
 {
@@ -233,9 +228,6 @@ static int write_whole(struct merge *merge)
     }
     return code;
 }
-
-/* ---- The command --------------------------------------------------------------------------------------------------
- */
 
 /* Whether what is written at `path` would be a shard, or what describes it. */
 static bool is_of(const struct part *part, const char *path)

@@ -44,8 +44,6 @@ struct overlap {
     conus_frame frame; /* of positions */
 };
 
-/* ---- Regions ---------------------------------------------------------------------------------------------------- */
-
 static size_t region_count(const struct overlap *overlap)
 {
     return overlap->survey.arguments->more.count + 1;
@@ -165,8 +163,6 @@ static int add_region(struct overlap *overlap, const char *path)
     conus_roi_destroy(roi);
     return code;
 }
-
-/* ---- Steps ------------------------------------------------------------------------------------------------------ */
 
 static int start(struct overlap *overlap)
 {

@@ -266,8 +266,6 @@ static bool check_picture(const struct render_settings *settings, const struct a
            settings_check_space(arguments, &settings->aim.space);
 }
 
-/* ---- Poses ------------------------------------------------------------------------------------------------------ */
-
 static int load_poses(conus_pose_list **out, const struct picture *picture, const char *path)
 {
     const struct render_settings *settings = picture->settings;
@@ -356,8 +354,6 @@ static int find_rows(struct picture *picture)
     return code ? code : check_angle(picture);
 }
 
-/* ---- What is drawn ---------------------------------------------------------------------------------------------- */
-
 static int check_output(const struct picture *picture, const char *output)
 {
     const struct render_settings *settings = picture->settings;
@@ -428,8 +424,6 @@ static int prepare(struct picture *picture)
     status = status ? status : make_renderer(picture);
     return status ? print_status(status) : EXIT_DONE;
 }
-
-/* ---- Pictures --------------------------------------------------------------------------------------------------- */
 
 static conus_status draw_picture(const struct picture *picture, const conus_selection *selection, const char *path)
 {

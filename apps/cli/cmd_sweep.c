@@ -75,8 +75,6 @@ static void sweep_finish(struct sweep *sweep)
     free(sweep->angles);
 }
 
-/* ---- Numbers in words ---- */
-
 /* The numbers in `text`, separated by `separator`; -1 where there is something else or more than `limit`. */
 static int read_numbers(double *out, int limit, const char *text, char separator)
 {
@@ -181,8 +179,6 @@ static bool read_jitter(struct sweep *sweep)
     return true;
 }
 
-/* ---- Checks ---- */
-
 /* Which angle admits what depends on no ray: round cones hold what is in them, hidden or not. */
 static bool check_admission(const struct arguments *arguments)
 {
@@ -222,8 +218,6 @@ static bool check_sweep(struct sweep *sweep, const struct arguments *arguments)
            check_kind(sweep, arguments) && (!settings->angles || read_angles(sweep)) &&
            (!settings->jitter || read_jitter(sweep));
 }
-
-/* ---- Answers ---- */
 
 static conus_status add_shares(struct sweep *sweep, const struct answerer *answerer, const conus_pose_row *row)
 {

@@ -17,8 +17,6 @@ enum { CHUNK = 1 << 13, DIGITS = 9 };
 static const char *const sealed[] = {"Space",   "GeneratedBy", "Atlas",  "Atlases", "Settings",
                                      "Queries", "Batch",       "Inputs", "Outputs", "Sources"};
 
-/* ---- Checksums --------------------------------------------------------------------------------------------------- */
-
 void provenance_hash_finish(char out[SHA256_TEXT], struct sha256_ctx *context)
 {
     uint8_t digest[SHA256_DIGEST_SIZE];
@@ -73,8 +71,6 @@ bool provenance_checksum(char out[SHA256_TEXT], const json_t *root)
     free(text);
     return text;
 }
-
-/* ---- Files ------------------------------------------------------------------------------------------------------- */
 
 char *provenance_path(const char *output)
 {
@@ -207,8 +203,6 @@ static bool add_files(json_t *root, const struct provenance *provenance)
     }
     return json_object_set_new(root, "Outputs", outputs) == 0 && whole;
 }
-
-/* ---- Texts ------------------------------------------------------------------------------------------------------- */
 
 const char *provenance_json_rows(const char *text, size_t size)
 {

@@ -11,8 +11,6 @@
 enum { TYPE_AT = 2, TYPE_SIZE = 12, DEVICE_AT = 14, DEVICE_SIZE = 20, TIME_AT = 34, SIZE_AT = 42, CRC_AT = 50 };
 enum { EXTENDED = 12, TRANSFORM_SIZE = 48, TDATA_SIZE = 70, QTDATA_SIZE = 50, POINT_SIZE = 136 };
 
-/* ---- Numbers ----------------------------------------------------------------------------------------------------- */
-
 static uint64_t get(const uint8_t *bytes, size_t size)
 {
     uint64_t value = 0;
@@ -66,9 +64,6 @@ uint64_t igtl_crc(const uint8_t *bytes, size_t size)
     }
     return crc;
 }
-
-/* ---- Poses --------------------------------------------------------------------------------------------------------
- */
 
 static bool is_identity(const double m[16])
 {
@@ -126,8 +121,7 @@ static void add_quaternion(struct igtl_reader *reader, struct igtl_poses *poses,
     add_pose(reader, poses, name, fine ? &pose : NULL);
 }
 
-/* ---- Bodies: false where the size does not fit the type ------------------------------------------------------------
- */
+/* Bodies: false where the size does not fit the type. */
 
 struct body {
     const uint8_t *bytes;
@@ -243,9 +237,6 @@ static void read_message(struct igtl_reader *reader, igtl_listener listener, voi
     }
 }
 
-/* ---- The stream ----------------------------------------------------------------------------------------------------
- */
-
 static size_t least(size_t a, size_t b)
 {
     return a < b ? a : b;
@@ -315,9 +306,6 @@ bool igtl_read(struct igtl_reader *reader, const uint8_t *bytes, size_t size, ig
     }
     return true;
 }
-
-/* ---- Writing -------------------------------------------------------------------------------------------------------
- */
 
 /* Puts the header before a body that is there already; gives the whole size. */
 static size_t finish(uint8_t *out, const char *type, const char *device, double time_s, size_t body)

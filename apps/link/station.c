@@ -57,8 +57,6 @@ struct station {
     unsigned outgoing_number;
 };
 
-/* ---- Poses ------------------------------------------------------------------------------------------------------- */
-
 static void multiply(double out[16], const double a[16], const double b[16])
 {
     double product[16];
@@ -187,8 +185,6 @@ static void hear(void *user, const struct igtl_poses *poses)
         call();
     }
 }
-
-/* ---- Peers ------------------------------------------------------------------------------------------------------- */
 
 static void add_counts(struct igtl_counts *sum, const struct igtl_counts *counts)
 {
@@ -329,8 +325,6 @@ static void try_connection(struct station *station)
     freeaddrinfo(found);
 }
 
-/* ---- The thread -------------------------------------------------------------------------------------------------- */
-
 static bool is_stopped(struct station *station)
 {
     pthread_mutex_lock(&station->lock);
@@ -385,9 +379,6 @@ static void *run(void *user)
     }
     return NULL;
 }
-
-/* ---- From outside --------------------------------------------------------------------------------------------------
- */
 
 static bool open_listener(struct station *station, char *why, size_t size)
 {

@@ -48,8 +48,6 @@ static int agree(int code)
     return agreed;
 }
 
-/* ---- Parts ------------------------------------------------------------------------------------------------------- */
-
 /* Sees to what must be seen to every now and then; whether to continue. */
 static bool tend(struct run *run)
 {
@@ -115,8 +113,6 @@ static void answer_parts(struct run *run)
         ordered_file_write(&run->file, number, &run->part, ended);
     }
 }
-
-/* ---- A batch ----------------------------------------------------------------------------------------------------- */
 
 /* All ranks at once, each with as many atlases. */
 static int share_atlases(struct run *run)
@@ -342,8 +338,6 @@ static int answer_batch(const struct cluster *cluster, const struct batch_settin
     finish_shared(&run, settings);
     return code;
 }
-
-/* ---- Rank 0 and the others --------------------------------------------------------------------------------------- */
 
 /* On rank 0: answers with all ranks. */
 static int lead(void *user, const struct batch_settings *settings, const struct arguments *arguments)

@@ -57,8 +57,6 @@ static bool check_mpi(const struct ordered_file *file, int error)
     return !error;
 }
 
-/* ---- The file ---------------------------------------------------------------------------------------------------- */
-
 /* MPI counts in int. */
 static int write_at(MPI_File file, uint64_t at, const char *text, size_t size)
 {
@@ -127,8 +125,6 @@ int ordered_file_open(struct ordered_file *out, const char *path, uint64_t size,
     *out = file;
     return EXIT_DONE;
 }
-
-/* ---- Rank 0 ------------------------------------------------------------------------------------------------------ */
 
 static struct slot *slot_of(struct coordinator *coordinator, uint64_t number)
 {
@@ -252,8 +248,6 @@ static void serve_requests(struct ordered_file *file)
     place_parts(file);
 }
 
-/* ---- The other ranks --------------------------------------------------------------------------------------------- */
-
 static void send_request(enum request kind, uint64_t number, const struct batch_entry *entry)
 {
     static const struct batch_entry none;
@@ -276,8 +270,6 @@ static bool receive_reply(struct ordered_file *file, uint64_t message[REPLY_SIZE
     }
     return true;
 }
-
-/* ---- All ranks --------------------------------------------------------------------------------------------------- */
 
 void ordered_file_stop(struct ordered_file *file, int code)
 {

@@ -11,8 +11,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- Text -------------------------------------------------------------------------------------------------------- */
-
 /* What roff would take for its own, or typeset as another character; NULL = nothing of that. */
 static const char *escape_of(char c)
 {
@@ -74,8 +72,6 @@ static void put_lines(FILE *out, const char *text)
     }
     fputs(".fi\n", out);
 }
-
-/* ---- Parts ------------------------------------------------------------------------------------------------------- */
 
 /* Opens the page `name` with its title and one-line description. */
 static void put_head(FILE *out, const char *name, const char *summary)
@@ -200,8 +196,6 @@ static void put_exit_status(FILE *out)
         fprintf(out, ".TP\n%zu\n%s\n", code, meaning);
     }
 }
-
-/* ---- Pages ------------------------------------------------------------------------------------------------------- */
 
 bool man_page_command(FILE *out, const struct program *program, const struct command *command)
 {

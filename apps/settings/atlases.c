@@ -12,8 +12,6 @@
 #include <string.h>
 #include <sys/stat.h>
 
-/* ---- Names ------------------------------------------------------------------------------------------------------- */
-
 /* Length of a file's name without its ending, if that is one of an atlas: "lh.pial" has none. */
 static size_t stem_length(const char *name)
 {
@@ -130,8 +128,6 @@ const char *atlases_prefix(char out[ATLAS_PREFIX_SIZE], const struct named_atlas
     return out;
 }
 
-/* ---- Loading ----------------------------------------------------------------------------------------------------- */
-
 int atlases_load_at(struct atlases *atlases, size_t index, const struct atlas_settings *settings)
 {
     struct named_atlas *item = &atlases->items[index];
@@ -184,8 +180,6 @@ int atlases_check_names(const struct atlases *atlases)
     }
     return code;
 }
-
-/* ---- Spaces ------------------------------------------------------------------------------------------------------ */
 
 /* Whether a header names its space. 0 is unknown, and 2, "aligned to another", says not to what. */
 static bool is_named(const conus_volume_info *info)

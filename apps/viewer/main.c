@@ -73,8 +73,6 @@ static const struct option_group groups[] = {
     {0},
 };
 
-/* ---- The window -------------------------------------------------------------------------------------------------- */
-
 /* Atlases one after the other, with the start page before and between them. It says, too, why ATLAS cannot be opened:
  * where a desktop has started the program nobody sees stderr. */
 static int run_window(struct window *window, const struct view_settings *settings, const char *path,

@@ -245,8 +245,6 @@ conus_status object_find(uint32_t *out, const conus_atlas *atlas, struct text te
     return status;
 }
 
-/* ---- Many of them ------------------------------------------------------------------------------------------------ */
-
 /* Notes that object `number` is called so. */
 static conus_status index_name(struct object_index *index, const char *name, size_t number)
 {

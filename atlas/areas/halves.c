@@ -39,8 +39,6 @@ static void splitting_finish(struct splitting *splitting)
     memory_free(splitting->objects32);
 }
 
-/* ---- Sides ------------------------------------------------------------------------------------------------------ */
-
 static conus_status find_sides(struct splitting *splitting)
 {
     size_t count = splitting->atlas->area_count;
@@ -118,8 +116,6 @@ static void decide_fates(struct splitting *splitting)
         splitting->cut_count += fate->is_cut;
     }
 }
-
-/* ---- The new areas ---------------------------------------------------------------------------------------------- */
 
 /* Whole areas keep their order; left halves follow, then right ones, so that labels ascend. */
 static void number_areas(struct splitting *splitting)
@@ -229,8 +225,6 @@ static conus_status number_voxels(struct splitting *splitting)
     each_voxel(splitting, number_voxel);
     return CONUS_OK;
 }
-
-/* ---- The whole -------------------------------------------------------------------------------------------------- */
 
 static conus_status check_atlas(const conus_atlas *atlas)
 {

@@ -38,8 +38,6 @@ static void merging_finish(struct merging *merging)
     memory_free(merging->names);
 }
 
-/* ---- Pairs and their names ------------------------------------------------------------------------------------- */
-
 static conus_status name_pair(struct pair *pair, const conus_atlas *atlas)
 {
     struct buffer name = {0};
@@ -118,8 +116,6 @@ static void write_name(struct buffer *out, const struct merging *merging, const 
         buffer_format(out, "%s + %s", objects[pair->left - 1].name, objects[pair->right - 1].name);
     }
 }
-
-/* ---- The new areas --------------------------------------------------------------------------------------------- */
 
 static conus_status add_area(struct merging *merging, uint32_t number)
 {

@@ -31,8 +31,6 @@ static uint32_t parent_of(const conus_atlas *atlas, uint32_t number)
     return atlas->objects[number - 1].parent;
 }
 
-/* ---- The tree --------------------------------------------------------------------------------------------------- */
-
 /* Depth of each area: up to the first ancestor whose depth is known, then down again on the same way. */
 static void measure_depths(struct climb *climb)
 {
@@ -89,8 +87,6 @@ static void climb_to_targets(struct climb *climb)
     }
 }
 
-/* ---- Lists of areas --------------------------------------------------------------------------------------------- */
-
 static conus_status list_area(void *user, struct text name)
 {
     struct climb *climb = user;
@@ -116,8 +112,6 @@ static conus_status target_list(struct climb *climb, struct text spec)
     object_index_finish(&climb->index);
     return status;
 }
-
-/* ---- The level -------------------------------------------------------------------------------------------------- */
 
 static conus_status roll_up(struct climb *climb, const char *spec)
 {

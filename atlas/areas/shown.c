@@ -11,8 +11,6 @@
 
 enum { NAMED = 4 }; /* names in a sentence */
 
-/* ---- Voxels ----------------------------------------------------------------------------------------------------- */
-
 static void show_voxels(struct volume *volume)
 {
     for (size_t i = 0; i < volume->hidden_run_count; i++) {
@@ -79,8 +77,6 @@ static void change_voxels(struct volume *volume, struct runs *runs)
     runs->items = NULL;
     hide_voxels(volume);
 }
-
-/* ---- Objects ---------------------------------------------------------------------------------------------------- */
 
 /* Of the objects in a volume's voxels. */
 struct in_volume {
@@ -181,8 +177,6 @@ bool atlas_has_meshes(const conus_atlas *atlas)
     return false;
 }
 
-/* ---- By name ---------------------------------------------------------------------------------------------------- */
-
 struct naming {
     conus_atlas *atlas;
     bool *named; /* [object_count + 1] */
@@ -269,8 +263,6 @@ conus_status conus_atlas_show(conus_atlas *atlas, const char *only, const char *
     memory_free(hidden);
     return status;
 }
-
-/* ---- In words --------------------------------------------------------------------------------------------------- */
 
 /* Groups have nothing to hide. */
 static bool is_listed(const conus_atlas *atlas, size_t number, conus_kind kind)

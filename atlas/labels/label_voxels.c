@@ -169,8 +169,6 @@ conus_status label_voxels_of(struct label_voxels *out, const uint32_t *labels, s
     return status;
 }
 
-/* ---- Block by block ---------------------------------------------------------------------------------------------- */
-
 void label_coder_finish(struct label_coder *coder)
 {
     memory_free(coder->memory);

@@ -92,8 +92,6 @@ void phantom_area_colour(uint8_t rgb[3], size_t index)
     palette_colour(rgb, index);
 }
 
-/* ---- Shapes ----------------------------------------------------------------------------------------------- */
-
 static bool ring_is_whole(const struct phantom_shape *ring)
 {
     return ring->to - ring->from >= 2 * MATH3_PI;
@@ -183,8 +181,6 @@ static void shape_reach(double reach[3], const struct phantom_shape *shape)
     }
 }
 
-/* ---- Grid ------------------------------------------------------------------------------------------------- */
-
 static conus_status check_options(conus_phantom_options *options)
 {
     double *spacing = options->spacing;
@@ -251,8 +247,6 @@ static conus_status make_grid(conus_volume_info *out, const char *name, const co
     }
     return status;
 }
-
-/* ---- Drawing ---------------------------------------------------------------------------------------------- */
 
 /* Voxels first[] to last[] - 1 hold every centre that may lie in `shape`. */
 static void bound_voxels(size_t first[3], size_t last[3], const struct phantom_shape *shape,

@@ -58,8 +58,6 @@ void phantom_brain_straighten(double straight[3], const double world[3])
     straight[0] = p[0] - shear * sin(waves * straight[1]);
 }
 
-/* ---- Areas -------------------------------------------------------------------------------------------------- */
-
 /* Along the unit vector d from `seed`, how far the ellipsoid of the areas is. */
 static double distance_to_rim(const double seed[3], const double d[3])
 {
@@ -158,8 +156,6 @@ conus_status phantom_brain_mesh(struct mesh *out, size_t index)
     *out = mesh;
     return CONUS_OK;
 }
-
-/* ---- Volumes ------------------------------------------------------------------------------------------------ */
 
 conus_status phantom_brain_grid(conus_volume_info *out)
 {

@@ -15,8 +15,6 @@ struct bvh_node {
     uint32_t count; /* Of a leaf; 0 = no leaf */
 };
 
-/* ---- Boxes ------------------------------------------------------------------------------------------------------ */
-
 struct bvh_box bvh_box_empty(uint32_t number)
 {
     return (struct bvh_box){{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}, number};
@@ -48,8 +46,6 @@ int bvh_box_longest_axis(const struct bvh_box *box)
     }
     return axis;
 }
-
-/* ---- Building --------------------------------------------------------------------------------------------------- */
 
 static float middle(const struct bvh_box *box, int axis)
 {
@@ -155,8 +151,6 @@ void bvh_finish(struct bvh *bvh)
     memory_free(bvh->numbers);
     *bvh = (struct bvh){0};
 }
-
-/* ---- Searching -------------------------------------------------------------------------------------------------- */
 
 /* Lets a node wait if the ray hits its box at @p limit or before. By slabs: where the ray runs along a slab, both of
  * its distances are infinite, or no numbers, with which every comparison is false. */

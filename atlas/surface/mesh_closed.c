@@ -8,8 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- Vertices at equal positions --------------------------------------------------------------------------------- */
-
 static bool are_equal(const float a[3], const float b[3])
 {
     return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
@@ -52,8 +50,6 @@ conus_status mesh_find_first(uint32_t *first, const struct mesh *mesh)
     memory_free(table);
     return CONUS_OK;
 }
-
-/* ---- Edges ------------------------------------------------------------------------------------------------------- */
 
 /* The edges of a mesh, by their lower vertex: the higher one, and whether the triangle passes the edge downwards. */
 struct edges {

@@ -20,8 +20,6 @@ static void find_corner(double out[3], const struct mesh *mesh, size_t vertex, c
     mat4_point(out, voxel_from_mesh, out);
 }
 
-/* ---- Polygons --------------------------------------------------------------------------------------------------- */
-
 /* What is above `at` along an axis, or below with side = -1. */
 static struct polygon cut(const struct polygon *polygon, int axis, double at, double side)
 {
@@ -89,8 +87,6 @@ static void integrate(double *area, double *moment, const struct polygon *polygo
     }
 }
 
-/* ---- Columns ---------------------------------------------------------------------------------------------------- */
-
 /* Adds what is under a piece in column (i, j): in its own voxel down to the floor, all of each voxel below. Sums from
  * the top down will make that of one number here and one below. */
 static void add_piece(struct voxel_box *box, const struct polygon *piece, const size_t cell[3])
@@ -144,8 +140,6 @@ static void add_triangle(struct voxel_box *box, const struct polygon *triangle)
         }
     }
 }
-
-/* ---- Boxes ------------------------------------------------------------------------------------------------------ */
 
 /* Shrinks the box to the voxels that the mesh's bounds meet. False where there is none. */
 static bool shrink(struct voxel_box *box, const struct mesh *mesh, const double voxel_from_mesh[16])

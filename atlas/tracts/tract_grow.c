@@ -19,8 +19,6 @@ struct item {
 
 _Static_assert(sizeof(struct item) * TRACT_LEAF == sizeof(struct tract_leaf), "runs are where their leaves will be");
 
-/* ---- Runs ------------------------------------------------------------------------------------------------------- */
-
 /* Longer ones where points take less memory, so that the tree takes less, too. */
 static uint64_t run_length(const struct tractogram *tractogram)
 {
@@ -56,8 +54,6 @@ static void mark(uint32_t *out, const struct tractogram *tractogram)
         }
     }
 }
-
-/* ---- Boxes ------------------------------------------------------------------------------------------------------ */
 
 struct box {
     float low[3], high[3];
@@ -141,8 +137,6 @@ static inline struct hull hull_of_points(const struct tractogram *tractogram, ui
     return hull;
 }
 
-/* ---- Cuts ------------------------------------------------------------------------------------------------------- */
-
 /* Whether a streamline turns by more than 45 degrees at a point that has one before it and one behind it. */
 static bool is_sharp(const struct tractogram *tractogram, uint64_t point)
 {
@@ -190,8 +184,6 @@ static void cut(struct item *out, const struct tractogram *tractogram)
         }
     }
 }
-
-/* ---- Order ------------------------------------------------------------------------------------------------------ */
 
 static double middle(const struct box *box, int axis)
 {
@@ -310,8 +302,6 @@ static void arrange(struct item *items, size_t count, const struct tractogram *t
         arrange(items + half, count - half, tractogram);
     }
 }
-
-/* ---- Leaves ----------------------------------------------------------------------------------------------------- */
 
 /* Of the @p count points, from the nearest point of a segment. */
 static double largest_distance(double points[][3], uint32_t count, const double a[3], const double b[3])
@@ -441,8 +431,6 @@ static void fetch_points(const struct tractogram *tractogram, const struct item 
     __builtin_prefetch(from + size);
 }
 
-/* ---- Nodes ------------------------------------------------------------------------------------------------------ */
-
 /* Where the low corner of a lane's box is along a diagonal. The length of all diagonals. */
 static double find_corner(double *low, const struct tract_node *node, size_t lane, int diagonal)
 {
@@ -528,8 +516,6 @@ static void fill_nodes(const struct tract_tree *tree, const struct tract_levels 
         }
     }
 }
-
-/* ---- The tree --------------------------------------------------------------------------------------------------- */
 
 static struct box keep_bounds(struct tractogram *tractogram)
 {

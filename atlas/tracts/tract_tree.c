@@ -46,8 +46,6 @@ struct tract_run tract_run_at(const struct tractogram *tractogram, size_t number
                               tract_leaf_segments(leaf, number % TRACT_LEAF)};
 }
 
-/* ---- Walks ------------------------------------------------------------------------------------------------------ */
-
 struct walk {
     const struct tractogram *tractogram;
     tract_box_test test;

@@ -17,8 +17,6 @@ static double percent(size_t part, size_t all)
     return 100 * (double)part / (double)all;
 }
 
-/* ---- Notes ------------------------------------------------------------------------------------------------------- */
-
 static conus_status note_length(struct notes *notes, const struct deformation_facts *facts, const char *words)
 {
     if (facts->farthest >= SHORT_WAY && facts->farthest <= LONG_WAY) {
@@ -102,8 +100,6 @@ static conus_status note_move(struct notes *notes, const struct warp_plan *plan)
                      plan->words, grid->dim[0], grid->dim[1], grid->dim[2], grid->spacing[0], grid->spacing[1],
                      grid->spacing[2]);
 }
-
-/* ---- Moves ------------------------------------------------------------------------------------------------------- */
 
 static conus_status check_state(const conus_atlas *atlas)
 {

@@ -19,8 +19,6 @@ void warped_tracts_finish(struct warped_tracts *tracts, size_t count)
     *tracts = (struct warped_tracts){0};
 }
 
-/* ---- Points ------------------------------------------------------------------------------------------------------ */
-
 /* Moves the points of streamline @p k behind those of @p out. False where one has no place. */
 static bool move_streamline(struct warped_tracts *counts, struct tractogram *out, const struct tractogram *old,
                             uint32_t k, const struct deformation *field)
@@ -55,8 +53,6 @@ static void move_streamlines(struct warped_tracts *counts, struct tractogram *ou
         }
     }
 }
-
-/* ---- What belongs to streamlines --------------------------------------------------------------------------------- */
 
 static conus_status cut_scalar(struct tract_scalar *out, const struct tract_scalar *scalar, const uint32_t *numbers,
                                const struct tractogram *old)
@@ -114,8 +110,6 @@ static conus_status cut_lists(struct tractogram *out, const uint32_t *numbers, c
     out->radius = old->radius;
     return status;
 }
-
-/* ---- Tractograms ------------------------------------------------------------------------------------------------- */
 
 /* Of a tractogram that stays whole only points and tree, as bundles_move() makes them. */
 static conus_status settle(struct tractogram *out, const uint32_t *numbers, const struct tractogram *old)

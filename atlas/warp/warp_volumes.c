@@ -11,8 +11,6 @@
 static const uint64_t DEFAULT_MEMORY = UINT64_C(8) << 30;
 enum { SAMPLES = 4096, NAMED = 4 };
 
-/* ---- Sources ----------------------------------------------------------------------------------------------------- */
-
 /* The voxels from which a volume is resampled: its own where it has never been. */
 static struct volume_source source_of(const conus_atlas *atlas, size_t index)
 {
@@ -75,8 +73,6 @@ static uint32_t source_object(const struct volume_source *source, size_t voxel)
 {
     return source->objects16 ? source->objects16[voxel] : source->objects32 ? source->objects32[voxel] : 0;
 }
-
-/* ---- New volumes ------------------------------------------------------------------------------------------------- */
 
 static uint64_t bytes_each(const struct volume_source *source)
 {
@@ -194,9 +190,6 @@ static conus_status fill(struct warped_volumes *volumes, const conus_atlas *atla
     return nearest ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
-/* ---- What is not there any more ------------------------------------------------------------------------------------
- */
-
 /* From voxels of a source to the first field's output, and from the last one's input to the grid. */
 struct ways_back {
     double world_from_voxel[16];
@@ -301,8 +294,6 @@ static conus_status check_any(const struct warped_volumes *volumes, const conus_
                       "other direction?",
                       words);
 }
-
-/* ---- All of them ------------------------------------------------------------------------------------------------- */
 
 void warped_volumes_finish(struct warped_volumes *volumes, size_t count)
 {

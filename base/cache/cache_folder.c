@@ -59,8 +59,6 @@ bool cache_folder_make(char *path)
     return true;
 }
 
-/* ---- Entries ----------------------------------------------------------------------------------------------------- */
-
 void cache_listing_finish(struct cache_listing *listing)
 {
     memory_free(listing->items);

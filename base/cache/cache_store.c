@@ -54,8 +54,6 @@ conus_status cache_check_limit(void)
                : fail(CONUS_ERROR_ARGUMENT, "$CONUS_CACHE: \"%s\"; allowed is " CACHE_LIMITS, getenv("CONUS_CACHE"));
 }
 
-/* ---- Where an entry is ------------------------------------------------------------------------------------------- */
-
 /* A string and its end, with a mark that tells none from an empty one. */
 void cache_key_append(struct buffer *key, const char *text)
 {
@@ -123,8 +121,6 @@ void cache_key_path(struct buffer *out, const uint8_t *key, size_t size)
     }
     buffer_text(out, path ? path : "");
 }
-
-/* ---- Finding ----------------------------------------------------------------------------------------------------- */
 
 /* The name of the entry in its folder. */
 static const char *name_in_folder(const struct cache_store *store)
@@ -248,8 +244,6 @@ bool cache_store_map(struct cache_mapping *out, const struct cache_store *store)
     }
     return believed;
 }
-
-/* ---- Keeping ----------------------------------------------------------------------------------------------------- */
 
 /* A limit on the sizes of files (ulimit -f) ends programs that exceed it. */
 static bool is_allowed(uint64_t size)

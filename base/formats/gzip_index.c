@@ -31,8 +31,6 @@ static uint32_t crc_of(uint32_t sum, const uint8_t *data, size_t size)
     return size ? libdeflate_crc32(sum, data, size) : sum; /* without data it would begin anew */
 }
 
-/* ---- Making ------------------------------------------------------------------------------------------------------ */
-
 void gzip_indexer_init(struct gzip_indexer *out, uint64_t total)
 {
     uint64_t spacing = total / GZIP_INDEX_POINTS + 1;
@@ -131,8 +129,6 @@ bool gzip_indexer_write(struct buffer *out, struct gzip_indexer *indexer, const 
     return !out->failed && out->size <= GZIP_INDEX_LIMIT;
 }
 
-/* ---- Checking ---------------------------------------------------------------------------------------------------- */
-
 static bool is_point(const struct gzip_index *index, size_t i)
 {
     const struct gzip_point *point = &index->points[i];
@@ -177,8 +173,6 @@ bool gzip_index_parse(struct gzip_index *out, const uint8_t *data, size_t size)
     *out = fine ? index : *out;
     return fine;
 }
-
-/* ---- Following --------------------------------------------------------------------------------------------------- */
 
 enum { STORED_BLOCK = 1 << 16, SCRATCH = 1 << 16 };
 

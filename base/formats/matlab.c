@@ -92,8 +92,6 @@ static conus_status take_typed(struct text *out, struct text *rest, bool swapped
     return status;
 }
 
-/* ---- Memory ----------------------------------------------------------------------------------------------------- */
-
 static conus_status use_memory(struct matlab *matlab, uint64_t bytes)
 {
     if (bytes > matlab->limit - matlab->used) {
@@ -121,8 +119,6 @@ static conus_status add_arrays(struct matlab *matlab, size_t count)
     }
     return status;
 }
-
-/* ---- Arrays ----------------------------------------------------------------------------------------------------- */
 
 static conus_status take_flags(struct matlab_array *array, struct text *rest)
 {
@@ -252,8 +248,6 @@ static conus_status parse_array(struct matlab *matlab, size_t index)
     return status ? status : has_parts ? take_parts(matlab, index, &rest) : take_values(array, &rest);
 }
 
-/* ---- Files ------------------------------------------------------------------------------------------------------ */
-
 static conus_status check_header(bool *swapped, struct text text)
 {
     if (text.size < HEADER) {
@@ -360,8 +354,6 @@ void matlab_finish(struct matlab *matlab)
     memory_free(matlab->arrays);
     *matlab = (struct matlab){0};
 }
-
-/* ---- Values ----------------------------------------------------------------------------------------------------- */
 
 const struct matlab_array *matlab_variable(const struct matlab *matlab, const char *name)
 {

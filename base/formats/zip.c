@@ -61,8 +61,6 @@ static conus_status fail_entry(conus_status status, struct text name, const char
     return fail(status, "zip: %.*s: %s", shown(name), name.data, what);
 }
 
-/* ---- The record at the end --------------------------------------------------------------------------------------- */
-
 /* Where the central directory is. */
 struct directory {
     uint64_t at, size, count;
@@ -127,8 +125,6 @@ static conus_status read_end(struct directory *out, const uint8_t *data, size_t 
     *out = directory;
     return status;
 }
-
-/* ---- Entries ----------------------------------------------------------------------------------------------------- */
 
 /* What both a header before a file and its entry of the directory say. */
 struct record {
@@ -272,8 +268,6 @@ static conus_status read_entry(struct zip_entry *out, uint64_t *place, const uin
     return status;
 }
 
-/* ---- The archive ------------------------------------------------------------------------------------------------- */
-
 /* From a file's header to its last byte. */
 struct extent {
     uint64_t from, to;
@@ -368,8 +362,6 @@ const struct zip_entry *zip_find(const struct zip *zip, const char *name)
     struct zip_entry wanted = {.name = text_from(name)};
     return zip->count ? bsearch(&wanted, zip->entries, zip->count, sizeof wanted, compare_entries) : NULL;
 }
-
-/* ---- Bytes ------------------------------------------------------------------------------------------------------- */
 
 static conus_status check_sum(const uint8_t *data, const struct zip_entry *entry)
 {

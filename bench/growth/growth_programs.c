@@ -58,8 +58,6 @@ static void run_job(void *data)
     job->status = job->status ? job->status : status;
 }
 
-/* ---- Poses ------------------------------------------------------------------------------------------------------ */
-
 static conus_status measure_poses(struct bench *bench, struct job jobs[POINTS], const double *x, size_t count)
 {
     struct growth_curve curve = growth_begin(bench, "poses", bench->options.angle);
@@ -87,8 +85,6 @@ conus_status growth_poses(struct bench *bench)
     bench->children = false;
     return status == CONUS_ERROR_ARGUMENT ? bench_leave_out(bench, "growth of poses") : status;
 }
-
-/* ---- Threads and ranks ------------------------------------------------------------------------------------------ */
 
 /* Whether the files have the same bytes. */
 static bool same_files(const char *a, const char *b)

@@ -11,8 +11,6 @@
 
 enum { SEED = 2010, RESOLUTION = 16, PIXEL_CONES = 8 };
 
-/* ---- Cones into one atlas --------------------------------------------------------------------------------------- */
-
 /* A volume, and cones that are asked of it in three ways. */
 struct work {
     conus_atlas *atlas;       /* owned, unless the engine is borrowed */
@@ -154,8 +152,6 @@ static conus_status load_parcellation(conus_atlas **out, const struct bench *ben
     return status;
 }
 
-/* ---- Voxels ----------------------------------------------------------------------------------------------------- */
-
 /* The distance map is made beside the selector's, so it is made without one. */
 static conus_status measure_opening(struct growth_curve *curve, conus_atlas *atlas, double voxels)
 {
@@ -219,8 +215,6 @@ conus_status growth_voxels(struct bench *bench)
     return status;
 }
 
-/* ---- Labels ----------------------------------------------------------------------------------------------------- */
-
 /* All numbers of blocks divide the first; the first ones the second, too. */
 enum { EDGE = 240, CHECK_EDGE = 120, LABEL_SIZES = 7 };
 
@@ -262,8 +256,6 @@ conus_status growth_labels(struct bench *bench)
     }
     return status;
 }
-
-/* ---- Pixels and angle ------------------------------------------------------------------------------------------- */
 
 /* @p curve at cones of the work's atlas that have these angles and resolutions. */
 static conus_status measure_cones(struct growth_curve *curve, const struct work *work, size_t cone_count,

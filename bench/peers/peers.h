@@ -26,8 +26,7 @@ const char *peer_version(void);
 /** Whether there is a display. */
 conus_status peer_check_display(void);
 
-/* ---- vtkHardwareSelector: surfaces drawn with their numbers as colours --------------------------------------------
- */
+/* vtkHardwareSelector: surfaces drawn with their numbers as colours. */
 
 enum peer_parts {
     PEER_ACTORS,   /**< One vtkActor per object: how programs show parts.                                */
@@ -47,8 +46,7 @@ void peer_selector_destroy(struct peer_selector *selector); /**< NULL is fine. *
 conus_status peer_selector_trace(struct peer_selector *selector, uint32_t *objects, const struct cone *cone,
                                  bool actors_only);
 
-/* ---- vtkCellPicker and cell locators: rays into one merged surface -------------------------------------------------
- */
+/* vtkCellPicker and cell locators: rays into one merged surface. */
 
 enum peer_locator { PEER_CELL_LOCATOR, PEER_STATIC_LOCATOR, PEER_LOCATORS };
 
@@ -70,10 +68,6 @@ conus_status peer_surface_trace(struct peer_surface *surface, uint32_t *objects,
 conus_status peer_surface_pick(struct peer_surface *surface, uint32_t *objects, const struct cone *cone,
                                enum peer_locator kind);
 
-/* ---- Cell locators on streamlines as tubes
- * ---------------------------------------------------------------------------
- */
-
 struct peer_tubes;
 
 /** Makes tubes of @p sides sides, in triangles, round all streamlines by vtkTubeFilter and vtkTriangleFilter: their
@@ -88,9 +82,6 @@ conus_status peer_tubes_build(struct peer_tubes *tubes, enum peer_locator kind);
  * none. */
 conus_status peer_tubes_trace(struct peer_tubes *tubes, uint32_t *streamlines, const struct cone *cone, double reach,
                               enum peer_locator kind);
-
-/* ---- vtkVolumePicker, vtkCellPicker and vtkHardwareSelector on a labelled volume -----------------------------------
- */
 
 enum peer_picker { PEER_VOLUME_PICKER, PEER_CELL_PICKER };
 
@@ -115,9 +106,6 @@ conus_status peer_labels_pick(struct peer_labels *labels, struct peer_contact *c
 
 /** The voxels that vtkHardwareSelector names for cells, drawing with vtkGPUVolumeRayCastMapper. Needs the window. */
 conus_status peer_labels_select(struct peer_labels *labels, struct peer_contact *contacts, const struct cone *cone);
-
-/* ---- Volume mappers ------------------------------------------------------------------------------------------------
- */
 
 enum peer_caster { PEER_GPU, PEER_FIXED_POINT };
 

@@ -65,8 +65,6 @@ static void draw_picture(void *data)
     way->status = status ? status : way->status;
 }
 
-/* ---- Pictures -------------------------------------------------------------------------------------------------- */
-
 static conus_status read_ours(struct scene *scene, float *rgba)
 {
     struct gl_current previous;
@@ -105,8 +103,6 @@ static void describe(struct bench_variant *out, const struct way *way, const str
         out->more = json_pack("{s:f, s:f}", "rms_opacity", opacity, "rms_light", radiance);
     }
 }
-
-/* ---- Scene ----------------------------------------------------------------------------------------------------- */
 
 static void fill_table(struct scene *scene)
 {
@@ -163,8 +159,6 @@ static void scene_finish(struct scene *scene)
     conus_renderer_destroy(scene->renderer);
     conus_atlas_destroy(scene->atlas);
 }
-
-/* ---- Measurement ----------------------------------------------------------------------------------------------- */
 
 /* Makes a peer's picture and its first frame. */
 static void make_peer(void *data)

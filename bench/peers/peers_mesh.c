@@ -27,8 +27,6 @@ struct scene {
     struct peer_surface *surface;
 };
 
-/* ---- Peers as engines ------------------------------------------------------------------------------------------- */
-
 enum kind { SELECTOR, LOCATOR, PICKER };
 
 struct peer {
@@ -54,8 +52,6 @@ static conus_status trace_as_peer(struct engine *engine, struct evidence *out, c
 }
 
 static const struct engine_functions functions = {.trace = trace_as_peer};
-
-/* ---- What is made once ------------------------------------------------------------------------------------------ */
 
 /* Something of VTK's that is made before anything can be asked. */
 struct preparation {
@@ -161,8 +157,6 @@ static conus_status make_timed(struct bench *bench, struct scene *scene, const c
     return preparation.status ? preparation.status : status;
 }
 
-/* ---- Scene ----------------------------------------------------------------------------------------------------- */
-
 static conus_status make_objects(struct scene *scene)
 {
     size_t count = scene->tori.count;
@@ -218,8 +212,6 @@ static void scene_finish(struct scene *scene)
     memory_free(scene->areas);
     torus_scene_finish(&scene->tori);
 }
-
-/* ---- Measurements ---------------------------------------------------------------------------------------------- */
 
 /* Several ways to answer the same cones, the rays first. */
 struct contest {

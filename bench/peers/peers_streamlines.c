@@ -46,8 +46,6 @@ static struct cost end(struct cost before)
     return (struct cost){bench_cpu() - before.seconds, bench_resident() - before.bytes};
 }
 
-/* ---- Answers ---------------------------------------------------------------------------------------------------- */
-
 static void answer_by_rays(struct way *way)
 {
     for (size_t i = 0; i < CONES; i++) {
@@ -75,8 +73,6 @@ static void answer(void *data)
         way->status = status ? status : way->status;
     }
 }
-
-/* ---- Comparison ------------------------------------------------------------------------------------------------- */
 
 /* Of rays that hit a streamline by the search along them: as tubes they hit the same one, another one or none. */
 struct agreement {
@@ -118,8 +114,6 @@ static json_t *describe(const char *name, const struct way *way, struct agreemen
                      "no_streamline", none, "only_tubes", (json_int_t)agreement.only, "build_ms",
                      1000 * way->cost.seconds, "resident_bytes", way->cost.bytes);
 }
-
-/* ---- The scenario ----------------------------------------------------------------------------------------------- */
 
 /* One tractogram. */
 struct contest {

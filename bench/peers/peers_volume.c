@@ -31,8 +31,6 @@ struct way {
     conus_status status;
 };
 
-/* ---- Answers --------------------------------------------------------------------------------------------------- */
-
 static conus_status answer_cone(struct way *way, size_t i)
 {
     struct scene *scene = way->scene;
@@ -88,8 +86,6 @@ static json_t *describe(const struct way *way)
     return json_pack("{s:f, s:f}", "same_area", (double)agreement.objects / hits, "same_voxel",
                      (double)agreement.voxels / hits);
 }
-
-/* ---- Scene ----------------------------------------------------------------------------------------------------- */
 
 static conus_status make_cones(struct scene *scene, const struct bench_options *options)
 {

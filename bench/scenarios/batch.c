@@ -36,9 +36,6 @@ struct contender {
     conus_status status;
 };
 
-/* ---- The scene ----------------------------------------------------------------------------------------------------
- */
-
 /* The selector takes over the plain engine in the place of its own. */
 static conus_status make_plain(struct scene *scene)
 {
@@ -88,9 +85,6 @@ static void scene_finish(struct scene *scene)
     conus_atlas_destroy(scene->surfaces);
     conus_atlas_destroy(scene->atlas);
 }
-
-/* ---- The contenders -----------------------------------------------------------------------------------------------
- */
 
 /* @p selector NULL = only the plain traversal. */
 static conus_status contender_init(struct contender *out, const struct scene *scene, conus_selector *selector,
@@ -156,9 +150,6 @@ static bool gives_the_same(const struct contender *contender, const struct conte
            memcmp(contender->rows.data, reference->rows.data, reference->rows.size) == 0;
 }
 
-/* ---- Measuring ----------------------------------------------------------------------------------------------------
- */
-
 static conus_status add_speed(struct bench *bench, const char *key, const struct bench_variant *variant)
 {
     return bench_value(bench, key, 1000 / variant->median_ms, variant->equal);
@@ -208,9 +199,6 @@ conus_status bench_batch(struct bench *bench)
     scene_finish(&scene);
     return status;
 }
-
-/* ---- All layers ---------------------------------------------------------------------------------------------------
- */
 
 /* A selector of all layers whose rays list their intervals one after another, without a kernel. */
 static conus_status make_single(conus_selector **out, const conus_atlas *atlas)
@@ -270,9 +258,6 @@ conus_status bench_batch_layers(struct bench *bench)
     scene_finish(&scene);
     return status;
 }
-
-/* ---- On surfaces --------------------------------------------------------------------------------------------------
- */
 
 /* The areas' surfaces, as `conus mesh` makes them, in a folder of their own. */
 static conus_status make_surfaces(struct scene *scene, const struct bench *bench)

@@ -42,8 +42,6 @@ struct scene {
     struct trace traces[ENGINES];
 };
 
-/* ---- Drawing ----------------------------------------------------------------------------------------------------- */
-
 /* Leaves, wood and pot, by their values in the paper's volume. */
 static const conus_transfer_point transfer[] = {
     {0, {0, 0, 0, 0}},           {BONSAI_AIR, {0, 0, 0, 0}},   {BONSAI_AIR + 4, {0.15, 0.45, 0.1, 0.15}},
@@ -125,8 +123,6 @@ static conus_status wait_for(void *scene)
     glFinish();
     return gl_check("bonsai");
 }
-
-/* ---- The scene --------------------------------------------------------------------------------------------------- */
 
 /* On a cubic grid around the world's origin. */
 static conus_status make_places(struct scene *scene)
@@ -292,8 +288,6 @@ static void scene_finish(struct scene *scene)
     conus_atlas_destroy(scene->atlas);
     memory_free(scene->places);
 }
-
-/* ---- Answers ----------------------------------------------------------------------------------------------------- */
 
 /* Whether rays give the same picture with and without skipping, and slices one that is as good as the same. */
 static conus_status compare_pictures(bool equal[PICTURES], double *sliced_ms, struct scene *scene)

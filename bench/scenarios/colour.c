@@ -21,8 +21,6 @@ struct scene {
     float *pictures[4];
 };
 
-/* ---- Variants --------------------------------------------------------------------------------------------------- */
-
 static void blend_slices(void *data)
 {
     struct scene *scene = data;
@@ -52,8 +50,6 @@ static void cast_skipping(void *data)
 {
     cast_rays(data, false);
 }
-
-/* ---- Scene ------------------------------------------------------------------------------------------------------ */
 
 static size_t channels(const struct scene *scene)
 {
@@ -108,8 +104,6 @@ static void scene_finish(struct scene *scene)
     picture_finish(&scene->picture);
     conus_atlas_destroy(scene->atlas);
 }
-
-/* ---- Answers ---------------------------------------------------------------------------------------------------- */
 
 /* Rays that refine areas' surfaces and their borders, as pictures do, differ from slices; that is only reported. */
 static conus_status cast_plain(struct scene *scene, float *picture)

@@ -21,8 +21,6 @@ struct enlarged {
     conus_status status;
 };
 
-/* ---- The file ---------------------------------------------------------------------------------------------------- */
-
 static void write_header(FILE *file, const struct enlarged *enlarged)
 {
     const conus_volume_info *info = &enlarged->volume->info;
@@ -91,8 +89,6 @@ static conus_status write_enlarged(const struct enlarged *enlarged)
     memory_free(plane);
     return written ? CONUS_OK : fail(CONUS_ERROR_IO, "%s: cannot write", enlarged->path);
 }
-
-/* ---- What is measured -------------------------------------------------------------------------------------------- */
 
 static void run_query(void *data)
 {

@@ -22,8 +22,6 @@ struct scene {
     conus_status status;
 };
 
-/* ---- Python ------------------------------------------------------------------------------------------------------ */
-
 /* Two pipes to a child, which keeps its ends as standard input and output. */
 static bool spawn_python(struct scene *scene, char *const arguments[])
 {
@@ -102,8 +100,6 @@ static void finish_scene(struct scene *scene)
     }
 }
 
-/* ---- What is timed ----------------------------------------------------------------------------------------------- */
-
 static void run_select_many(void *data)
 {
     ask(data, "many", "done");
@@ -123,8 +119,6 @@ static void run_batch_and_read(void *data)
     run_batch(data);
     ask(data, "read", "done");
 }
-
-/* ---- The scenario ------------------------------------------------------------------------------------------------ */
 
 static conus_status prepare(struct scene *scene, const struct bench *bench)
 {

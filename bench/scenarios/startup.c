@@ -29,8 +29,6 @@ static void keep_first_error(struct job *job, conus_status status)
     job->status = job->status ? job->status : status;
 }
 
-/* ---- Forgetting -------------------------------------------------------------------------------------------------- */
-
 /* Lets the system drop the file from its cache: what nobody has mapped and is on the disk goes. */
 static void forget_file(const char *path)
 {
@@ -57,8 +55,6 @@ static void forget(void *data)
         forget_file(job->path);
     }
 }
-
-/* ---- What is timed ----------------------------------------------------------------------------------------------- */
 
 static void load_atlas(void *data)
 {
@@ -96,8 +92,6 @@ static void clear_cache(void *data)
 {
     keep_first_error(data, conus_cache_clear());
 }
-
-/* ---- The scenario ------------------------------------------------------------------------------------------------ */
 
 /* Runs them all once, for what is wrong with them. */
 static void try_all(struct bench_variant *variants, size_t count)

@@ -29,8 +29,6 @@ static void walk_all(void *data)
     }
 }
 
-/* ---- The scenario ----------------------------------------------------------------------------------------------- */
-
 /* What making a tree took. */
 struct growth {
     double seconds, bytes; /* of processor time; that lie in memory afterwards and did not before */

@@ -16,8 +16,7 @@
 
 enum { RESOLUTION = 16, PIXELS = RESOLUTION * RESOLUTION, SEED = 2010, PLANES = 72 };
 
-/* ---- The paper's pass: slices through the volume, farthest first, each textured, what is no object discarded --------
- */
+/* The paper's pass: slices through the volume, farthest first, each textured, what is no object discarded. */
 
 struct vertex {
     float x, y, depth; /* to the device's right, up and forward, mm */
@@ -191,9 +190,6 @@ static conus_status create_slicing(struct engine **out, const struct volume *vol
     return CONUS_OK;
 }
 
-/* ---- The scene ----------------------------------------------------------------------------------------------------
- */
-
 enum { SLICES_DRAWN, SLICES_SAMPLED, EXACT, EXACT_RAYS, TRACES, TOGETHER = TRACES, VARIANTS };
 
 struct scene {
@@ -273,9 +269,6 @@ static void scene_finish(struct scene *scene)
     memory_free((void *)scene->out);
     conus_atlas_destroy(scene->atlas);
 }
-
-/* ---- Measuring ------------------------------------------------------------------------------------------------------
- */
 
 /* Whether drawing slices shows what sampling on the same planes does, but for what single precision moves. */
 static bool shows_the_same(const struct trace *drawn, const struct trace *sampled)

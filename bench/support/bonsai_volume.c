@@ -14,8 +14,6 @@ static const char papers_sum[] = "288d2818cffb50d2e2c9e3b5b0a2520d09b0f5051bb63c
 
 enum { VOXELS = BONSAI_EDGE * BONSAI_EDGE * BONSAI_EDGE };
 
-/* ---- Reading ----------------------------------------------------------------------------------------------------- */
-
 /* Any format that a context may have. */
 static conus_status read_context(uint8_t *voxels, const char *path)
 {
@@ -64,8 +62,6 @@ conus_status bonsai_read(struct bonsai *out, const char *path)
     *out = (struct bonsai){BONSAI_EDGE, voxels, true};
     return CONUS_OK;
 }
-
-/* ---- Making ------------------------------------------------------------------------------------------------------ */
 
 /* A tapered branch, in parts of the edge. */
 struct branch {
@@ -153,8 +149,6 @@ void bonsai_finish(struct bonsai *bonsai)
     memory_free(bonsai->voxels);
     *bonsai = (struct bonsai){0};
 }
-
-/* ---- Using ------------------------------------------------------------------------------------------------------- */
 
 void bonsai_info(conus_volume_info *out, const struct bonsai *bonsai, const double centre[3], double threshold)
 {

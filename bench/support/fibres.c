@@ -17,8 +17,6 @@ enum { SEED = 18, RESOLUTION = 16 };
 /* Of all streamlines, from the origin, mm: the half axes of a brain, and those of a box round the helices. */
 static const double reach[][3] = {[FIBRES_WALKS] = {70, 90, 60}, [FIBRES_HELICES] = {12, 12, 49.5}};
 
-/* ---- Random walks ------------------------------------------------------------------------------------------------ */
-
 static bool is_in_brain(const double point[3])
 {
     double sum = 0;
@@ -73,8 +71,6 @@ static void make_walk(float *points, uint64_t *random)
     }
 }
 
-/* ---- Helices ---------------------------------------------------------------------------------------------------- */
-
 /* Number k of `count`: all are spread evenly over the disc, each a golden angle after the one before. */
 static void make_helix(float *points, size_t k, size_t count)
 {
@@ -88,8 +84,6 @@ static void make_helix(float *points, size_t k, size_t count)
         points[3 * i + 2] = (float)(i - reach[FIBRES_HELICES][2]);
     }
 }
-
-/* ---- Both ------------------------------------------------------------------------------------------------------- */
 
 conus_status fibres_make(struct tractogram *out, enum fibres kind, size_t count)
 {

@@ -49,8 +49,6 @@ void slicing_finish(struct slicing *slicing)
     *slicing = (struct slicing){0};
 }
 
-/* ---- Polygons --------------------------------------------------------------------------------------------------- */
-
 /* Around both volumes, along the axes of the areas' grid, or around the context alone, along its own. */
 static void find_box(struct slice_box *out, const struct colour_pass *pass, const struct camera *camera)
 {

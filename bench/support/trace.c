@@ -14,8 +14,6 @@
 
 enum { RESOLUTION = 16 }; /* of the cones made here */
 
-/* ---- Answers --------------------------------------------------------------------------------------------------- */
-
 conus_status trace_init(struct trace *out, struct engine *engine, const struct cone *cones, size_t count)
 {
     *out = (struct trace){.engine = engine, .cones = cones, .count = count};
@@ -111,8 +109,6 @@ void shoot(void *data)
     shot->status = shot->status ? shot->status : status;
 }
 
-/* ---- Engines --------------------------------------------------------------------------------------------------- */
-
 struct plain_engine {
     struct engine base;
     const conus_atlas *atlas;
@@ -197,8 +193,6 @@ conus_status mesh_engine_create(struct engine **out, struct mesh_rays *rays, uns
     *out = &engine->base;
     return CONUS_OK;
 }
-
-/* ---- Cones ----------------------------------------------------------------------------------------------------- */
 
 /* What cones go round: a point in the middle, three edges, and from how far. */
 struct block {

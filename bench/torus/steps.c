@@ -62,8 +62,6 @@ static conus_status trace_with_steps(struct engine *engine, struct evidence *out
     return status;
 }
 
-/* ---- The scene --------------------------------------------------------------------------------------------------- */
-
 struct scene {
     struct torus_scene tori;
     conus_atlas *atlas;

@@ -7,8 +7,6 @@
 #include <stdio.h>
 #include <string.h>
 
-/* ---- Is it right? ------------------------------------------------------------------------------------------- */
-
 struct comparison {
     size_t pairs, at_edges, wrong; /* of a ray and a torus: the rays', and those that one engine has */
 };
@@ -53,8 +51,6 @@ static conus_status compare_engines(struct comparison *out, const struct layer_w
     memory_free(has);
     return CONUS_OK;
 }
-
-/* ---- The scenario --------------------------------------------------------------------------------------------- */
 
 static conus_status measure_layers(struct bench *bench, struct layer_round *round)
 {

@@ -8,8 +8,6 @@
 #include <stdio.h>
 #include <string.h>
 
-/* ---- Is it right? ------------------------------------------------------------------------------------------- */
-
 /* Pixels whose first interval is not what is visible, to the bit. */
 static size_t count_other_firsts(const struct layer_way *layers, const struct layer_way *visible)
 {
@@ -84,8 +82,6 @@ static conus_status find_truth(struct truth *out, const struct layer_way *way, c
     memory_free(has);
     return CONUS_OK;
 }
-
-/* ---- The scenario --------------------------------------------------------------------------------------------- */
 
 static conus_status check_layers(bool *equal, const struct layer_round *round)
 {

@@ -77,8 +77,6 @@ static const char paint_frag[] = "in vec3 place;\n"
                                  "    colour = vec4(own * (0.2 + 0.8 * cosine) + 0.3 * shine, 1.0);\n"
                                  "}\n";
 
-/* ---- Making it --------------------------------------------------------------------------------------------------- */
-
 static conus_status upload_places(struct torus_pass *pass, const struct torus_scene *scene)
 {
     float(*places)[16] = memory_raw(scene->count, sizeof *places);
@@ -191,8 +189,6 @@ const char *torus_pass_device(const struct torus_pass *pass)
 {
     return gl_context_renderer(pass->context);
 }
-
-/* ---- Drawing ----------------------------------------------------------------------------------------------------- */
 
 /* Of a view through slopes (tangents of half the angles) to both sides. */
 static void clip_matrix(float out[16], const double world_from_camera[16], const double slope[2])
@@ -328,8 +324,6 @@ conus_status torus_pass_coverage(double *out, struct torus_pass *pass)
     }
     return status;
 }
-
-/* ---- One number of tori ------------------------------------------------------------------------------------------ */
 
 static conus_status add_engines(struct torus_round *round)
 {

@@ -6,8 +6,6 @@
 
 enum { TORI = 20000 };
 
-/* ---- One way ---------------------------------------------------------------------------------------------------- */
-
 conus_status layer_way_init(struct layer_round *round, size_t way, struct engine *engine, bool layers)
 {
     struct layer_way *out = &round->ways[way];
@@ -64,8 +62,6 @@ static void answer_all(void *data)
         way->status = status ? status : way->status;
     }
 }
-
-/* ---- A round ---------------------------------------------------------------------------------------------------- */
 
 conus_status layer_round_init(struct layer_round *out, const struct bench_options *options, bool with_gl)
 {

@@ -13,8 +13,6 @@
 #include <stdio.h>
 #include <string.h>
 
-/* ---- Labels ------------------------------------------------------------------------------------------------------ */
-
 static conus_status check_label(const conus_label *label)
 {
     if (!label->number) {
@@ -56,8 +54,6 @@ static conus_status add_labels(struct label_table *table, const conus_label *lab
     }
     return status ? status : label_table_sort(table, notes);
 }
-
-/* ---- Voxels ------------------------------------------------------------------------------------------------------ */
 
 static conus_status set_words(conus_atlas *atlas, const char *name)
 {
@@ -126,8 +122,6 @@ conus_status conus_atlas_create(conus_atlas **out, const conus_voxels *voxels, c
     array_volume_finish(&array);
     return status;
 }
-
-/* ---- Surfaces ---------------------------------------------------------------------------------------------------- */
 
 /* Number of the area with this label, 0 if there is none. */
 static uint32_t find_area(const conus_atlas *atlas, uint32_t label)
@@ -210,8 +204,6 @@ conus_status conus_atlas_add_surface(conus_atlas *atlas, const conus_label *area
     mesh_finish(&mesh);
     return status;
 }
-
-/* ---- Scalar maps ------------------------------------------------------------------------------------------------- */
 
 conus_status conus_atlas_add_values(conus_atlas *atlas, const conus_voxels *voxels,
                                     const conus_pathway_options *options)

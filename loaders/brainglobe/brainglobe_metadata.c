@@ -14,8 +14,6 @@ enum { METADATA_LIMIT = 1 << 20 };
 
 static const double micrometre = 0.001; /* in mm */
 
-/* ---- The file ---------------------------------------------------------------------------------------------------- */
-
 static conus_status read_orientation(struct brainglobe_metadata *out, const json_t *value)
 {
     if (value && !json_is_string(value)) {
@@ -99,8 +97,6 @@ conus_status brainglobe_metadata_read(struct brainglobe_metadata *out, bool *fou
     memory_free(file);
     return status;
 }
-
-/* ---- The axes ---------------------------------------------------------------------------------------------------- */
 
 /* Row and sign of the world axis that grows away from `corner`: BrainGlobe's letters name where an array axis starts.
  */

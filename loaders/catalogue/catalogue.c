@@ -29,8 +29,6 @@ static void item_finish(struct catalogue_item *item)
     memory_free(item->alias);
 }
 
-/* ---- Atlases ----------------------------------------------------------------------------------------------------- */
-
 static conus_status stop_here(conus_catalogue *catalogue, const char *what, size_t limit)
 {
     if (catalogue->full) {
@@ -87,8 +85,6 @@ conus_status catalogue_add(conus_catalogue *catalogue, const struct catalogue_fo
     catalogue->items[catalogue->count++] = item;
     return CONUS_OK;
 }
-
-/* ---- Folders ----------------------------------------------------------------------------------------------------- */
 
 struct catalogue_id catalogue_id_of(const struct stat *info)
 {
@@ -159,8 +155,6 @@ conus_status catalogue_list(struct names *out, conus_catalogue *catalogue, const
     }
     return status ? status : sift_names(out, catalogue);
 }
-
-/* ---- The public functions ---------------------------------------------------------------------------------------- */
 
 conus_status conus_catalogue_create(conus_catalogue **out, const conus_catalogue_options *options)
 {

@@ -11,8 +11,6 @@
 
 enum { CANDIDATES = 6, NEAR = 3, TEXT = 512 };
 
-/* ---- Paths ------------------------------------------------------------------------------------------------------- */
-
 static bool is_there(const char *path)
 {
     struct stat info;
@@ -42,8 +40,6 @@ bool conus_atlas_is_path(const char *text)
     memory_free(path);
     return is;
 }
-
-/* ---- Names ------------------------------------------------------------------------------------------------------- */
 
 /* Writes the text in lower case and without what separates words; a colon stays. */
 static void fold(char out[TEXT], const char *text)
@@ -127,8 +123,6 @@ static conus_status refuse_ambiguous(const char *name, const struct candidates *
     buffer_finish(&list);
     return status;
 }
-
-/* ---- Names that were perhaps meant ------------------------------------------------------------------------------- */
 
 /* How far `name` is from what the atlas is called; one that contains it is near. */
 static size_t distance(const conus_installed *atlas, const char *name)

@@ -66,8 +66,6 @@ static conus_status take_file(conus_catalogue *catalogue, const char *name, stru
     return path_ends_in(name, ".xml") ? fsl_look(catalogue, found->path) : CONUS_OK;
 }
 
-/* ---- BrainGlobe -------------------------------------------------------------------------------------------------- */
-
 static bool is_brainglobe(const char *folder)
 {
     char *table = catalogue_join(folder, "structures.json");
@@ -100,8 +98,6 @@ static conus_status take_brainglobe(conus_catalogue *catalogue, const char *name
     memory_free(alias);
     return status;
 }
-
-/* ---- The walk ---------------------------------------------------------------------------------------------------- */
 
 /** What is looked at, one after the other: XMLs name volumes, and volumes in the folders below. */
 enum turn { XMLS, OTHER_FILES, FOLDERS, TURNS };

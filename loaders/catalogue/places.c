@@ -53,8 +53,6 @@ static const struct place places[] = {
     {"mricrogl", "$XDG_DATA_DIRS/MRIcroGL/Resources/atlas", {0}},
 };
 
-/* ---- The environment --------------------------------------------------------------------------------------------- */
-
 static struct text variable(struct text name)
 {
     char text[64] = "";
@@ -115,8 +113,6 @@ static void expand_rule(struct buffer *out, const char **rest, const char *rule)
         append_default(out, name);
     }
 }
-
-/* ---- Looking ----------------------------------------------------------------------------------------------------- */
 
 /* Takes the path over. */
 static conus_status note_place(conus_catalogue *catalogue, const struct place *place, char *path)

@@ -62,8 +62,6 @@ size_t mesh_cache_content(const void *entry, size_t size)
     return whole ? size - TAIL_SIZE : SIZE_MAX;
 }
 
-/* ---- Finding --------------------------------------------------------------------------------------------------- */
-
 static conus_status note_others(struct notes *notes, const char *path)
 {
     return notes_warn(notes, "%s: not used, since others can write to it or own it", path);
@@ -135,8 +133,6 @@ conus_status mesh_cache_find(struct bytes *out, const char *key, struct notes *n
     buffer_finish(&path);
     return status;
 }
-
-/* ---- Keeping ------------------------------------------------------------------------------------------------ */
 
 /* A checksum detects a damaged entry, so that nothing need wait for the disk. */
 static conus_status write_entry(const struct buffer *path, const struct buffer *content)

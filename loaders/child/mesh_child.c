@@ -23,8 +23,6 @@ enum { PATH_SIZE = 4096, WORDS_SIZE = 512, REQUEST_DESCRIPTOR = 3, READ_SIZE = 1
 
 static const char program[] = "conus-mesh";
 
-/* ---- Where it is ------------------------------------------------------------------------------------------- */
-
 static bool is_program(const char *path)
 {
     return file_exists(path) && access(path, X_OK) == 0;
@@ -96,8 +94,6 @@ conus_status mesh_child_find(char **path)
     }
     return status;
 }
-
-/* ---- A run ------------------------------------------------------------------------------------------------- */
 
 struct child {
     pid_t pid; /* 0 = none, or already waited for */
@@ -248,8 +244,6 @@ static conus_status start_child(struct child *child, const char *path, const str
     return status;
 }
 
-/* ---- What it writes ---------------------------------------------------------------------------------------- */
-
 /* How many bytes from the start of `data` make the next whole thing, as far as that is known yet. */
 static conus_status wanted_size(size_t *size, const struct child *child)
 {
@@ -379,8 +373,6 @@ static conus_status listen_to(struct child *child)
     }
     return status;
 }
-
-/* ---- How it ended ------------------------------------------------------------------------------------------ */
 
 static conus_status judge_exit(const struct child *child, int how)
 {

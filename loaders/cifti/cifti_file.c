@@ -180,8 +180,6 @@ conus_status cifti_choice_voxels(uint32_t **labels, struct label_table *table, c
     return CONUS_OK;
 }
 
-/* ---- Files ----------------------------------------------------------------------------------------------------- */
-
 /* Of the file's first bytes. */
 static conus_status begins_as_cifti(bool *out, const struct bytes *start)
 {

@@ -46,8 +46,6 @@ static conus_status read_whole(size_t *out, const struct xml_event *event, const
     return CONUS_OK;
 }
 
-/* ---- Document ------------------------------------------------------------------------------------------------ */
-
 static conus_status start_cifti(struct parsing *parsing, const struct xml_event *event)
 {
     const char *version = xml_attribute(event, "Version");
@@ -90,8 +88,6 @@ static conus_status start_indices(struct parsing *parsing, const struct xml_even
     parsing->inside = dimension ? IN_MODELS : IN_LABELS;
     return status;
 }
-
-/* ---- Maps ------------------------------------------------------------------------------------------------------ */
 
 static conus_status start_named(struct parsing *parsing, const struct xml_event *event)
 {
@@ -142,8 +138,6 @@ static conus_status end_label(struct parsing *parsing, struct text text)
     struct cifti_map *map = open_map(parsing);
     return label_entry_end(&parsing->entry, &map->table, text, &map->notes);
 }
-
-/* ---- Volume ---------------------------------------------------------------------------------------------------- */
 
 static conus_status start_volume(struct parsing *parsing, const struct xml_event *event)
 {
@@ -227,8 +221,6 @@ static conus_status end_volume(struct parsing *parsing, struct text text)
                                   : fail(CONUS_ERROR_DATA, "Volume: TransformationMatrixVoxelIndicesIJKtoXYZ is "
                                                            "missing");
 }
-
-/* ---- Models ------------------------------------------------------------------------------------------------------ */
 
 static conus_status read_structure(struct cifti_model *model, const struct xml_event *event)
 {
@@ -334,8 +326,6 @@ static conus_status end_model(struct parsing *parsing, struct text text)
                                  model->is_surface ? "VertexIndices" : "VoxelIndicesIJK");
 }
 
-/* ---- All models ------------------------------------------------------------------------------------------------ */
-
 static int compare_models(const void *a, const void *b)
 {
     return compare_unsigned(((const struct cifti_model *)a)->offset, ((const struct cifti_model *)b)->offset);
@@ -414,8 +404,6 @@ static conus_status end_cifti(struct parsing *parsing, struct text text)
     conus_status status = order_models(cifti);
     return status ? status : find_all_voxels(cifti);
 }
-
-/* ---- Elements -------------------------------------------------------------------------------------------------- */
 
 /* Where each may stand, and what is open between its tags. Others, MetaData for instance, are passed over. */
 static const struct element {

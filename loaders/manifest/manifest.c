@@ -42,8 +42,6 @@ static conus_status read_offset(void *field, const json_t *value, const struct s
     return schema_uint(field, value, place, 0);
 }
 
-/* ---- What is said about an area ---------------------------------------------------------------------------- */
-
 static conus_status read_label_number(void *field, const json_t *value, const struct schema_place *place)
 {
     return schema_uint(&((struct label *)field)->number, value, place, 1);
@@ -74,8 +72,6 @@ static conus_status read_hemisphere(void *field, const json_t *value, const stru
     *hemisphere = status ? 0 : words[word][0];
     return status;
 }
-
-/* ---- The schema -------------------------------------------------------------------------------------------- */
 
 #define AT(type, member) offsetof(struct type, member)
 
@@ -453,8 +449,6 @@ static conus_status check_manifest(const struct manifest *manifest)
                : fail(CONUS_ERROR_DATA,
                       "nothing to select: parcellation, areas, probabilities, pathways or streamlines is needed");
 }
-
-/* ---- The file ---------------------------------------------------------------------------------------------- */
 
 bool manifest_is(struct text text)
 {

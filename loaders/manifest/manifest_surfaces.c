@@ -25,9 +25,6 @@ static conus_status take_single(bool *taken, struct manifest_draft *draft, const
     return status;
 }
 
-/* ---- FreeSurfer's hemispheres -------------------------------------------------------------------------------------
- */
-
 /* 'L' of lh.pial, 'R' of rh.pial, else 0. */
 static char hemisphere_of(const char *name)
 {

@@ -9,8 +9,6 @@
 #include <stdio.h>
 #include <string.h>
 
-/* ---- Messages ---------------------------------------------------------------------------------------------- */
-
 /* `text` as part of one line: at most 40 bytes, control characters as '?'. */
 static const char *quote_text(char out[48], const char *text)
 {
@@ -69,8 +67,6 @@ static conus_status fail_unknown(const struct schema_place *place, const struct 
     return status;
 }
 
-/* ---- Objects ----------------------------------------------------------------------------------------------- */
-
 static const struct schema_field *find_field(const struct schema_field *fields, const char *key)
 {
     while (fields->key && strcmp(fields->key, key) != 0) {
@@ -104,8 +100,6 @@ conus_status schema_object(void *out, const json_t *object, const struct schema_
     }
     return CONUS_OK;
 }
-
-/* ---- Values ------------------------------------------------------------------------------------------------ */
 
 static bool is_one_line(const char *text)
 {

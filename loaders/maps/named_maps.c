@@ -24,8 +24,6 @@ void named_maps_finish(struct named_maps *maps)
     notes_finish(&maps->notes);
 }
 
-/* ---- Names ------------------------------------------------------------------------------------------------------- */
-
 static conus_status find_names(struct named_maps *out, const conus_volume_info *info, const conus_load_options *options)
 {
     struct buffer from = {0};
@@ -71,8 +69,6 @@ conus_status named_maps_find(struct named_maps *out, const char *path, const con
     *out = maps;
     return CONUS_OK;
 }
-
-/* ---- Values ------------------------------------------------------------------------------------------------------ */
 
 /* What all volumes have in common. */
 struct findings {

@@ -39,8 +39,6 @@ void parcellations_finish(struct parcellations *all)
     notes_finish(&all->notes);
 }
 
-/* ---- Labels of one part ------------------------------------------------------------------------------------------ */
-
 static conus_status check_offset(uint32_t label, uint32_t offset)
 {
     return label <= UINT32_MAX - offset
@@ -81,8 +79,6 @@ conus_status parcellation_shift(struct parcellation *part, uint32_t offset, char
     conus_status status = shift_table(&part->table, offset, hemisphere);
     return status || !offset ? status : shift_voxels(&part->labels, offset);
 }
-
-/* ---- Labels of all ----------------------------------------------------------------------------------------------- */
 
 /* Which of the first `count` parts is the first to have voxels of the label; `count` if none has. */
 static conus_status find_owner(size_t *out, const struct parcellations *all, size_t count, uint32_t label)

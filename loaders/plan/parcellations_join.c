@@ -17,8 +17,6 @@ static const char *name_of(const struct parcellation *part)
     return path_base(part->file.path);
 }
 
-/* ---- Claims ------------------------------------------------------------------------------------------------------ */
-
 /* A part as those behind it see it. */
 struct claim {
     const struct parcellation *part;
@@ -82,8 +80,6 @@ static conus_status take_claimed(struct label_map *lost, struct parcellation *pa
     }
     return status;
 }
-
-/* ---- What is said about them ------------------------------------------------------------------------------------- */
 
 /* What one part loses. */
 struct loss {
@@ -156,8 +152,6 @@ static conus_status give_voxels(struct parcellations *all, struct claim *claims)
     }
     return status;
 }
-
-/* ---- One volume for each grid ------------------------------------------------------------------------------------ */
 
 /* Which of the first `count` parts is the first on the grid of part `p`; `count` if none is. */
 static size_t find_grid(const struct parcellations *all, size_t count, size_t p)

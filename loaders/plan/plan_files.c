@@ -39,9 +39,6 @@ conus_status plan_file(struct area_plan *plan, size_t entry, const struct manife
     return status ? status : area_plan_add(plan, entry, file, &label);
 }
 
-/* ---- Patterns -----------------------------------------------------------------------------------------------------
- */
-
 /* Which names of a folder match a pattern, and how they give labels. */
 struct matches {
     struct names names;

@@ -15,8 +15,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- Reading ---------------------------------------------------------------------------------------------------- */
-
 /* What surfaces are read into, all before any becomes an area. */
 struct surfaces {
     struct mesh *meshes;   /* [count], as the plan's areas */
@@ -195,9 +193,6 @@ static conus_status read_all(struct surfaces *surfaces, struct area_plan *plan)
     return status ? fail_in(status, "areas") : read_areas(surfaces, plan);
 }
 
-/* ---- Notes about many surfaces ------------------------------------------------------------------------------------
- */
-
 /* A note "path: text" about an area. */
 struct said {
     const struct planned_area *area; /* NULL: it is about none */
@@ -333,8 +328,6 @@ static conus_status gather_notes(struct notes *to, const struct area_plan *plan,
     gathering_finish(&gathering);
     return status;
 }
-
-/* ---- Areas ------------------------------------------------------------------------------------------------------ */
 
 static conus_status add_surfaces(struct area_plan *plan, struct surfaces *surfaces, conus_atlas *atlas)
 {

@@ -107,8 +107,6 @@ conus_status conus_atlas_set_context(conus_atlas *atlas, const char *path, const
     return status;
 }
 
-/* ---- Manifests -------------------------------------------------------------------------------------------------- */
-
 static const char *wrong_of_surface(const struct manifest_context *entry)
 {
     return entry->transfer     ? "transfer: is of volumes, this is a surface"

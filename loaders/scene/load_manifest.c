@@ -63,8 +63,6 @@ static char *source_path(const struct loading *loading, const struct manifest_vo
     return selected.failed ? (buffer_finish(&selected), NULL) : selected.data;
 }
 
-/* ---- Areas --------------------------------------------------------------------------------------------------- */
-
 static conus_status read_parcellation(struct parcellation *part, struct loading *loading,
                                       const struct manifest_parcellation *from)
 {
@@ -201,8 +199,6 @@ static conus_status load_areas(struct loading *loading)
     return status ? fail_in(status, loading->path) : CONUS_OK;
 }
 
-/* ---- Pathways ----------------------------------------------------------------------------------------------- */
-
 static conus_pathway_options pathway_options(const struct loading *loading, const struct manifest_pathway *pathway,
                                              const char *name)
 {
@@ -246,8 +242,6 @@ static conus_status add_named_volumes(struct loading *loading, const struct mani
     return status;
 }
 
-/* ---- Maps of an FSL atlas ------------------------------------------------------------------------------------ */
-
 static conus_status open_fsl(struct fsl_maps *out, struct loading *loading, const struct manifest_pathway *entry)
 {
     char *xml = file_beside(loading->path, entry->fsl);
@@ -280,8 +274,6 @@ static conus_status add_fsl(struct loading *loading, const struct manifest_pathw
     fsl_maps_finish(&maps);
     return status;
 }
-
-/* ---- Areas of probabilities ---------------------------------------------------------------------------------- */
 
 static uint32_t largest_label(const conus_atlas *atlas)
 {
@@ -388,8 +380,6 @@ static conus_status add_probabilities(struct loading *loading)
     return status;
 }
 
-/* ---- Pathways one by one ------------------------------------------------------------------------------------- */
-
 static conus_status add_one(struct loading *loading, const struct manifest_pathway *pathway)
 {
     const conus_pathway_options options = pathway_options(loading, pathway, pathway->name);
@@ -459,8 +449,6 @@ static conus_status add_pathways(struct loading *loading, bool moves)
     return status;
 }
 
-/* ---- Streamlines --------------------------------------------------------------------------------------------- */
-
 static conus_status add_streamlines(struct loading *loading, bool moves)
 {
     const struct manifest *manifest = loading->manifest;
@@ -476,8 +464,6 @@ static conus_status add_streamlines(struct loading *loading, bool moves)
     }
     return status;
 }
-
-/* ---- Context ------------------------------------------------------------------------------------------------- */
 
 static conus_status set_one(struct loading *loading, const struct manifest_context *context)
 {

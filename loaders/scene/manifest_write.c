@@ -24,8 +24,6 @@
 #include <stdio.h>
 #include <string.h>
 
-/* ---- Parcellations ----------------------------------------------------------------------------------------------- */
-
 enum { FIRST_OFFSET = 1000, LAST_OFFSET = 1000000000 };
 
 /* The file of parcellation `index`, NULL past the last. */
@@ -129,8 +127,6 @@ static conus_status set_parcellation(struct manifest_draft *draft, const char *n
     return status ? status : loads ? set_second(draft, name) : manifest_draft_leave_out(draft, name);
 }
 
-/* ---- FSL atlases ------------------------------------------------------------------------------------------------- */
-
 static conus_status take_fsl_labels(struct manifest_draft *draft, const char *xml, const struct fsl_atlas *atlas)
 {
     char *name = NULL;
@@ -184,8 +180,6 @@ static conus_status look_at_xml(struct manifest_draft *draft, const char *name)
     memory_free(path);
     return status;
 }
-
-/* ---- Volumes ----------------------------------------------------------------------------------------------------- */
 
 #define NAMED "named by the table beside it"
 
@@ -353,8 +347,6 @@ static bool is_volume(const char *name)
     return name[0] != '.' && !image && name[volume_stem_length(name)];
 }
 
-/* ---- CIFTI labels ------------------------------------------------------------------------------------------------ */
-
 /* Lets the labels of what follows begin at a step above `largest`. */
 static void raise_offset(struct manifest_draft *draft, uint64_t largest)
 {
@@ -438,8 +430,6 @@ static conus_status look_for_cifti(const char **found, struct manifest_draft *dr
     }
     return status;
 }
-
-/* ---- The whole folder -------------------------------------------------------------------------------------------- */
 
 /* The voxels of a BrainGlobe folder, if they load; then its other stacks and its meshes are no further areas. */
 static conus_status take_brainglobe(bool *taken, struct manifest_draft *draft)

@@ -91,8 +91,6 @@ static void append_escaped(struct buffer *out, const char *text)
     }
 }
 
-/* ---- GIFTI -------------------------------------------------------------------------------------------------- */
-
 static void append_pair(struct buffer *out, const char *name, const char *value)
 {
     buffer_format(out, "    <MD><Name>%s</Name><Value>", name);
@@ -159,8 +157,6 @@ static conus_status append_gifti(struct buffer *out, const struct mesh *mesh, co
     return CONUS_OK;
 }
 
-/* ---- VTP ---------------------------------------------------------------------------------------------------- */
-
 static void append_vtp_array(struct buffer *out, const char *attributes)
 {
     buffer_format(out, "        <DataArray %s format=\"binary\">", attributes);
@@ -208,8 +204,6 @@ static conus_status append_vtp(struct buffer *out, const struct mesh *mesh, cons
     buffer_format(out, "%s      </Polys>\n    </Piece>\n  </PolyData>\n</VTKFile>\n", array_end);
     return CONUS_OK;
 }
-
-/* ---- PLY and STL -------------------------------------------------------------------------------------------- */
 
 static conus_status append_ply(struct buffer *out, const struct mesh *mesh, const struct mesh_title *title)
 {
@@ -270,8 +264,6 @@ static conus_status append_stl(struct buffer *out, const struct mesh *mesh, cons
     return CONUS_OK;
 }
 
-/* ---- OBJ ---------------------------------------------------------------------------------------------------- */
-
 static char *write_digits(char *end, uint64_t value, int least)
 {
     for (int n = 0; value || n < least; n++) {
@@ -327,8 +319,6 @@ static conus_status append_obj(struct buffer *out, const struct mesh *mesh, cons
     }
     return CONUS_OK;
 }
-
-/* ---- Choice ------------------------------------------------------------------------------------------------- */
 
 static const struct {
     const char *ending;

@@ -235,9 +235,6 @@ static conus_status parse_table(struct label_table *out, struct text text, struc
     return parse_below(out, &header, text, number, notes);
 }
 
-/* ---- Columns of other names ---------------------------------------------------------------------------------------
- */
-
 /* "Nr", "Bezeichnung", ...: at most as many as a message has place for. */
 static size_t list_columns(struct buffer *out, struct text line, char separator)
 {
@@ -367,9 +364,6 @@ static bool counts_by_value(const struct header *header, struct text text)
     }
     return 2 * good > rows;
 }
-
-/* ---- CSV without a header row -------------------------------------------------------------------------------------
- */
 
 /* A row without a header: number and name; whether another column has words. */
 struct bare {

@@ -94,8 +94,7 @@ static conus_status fill_structure(struct label *label, const json_t *structure,
     return status;
 }
 
-/* ---- Objects in a list, and below each other in "children" ---------------------------------------------------------
- */
+/* Objects in a list, and below each other in "children". */
 
 struct node {
     const json_t *object;

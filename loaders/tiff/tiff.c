@@ -34,8 +34,6 @@ static conus_status fail_page(conus_status status, size_t page)
     return fail_in(status, where);
 }
 
-/* ---- Header ------------------------------------------------------------------------------------------------------ */
-
 static conus_status read_header(struct tiff_file *file, uint64_t *first)
 {
     if (!tiff_is(file->data, file->size)) {
@@ -54,8 +52,6 @@ static conus_status read_header(struct tiff_file *file, uint64_t *first)
     *first = file->big ? tiff_number(file, 8, 8) : tiff_number(file, 4, 4);
     return *first ? CONUS_OK : fail(CONUS_ERROR_DATA, "header: there is no directory");
 }
-
-/* ---- Pages ------------------------------------------------------------------------------------------------------- */
 
 static conus_status compare_pages(const struct tiff_page *a, const struct tiff_page *b)
 {
@@ -91,8 +87,6 @@ static conus_status read_pages(struct tiff *tiff, uint64_t at)
     }
     return status;
 }
-
-/* ---- Chunks ------------------------------------------------------------------------------------------------------ */
 
 /* Rows of the chunk `index` of a page that are stored. */
 static uint64_t stored_rows(const struct tiff_page *page, uint64_t index)
@@ -178,8 +172,6 @@ static conus_status check_pages(struct tiff *tiff)
     return status;
 }
 
-/* ---- ImageJ ------------------------------------------------------------------------------------------------------ */
-
 /* The number behind "key=" at the start of a line of ImageJ's description; `absent` where there is none. */
 static conus_status imagej_number(uint64_t *out, struct text text, const char *key, uint64_t absent)
 {
@@ -255,8 +247,6 @@ conus_status tiff_parse(struct tiff *out, const uint8_t *data, size_t size)
     *out = tiff;
     return CONUS_OK;
 }
-
-/* ---- Pixels ------------------------------------------------------------------------------------------------------ */
 
 /* Copies what of an unpacked tile lies on the page. */
 static void place_tile(uint8_t *page_out, const struct tiff_page *page, uint64_t index, const uint8_t *tile)

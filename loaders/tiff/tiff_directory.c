@@ -75,8 +75,6 @@ uint64_t tiff_list_at(const struct tiff_file *file, const struct tiff_list *list
     return tiff_number(file, list->at + index * list->size, list->size);
 }
 
-/* ---- Entries ----------------------------------------------------------------------------------------------------- */
-
 /* Bytes of a value of the TIFF type, 0 of one that no field of the table may have. */
 static size_t type_size(enum field field, uint64_t type)
 {
@@ -135,8 +133,6 @@ static conus_status read_entries(struct directory *directory, uint64_t *next, ui
     *next = tiff_number(file, at + head + count * entry, tail);
     return status;
 }
-
-/* ---- Fields ------------------------------------------------------------------------------------------------------ */
 
 /* The one number of a field, or `absent` where it is not there. */
 static conus_status read_one(uint64_t *out, const struct directory *directory, enum field field, uint64_t absent)

@@ -29,8 +29,6 @@ bool tck_is(const struct bytes *head, const char *path)
            (text.size == sizeof magic - 1 || memchr(" \t\r\n", text.data[sizeof magic - 1], 4));
 }
 
-/* ---- Header ------------------------------------------------------------------------------------------------------ */
-
 /* Keeps the value of a key that is used. A line without a colon goes on with the value before it, and is not. */
 static conus_status take_line(struct tck *tck, struct text line)
 {
@@ -146,8 +144,6 @@ static conus_status take_header(struct tck *tck)
     tck->type = tck->file = tck->count = (struct text){0}; /* they were in the block */
     return status ? status : go_to_points(tck);
 }
-
-/* ---- Points ------------------------------------------------------------------------------------------------------ */
 
 static conus_status refuse_point(const struct tck *tck, const double p[3])
 {

@@ -23,8 +23,6 @@ bool trk_is(const struct bytes *head, const char *path)
     return head->size >= sizeof magic && memcmp(head->data, magic, sizeof magic - 1) == 0;
 }
 
-/* ---- Names ------------------------------------------------------------------------------------------------------- */
-
 /* A name ends with its first NUL; one of several numbers has their count behind it, as "name\0003". */
 static conus_status split_name(struct text *name, uint64_t *count, const uint8_t *field, const char *what)
 {
@@ -71,8 +69,6 @@ static conus_status add_names(struct trk *trk, const struct trk_names *names, bo
     struct text others = text_from(per_point ? "scalars" : "properties");
     return tract_build_scalar(&trk->build, others, per_point, (uint32_t)left);
 }
-
-/* ---- Streamlines ------------------------------------------------------------------------------------------------- */
 
 /* Brings @p size bytes to hand, or says of which streamline the file lacks them. */
 static conus_status need(struct trk *trk, size_t size, const char *what)

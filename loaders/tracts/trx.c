@@ -51,8 +51,6 @@ static int shown(struct text name)
     return (int)(name.size < SHOWN ? name.size : SHOWN);
 }
 
-/* ---- Names ------------------------------------------------------------------------------------------------------- */
-
 /* Cuts the last part behind a '.' off @p name. */
 static bool cut_part(struct text *name, struct text *part)
 {
@@ -110,8 +108,6 @@ static conus_status find_array(size_t *out, const struct trx *trx, const char *b
     return CONUS_OK;
 }
 
-/* ---- Bytes ------------------------------------------------------------------------------------------------------- */
-
 static conus_status fail_size(struct text name, size_t size, uint64_t count, size_t each)
 {
     return fail(CONUS_ERROR_DATA, "%.*s: %zu bytes, by header.json %llu times %zu are needed", shown(name), name.data,
@@ -138,8 +134,6 @@ static float number_at(const uint8_t *data, const struct type *type)
                                   : (float)order_u64(data, is_swapped);
     }
 }
-
-/* ---- header.json ------------------------------------------------------------------------------------------------- */
 
 static conus_status read_count(uint64_t *out, const json_t *root, const char *name)
 {
@@ -203,8 +197,6 @@ static conus_status read_header(struct trx *trx)
     return fail(CONUS_ERROR_DATA, "header.json: missing, so this is no TRX");
 }
 
-/* ---- Offsets ----------------------------------------------------------------------------------------------------- */
-
 /* Where each streamline begins; a last one, behind all points, may be there. */
 static conus_status fill_first(struct tractogram *out, const struct trx_view *view, size_t size, struct text name)
 {
@@ -258,8 +250,6 @@ static conus_status read_offsets(struct trx *trx)
     trx_files_close(&view, &trx->files);
     return status;
 }
-
-/* ---- Numbers of points and streamlines, groups ------------------------------------------------------------------- */
 
 static void pass_over(struct trx *trx, struct text name)
 {
@@ -403,8 +393,6 @@ static conus_status note_rest(struct trx *trx)
     return status;
 }
 
-/* ---- Positions --------------------------------------------------------------------------------------------------- */
-
 /* Moves the numbers to the front of @p bytes, which become the tractogram's. Each is written before or where it was, so
  * that none is lost. */
 static void settle_positions(struct tractogram *out, struct bytes *bytes, size_t at, const struct type *type)
@@ -478,8 +466,6 @@ static conus_status read_positions(struct trx *trx)
              status ? "" : type->name);
     return status ? status : take_positions(trx, index, type);
 }
-
-/* ---- All of it --------------------------------------------------------------------------------------------------- */
 
 static conus_status read_all(struct trx *trx)
 {

@@ -31,8 +31,6 @@ struct tt {
     unsigned tracks; /* variables that had streamlines */
 };
 
-/* ---- Variables --------------------------------------------------------------------------------------------------- */
-
 bool tt_is(const struct bytes *head, const char *path)
 {
     static const char first[] = "dimension";
@@ -127,8 +125,6 @@ static conus_status pass_over(struct tt *tt, const struct variable *variable)
     return status;
 }
 
-/* ---- Where the streamlines are ----------------------------------------------------------------------------------- */
-
 /* Row by row in the file. */
 static conus_status read_world(struct tt *tt, const struct variable *variable)
 {
@@ -153,8 +149,6 @@ static conus_status read_world(struct tt *tt, const struct variable *variable)
     return status;
 }
 
-/* ---- Numbers of streamlines -------------------------------------------------------------------------------------- */
-
 static conus_status read_clusters(struct tt *tt, const struct variable *variable)
 {
     if (tt->clusters || tt->tracks) {
@@ -176,8 +170,6 @@ static conus_status read_clusters(struct tt *tt, const struct variable *variable
     }
     return status || !variable->count ? status : tract_build_scalar(&tt->build, text_from(variable->name), false, 1);
 }
-
-/* ---- Streamlines ------------------------------------------------------------------------------------------------- */
 
 static void add_point(struct tt *tt, const int64_t at[3])
 {

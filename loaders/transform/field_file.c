@@ -16,8 +16,6 @@ enum { HEAD_READ = 1 << 16, LATTICE = 64 }; /* LATTICE: nodes along an axis that
 
 #define NEAR 0.01 /* mm by which the field's grid and FSL's image may differ */
 
-/* ---- Headers ----------------------------------------------------------------------------------------------------- */
-
 /* The first unpacked bytes of a NIfTI file; nothing of another one. */
 static conus_status read_head(struct bytes *out, const char *path)
 {
@@ -86,8 +84,6 @@ static conus_status find_kind(enum field_kind *out, const char *path, const conu
     return status ? fail_in(status, path) : CONUS_OK;
 }
 
-/* ---- Vectors ----------------------------------------------------------------------------------------------------- */
-
 static size_t count_nodes(const struct deformation *field)
 {
     return field->dim[0] * field->dim[1] * field->dim[2];
@@ -151,8 +147,6 @@ static conus_status check_finite(const struct deformation *field, bool positions
     }
     return CONUS_OK;
 }
-
-/* ---- What they mean ---------------------------------------------------------------------------------------------- */
 
 struct sums {
     double sum[3], squares[3], count;
@@ -239,8 +233,6 @@ static conus_status set_vectors(struct deformation *field, enum field_kind kind,
     return status ? status : check_finite(field, kind == FIELD_SPM);
 }
 
-/* ---- FSL --------------------------------------------------------------------------------------------------------- */
-
 /* From FSL's mm of an image to the world. */
 static conus_status world_from_flirt(double out[16], const conus_volume_info *info)
 {
@@ -318,8 +310,6 @@ static conus_status set_flirt(struct deformation *field, enum field_kind kind, c
     memset(field->linear + 12, 0, 3 * sizeof *world);
     return check_finite(field, false);
 }
-
-/* ---- Files ------------------------------------------------------------------------------------------------------- */
 
 static conus_status make_field(struct deformation *out, struct volume_file *file, enum field_kind kind,
                                const conus_transform_options *options, struct notes *notes)

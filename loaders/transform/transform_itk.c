@@ -8,8 +8,6 @@
 
 enum { PARAMETERS_LIMIT = 16 };
 
-/* ---- Types ------------------------------------------------------------------------------------------------------ */
-
 /* Rows of R, of a turn by the unit quaternion with the vector part v and a scalar part that is not negative. */
 static conus_status set_versor(double r[3][3], const double v[3])
 {
@@ -162,8 +160,6 @@ conus_status itk_matrix(double out[16], struct text name, const double *p, size_
     return status;
 }
 
-/* ---- Text ------------------------------------------------------------------------------------------------------- */
-
 bool itk_text_is(struct text text)
 {
     return text_starts(text, "#Insight Transform File V1.0");
@@ -281,8 +277,6 @@ conus_status itk_text_parse(double out[16], struct text text)
     }
     return status;
 }
-
-/* ---- MATLAB's level 4 ------------------------------------------------------------------------------------------- */
 
 enum { MATLAB_HEAD = 20, NAME_LIMIT = 64 };
 

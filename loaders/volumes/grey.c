@@ -45,8 +45,6 @@ static uint32_t value_counts(uint32_t value, const uint32_t plateaus[PLATEAUS])
     return (uint32_t)((value != 0) & (value != plateaus[0]) & (value != plateaus[1]) & (value != plateaus[2]));
 }
 
-/* ---- Plateaus ------------------------------------------------------------------------------------------------- */
-
 /* Puts `value` with `count` voxels among the commonest. */
 static void rank_value(uint32_t values[PLATEAUS], size_t ranked[PLATEAUS], uint32_t value, size_t count)
 {
@@ -93,8 +91,6 @@ static conus_status find_plateaus(struct walk *walk, size_t count)
     memory_free(sample);
     return CONUS_OK;
 }
-
-/* ---- Neighbours ----------------------------------------------------------------------------------------------- */
 
 typedef void pair_visitor(void *user, const uint32_t *a, const uint32_t *b, size_t count, const uint32_t *plateaus);
 
@@ -147,8 +143,6 @@ static void count_pairs(void *user, const uint32_t *a, const uint32_t *b, size_t
     tally->pairs += pairs;
     tally->equal += equal;
 }
-
-/* ---- Values --------------------------------------------------------------------------------------------------- */
 
 /* The values of up to VALUES voxels, sorted. */
 struct values {
@@ -236,8 +230,6 @@ static double needed_share(const struct values *values, const struct walk *walk,
     return claims->stated || names_values(claims->table, values) ? share * allowance : share;
 }
 
-/* ---- How near the values of neighbours are -------------------------------------------------------------------- */
-
 /* Neighbours that differ. */
 struct differing {
     uint32_t (*pairs)[2];
@@ -293,8 +285,6 @@ static conus_status are_near(bool *out, const struct walk *walk, const struct ta
     memory_free(differing.pairs);
     return CONUS_OK;
 }
-
-/* ---- The verdict ---------------------------------------------------------------------------------------------- */
 
 /* Where fewer neighbours are equal than areas may be sure of. */
 static conus_status judge_values(struct grey_verdict *out, const struct walk *walk, const struct tally *tally,

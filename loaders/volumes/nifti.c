@@ -190,8 +190,6 @@ static conus_status check_bitpix(const struct volume_header *header, int bitpix)
                                    header->info.datatype, wanted);
 }
 
-/* ---- CIFTI-2 ---------------------------------------------------------------------------------------------------- */
-
 #define SEPARATE "'wb_command -cifti-separate' writes its voxels as a volume"
 #define PARCELS "conus reads the .dlabel.nii of its parcels, as ATLAS"
 
@@ -280,8 +278,6 @@ static conus_status check_shape(const struct fields *f)
                        (long long)f->dim[0], (long long)f->dim[1], (long long)f->dim[2], (long long)f->dim[3],
                        (long long)f->dim[4]);
 }
-
-/* ---- Headers ----------------------------------------------------------------------------------------------------- */
 
 /* What volumes and matrices have in common. */
 static conus_status begin_header(struct volume_header *out, struct fields *f)

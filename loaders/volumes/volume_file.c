@@ -37,8 +37,6 @@ static conus_status note_rest(const struct gzip_range *range, bool footer, struc
     return status;
 }
 
-/* ---- Pairs ------------------------------------------------------------------------------------------------------- */
-
 static conus_status read_other_half(struct stored *out, const char *path, size_t at, const char *ext, uint64_t limit,
                                     enum stored_use use)
 {
@@ -56,8 +54,6 @@ static conus_status read_other_half(struct stored *out, const char *path, size_t
     memory_free(other);
     return status;
 }
-
-/* ---- Opening ----------------------------------------------------------------------------------------------------- */
 
 /* What is known while a volume is being opened. */
 struct opening {

@@ -24,7 +24,7 @@ static bool is_scaled(const struct volume_file *file)
     return file->info.slope != 1 || file->info.intercept != 0;
 }
 
-/* ---- Block decoders: `count` voxels from `in`, unscaled ---------------------------------------------------------- */
+/* Block decoders: `count` voxels from `in`, unscaled. */
 
 /* Defines one function per type for doubles, and one for labels that returns false if some voxel is none. Doubles hold
  * every 32-bit type exactly; labels never pass through them. */
@@ -93,8 +93,6 @@ double volume_value_at(const uint8_t *data, int datatype, bool swapped)
     find_decoder(datatype)->doubles(&value, data, 1, swapped);
     return value;
 }
-
-/* ---- Labels ------------------------------------------------------------------------------------------------------ */
 
 /* Scaled values, of which labels must be whole. */
 static bool scaled_labels(uint32_t *out, const struct decoder *decoder, const struct volume_file *file,
@@ -243,8 +241,6 @@ conus_status volume_file_take_labels(struct label_voxels *out, struct volume_fil
     file->series = (struct bytes){0};
     return status;
 }
-
-/* ---- Values ------------------------------------------------------------------------------------------------------ */
 
 /* Scales a block into `out`; returns how many values are not finite (and become `instead`). */
 static size_t block_values(float *out, const double *values, size_t count, double instead, conus_volume_info *info)

@@ -11,8 +11,6 @@
 
 #include <string.h>
 
-/* ---- Creation and changes ------------------------------------------------------------------------------------- */
-
 conus_status colour_program_create(GLuint *out, const struct program_shader *vertex, enum colour_program kind)
 {
     const struct program_define defines[] = {
@@ -251,8 +249,6 @@ void colour_pass_finish(struct colour_pass *pass)
     haze_choice_finish(&pass->hazy);
     *pass = (struct colour_pass){0};
 }
-
-/* ---- Drawing -------------------------------------------------------------------------------------------------- */
 
 static void bind_pass(const struct colour_pass *pass, bool layers)
 {

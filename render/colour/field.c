@@ -126,8 +126,6 @@ static inline int32_t rounded(double x)
     return (int32_t)(x + shift - shift);
 }
 
-/* ---- Gradients -------------------------------------------------------------------------------------------------- */
-
 /* Voxels of a row whose changes are found together, and those that become texels side by side. */
 enum { STRETCH = 64, AT_ONCE = 8, FLAT = 128 };
 
@@ -277,8 +275,6 @@ void field_texels(uint8_t *out, const struct field *field, size_t first, size_t 
     }
 }
 
-/* ---- Ranges ----------------------------------------------------------------------------------------------------- */
-
 /* First and one past the last voxel that bear on brick `b` of an axis. */
 static void find_reach(size_t *first, size_t *end, size_t b, size_t dim)
 {
@@ -353,8 +349,6 @@ static conus_status find_ranges(struct field *field)
     memory_free(memory);
     return CONUS_OK;
 }
-
-/* ---- Densities -------------------------------------------------------------------------------------------------- */
 
 static inline uint8_t level_of(double part)
 {

@@ -10,8 +10,6 @@
 #include <limits.h>
 #include <string.h>
 
-/* ---- Choice ------------------------------------------------------------------------------------------------------ */
-
 /* The values of the pathway: from where it begins to its largest. */
 static void find_span(double span[2], const conus_atlas *atlas, uint32_t number)
 {
@@ -116,8 +114,6 @@ void haze_choice_finish(struct haze_choice *choice)
     memory_free(choice->transfers);
     *choice = (struct haze_choice){0};
 }
-
-/* ---- Field ------------------------------------------------------------------------------------------------------- */
 
 /* The pathway that the voxel is haze of, 0 if none. */
 static uint32_t hazy_at(const struct volume *volume, const struct haze_choice *choice, size_t voxel)

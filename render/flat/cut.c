@@ -95,8 +95,6 @@ static conus_status reserve_pixels(struct cut *cut, size_t pixels)
     return CONUS_OK;
 }
 
-/* ---- What holds -------------------------------------------------------------------------------------------------- */
-
 static bool is_same_place(const struct cut_place *a, const struct cut_place *b)
 {
     bool same = a->width == b->width && a->height == b->height && a->mm_per_pixel == b->mm_per_pixel;
@@ -120,8 +118,6 @@ static void find_again(struct cut *cut, const struct cut_view *view)
     }
     cut->has_grey = cut->has_objects = true;
 }
-
-/* ---- The picture ------------------------------------------------------------------------------------------------- */
 
 static struct opacities opacities_of(const struct cut_view *view)
 {

@@ -20,8 +20,6 @@ void cut_walk_init(struct cut_walk *out, const struct cut_place *place, const do
     mat4_direction(out->down, index_from_world, down);
 }
 
-/* ---- Rows through a grid ----------------------------------------------------------------------------------------- */
-
 /* The pixels of one row that lie in the grid: `count` from column `first` on. */
 struct stretch {
     double start[3]; /* of column 0 */
@@ -78,8 +76,6 @@ static void find_stretch(struct stretch *out, const struct volume *volume, const
     }
 }
 
-/* ---- The context ------------------------------------------------------------------------------------------------- */
-
 void cut_find_grey(struct cut *cut, const struct cut_view *view)
 {
     const struct volume *volume = atlas_context(cut->atlas);
@@ -102,8 +98,6 @@ void cut_find_grey(struct cut *cut, const struct cut_view *view)
         }
     }
 }
-
-/* ---- Areas and pathways ------------------------------------------------------------------------------------------ */
 
 /* Whether an area of probabilities yields at the world point to `object`, of the same kind and there more probable. */
 static bool is_beaten(const conus_atlas *atlas, const struct volume *volume, size_t voxel, uint32_t object,
@@ -152,8 +146,7 @@ static void find_in_volume(struct cut *cut, const struct cut_view *view, const s
     }
 }
 
-/* ---- Surfaces: the lines in which the plane cuts their triangles --------------------------------------------------
- */
+/* Surfaces: the lines in which the plane cuts their triangles. */
 
 /* The plane in pixels right of and below the picture's top left corner, and mm before it. */
 struct pane {

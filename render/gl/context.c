@@ -18,8 +18,6 @@ struct gl_context {
     char renderer[128];
 };
 
-/* ---- What is current ---------------------------------------------------------------------------------------- */
-
 static void remember(struct gl_current *out)
 {
     *out = (struct gl_current){eglGetCurrentDisplay(), eglGetCurrentSurface(EGL_DRAW), eglGetCurrentSurface(EGL_READ),
@@ -59,8 +57,6 @@ void gl_current_restore(const struct gl_current *previous)
     eglBindAPI(previous->api);
     eglMakeCurrent(previous->display, previous->draw, previous->read, previous->context);
 }
-
-/* ---- Creation ----------------------------------------------------------------------------------------------- */
 
 /* Why the last display was of no use; grows by one clause per try. */
 struct attempts {

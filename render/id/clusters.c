@@ -21,8 +21,6 @@ struct scratch {
     uint32_t *vertex_of; /* a mesh's vertex -> one of its numbers when drawn */
 };
 
-/* ---- Neighbours ----------------------------------------------------------------------------------------------- */
-
 static int longest_axis(const struct middle *middles, size_t count)
 {
     float low[3] = {INFINITY, INFINITY, INFINITY};
@@ -101,8 +99,6 @@ static void find_middles(struct middle *out, const struct mesh *mesh)
     }
 }
 
-/* ---- Balls ---------------------------------------------------------------------------------------------------- */
-
 static const float *corner_position(const struct clusters *clusters, size_t corner)
 {
     return &clusters->positions[3 * (size_t)clusters->corners[corner]];
@@ -130,8 +126,6 @@ static void find_ball(double centre[3], double *radius, const struct clusters *c
     }
     *radius = sqrt(farthest) * (1 + 1e-12);
 }
-
-/* ---- Layout --------------------------------------------------------------------------------------------------- */
 
 static uint32_t new_vertex(struct clusters *clusters, const struct mesh *mesh, uint32_t vertex, size_t number)
 {
@@ -197,8 +191,6 @@ static void add_clusters(struct clusters *clusters, size_t mesh, uint32_t object
     }
     clusters->first_cluster[mesh + 1] = next;
 }
-
-/* ---- All of it ------------------------------------------------------------------------------------------------ */
 
 struct sizes {
     size_t meshes, clusters, triangles, vertices;

@@ -139,8 +139,6 @@ void id_pass_destroy(struct id_pass *pass)
     memory_free(pass);
 }
 
-/* ---- Volumes ------------------------------------------------------------------------------------------------ */
-
 static conus_status upload_volume(struct id_volume *out, const struct volume *volume,
                                   const struct id_distances *distances, conus_sampling sampling, uint64_t *memory_left)
 {
@@ -181,8 +179,6 @@ conus_status id_pass_add_volume(struct id_pass *pass, const struct volume *volum
     pass->volume_count += !status;
     return status;
 }
-
-/* ---- A trace ------------------------------------------------------------------------------------------------- */
 
 static conus_status reserve_rays(struct id_pass *pass, uint32_t rays)
 {
@@ -268,8 +264,6 @@ conus_status id_pass_read(struct id_pass *pass, const struct id_hit **out)
     }
     return status;
 }
-
-/* ---- All layers ----------------------------------------------------------------------------------------------- */
 
 struct piercing {
     struct id_pass *pass;

@@ -75,8 +75,6 @@ size_t mesh_cull_size(const struct clusters *clusters)
            cluster_count * sizeof(uint32_t);
 }
 
-/* ---- The heap ------------------------------------------------------------------------------------------------- */
-
 static void sink(struct waiting *heap, size_t count, size_t at)
 {
     struct waiting item = heap[at];
@@ -119,8 +117,6 @@ static inline double smaller(double a, double b)
 {
     return a < b ? a : b;
 }
-
-/* ---- Balls against the pyramid -------------------------------------------------------------------------------- */
 
 /* A ball in the device's frame: to its right, up and forward. */
 struct seen {
@@ -233,8 +229,6 @@ static bool is_open(const struct mesh_cull *cull, const struct seen *ball, doubl
     }
     return false;
 }
-
-/* ---- A query --------------------------------------------------------------------------------------------------- */
 
 static void gather_meshes(struct mesh_cull *cull)
 {

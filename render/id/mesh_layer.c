@@ -43,8 +43,6 @@ struct mesh_layer {
     struct tube_layer *tubes; /* NULL if there are none. */
 };
 
-/* ---- Creation ------------------------------------------------------------------------------------------------- */
-
 /* Each triangle adds its normal, as long as its area is large, to its corners. */
 static void add_normals(struct vertex *vertices, const struct mesh *mesh)
 {
@@ -257,8 +255,6 @@ void mesh_layer_destroy(struct mesh_layer *layer)
         memory_free(layer);
     }
 }
-
-/* ---- Drawing -------------------------------------------------------------------------------------------------- */
 
 static conus_status resize(struct target *target, uint32_t width, uint32_t height)
 {

@@ -63,8 +63,6 @@ struct mesh_pass {
     struct shader_list hits; /* of pixel and triangle */
 };
 
-/* ---- Creation ------------------------------------------------------------------------------------------------- */
-
 static conus_status create_program(struct mesh_program *out, const struct program_shader *fragment, uint32_t capacity)
 {
     const struct program_define defines[] = {{"CAPACITY", capacity},
@@ -251,8 +249,6 @@ void mesh_pass_destroy(struct mesh_pass *pass)
     memory_free(pass);
 }
 
-/* ---- Pixels --------------------------------------------------------------------------------------------------- */
-
 static size_t pixel_count(const struct mesh_pass *pass)
 {
     return (size_t)pass->target.width * pass->target.height;
@@ -358,8 +354,6 @@ static void settle(const struct mesh_pass *pass, struct slot *slot, size_t place
         }
     }
 }
-
-/* ---- A query --------------------------------------------------------------------------------------------------- */
 
 static void use_program(const struct mesh_program *program, const struct mesh_view *view)
 {
@@ -506,8 +500,6 @@ conus_status mesh_pass_render(struct mesh_pass *pass, const struct mesh_query *q
     }
     return status;
 }
-
-/* ---- All layers ----------------------------------------------------------------------------------------------- */
 
 struct piercing {
     struct mesh_pass *pass;

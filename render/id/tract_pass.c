@@ -80,8 +80,6 @@ struct look {
     void *user;
 };
 
-/* ---- Creation ------------------------------------------------------------------------------------------------- */
-
 static conus_status create_program(struct tract_pass *pass)
 {
     static const struct program_define defines[] = {
@@ -244,8 +242,6 @@ void tract_pass_destroy(struct tract_pass *pass)
     memory_free(pass);
 }
 
-/* ---- Pixels --------------------------------------------------------------------------------------------------- */
-
 static conus_status resize(struct tract_pass *pass, uint32_t resolution)
 {
     if (pass->target.width == resolution) {
@@ -329,8 +325,6 @@ static void set_nearest(const struct look *look, const struct slot *slot)
                          (GLsizeiptr)(look->pixels * sizeof *pass->nearest), pass->nearest + first);
 }
 
-/* ---- Slots ---------------------------------------------------------------------------------------------------- */
-
 /* Gives the slot its query's next batch, or the first one of the next query; false when there is none. */
 static bool feed(struct look *look, struct slot *slot)
 {
@@ -384,8 +378,6 @@ static conus_status begin_slots(struct look *look)
     look->all_pixels = look->slots * look->pixels;
     return status ? status : reserve_pixels(pass, look->all_pixels);
 }
-
-/* ---- Rounds --------------------------------------------------------------------------------------------------- */
 
 static conus_status reserve_draws(struct tract_pass *pass, size_t count)
 {

@@ -20,8 +20,6 @@ static void put_u32(uint8_t *out, uint32_t value)
     }
 }
 
-/* ---- Chunks ---- */
-
 /* Buffers for one row: as it is, filtered, and packed. */
 struct row {
     uint8_t *plain, *filtered;
@@ -168,8 +166,6 @@ static exr_result_t write_samples(exr_context_t file, const struct deep_image *i
     memory_free(order);
     return code;
 }
-
-/* ---- Header ---- */
 
 static uint32_t most_samples(const struct deep_image *image)
 {

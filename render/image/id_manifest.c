@@ -70,8 +70,6 @@ static size_t varint_size(uint64_t value)
     return size;
 }
 
-/* ---- The dictionary ---- */
-
 static int by_text(const void *a, const void *b)
 {
     return strcmp(((const struct use *)a)->text, ((const struct use *)b)->text);
@@ -219,8 +217,6 @@ static void put_ranks(struct buffer *out, const struct dictionary *dictionary)
     out->failed = out->failed || runs.pairs.failed;
     buffer_finish(&runs.pairs);
 }
-
-/* ---- Groups ---- */
 
 static void put_pascal(struct buffer *out, const char *text)
 {

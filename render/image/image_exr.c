@@ -11,8 +11,6 @@ enum {
     MAX_DENSITY = 1024, /* values in a byte of file: deflated HALF reaches 516 */
 };
 
-/* ---- Writing ---- */
-
 static exr_result_t write_header(exr_context_t file, const conus_image *image)
 {
     int part;
@@ -98,8 +96,6 @@ conus_status image_format_exr(struct bytes *out, const conus_image *image)
     code = code ? code : write_pixels(file, image);
     return exr_stream_end(out, file, &stream, code);
 }
-
-/* ---- Reading ---- */
 
 static conus_status read_channels(conus_image *image, const exr_attr_chlist_t *list, exr_compression_t compression)
 {

@@ -66,8 +66,6 @@ static conus_status fail_png(const struct job *job)
                           : fail(CONUS_ERROR_DATA, "PNG: %s", job->message);
 }
 
-/* ---- Writing ---- */
-
 static void write_bytes(png_structp png, png_bytep bytes, size_t size)
 {
     struct job *job = png_get_io_ptr(png);
@@ -139,8 +137,6 @@ conus_status image_format_png(struct bytes *out, const conus_image *image)
     memory_free(rgba);
     return status;
 }
-
-/* ---- Reading ---- */
 
 static void read_bytes(png_structp png, png_bytep bytes, size_t size)
 {

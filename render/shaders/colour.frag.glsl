@@ -73,8 +73,6 @@ float plane_after(float depth)
     return ceil((depth - planes.x) / planes.y - 0.5);
 }
 
-// ---- A volume along the ray, in its texture coordinates ---------------------------------------------------------
-
 struct Track {
     vec3 from, along, inverse; // at depth t: from + t * along
     float first, end;          // planes first, first + 1, ... end - 1 lie in the volume
@@ -119,8 +117,6 @@ float look_ahead(Track track, usampler3D empty, vec3 bricks, float plane, inout 
     float until = plane < track.first ? track.first : plane < track.end ? plane_after(min3(leave)) : NEVER;
     return max(plane + 1.0, until);
 }
-
-// ---- What a sample looks like -----------------------------------------------------------------------------------
 
 vec3 decode_gradient(vec3 texel)
 {
@@ -277,8 +273,6 @@ vec3 area_colour(Track track, vec3 direction, vec3 view, float t)
 
 #endif
 
-// ---- Meshes: a layer that was drawn before ------------------------------------------------------------------------
-
 float mesh_depth()
 {
     float depth = counts.y == 0 ? 0.0 : texelFetch(mesh_surface, ivec2(gl_FragCoord.xy), 0).w;
@@ -290,8 +284,6 @@ vec3 mesh_colour(vec3 direction, vec3 view, float t)
     uint object = texelFetch(mesh_object, ivec2(gl_FragCoord.xy), 0).x;
     return object_colour(object, texelFetch(mesh_surface, ivec2(gl_FragCoord.xy), 0).xyz, direction, view, t);
 }
-
-// ---- The cone, its axis and the markers: surfaces in closed form ------------------------------------------------
 
 struct Surface {
     float depth;
@@ -376,8 +368,6 @@ void hit_markers(inout Surface solid, vec3 direction, vec3 view)
         }
     }
 }
-
-// ---- The walk ---------------------------------------------------------------------------------------------------
 
 void blend(inout vec4 sum, vec4 layer)
 {

@@ -12,8 +12,6 @@ layout(std430, binding = 2) readonly buffer Opacities
 
 const int SEEN = 16; // translucent areas along one ray
 
-// ---- Haze ---------------------------------------------------------------------------------------------------------
-
 bool lies_in(vec3 place)
 {
     return place == clamp(place, 0.0, 1.0);
@@ -34,8 +32,6 @@ void blend_haze(inout vec4 sum, Track context, Track haze, float from, float to,
         blend(sum, vec4(texel.rgb / max(texel.a, 1e-9) * opacity, opacity));
     }
 }
-
-// ---- Areas --------------------------------------------------------------------------------------------------------
 
 // The object of an area that shows at a depth, 0 if none. Where the nearest voxel is `before`'s, it is that.
 uint area_at(Track areas, float t, uint before)
@@ -94,8 +90,6 @@ vec3 border_normal(uint object, vec3 place, vec3 view)
     gradient = mat3(world_from_camera) * (transpose(mat3(areas_from_camera)) * gradient);
     return normalize(-gradient / max(length(gradient), 1e-6) - view);
 }
-
-// ---- The walk -----------------------------------------------------------------------------------------------------
 
 // What lies on the ray in closed form, or was drawn before: walls of the cone, and layers of meshes.
 struct Events {

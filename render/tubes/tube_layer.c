@@ -36,8 +36,6 @@ struct tube_layer {
     size_t point_count;
 };
 
-/* ---- Points that are drawn -------------------------------------------------------------------------------------- */
-
 /* Many files have a point every tenth of a millimetre. Points are left out where the straight line from one to another
  * passes those between within so many radii, and is no longer than so many: neither form nor colours suffer. */
 static const double FLATNESS = 0.04;
@@ -122,8 +120,6 @@ static conus_status keep_points(struct tube_layer *layer)
     }
     return status;
 }
-
-/* ---- Creation --------------------------------------------------------------------------------------------------- */
 
 static uint64_t count_points(const conus_atlas *atlas)
 {
@@ -244,8 +240,6 @@ size_t tube_layer_step(const struct tube_layer *layer)
     return layer->step;
 }
 
-/* ---- Colours ---------------------------------------------------------------------------------------------------- */
-
 /* Nothing leads from a streamline's last point on; one of a single point is a ball. */
 static uint32_t paint_point(const struct tube_colouring *colouring, const struct tractogram *tractogram, uint32_t k,
                             uint64_t at, uint32_t object)
@@ -290,8 +284,6 @@ conus_status tube_layer_update(struct tube_layer *layer, const conus_atlas *atla
     memory_free(paints);
     return status;
 }
-
-/* ---- Drawing ---------------------------------------------------------------------------------------------------- */
 
 /* Where a ray of the camera is at depth 1, from (x, y, 1) of the picture: the inverse, by columns. */
 static void invert_rows(float out[9], const double rows[9])

@@ -39,8 +39,6 @@ static uint64_t layout_of_structures(void)
     return layout;
 }
 
-/* ---- The parts of an atlas --------------------------------------------------------------------------------------- */
-
 /* Makes the distance map, and writes it to where the block has `at`. */
 static void write_distances(struct pack_walk *walk, size_t at, const struct volume *source)
 {
@@ -309,8 +307,6 @@ static void pass_atlas(struct pack_walk *walk, conus_atlas *atlas)
         pass_lists(walk, atlas, &counts);
     }
 }
-
-/* ---- Blocks ------------------------------------------------------------------------------------------------------ */
 
 static size_t round_up(size_t size)
 {

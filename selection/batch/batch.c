@@ -168,8 +168,6 @@ conus_status conus_batch_sidecar(const char **text, size_t *size, conus_batch *b
     return conus_report_sidecar(text, size, batch->atlases[0].reports[0]);
 }
 
-/* ---- A run ------------------------------------------------------------------------------------------------------- */
-
 struct run {
     conus_batch *batch;
     conus_pose_stream *poses;

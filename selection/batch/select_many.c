@@ -31,8 +31,6 @@ struct run {
     bool cancelled;
 };
 
-/* ---- Blocks ------------------------------------------------------------------------------------------------------ */
-
 static conus_status block_init(struct block *out, size_t capacity)
 {
     *out = (struct block){.poses = memory_raw(capacity, sizeof *out->poses),
@@ -106,8 +104,6 @@ static bool deliver_block(void *user, size_t slot)
     run->cancelled = !block->failure && !run->sink(run->user, &answers);
     return !block->failure && !run->cancelled;
 }
-
-/* ---- A run ------------------------------------------------------------------------------------------------------- */
 
 static conus_status check(const conus_pose_array *poses)
 {

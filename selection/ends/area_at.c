@@ -28,8 +28,6 @@ static void take(struct nearest *nearest, uint32_t area, double distance)
     }
 }
 
-/* ---- Preparing -------------------------------------------------------------------------------------------------- */
-
 static void prepare_cells(struct area_cells *out, const struct volume *volume, const struct census_box *box)
 {
     const double *m = volume->voxel_from_world;
@@ -66,8 +64,6 @@ void area_search_finish(struct area_search *search)
     memory_free(search->cells);
     *search = (struct area_search){0};
 }
-
-/* ---- At the point ----------------------------------------------------------------------------------------------- */
 
 /* The first grid that has an area there; else the most probable area. */
 static uint32_t find_in_volumes(const conus_atlas *atlas, const double point[3])
@@ -109,8 +105,6 @@ static uint32_t find_in_meshes(const conus_atlas *atlas, const double point[3])
     }
     return 0;
 }
-
-/* ---- Near the point --------------------------------------------------------------------------------------------- */
 
 /* A point among the cells of a volume. */
 struct looking {

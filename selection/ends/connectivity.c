@@ -32,8 +32,6 @@ struct connecting {
     size_t count, capacity;
 };
 
-/* ---- Ends ------------------------------------------------------------------------------------------------------- */
-
 static uint32_t area_of_point(const struct connecting *connecting, const struct tractogram *tractogram, uint64_t index)
 {
     const uint32_t *group = level_group(connecting->selector->level);
@@ -115,8 +113,6 @@ static conus_status gather(struct connecting *connecting)
     }
     return status;
 }
-
-/* ---- Counting --------------------------------------------------------------------------------------------------- */
 
 #define ORDER(x, y) (((x) > (y)) - ((x) < (y)))
 

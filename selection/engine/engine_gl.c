@@ -68,8 +68,6 @@ static void destroy(struct engine *engine)
     memory_free(gl);
 }
 
-/* ---- A trace ------------------------------------------------------------------------------------------------ */
-
 /* The cones of one trace, all of one resolution, and where their answers go (NULL when it is layers). */
 struct view {
     const struct cone *const *cones;
@@ -338,8 +336,6 @@ static conus_status trace(struct engine *engine, struct evidence *out, const str
     return trace_many(engine, &out, &cone, 1);
 }
 
-/* ---- All layers --------------------------------------------------------------------------------------------- */
-
 struct piercing {
     struct gl_engine *gl;
     struct layers *out;
@@ -416,8 +412,6 @@ static conus_status pierce(struct engine *engine, struct layers *out, const stru
     gl_current_restore(&previous);
     return status;
 }
-
-/* ---- Creation ----------------------------------------------------------------------------------------------- */
 
 /* Identifiers are the objects' numbers: dense, from 1, integers all the way; behind them that of what blocks. */
 static conus_status create_pass(struct gl_engine *gl)

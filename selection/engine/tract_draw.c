@@ -14,8 +14,6 @@ struct tract_draw {
     uint64_t proposals;
 };
 
-/* ---- Creation ------------------------------------------------------------------------------------------------- */
-
 /* Which streamlines of a scene are of an object; NULL if all are. */
 static conus_status find_shown(const bool **out, const struct tract_rays *rays, size_t scene)
 {
@@ -84,8 +82,6 @@ uint64_t tract_draw_proposals(const struct tract_draw *draw)
     return draw->proposals;
 }
 
-/* ---- First hits ----------------------------------------------------------------------------------------------- */
-
 struct tracing {
     struct tract_draw *draw;
     const struct tract_picture *pictures;
@@ -118,8 +114,6 @@ conus_status tract_draw_trace(struct tract_draw *draw, const struct tract_pictur
     memory_free(queries);
     return status;
 }
-
-/* ---- All layers ----------------------------------------------------------------------------------------------- */
 
 struct piercing {
     struct tract_draw *draw;

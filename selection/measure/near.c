@@ -45,8 +45,6 @@ static void note(struct near *near, uint32_t object, double distance, const doub
     memcpy(found->point, point, sizeof found->point);
 }
 
-/* ---- Cells -------------------------------------------------------------------------------------------------- */
-
 /* The least of x' G x over x with x[a] = ends where fixed[a], for which the other coordinates are solved. */
 static void solve_free(double x[3], double gram[3][3], const bool fixed[3])
 {
@@ -197,8 +195,6 @@ static void search_volume(struct near *near, const struct volume *volume, const 
     wider.radius = (ball->radius + search.cells.reach) * (1 + 1e-9);
     census_walk(&wider, volume, search_row, &search);
 }
-
-/* ---- Surfaces ----------------------------------------------------------------------------------------------- */
 
 /* Distance from the ball's centre to the box around the mesh. */
 static double bounds_distance(const struct mesh *mesh, const double centre[3])

@@ -114,8 +114,6 @@ void solids_finish(struct solids *solids)
     *solids = (struct solids){0};
 }
 
-/* ---- In a region -------------------------------------------------------------------------------------------- */
-
 /* Whether a plane that bounds the region's range may pass through the block: that counts beside the region, too. */
 static bool is_cut(const struct solid_block *block, const struct region *region)
 {

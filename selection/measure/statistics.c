@@ -52,8 +52,6 @@ void statistics_finish(struct statistics *statistics)
     *statistics = (struct statistics){0};
 }
 
-/* ---- The tally ---------------------------------------------------------------------------------------------- */
-
 conus_status tally_prepare(struct tally *tally, size_t object_count)
 {
     if (tally->objects && tally->object_count >= object_count) {
@@ -105,8 +103,6 @@ static uint32_t group_of(const struct gathering *gathering, uint32_t object)
 {
     return gathering->group ? gathering->group[object] : object;
 }
-
-/* ---- What is hit first -------------------------------------------------------------------------------------- */
 
 void evidence_position(double out[3], const struct evidence *evidence, const struct cone *cone, uint32_t i, uint32_t j)
 {
@@ -165,8 +161,6 @@ static void add_pixels(struct tally *tally, const struct gathering *gathering)
         k = add_run(touch(tally, group_of(gathering, hit)), aperture, evidence, k);
     }
 }
-
-/* ---- All layers --------------------------------------------------------------------------------------------- */
 
 /* Between two distances on rays from one point the volume grows with their cubes, on parallel ones with themselves. */
 static double volume_between(const struct cone *cone, double from, double to)
@@ -290,8 +284,6 @@ static void add_solids(struct tally *tally, const struct gathering *gathering)
         }
     }
 }
-
-/* ---- Results ------------------------------------------------------------------------------------------------ */
 
 /* mm^3 in the cone: of voxels by count, of surfaces by their triangles or, where these enclose no known volume, from
  * the rays, for each of which `total` is the whole cone. */

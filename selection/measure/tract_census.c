@@ -10,8 +10,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- A run of segments -------------------------------------------------------------------------------------- */
-
 static const double PARTS = 0x1p40; /* in a mm */
 
 static void carry(struct tract_part *part)
@@ -89,8 +87,6 @@ static struct tract_part measure_run(const struct tractogram *tractogram, const 
     return part;
 }
 
-/* ---- The walk ----------------------------------------------------------------------------------------------- */
-
 struct walk {
     const struct tractogram *tractogram;
     const struct region *region;
@@ -119,8 +115,6 @@ void tract_census_walk(const struct tractogram *tractogram, const struct region 
     struct walk walk = {.tractogram = tractogram, .region = region, .visit = visit, .user = user};
     tract_tree_walk(tractogram, test_box, visit_run, &walk);
 }
-
-/* ---- Lists -------------------------------------------------------------------------------------------------- */
 
 static void mark(void *user, const struct tract_run *run, const struct tract_part *part)
 {
@@ -154,8 +148,6 @@ conus_status tract_census_list(uint32_t **out, size_t *count, const conus_atlas 
     *out = list;
     return CONUS_OK;
 }
-
-/* ---- The census --------------------------------------------------------------------------------------------- */
 
 conus_status tract_census_prepare(struct tract_census *census, const struct tract_index *index,
                                   const conus_atlas *atlas)

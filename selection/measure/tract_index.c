@@ -7,8 +7,6 @@
 
 #include <string.h>
 
-/* ---- Owners ------------------------------------------------------------------------------------------------- */
-
 static uint64_t count_members(const struct tractogram *tractogram)
 {
     uint64_t count = 0;
@@ -65,8 +63,6 @@ static conus_status find_owners(struct tract_owners *owners, const conus_atlas *
     }
     return CONUS_OK;
 }
-
-/* ---- Ways --------------------------------------------------------------------------------------------------- */
 
 /* False of a streamline without a point. */
 static bool read_ends(double ends[2][3], const struct tractogram *tractogram, uint32_t k)
@@ -125,8 +121,6 @@ double tract_index_along(const struct tract_index *index, const conus_atlas *atl
     double along = whole > 0 ? fmin(before / whole, 1) : NAN;
     return is_turned(tractogram, part->streamline, index->ends[number]) ? 1 - along : along;
 }
-
-/* ---- The index ---------------------------------------------------------------------------------------------- */
 
 conus_status tract_index_create(struct tract_index **out, const conus_atlas *atlas)
 {

@@ -13,8 +13,6 @@ enum { CELL_SIZE = 24 };
 /* The sine of 15 degrees: what an axis may lie off the picture's, and its letter is still at the edge. */
 static const double ACROSS = 0.2588;
 
-/* ---- Directions ----------------------------------------------------------------------------------------------- */
-
 static const char letters[6][2] = {"L", "R", "P", "A", "I", "S"};
 
 /* At about `at`, pixels from the image's top left. */
@@ -96,8 +94,6 @@ static conus_status draw_directions(conus_image *image, const struct picture *pi
     }
     return status;
 }
-
-/* ---- Scale ---------------------------------------------------------------------------------------------------- */
 
 /* The largest of 1, 2, 5, 10, ... that is at most `limit`. */
 static double round_length(double limit)

@@ -9,8 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- Samples ---- */
-
 /* Samples of pixel (x, y) of the image, which begins at its top, begin at this interval. */
 static size_t *first_intervals(const conus_selection *selection)
 {
@@ -90,8 +88,6 @@ static void fill_channels(struct deep_image *image, const conus_selection *selec
         }
     }
 }
-
-/* ---- Names ---- */
 
 /* An object in the image. */
 struct named {

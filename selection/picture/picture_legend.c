@@ -50,8 +50,6 @@ bool picture_has_legend(const struct picture *picture)
            (picture->options.selection || colours_streamlines(picture));
 }
 
-/* ---- Rows ------------------------------------------------------------------------------------------------------- */
-
 /* With its kind where another kind has that name; without memory, too, the name alone. */
 static const char *name_of(struct picture_legend *legend, const conus_atlas *atlas, uint32_t number)
 {
@@ -257,8 +255,6 @@ static void leave_out_behind(struct picture_legend *out, size_t capacity)
     out->legend.count = count;
 }
 
-/* ---- Place ------------------------------------------------------------------------------------------------------ */
-
 static void place_inside(struct picture_legend *legend, const struct picture *picture, double em)
 {
     struct legend *drawn = &legend->legend;
@@ -354,8 +350,6 @@ void picture_legend_room(double out[2], const struct picture *picture)
     bool above = size[0] > INSIDE * width && height - size[1] > width - size[0];
     out[above] = above ? fmin(size[1], ROOM * height) : fmin(size[0], ROOM * width);
 }
-
-/* ---- Drawing ---------------------------------------------------------------------------------------------------- */
 
 /* Opacity that was drawn under a legend in a corner of the drawing. */
 static double covered(const struct picture *picture, enum legend_corner corner)

@@ -40,8 +40,6 @@ static uint32_t label_of(const conus_atlas *atlas, uint32_t number)
     return object ? object->label : 0;
 }
 
-/* ---- Channels ---- */
-
 static const char *const UINT_CHANNELS[] = {"id", "object"};
 static const char *const FLOAT_CHANNELS[] = {"X", "Y", "Z", "t"};
 
@@ -77,8 +75,6 @@ static conus_status add_channels(conus_image *image, const conus_selection *sele
     }
     return status;
 }
-
-/* ---- Attributes ---- */
 
 /* A volume as "conus:NAME" with its SHA-256; without its path, if that is said already. */
 static conus_status add_volume(conus_image *image, const conus_volume_info *info, const char *name, bool said)
@@ -226,8 +222,6 @@ conus_status picture_add_selection(conus_image *image, const conus_selection *se
     status = status ? status : picture_add_volumes(image, selection->atlas, false);
     return status ? status : add_names(image, selection);
 }
-
-/* ---- The picture ---- */
 
 static void shade(float colour[4], float factor)
 {

@@ -128,8 +128,6 @@ static void find_ball(struct picture *picture, const struct colour_pass *pass)
     }
 }
 
-/* ---- The cone ------------------------------------------------------------------------------------------------- */
-
 static void cone_axis(double out[3], const struct cone *cone)
 {
     vec3_scale(out, cone->pose.world_from_device + 8, -1);
@@ -223,8 +221,6 @@ static void add_cone(struct picture *picture)
     }
 }
 
-/* ---- The camera ----------------------------------------------------------------------------------------------- */
-
 static void set_frame(struct picture *picture)
 {
     uint32_t width = picture->drawing[0];
@@ -303,8 +299,6 @@ static conus_status place_camera(struct picture *picture, const struct colour_pa
     return CONUS_OK;
 }
 
-/* ---- Pixels --------------------------------------------------------------------------------------------------- */
-
 void picture_background(float out[4], const conus_view *options, float part)
 {
     bool transparent = options->background == CONUS_BACKGROUND_TRANSPARENT;
@@ -337,8 +331,6 @@ static void lay_over_background(conus_image *image, const struct picture *pictur
         }
     }
 }
-
-/* ---- Text ------------------------------------------------------------------------------------------------------- */
 
 /* Dark, or white on what is dark. */
 static void choose_ink(struct picture *picture)
@@ -384,8 +376,6 @@ conus_status picture_prepare_sheet(struct picture *picture, uint64_t max_memory,
     conus_status status = find_font(picture, log, log_user);
     return status || !picture_has_legend(picture) ? status : picture_legend_init(picture);
 }
-
-/* ---- Attributes ------------------------------------------------------------------------------------------------- */
 
 static conus_status add_cone_attributes(conus_image *image, const struct cone *cone)
 {
@@ -457,8 +447,6 @@ static conus_status draw(struct picture *picture, conus_renderer *renderer)
     picture->rgba = memory_raw((size_t)view->width * view->height, 4 * sizeof *picture->rgba);
     return picture->rgba ? renderer_draw(picture->rgba, renderer, view, !picture->options.draft) : CONUS_ERROR_MEMORY;
 }
-
-/* ---- Opacity ---------------------------------------------------------------------------------------------------- */
 
 static double opacity_of(const struct picture *picture, size_t number)
 {

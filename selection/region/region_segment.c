@@ -7,8 +7,6 @@
 /* Distance from a border, as a part of the coordinates' size, from which on nothing that is rounded decides. */
 static const double DOUBT = 1e-12;
 
-/* ---- Segments ----------------------------------------------------------------------------------------------- */
-
 /* Cuts s to at + s step >= 0. */
 static bool clip_half(double s[2], double at, double step)
 {
@@ -145,8 +143,6 @@ bool region_segment(double out[2], const struct region *region, double ends[2][3
     out[1] = s[1];
     return true;
 }
-
-/* ---- Boxes -------------------------------------------------------------------------------------------------- */
 
 /* A box as offsets from the region's origin. */
 struct box {

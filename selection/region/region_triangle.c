@@ -46,8 +46,6 @@ static double angle_between(const double a[3], const double b[3])
     return atan2(a[0] * b[1] - a[1] * b[0], a[0] * b[0] + a[1] * b[1]);
 }
 
-/* ---- Cones and cylinders ------------------------------------------------------------------------------------ */
-
 /* The flux through a triangle in the region: the volume between it and the apex, or the plane at the depth near. */
 static double flux(const struct region_solid *solid, const double a[3], const double b[3], const double c[3])
 {
@@ -252,8 +250,6 @@ static double close_at(const struct region_solid *solid, struct polygon *polygon
     return flux_inside(&facet, &lid);
 }
 
-/* ---- Balls -------------------------------------------------------------------------------------------------- */
-
 /* Signed solid angle of a triangle from the origin (van Oosterom and Strackee 1983). */
 static double solid_angle(const double p[3], const double q[3], const double r[3])
 {
@@ -311,8 +307,6 @@ static double flux_of_ball(const struct region_solid *solid, double p[3][3])
     }
     return sum;
 }
-
-/* ---- All ---------------------------------------------------------------------------------------------------- */
 
 /* Whether the triangle is surely beside the region's side, as most are that come here. */
 static bool is_beside(const struct region *side, double p[3][3])

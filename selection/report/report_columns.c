@@ -41,8 +41,6 @@ static const conus_object *object_of(const conus_report *report, const struct re
 #define OF_BUNDLE(kind, member)                                                                                        \
     OF_ROW(kind, result.member), .needs = NEEDS_BUNDLE, .layers_only = true, .bundles_only = true
 
-/* ---- Answers ---- */
-
 static struct cell get_query(const conus_report *report, const struct report_row *row)
 {
     return text_cell(report->queries[row->query].id);
@@ -152,8 +150,6 @@ static const struct report_column answer_columns[] = {
      OF_ROW(NUMBER, result.contact_value)},
 };
 
-/* ---- Steps of a track: behind those of answers ---- */
-
 static struct cell get_selected(const conus_report *report, const struct report_row *row)
 {
     return integer_cell(report_is_selected(report, row));
@@ -169,8 +165,6 @@ static const struct report_column track_columns[] = {
     {"selected", NULL, "1 if it is what is selected at this step, else 0", .get = get_selected},
     {"confirmed", NULL, "1 if the trigger, pressed at this step, confirms it, else 0", .get = get_confirmed},
 };
-
-/* ---- Sweeps and chances: behind the common ones ---- */
 
 static const char *const study_common[] = {"query", "kind", "index", "name", "abbreviation"};
 
@@ -228,8 +222,6 @@ static const struct report_column chance_columns[] = {
     {"error_mm", "mm", "standard deviation of the position, along each of three axes", OF_QUERY(NUMBER, jitter.shift)},
 };
 
-/* ---- Coverages: behind the common ones ---- */
-
 static struct cell get_coverage_rank(const conus_report *report, const struct report_row *row)
 {
     return row->coverage.object ? get_place(report, row) : no_cell();
@@ -245,8 +237,6 @@ static const struct report_column coverage_columns[] = {
     {"peak_y", "mm", "the same, y", OF_ROW(Y, coverage.peak_point)},
     {"peak_z", "mm", "the same, z", OF_ROW(Z, coverage.peak_point)},
 };
-
-/* ---- Segments ---- */
 
 static struct cell get_length(const conus_report *report, const struct report_row *row)
 {
@@ -279,8 +269,6 @@ static const struct report_column segment_columns[] = {
     {"atlas_exit_y", "mm", "the same, y", OF_ROW(OWN_Y, segment.exit_at), .moved_only = true},
     {"atlas_exit_z", "mm", "the same, z", OF_ROW(OWN_Z, segment.exit_at), .moved_only = true},
 };
-
-/* ---- Connections ---- */
 
 static struct cell end_name(const conus_report *report, uint32_t area)
 {
@@ -333,7 +321,7 @@ static const struct report_column connection_columns[] = {
     {"end_b_index", NULL, "the same of end_b", NAMED(get_end_b_index)},
 };
 
-/* ---- Summaries: one row per answer, with the best, the next, and by how much it is behind ---- */
+/* Summaries: one row per answer, with the best, the next, and by how much it is behind. */
 
 static const char *const summary_common[] = {"query", "kind", "index", "name", "share", "score", "distance_mm"};
 
@@ -407,8 +395,6 @@ static const struct report_column electrode_columns[] = {
 
 /* Of the list of voxels (report_voxels.c). */
 static const struct report_column voxel_columns[] = {{.name = "x"}, {.name = "y"}, {.name = "z"}, {.name = "value"}};
-
-/* ---- Which columns a report has ---- */
 
 #define COUNT_OF(array) (sizeof(array) / sizeof(array)[0])
 #define ALL_OF(array)                                                                                                  \
@@ -528,8 +514,6 @@ bool conus_column_is_number(const char *name)
     }
     return false;
 }
-
-/* ---- Cells ---- */
 
 /* The value at `place`, which is of the column's type. */
 static struct cell stored_cell(const conus_report *report, enum column_type type, const void *place)

@@ -155,8 +155,6 @@ static conus_status check_length(const struct shank *shank)
                       shank->report->queries[shank->first].id);
 }
 
-/* ---- Shanks by their axes ---- */
-
 /* Whether the queries are shanks. */
 static bool has_axes(const conus_report *report)
 {
@@ -282,8 +280,6 @@ static const conus_object *object_at(const conus_report *report, size_t channel)
     double height = contacts->tip + (double)row * contacts->pitch;
     return report->queries[query].error ? NULL : innermost(report, query, report->selector.range[1] - height);
 }
-
-/* ---- What is written ---- */
 
 conus_status report_write_spikeglx(struct buffer *out, const conus_report *report)
 {

@@ -87,8 +87,6 @@ static void write_samples(struct buffer *out, const conus_report *report, const 
                   report->engine);
 }
 
-/* ---- Shares by angle ---- */
-
 enum { ANGLES_IN_A_TABLE = 10 };
 
 /* Queries first to end - 1: one pose, several angles. */

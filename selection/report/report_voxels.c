@@ -118,8 +118,6 @@ static conus_status add_first_hits(conus_report *report, const conus_selection *
     return CONUS_OK;
 }
 
-/* ---- All in the cone or ball -------------------------------------------------------------------------------- */
-
 struct listing {
     const conus_report *report;
     const double *from;        /* distances are from here */
@@ -173,8 +171,6 @@ static conus_status add_all(conus_report *report, const conus_selection *selecti
     memory_free(listing.hits);
     return CONUS_OK;
 }
-
-/* ---- Points of streamlines in the cone or ball --------------------------------------------------------------- */
 
 /* The points of a tractogram that are in a region. */
 struct near_points {

@@ -41,8 +41,6 @@ static bool is_sooner(const struct admission *admission, double slope, double de
     return slope != admission->slope ? slope < admission->slope : isfinite(slope) && depth < admission->depth;
 }
 
-/* ---- Voxels ---- */
-
 struct voxels {
     struct admission *admissions;
     const struct region *region;
@@ -80,8 +78,6 @@ void admission_of_volume(struct admission *admissions, const struct region *regi
     struct voxels voxels = {admissions, region, as};
     census_walk(region, volume, admit_row, &voxels);
 }
-
-/* ---- Surfaces ---- */
 
 enum { CORNERS = 5 }; /* a triangle cut by two planes */
 
@@ -215,8 +211,6 @@ void admission_of_mesh(struct admission *admission, const struct region *region,
         admit_point(admission, region, (const double[]){0, 0, region->near});
     }
 }
-
-/* ---- Streamlines ---- */
 
 static void admit_streamline(struct admission *admission, const struct region *region,
                              const struct tractogram *tractogram, const uint64_t ends[2])

@@ -11,8 +11,6 @@
 
 enum { DEFAULT_SAMPLES = 1024, SAMPLE_LIMIT = 1 << 20 };
 
-/* ---- Samples ---- */
-
 /* Point `index` of the Sobol sequence along `dimension`, as a part of 2^32: primitive polynomials and initial numbers
  * are those of S. Joe and F. Kuo (2008). Points 2^k n to 2^k (n + 1) - 1 are evenly spread, for any k and n. */
 static uint32_t sobol(uint32_t index, uint32_t dimension)
@@ -126,8 +124,6 @@ void jitter_pose(conus_pose *out, const conus_pose *pose, const conus_jitter_opt
     mat4_multiply(out->world_from_device, m, turn);
 }
 
-/* ---- Counting ---- */
-
 /* What the samples say of one object; of number 0, of what hit nothing. */
 struct count {
     uint32_t hits[JITTER_SETS];
@@ -188,8 +184,6 @@ static conus_status answer_samples(struct count *counts, conus_selector *selecto
     }
     return status;
 }
-
-/* ---- Rows ---- */
 
 /* Mean over the sets, and its standard error were they independent; they complement each other, so it is less. */
 static void estimate_probability(double out[2], const uint32_t hits[JITTER_SETS], double per_set)

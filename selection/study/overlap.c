@@ -50,8 +50,6 @@ struct counting {
     uint64_t piece; /* likewise, from 1 */
 };
 
-/* ---- Meshes ----------------------------------------------------------------------------------------------------- */
-
 static const struct mesh *closed_mesh(const conus_atlas *atlas, uint32_t number)
 {
     return atlas->objects[number - 1].closed ? atlas_object_mesh(atlas, number) : NULL;
@@ -144,8 +142,6 @@ static double pass_crossings(struct counting *counting, double at, double end)
     }
     return end;
 }
-
-/* ---- Counting --------------------------------------------------------------------------------------------------- */
 
 /* Whether the voxel's value is farther from 0 than that of the peak, or as far and earlier in the file. */
 static bool is_peak(const struct counting *counting, size_t voxel, size_t peak)
@@ -268,8 +264,6 @@ static conus_status measure_meshes(struct counting *counting)
     }
     return status;
 }
-
-/* ---- Rows ------------------------------------------------------------------------------------------------------- */
 
 static conus_coverage describe(const struct counting *counting, uint32_t object)
 {

@@ -14,8 +14,6 @@ struct cells {
     long low[3], high[3];
 };
 
-/* ---- Grids ------------------------------------------------------------------------------------------------------ */
-
 static bool counts(const struct volume *volume)
 {
     return volume->info.role != CONUS_ROLE_CONTEXT && volume_can_be_hit(volume);
@@ -78,8 +76,6 @@ void shares_finish(struct shares *shares)
     *shares = (struct shares){0};
 }
 
-/* ---- Cells ------------------------------------------------------------------------------------------------------ */
-
 /* The cells that a piece is in; what reaches into one by rounding only is not. All cells outside are as the nearest. */
 static struct cells find_cells(const struct convex *piece, const struct share_grid *grid)
 {
@@ -120,8 +116,6 @@ static bool is_uniform(const struct volume *volume, const struct cells *cells, u
     }
     return uniform;
 }
-
-/* ---- Pieces ----------------------------------------------------------------------------------------------------- */
 
 static conus_status share_piece(struct shares *shares, const struct convex *piece, size_t grid, double share);
 

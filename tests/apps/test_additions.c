@@ -7,8 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- Words ------------------------------------------------------------------------------------------------------- */
-
 static void a_word_is_a_kind_and_a_file(void **state)
 {
     static const struct {
@@ -70,8 +68,6 @@ static void a_volume_takes_the_place_of_another_as_context(void **state)
     assert_words(additions_without(words, 1), "[]");
     json_decref(words);
 }
-
-/* ---- Numbers ----------------------------------------------------------------------------------------------------- */
 
 enum { OWN = 5, FILES = 6 };
 

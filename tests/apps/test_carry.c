@@ -73,8 +73,6 @@ static double opacity(const struct viewer *viewer, const char *name)
     return viewer->drawn->look.opacity[number_of(viewer, name)];
 }
 
-/* ---- Carried over ------------------------------------------------------------------------------------------------ */
-
 static void halves_are_as_the_whole_was(void **state)
 {
     struct viewer viewer;
@@ -201,8 +199,6 @@ static void another_table_is_refused(void **state)
     viewer_finish(&viewer);
 }
 
-/* ---- One side ---------------------------------------------------------------------------------------------------- */
-
 static void one_side_is_shown(void **state)
 {
     struct viewer viewer;
@@ -255,8 +251,6 @@ static void areas_without_sides_stay(void **state)
     assert_string_equal(viewer.message, "no areas are known to be left and right ones; F8 splits them");
     viewer_finish(&viewer);
 }
-
-/* ---- Words ------------------------------------------------------------------------------------------------------- */
 
 static void words_say_how(void **state)
 {

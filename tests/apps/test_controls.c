@@ -126,9 +126,6 @@ static void what_cannot_be_asked_changes_nothing(void **state)
     viewer_finish(&viewer);
 }
 
-/* ---- Studies ------------------------------------------------------------------------------------------------------
- */
-
 static const struct study_settings two_angles = {STUDY_SWEEP, {10, 40, 30}, 2, 1.5, 64};
 static const struct study_settings shaken = {STUDY_JITTER, {10, 40, 30}, 2, 1.5, 64};
 

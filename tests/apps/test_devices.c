@@ -14,8 +14,6 @@
 #include <sys/un.h>
 #include <unistd.h>
 
-/* ---- A gamepad --------------------------------------------------------------------------------------------------- */
-
 static struct gamepad_reading reading; /* what the fake one is like */
 
 static void read_fake(struct gamepad_reading *out)
@@ -113,8 +111,6 @@ static void what_is_wrong_with_a_gamepad_is_said(void **state)
     assert_non_null(strstr(news.text, "unplugged"));
 }
 
-/* ---- In the window ----------------------------------------------------------------------------------------------- */
-
 static void open_window(struct window *out, struct viewer *viewer)
 {
     window_scene_open(out, viewer);
@@ -179,8 +175,6 @@ static void a_gamepad_moves_the_first_tool(void **state)
 #ifdef CONUS_SPACEMOUSE
 
 #include <spnav.h>
-
-/* ---- A SpaceMouse ------------------------------------------------------------------------------------------------ */
 
 enum { MOTION = 0, PRESS = 1, RELEASE = 2, DEVICE = 3, PATH_SIZE = 108 };
 

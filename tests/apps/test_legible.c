@@ -12,8 +12,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- Contrast ---------------------------------------------------------------------------------------------------- */
-
 /* Pairs that are known: black on white has 21, #767676 is the lightest grey that passes on white, #777777 fails. Grey
  * 0x76 = 118 by hand: ((118 / 255 + 0.055) / 1.055)^2.4 = 0.18116, (1.05) / (0.23116) = 4.542. */
 static void contrast_is_that_of_wcag(void **state)
@@ -123,8 +121,6 @@ static void the_widgets_have_these_colours(void **state)
     assert_int_equal(seen, 20);
     ui_destroy();
 }
-
-/* ---- Texts that are cut ------------------------------------------------------------------------------------------ */
 
 static const char long_name[] = "superior longitudinal fasciculus, temporoparietal part, of the left hemisphere";
 

@@ -50,8 +50,6 @@ static void close_window(struct window *window)
     viewer_finish(window->viewer);
 }
 
-/* ---- Grey values ------------------------------------------------------------------------------------------------- */
-
 /* Brighter by half of 0 to 100 puts the middle from 50 to 0; twice the contrast halves the width. */
 static void grey_values_move_by_their_own_width(void **state)
 {
@@ -104,8 +102,6 @@ static void atlases_of_one_context_have_the_same_grey_values(void **state)
     assert_near(view_atlas_grey(&viewer.atlases[1])[1], 0, 0);
     viewer_finish(&viewer);
 }
-
-/* ---- The painter's pictures -------------------------------------------------------------------------------------- */
 
 enum { SIDE = 24 };
 
@@ -249,8 +245,6 @@ static void assert_refused(struct window *window, const char *from, const char *
     free(text);
 }
 
-/* ---- Streamlines ------------------------------------------------------------------------------------------------- */
-
 /* Adds one straight up through the middle of the balls, with a number from 0.2 below to 0.8 above. */
 static void add_bundle(conus_atlas *atlas)
 {
@@ -363,8 +357,6 @@ static void colours_that_no_streamline_has_are_refused(void **state)
     close_window(&window);
 }
 
-/* ---- Sessions and undo ------------------------------------------------------------------------------------------- */
-
 static void each_change_is_taken_back(void **state)
 {
     struct viewer viewer;
@@ -463,8 +455,6 @@ static void words_that_cannot_be_change_nothing(void **state)
     assert_false(script_grey(&window, (char *[]){"1", "2"}, 2));
     close_window(&window);
 }
-
-/* ---- The question for a figure ----------------------------------------------------------------------------------- */
 
 static void finish_figure(struct window *window)
 {

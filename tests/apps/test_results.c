@@ -52,8 +52,6 @@ static void aim_anywhere(struct viewer *viewer, unsigned *seed)
     viewer_aim_along(viewer, from, along);
 }
 
-/* ---- Cells ------------------------------------------------------------------------------------------------------- */
-
 enum { CELLS = 64 };
 
 /* Ends the cells of a line of TSV, in place; gives the next line. */
@@ -186,8 +184,6 @@ static void cells_of_bundles_are_those_of_conus_query(void **state)
     viewer_finish(&viewer);
 }
 
-/* ---- Order and columns ------------------------------------------------------------------------------------------- */
-
 static const conus_result *row_at(const struct viewer *viewer, size_t place)
 {
     size_t *order = result_order(viewer, viewer->drawn, view_atlas_selection(viewer->drawn));
@@ -267,8 +263,6 @@ static void columns_are_chosen(void **state)
     viewer_finish(&viewer);
 }
 
-/* ---- Sessions ---------------------------------------------------------------------------------------------------- */
-
 static void sessions_keep_the_list(void **state)
 {
     struct viewer viewer;
@@ -306,8 +300,6 @@ static void sessions_keep_the_list(void **state)
     free(text);
     viewer_finish(&viewer);
 }
-
-/* ---- Files ------------------------------------------------------------------------------------------------------- */
 
 static void what_cannot_be_exported_is_said(void **state)
 {

@@ -43,8 +43,6 @@ static void aim(struct window *window, const double origin[3], const double dire
     second_aim(&window->second, &pose);
 }
 
-/* ---- Answers ----------------------------------------------------------------------------------------------------- */
-
 /* As a selector of its own answers, which knows nothing of the first tool. */
 static void check_answer(struct window *window)
 {
@@ -143,8 +141,6 @@ static void shapes_are_shared(void **state)
     close_window(&window);
 }
 
-/* ---- What moves it ----------------------------------------------------------------------------------------------- */
-
 static void a_device_moves_one_tool(void **state)
 {
     struct viewer viewer;
@@ -178,8 +174,6 @@ static void a_device_moves_one_tool(void **state)
     assert_int_equal(viewer.pins[0].object, 1);
     close_window(&window);
 }
-
-/* ---- A tracker --------------------------------------------------------------------------------------------------- */
 
 static int connect_to(struct station *station)
 {
@@ -355,8 +349,6 @@ static void values_that_never_change_and_no_numbers_are_said(void **state)
     close_window(&window);
 }
 
-/* ---- Lines ------------------------------------------------------------------------------------------------------- */
-
 /* A cone of 60 degrees from the origin along -z, to 100 mm: far is the ring of radius 50 at z = -86.6. The plane z =
  * -30 cuts it in a circle of radius 30 tan 30; the plane x = 0, through the apex, in two lines of 100 mm; that of a
  * polygon of 64 corners is up to 1 - cos(pi / 64), 0.12 %, smaller. */
@@ -434,8 +426,6 @@ static void a_tool_is_steered_along_its_own_axes(void **state)
     assert_near(far, 3 * viewer.radius, 1e-6);
     close_window(&window);
 }
-
-/* ---- Sessions ---------------------------------------------------------------------------------------------------- */
 
 static void sessions_keep_it_and_changes_are_taken_back(void **state)
 {

@@ -60,8 +60,6 @@ static void the_oldest_states_go(void **state)
     changes_finish(&changes);
 }
 
-/* ---- The window's ------------------------------------------------------------------------------------------------ */
-
 static const double eye[3] = {0, 90, 0};
 static const double back[3] = {0, -1, 0};
 

@@ -17,8 +17,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* ---- Command lines ----------------------------------------------------------------------------------------------- */
-
 static void command_lines_come_back_as_they_were(void **state)
 {
     (void)state;
@@ -76,8 +74,6 @@ static void what_only_a_shell_takes_is_refused(void **state)
     many[2 * COMMAND_WORDS + 1] = '\0';
     assert_non_null(strstr(command_line_parse(&line, many), "4096"));
 }
-
-/* ---- Sidecars ---------------------------------------------------------------------------------------------------- */
 
 #define SUM(digit) digit digit digit digit digit digit digit digit
 #define SHA(digit) SUM(digit) SUM(digit) SUM(digit) SUM(digit) SUM(digit) SUM(digit) SUM(digit) SUM(digit)
@@ -227,8 +223,6 @@ static void a_seal_breaks_with_what_it_is_of(void **state)
     }
 }
 
-/* ---- Places ------------------------------------------------------------------------------------------------------ */
-
 static void the_folder_of_a_run_follows_from_a_path(void **state)
 {
     (void)state;
@@ -344,8 +338,6 @@ static void a_stage_holds_every_path(void **state)
     assert_int_equal(access(file, F_OK), 0);
     free(file);
 }
-
-/* ---- Differences ------------------------------------------------------------------------------------------------- */
 
 static void find(struct differences *out, const char *a, const char *b)
 {

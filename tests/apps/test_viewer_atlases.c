@@ -319,8 +319,6 @@ static void all_answers_are_one_table(void **state)
     viewer_finish(&viewer);
 }
 
-/* ---- Loading ----------------------------------------------------------------------------------------------------- */
-
 static void wake_nobody(void)
 {
 }
@@ -394,8 +392,6 @@ static void one_that_cannot_be_loaded_is_named(void **state)
     assert_false(load_besides(&atlases, "nested.nii.gz", "nested.nii.gz", "absent.nii.gz", why));
     assert_non_null(strstr(why, "absent.nii.gz"));
 }
-
-/* ---- Sessions ---------------------------------------------------------------------------------------------------- */
 
 /* A ball, and its own voxels as a pathway. */
 static conus_atlas *load_pathway(void)

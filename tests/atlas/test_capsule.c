@@ -4,8 +4,6 @@
 #include "base/math3.h"
 #include "test.h"
 
-/* ---- Closed forms ----------------------------------------------------------------------------------------------- */
-
 struct known {
     const char *what;
     double origin[3], direction[3], a[3], b[3], radius;
@@ -66,8 +64,6 @@ static void closed_forms(void **state)
         assert_near(got[1], it->wanted[1], 2e-10);
     }
 }
-
-/* ---- Properties ------------------------------------------------------------------------------------------------- */
 
 /* Of a point from a segment, by another way: the least of a convex function, by halving. */
 static double distance(const double point[3], const double a[3], const double b[3])

@@ -11,8 +11,6 @@
 #include <stdio.h>
 #include <string.h>
 
-/* ---- Names ------------------------------------------------------------------------------------------------------ */
-
 /* The name without its word for the side, "-" where it has none. */
 static const char *common(const char *left, const char *right)
 {
@@ -74,8 +72,6 @@ static void names_of_pairs_have_a_common_part(void **state)
         assert_string_equal(common(cases[i][0], cases[i][1]), cases[i][2]);
     }
 }
-
-/* ---- Pairs ------------------------------------------------------------------------------------------------------ */
 
 static const size_t dim[3] = {8, 2, 1}; /* x from -3.5 to 3.5 */
 static const uint32_t labels[16] = {1, 1, 1, 2, 1, 2, 2, 2, 3, 3, 3, 3, 4, 4, 0, 0};
@@ -154,8 +150,6 @@ static void pairs_have_the_same_place_in_the_tree(void **state)
                                                            {0}}),
                         "");
 }
-
-/* ---- Merged ----------------------------------------------------------------------------------------------------- */
 
 /* What each voxel is reported as: names, with bars between. */
 static const char *reported(const conus_atlas *atlas, const char *spec)
@@ -258,8 +252,6 @@ static void names_that_are_taken_are_spelled_out(void **state)
     }
     conus_atlas_destroy(atlas);
 }
-
-/* ---- Split ------------------------------------------------------------------------------------------------------ */
 
 static const uint32_t row_labels[16] = {4, 4, 4, 4, 4, 6, 6, 6, 6, 6, 6, 5, 7, 0, 0, 8};
 
@@ -387,8 +379,6 @@ static void merging_undoes_splitting(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* ---- Trouble ---------------------------------------------------------------------------------------------------- */
-
 static void refuse(const uint32_t *voxels, const struct area_row *rows, conus_hemispheres how, const char *message)
 {
     conus_atlas *atlas = NULL;
@@ -492,8 +482,6 @@ static void every_allocation_may_fail(void **state)
     test_every_allocation(change, &hows[0]);
     test_every_allocation(change, &hows[1]);
 }
-
-/* ---- Real atlases ----------------------------------------------------------------------------------------------- */
 
 static conus_atlas *load(const char *name, conus_hemispheres how)
 {

@@ -215,8 +215,6 @@ static void crossings_stay_within_the_triangle_s_reach(void **state)
     mesh_finish(&mesh);
 }
 
-/* ---- Which triangle a line passes ---------------------------------------------------------------------------- */
-
 /* Whole numbers with i v - j u = 1, for u and v without a common divisor (Euclid). */
 static void find_cofactors(int64_t *i, int64_t *j, int64_t u, int64_t v)
 {

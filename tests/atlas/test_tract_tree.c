@@ -34,8 +34,6 @@ static struct tractogram random_walks(uint64_t *random, size_t streamlines, unsi
     return (struct tractogram){.points = points, .point_count = count, .first = first, .streamline_count = streamlines};
 }
 
-/* ---- Runs ------------------------------------------------------------------------------------------------------- */
-
 /* [point_count] The number of the run that begins at a point. */
 static size_t numbers[POINTS];
 
@@ -110,8 +108,6 @@ static void check_marks(const struct tractogram *tractogram)
         assert_int_equal(streamline, tractogram_streamline_of(&bare, i));
     }
 }
-
-/* ---- Walks ------------------------------------------------------------------------------------------------------ */
 
 struct bounds {
     double low[3], high[3];
@@ -223,8 +219,6 @@ static size_t check_walk(const struct tractogram *tractogram, const struct bound
     return walk.found;
 }
 
-/* ---- Capsules --------------------------------------------------------------------------------------------------- */
-
 static double coordinate_of(const struct tract_leaf *leaf, size_t lane, int end, int axis)
 {
     return (double)leaf->low[axis] + (double)leaf->step[axis] * leaf->ends[end][axis][lane];
@@ -273,8 +267,6 @@ static void check_capsules(const struct tractogram *tractogram)
         }
     }
 }
-
-/* ---- Diagonals -------------------------------------------------------------------------------------------------- */
 
 /* Where an item's box is cut along a diagonal, and how much a cut may be too small. */
 static double find_cuts(double cut[2], const struct tract_node *node, size_t lane, int d)
@@ -328,8 +320,6 @@ static void check_diagonals(const struct tractogram *tractogram)
     }
 }
 
-/* ---- Trees ------------------------------------------------------------------------------------------------------ */
-
 static void check_walks(uint64_t *random, const struct tractogram *tractogram)
 {
     static const struct bounds all = {{-1e9, -1e9, -1e9}, {1e9, 1e9, 1e9}};
@@ -343,8 +333,6 @@ static void check_walks(uint64_t *random, const struct tractogram *tractogram)
         check_walk(tractogram, &wanted);
     }
 }
-
-/* ---- Tests ------------------------------------------------------------------------------------------------------ */
 
 /* Trees of up to two levels and one run, of nodes that are full to the last lane, and of many levels. */
 static void a_walk_finds_what_a_loop_finds(void **state)

@@ -221,8 +221,6 @@ static void points_are_not_too_many(void **state)
     }
 }
 
-/* ---- Indexes that lie -------------------------------------------------------------------------------------------- */
-
 /* The whole of it, span by span: where the checks let something through, it is right. */
 static size_t count_right(const struct indexed *indexed, const struct gzip_index *index)
 {
@@ -320,8 +318,6 @@ static void another_file_is_found_out(void **state)
     finish(&indexed);
     finish(&other);
 }
-
-/* ---- Its bytes --------------------------------------------------------------------------------------------------- */
 
 static void every_prefix_and_byte(void **state)
 {

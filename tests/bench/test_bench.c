@@ -117,8 +117,6 @@ static void a_ratio_of_different_answers_is_null_and_says_why(void **state)
     finish_bench(&bench);
 }
 
-/* ---- Checking -------------------------------------------------------------------------------------------------- */
-
 static size_t faults(const struct bench *bench)
 {
     json_t *settings = json_object();
@@ -172,8 +170,6 @@ static void what_is_held_is_compared(void **state)
     json_decref(settings);
     finish_bench(&bench);
 }
-
-/* ---- All ------------------------------------------------------------------------------------------------------- */
 
 static conus_status measure_one(struct bench *bench)
 {
@@ -233,8 +229,6 @@ static void what_one_scenario_does_is_its_own(void **state)
     json_decref(settings);
     finish_bench(&bench);
 }
-
-/* ---- Growth ---------------------------------------------------------------------------------------------------- */
 
 /* In the logarithms to base 10 the bent curve has the points (0, 0), (1, 0), (2, 1), with means 1 and 1/3; so its slope
  * is (-1 * -1/3 + 0 + 1 * 2/3) / (1 + 0 + 1) = 1/2. */

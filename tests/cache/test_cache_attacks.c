@@ -273,8 +273,6 @@ static void an_entry_may_be_replaced_while_it_is_mapped(void **state)
     conus_atlas_destroy(now);
 }
 
-/* ---- Where nothing can be kept ----------------------------------------------------------------------------------- */
-
 static size_t files_in_cache(void)
 {
     conus_cache *cache = NULL;
@@ -357,8 +355,6 @@ static void a_full_disk_keeps_nothing(void **state)
     rmdir(disk);
     free(cache);
 }
-
-/* ---- Several processes ------------------------------------------------------------------------------------------- */
 
 static pid_t start_writer(const char *path, int times)
 {

@@ -11,9 +11,6 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-/* ---- Instead of the painter's thread and of the engines: the linker sends calls of the latter here (--wrap)
- * ---------- */
-
 struct painter {
     int unused;
 };
@@ -77,9 +74,6 @@ conus_status __wrap_conus_selector_create(conus_selector **out, const conus_atla
     *out = NULL;
     return CONUS_ERROR_MEMORY;
 }
-
-/* ---- The sessions
- * ---------------------------------------------------------------------------------------------------- */
 
 static void check(bool fine)
 {

@@ -14,8 +14,6 @@
 
 enum { DIM = SHELLS_DIM, RANDOM_DIM = 14 };
 
-/* ---- Shells ----------------------------------------------------------------------------------------------------- */
-
 static void bands_are_objects_of_one_volume(void **state)
 {
     (void)state;
@@ -176,8 +174,6 @@ static void shares_are_those_of_balls_with_gl(void **state)
     check_shares(CONUS_ENGINE_GL);
 }
 
-/* ---- Values ------------------------------------------------------------------------------------------------------ */
-
 /* One row of voxels of 2 mm with these values, at y = z = 0. */
 static conus_status add_row(conus_atlas *atlas, const float *values, size_t count, const conus_band *bands,
                             size_t band_count)
@@ -294,9 +290,6 @@ static void what_is_no_band_is_refused(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* ---- Hidden bands, both engines, other areas ------------------------------------------------------------------------
- */
-
 static conus_atlas *random_bands(uint64_t *random, size_t bands)
 {
     static float values[RANDOM_DIM * RANDOM_DIM * RANDOM_DIM];
@@ -402,9 +395,6 @@ static void bands_stay_when_areas_change(void **state)
     assert_string_equal(conus_atlas_object(atlas, atlas->area_count + 2)->name, "High");
     conus_atlas_destroy(atlas);
 }
-
-/* ---- Memory -------------------------------------------------------------------------------------------------------
- */
 
 static conus_status make_and_hide(void *data)
 {

@@ -81,8 +81,6 @@ static void the_pixel_with_the_smallest_r_is_found(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* ---- A step ------------------------------------------------------------------------------------------------- */
-
 /* A cone along the edge of a step: the object begins at the depth of 60 mm on one side of the axis, at 93 mm on the
  * other. An even n has four innermost pixels, two on either side: the contact is at 60 mm. */
 enum { NEAR = 60, RISE = 33 };

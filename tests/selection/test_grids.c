@@ -177,8 +177,6 @@ static void a_packed_atlas_has_all_grids(void **state)
     destroy_grids(&grids);
 }
 
-/* ---- Answers ----------------------------------------------------------------------------------------------------- */
-
 static conus_selection *ask(conus_selector **selector, const conus_atlas *atlas, const conus_pose *pose, double angle)
 {
     const conus_selector_options options = {.resolution = 24, .layers = CONUS_LAYERS_ALL};
@@ -253,8 +251,6 @@ static void layers_are_those_of_each_grid(void **state)
     }
     assert_true(compared > 100);
 }
-
-/* ---- OpenGL ------------------------------------------------------------------------------------------------------ */
 
 static void both_engines_see_all_grids_alike(void **state)
 {

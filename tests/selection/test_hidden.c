@@ -15,8 +15,6 @@
 
 enum { SCENES = 40, DIM = 12, LIMIT = 64 };
 
-/* ---- Twins ------------------------------------------------------------------------------------------------------ */
-
 /* A parcellation with a random tree, three soups of triangles in general, and two pathways. */
 static conus_atlas *make_atlas(uint64_t seed)
 {
@@ -80,8 +78,6 @@ static void choose(bool hidden[LIMIT], size_t objects, uint64_t seed)
         hidden[number] = test_random(&state, 0, 1) < part;
     }
 }
-
-/* ---- Same answers ----------------------------------------------------------------------------------------------- */
 
 static void assert_same_sweep(const conus_selector *a, const conus_selector *b, const conus_pose *pose)
 {
@@ -241,8 +237,6 @@ static void bounds_are_those_of_what_is_shown(void **state)
     }
 }
 
-/* ---- Showing again, packing, changing --------------------------------------------------------------------------- */
-
 static void assert_answers_as(const conus_atlas *atlas, const conus_atlas *wanted, uint64_t seed)
 {
     conus_atlas *const atlases[2] = {(conus_atlas *)atlas, (conus_atlas *)wanted};
@@ -362,8 +356,6 @@ static void the_centre_of_a_hidden_object_is_known(void **state)
         conus_atlas_destroy(atlas);
     }
 }
-
-/* ---- By name ---------------------------------------------------------------------------------------------------- */
 
 /* 1 Cortex: 2 "V1, left" (V1), 3 V2; 4 Thalamus; pathway "tract": each a voxel of 8. */
 static conus_atlas *named_atlas(void)

@@ -12,8 +12,6 @@
 #include <stdio.h>
 #include <string.h>
 
-/* ---- Ties --------------------------------------------------------------------------------------------------- */
-
 enum { TIED = 5 };
 
 /* Two rows that differ in all that decides, so that only the first difference may count. */
@@ -68,8 +66,6 @@ static void what_has_no_distance_comes_behind(void **state)
     assert_first(&hidden, &deeper);
 }
 
-/* ---- Grids by hand -------------------------------------------------------------------------------------------- */
-
 static conus_volume_info grid_at(const size_t dim[3], const double corner[3])
 {
     double m[16];
@@ -100,8 +96,6 @@ static conus_pose looking_down(double x, double y, double z)
 {
     return (conus_pose){{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, x, y, z, 1}};
 }
-
-/* ---- The rim -------------------------------------------------------------------------------------------------- */
 
 enum { N = 16 };
 
@@ -138,8 +132,6 @@ static void the_rim_is_every_pixel_with_a_neighbour_outside(void **state)
     }
     assert_int_equal(rim, 44); /* by the rows, from the lowest: 6, 4, 4, 2, 2 and 6 times 2 / 2, mirrored */
 }
-
-/* ---- The box around the atlas --------------------------------------------------------------------------------- */
 
 static void add_scalar(conus_atlas *atlas, conus_role role, const size_t dim[3], const double corner[3], size_t voxel)
 {

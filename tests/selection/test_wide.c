@@ -19,8 +19,6 @@ static struct cone looking_down(double degrees, uint32_t n)
     return cone;
 }
 
-/* ---- Rays ----------------------------------------------------------------------------------------------------- */
-
 /* The z axis of the world is the device's; x and y keep their angle about it. */
 static void rays_are_evenly_spread_in_angle(void **state)
 {
@@ -180,8 +178,6 @@ static void apertures_follow_the_angle(void **state)
     }
     aperture_finish(&aperture);
 }
-
-/* ---- Answers -------------------------------------------------------------------------------------------------- */
 
 static const conus_result *result_of(const conus_selection *selection, uint32_t object)
 {
@@ -343,8 +339,6 @@ static void a_range_cuts_at_planes(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* ---- Both engines --------------------------------------------------------------------------------------------- */
-
 static void assert_same_evidence(const struct evidence *a, const struct evidence *b)
 {
     for (size_t pixel = 0; pixel < (size_t)a->resolution * a->resolution; pixel++) {
@@ -448,8 +442,6 @@ static void nothing_is_hit_outside_the_aperture(void **state)
     conus_selection_destroy(selection);
     conus_atlas_destroy(atlas);
 }
-
-/* ---- Coarse and fine ------------------------------------------------------------------------------------------ */
 
 enum { POSES = 12 };
 

@@ -111,8 +111,6 @@ bool gl_pair_same_interval(const conus_interval *a, const conus_interval *b)
            a->voxel == b->voxel;
 }
 
-/* ---- Scenes of meshes ------------------------------------------------------------------------------------------- */
-
 void gl_pair_compare_poses(struct gl_counts *counts, uint64_t *state, const conus_atlas *atlas, gl_comparison compare,
                            double size, int poses, int cylinder)
 {
@@ -163,8 +161,6 @@ void gl_pair_compare_mixed(struct gl_counts *counts, uint64_t *state, gl_compari
         conus_atlas_destroy(atlas);
     }
 }
-
-/* ---- Failing allocations ---------------------------------------------------------------------------------------- */
 
 struct attempt {
     const conus_atlas *atlas;

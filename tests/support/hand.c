@@ -50,8 +50,6 @@ static double normal(struct source *source)
     return radius * cos(2 * MATH3_PI * uniform(source, 0, 1));
 }
 
-/* ---- What is pointed at ------------------------------------------------------------------------------------ */
-
 static void find_centre(double out[3], const conus_atlas *atlas)
 {
     const conus_volume_info *info = &atlas->volumes[0].info;
@@ -135,8 +133,6 @@ static conus_status choose(struct trial *trial, conus_selector *chooser, const d
     }
     return status;
 }
-
-/* ---- How the hand moves ------------------------------------------------------------------------------------ */
 
 /* From 0 to 1, without a jerk at either end (Flash and Hogan 1985). */
 static double minimum_jerk(double part)
@@ -226,8 +222,6 @@ static conus_status record_trial(struct trial *trial, double start, struct sourc
     }
     return status;
 }
-
-/* ---- What is selected -------------------------------------------------------------------------------------- */
 
 static conus_status follow(struct hand_outcome *out, size_t method, conus_tracker *tracker, const struct trial *trial)
 {

@@ -54,8 +54,6 @@ void citation_list(FILE *out, const struct citation *citation)
     }
 }
 
-/* ---- BibTeX ------------------------------------------------------------------------------------------------------ */
-
 /* What TeX would take for more than a character. */
 static void put_escaped(FILE *out, const char *text)
 {

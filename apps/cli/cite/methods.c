@@ -8,8 +8,6 @@
 
 enum { LISTED = 10 };
 
-/* ---- What the sidecar and the command line say ------------------------------------------------------------------- */
-
 const json_t *citation_setting(const struct citation *citation, const char *name)
 {
     return json_object_get(json_object_get(citation->sidecar, "Settings"), name);
@@ -126,8 +124,6 @@ static const char *objects_of(const struct citation *citation, enum number numbe
     return words[number][has[0]][has[1]];
 }
 
-/* ---- Poses ------------------------------------------------------------------------------------------------------- */
-
 /* Of a sweep over angles a pose has a query for each. */
 static size_t count_poses(const struct citation *citation)
 {
@@ -162,8 +158,6 @@ static void put_poses(FILE *out, const struct citation *citation)
         fprintf(out, " (%lld of them had no answer)", errors);
     }
 }
-
-/* ---- The cone ---------------------------------------------------------------------------------------------------- */
 
 /* The distinct angles of the queries, up to LISTED + 1 of them; least and largest of all. */
 static size_t find_angles(double angles[LISTED + 1], double *least, double *most, const struct citation *citation)
@@ -289,8 +283,6 @@ static void put_range(FILE *out, const struct citation *citation)
     }
 }
 
-/* ---- Rays -------------------------------------------------------------------------------------------------------- */
-
 static void put_sampling(FILE *out, const struct citation *citation)
 {
     const json_t *slices = citation_setting(citation, "slices");
@@ -389,8 +381,6 @@ static void put_score(FILE *out, const struct citation *citation)
     }
 }
 
-/* ---- Positions --------------------------------------------------------------------------------------------------- */
-
 static void put_space(FILE *out, const struct citation *citation)
 {
     const char *space = json_string_value(json_object_get(json_object_get(citation->sidecar, "Space"), "orientation"));
@@ -403,8 +393,6 @@ static void put_space(FILE *out, const struct citation *citation)
                 bregma ? bregma : "the landmark of the International Brain Laboratory in the Allen CCF");
     }
 }
-
-/* ---- The kinds of questions -------------------------------------------------------------------------------------- */
 
 static void put_jitter(FILE *out, const struct citation *citation)
 {

@@ -14,8 +14,6 @@
 
 enum { DESCRIPTION_LIMIT = 1 << 20, FOLDERS_UP = 4 };
 
-/* ---- Texts ------------------------------------------------------------------------------------------------------- */
-
 static void add_text(struct references *out, const json_t *value)
 {
     const char *text = json_string_value(value);
@@ -74,8 +72,6 @@ static void read_keys(struct references *out, char *path, const char *needed, co
     }
     free(path);
 }
-
-/* ---- Files ------------------------------------------------------------------------------------------------------- */
 
 static char *path_in(const char *folder, size_t length, const char *name)
 {

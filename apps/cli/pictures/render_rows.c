@@ -25,8 +25,6 @@ static bool begins(const char *text, const char *word)
     return strncmp(text, word, strlen(word)) == 0;
 }
 
-/* ---- Names ------------------------------------------------------------------------------------------------------ */
-
 bool render_pattern_check(const char *pattern)
 {
     for (const char *at = strchr(pattern, '{'); at; at = strchr(at + 1, '{')) {
@@ -125,8 +123,6 @@ static int check_clashes(const struct drawn_rows *rows)
     free(sorted);
     return code;
 }
-
-/* ---- Choice ----------------------------------------------------------------------------------------------------- */
 
 static bool is_chosen(const conus_pose_row *row, size_t number, const struct row_choice *choice)
 {

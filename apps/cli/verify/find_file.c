@@ -15,8 +15,6 @@
 
 const char *const file_state_names[] = {"same", "moved", "not recorded", "changed", "missing"};
 
-/* ---- The folders of --search ------------------------------------------------------------------------------------- */
-
 static bool add_candidate(struct places *places, const char *path, int64_t bytes)
 {
     size_t count = places->candidate_count;
@@ -101,8 +99,6 @@ char *base_folder(const char *recorded, const char *actual)
                 memcmp(actual + length - folders, recorded ? recorded : "", folders) == 0;
     return fits && !(recorded && *recorded == '/') ? strndup(actual, length - folders) : NULL;
 }
-
-/* ---- One file ---------------------------------------------------------------------------------------------------- */
 
 static bool is_file(const char *path, int64_t *bytes)
 {

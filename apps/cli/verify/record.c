@@ -29,8 +29,6 @@ static bool is_sha256(const char *text)
     return strlen(text) == SHA256_TEXT - 1 && strspn(text, "0123456789abcdef") == SHA256_TEXT - 1;
 }
 
-/* ---- Files ------------------------------------------------------------------------------------------------------- */
-
 static const char *read_file(struct recorded_file *out, const json_t *entry, const char *where)
 {
     const json_t *path = json_object_get(entry, "path");
@@ -135,8 +133,6 @@ static const char *read_outputs(struct record *out)
     return bad;
 }
 
-/* ---- Batches ----------------------------------------------------------------------------------------------------- */
-
 static const char *add_named(struct record *out, const json_t *batch, const char *path_key, const char *sum_key)
 {
     const char *path = json_string_value(json_object_get(batch, path_key));
@@ -175,8 +171,6 @@ static const char *read_batch(struct record *out)
     bad = bad ? bad : add_named(out, batch, "pose_file", "pose_file_sha256");
     return bad ? bad : add_named(out, batch, "coordsystem_file", "coordsystem_file_sha256");
 }
-
-/* ---- The whole --------------------------------------------------------------------------------------------------- */
 
 static const char *read_command(struct record *out)
 {

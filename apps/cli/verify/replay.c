@@ -84,8 +84,6 @@ static bool fail_replay(struct replay *replay, const char *format, ...)
     return false;
 }
 
-/* ---- What may be asked again ------------------------------------------------------------------------------------- */
-
 static const struct command *find_command(const struct command *const *commands, const char *name)
 {
     static const char *const again[] = {"query", "batch", "sweep", "track", "overlap", "connect"};
@@ -160,8 +158,6 @@ bool replay_check(struct replay *out, const struct command *const *commands)
 {
     return replay_parse(out, commands) && check_uses(out);
 }
-
-/* ---- The new command line ---------------------------------------------------------------------------------------- */
 
 /* Words on the way, in the child. */
 struct writing {
@@ -313,8 +309,6 @@ static void put_words(struct writing *out)
     put_operands(out);
 }
 
-/* ---- The child --------------------------------------------------------------------------------------------------- */
-
 static bool redirect(const char *path, int flags, int descriptor)
 {
     int file = open(path, flags | O_CLOEXEC, 0600);
@@ -417,8 +411,6 @@ bool replay_run(struct replay *replay)
     stage_finish(&stage);
     return answered;
 }
-
-/* ---- What came of it --------------------------------------------------------------------------------------------- */
 
 char *replay_output(const struct replay *replay, const char *option)
 {

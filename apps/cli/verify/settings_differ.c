@@ -17,8 +17,6 @@ struct comparing {
     bool failed; /* no memory */
 };
 
-/* ---- Values that may differ -------------------------------------------------------------------------------------- */
-
 /* A name of a value, "Outputs[3].bytes", against a pattern, "Outputs[].bytes". A "*" stands for what comes before. */
 static bool name_fits(const char *name, const char *pattern)
 {
@@ -84,8 +82,6 @@ static bool is_picture(const json_t *output)
     const char *option = json_string_value(json_object_get(output, "option"));
     return option && (strcmp(option, "image") == 0 || strcmp(option, "deep") == 0);
 }
-
-/* ---- Comparing --------------------------------------------------------------------------------------------------- */
 
 static char *text_of(const json_t *value)
 {
@@ -166,8 +162,6 @@ static void compare(struct comparing *out, const char *name, json_t *a, json_t *
         compare(out, own, json_array_get(a, i), json_array_get(b, i), depth + 1);
     }
 }
-
-/* ---- What is not answered again as it was ------------------------------------------------------------------------ */
 
 /* Of what was merged, the command that joined it comes behind the one that is asked again. */
 static void compare_programs(struct comparing *out, const json_t *recorded, const json_t *again)

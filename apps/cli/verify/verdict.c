@@ -26,8 +26,6 @@ struct checking {
     const struct recorded_file *output; /* what the result is among those recorded; NULL = not recorded */
 };
 
-/* ---- Lines ------------------------------------------------------------------------------------------------------- */
-
 static void say(struct lines *lines, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 static void say(struct lines *lines, const char *format, ...)
@@ -69,8 +67,6 @@ static const char *name_of(const char *path)
     const char *slash = path ? strrchr(path, '/') : NULL;
     return slash ? slash + 1 : path;
 }
-
-/* ---- The result and its sidecar ---------------------------------------------------------------------------------- */
 
 /* "a.json" of "a.tsv", "a.nii.gz", "a.png" and "a". */
 static char *path_without_ending(const char *result)
@@ -191,8 +187,6 @@ static void find_output(struct checking *checking)
     checking->output = named;
 }
 
-/* ---- What was read ----------------------------------------------------------------------------------------------- */
-
 static void say_file(struct verdict *verdict, const struct recorded_file *file, const struct found_file *found)
 {
     switch (found->state) {
@@ -250,8 +244,6 @@ static int find_files(struct checking *checking, const char *written, bool *ther
     places_finish(&places);
     return code;
 }
-
-/* ---- Comparing --------------------------------------------------------------------------------------------------- */
 
 static bool is_picture(const char *path)
 {
@@ -417,8 +409,6 @@ static int compare(struct checking *checking, struct replay *replay)
     free(path);
     return code;
 }
-
-/* ---- The whole --------------------------------------------------------------------------------------------------- */
 
 /* Of older sidecars: the poses, whose checksum is not recorded. */
 static bool add_poses(struct replay *replay, struct record *record)

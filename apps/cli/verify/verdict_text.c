@@ -83,8 +83,6 @@ void verdict_print_error(const struct verdict *verdict)
     free(text);
 }
 
-/* ---- JSON -------------------------------------------------------------------------------------------------------- */
-
 /* Bytes that are no UTF-8 become null. */
 static json_t *json_from_text(const char *text)
 {

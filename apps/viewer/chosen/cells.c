@@ -34,8 +34,6 @@ static bool is_inside(const struct lattice *lattice, long i, long j, long k)
     return within && lattice->inside[((size_t)k * n[1] + (size_t)j) * n[0] + (size_t)i];
 }
 
-/* ---- Sampling ---------------------------------------------------------------------------------------------------- */
-
 /* One plane across z. */
 static conus_status sample_plane(struct lattice *lattice, uint32_t k, struct wish *wish)
 {
@@ -188,8 +186,6 @@ void cells_finish(struct cells *cells)
     free(cells->middles);
     *cells = (struct cells){.middles = NULL};
 }
-
-/* ---- The shadow -------------------------------------------------------------------------------------------------- */
 
 static uint32_t clamped(double pixel, uint32_t size)
 {

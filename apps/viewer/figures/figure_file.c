@@ -46,8 +46,6 @@ static conus_status write_image(conus_image *image, conus_status status, const c
     return status;
 }
 
-/* ---- 3-D --------------------------------------------------------------------------------------------------------- */
-
 static conus_status make_renderer(conus_renderer **out, const struct viewer *viewer,
                                   const struct figure_settings *settings)
 {
@@ -112,8 +110,6 @@ static bool write_3d(const struct window *window, const struct figure_settings *
     conus_renderer_destroy(renderer);
     return !status || refuse_status(why, status);
 }
-
-/* ---- Cuts -------------------------------------------------------------------------------------------------------- */
 
 static bool write_cut(const struct window *window, enum plane plane, const struct figure_settings *settings,
                       const char *path, char why[FIGURE_REASON])

@@ -56,8 +56,6 @@ void hands_choose_next(struct window *window, enum hand hand)
                hands_pointers[next]);
 }
 
-/* ---- What moves them --------------------------------------------------------------------------------------------- */
-
 static void hear_trackers(struct window *window)
 {
     struct devices *devices = &window->devices;
@@ -141,8 +139,6 @@ void hands_point(struct window *window, const double eye[3], const double direct
         second_update(&window->second, window->viewer);
     }
 }
-
-/* ---- What is said of them ---------------------------------------------------------------------------------------- */
 
 static void find_second(struct notice *out, const struct window *window)
 {

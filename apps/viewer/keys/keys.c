@@ -390,8 +390,6 @@ static void enlarge(struct window *window)
     window_lay_out(window);
 }
 
-/* ---- The table --------------------------------------------------------------------------------------------------- */
-
 static const struct {
     const char *key;
     void (*act)(struct window *window);

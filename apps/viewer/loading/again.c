@@ -17,8 +17,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- Whether it may be ------------------------------------------------------------------------------------------- */
-
 /* Volumes that both have are of the same bytes. */
 static const char *find_other_volume(const conus_atlas *before, const conus_atlas *now)
 {
@@ -65,8 +63,6 @@ static bool is_doubtful(struct window *window, const conus_atlas *now, const jso
     free(trusts ? text : NULL);
     return false;
 }
-
-/* ---- Exchange ---------------------------------------------------------------------------------------------------- */
 
 /* Nothing that was made of the atlases before may outlive them. */
 static void forget_pictures(struct window *window)
@@ -161,8 +157,6 @@ static bool show(struct window *window, struct atlases *loaded, const json_t *wo
     json_decref(added);
     return fine;
 }
-
-/* ---- The whole --------------------------------------------------------------------------------------------------- */
 
 /* With the words as they are kept: files have absolute paths. */
 static bool load_and_show(struct window *window, const struct worded *worded, int step, char why[LOADER_WHY])

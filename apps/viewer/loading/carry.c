@@ -41,8 +41,6 @@ struct carrying {
     bool is_other;     /* there are areas now that were not there before */
 };
 
-/* ---- Identities -------------------------------------------------------------------------------------------------- */
-
 /* What stands before labels of halves and pairs, as a power of ten: those are the largest of the atlas, and the digit 1
  * to 3 before them is the first of their number. 0 = there are none. */
 static uint32_t find_step(const conus_atlas *atlas, conus_hemispheres how)
@@ -155,8 +153,6 @@ static struct sources find_sources(const struct carrying *carrying, uint32_t num
     return left && right ? (struct sources){{left, right}, 2} : (struct sources){.count = 0};
 }
 
-/* ---- What was done to them --------------------------------------------------------------------------------------- */
-
 static bool are_alike(double a, double b)
 {
     return a == b || (isnan(a) && isnan(b));
@@ -258,8 +254,6 @@ static void renumber_pins(struct viewer *viewer, const struct carrying *carrying
         }
     }
 }
-
-/* ---- The whole --------------------------------------------------------------------------------------------------- */
 
 static conus_status carry(struct carrying *carrying, const struct carried *as)
 {

@@ -12,8 +12,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- A look at each ---------------------------------------------------------------------------------------------- */
-
 enum kind { IS_OTHER = 0, IS_TRACTOGRAM, IS_SESSION };
 
 struct looking {
@@ -45,8 +43,6 @@ static void look(void *user)
         looking->kinds[i] = is_named ? IS_SESSION : look_at(path);
     }
 }
-
-/* ---- Atlas and images -------------------------------------------------------------------------------------------- */
 
 /* Whether there is an atlas at `path`; else `why` says why not. */
 static bool is_atlas(struct window *window, const char *path, const struct view_settings *settings,
@@ -100,8 +96,6 @@ static bool find_atlas(struct sorted *sorted, struct window *window, const struc
     why[0] = fine ? '\0' : why[0];
     return fine;
 }
-
-/* ---- All --------------------------------------------------------------------------------------------------------- */
 
 static bool put(struct sorted *out, const struct looking *looking, char why[LOADER_WHY])
 {

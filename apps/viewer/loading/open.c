@@ -20,8 +20,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- Opening ----------------------------------------------------------------------------------------------------- */
-
 static void set_head(struct head *head, const struct station_settings *settings)
 {
     double enlarged = settings->enlarged > 0 ? settings->enlarged : 1;

@@ -46,8 +46,6 @@ static bool is_kept(const struct option *option)
     return false;
 }
 
-/* ---- Options to words -------------------------------------------------------------------------------------------- */
-
 static bool is_file(const char *text, size_t length)
 {
     char path[PATH_MAX];
@@ -120,8 +118,6 @@ json_t *view_words(const struct arguments *arguments, const char *labels)
     }
     return words;
 }
-
-/* ---- Words to options -------------------------------------------------------------------------------------------- */
 
 /* Whether the word is of an option that the command line had. */
 static bool is_given(const struct arguments *arguments, const char *word)

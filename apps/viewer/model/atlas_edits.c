@@ -121,9 +121,6 @@ void viewer_use_transfer(struct viewer *viewer)
     viewer->version++;
 }
 
-/* ---- Thresholds and colours ----------------------------------------------------------------------------------------
- */
-
 void viewer_set_threshold(struct viewer *viewer, uint32_t object, double threshold)
 {
     rest(viewer);
@@ -151,9 +148,6 @@ void viewer_use_safe_colours(struct viewer *viewer, bool safe)
     set_colours(viewer, safe);
     resume(viewer);
 }
-
-/* ---- The look ------------------------------------------------------------------------------------------------------
- */
 
 void viewer_set_grey(struct viewer *viewer, double black, double white)
 {
@@ -225,9 +219,6 @@ void viewer_set_look(struct viewer *viewer, struct view_atlas *on, struct look *
         repaint(viewer);
     }
 }
-
-/* ---- All at once ---------------------------------------------------------------------------------------------------
- */
 
 static bool differ(const struct view_atlas *on, const double *thresholds)
 {

@@ -85,8 +85,6 @@ static void note_error(struct painter *painter)
     wake_window(painter);
 }
 
-/* ---- The thread ------------------------------------------------------------------------------------------------ */
-
 static void make_bytes(struct painter *painter)
 {
     for (int i = 0; i < LEVELS; i++) {
@@ -326,8 +324,6 @@ static void *run(void *user)
     conus_renderer_destroy(renderer);
     return NULL;
 }
-
-/* ---- The window's side ----------------------------------------------------------------------------------------- */
 
 static double *copy_opacity(const struct look *look)
 {

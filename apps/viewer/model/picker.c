@@ -13,9 +13,6 @@ static conus_status make_picker(struct view_atlas *on)
     return on->picker ? CONUS_OK : conus_selector_create(&on->picker, on->atlas, &options);
 }
 
-/* ---- What the context hides ---------------------------------------------------------------------------------------
- */
-
 /* A ray through the context, and how the picture shows it there. */
 struct veil {
     const conus_atlas *atlas;
@@ -74,9 +71,6 @@ static double depth_of_surface(const struct viewer *viewer, const double origin[
     bool hides = veil_init(&veil, viewer) && depth_of(&veil, origin, along, most, dark) < most;
     return hides ? depth_of(&veil, origin, along, most, half) : INFINITY;
 }
-
-/* ---- What is under the mouse --------------------------------------------------------------------------------------
- */
 
 /* Pathways or bundles that are shown. */
 static bool has_pathways(const struct view_atlas *on)

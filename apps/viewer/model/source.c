@@ -6,9 +6,6 @@
 
 static const double default_step_s = 0.1;
 
-/* ---- Replay -------------------------------------------------------------------------------------------------------
- */
-
 double replay_time(const struct replay *replay, size_t index)
 {
     double first = conus_pose_list_row(replay->poses, 0)->time_s;
@@ -69,9 +66,6 @@ bool replay_step(struct replay *replay, struct viewer *viewer, double clock)
     replay->playing = at + 1 < count;
     return true;
 }
-
-/* ---- The tracker --------------------------------------------------------------------------------------------------
- */
 
 static void show_head(struct head *head, const struct station_head *news)
 {

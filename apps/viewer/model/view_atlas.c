@@ -67,8 +67,6 @@ void view_atlas_finish(struct view_atlas *on)
     free(on->path);
 }
 
-/* ---- The question ------------------------------------------------------------------------------------------------ */
-
 /* Of those that the window can change. */
 static bool are_same(const conus_selector_options *a, const conus_selector_options *b)
 {

@@ -22,8 +22,6 @@ void viewer_say(struct viewer *viewer, const char *format, ...)
     viewer->said++;
 }
 
-/* ---- Creation --------------------------------------------------------------------------------------------------- */
-
 void viewer_find_ball(struct viewer *viewer)
 {
     double low[3] = {INFINITY, INFINITY, INFINITY};
@@ -101,8 +99,6 @@ void viewer_finish(struct viewer *viewer)
     free(viewer->transfer);
     *viewer = (struct viewer){0};
 }
-
-/* ---- The cone --------------------------------------------------------------------------------------------------- */
 
 const conus_selection *viewer_selection(const struct viewer *viewer)
 {
@@ -417,8 +413,6 @@ conus_status viewer_write_results(struct viewer *viewer, const char *path)
     free(text);
     return status;
 }
-
-/* ---- The crosshair ---------------------------------------------------------------------------------------------- */
 
 void viewer_cross(struct viewer *viewer, const double at[3])
 {

@@ -121,8 +121,6 @@ void viewer_find_ball(struct viewer *viewer);
 /** Puts one line into the status line. */
 void viewer_say(struct viewer *viewer, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
-/* ---- The cone --------------------------------------------------------------------------------------------------- */
-
 /** Moves the cone and selects. */
 void viewer_aim(struct viewer *viewer, const conus_pose *pose);
 /** A position of the viewer's space, in the world; false with a line in the status line. */
@@ -168,9 +166,6 @@ conus_status viewer_write_results(struct viewer *viewer, const char *path);
 /** Likewise of other answers, [atlas_count] in the viewer's atlases, to the same question but for pose and angle; NULL,
  * or of one NULL, = there is none. */
 conus_status viewer_write_answers(struct viewer *viewer, struct answer *const *answers, const char *path);
-
-/* ---- Where the panes look -----------------------------------------------------------------------------------------
- */
 
 /** Puts the crosshair there, but not far from the atlas. */
 void viewer_cross(struct viewer *viewer, const double at[3]);

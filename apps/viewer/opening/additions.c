@@ -13,8 +13,6 @@
 
 const char *const addition_names[ADDITION_COUNT] = {"context", "pathway", "streamlines"};
 
-/* ---- A word ------------------------------------------------------------------------------------------------------ */
-
 enum addition addition_of(const char **value, const char *word)
 {
     int kind = 0;
@@ -57,8 +55,6 @@ static bool read_word(enum addition *kind, char path[PATH_MAX], const char *word
     *kind = addition_of(&value, word);
     return *kind < ADDITION_COUNT && addition_path(path, *kind, value);
 }
-
-/* ---- Words ------------------------------------------------------------------------------------------------------- */
 
 static bool is_context_surface(const char *word, bool surface)
 {
@@ -128,8 +124,6 @@ size_t additions_index(const json_t *words, const char *path)
     }
     return named;
 }
-
-/* ---- What a session says ----------------------------------------------------------------------------------------- */
 
 /* The numbers from `first` on. */
 static void put_numbers(json_t *entry, size_t first, size_t count)
@@ -236,8 +230,6 @@ json_t *additions_describe(const conus_atlas *atlas, const json_t *words)
     return fine ? list : NULL;
 }
 
-/* ---- Finding them again ------------------------------------------------------------------------------------------ */
-
 static const char *text_of(const json_t *entry, const char *key)
 {
     const char *text = json_string_value(json_object_get(entry, key));
@@ -303,8 +295,6 @@ json_t *additions_find(char missing[ADDITIONS_MISSING], const json_t *words, con
     }
     return fine ? found : NULL;
 }
-
-/* ---- Then and now ------------------------------------------------------------------------------------------------ */
 
 /* What stands behind the file. */
 static const char *keys_of(const json_t *entry, enum addition *kind)

@@ -16,8 +16,6 @@
 
 enum { FILE_LIMIT = 64 << 20 /* bytes */ };
 
-/* ---- What was opened --------------------------------------------------------------------------------------------- */
-
 json_t *opened_describe(const conus_atlas *atlas, const char *path, json_t *options)
 {
     char folder[PATH_MAX];
@@ -31,8 +29,6 @@ json_t *opened_describe(const conus_atlas *atlas, const char *path, json_t *opti
     }
     return opened;
 }
-
-/* ---- Reading ----------------------------------------------------------------------------------------------------- */
 
 static const char *text_or_none(const json_t *object, const char *key)
 {
@@ -88,8 +84,6 @@ bool session_file_differs(const struct session_file *file, const conus_atlas *at
     const conus_volume_info *volume = conus_atlas_volume(atlas, 0);
     return file->sha256[0] && volume && strcmp(file->sha256, volume->sha256) != 0;
 }
-
-/* ---- Finding it again -------------------------------------------------------------------------------------------- */
 
 /* Also with ",volume=K" and the like behind it. */
 static bool is_there(const char *path)

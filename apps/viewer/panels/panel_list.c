@@ -32,8 +32,6 @@ static void click(struct viewer *viewer, const struct view_atlas *on, const conu
     viewer->version++;
 }
 
-/* ---- Headings ---------------------------------------------------------------------------------------------------- */
-
 static void draw_heading(struct viewer *viewer, size_t column)
 {
     char text[RESULT_TEXT];
@@ -69,8 +67,6 @@ static float width_of(const struct window *window, size_t column)
     float widest = ui_text_width(result_widest(viewer, column));
     return wide > widest ? wide : widest;
 }
-
-/* ---- Rows -------------------------------------------------------------------------------------------------------- */
 
 static void draw_name(struct viewer *viewer, const struct view_atlas *on, const conus_result *result)
 {
@@ -159,8 +155,6 @@ void panel_list(struct window *window, const struct view_atlas *on, const conus_
         ui_list_end();
     }
 }
-
-/* ---- Which columns ----------------------------------------------------------------------------------------------- */
 
 static void choose_column(struct viewer *viewer, size_t column, bool is_shown)
 {

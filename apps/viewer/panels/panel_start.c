@@ -8,8 +8,6 @@
 static const float page_width = 980, number_width = 26, key_width = 80;
 static const float least_wide = 700, gap = 24; /* from here on the lists stand side by side, so far apart */
 
-/* ---- Its parts, from above --------------------------------------------------------------------------------------- */
-
 static void draw_title(void)
 {
     ui_heading("conus");
@@ -61,8 +59,6 @@ static void draw_field(struct window *window)
         window_want_typed(window);
     }
 }
-
-/* ---- The lists --------------------------------------------------------------------------------------------------- */
 
 /* Its number is a key; the folder is cut where the page ends, and in the tip it is whole. */
 static void draw_entry(struct window *window, size_t index)
@@ -212,8 +208,6 @@ static void draw_lists(struct window *window, float height)
     draw_catalogue(window, ui_room_below());
     ui_scroll_end();
 }
-
-/* ---- The keys ---------------------------------------------------------------------------------------------------- */
 
 static void draw_key(const struct window *window, const char *key, const char *meaning)
 {

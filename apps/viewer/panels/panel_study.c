@@ -13,8 +13,6 @@ static const ui_colour ground = {24, 25, 30, 255};
 static const ui_colour grid = {255, 255, 255, 40};
 static const ui_colour nothing = {150, 150, 155, 255};
 
-/* ---- Settings ---------------------------------------------------------------------------------------------------- */
-
 static void choose_kind(struct viewer *viewer)
 {
     static const char *const kinds[STUDY_COUNT] = {"none", "sweep of the angle", "jitter of the pose"};
@@ -58,8 +56,6 @@ static void choose_errors(struct viewer *viewer)
         studies_use(viewer, &study);
     }
 }
-
-/* ---- The plot ---------------------------------------------------------------------------------------------------- */
 
 static ui_colour colour_of(const struct viewer *viewer, uint32_t object)
 {
@@ -197,8 +193,6 @@ static size_t draw_plot(const struct window *window, const struct study_answer *
     return angle;
 }
 
-/* ---- Lists ------------------------------------------------------------------------------------------------------- */
-
 static void draw_name(struct viewer *viewer, uint32_t object)
 {
     ui_cell();
@@ -277,8 +271,6 @@ static void draw_chances(struct window *window, const struct study_table *table)
         ui_table_end();
     }
 }
-
-/* ---- The panel --------------------------------------------------------------------------------------------------- */
 
 static void draw_answer(struct window *window, const struct study_answer *answer, bool is_old)
 {

@@ -18,9 +18,6 @@ static const double highest = 0.3;
 
 enum { HEIGHT = 110, REACH = 9 };
 
-/* ---- The histogram ------------------------------------------------------------------------------------------------
- */
-
 /* Heights are logarithms: air and tissue differ a thousandfold. */
 static void count_values(struct transfer_editor *editor, const conus_atlas *atlas, size_t volume)
 {
@@ -55,9 +52,6 @@ static bool make_ready(struct viewer *viewer)
     editor->counted = false;
     return editor->ready;
 }
-
-/* ---- The points ---------------------------------------------------------------------------------------------------
- */
 
 static void place_of(float out[2], const struct transfer_editor *editor, const struct ui_box *box, size_t point)
 {
@@ -134,9 +128,6 @@ static void edit_transfer(struct viewer *viewer)
     ui_tip("drag the points: right is a brighter grey value, in the image's own unit; up is more opaque, 0 to 1 a mm");
     draw_editor(editor, &box);
 }
-
-/* ---- Pathways -----------------------------------------------------------------------------------------------------
- */
 
 /* A band of values is as it was given. */
 static void show_band(const conus_object *band)

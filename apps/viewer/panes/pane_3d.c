@@ -25,8 +25,6 @@ static const float click = 4;   /* pixels that the mouse may move and it is stil
 
 enum { NAMES_SHOWN = 3, INSET = 7 /* pixels on the screen per pixel of the device's view */ };
 
-/* ---- The picture ------------------------------------------------------------------------------------------------- */
-
 static void ask_painter(struct window *window, bool moving)
 {
     struct viewer *viewer = window->viewer;
@@ -83,8 +81,6 @@ static void take_picture(struct window *window)
         free(picture.rgba);
     }
 }
-
-/* ---- Over it ----------------------------------------------------------------------------------------------------- */
 
 bool pane_3d_place(float out[2], const struct window *window, const double world[3])
 {
@@ -229,8 +225,6 @@ static void draw_notices(const struct window *window)
     }
     draw_second_notice(window, at);
 }
-
-/* ---- The mouse --------------------------------------------------------------------------------------------------- */
 
 /* From the eye through the mouse. */
 static void find_ray(double eye[3], double direction[3], const struct window *window)

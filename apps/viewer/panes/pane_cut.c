@@ -28,8 +28,6 @@ struct frame {
     double centre[3], right[3], up[3], mm_per_pixel;
 };
 
-/* ---- The picture ------------------------------------------------------------------------------------------------ */
-
 /* A cutter holds as long as the atlas does not change. */
 static bool have_cutter(struct cut_pane *pane, struct viewer *viewer)
 {
@@ -81,8 +79,6 @@ static void draw_picture(struct window *window, const struct frame *frame, const
     }
 }
 
-/* ---- Where things are in it -------------------------------------------------------------------------------------- */
-
 static void world_at(double out[3], const struct frame *frame, float x, float y)
 {
     const struct ui_box *box = &frame->pane->box;
@@ -112,8 +108,6 @@ static uint32_t object_at(const struct cut_pane *pane, float x, float y)
     const uint32_t *objects = inside && pane->cutter ? conus_cutter_objects(pane->cutter) : NULL;
     return objects ? objects[(size_t)row * pane->texture.width + (size_t)column] : 0;
 }
-
-/* ---- Over it ----------------------------------------------------------------------------------------------------- */
 
 static char letter_towards(const double direction[3])
 {
@@ -213,8 +207,6 @@ static void draw_chosen(const struct window *window, const struct cut_pane *pane
                   view_atlas_title(title, drawn, drawn->shown.chosen));
     }
 }
-
-/* ---- The mouse --------------------------------------------------------------------------------------------------- */
 
 static void aim_along(const struct tool *tool, const double origin[3], const double direction[3])
 {

@@ -56,8 +56,6 @@ static bool shows(const struct window *window)
     return window->second.on && window->second.has_pose;
 }
 
-/* ---- In a cut ---------------------------------------------------------------------------------------------------- */
-
 static double dot(const double a[3], const double b[3])
 {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -94,8 +92,6 @@ void pane_second_cut(struct window *window, const struct pane_plane *plane)
         draw_line(from, to);
     }
 }
-
-/* ---- In 3-D ------------------------------------------------------------------------------------------------------ */
 
 static void draw_between(const struct window *window, const double from[3], const double to[3])
 {

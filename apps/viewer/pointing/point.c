@@ -10,8 +10,6 @@
 static const double skin_part = 0.2;
 static const double fine = 0.01; /* of a step: how well the skin is found */
 
-/* ---- The surface ------------------------------------------------------------------------------------------------- */
-
 /* A ray through the context. */
 struct course {
     const struct view_atlas *on;
@@ -88,8 +86,6 @@ double point_depth(struct viewer *viewer, const double from[3], const double dir
     double least = fmax(across - far, 0);
     return fmin(nearest, depth_of_context(viewer, from, direction, least, fmin(nearest, across + far)));
 }
-
-/* ---- The cone ---------------------------------------------------------------------------------------------------- */
 
 bool point_find(conus_pose *out, struct viewer *viewer, const double eye[3], const double direction[3])
 {

@@ -36,8 +36,6 @@ bool question_use(struct viewer *viewer, const conus_selector_options *options, 
     return true;
 }
 
-/* ---- Depths ------------------------------------------------------------------------------------------------------ */
-
 bool question_set_range(struct viewer *viewer, double nearest, double farthest)
 {
     conus_selector_options options = viewer->cone.options;
@@ -57,8 +55,6 @@ bool question_move_range(struct viewer *viewer, double nearest, double farthest)
     }
     return fine;
 }
-
-/* ---- Levels ------------------------------------------------------------------------------------------------------ */
 
 bool question_set_level(struct viewer *viewer, const char *level)
 {

@@ -77,8 +77,6 @@ const char *result_ending(size_t format)
     return endings[format];
 }
 
-/* ---- Names ------------------------------------------------------------------------------------------------------- */
-
 const char *result_key(size_t column)
 {
     return columns[column].key;
@@ -122,8 +120,6 @@ const char *result_widest(const struct viewer *viewer, size_t column)
     static const char *const places[] = {"-199.99", "-199.99", "13200.0", "-19.99"}; /* by space */
     return columns[column].kind == PLACE ? places[viewer->frame.space] : columns[column].widest;
 }
-
-/* ---- Which are shown --------------------------------------------------------------------------------------------- */
 
 static bool has_layers(const struct viewer *viewer)
 {
@@ -211,8 +207,6 @@ void result_order_by(struct viewer *viewer, size_t column)
     viewer->version++;
 }
 
-/* ---- Cells ------------------------------------------------------------------------------------------------------- */
-
 /* NULL where there is none. */
 static const char *text_of(const struct view_atlas *on, const struct column *of, const conus_result *result)
 {
@@ -295,8 +289,6 @@ const char *result_exact(char out[RESULT_TEXT], const struct viewer *viewer, con
     snprintf(out, RESULT_TEXT, is_whole ? "%.0f" : "%.9g", value + 0.0); /* no -0 */
     return out;
 }
-
-/* ---- Order ------------------------------------------------------------------------------------------------------- */
 
 struct row {
     size_t index;

@@ -68,8 +68,7 @@ static bool is_done(conus_status status)
     return !status;
 }
 
-/* ---- The commands: false where the arguments are wrong ------------------------------------------------------------
- */
+/* The commands: false where the arguments are wrong. */
 
 static bool do_key(struct call *call)
 {
@@ -436,9 +435,6 @@ static const struct {
     {"figure", 1, 2, script_figure, "FILE.png [3d|axial|coronal|sagittal]"},
 };
 enum { USES = sizeof uses / sizeof uses[0] };
-
-/* ---- Reading ------------------------------------------------------------------------------------------------------
- */
 
 int script_load(struct script **out, const char *path)
 {

@@ -98,9 +98,6 @@ bool session_refuse(char why[SESSION_REASON], const char *format, ...)
     return false;
 }
 
-/* ---- Between viewer and state ---------------------------------------------------------------------------------------
- */
-
 static void take_study(struct state *out, const struct study_settings *study)
 {
     out->study = (double)study->kind;
@@ -208,9 +205,6 @@ static void put_state(struct window *window, const struct state *state)
     window->enlarged = (int)state->enlarged;
     put_head(&viewer->head, state);
 }
-
-/* ---- Writing
- * --------------------------------------------------------------------------------------------------------- */
 
 static json_t *numbers(const struct field *field)
 {
@@ -328,9 +322,6 @@ bool session_save(struct window *window, const char *path, char why[SESSION_REAS
            session_refuse(why, "%s",
                           text ? conus_message() : "session: not enough memory, or a name that is not UTF-8");
 }
-
-/* ---- Reading
- * --------------------------------------------------------------------------------------------------------- */
 
 static bool read_number(double *out, const json_t *value, const struct field *field)
 {

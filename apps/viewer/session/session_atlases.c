@@ -9,8 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- Writing ----------------------------------------------------------------------------------------------------- */
-
 json_t *session_hidden(const struct view_atlas *on)
 {
     json_t *hidden = json_array();
@@ -79,8 +77,6 @@ json_t *session_further(const struct viewer *viewer)
     }
     return fine ? list : NULL;
 }
-
-/* ---- Reading ----------------------------------------------------------------------------------------------------- */
 
 /* Fills [object_count + 1], zeroed. */
 static bool read_hidden(bool *hidden, const json_t *root, size_t object_count, char why[SESSION_REASON])

@@ -8,15 +8,11 @@
 
 #include <jansson.h>
 
-/* ---- Parts of the JSON ------------------------------------------------------------------------------------------ */
-
 json_t *session_hidden(const struct view_atlas *on);
 json_t *session_thresholds(const struct view_atlas *on);
 json_t *session_place(const struct view_atlas *on);
 /** Of the atlases behind the first; NULL without memory, or where a path is not UTF-8. */
 json_t *session_further(const struct viewer *viewer);
-
-/* ---- Back again -------------------------------------------------------------------------------------------------- */
 
 struct session_atlases {
     bool **hidden;       /**< [count][object_count + 1]; NULL of an atlas = as it is. */

@@ -8,8 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- From number to number --------------------------------------------------------------------------------------- */
-
 struct numbers {
     uint32_t *now; /* [then + 1] 0 = it is not there any more */
     size_t then, count;
@@ -109,8 +107,6 @@ static uint32_t number_now(const struct numbers *numbers, const json_t *value)
     return number >= 1 && (uint64_t)number <= numbers->then ? numbers->now[number] : 0;
 }
 
-/* ---- What has numbers -------------------------------------------------------------------------------------------- */
-
 static void fit_hidden(json_t *list, const struct numbers *numbers)
 {
     for (size_t i = json_array_size(list); i-- > 0;) {
@@ -191,8 +187,6 @@ static void fit_objects(json_t *root, const struct numbers *numbers, const struc
         json_object_set_new(root, "thresholds", fit_thresholds(thresholds, on));
     }
 }
-
-/* ---- The context ------------------------------------------------------------------------------------------------- */
 
 static bool is_context(const json_t *entry)
 {

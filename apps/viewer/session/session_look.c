@@ -8,8 +8,6 @@
 /* Grey values are floats; a window of them that a mouse makes is some times wider. */
 static const double grey_limit = 1e30;
 
-/* ---- Writing ----------------------------------------------------------------------------------------------------- */
-
 static json_t *grey_of(const struct look *look)
 {
     bool set = look->grey[0] != 0 || look->grey[1] != 0;
@@ -49,8 +47,6 @@ json_t *session_look(const struct view_atlas *on)
     }
     return look;
 }
-
-/* ---- Reading ----------------------------------------------------------------------------------------------------- */
 
 static bool read_grey(struct look *out, const json_t *value, char why[SESSION_REASON])
 {
@@ -164,8 +160,6 @@ bool session_backdrop_read(enum backdrop *backdrop, const json_t *name, char why
     return session_refuse(why, "session: background: light, white, black or transparent is needed");
 }
 
-/* ---- The sheet of figures ---------------------------------------------------------------------------------------- */
-
 json_t *session_sheet(const struct sheet *sheet)
 {
     return json_pack("{s: b, s: [i, i], s: [f, f], s: f, s: i, s: b}", "in_mm", sheet->in_mm, "pixels",
@@ -202,8 +196,6 @@ bool session_sheet_read(struct sheet *sheet, const json_t *entry, char why[SESSI
                             .no_text = !text};
     return true;
 }
-
-/* ---- How the window is divided ----------------------------------------------------------------------------------- */
 
 json_t *session_layout(const struct layout *layout)
 {

@@ -29,8 +29,6 @@ static bool go_on(void *user, size_t done, size_t total)
     return !work->stopped;
 }
 
-/* ---- Sweeps ------------------------------------------------------------------------------------------------------ */
-
 /* The object's curve, a new one where there is none yet; NULL without memory. */
 static struct study_curve *curve_of(struct study_table *table, uint32_t object, size_t angle_count)
 {
@@ -106,8 +104,6 @@ static bool list_angles(struct study_answer *answer)
     return answer->angles;
 }
 
-/* ---- Jitter ------------------------------------------------------------------------------------------------------ */
-
 static conus_status note_chances(struct study_table *table, const conus_jitter *jitter)
 {
     size_t count = conus_jitter_count(jitter);
@@ -138,8 +134,6 @@ static conus_status shake(struct work *work, size_t atlas)
     conus_jitter_destroy(jitter);
     return status;
 }
-
-/* ---- Both -------------------------------------------------------------------------------------------------------- */
 
 static conus_status answer_atlas(struct work *work, const char *name, size_t atlas)
 {

@@ -34,8 +34,6 @@ struct studier {
     void (*wake_window)(void);
 };
 
-/* ---- The thread -------------------------------------------------------------------------------------------------- */
-
 static void drop_selectors(struct studier *studier)
 {
     for (size_t i = 0; i < studier->atlas_count; i++) {
@@ -132,8 +130,6 @@ static void *run(void *user)
     pthread_mutex_unlock(&studier->lock);
     return NULL;
 }
-
-/* ---- The window's side ------------------------------------------------------------------------------------------- */
 
 static void finish(struct studier *studier)
 {

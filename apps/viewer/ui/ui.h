@@ -37,7 +37,7 @@ bool ui_wants_keys(void);
 float ui_line(void);
 float ui_text_width(const char *text);
 
-/* ---- Panels: a panel's widgets come between ui_panel() and ui_panel_end() --------------------------------------- */
+/* Panels: a panel's widgets come between ui_panel() and ui_panel_end(). */
 
 /** Panels have no background, which costs time: what the framebuffer was cleared to. But those in front have. */
 enum ui_panel_flag {
@@ -114,8 +114,6 @@ bool ui_table(const char *id, const char *const *columns, size_t count, float he
 void ui_cell(void); /**< The next cell. */
 void ui_table_end(void);
 
-/* ---- Pictures and what is drawn over them ------------------------------------------------------------------------ */
-
 /** A picture, @p texture of GL, opaque. */
 void ui_draw_image(uint32_t texture, struct ui_box box);
 /** Likewise, but its opacity counts. */
@@ -129,8 +127,6 @@ void ui_draw_box(struct ui_box box, ui_colour colour, float width);
 void ui_shorten(char *out, size_t size, const char *text, float width);
 /** Text with its top left corner there, in front of a dark shade. */
 void ui_draw_text(const float at[2], ui_colour colour, const char *text);
-
-/* ---- The mouse -------------------------------------------------------------------------------------------------- */
 
 struct ui_mouse {
     float x, y, moved_x, moved_y, wheel;

@@ -8,8 +8,6 @@
 #include <string.h>
 #include <unistd.h>
 
-/* ---- What is wanted ---------------------------------------------------------------------------------------------- */
-
 bool window_wants(const struct window *window)
 {
     return window->wanted.count || window->wanted.words;
@@ -80,8 +78,6 @@ void window_ask(struct window *window, const struct wanted *wanted)
     }
 }
 
-/* ---- What is added to the atlas that is open --------------------------------------------------------------------- */
-
 const struct json_t *window_words(struct window *window)
 {
     const json_t *words = json_object_get(window->opened, "options");
@@ -138,8 +134,6 @@ void window_want_hemispheres(struct window *window, conus_hemispheres how, int s
         viewer_say(window->viewer, "%s", hemispheres_meanings[how]);
     }
 }
-
-/* ---- The dialog -------------------------------------------------------------------------------------------------- */
 
 /* Beside the one that was saved last, or else where one can write, by the atlas's name. */
 static void find_session_path(char path[PATH_MAX], const struct window *window)

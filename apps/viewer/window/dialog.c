@@ -12,8 +12,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* ---- Paths ------------------------------------------------------------------------------------------------------- */
-
 static bool is_folder(const char *path)
 {
     struct stat info;
@@ -48,8 +46,6 @@ void dialog_here(char path[PATH_MAX], const struct dialog *dialog)
     }
     snprintf(path, PATH_MAX, "%.*s", length ? (int)length : 1, length ? whole : ".");
 }
-
-/* ---- The text ---------------------------------------------------------------------------------------------------- */
 
 void dialog_set(struct dialog *dialog, const char *text)
 {
@@ -86,8 +82,6 @@ void dialog_look(struct dialog *dialog)
         dialog->why[0] = '\0';
     }
 }
-
-/* ---- The list ---------------------------------------------------------------------------------------------------- */
 
 bool dialog_fits(const struct dialog *dialog, size_t index)
 {
@@ -140,8 +134,6 @@ void dialog_take(struct dialog *dialog, size_t index)
         dialog->marked = index;
     }
 }
-
-/* ---- The answer -------------------------------------------------------------------------------------------------- */
 
 static void complain(struct dialog *dialog, const char *text, const char *path)
 {
@@ -214,8 +206,6 @@ bool dialog_enter(char path[PATH_MAX], struct dialog *dialog)
     }
     return dialog->purpose == DIALOG_OPEN || answer_save(path, dialog);
 }
-
-/* ---- Showing it -------------------------------------------------------------------------------------------------- */
 
 static void add_place(struct dialog *dialog, const char *path)
 {

@@ -67,8 +67,6 @@ const char *start_words(char words[PATH_MAX], const struct start *start, size_t 
     return slash && slash[1] ? slash + 1 : words;
 }
 
-/* ---- The line ---------------------------------------------------------------------------------------------------- */
-
 const char *start_words_typed(const struct start *start)
 {
     return strchr(start->typed, '/') || start->typed[0] == '~' ? "" : start->typed;

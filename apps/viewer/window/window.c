@@ -18,8 +18,6 @@
 
 enum { STATUS_HEIGHT = 24 };
 
-/* ---- Events ------------------------------------------------------------------------------------------------------ */
-
 static void touch(GLFWwindow *handle)
 {
     struct window *window = glfwGetWindowUserPointer(handle);
@@ -55,8 +53,6 @@ static void touch_by_numbers(GLFWwindow *handle, int x, int y)
     (void)y;
     touch(handle);
 }
-
-/* ---- Keys -------------------------------------------------------------------------------------------------------- */
 
 bool window_press(struct window *window, const char *key)
 {
@@ -195,8 +191,6 @@ static void hear_events(GLFWwindow *handle)
     glfwSetWindowContentScaleCallback(handle, note_scale);
     glfwSetDropCallback(handle, take_drop);
 }
-
-/* ---- The window -------------------------------------------------------------------------------------------------- */
 
 static void print_glfw_error(int code, const char *text)
 {

@@ -23,8 +23,6 @@ struct reading {
     struct notes *notes;
 };
 
-/* ---- Formats ----------------------------------------------------------------------------------------------------- */
-
 bool mesh_foreign_is(const char *path)
 {
     static const char *const endings[] = {".vtk", ".vtp", ".ply", ".stl", ".obj", ".off", ".mz3"};
@@ -81,8 +79,6 @@ static conus_status parse(struct foreign_mesh *out, struct obj_objects *objects,
     }
     return file_kind_fail(path, bytes, "a surface (VTK, VTP, PLY, MZ3, or named as STL, OBJ or OFF)");
 }
-
-/* ---- Files ------------------------------------------------------------------------------------------------------- */
 
 /* Lines (streamlines) come in files of VTK's, too, and leave no triangle. */
 static conus_status explain_failure(conus_status status, const struct bytes *bytes)
@@ -190,8 +186,6 @@ conus_status mesh_foreign_read(struct mesh *out, const char *const *paths, size_
     memory_free(meshes);
     return status;
 }
-
-/* ---- Objects ----------------------------------------------------------------------------------------------------- */
 
 /* Vertices of a whole, as they are numbered in a part of it. */
 struct renumbering {

@@ -38,8 +38,6 @@ struct ply {
     size_t element_count, property_count;
 };
 
-/* ---- Header ------------------------------------------------------------------------------------------------------ */
-
 static const struct {
     const char *name, *sized;
     size_t size;
@@ -230,8 +228,6 @@ static conus_status read_header(struct ply *ply)
     }
     return status ? status : check_header(ply, has_format);
 }
-
-/* ---- Elements ---------------------------------------------------------------------------------------------------- */
 
 static double number_at(const uint8_t *data, enum ply_type type, bool swapped)
 {

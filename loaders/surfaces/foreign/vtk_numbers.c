@@ -157,8 +157,6 @@ conus_status vtk_take_field(struct vtk *vtk)
     return status;
 }
 
-/* ---- Numbers of points and cells --------------------------------------------------------------------------------- */
-
 /* Of colours: text has numbers from 0 to 1, and binary files bytes. */
 static const struct vtk_type *colour_type(const struct vtk *vtk)
 {

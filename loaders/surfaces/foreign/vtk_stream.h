@@ -35,8 +35,6 @@ conus_status vtk_next_whole(int64_t *out, struct vtk *vtk, const struct vtk_type
 /** The next number, rounded once. A coordinate (VTK_OF_NOTHING) is finite where it is text. */
 conus_status vtk_next_number(float *out, struct vtk *vtk, const struct vtk_type *type, const char *what);
 
-/* ---- vtk_numbers.c ----------------------------------------------------------------------------------------------- */
-
 /** Reads a field, behind its word: its arrays are kept where they are of points or cells, else passed over. */
 conus_status vtk_take_field(struct vtk *vtk);
 

@@ -58,8 +58,6 @@ struct vtp {
     size_t column_count, column_capacity;
 };
 
-/* ---- The file as XML, and what is appended ----------------------------------------------------------------------- */
-
 static const char appended_tag[] = "<AppendedData";
 
 /* Appended data are no XML: the document in `out` ends where they begin. */
@@ -93,8 +91,6 @@ static conus_status check_closed(const struct vtp *vtp)
     return !vtp->appended.data || closed ? CONUS_OK
                                          : fail(CONUS_ERROR_DATA, "AppendedData: the file ends before </VTKFile>");
 }
-
-/* ---- Elements ---------------------------------------------------------------------------------------------------- */
 
 static conus_status take_root(struct vtp *vtp, const struct xml_event *event)
 {
@@ -317,8 +313,6 @@ static void forget_parts(struct vtp *vtp)
     vtp->use = USE_NOTHING; /* an array that is still open is not read on */
 }
 
-/* ---- Pieces ------------------------------------------------------------------------------------------------------ */
-
 /* What was kept is less memory for the arrays of the next piece. */
 static void spend(struct vtp *vtp, size_t count, size_t size)
 {
@@ -481,8 +475,6 @@ static conus_status take_space(struct vtp *vtp)
     vtp->use = USE_NOTHING;
     return status ? fail_in(status, "SPACE") : CONUS_OK;
 }
-
-/* ---- Events ------------------------------------------------------------------------------------------------------ */
 
 static const struct {
     const char *name;

@@ -14,7 +14,7 @@
 
 enum { INFLATE_RATIO = 1032 }; /* the most that deflate makes of a byte */
 
-/* ---- Bytes out of a file that may hold them in base64 ------------------------------------------------------------ */
+/* Bytes out of a file that may hold them in base64. */
 
 struct source {
     struct text rest;
@@ -117,8 +117,6 @@ static conus_status read_plain(struct bytes *out, struct source *source, const s
     *out = bytes;
     return CONUS_OK;
 }
-
-/* ---- Packed blocks ----------------------------------------------------------------------------------------------- */
 
 /* All blocks have `size` bytes, unpacked, but the last one if `last` is not 0. */
 struct blocks {
@@ -242,8 +240,6 @@ conus_status vtp_bytes(struct bytes *out, const struct vtp_storage *storage)
     *out = bytes;
     return CONUS_OK;
 }
-
-/* ---- Numbers ----------------------------------------------------------------------------------------------------- */
 
 static int64_t whole_at(const uint8_t *data, const struct vtp_storage *storage)
 {

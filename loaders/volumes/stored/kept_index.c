@@ -26,8 +26,6 @@ static void find_store(struct cache_store *out, const char *real, const struct b
     }
 }
 
-/* ---- Finding ----------------------------------------------------------------------------------------------------- */
-
 /* Whether the entry is about this open file, and nothing else. */
 static bool is_about(const struct cache_entry *entry, const struct file_state *state)
 {
@@ -87,8 +85,6 @@ void kept_index_finish(struct kept_index *kept)
     }
     *kept = (struct kept_index){.descriptor = -1};
 }
-
-/* ---- Keeping ----------------------------------------------------------------------------------------------------- */
 
 void index_keeper_begin(struct index_keeper *out, const char *path, const struct bytes *header)
 {

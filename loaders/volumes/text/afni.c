@@ -73,8 +73,6 @@ bool afni_is(const uint8_t *data, size_t size)
     return text_word(&rest, &word) && text_equal(word, "type") && text_starts(text_trim(rest), "=");
 }
 
-/* ---- Attributes -------------------------------------------------------------------------------------------------- */
-
 /* The value of the next line, which must be "NAME = value". */
 static conus_status read_assignment(struct text *value, struct text *rest, const char *name, size_t *lines)
 {
@@ -160,8 +158,6 @@ static conus_status read_all(struct header *header, struct text rest)
     }
     return status;
 }
-
-/* ---- What they mean ---------------------------------------------------------------------------------------------- */
 
 /* The first `count` numbers; more may follow. */
 static conus_status take_numbers(double *out, size_t count, const struct header *header, int attribute)
@@ -267,8 +263,6 @@ static conus_status read_factors(struct text_volume *out, const struct header *h
     return status;
 }
 
-/* ---- The grid ---------------------------------------------------------------------------------------------------- */
-
 /* ORIENT_SPECIFIC, ORIGIN and DELTA: axes along those of DICOM, LPS. Codes: R to L, L to R, P to A, A to P, I to S, S
  * to I; a step towards R, A or I is negative. */
 static conus_status read_plumb(double lps[16], const struct header *header)
@@ -357,8 +351,6 @@ static conus_status read_space(struct text_volume *out, const struct header *hea
     out->space_code = view == 0 ? 1 : view == 1 ? 2 : mni ? 4 : talairach ? 3 : 5;
     return status;
 }
-
-/* ---- Names ------------------------------------------------------------------------------------------------------- */
 
 /* Names of the volumes, each ended by '~'. */
 static conus_status read_titles(struct text_volume *out, const struct header *header)

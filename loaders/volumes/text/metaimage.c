@@ -140,8 +140,6 @@ static conus_status read_truth(bool *out, struct text value, bool missing, const
                : CONUS_OK;
 }
 
-/* ---- What the voxels are ----------------------------------------------------------------------------------------- */
-
 static conus_status read_type(struct text_volume *out, struct text value)
 {
     static const struct {
@@ -236,8 +234,6 @@ static conus_status read_file(struct text_volume *out, struct text value)
                                  (unsigned long long)out->byte_skip)
                           : CONUS_OK;
 }
-
-/* ---- The grid ---------------------------------------------------------------------------------------------------- */
 
 static conus_status read_sizes(struct text_volume *out, struct header *header)
 {

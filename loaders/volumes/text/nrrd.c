@@ -57,8 +57,6 @@ bool nrrd_is(const uint8_t *data, size_t size)
     return size >= 8 && text_starts((struct text){(const char *)data, size}, "NRRD00");
 }
 
-/* ---- Lines ------------------------------------------------------------------------------------------------------- */
-
 static conus_status read_magic(struct text *rest, size_t *lines)
 {
     struct text line = {0};
@@ -106,8 +104,6 @@ static conus_status read_lines(struct nrrd_header *header, struct text *rest)
     }
     return status;
 }
-
-/* ---- What the voxels are ----------------------------------------------------------------------------------------- */
 
 static conus_status read_type(struct text_volume *out, struct text value)
 {

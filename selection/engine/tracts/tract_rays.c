@@ -22,8 +22,6 @@ struct tract_rays {
     struct scene scenes[];
 };
 
-/* ---- Objects ---------------------------------------------------------------------------------------------------- */
-
 void tract_rays_destroy(struct tract_rays *rays)
 {
     for (size_t i = 0; rays && i < rays->scene_count; i++) {
@@ -140,8 +138,6 @@ static const uint32_t *objects_of(size_t *count, const struct scene *scene, uint
     return scene->objects + scene->first[streamline];
 }
 
-/* ---- Rays ------------------------------------------------------------------------------------------------------- */
-
 /* A ray in a scene. */
 struct ray {
     const struct scene *scene;
@@ -215,8 +211,6 @@ void tract_rays_walk(const struct tract_rays *rays, struct tract_bundle *bundle)
         }
     }
 }
-
-/* ---- Intervals -------------------------------------------------------------------------------------------------- */
 
 static int compare(const void *a, const void *b)
 {
@@ -296,8 +290,6 @@ conus_status tract_rays_pierce(const struct tract_rays *rays, const struct tract
     }
     return status;
 }
-
-/* ---- Runs that others found ------------------------------------------------------------------------------------- */
 
 size_t tract_rays_scenes(const struct tract_rays *rays)
 {

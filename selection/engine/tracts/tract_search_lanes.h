@@ -21,8 +21,6 @@ static INLINE struct ray ray_of(const struct tract_search *search, float limit)
     return ray;
 }
 
-/* ---- Boxes ------------------------------------------------------------------------------------------------------ */
-
 /* Where a ray is in items of a node at most, from one place to another. */
 struct stay {
     singles in, out;
@@ -90,8 +88,6 @@ static INLINE unsigned boxes_hit(float enter[TRACT_WIDTH], const struct tract_se
     }
     return bits;
 }
-
-/* ---- Capsules --------------------------------------------------------------------------------------------------- */
 
 static INLINE singles within_0_1(singles x)
 {
@@ -209,8 +205,6 @@ static INLINE struct seen see_runs(const struct ray *ray, const struct scale *sc
     return see(ray, at[0], at[1]);
 }
 
-/* ---- Segments --------------------------------------------------------------------------------------------------- */
-
 enum { POINTS = 8 }; /* more than TRACT_RUN */
 _Static_assert(POINTS % LANES == 0, "segments are settled LANES at a time");
 
@@ -261,8 +255,6 @@ static INLINE uint32_t segments_hit(struct tract_search *search, const struct tr
     uint32_t count = run->segments ? run->segments : 1;
     return bits & ((1U << count) - 1);
 }
-
-/* ---- The search ------------------------------------------------------------------------------------------------- */
 
 enum { LINE = 64 };
 

@@ -13,8 +13,6 @@ struct scene {
     size_t box_count;      /* those that are meshes. */
 };
 
-/* ---- Trees ------------------------------------------------------------------------------------------------------ */
-
 static struct bvh_box box_of_triangle(const struct mesh *mesh, size_t triangle)
 {
     struct bvh_box box = bvh_box_empty((uint32_t)triangle);
@@ -113,8 +111,6 @@ static void destroy(struct mesh_rays *rays)
         memory_free(scene);
     }
 }
-
-/* ---- Rays ------------------------------------------------------------------------------------------------------- */
 
 /* A ray of a bundle on its way. */
 struct walk {

@@ -165,8 +165,6 @@ static conus_status create(struct mesh_rays *rays, const struct mesh_object *obj
     return status;
 }
 
-/* ---- What Embree finds ------------------------------------------------------------------------------------ */
-
 enum { WIDTH_LIMIT = 16 };
 
 /* A packet of rays as Embree lays it out (rtcore_ray.h; its accessors are for C++): rows of `width` numbers. */
@@ -264,8 +262,6 @@ static void collect(const struct RTCFilterFunctionNArguments *arguments)
         }
     }
 }
-
-/* ---- The rays --------------------------------------------------------------------------------------------- */
 
 static inline __attribute__((always_inline)) void set_ray(const struct walk *walk, union number *packet, unsigned width,
                                                           size_t ray)

@@ -60,8 +60,6 @@ conus_status mesh_intervals_grow(struct mesh_intervals *intervals)
     return CONUS_OK;
 }
 
-/* ---- Order -------------------------------------------------------------------------------------------------- */
-
 static bool is_before(const struct crossing *a, const struct crossing *b)
 {
     if (a->object != b->object) {
@@ -132,8 +130,6 @@ static void deal_to_pixels(struct mesh_intervals *intervals, size_t pixels)
         intervals->sorted[end[intervals->crossings[i].pixel]++] = intervals->crossings[i];
     }
 }
-
-/* ---- Pairs -------------------------------------------------------------------------------------------------- */
 
 static const float *corner_of(const struct mesh *mesh, uint32_t triangle, int k)
 {
@@ -215,8 +211,6 @@ static conus_status add_interval(struct chain *chain, const struct crossing *at,
     return layers_add(chain->out, &(conus_interval){at->pixel, at->object, entry, exit, at->triangle});
 }
 
-/* ---- Closed surfaces ------------------------------------------------------------------------------------------- */
-
 static bool begins_in_bounds(const struct chain *chain)
 {
     const struct mesh_shape *shape = &chain->mesh->shape;
@@ -257,8 +251,6 @@ static conus_status find_inside(struct chain *chain, int winding)
     }
     return status;
 }
-
-/* ---- Surfaces with holes --------------------------------------------------------------------------------------- */
 
 /* 1 where the ray goes in, -1 where it comes out, 0 where it only touches. */
 static int direction_of(const struct chain *chain, const struct crossing *crossing)
@@ -320,8 +312,6 @@ static conus_status find_brackets(struct chain *chain)
     }
     return status;
 }
-
-/* ---- All of them ------------------------------------------------------------------------------------------------- */
 
 /* Intervals that never ended have no length, and those that meet are one. */
 static void tidy(struct chain *chain)

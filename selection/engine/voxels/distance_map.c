@@ -408,8 +408,6 @@ static void write_codes(const struct distance_map *map, const struct scratch *sc
     }
 }
 
-/* ---- Where the codes lie ----------------------------------------------------------------------------------------- */
-
 /* A written map begins with the struct without its pointer, padded so that the codes lie in lines of the cache. */
 enum { HEAD_SIZE = 128 };
 static_assert(sizeof(struct distance_map) <= HEAD_SIZE, "the map fits in front of its codes");
@@ -491,8 +489,6 @@ conus_status distance_map_init(struct distance_map *out, const struct volume *vo
     }
     return make_map(out, volume, mark_occupied);
 }
-
-/* ---- Uniform maps ------------------------------------------------------------------------------------------------ */
 
 /* Sets out[i] where voxels i of two rows differ; with an `other` of NULL, where the row holds an object. */
 static void note_differences(uint8_t *out, const struct volume *volume, size_t row, const size_t *other)

@@ -56,8 +56,6 @@ struct walk {
     truths live[PACKETS], hit[PACKETS], unclear[PACKETS];
 };
 
-/* ---- Into the box ------------------------------------------------------------------------------------------- */
-
 /* The directions, and the least and the most of them. */
 static INLINE void aim(struct walk *walk)
 {
@@ -324,8 +322,6 @@ static INLINE void enter(struct walk *walk, size_t number)
     settle(walk, slot, cell);
 }
 
-/* ---- From cell to cell -------------------------------------------------------------------------------------- */
-
 /* Live lanes leave the boxes around them; `codes` are 1 + the radii of these. Sets what goes on, and what is unclear.
  */
 static INLINE void leave(struct walk *walk, size_t packet, wholes codes, truths live)
@@ -374,8 +370,6 @@ static INLINE void advance(struct walk *walk, size_t packet)
     walk->hit[packet] |= walk->live[packet] & met;
     leave(walk, packet, codes, walk->live[packet] & ~met);
 }
-
-/* ---- What was hit ------------------------------------------------------------------------------------------- */
 
 /* What half a packet hit, whose last crossing was of an axis that is 0, 1, or neither. */
 static INLINE void deliver(const struct walk *walk, size_t slot, halves hit, halves is_0, halves is_1)

@@ -158,8 +158,6 @@ static void scalars_are_kept_by_name(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* ---- Bad input --------------------------------------------------------------------------------------------------- */
-
 static void assert_refused(const conus_polylines *polylines, double radius, conus_status status, const char *message)
 {
     conus_atlas *atlas = empty_atlas();
@@ -233,8 +231,6 @@ static void a_failing_allocation_changes_nothing(void **state)
     assert_int_equal(conus_atlas_tractogram_count(atlas), 1);
     conus_atlas_destroy(atlas);
 }
-
-/* ---- Another space ----------------------------------------------------------------------------------------------- */
 
 /* One streamline of so many points. */
 static void assert_line_note(conus_atlas *atlas, const float *points, size_t count, const char *note)

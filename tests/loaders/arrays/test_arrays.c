@@ -94,8 +94,6 @@ static void plates_from_names(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* ---- Every type and layout says the same ------------------------------------------------------------------------- */
-
 #define STORE(type)                                                                                                    \
     do {                                                                                                               \
         const type number = (type)value;                                                                               \
@@ -202,8 +200,6 @@ static void every_type_and_layout(void **state)
     }
 }
 
-/* ---- What is refused --------------------------------------------------------------------------------------------- */
-
 static void refuse(const conus_voxels *voxels, const conus_label *labels, size_t count, conus_status status,
                    const char *words)
 {
@@ -272,8 +268,6 @@ static void an_image_is_no_atlas(void **state)
     assert_int_equal(conus_atlas_create(&atlas, &voxels, NULL, 0, &anyway), CONUS_OK);
     conus_atlas_destroy(atlas);
 }
-
-/* ---- Surfaces and scalar maps ------------------------------------------------------------------------------------ */
 
 /* A tetrahedron with corners at the origin and 6 mm along each axis: 36 mm^3. */
 static const float corners[12] = {0, 0, 0, 6, 0, 0, 0, 6, 0, 0, 0, 6};
@@ -399,8 +393,6 @@ static void matrices_are_affine(void **state)
     check_plates(atlas);
     conus_atlas_destroy(atlas);
 }
-
-/* ---- Memory ------------------------------------------------------------------------------------------------------ */
 
 /* Everything above in one go. */
 static conus_status make_all(void *data_unused)

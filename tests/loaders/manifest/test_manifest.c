@@ -308,8 +308,6 @@ static void every_failing_allocation_is_reported(void **state)
     test_every_allocation(parse_text, (void *)several);
 }
 
-/* ---- Loading ------------------------------------------------------------------------------------------------ */
-
 static const char *write_manifest(const char *text)
 {
     const char *path = test_in("test.atlas.json");

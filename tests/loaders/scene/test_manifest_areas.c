@@ -361,8 +361,6 @@ static void a_folder_of_surfaces_is_an_atlas(void **state)
     assert_non_null(strstr(conus_message(), "no surfaces in this folder"));
 }
 
-/* ---- BrainGlobe ------------------------------------------------------------------------------------------------- */
-
 /* Whether `name` is among the atlas's files, with the sum that sha256sum prints for it. */
 static void assert_file(const conus_atlas *atlas, const char *name)
 {
@@ -448,8 +446,6 @@ static void brainglobe_folders_are_placed_and_grouped(void **state)
     atlas = loaded("\"areas\": [{\"brainglobe\": \"globe\", \"orientation\": \"asr\"}]"); /* then it is not asked */
     conus_atlas_destroy(atlas);
 }
-
-/* ---- Memory ------------------------------------------------------------------------------------------------------ */
 
 static conus_status load_again(void *data)
 {

@@ -149,8 +149,6 @@ static bool has_file(const conus_atlas *atlas, const char *name)
     return false;
 }
 
-/* ---- Labels and voxels ------------------------------------------------------------------------------------------- */
-
 static void one_grid_makes_one_volume(void **state)
 {
     (void)state;
@@ -384,8 +382,6 @@ static void the_tree_reaches_over_grids(void **state)
     assert_near(centre[0], (320 * 9 + 256 * 13.25) / 576, 1e-12);
     conus_atlas_destroy(atlas);
 }
-
-/* ---- What is asked of them --------------------------------------------------------------------------------------- */
 
 static const conus_result *result_of(const conus_selection *selection, uint32_t number)
 {

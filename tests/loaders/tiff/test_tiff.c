@@ -25,8 +25,6 @@ static const char *placed(const char *path)
     return text;
 }
 
-/* ---- What is read ------------------------------------------------------------------------------------------------ */
-
 /* The type's value of voxel v. */
 static int64_t value_of(int bits, bool negative, size_t v)
 {
@@ -218,8 +216,6 @@ static void differences_are_undone_row_by_row(void **state)
     bytes_finish(&got);
 }
 
-/* ---- What is refused --------------------------------------------------------------------------------------------- */
-
 static void assert_refused(const struct tiff_builder *b, conus_status status, const char *part)
 {
     struct tiff tiff;
@@ -392,8 +388,6 @@ static void directories_lie_in_the_file(void **state)
     buffer_finish(&b.bytes);
 }
 
-/* ---- ImageJ ------------------------------------------------------------------------------------------------------ */
-
 /* One directory with this description, and `pages` pages of pixels, that of number k all k. */
 static void build_imagej(struct tiff_builder *b, const char *text, size_t pages)
 {
@@ -440,8 +434,6 @@ static void imagej_keeps_pages_behind_one_directory(void **state)
         buffer_finish(&b.bytes);
     }
 }
-
-/* ---- Memory ------------------------------------------------------------------------------------------------------ */
 
 /* Pages that are not plain, so that they are unpacked. */
 static void build_packed(struct tiff_builder *b, bool big)

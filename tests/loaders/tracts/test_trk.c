@@ -158,8 +158,6 @@ static void a_missing_matrix_and_order_are_warned_of(void **state)
     }
 }
 
-/* ---- Numbers of points and streamlines --------------------------------------------------------------------------- */
-
 /* Two streamlines, of 2 points and of none, with 4 numbers per point and 5 per streamline. */
 static void begin_scalars(struct trk_builder *trk)
 {
@@ -275,8 +273,6 @@ static void names_that_fit_no_number_are_refused(void **state)
         buffer_finish(&trk.bytes);
     }
 }
-
-/* ---- Counts ------------------------------------------------------------------------------------------------------ */
 
 /* Streamlines of 2, 0 and 1 points. */
 static void begin_counts(struct trk_builder *trk, int64_t count)
@@ -415,8 +411,6 @@ static void points_that_are_nowhere_are_refused(void **state)
         buffer_finish(&trk.bytes);
     }
 }
-
-/* ---- Blocks, prefixes, memory ------------------------------------------------------------------------------------ */
 
 /* 70,000 points of 20 bytes: more than a block, which no point divides. */
 static void a_streamline_longer_than_a_block(void **state)

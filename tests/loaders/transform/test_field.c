@@ -16,8 +16,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- Files ------------------------------------------------------------------------------------------------------ */
-
 enum { NX = 20, NY = 10, NZ = 11 };
 
 /* A field on nodes 1 mm apart, the first at (-4, -3, -3). */
@@ -112,8 +110,6 @@ static void both_headers_and_byte_orders_are_read(void **state)
     }
 }
 
-/* ---- Headers ---------------------------------------------------------------------------------------------------- */
-
 static enum field_kind kind_of(int code, const char *name, conus_vectors vectors)
 {
     struct field_header header = {.dim = {5, 9, 9, 9, 1, 3}, .intent_code = code};
@@ -204,8 +200,6 @@ static void no_prefix_is_a_field(void **state)
     buffer_finish(&bytes);
     conus_atlas_destroy(atlas);
 }
-
-/* ---- Atlases ---------------------------------------------------------------------------------------------------- */
 
 /* Voxels of 1 mm with centres 0 to 3, whose label is 1 and the number along x; a pathway of values x + 1, from 3 on; a
  * box from (10, 0, 0) to (12, 3, 4). */

@@ -15,8 +15,6 @@
 #include <string.h>
 #include <unistd.h>
 
-/* ---- Formats ---------------------------------------------------------------------------------------------------- */
-
 static conus_status parse(double out[16], const char *text, const char *path)
 {
     return transform_parse(out, &(struct bytes){(uint8_t *)text, strlen(text)}, path, NULL, NULL);
@@ -191,8 +189,6 @@ static void matrices_of_ras_are_as_they_stand(void **state)
     check_point(lta_voxels, 12, 0, 0.5);
 }
 
-/* ---- Bad files -------------------------------------------------------------------------------------------------- */
-
 static void check_refused(const char *text, const char *path, conus_status wanted, const char *words)
 {
     double m[16] = {7};
@@ -352,8 +348,6 @@ static void no_prefix_is_a_transform(void **state)
         }
     }
 }
-
-/* ---- Atlases ---------------------------------------------------------------------------------------------------- */
 
 static void write_file(char path[64], const char *text)
 {

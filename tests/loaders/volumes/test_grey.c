@@ -73,8 +73,6 @@ static uint32_t noise(size_t i, size_t j, size_t k)
     return (uint32_t)test_random(&state, 0, 100);
 }
 
-/* ---- What is labels ------------------------------------------------------------------------------------------- */
-
 static uint32_t blocks_of(size_t edge, size_t i, size_t j, size_t k)
 {
     return (uint32_t)(1 + i / edge + 16 * (j / edge) + 256 * (k / edge));
@@ -169,8 +167,6 @@ static void small_volumes_are_labels(void **state)
     }
 }
 
-/* ---- What is grey --------------------------------------------------------------------------------------------- */
-
 /* Noise, each voxel the mean of 4 x 4 x 4, as a scanner's or a filter's point spread makes it. */
 static uint32_t smooth_noise(size_t i, size_t j, size_t k)
 {
@@ -245,8 +241,6 @@ static void big_volumes_are_judged_by_some_of_their_planes(void **state)
     free(wide.labels);
 }
 
-/* ---- What else speaks for labels ------------------------------------------------------------------------------ */
-
 /* Names for first, first + 1, ... */
 static struct label_table names_for(uint32_t first, uint32_t count)
 {
@@ -294,8 +288,6 @@ static void a_table_about_these_values_makes_half_doubtful_ones_labels(void **st
     assert_true(judge(&image, &(struct grey_claims){.stated = true}).grey);
     free(image.labels);
 }
-
-/* ---- Files ---------------------------------------------------------------------------------------------------- */
 
 typedef conus_status formatter(struct bytes *out, const conus_volume_info *info, const uint32_t *values, int code);
 
@@ -407,8 +399,6 @@ static void every_failing_allocation_is_reported(void **state)
     snprintf(path, sizeof path, "%s", write_file("again.nii", smooth_noise, nifti_format_values));
     test_every_allocation(load_image, path);
 }
-
-/* ---- Real volumes --------------------------------------------------------------------------------------------- */
 
 /* Every step-th voxel along each axis: what the nearest neighbour makes of a coarser grid. */
 static size_t thinned(size_t edge, size_t step)

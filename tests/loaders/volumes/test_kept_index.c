@@ -12,8 +12,6 @@
 #include <string.h>
 #include <sys/stat.h>
 
-/* ---- What it is for ---------------------------------------------------------------------------------------------- */
-
 static void assert_same_as_without(const char *path, size_t volume)
 {
     struct volume_file with = {0};
@@ -169,8 +167,6 @@ static void the_list_names_it(void **state)
     assert_ok(conus_cache_clear());
     assert_false(series_is_indexed(series_path()));
 }
-
-/* ---- Labels, which go to a sink ---------------------------------------------------------------------------------- */
 
 enum { WIDE_EDGE = 162, WIDE = WIDE_EDGE * WIDE_EDGE * WIDE_EDGE };
 

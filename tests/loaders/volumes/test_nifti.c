@@ -184,8 +184,6 @@ static void scaling_is_used_only_where_it_is_one(void **state)
     }
 }
 
-/* ---- Transforms -------------------------------------------------------------------------------------------------- */
-
 static void begin_qform(struct nifti_builder *b, int version)
 {
     nifti_begin(b, version, false, VOLUME_UINT8, small);
@@ -342,8 +340,6 @@ static void units_become_millimetres(void **state)
     }
 }
 
-/* ---- Extensions -------------------------------------------------------------------------------------------------- */
-
 struct listing {
     struct volume_extension *list;
     size_t count, end;
@@ -400,8 +396,6 @@ static void broken_extensions_are_errors(void **state)
         buffer_finish(&b.bytes);
     }
 }
-
-/* ---- Fragments --------------------------------------------------------------------------------------------------- */
 
 static void every_prefix_is_survived(void **state)
 {

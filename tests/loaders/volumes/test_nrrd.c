@@ -239,8 +239,6 @@ static void volumes_come_apart(void **state)
     }
 }
 
-/* ---- Detached headers -------------------------------------------------------------------------------------------- */
-
 static conus_status open_detached(struct volume_file *file, const char *fields, struct notes *notes)
 {
     struct buffer bytes = {0};
@@ -329,8 +327,6 @@ static void the_checksum_is_of_both_files(void **state)
     volume_file_finish(&a);
     volume_file_finish(&b);
 }
-
-/* ---- Bad files --------------------------------------------------------------------------------------------------- */
 
 static void bad_fields_are_named(void **state)
 {

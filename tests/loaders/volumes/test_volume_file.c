@@ -97,8 +97,6 @@ static void every_type_order_version_and_packing(void **state)
     }
 }
 
-/* ---- Volumes of 4-D files ---------------------------------------------------------------------------------------- */
-
 /* Volume t has the value 10 t + v in voxel v. */
 static const char *write_series(bool packed)
 {
@@ -259,8 +257,6 @@ static void choices_that_are_none(void **state)
     }
 }
 
-/* ---- Pairs ------------------------------------------------------------------------------------------------------- */
-
 static void remove_pair(void)
 {
     const char *const names[] = {"p.hdr", "p.img", "p.hdr.gz", "p.img.gz"};
@@ -348,8 +344,6 @@ static void broken_pairs_are_named(void **state)
     remove_pair();
 }
 
-/* ---- What lies before and behind the voxels ---------------------------------------------------------------------- */
-
 static void text_before_the_voxels_is_kept(void **state)
 {
     (void)state;
@@ -392,8 +386,6 @@ static void bytes_behind_the_voxels_are_noted(void **state)
         buffer_finish(&b.bytes);
     }
 }
-
-/* ---- Bad files --------------------------------------------------------------------------------------------------- */
 
 static void memory_is_capped_before_it_is_taken(void **state)
 {

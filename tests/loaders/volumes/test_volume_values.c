@@ -24,8 +24,6 @@ static void open_ok(struct volume_file *file, const char *path)
     assert_int_equal(notes.count, 0);
 }
 
-/* ---- Labels ------------------------------------------------------------------------------------------------------ */
-
 /* A volume of 3 x 2 x 2 zeros with `bits` as voxel (1, 0, 1). */
 static void open_with_bits(struct volume_file *file, int datatype, bool big, uint64_t bits, double slope, double inter)
 {
@@ -207,8 +205,6 @@ static void late_voxels_are_found(void **state)
     volume_file_finish(&file);
     buffer_finish(&b.bytes);
 }
-
-/* ---- Values ------------------------------------------------------------------------------------------------------ */
 
 static void values_that_are_not_finite_become_zero(void **state)
 {

@@ -12,8 +12,6 @@
 
 enum { WIDTH = PICTURE_WIDTH, HEIGHT = PICTURE_HEIGHT, PIXELS = PICTURE_PIXELS };
 
-/* ---- Shapes ----------------------------------------------------------------------------------------------------- */
-
 static double ball_on_the_left(const double p[3])
 {
     const double centre[3] = {-15, 0, 0};
@@ -36,8 +34,6 @@ static double soft_shell(const double p[3])
     return r < 16 ? 40 : fmax(0, 100 - 12 * fabs(r - 20));
 }
 
-/* ---- Drawing ---------------------------------------------------------------------------------------------------- */
-
 static const char *transfer_file(const char *text)
 {
     const char *path = test_scratch("function.tf");
@@ -49,8 +45,6 @@ static const float *pixel(const float *rgba, int column, int row_from_bottom)
 {
     return rgba + 4 * ((ptrdiff_t)row_from_bottom * WIDTH + column);
 }
-
-/* ---- Tests ------------------------------------------------------------------------------------------------------ */
 
 /* Eq. 8: a homogeneous slab of thickness L along the ray has opacity 1 - (1 - a)^L, straight or oblique, whatever the
  * number of planes, and the function's colour in linear light. */

@@ -47,8 +47,6 @@ static const float *middle(const float *rgba)
     return rgba + (ptrdiff_t)4 * (HEIGHT / 2 * WIDTH + WIDTH / 2);
 }
 
-/* ---- Meshes alone ----------------------------------------------------------------------------------------------- */
-
 /* A ball of radius r at distance D covers a disc of radius tan(asin(r / D)); smooth edges cover it better. */
 static void a_mesh_ball_has_its_silhouette(void **state)
 {
@@ -139,8 +137,6 @@ static void meshes_not_hit_are_pale(void **state)
     conus_renderer_destroy(renderer);
     conus_atlas_destroy(atlas);
 }
-
-/* ---- Among volumes ---------------------------------------------------------------------------------------------- */
 
 /* A small blue ball that sticks out of a red one on the grid shows from that side only; one inside never. */
 static void meshes_and_voxels_hide_each_other(void **state)
@@ -246,8 +242,6 @@ static void allocations_may_fail(void **state)
     test_every_allocation(create_and_destroy, atlas);
     conus_atlas_destroy(atlas);
 }
-
-/* ---- Golden ----------------------------------------------------------------------------------------------------- */
 
 /* Rings and balls in a shell of tissue, with a cone. */
 static conus_image *picture_of_rings(void)

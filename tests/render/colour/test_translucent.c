@@ -18,8 +18,6 @@ enum { WIDTH = PICTURE_WIDTH, HEIGHT = PICTURE_HEIGHT, PIXELS = PICTURE_PIXELS }
 static const uint8_t red[3] = {255, 0, 0}, green[3] = {0, 255, 0}, blue[3] = {0, 0, 255};
 static const uint8_t bone[3]; /* stands for the colour of what is around the areas, sRGB 0.86, 0.83, 0.78 */
 
-/* ---- Scenes ----------------------------------------------------------------------------------------------------- */
-
 /* A square across the view, at a depth y. */
 static void add_wall(conus_atlas *atlas, float y, const uint8_t rgb[3])
 {
@@ -88,8 +86,6 @@ static struct camera from_the_front(void)
     return picture_camera((double[]){0, 1, 0}, 200, radians_from_degrees(15));
 }
 
-/* ---- By hand ---------------------------------------------------------------------------------------------------- */
-
 /* What lies along the ray of the pixel in the middle, front to back: colour and opacity. */
 struct part {
     const uint8_t *rgb;
@@ -141,8 +137,6 @@ static float *draw_with(conus_renderer *renderer, const float *opacity, uint32_t
     struct camera camera = from_the_front();
     return picture_draw(renderer, &camera, &(struct colour_view){.opacity = opacity, .slices = slices}, false);
 }
-
-/* ---- Meshes ----------------------------------------------------------------------------------------------------- */
 
 /* Whatever their order in the atlas. */
 static void walls_are_composed_front_to_back(void **state)
@@ -272,8 +266,6 @@ static void a_surface_counts_once(void **state)
         conus_atlas_destroy(atlas);
     }
 }
-
-/* ---- Haze ------------------------------------------------------------------------------------------------------- */
 
 /* The slab of haze reaches from -8 to 8 mm; of four walls one is drawn, before it, in it, or behind it. */
 static void haze_lies_before_and_behind_a_wall(void **state)
@@ -429,8 +421,6 @@ static void allocations_may_fail(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* ---- The walk --------------------------------------------------------------------------------------------------- */
-
 /* Two half balls and a rod before them. */
 static double three_areas(const double p[3])
 {
@@ -496,8 +486,6 @@ static void the_walks_agree(void **state)
     conus_renderer_destroy(renderer);
     conus_atlas_destroy(atlas);
 }
-
-/* ---- As the paper's Fig. 4 -------------------------------------------------------------------------------------- */
 
 /* A fibre in an arch over the areas and through one of them: the more probable, the nearer to its middle. */
 static double arch(const double p[3])

@@ -16,8 +16,6 @@ enum { WIDTH = PICTURE_WIDTH, HEIGHT = PICTURE_HEIGHT, WALKS = 12, STEPS = 20, T
 
 #define RADIUS 1.5
 
-/* ---- The scene -------------------------------------------------------------------------------------------------- */
-
 /* Random walks of STEPS points within about 25 mm, each with a point twice; then one of a single point. */
 static struct tractogram random_walks(void)
 {
@@ -54,8 +52,6 @@ static conus_atlas *atlas_of(struct tractogram tractogram)
     assert_ok(atlas_add_tractogram(atlas, &tractogram, "walks"));
     return atlas;
 }
-
-/* ---- The march -------------------------------------------------------------------------------------------------- */
 
 static double distance_to_segment(const double p[3], const double a[3], const double b[3])
 {
@@ -103,8 +99,6 @@ static double march(double *least, const struct tractogram *tractogram, const do
     }
     return INFINITY;
 }
-
-/* ---- Pictures --------------------------------------------------------------------------------------------------- */
 
 struct layer_picture {
     float surface[WIDTH * HEIGHT][4]; /* bottom row first */
@@ -339,8 +333,6 @@ static void a_picture_shows_a_bundle_in_its_colour(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* ---- Drafts ------------------------------------------------------------------------------------------------------ */
-
 enum { ACROSS = 250, DOTS = ACROSS * ACROSS };
 
 /* Streamlines along y, seen as dots: each a square's middle of a grid, in rows, of so many points 0.1 mm apart and not
@@ -400,8 +392,6 @@ static void a_draft_has_some_from_everywhere(void **state)
     }
     conus_atlas_destroy(atlas);
 }
-
-/* ---- Pieces ------------------------------------------------------------------------------------------------------ */
 
 struct pieces {
     size_t heard, most; /* it ends the picture when it has heard of so many */

@@ -165,8 +165,6 @@ static void failing_allocations_are_reported(void **state)
     test_every_allocation(create_and_destroy, NULL);
 }
 
-/* ---- Programs ----------------------------------------------------------------------------------------------- */
-
 static struct program_source with_fragment(const char *text)
 {
     return (struct program_source){.vertex = {"screen.vert.glsl", shader_screen_vert},
@@ -224,8 +222,6 @@ static void constants_of_c_are_defines(void **state)
     glDeleteProgram(program);
     test_gl_leave(&gl);
 }
-
-/* ---- Textures ----------------------------------------------------------------------------------------------- */
 
 static void integer_textures_keep_every_bit(void **state)
 {

@@ -113,8 +113,6 @@ static void closed_meshes_need_few_more_vertices(void **state)
     mesh_finish(&torus);
 }
 
-/* ---- Culling ------------------------------------------------------------------------------------------------ */
-
 struct truth {
     double distances[N * N]; /* as far as is known yet */
     struct mesh_hit first[N * N];

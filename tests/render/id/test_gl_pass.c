@@ -194,8 +194,6 @@ static void textures_beyond_the_allowed_memory_are_refused(void **state)
     test_gl_leave(&gl);
 }
 
-/* ---- Bricks ------------------------------------------------------------------------------------------------- */
-
 /* Distance from `brick` to the nearest that is occupied, by looking at all of them. */
 static size_t brute_distance(const struct bricks *bricks, const bool *occupied, const size_t brick[3])
 {

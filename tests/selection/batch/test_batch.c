@@ -256,8 +256,6 @@ static void summaries_are_the_best_of_each(void **state)
     buffer_finish(&first);
 }
 
-/* ---- Several atlases ---- */
-
 enum { ATLASES = 3 };
 
 static const char *const names[ATLASES] = {"one", "two", "three"};

@@ -197,8 +197,6 @@ static void moving_it_changes_copies(void **state)
     block_drop(block);
 }
 
-/* ---- Damage ------------------------------------------------------------------------------------------------------ */
-
 static void assert_refused(struct block *block)
 {
     conus_atlas *attached = NULL;

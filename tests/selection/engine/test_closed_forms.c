@@ -94,7 +94,7 @@ static const conus_phantom_options grids[] = {
 };
 enum { GRIDS = sizeof grids / sizeof grids[0] };
 
-/* ---- A ring seen from its axis (a sphere is a ring of radius 0) ------------------------------------------- */
+/* A ring seen from its axis (a sphere is a ring of radius 0). */
 
 struct ring {
     double distance; /* of the apex from the ring's plane */
@@ -235,8 +235,6 @@ static void shares_converge(void **state)
     }
 }
 
-/* ---- What hides what --------------------------------------------------------------------------------------- */
-
 static void the_first_slab_hides_the_second(void **state)
 {
     (void)state;
@@ -326,8 +324,6 @@ static void tubes_are_hit_at_their_wall(void **state)
         close_view(&view);
     }
 }
-
-/* ---- Symmetries -------------------------------------------------------------------------------------------- */
 
 static void random_pose(conus_pose *pose, uint64_t *random)
 {
@@ -446,8 +442,6 @@ static void mirrored_poses_see_mirrored_pictures(void **state)
         close_view(&one);
     }
 }
-
-/* ---- Scores ------------------------------------------------------------------------------------------------ */
 
 /* Eq. 12: a wide slab far away, a small ball near the axis but not on it: each score has its own first. */
 static void scores_rank_by_what_they_say(void **state)

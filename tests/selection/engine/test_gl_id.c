@@ -9,8 +9,6 @@
 
 #include <string.h>
 
-/* ---- The engines against each other ------------------------------------------------------------------------- */
-
 static size_t compare_scenes(uint64_t random, int scenes, conus_sampling sampling)
 {
     size_t hits = 0;
@@ -57,8 +55,6 @@ static void big_buffers_take_turns(void **state)
     gl_pair_destroy(&pair);
     conus_atlas_destroy(atlas);
 }
-
-/* ---- Made by hand ------------------------------------------------------------------------------------------- */
 
 static struct cone cone_from(double x, double y, double z, double degrees, uint32_t resolution)
 {
@@ -167,8 +163,6 @@ static void what_blocks_is_seen_alike(void **state)
     assert_true(blocked > 500 && hits - blocked > 500);
 }
 
-/* ---- The world around --------------------------------------------------------------------------------------- */
-
 static GLint longest_texture(void)
 {
     struct gl_context *context = NULL;
@@ -239,8 +233,6 @@ static void the_callers_context_stays_current(void **state)
     gl_context_destroy(own);
     conus_atlas_destroy(atlas);
 }
-
-/* ---- Real atlases ------------------------------------------------------------------------------------------- */
 
 static void compare_on(const char *name, uint64_t random, int poses)
 {

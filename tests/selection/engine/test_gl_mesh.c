@@ -14,8 +14,6 @@
 #include <stdio.h>
 #include <string.h>
 
-/* ---- Which differences a driver is allowed ------------------------------------------------------------------ */
-
 static bool is_mesh(const conus_atlas *atlas, uint32_t object)
 {
     return object && atlas_object_mesh(atlas, object);
@@ -28,8 +26,6 @@ static bool may_differ(const struct gl_pair *pair, const struct cone *cone, cons
     return is_mesh(pair->atlas, object) &&
            gl_edge_is_near(cone, atlas_object_mesh(pair->atlas, object), evidence->voxel[pixel], pixel);
 }
-
-/* ---- Comparison --------------------------------------------------------------------------------------------- */
 
 static void compare_pixel(struct gl_pair *pair, const struct cone *cone, const struct evidence *got,
                           const struct evidence *wanted, size_t pixel)
@@ -76,8 +72,6 @@ static void compare_100_poses(uint64_t *random, const conus_atlas *atlas, double
     gl_pair_compare_poses(&counts, random, atlas, compare_traces, size, 100, 5);
     assert_agreement(&counts, 0.3);
 }
-
-/* ---- Scenes ------------------------------------------------------------------------------------------------- */
 
 static void one_sphere(void **state)
 {
@@ -202,8 +196,6 @@ static void meshes_among_voxels(void **state)
     assert_agreement(&counts, 0.2);
 }
 
-/* ---- Traps -------------------------------------------------------------------------------------------------- */
-
 static struct mesh one_triangle(double x, double y, double z, double edge)
 {
     struct mesh mesh;
@@ -295,8 +287,6 @@ static void nothing_before_the_apex_is_clipped(void **state)
     gl_pair_destroy(&pair);
     conus_atlas_destroy(atlas);
 }
-
-/* ---- The world around --------------------------------------------------------------------------------------- */
 
 static void every_failing_allocation_is_reported(void **state)
 {

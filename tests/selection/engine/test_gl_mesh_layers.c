@@ -19,8 +19,6 @@ static void assert_agreement(const struct gl_counts *counts, size_t least)
     assert_true(counts->other_object <= 1 + counts->compared / 1000);
 }
 
-/* ---- Comparison --------------------------------------------------------------------------------------------- */
-
 /* One pixel's intervals. */
 struct stack {
     const conus_interval *intervals;
@@ -170,8 +168,6 @@ static void compare_100_poses(uint64_t *random, const conus_atlas *atlas, double
     gl_pair_compare_poses(&counts, random, atlas, compare_layers, size, 100, 4);
     assert_agreement(&counts, least);
 }
-
-/* ---- Scenes ------------------------------------------------------------------------------------------------- */
 
 static void nested_spheres(void **state)
 {

@@ -53,8 +53,6 @@ static conus_interval interval_of(const conus_selection *selection, size_t index
     return intervals[index];
 }
 
-/* ---- Spheres ------------------------------------------------------------------------------------------------ */
-
 /* Largest error of a chord against 2 sqrt(R^2 - d^2), over rays that pass within 0.9 R of the centre. */
 static double chord_error(unsigned rings)
 {
@@ -171,8 +169,6 @@ static void a_range_cuts_a_sphere_to_a_slab(void **state)
         }
     }
 }
-
-/* ---- Shapes in shapes --------------------------------------------------------------------------------------- */
 
 static struct cone along_x(void)
 {
@@ -336,8 +332,6 @@ static void an_apex_inside_nested_objects(void **state)
     assert_int_equal(row.pixels, 208);
     conus_atlas_destroy(atlas);
 }
-
-/* ---- Holes -------------------------------------------------------------------------------------------------- */
 
 /* The upper half of a sphere: from below and above a ray has no partner for its crossing, from the side it has. */
 static void an_open_hemisphere(void **state)

@@ -123,7 +123,7 @@ static void distances_are_those_of_cells(void **unused)
     assert_true(beside > 400);
 }
 
-/* ---- A cube of 10 mm as voxels and as a mesh ---------------------------------------------------------------- */
+/* A cube of 10 mm as voxels and as a mesh. */
 
 struct fixture {
     conus_atlas *atlas;

@@ -141,8 +141,6 @@ static void test_kernels_agree(void **unused)
     }
 }
 
-/* ---- What the voxels add up to ------------------------------------------------------------------------------ */
-
 struct sums {
     uint64_t voxels;
     double value, maximum, weight, moment[3];
@@ -256,8 +254,6 @@ static void test_results_are_sums_over_voxels(void **unused)
         conus_atlas_destroy(atlas);
     }
 }
-
-/* ---- Runs of labels ----------------------------------------------------------------------------------------- */
 
 /* Blocks of voxels, with the corner's voxel of some rows in an object of its own; every second volume is so fine that
  * runs would take more than labels. */
@@ -375,8 +371,6 @@ static void test_runs_count_alike(void **unused)
     census_labels_destroy(labels, atlas->volume_count);
     conus_atlas_destroy(atlas);
 }
-
-/* ---- Many labels, little memory ----------------------------------------------------------------------------- */
 
 enum { MANY = 72783, MANY_EDGE = 42 };
 

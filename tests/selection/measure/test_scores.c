@@ -9,8 +9,6 @@
 #include <stdio.h>
 #include <string.h>
 
-/* ---- IntenSelect's contribution ---------------------------------------------------------------------------- */
-
 static const struct cone ten_degrees = {.pose.world_from_device = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1},
                                         .angle = MATH3_PI / 18,
                                         .resolution = 16};
@@ -84,8 +82,6 @@ static void in_a_cylinder_it_is_linear(void **state)
     const conus_result result = {.object = 1, .pixels = 3, .centre_px = 2, .contact = {0, 0, -70}};
     assert_near(score_contribution(&result, &cylinder, 0.8), 0.75, 1e-12);
 }
-
-/* ---- The table --------------------------------------------------------------------------------------------- */
 
 struct view {
     conus_atlas *atlas;
@@ -237,8 +233,6 @@ static void senseshapes_are_from_0_to_1(void **state)
         close_view(&view);
     }
 }
-
-/* ---- Formulas ---------------------------------------------------------------------------------------------- */
 
 static void formulas_weigh_scores(void **state)
 {

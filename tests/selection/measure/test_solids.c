@@ -166,8 +166,6 @@ static void what_is_wholly_inside(void **state)
     assert_near(half, whole / 2, 1e-7 * whole); /* a mirror image beyond 40 mm, but for rounding to float */
 }
 
-/* ---- What must add up --------------------------------------------------------------------------------------- */
-
 static struct mesh random_solid(uint64_t *state, int kind)
 {
     if (kind % 3 == 0) {
@@ -298,8 +296,6 @@ static void six_pyramids_fill_space(void **state)
         assert_near(sum, whole, 1e-9 * whole);
     }
 }
-
-/* ---- Answers ------------------------------------------------------------------------------------------------ */
 
 /* Three rays that pass a ball of 4 mm do not make its volume larger than it is, and one that none passes is found. */
 static void answers_have_it(void **state)

@@ -11,8 +11,6 @@
 
 #include <string.h>
 
-/* ---- Tractograms -------------------------------------------------------------------------------------------- */
-
 /* Walks of 1 mm that turn a little at each step, of 1 to 150 points; some of none, and some that stand still. */
 static void build_walks(struct tract_builder *builder, uint64_t *seed, size_t count)
 {
@@ -56,8 +54,6 @@ static conus_atlas *walks_atlas(uint64_t *seed, size_t count, bool with_groups)
     assert_ok(atlas_add_tractogram(atlas, &builder.made, "walks"));
     return atlas;
 }
-
-/* ---- One by one --------------------------------------------------------------------------------------------- */
 
 static bool is_member(const conus_atlas *atlas, uint32_t number, uint32_t k)
 {
@@ -201,8 +197,6 @@ static void test_tree_and_no_tree(void **state)
     print_message("%zu bundles in a region, %zu not\n", found[1], found[0]);
     assert_true(found[1] > 300 && found[0] > 100);
 }
-
-/* ---- What bundles get --------------------------------------------------------------------------------------- */
 
 /* Of a selection with all layers; object 0 where there is none. */
 static conus_result result_of(const conus_selection *selection, uint32_t number)
@@ -390,8 +384,6 @@ static void test_hidden_bundles(void **state)
     conus_selector_destroy(selector);
     conus_atlas_destroy(atlas);
 }
-
-/* ---- Failing allocations ------------------------------------------------------------------------------------ */
 
 static conus_status attempt(void *data)
 {

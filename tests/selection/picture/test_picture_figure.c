@@ -90,8 +90,6 @@ static void need_font(void)
     }
 }
 
-/* ---- Words ------------------------------------------------------------------------------------------------------ */
-
 /* CCF numbers that are 1000 (10 - z), 1000 (4 - y), 1000 (5 + x) of a world point; bregma's the mm from there. */
 static void the_legend_is_in_the_space_asked_for(void **state)
 {
@@ -123,8 +121,6 @@ static void the_legend_is_in_the_space_asked_for(void **state)
     picture_describe_cone(words, &cone, &cases[3].frame);
     assert_string_equal(words, "radius 2.5 mm from AP 2.5, ML 0.75, DV 9.5 mm from bregma");
 }
-
-/* ---- Sides ------------------------------------------------------------------------------------------------------ */
 
 /* Which object's colour a pixel has, whatever the light; 0 where it is transparent. */
 static uint32_t object_at(const struct scene *scene, const conus_image *image, uint32_t x, uint32_t y)
@@ -188,8 +184,6 @@ static void each_side_shows_what_is_there(void **state)
         conus_image_destroy(image);
     }
 }
-
-/* ---- Letters ---------------------------------------------------------------------------------------------------- */
 
 /* Of white paper. */
 static double ink_at(const conus_image *image, uint32_t x, uint32_t y)
@@ -277,8 +271,6 @@ static void letters_tell_left_from_right(void **state)
     conus_image_destroy(oblique);
 }
 
-/* ---- Backgrounds ------------------------------------------------------------------------------------------------ */
-
 /* What is drawn on nothing, laid over a colour, is what is drawn on that colour. */
 static void backgrounds_lie_behind(void **state)
 {
@@ -304,8 +296,6 @@ static void backgrounds_lie_behind(void **state)
     conus_image_destroy(clear);
     conus_image_destroy(pink);
 }
-
-/* ---- Legend ----------------------------------------------------------------------------------------------------- */
 
 static void assert_same_top(const conus_image *a, const conus_image *b, uint32_t width)
 {
@@ -374,8 +364,6 @@ static void what_is_behind_others_has_a_row_with_all_layers(void **state)
     uint32_t seven = height_with_legend(&scene, CONUS_LAYERS_ALL);
     assert_in_range(seven, six + 3, six + 30);
 }
-
-/* ---- Paper ------------------------------------------------------------------------------------------------------ */
 
 static const uint8_t *find_bytes(const uint8_t *data, size_t size, const char *word)
 {

@@ -34,8 +34,6 @@ static double inside_mm(const struct region *region, const double a[3], const do
     return cut(s, region, a, b) ? (s[1] - s[0]) * vec3_length(step) : -1;
 }
 
-/* ---- Closed forms ------------------------------------------------------------------------------------------- */
-
 /* The cone opens along z with half angle h. A line through (0, 0, z) at the angle b > h to the axis meets its sides at
  * z sin h / sin(b - h) and z sin h / sin(b + h) from there: the law of sines in the triangles of apex, point and side.
  */
@@ -101,8 +99,6 @@ static void test_other_chords(void **state)
     assert_near(inside_mm(&region, (double[]){-50, 31, 30}, (double[]){50, 31, 30}), -1, 0);
 }
 
-/* ---- Borders ------------------------------------------------------------------------------------------------ */
-
 static void test_borders(void **state)
 {
     (void)state;
@@ -128,8 +124,6 @@ static void test_borders(void **state)
     assert_near(inside_mm(&region, (double[]){8, 0, 0}, (double[]){4, 0, 0}), 0, 0);
     assert_near(inside_mm(&region, (double[]){8, 0, 0}, (double[]){5, 0, 0}), -1, 0);
 }
-
-/* ---- Against long double ------------------------------------------------------------------------------------ */
 
 /* How many mm a point is beyond the border, as the distance from the tangent plane nearest to it; of a range's ends the
  * larger. A convex function of the point, 0 at the border, of slope 1 or less. */
@@ -299,8 +293,6 @@ static void test_grazing(void **state)
     }
     assert_true(tally.graze > 500);
 }
-
-/* ---- Boxes -------------------------------------------------------------------------------------------------- */
 
 static void test_boxes(void **state)
 {

@@ -114,8 +114,6 @@ static void without_bundles_nothing_changes(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* ---- Points -------------------------------------------------------------------------------------------------- */
-
 static const char voxel_header[] = "query\tpathway\ti\tj\tk\tx\ty\tz\tvalue\tdistance_mm\tkind\tindex\n";
 
 /* Streamlines along x at z = 30, one point a mm from -14 to 14: 0 and 3 at y = 0, 2 at y = 3; 1 has no point, 4 the one

@@ -8,8 +8,6 @@
 
 #include <string.h>
 
-/* ---- A cone and a box ----------------------------------------------------------------------------------------- */
-
 static double random_part(uint64_t *state)
 {
     return test_random(state, 0, 1);
@@ -133,8 +131,6 @@ static void what_is_hit_is_not_missed(void **state)
     assert_true(away > 20);
 }
 
-/* ---- Counts --------------------------------------------------------------------------------------------------- */
-
 /* 20 mm wide around (x, y, 0): 1 below, 2 above z = 0. */
 static conus_atlas *block_at(double x, double y)
 {
@@ -256,8 +252,6 @@ static void points_may_lie_apart(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* ---- Closed surfaces ------------------------------------------------------------------------------------------- */
-
 static uint64_t inside_first(const conus_atlas *atlas, const conus_selector_options *options, const double (*places)[3],
                              size_t count, uint32_t *object)
 {
@@ -342,8 +336,6 @@ static void the_box_of_a_surface_is_not_its_inside(void **state)
     assert_int_equal(inside_first(atlas, &sliced, last, 3, &object), 0); /* which have no inside */
     conus_atlas_destroy(atlas);
 }
-
-/* ---- In what other way ---------------------------------------------------------------------------------------- */
 
 /* Counts a pose that looks along `forward`, and reads it. */
 static conus_reading reading_of(conus_selector *selector, const double from[3], const double forward[3])

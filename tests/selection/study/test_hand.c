@@ -160,8 +160,6 @@ static void the_record_can_be_followed(void **state)
     conus_pose_list_destroy(poses);
 }
 
-/* ---- Rates ------------------------------------------------------------------------------------------------- */
-
 enum { CHECKS = 40, OBJECTS = 117 };
 
 /* Scores of a quick sweep over the left hemisphere, ten times a second for four seconds; 0 where there is none. */

@@ -5,8 +5,6 @@
 #include "selection/measure/history.h"
 #include "test.h"
 
-/* ---- Filters ----------------------------------------------------------------------------------------------- */
-
 /* The state after many tiny Euler steps. */
 static double euler(double state, double growth, double decay, double from, double to, double dt)
 {
@@ -66,8 +64,6 @@ static void filters_stay_between_their_inputs(void **state)
     assert_near(filter_asymmetric(0.5, 15, 10, 0.5, 0.5, 3), 0.5, 0);
     assert_near(filter_linear(0.5, 1e-12, 1, 0, 1e-9), 0.5, 1e-12);
 }
-
-/* ---- A window ---------------------------------------------------------------------------------------------- */
 
 /* c_s = c_g = 1/2 at 60 Hz, as the tracker has them. */
 static struct history_constants constants(void)

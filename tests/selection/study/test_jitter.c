@@ -104,8 +104,6 @@ static double below(double x)
     return 0.5 * erfc(-x / sqrt(2));
 }
 
-/* ---- Samples ---- */
-
 static void samples_are_standard_normal(void **state)
 {
     (void)state;
@@ -170,8 +168,6 @@ static void poses_move_as_the_errors_say(void **state)
     jitter_pose(&moved, &pose, &(conus_jitter_options){0}, (double[]){1, 2, 3, 4, 5});
     assert_memory_equal(&moved, &pose, sizeof pose);
 }
-
-/* ---- Closed forms ---- */
 
 static void a_shift_across_an_edge_is_a_normal_integral(void **state)
 {
@@ -282,8 +278,6 @@ static void the_error_falls_faster_than_by_chance(void **state)
     }
 }
 
-/* ---- What the rows say ---- */
-
 static void without_errors_there_is_one_answer(void **state)
 {
     (void)state;
@@ -368,8 +362,6 @@ static void shares_are_means(void **state)
     conus_jitter_destroy(jitter);
     conus_atlas_destroy(atlas);
 }
-
-/* ---- Samples, one by one ---- */
 
 enum { FEW = 32 };
 

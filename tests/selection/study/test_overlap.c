@@ -15,8 +15,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- Rows ------------------------------------------------------------------------------------------------------- */
-
 /* One row, the part outside of everything: 4 of the 8 cubes from x = 6.5 on. */
 static void what_is_in_nothing_comes_last(void **state)
 {
@@ -112,8 +110,6 @@ static void hidden_pathways_are_not_covered(void **state)
     conus_roi_destroy(roi);
     conus_atlas_destroy(atlas);
 }
-
-/* ---- Surfaces --------------------------------------------------------------------------------------------------- */
 
 static void add_box(conus_atlas *atlas, const double low[3], const double high[3])
 {
@@ -287,8 +283,6 @@ static void closed_surfaces_are_left_as_often_as_entered(void **state)
         mesh_finish(&mesh);
     }
 }
-
-/* ---- Bad input -------------------------------------------------------------------------------------------------- */
 
 static void check_refused(const float *values, double threshold, conus_status wanted, const char *words)
 {

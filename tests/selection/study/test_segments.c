@@ -58,8 +58,6 @@ static void check_rows(conus_segments *segments, const struct wanted *wanted, si
 #define CHECK_ROWS(segments, wanted, tolerance)                                                                        \
     check_rows(segments, wanted, sizeof(wanted) / sizeof(wanted)[0], tolerance)
 
-/* ---- Volumes: a walk of its own --------------------------------------------------------------------------------- */
-
 static int ascending(const void *a, const void *b)
 {
     double x = *(const double *)a;
@@ -277,8 +275,6 @@ static void a_shared_selector_follows_as_well(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* ---- Faces, edges, ranges --------------------------------------------------------------------------------------- */
-
 /* 4 x 4 cells of 1 mm around whole numbers: 1 where x = y, else 2. */
 static conus_atlas *diagonal(void)
 {
@@ -382,8 +378,6 @@ static void a_context_blocks_nothing(void **state)
     conus_segments_destroy(behind);
     conus_atlas_destroy(atlas);
 }
-
-/* ---- Surfaces --------------------------------------------------------------------------------------------------- */
 
 static void add_box(conus_atlas *atlas, double low, double high, double half)
 {
@@ -523,8 +517,6 @@ static void an_open_surface_is_crossed_where_it_is(void **state)
     CHECK_ROWS(follow(atlas, NULL, &through), both_faces, 1e-9);
     conus_atlas_destroy(atlas);
 }
-
-/* ---- Bad input -------------------------------------------------------------------------------------------------- */
 
 static void what_is_no_pose_is_refused(void **state)
 {

@@ -12,8 +12,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- Borders ---------------------------------------------------------------------------------------------------- */
-
 /* Cubes of 2 mm whose edges are those of the atlas's voxels: each holds 8 of them. 2 x 2 x 2 cubes from -0.5 mm on hold
  * 64 voxels of the first slab; moved by 2 mm along x, half of them are the second's. */
 static void larger_voxels_hold_several(void **state)
@@ -104,8 +102,6 @@ static void thin_slices_along_any_axis_count(void **state)
     }
 }
 
-/* ---- Products of lengths ---------------------------------------------------------------------------------------- */
-
 /* A grid whose axes are those of the world in some order and direction. Borders are at multiples of 1/16 mm: so two
  * coincide or are clearly apart. */
 static conus_volume_info random_parallel(uint64_t *seed)
@@ -194,8 +190,6 @@ static void parallel_grids_have_products_of_lengths_in_common(void **state)
         conus_atlas_destroy(atlas);
     }
 }
-
-/* ---- Any grids -------------------------------------------------------------------------------------------------- */
 
 enum { POINTS = 11 }; /* of the lattice in a voxel, along each axis */
 

@@ -159,8 +159,6 @@ static void a_little_less_is_too_narrow(void **state)
     assert_true(checked > 100);
 }
 
-/* ---- Surfaces ---- */
-
 static conus_pose pose_of(const double origin[3], const double direction[3])
 {
     conus_pose pose;
@@ -423,8 +421,6 @@ static void every_failing_allocation_is_survived(void **state)
     conus_selector_destroy(selector);
     conus_atlas_destroy(atlas);
 }
-
-/* ---- Errors of the pose (Eq. 14) ----------------------------------------------------------------------------- */
 
 /* The part of normal numbers below x. */
 static double below(double x)

@@ -191,8 +191,6 @@ static void a_press_confirms_what_was_selected_before_it(void **state)
     close_track(&track);
 }
 
-/* ---- Bad input --------------------------------------------------------------------------------------------- */
-
 static void refuse(struct track *track, double time, const char *message)
 {
     const conus_selection *before = track->selection;
@@ -304,8 +302,6 @@ static void options_have_ranges(void **state)
     assert_null(conus_selection_step(NULL));
 }
 
-/* ---- Rates ------------------------------------------------------------------------------------------------- */
-
 enum { CHECKS = 4 };
 
 /* The scores of arm and ball at every half second, of a hand that sweeps to and fro. A contribution changes by 2 / n of
@@ -384,8 +380,6 @@ static void senseshapes_are_from_0_to_1(void **state)
     }
 }
 
-/* ---- Memory ------------------------------------------------------------------------------------------------ */
-
 static conus_status follow(void *data)
 {
     struct track *track = data;
@@ -447,8 +441,6 @@ static void a_step_without_memory_changes_nothing(void **state)
     close_track(&clean);
     close_track(&poor);
 }
-
-/* ---- Reports ----------------------------------------------------------------------------------------------- */
 
 static void steps_are_reported_as_they_come(void **state)
 {

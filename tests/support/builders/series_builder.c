@@ -66,8 +66,6 @@ const char *series_make(const char *name, size_t first, size_t member)
     return path;
 }
 
-/* ---- With a header of text --------------------------------------------------------------------------------------- */
-
 #define NRRD_HEADER(more)                                                                                              \
     "NRRD0004\ntype: uchar\ndimension: 4\nspace: LPS\nsizes: 128 128 64 17\n"                                          \
     "space directions: (1,0,0) (0,1,0) (0,0,1) none\nkinds: domain domain domain list\nspace origin: (0,0,0)\n" more
@@ -174,8 +172,6 @@ void series_open_rested(const char *path)
     series_assert(&file, 0);
     volume_file_finish(&file);
 }
-
-/* ---- The series -------------------------------------------------------------------------------------------------- */
 
 const char *series_path(void)
 {

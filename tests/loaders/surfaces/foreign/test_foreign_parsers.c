@@ -38,8 +38,6 @@ static conus_status parse_vtp(struct foreign_mesh *out, const uint8_t *data, siz
     return vtp_parse(out, data, size, 1 << 20);
 }
 
-/* ---- Samples ----------------------------------------------------------------------------------------------------- */
-
 /* How numbers are put: little or big first. */
 static void put(struct buffer *out, uint64_t value, size_t size, bool big)
 {
@@ -282,8 +280,6 @@ static conus_status parse_sample(struct foreign_mesh *out, size_t i, const struc
     free(exact);
     return status;
 }
-
-/* ---- Tests ------------------------------------------------------------------------------------------------------- */
 
 /* STL has its vertices in the order in which its triangles use them: that of faces. */
 static void check_tetrahedron(const struct foreign_mesh *mesh, const char *name)

@@ -27,8 +27,6 @@ struct scene {
 static struct scene scene;
 static double directions[3][TRACT_RAYS_LIMIT];
 
-/* ---- Scenes ----------------------------------------------------------------------------------------------------- */
-
 static void add_point(uint64_t *random, double size, double step)
 {
     uint64_t at = scene.tractogram.point_count++;
@@ -124,8 +122,6 @@ static struct tract_bundle random_rays(uint64_t *random, double origin[3], doubl
     return bundle;
 }
 
-/* ---- The loop over all capsules --------------------------------------------------------------------------------- */
-
 /* Segment number k of a streamline: a point without a next one is a segment only if it is alone. */
 static bool segment_of(double interval[2], const struct tract_bundle *bundle, size_t ray, uint64_t from, uint64_t to,
                        uint64_t at)
@@ -218,8 +214,6 @@ static size_t loop_intervals(conus_interval *out, const struct tract_bundle *bun
     return count;
 }
 
-/* ---- Comparisons ------------------------------------------------------------------------------------------------ */
-
 static size_t compare_hits(const struct tract_rays *rays, const struct tract_bundle *bundle)
 {
     size_t hits = 0;
@@ -288,8 +282,6 @@ static void compare_scene(struct counts *counts, uint64_t *random, double size)
     }
 }
 
-/* ---- Rays that touch -------------------------------------------------------------------------------------------- */
-
 /* The point of a leaf's runs that is farthest along a direction. */
 static void find_farthest(double out[3], size_t leaf, const double along[3])
 {
@@ -346,8 +338,6 @@ static size_t touch_all_leaves(struct counts *counts, uint64_t *random, const st
     }
     return leaves;
 }
-
-/* ---- Tests ------------------------------------------------------------------------------------------------------ */
 
 /* Everything as by the loop, to the bit: hits, objects, points and intervals. */
 static void rays_find_what_a_loop_finds(void **state)

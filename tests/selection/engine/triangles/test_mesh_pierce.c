@@ -28,8 +28,6 @@ static void random_point(uint64_t *random, double out[3], double size)
     }
 }
 
-/* ---- Against the oracle ----------------------------------------------------------------------------------- */
-
 struct compared {
     size_t rays, intervals, inside, at_edges;
 };
@@ -197,8 +195,6 @@ static void a_cylinder_s_intervals_are_too(void **state)
     assert_true(tally.at_edges < tally.rays / 1000);
 }
 
-/* ---- Edges with four triangles, vertices written twice ------------------------------------------------------- */
-
 /* Solid angle of a triangle with unit corners, by L'Huilier's theorem for its sides, signed by its orientation. */
 static double solid_angle(double corner[3][3])
 {
@@ -359,8 +355,6 @@ static void both_tetrahedra_at_an_edge_are_hit(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* ---- Real shapes ------------------------------------------------------------------------------------------ */
-
 /* Of a surface with holes there are no intervals to compare with, but whether a ray crosses it, and where first. */
 static void compare_open(const conus_selection *selection, uint32_t pixel, uint32_t object, struct compared *tally)
 {
@@ -483,8 +477,6 @@ static void allen_areas(void **state)
     assert_true(tally.intervals > 300 && tally.inside > 1000);
     conus_atlas_destroy(atlas);
 }
-
-/* ---- Failing ---------------------------------------------------------------------------------------------- */
 
 static conus_status create_and_pierce(void *data)
 {

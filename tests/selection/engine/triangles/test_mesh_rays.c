@@ -24,8 +24,6 @@ enum { TRACERS = sizeof tracers / sizeof tracers[0] };
 /* Single precision may put a ray on the other side of an edge that it passes within so much of the scene's size. */
 #define EDGE 1e-6
 
-/* ---- Against the oracle ----------------------------------------------------------------------------------- */
-
 struct tally {
     size_t rays, hits, at_edges;
 };
@@ -218,8 +216,6 @@ static void embree_and_the_own_tree_agree_on_the_brain(void **test)
 
 #endif
 
-/* ---- Edges ------------------------------------------------------------------------------------------------ */
-
 /* A bundle from @p origin at random points of edges, from @p low to @p high of their length. */
 static void aim_at_edges(uint64_t *random, double direction[3][MESH_RAYS_LIMIT], const struct mesh *mesh,
                          const double origin[3], double low, double high)
@@ -293,8 +289,6 @@ static void hardly_any_ray_slips_through_a_vertex(void **test)
         assert_true(tracers[k] != &mesh_bvh || lost == 0);
     }
 }
-
-/* ---- Rules ------------------------------------------------------------------------------------------------ */
 
 static struct mesh square_at(double z, bool turned)
 {
@@ -418,8 +412,6 @@ static void widths_answer_alike_and_sparse_blocks_too(void **test)
     }
 }
 
-/* ---- Instances -------------------------------------------------------------------------------------------- */
-
 enum { PLACES = 5 };
 
 /* The same torus at random places, as objects that share it and as an atlas of moved copies; the fourth object is a
@@ -506,8 +498,6 @@ static void a_place_without_inverse_is_refused(void **test)
     }
     mesh_finish(&square);
 }
-
-/* ---- Failing ---------------------------------------------------------------------------------------------- */
 
 static conus_status create_and_look(void *data)
 {

@@ -26,8 +26,6 @@ static double tiny(uint64_t *random, double low, double high)
     return sign_of(random) * pow(10, test_random(random, low, high));
 }
 
-/* ---- Volumes ------------------------------------------------------------------------------------------------ */
-
 enum pattern { CHECKERBOARD, WALLS, SPECKS, SINGLE, EMPTY, PATTERN_COUNT };
 
 static bool is_occupied(enum pattern pattern, uint64_t *random, const size_t at[3])
@@ -96,8 +94,6 @@ static void end_volume(struct volume *volume, struct distance_map *map)
     distance_map_finish(map);
     volume_finish(volume);
 }
-
-/* ---- Rays --------------------------------------------------------------------------------------------------- */
 
 /* In index space: anywhere, on faces, edges and corners, at centres, or next to those by 1e-13 to 1e-3. */
 static void pick_point(uint64_t *random, const struct volume *volume, double out[3])
@@ -216,8 +212,6 @@ static size_t compare_bundle(uint64_t *random, const struct distance_map *map, c
     return hits + walk_and_compare(&bundle, map, volume, wanted);
 }
 
-/* ---- All intervals ------------------------------------------------------------------------------------------ */
-
 /* Areas of some voxels' width that touch, with holes, some with numbers too high for a colour; or so many in a jumble
  * that there are not colours for all; or the objects as they are. */
 static void name_areas(struct volume *volume, uint64_t *random)
@@ -291,8 +285,6 @@ static size_t compare_intervals(uint64_t *random, const struct distance_map *map
     layers_finish(&wanted);
     return count;
 }
-
-/* ---- Tests -------------------------------------------------------------------------------------------------- */
 
 /* Numbers from anywhere on, as many as a labelled map has codes for or more. Returns whether it has. */
 static bool name_objects(struct volume *volume, uint64_t *random)
