@@ -5,7 +5,7 @@
 #include "atlas/labels/palette.h"
 #include "atlas/space.h"
 #include "atlas/volume_sample.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/text.h"
 

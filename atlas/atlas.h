@@ -10,7 +10,7 @@
 #include "atlas/tracts/tractogram.h"
 #include "atlas/volume.h"
 #include "base/buffer.h"
-#include "base/file_sums.h"
+#include "base/files/file_sums.h"
 #include "base/notes.h"
 
 /** Where an object lies: in which of the atlas's meshes, tractograms or volumes. An index beyond these: it has no

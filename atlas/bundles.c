@@ -3,7 +3,7 @@
 #include "atlas/bundles.h"
 
 #include "atlas/labels/palette.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 
 #include <string.h>

@@ -4,7 +4,7 @@
 
 #include "atlas/bundles.h"
 #include "atlas/space.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 
 #include <string.h>
 

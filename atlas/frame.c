@@ -2,7 +2,7 @@
 /* Spaces of positions, and where the Allen CCF lies in an atlas. */
 #include "atlas/frame.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 
 #include <string.h>
 

@@ -2,7 +2,7 @@
 /* Describes a voxel grid: axes, codes, size of a voxel. */
 #include "atlas/space.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 
 #include <stdio.h>
 #include <string.h>

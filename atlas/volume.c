@@ -2,7 +2,7 @@
 /* Makes, copies and ends a volume, and finds the voxel at a point. */
 #include "atlas/volume.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 
 #include <string.h>

@@ -3,7 +3,7 @@
 #include "bench/report.h"
 
 #include "base/buffer.h"
-#include "base/file.h"
+#include "base/files/file.h"
 #include "render/gl/context.h"
 
 #include <jansson.h>

@@ -8,7 +8,7 @@
 
 #include "atlas/atlas.h"
 #include "base/cache/cache_store.h"
-#include "base/file_trace.h"
+#include "base/files/file_trace.h"
 
 #define ATLAS_CACHE_ENDING ".atlas"
 

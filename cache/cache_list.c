@@ -2,7 +2,7 @@
 /* What is in the cache's folder, and an end to it. */
 #include "base/cache/cache_entry.h"
 #include "base/cache/cache_folder.h"
-#include "base/folder.h"
+#include "base/files/folder.h"
 #include "base/memory.h"
 #include "cache/atlas_cache.h"
 

@@ -3,7 +3,7 @@
 #ifndef CONUS_LOADERS_FILE_KIND_H
 #define CONUS_LOADERS_FILE_KIND_H
 
-#include "base/file.h"
+#include "base/files/file.h"
 
 #include <stdbool.h>
 

@@ -3,7 +3,7 @@
 #include "poses/pose_table.h"
 
 #include "base/buffer.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/notes.h"
 #include "base/status.h"
 #include "poses/rows/pose_row.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus_select_ball(): what is at a point, and how near is the rest. */
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "selection/rank.h"
 #include "selection/selection.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What the scores of Eq. 12 use beside the results: the box around the atlas, what touches the aperture's rim. */
 #include "selection/rank.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "selection/selection.h"
 

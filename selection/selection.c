@@ -3,7 +3,7 @@
 #include "selection/selection.h"
 
 #include "atlas/bundles.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "selection/rank.h"
 #include "selection/selector.h"

@@ -3,7 +3,7 @@
 #include "selection/selector.h"
 
 #include "atlas/bundles.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/options.h"
 #include "base/text.h"

@@ -3,7 +3,7 @@
 #ifndef CONUS_ATLAS_AREAS_AREA_LIST_H
 #define CONUS_ATLAS_AREAS_AREA_LIST_H
 
-#include "base/file.h"
+#include "base/files/file.h"
 #include "base/status.h"
 #include "base/text.h"
 

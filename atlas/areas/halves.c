@@ -5,7 +5,7 @@
 #include "atlas/areas/area_sides.h"
 #include "atlas/areas/pairs.h"
 #include "atlas/space.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 
 #include <string.h>

@@ -2,7 +2,7 @@
 /* Where a deformation field takes points. */
 #include "atlas/deformation/deformation.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 
 /* Nearer to a node than this, in steps of the grid, only the node counts: what is behind it may be NaN. */

@@ -2,7 +2,7 @@
 /* Looks through a deformation field. */
 #include "atlas/deformation/deformation_facts.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 
 /* Where the nodes of two layers go, of which `far` is the second. */

@@ -2,7 +2,7 @@
 /* Which point a field takes to a given one. */
 #include "atlas/deformation/deformation_find.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 
 enum { STEPS = 100, HALVINGS = 20, LATTICE = 10 }; /* LATTICE: nodes along an axis that are tried as a start */
 

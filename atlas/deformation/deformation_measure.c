@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The affine that is next to a field, and its reach, by some of its nodes. */
 #include "atlas/deformation/deformation.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 
 enum { LATTICE = 64 }; /* nodes along an axis that are enough */
 

@@ -2,7 +2,7 @@
 /* Takes points of areas: every so many-th voxel or vertex. */
 #include "atlas/fit/area_points.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 
 /* What is counted first, and then taken. */

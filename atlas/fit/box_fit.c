@@ -2,7 +2,7 @@
 /* The one rule for what lies beside areas: contexts, streamlines, surfaces. */
 #include "atlas/fit/box_fit.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 
 #include <math.h>
 

@@ -3,7 +3,7 @@
 #include "atlas/fit/fit.h"
 
 #include "atlas/fit/surface_head.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 
 struct fit fit_of(const struct head *head, const struct area_points *points, const double move[16])
 {

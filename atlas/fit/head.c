@@ -2,7 +2,7 @@
 /* Finds a head among grey values. */
 #include "atlas/fit/head.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 
 enum { CLASSES = 256 };

@@ -2,7 +2,7 @@
 /* conus_atlas_placement(): where an atlas was, where it is, and what of it is in the head of its context. */
 #include "atlas/fit/fit.h"
 #include "atlas/fit/surface_head.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 
 #include <stddef.h>
 

@@ -3,7 +3,7 @@
 #include "atlas/fit/surface_head.h"
 
 #include "atlas/surface/mesh_lines.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 
 #include <string.h>

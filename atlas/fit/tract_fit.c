@@ -3,7 +3,7 @@
 #include "atlas/fit/tract_fit.h"
 
 #include "atlas/fit/box_fit.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 
 #include <math.h>
 #include <stdio.h>

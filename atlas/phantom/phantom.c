@@ -4,7 +4,7 @@
 
 #include "atlas/labels/palette.h"
 #include "atlas/space.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 
 #include <stdio.h>

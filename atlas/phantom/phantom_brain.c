@@ -3,7 +3,7 @@
 #include "atlas/phantom/phantom_brain.h"
 
 #include "atlas/space.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 
 #include <stdio.h>
 

@@ -2,7 +2,7 @@
 /* Makes trees of boxes by halving them at the median, and searches them along rays. */
 #include "atlas/surface/bvh.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 
 #include <string.h>

@@ -4,7 +4,7 @@
 
 #include "atlas/surface/mesh_closed.h"
 #include "atlas/surface/mesh_winding.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 
 #define COORDINATE_LIMIT 1e9F

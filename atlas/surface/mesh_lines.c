@@ -2,7 +2,7 @@
 /* Crossings of triangles with parallel lines, found triangle by triangle. */
 #include "atlas/surface/mesh_lines.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/order.h"
 

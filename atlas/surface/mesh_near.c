@@ -2,7 +2,7 @@
 /* Distance from a point to a mesh, and the winding number of the mesh around it. */
 #include "atlas/surface/mesh_near.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 
 static void copy_corners(double out[3][3], const struct mesh *mesh, size_t triangle, const double origin[3])
 {

@@ -2,7 +2,7 @@
 /* Cuts triangles along the borders of voxels, and adds up what lies between each piece and the floor of its column. */
 #include "atlas/surface/mesh_voxels.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 
 enum { CORNERS = 12 }; /* a triangle between six planes has at most 9 */

@@ -2,7 +2,7 @@
 /* A line in a capsule: in the balls round its ends, and in the cylinder between them (Eq. 18). */
 #include "atlas/tracts/capsule.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 
 /* Half of the chord that a line at the distance @p away from the middle has in a circle; a radius of it is the limit.
  */

@@ -4,7 +4,7 @@
  * use than in the end. */
 #include "atlas/tracts/tract_node.h"
 #include "atlas/tracts/tractogram.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 
 /* Far above what rounding makes of a run's thickness, which has to be no less than it is. */

@@ -2,7 +2,7 @@
 /* Moves a ray to the border of a tractogram, in double, and on to single precision. */
 #include "atlas/tracts/tract_start.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 
 /* A ray that moves by less than this of a mm per mm along an axis does not, as far as boxes are concerned. */
 #define STILL 1e-20

@@ -3,7 +3,7 @@
 #include "atlas/tracts/tractogram.h"
 
 #include "atlas/tracts/tract_node.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/text_number.h"
 

@@ -6,7 +6,7 @@
 #define CONUS_ATLAS_TRACTS_TRACTOGRAM_H
 
 #include "atlas/tracts/tract_tree.h"
-#include "base/file_sums.h"
+#include "base/files/file_sums.h"
 #include "base/notes.h"
 
 /** mm: coordinates lie within it of 0. */

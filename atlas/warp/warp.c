@@ -6,7 +6,7 @@
 #include "atlas/deformation/deformation_facts.h"
 #include "atlas/placement.h"
 #include "atlas/warp/warp_parts.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 
 #define SHORT_WAY 0.1 /* mm; vectors that are all shorter are hardly in mm */

@@ -2,7 +2,7 @@
 /* Surfaces whose vertices go back through a field. */
 #include "atlas/deformation/deformation_find.h"
 #include "atlas/warp/warp_parts.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 
 #include <string.h>

@@ -3,7 +3,7 @@
 #include "atlas/deformation/deformation_find.h"
 #include "atlas/space.h"
 #include "atlas/warp/warp_parts.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 
 #include <stdio.h>

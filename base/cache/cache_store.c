@@ -4,7 +4,7 @@
 
 #include "base/cache/build_id.h"
 #include "base/cache/cache_folder.h"
-#include "base/file_trace.h"
+#include "base/files/file_trace.h"
 #include "base/memory.h"
 
 #include <errno.h>

@@ -2,7 +2,7 @@
 /* Reads a file block by block, through zlib where it is packed. */
 #include "base/formats/byte_stream.h"
 
-#include "base/file_trace.h"
+#include "base/files/file_trace.h"
 #include "base/formats/gzip.h"
 #include "base/memory.h"
 

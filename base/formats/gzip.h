@@ -5,7 +5,7 @@
 #ifndef CONUS_BASE_FORMATS_GZIP_H
 #define CONUS_BASE_FORMATS_GZIP_H
 
-#include "base/file_sums.h"
+#include "base/files/file_sums.h"
 
 /** True where @p data begins like a gzip file. */
 bool gzip_is(const uint8_t *data, size_t size);

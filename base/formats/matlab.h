@@ -7,7 +7,7 @@
 #ifndef CONUS_BASE_FORMATS_MATLAB_H
 #define CONUS_BASE_FORMATS_MATLAB_H
 
-#include "base/file.h"
+#include "base/files/file.h"
 #include "base/text.h"
 
 /** What MATLAB calls the class of an array. */

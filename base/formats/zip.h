@@ -7,7 +7,7 @@
 #ifndef CONUS_BASE_FORMATS_ZIP_H
 #define CONUS_BASE_FORMATS_ZIP_H
 
-#include "base/file.h"
+#include "base/files/file.h"
 #include "base/text.h"
 
 /** A file of the archive. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Cost of cones into labelled volumes against voxels, labels, pixels and angle. */
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "bench/growth/growth.h"
 #include "bench/growth/volumes.h"

@@ -13,7 +13,7 @@
 #include "bench/peers/peer_window.hpp"
 
 extern "C" {
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 }
 
 struct peer_surface {

@@ -17,7 +17,7 @@
 #include "bench/peers/peer_window.hpp"
 
 extern "C" {
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 }
 
 const char *peer_version(void)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A picture of a context volume alone by VTK's volume mappers, beside the colour pass, at the same distance from sample
  * to sample. */
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "bench/bench.h"
 #include "bench/peers/peers.h"

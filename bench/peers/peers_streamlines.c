@@ -3,7 +3,7 @@
  * capsules of Eq. 18: seen from any side, on average, it is 6 sin(pi / 6) * 2 r / pi wide and not 2 r, which is 95.5 %
  * (a convex outline's mean width is its length over pi). So of the rays that hit a streamline that nothing hides, VTK's
  * miss one in 22, and may hit another one behind. */
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "bench/bench.h"
 #include "bench/peers/peers.h"

@@ -4,7 +4,7 @@
 #include "bench/support/trace.h"
 
 #include "base/buffer.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "selection/engine/engine_rays.h"
 #include "selection/selection.h"
 #include "selection/selector.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The paper's second experiment: frames with 1 to 45 copies of a volume of 256^3 bytes, blended in 362 slices, without
  * and with a selection by 72 slices in each; against ray casting that skips what is empty, and exact selection. */
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "bench/bench.h"
 #include "bench/support/bonsai_volume.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Which voxels of a labelled volume are in a cone (Eq. 10): every one asked, against the walk over rows. */
 #include "selection/measure/census.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "bench/bench.h"
 #include "bench/support/trace.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A labelled volume by OpenGL: the paper's identifier pass, 72 textured slices, against the gl engine. */
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "bench/bench.h"
 #include "bench/support/slice_polygon.h"

@@ -2,8 +2,8 @@
 /* Reads the paper's volume of a bonsai, or makes a similar one. */
 #include "bench/support/bonsai_volume.h"
 
-#include "base/file.h"
-#include "base/math3.h"
+#include "base/files/file.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "bench/bench.h"
 

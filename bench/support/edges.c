@@ -2,7 +2,7 @@
 /* Compares identifiers pixel by pixel and sorts the differences into edges and errors. */
 #include "bench/support/edges.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 
 #include <stdio.h>
 

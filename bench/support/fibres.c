@@ -2,7 +2,7 @@
 /* Random walks in an ellipsoid, and a bundle of lines and helices. */
 #include "bench/support/fibres.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "bench/bench.h"
 #include "selection/cone/aperture.h"

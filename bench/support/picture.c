@@ -2,7 +2,7 @@
 /* A renderer, its camera and its frame, for the scenarios with pictures. */
 #include "bench/support/picture.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 
 enum { MARGIN_PART = 35 }; /* of the picture's width, on all sides */
 

@@ -3,8 +3,8 @@
 #include "bench/support/program.h"
 
 #include "base/buffer.h"
-#include "base/file.h"
-#include "base/math3.h"
+#include "base/files/file.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "bench/support/trace.h"
 

@@ -2,7 +2,7 @@
 /* Draws a volume as blended polygons. */
 #include "bench/support/slicing.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "bench/support/slice_polygon.h"
 #include "render/colour/colour_view.h"

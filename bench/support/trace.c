@@ -2,7 +2,7 @@
 /* Answers many cones with one engine, compares the answers, and makes the cones. */
 #include "bench/support/trace.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "bench/bench.h"
 #include "bench/support/edges.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The torus scene in all layers (Eq. 10), against what is visible and against every triangle of every torus. */
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "bench/torus/torus_ways.h"
 #include "tests/support/oracle_triangle.h"

@@ -2,7 +2,7 @@
 /* Draws the torus scene with OpenGL as the paper does, and creates the engines of one number of tori. */
 #include "bench/torus/torus_pass.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "bench/support/frame.h"
 #include "bench/support/trace.h"

@@ -2,7 +2,7 @@
 /* Places the tori and aims cones at them. */
 #include "bench/torus/torus_scene.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "bench/bench.h"
 

@@ -3,7 +3,7 @@
 #include "loaders/brainglobe/brainglobe_metadata.h"
 
 #include "base/formats/json_text.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 
 #include <math.h>

@@ -5,7 +5,7 @@
 #ifndef CONUS_LOADERS_BRAINGLOBE_BRAINGLOBE_METADATA_H
 #define CONUS_LOADERS_BRAINGLOBE_BRAINGLOBE_METADATA_H
 
-#include "base/file_sums.h"
+#include "base/files/file_sums.h"
 #include "base/text.h"
 
 enum { BRAINGLOBE_ORIENTATION = 9 }; /**< Bytes of an orientation, cut off if it is longer than any can be. */

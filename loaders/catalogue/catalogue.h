@@ -3,7 +3,7 @@
 #ifndef CONUS_LOADERS_CATALOGUE_CATALOGUE_H
 #define CONUS_LOADERS_CATALOGUE_CATALOGUE_H
 
-#include "base/folder.h"
+#include "base/files/folder.h"
 #include "base/notes.h"
 
 #include <stdint.h>

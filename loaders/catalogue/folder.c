@@ -2,7 +2,7 @@
 /* Walks a folder: its files first, then the folders in it. */
 #include "loaders/catalogue/folder.h"
 
-#include "base/file.h"
+#include "base/files/file.h"
 #include "base/memory.h"
 #include "loaders/catalogue/fsl.h"
 #include "loaders/catalogue/volume_marks.h"

@@ -3,7 +3,7 @@
 #include "loaders/catalogue/freesurfer.h"
 
 #include "base/buffer.h"
-#include "base/file.h"
+#include "base/files/file.h"
 #include "base/memory.h"
 
 #include <stdlib.h>

@@ -3,7 +3,7 @@
 #include "loaders/catalogue/places.h"
 
 #include "base/buffer.h"
-#include "base/file.h"
+#include "base/files/file.h"
 #include "base/memory.h"
 #include "base/text.h"
 #include "loaders/catalogue/folder.h"

@@ -2,7 +2,7 @@
 /* The marks of a labelled volume. */
 #include "loaders/catalogue/volume_marks.h"
 
-#include "base/folder.h"
+#include "base/files/folder.h"
 #include "base/memory.h"
 #include "base/text.h"
 #include "loaders/volumes/volume_file.h"

@@ -4,7 +4,7 @@
 
 #include "base/byte_order.h"
 #include "base/cache/cache_folder.h"
-#include "base/folder.h"
+#include "base/files/folder.h"
 #include "base/memory.h"
 
 #include <errno.h>

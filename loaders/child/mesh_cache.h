@@ -7,7 +7,7 @@
 #define CONUS_LOADERS_CHILD_MESH_CACHE_H
 
 #include "base/buffer.h"
-#include "base/file.h"
+#include "base/files/file.h"
 #include "base/notes.h"
 
 enum { MESH_CACHE_KEY_SIZE = 65 };

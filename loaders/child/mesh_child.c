@@ -3,7 +3,7 @@
 #include "loaders/child/mesh_child.h"
 
 #include "base/clock.h"
-#include "base/file.h"
+#include "base/files/file.h"
 #include "base/memory.h"
 
 #include <errno.h>

@@ -3,7 +3,7 @@
 #ifndef CONUS_LOADERS_CIFTI_CIFTI_FILE_H
 #define CONUS_LOADERS_CIFTI_CIFTI_FILE_H
 
-#include "base/file_sums.h"
+#include "base/files/file_sums.h"
 #include "loaders/cifti/cifti.h"
 
 /** One map of a file. */

@@ -3,7 +3,7 @@
 #include "loaders/cifti/cifti_xml.h"
 
 #include "base/formats/xml.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/order.h"
 #include "loaders/tables/label_cells.h"

@@ -3,7 +3,7 @@
  * other volume in the folder that the table could be of, and the numbers must fit. */
 #include "loaders/labels/label_alike.h"
 
-#include "base/folder.h"
+#include "base/files/folder.h"
 #include "base/memory.h"
 #include "loaders/labels/label_file.h"
 #include "loaders/labels/label_fit.h"

@@ -2,7 +2,7 @@
 /* A label table from a file, and its colours from a .lut beside it. */
 #include "loaders/labels/label_file.h"
 
-#include "base/folder.h"
+#include "base/files/folder.h"
 #include "base/memory.h"
 #include "loaders/file_kind.h"
 #include "loaders/tables/label_bytes.h"

@@ -4,7 +4,7 @@
 #define CONUS_LOADERS_LABELS_LABEL_FILE_H
 
 #include "atlas/labels/labels.h"
-#include "base/file.h"
+#include "base/files/file.h"
 #include "loaders/tables/label_use.h"
 
 /** Takes @p text apart at ",label=COLUMN" and ",name=COLUMN", in either order, unless there is a file of that name:

@@ -3,7 +3,7 @@
 #include "loaders/labels/label_find.h"
 
 #include "base/buffer.h"
-#include "base/folder.h"
+#include "base/files/folder.h"
 #include "base/memory.h"
 #include "loaders/labels/label_file.h"
 #include "loaders/labels/label_folder.h"

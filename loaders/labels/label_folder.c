@@ -3,7 +3,7 @@
  * volume, tables with a similar name, and those that BrainGlobe and FreeSurfer call by fixed names. */
 #include "loaders/labels/label_folder.h"
 
-#include "base/folder.h"
+#include "base/files/folder.h"
 #include "base/memory.h"
 #include "loaders/labels/label_alike.h"
 #include "loaders/labels/label_freesurfer.h"

@@ -3,10 +3,10 @@
  * table gives a name: so the volume's name must be one of FreeSurfer's, and its labels must lie as FreeSurfer's do. */
 #include "loaders/labels/label_freesurfer.h"
 
-#include "base/file.h"
-#include "base/file_trace.h"
-#include "base/folder.h"
-#include "base/math3.h"
+#include "base/files/file.h"
+#include "base/files/file_trace.h"
+#include "base/files/folder.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "loaders/labels/label_search.h"
 

@@ -2,8 +2,8 @@
 /* Tries one candidate for a volume's label table. */
 #include "loaders/labels/label_search.h"
 
-#include "base/file.h"
-#include "base/folder.h"
+#include "base/files/file.h"
+#include "base/files/folder.h"
 #include "loaders/labels/label_file.h"
 #include "loaders/tables/label_bytes.h"
 #include "loaders/tables/label_rows.h"

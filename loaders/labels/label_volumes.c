@@ -3,7 +3,7 @@
  * volume has follows from the numbers alone, or no name is used. */
 #include "loaders/labels/label_volumes.h"
 
-#include "base/folder.h"
+#include "base/files/folder.h"
 #include "base/memory.h"
 #include "loaders/labels/label_file.h"
 #include "loaders/tables/label_bytes.h"

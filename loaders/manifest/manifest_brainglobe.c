@@ -2,7 +2,7 @@
 /* What BrainGlobe calls its files. */
 #include "loaders/manifest/manifest_brainglobe.h"
 
-#include "base/file.h"
+#include "base/files/file.h"
 #include "base/memory.h"
 
 #include <string.h>

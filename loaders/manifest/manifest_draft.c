@@ -2,7 +2,7 @@
 /* A manifest in the making: entries are appended, if they load, and written as JSON. */
 #include "loaders/manifest/manifest_draft.h"
 
-#include "base/file.h"
+#include "base/files/file.h"
 #include "base/memory.h"
 #include "loaders/manifest/manifest.h"
 

@@ -4,7 +4,7 @@
 #define CONUS_LOADERS_MANIFEST_MANIFEST_DRAFT_H
 
 #include "base/buffer.h"
-#include "base/folder.h"
+#include "base/files/folder.h"
 #include "conus/conus.h"
 
 #include <jansson.h>

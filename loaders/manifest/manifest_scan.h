@@ -3,7 +3,7 @@
 #ifndef CONUS_LOADERS_MANIFEST_MANIFEST_SCAN_H
 #define CONUS_LOADERS_MANIFEST_MANIFEST_SCAN_H
 
-#include "base/folder.h"
+#include "base/files/folder.h"
 
 enum volume_use { VOLUME_LABELS, VOLUME_PATHWAY, VOLUME_SERIES, VOLUME_CONTEXT };
 

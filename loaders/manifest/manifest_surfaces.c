@@ -2,7 +2,7 @@
 /* Entries of a manifest for the surfaces in a folder. */
 #include "loaders/manifest/manifest_surfaces.h"
 
-#include "base/file.h"
+#include "base/files/file.h"
 #include "base/memory.h"
 #include "loaders/manifest/manifest_brainglobe.h"
 #include "loaders/manifest/manifest_scan.h"

@@ -3,7 +3,7 @@
 #include "loaders/maps/fsl_maps.h"
 
 #include "base/buffer.h"
-#include "base/folder.h"
+#include "base/files/folder.h"
 #include "base/memory.h"
 #include "loaders/labels/label_offer.h"
 #include "loaders/labels/label_volumes.h"

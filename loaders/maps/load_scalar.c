@@ -6,7 +6,7 @@
 #include "atlas/fit/box_fit.h"
 #include "atlas/fit/fit.h"
 #include "base/buffer.h"
-#include "base/folder.h"
+#include "base/files/folder.h"
 #include "base/memory.h"
 #include "base/options.h"
 #include "loaders/labels/label_volumes.h"

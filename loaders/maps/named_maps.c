@@ -4,7 +4,7 @@
 #include "loaders/maps/named_maps.h"
 
 #include "base/buffer.h"
-#include "base/folder.h"
+#include "base/files/folder.h"
 #include "base/memory.h"
 #include "loaders/labels/label_volumes.h"
 #include "loaders/tables/label_cells.h"

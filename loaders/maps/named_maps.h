@@ -4,7 +4,7 @@
 #define CONUS_LOADERS_SCENE_NAMED_MAPS_H
 
 #include "atlas/labels/labels.h"
-#include "base/file_sums.h"
+#include "base/files/file_sums.h"
 #include "loaders/volumes/volume_file.h"
 
 struct named_maps {

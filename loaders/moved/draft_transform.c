@@ -2,7 +2,7 @@
 /* Knows a transform by its name's ending and its content. */
 #include "loaders/moved/draft_transform.h"
 
-#include "base/folder.h"
+#include "base/files/folder.h"
 #include "base/memory.h"
 #include "loaders/transform/field_file.h"
 #include "loaders/transform/transform_file.h"

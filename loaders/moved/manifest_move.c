@@ -2,7 +2,7 @@
 /* Moves what a manifest has made so far. */
 #include "loaders/moved/manifest_move.h"
 
-#include "base/file.h"
+#include "base/files/file.h"
 #include "base/memory.h"
 
 #include <stdio.h>

@@ -4,7 +4,7 @@
 #define CONUS_LOADERS_MOVED_TRANSFORM_IMAGES_H
 
 #include "atlas/atlas.h"
-#include "base/file_sums.h"
+#include "base/files/file_sums.h"
 
 /** Warns where less than half of @p atlas, which has not been moved yet, is in the grid of the image that the matrix
  * has in its space: that of `to`, or with `inverse` that of `from`. Both are given. Errors of reading its header. */

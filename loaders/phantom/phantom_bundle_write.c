@@ -3,7 +3,7 @@
 #include "loaders/phantom/phantom_bundle_write.h"
 
 #include "base/buffer.h"
-#include "base/file.h"
+#include "base/files/file.h"
 #include "conus/conus.h"
 
 #include <math.h>

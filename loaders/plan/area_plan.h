@@ -3,7 +3,7 @@
 #ifndef CONUS_LOADERS_PLAN_AREA_PLAN_H
 #define CONUS_LOADERS_PLAN_AREA_PLAN_H
 
-#include "base/file_sums.h"
+#include "base/files/file_sums.h"
 #include "loaders/surfaces/mesh_file.h"
 
 /** A surface that becomes an area. */

@@ -4,7 +4,7 @@
 
 #include "atlas/space.h"
 #include "base/buffer.h"
-#include "base/folder.h"
+#include "base/files/folder.h"
 #include "base/formats/xml.h"
 #include "base/memory.h"
 #include "loaders/cifti/cifti_file.h"

@@ -2,7 +2,7 @@
 /* From the "areas" and the "tree" of a manifest to a list of surfaces and groups. */
 #include "loaders/plan/load_plan.h"
 
-#include "base/folder.h"
+#include "base/files/folder.h"
 #include "loaders/plan/plan_brainglobe.h"
 #include "loaders/plan/plan_files.h"
 #include "loaders/plan/plan_labelled.h"

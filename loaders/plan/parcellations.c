@@ -2,7 +2,7 @@
 /* Parcellations of one scene: their labels made one set, and each voxel given to the first that claims it. */
 #include "loaders/plan/parcellations.h"
 
-#include "base/folder.h"
+#include "base/files/folder.h"
 #include "base/memory.h"
 
 #include <string.h>

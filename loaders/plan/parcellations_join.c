@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Gives each voxel to the first parcellation that claims it, and makes one volume of those on the same grid. */
 #include "atlas/space.h"
-#include "base/folder.h"
-#include "base/math3.h"
+#include "base/files/folder.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/order.h"
 #include "loaders/plan/parcellations.h"

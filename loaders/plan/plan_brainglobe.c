@@ -5,7 +5,7 @@
 
 #include "atlas/frame.h"
 #include "base/buffer.h"
-#include "base/folder.h"
+#include "base/files/folder.h"
 #include "base/memory.h"
 #include "loaders/brainglobe/brainglobe_metadata.h"
 #include "loaders/labels/label_file.h"

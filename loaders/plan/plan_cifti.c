@@ -2,7 +2,7 @@
 /* From a .dlabel.nii to a manifest: the surface of each structure, and labels that no two of them share. */
 #include "loaders/plan/plan_cifti.h"
 
-#include "base/folder.h"
+#include "base/files/folder.h"
 #include "base/memory.h"
 #include "base/order.h"
 #include "loaders/manifest/manifest_surfaces.h"

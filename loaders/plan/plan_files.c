@@ -3,7 +3,7 @@
 #include "loaders/plan/plan_files.h"
 
 #include "base/buffer.h"
-#include "base/folder.h"
+#include "base/files/folder.h"
 #include "base/memory.h"
 #include "loaders/labels/label_file.h"
 

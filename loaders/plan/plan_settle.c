@@ -2,7 +2,7 @@
 /* Which of two areas keeps a label that both the planned surfaces and the parcellation have. */
 #include "loaders/plan/plan_settle.h"
 
-#include "base/folder.h"
+#include "base/files/folder.h"
 #include "base/memory.h"
 
 #include <string.h>

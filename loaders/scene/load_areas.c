@@ -6,7 +6,7 @@
 #include "atlas/labels/label_map.h"
 #include "atlas/surface/mesh_split.h"
 #include "base/buffer.h"
-#include "base/folder.h"
+#include "base/files/folder.h"
 #include "base/memory.h"
 #include "base/order.h"
 #include "loaders/surfaces/foreign/mesh_foreign.h"

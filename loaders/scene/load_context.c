@@ -4,8 +4,8 @@
 
 #include "atlas/fit/box_fit.h"
 #include "atlas/fit/fit.h"
-#include "base/file.h"
-#include "base/folder.h"
+#include "base/files/file.h"
+#include "base/files/folder.h"
 #include "base/memory.h"
 #include "base/options.h"
 #include "loaders/maps/load_scalar.h"

@@ -4,7 +4,7 @@
 
 #include "atlas/frame.h"
 #include "base/buffer.h"
-#include "base/folder.h"
+#include "base/files/folder.h"
 #include "base/memory.h"
 #include "loaders/maps/fsl_maps.h"
 #include "loaders/maps/load_probability.h"

@@ -3,7 +3,7 @@
 #ifndef CONUS_LOADERS_SCENE_LOAD_MANIFEST_H
 #define CONUS_LOADERS_SCENE_LOAD_MANIFEST_H
 
-#include "base/file.h"
+#include "base/files/file.h"
 #include "loaders/manifest/manifest.h"
 #include "loaders/maps/named_maps.h"
 #include "loaders/scene/load_progress.h"

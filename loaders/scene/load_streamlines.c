@@ -4,7 +4,7 @@
 
 #include "atlas/fit/tract_fit.h"
 #include "base/buffer.h"
-#include "base/folder.h"
+#include "base/files/folder.h"
 #include "base/memory.h"
 #include "base/options.h"
 #include "base/text_number.h"

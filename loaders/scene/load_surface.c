@@ -5,7 +5,7 @@
 #include "atlas/atlas.h"
 #include "atlas/surface/mesh_split.h"
 #include "base/buffer.h"
-#include "base/folder.h"
+#include "base/files/folder.h"
 #include "base/memory.h"
 #include "loaders/surfaces/foreign/mesh_foreign.h"
 #include "loaders/surfaces/mesh_file.h"

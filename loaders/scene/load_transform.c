@@ -2,7 +2,7 @@
 /* conus_atlas_transform(): an atlas goes to where a transform says. */
 #include "atlas/placement.h"
 #include "atlas/warp/warp.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/options.h"
 #include "loaders/moved/transform_images.h"
 #include "loaders/transform/field_file.h"

@@ -2,8 +2,8 @@
 /* conus_manifest_write(): a first manifest from what lies in a folder. What a volume is, is guessed from its values,
  * and every guess is said. */
 #include "base/buffer.h"
-#include "base/file.h"
-#include "base/folder.h"
+#include "base/files/file.h"
+#include "base/files/folder.h"
 #include "base/formats/xml.h"
 #include "base/memory.h"
 #include "base/options.h"

@@ -3,7 +3,7 @@
 #include "loaders/surfaces/cifti_vertices.h"
 
 #include "base/buffer.h"
-#include "base/folder.h"
+#include "base/files/folder.h"
 #include "base/memory.h"
 #include "loaders/cifti/cifti_file.h"
 #include "loaders/surfaces/surface_about.h"

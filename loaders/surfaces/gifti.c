@@ -3,9 +3,9 @@
 #include "loaders/surfaces/gifti.h"
 
 #include "base/byte_order.h"
-#include "base/file.h"
+#include "base/files/file.h"
 #include "base/formats/xml.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "loaders/surfaces/gifti_data.h"
 #include "loaders/tables/label_cells.h"

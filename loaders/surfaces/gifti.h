@@ -15,7 +15,7 @@ enum gifti_intent { GIFTI_OTHER, GIFTI_POINTSET, GIFTI_TRIANGLE, GIFTI_LABEL, GI
 struct gifti_transform {
     int data_space;        /**< Of the numbers as they are stored.       */
     int transformed_space; /**< To which the matrix leads.               */
-    double matrix[16];     /**< Column-major, as in base/math3.h.        */
+    double matrix[16];     /**< Column-major, as in base/geometry/math3.h.        */
 };
 
 /** FreeSurfer's VolGeom metadata: the volume from which a surface was made. */

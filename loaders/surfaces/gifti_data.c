@@ -3,10 +3,10 @@
 #include "loaders/surfaces/gifti_data.h"
 
 #include "base/byte_order.h"
-#include "base/file.h"
+#include "base/files/file.h"
 #include "base/formats/base64.h"
 #include "base/formats/gzip.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 
 #include <libdeflate.h>

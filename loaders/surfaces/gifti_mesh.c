@@ -3,7 +3,7 @@
 #include "loaders/surfaces/gifti_mesh.h"
 
 #include "atlas/space.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "loaders/cifti/map_choice.h"
 #include "loaders/surfaces/freesurfer_surface.h"

@@ -2,11 +2,11 @@
 /* Reads a surface, or labels of vertices, with the reader of its format. */
 #include "loaders/surfaces/mesh_file.h"
 
-#include "base/file.h"
-#include "base/folder.h"
+#include "base/files/file.h"
+#include "base/files/folder.h"
 #include "base/formats/gzip.h"
 #include "base/formats/xml.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/text.h"
 #include "loaders/cifti/cifti.h"

@@ -6,7 +6,7 @@
 #include "atlas/labels/labels.h"
 #include "atlas/surface/mesh.h"
 #include "atlas/surface/mesh_space.h"
-#include "base/file_sums.h"
+#include "base/files/file_sums.h"
 
 /** Zero is the default of each. */
 struct mesh_file_options {

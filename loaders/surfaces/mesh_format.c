@@ -2,7 +2,7 @@
 /* Writes a mesh in each of the formats. */
 #include "loaders/surfaces/mesh_format.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 
 #include <nettle/base64.h>
 #include <stdio.h>

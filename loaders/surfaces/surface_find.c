@@ -3,8 +3,8 @@
 #include "loaders/surfaces/surface_find.h"
 
 #include "base/buffer.h"
-#include "base/file.h"
-#include "base/folder.h"
+#include "base/files/file.h"
+#include "base/files/folder.h"
 #include "base/memory.h"
 #include "base/text.h"
 

@@ -3,9 +3,9 @@
 #include "loaders/tables/fsl_find.h"
 
 #include "base/buffer.h"
-#include "base/file.h"
-#include "base/file_trace.h"
-#include "base/folder.h"
+#include "base/files/file.h"
+#include "base/files/file_trace.h"
+#include "base/files/folder.h"
 #include "base/formats/xml.h"
 #include "base/memory.h"
 

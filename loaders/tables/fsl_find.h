@@ -3,7 +3,7 @@
 #ifndef CONUS_LOADERS_TABLES_FSL_FIND_H
 #define CONUS_LOADERS_TABLES_FSL_FIND_H
 
-#include "base/file.h"
+#include "base/files/file.h"
 #include "loaders/tables/fsl_atlas.h"
 
 enum fsl_use {

@@ -2,8 +2,8 @@
 /* Which number a label of an FSL atlas XML has in a volume of labels: its index, or that plus one. */
 #include "loaders/tables/fsl_number.h"
 
-#include "base/folder.h"
-#include "base/math3.h"
+#include "base/files/folder.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "loaders/tables/fsl_find.h"
 #include "loaders/tables/label_cells.h"

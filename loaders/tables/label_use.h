@@ -4,7 +4,7 @@
 #define CONUS_LOADERS_TABLES_LABEL_USE_H
 
 #include "atlas/labels/label_voxels.h"
-#include "base/file_sums.h"
+#include "base/files/file_sums.h"
 #include "base/text.h"
 #include "conus/conus.h"
 

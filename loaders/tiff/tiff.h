@@ -5,7 +5,7 @@
 #ifndef CONUS_LOADERS_TIFF_TIFF_H
 #define CONUS_LOADERS_TIFF_TIFF_H
 
-#include "base/file.h"
+#include "base/files/file.h"
 #include "loaders/tiff/tiff_directory.h"
 
 enum { TIFF_PAGE_LIMIT = 1 << 16 };

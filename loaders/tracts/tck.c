@@ -3,7 +3,7 @@
 #include "loaders/tracts/tck.h"
 
 #include "base/byte_order.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "loaders/tracts/tract_build.h"
 
 #include <stdio.h>

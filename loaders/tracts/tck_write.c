@@ -3,7 +3,7 @@
  * end. */
 #include "loaders/tracts/tck_write.h"
 
-#include "base/folder.h"
+#include "base/files/folder.h"
 #include "base/memory.h"
 
 #include <math.h>

@@ -3,7 +3,7 @@
 #ifndef CONUS_LOADERS_TRACTS_TCK_WRITE_H
 #define CONUS_LOADERS_TRACTS_TCK_WRITE_H
 
-#include "base/file.h"
+#include "base/files/file.h"
 #include "conus/streamline_list.h"
 
 /** The bytes of a file with the streamlines of @p list, Float32LE. @p out is owned by the caller. */

@@ -4,7 +4,7 @@
 #define CONUS_LOADERS_TRACTS_TRACT_FILE_H
 
 #include "atlas/tracts/tractogram.h"
-#include "base/file.h"
+#include "base/files/file.h"
 #include "base/formats/byte_stream.h"
 
 /** Reads the tractogram @p path: of the format that its content has, checked by tractogram_check(), with the radius

@@ -3,7 +3,7 @@
 #include "loaders/tracts/trk.h"
 
 #include "base/byte_order.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "loaders/tracts/tract_build.h"
 #include "loaders/tracts/trk_header.h"
 

@@ -3,7 +3,7 @@
 #include "loaders/tracts/trk_header.h"
 
 #include "base/byte_order.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/text.h"
 
 #include <stdio.h>

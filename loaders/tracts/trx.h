@@ -6,7 +6,7 @@
 #define CONUS_LOADERS_TRACTS_TRX_H
 
 #include "atlas/tracts/tractogram.h"
-#include "base/file.h"
+#include "base/files/file.h"
 
 /** True of a zip archive, whatever it holds, by its first bytes @p head, and of a folder @p path (it may be NULL) with
  * header.json. */

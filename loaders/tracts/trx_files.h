@@ -3,8 +3,8 @@
 #ifndef CONUS_LOADERS_TRACTS_TRX_FILES_H
 #define CONUS_LOADERS_TRACTS_TRX_FILES_H
 
-#include "base/file_sums.h"
-#include "base/folder.h"
+#include "base/files/file_sums.h"
+#include "base/files/folder.h"
 #include "base/formats/zip.h"
 
 struct trx_files {

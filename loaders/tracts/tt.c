@@ -3,7 +3,7 @@
 #include "loaders/tracts/tt.h"
 
 #include "base/byte_order.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "loaders/tracts/tract_build.h"
 

@@ -5,7 +5,7 @@
 #define CONUS_LOADERS_TRACTS_VTK_LINES_H
 
 #include "atlas/tracts/tractogram.h"
-#include "base/file.h"
+#include "base/files/file.h"
 
 /** True where @p head, the first bytes of a file, unpacked, is of one of these formats: of a surface, too. */
 bool vtk_lines_is(const struct bytes *head, const char *path);

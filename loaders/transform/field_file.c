@@ -3,7 +3,7 @@
 #include "loaders/transform/field_file.h"
 
 #include "base/formats/gzip.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "loaders/transform/field_header.h"
 #include "loaders/transform/transform_formats.h"

@@ -4,7 +4,7 @@
 #define CONUS_LOADERS_TRANSFORM_FIELD_FILE_H
 
 #include "atlas/deformation/deformation.h"
-#include "base/file_sums.h"
+#include "base/files/file_sums.h"
 #include "base/notes.h"
 
 /** Whether @p path is a NIfTI file, and so no affine. */

@@ -2,7 +2,7 @@
 /* Says which format a transform is in, and reads it. */
 #include "loaders/transform/transform_file.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "loaders/file_kind.h"
 #include "loaders/transform/transform_formats.h"
 #include "loaders/volumes/nifti.h"

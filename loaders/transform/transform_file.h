@@ -3,7 +3,7 @@
 #ifndef CONUS_LOADERS_TRANSFORM_TRANSFORM_FILE_H
 #define CONUS_LOADERS_TRANSFORM_TRANSFORM_FILE_H
 
-#include "base/file_sums.h"
+#include "base/files/file_sums.h"
 #include "base/notes.h"
 
 /** The affine in @p file, whose name is @p path; arguments and errors otherwise as below, without the path. */

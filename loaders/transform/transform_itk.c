@@ -4,7 +4,7 @@
 #include "loaders/transform/transform_formats.h"
 
 #include "base/byte_order.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 
 enum { PARAMETERS_LIMIT = 16 };
 

@@ -2,7 +2,7 @@
 /* FreeSurfer's linear transforms (.lta): a matrix from source to destination, between their voxels or in RAS mm. */
 #include "loaders/transform/transform_formats.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 
 enum { VOXEL_TO_VOXEL = 0, RAS_TO_RAS = 1 };
 

@@ -2,7 +2,7 @@
 /* Matrices as text: four rows, and the MNI's three with a head. */
 #include "loaders/transform/transform_formats.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 
 conus_status matrix_rows_parse(double out[16], struct text *rest, size_t rows, const char *what)
 {

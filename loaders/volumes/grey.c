@@ -2,7 +2,7 @@
 /* Tells labels from grey values by the share of neighbouring voxels that are equal. */
 #include "loaders/volumes/grey.h"
 
-#include "base/folder.h"
+#include "base/files/folder.h"
 #include "base/memory.h"
 #include "base/order.h"
 

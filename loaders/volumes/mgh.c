@@ -4,7 +4,7 @@
 
 #include "atlas/space.h"
 #include "base/byte_order.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 
 #include <stdio.h>
 

@@ -5,7 +5,7 @@
 #ifndef CONUS_LOADERS_VOLUMES_NIFTI_H
 #define CONUS_LOADERS_VOLUMES_NIFTI_H
 
-#include "base/file.h"
+#include "base/files/file.h"
 #include "base/notes.h"
 #include "loaders/file_kind.h"
 #include "loaders/volumes/volume_file.h"

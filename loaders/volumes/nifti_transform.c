@@ -3,7 +3,7 @@
 #include "loaders/volumes/nifti_transform.h"
 
 #include "atlas/space.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 
 #include <stdio.h>
 

@@ -3,8 +3,8 @@
 #include "loaders/volumes/nifti_write.h"
 
 #include "atlas/space.h"
-#include "base/folder.h"
-#include "base/math3.h"
+#include "base/files/folder.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 
 #include <libdeflate.h>

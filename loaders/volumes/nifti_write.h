@@ -4,7 +4,7 @@
 #define CONUS_LOADERS_VOLUMES_NIFTI_WRITE_H
 
 #include "atlas/grid.h"
-#include "base/file.h"
+#include "base/files/file.h"
 
 /** Writes @p labels (one per voxel of @p info, i fastest) as a little-endian single file in the narrowest of uint8,
  * uint16 and uint32 that holds them all, intent "label". dim and world_from_voxel of @p info are used: the sform

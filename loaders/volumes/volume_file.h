@@ -5,7 +5,7 @@
 #ifndef CONUS_LOADERS_VOLUMES_VOLUME_FILE_H
 #define CONUS_LOADERS_VOLUMES_VOLUME_FILE_H
 
-#include "base/file_sums.h"
+#include "base/files/file_sums.h"
 #include "base/notes.h"
 #include "base/text.h"
 #include "loaders/volumes/volume_header.h"

@@ -2,7 +2,7 @@
 /* Names of the two files of a pair. */
 #include "loaders/volumes/volume_pair.h"
 
-#include "base/file.h"
+#include "base/files/file.h"
 #include "base/memory.h"
 
 #include <stdio.h>

@@ -4,7 +4,7 @@
 
 #include "atlas/space.h"
 #include "base/byte_order.h"
-#include "base/folder.h"
+#include "base/files/folder.h"
 #include "base/memory.h"
 #include "loaders/volumes/text/afni.h"
 #include "loaders/volumes/text/metaimage.h"

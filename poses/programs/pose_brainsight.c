@@ -2,7 +2,7 @@
 /* Parses Brainsight's export, section by section. */
 #include "poses/programs/pose_brainsight.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "poses/rows/pose_row.h"
 
 #include <stdio.h>

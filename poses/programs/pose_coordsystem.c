@@ -3,7 +3,7 @@
 #include "poses/programs/pose_coordsystem.h"
 
 #include "base/buffer.h"
-#include "base/file.h"
+#include "base/files/file.h"
 #include "base/formats/json_text.h"
 #include "base/memory.h"
 #include "poses/rows/pose_row.h"

@@ -2,7 +2,7 @@
 /* Parses BIDS electrodes, and finds the direction of each contact along its shaft. */
 #include "poses/programs/pose_electrodes.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/order.h"
 #include "poses/rows/pose_row.h"

@@ -2,7 +2,7 @@
 /* Parses InVesalius's table of markers. */
 #include "poses/programs/pose_invesalius.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "poses/rows/pose_columns.h"
 #include "poses/rows/pose_row.h"
 

@@ -3,7 +3,7 @@
 #include "poses/programs/pose_localite.h"
 
 #include "base/formats/xml.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "poses/rows/pose_row.h"
 
 #include <stdio.h>

@@ -3,7 +3,7 @@
 #include "poses/programs/pose_markups.h"
 
 #include "base/formats/json_text.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "poses/programs/pose_fcsv.h"
 #include "poses/rows/pose_row.h"

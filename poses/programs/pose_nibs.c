@@ -4,7 +4,7 @@
 #include "poses/programs/pose_nibs.h"
 
 #include "base/formats/json_text.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "poses/rows/pose_columns.h"
 #include "poses/rows/pose_row.h"
 

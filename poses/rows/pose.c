@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Poses from a direction, a target, a matrix or a quaternion (Eq. 1, 2). */
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/status.h"
 #include "poses/rows/pose_row.h"
 

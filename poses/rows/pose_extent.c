@@ -2,7 +2,7 @@
 /* Measures the box around positions, and says where it is as small as a head's in metres. */
 #include "poses/rows/pose_extent.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 
 #include <string.h>
 

@@ -3,7 +3,7 @@
 #ifndef CONUS_POSES_ROWS_POSE_LINES_H
 #define CONUS_POSES_ROWS_POSE_LINES_H
 
-#include "base/file.h"
+#include "base/files/file.h"
 #include "base/text.h"
 
 #include <nettle/sha2.h>

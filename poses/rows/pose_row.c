@@ -2,7 +2,7 @@
 /* Checks and turns what a row gives: ids, angles, points, axes, times. */
 #include "poses/rows/pose_row.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/status.h"
 
 #include <stdio.h>

@@ -2,7 +2,7 @@
 /* Uploads volumes, meshes and colours of an atlas for the colour pass, and collects the points around what shows. */
 #include "render/colour/colour_upload.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "render/colour/bricks.h"
 #include "render/colour/colour_view.h"

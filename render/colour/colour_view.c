@@ -2,7 +2,7 @@
 /* Packs a view into the uniform block of the colour pass: planes of Eq. 7, camera, light, cone and markers. */
 #include "render/colour/colour_view.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "render/colour/bricks.h"
 #include "render/image/image_srgb.h"
 

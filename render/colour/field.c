@@ -2,7 +2,7 @@
 /* Computes densities and gradients of areas and of grey values. */
 #include "render/colour/field.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 
 #include <math.h>

@@ -3,7 +3,7 @@
  * so that no colour bleeds from where nothing is. */
 #include "render/colour/haze.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "render/image/image_srgb.h"
 

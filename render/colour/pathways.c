@@ -3,7 +3,7 @@
 #include "render/colour/pathways.h"
 
 #include "atlas/space.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 
 const struct volume *pathways_first(const conus_atlas *atlas)

@@ -3,7 +3,7 @@
 #include "render/colour/transfer.h"
 
 #include "atlas/atlas.h"
-#include "base/file.h"
+#include "base/files/file.h"
 #include "base/memory.h"
 #include "base/text.h"
 #include "render/image/image_srgb.h"

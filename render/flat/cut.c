@@ -2,7 +2,7 @@
 /* Creates a cut, draws it, and keeps what it found for the next one. */
 #include "render/flat/cut.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 
 #include <string.h>

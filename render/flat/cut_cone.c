@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The cone in a cut: the inside a little tinted, its wall a line. */
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "render/flat/cut.h"
 
 enum { TILE = 16 };

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What lies in the plane: grey values, objects, and the lines in which surfaces cut it. */
 #include "atlas/volume_sample.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "render/flat/cut.h"
 
 #include <string.h>

@@ -2,7 +2,7 @@
 /* Cameras from poses, from a frustum and around points; projection of points. */
 #include "render/gl/camera.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 
 /* The field of view spans the picture's height; pixels are square. */
 static void set_slopes(struct camera *camera, double field_of_view, uint32_t width, uint32_t height)

@@ -2,7 +2,7 @@
 /* Cuts meshes into clusters of neighbouring triangles and finds a ball around each. */
 #include "render/id/clusters.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 
 #include <assert.h>

@@ -2,7 +2,7 @@
 /* Walks meshes and clusters in the order of their distance, batch by batch. */
 #include "render/id/mesh_cull.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 
 /* Pixels by which a driver's vertex grid may move an edge, and a bit. */

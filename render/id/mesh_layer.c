@@ -2,7 +2,7 @@
 /* Uploads the meshes of an atlas and draws them for a camera, and streamlines with them. */
 #include "render/id/mesh_layer.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "render/gl/context.h"
 #include "render/gl/program.h"

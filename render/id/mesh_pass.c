@@ -2,7 +2,7 @@
 /* Draws batches of clusters, reads the proposed triangles and settles which is nearest. */
 #include "render/id/mesh_pass.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "render/gl/context.h"
 #include "render/gl/program.h"

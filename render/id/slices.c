@@ -2,7 +2,7 @@
 /* Computes the planes over a volume. */
 #include "render/id/slices.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 
 uint32_t slices_default(const size_t dim[3])
 {

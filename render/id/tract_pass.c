@@ -3,7 +3,7 @@
 #include "render/id/tract_pass.h"
 
 #include "atlas/tracts/tract_start.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "render/gl/context.h"
 #include "render/gl/program.h"

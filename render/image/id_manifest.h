@@ -20,7 +20,7 @@
 #ifndef CONUS_RENDER_IMAGE_ID_MANIFEST_H
 #define CONUS_RENDER_IMAGE_ID_MANIFEST_H
 
-#include "base/file.h"
+#include "base/files/file.h"
 #include "base/status.h"
 
 /** What the ids in one channel stand for. They are stable (the same in all images of the same atlas) and not hashes. */

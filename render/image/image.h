@@ -6,7 +6,7 @@
 #ifndef CONUS_RENDER_IMAGE_IMAGE_H
 #define CONUS_RENDER_IMAGE_IMAGE_H
 
-#include "base/file.h"
+#include "base/files/file.h"
 #include "base/status.h"
 
 /** Longest side, and largest sum of all channels in bytes, of an image that is created or read. */

@@ -3,7 +3,7 @@
 #include "render/tubes/tube_colour.h"
 
 #include "base/buffer.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 
 #include <string.h>

@@ -3,7 +3,7 @@
 #include "render/tubes/tube_layer.h"
 
 #include "atlas/bundles.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "render/gl/context.h"
 #include "render/gl/program.h"

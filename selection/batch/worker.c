@@ -2,7 +2,7 @@
 /* Answers the poses of a block with one selector, those of an engine that can trace many at once together. */
 #include "selection/batch/worker.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/status.h"
 #include "selection/rank.h"

@@ -2,7 +2,7 @@
 /* The rays of a cone, a pyramid or a cylinder, and the checks of its numbers. */
 #include "selection/cone/cone.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "poses/rows/pose_row.h"
 
 #include <string.h>

@@ -3,7 +3,7 @@
 #include "selection/ends/area_at.h"
 
 #include "atlas/surface/mesh_near.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 
 #include <stdlib.h>

@@ -3,7 +3,7 @@
 #include "selection/engine/engine_gl.h"
 
 #include "atlas/bundles.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "render/gl/context.h"
 #include "render/id/id_pass.h"

@@ -3,7 +3,7 @@
 #include "selection/engine/engine_rays.h"
 
 #include "atlas/bundles.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "render/id/slices.h"
 #include "selection/cone/aperture.h"

@@ -2,7 +2,7 @@
 /* Counts the voxels of each object whose centre is in a region. */
 #include "selection/measure/census.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "selection/region/region_rows.h"
 

@@ -3,7 +3,7 @@
 #include "selection/measure/near.h"
 
 #include "atlas/surface/mesh_near.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "selection/measure/census.h"
 

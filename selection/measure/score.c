@@ -2,7 +2,7 @@
 /* The table of scores, and the ranking by a formula over them. */
 #include "selection/measure/score.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 
 #include <stdlib.h>
 

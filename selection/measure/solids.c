@@ -3,7 +3,7 @@
 #include "selection/measure/solids.h"
 
 #include "atlas/surface/bvh.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "selection/region/region_segment.h"
 

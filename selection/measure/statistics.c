@@ -3,7 +3,7 @@
 #include "selection/measure/statistics.h"
 
 #include "atlas/space.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 
 #include <stdlib.h>

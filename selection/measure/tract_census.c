@@ -3,7 +3,7 @@
 #include "selection/measure/tract_census.h"
 
 #include "atlas/bundles.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "selection/region/region_segment.h"
 

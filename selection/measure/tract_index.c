@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Whose the streamlines are, which way bundles run, and where along them a point is. */
 #include "atlas/bundles.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "selection/measure/tract_census.h"
 

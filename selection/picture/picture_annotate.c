@@ -2,7 +2,7 @@
 /* Letters of directions and the scale of a picture, and all of its text. */
 #include "selection/picture/picture.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "render/flat/draw.h"
 
 #include <stdio.h>

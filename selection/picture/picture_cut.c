@@ -2,7 +2,7 @@
 /* The picture of cuts through the atlas with the cone in them. */
 #include "selection/picture/picture.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/options.h"
 #include "render/flat/cut.h"

@@ -2,7 +2,7 @@
 /* A cut as a figure: with letters, a scale and a legend. */
 #include "selection/picture/picture.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/options.h"
 #include "render/colour/pathways.h"

@@ -3,7 +3,7 @@
 #include "selection/picture/picture.h"
 
 #include "base/buffer.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/text.h"
 #include "render/flat/draw.h"

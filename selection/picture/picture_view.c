@@ -2,7 +2,7 @@
 /* conus_render(): the picture of the atlas from a camera, with the cone in it. */
 #include "selection/picture/picture.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/options.h"
 #include "base/text.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus_window_camera(): the camera of a viewer before a window. */
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "selection/picture/picture.h"
 
 static conus_status check_window(const double size[2], const double eye[3])

@@ -2,7 +2,7 @@
 /* The cone or the ball as a region of space, and its bounds in a grid. */
 #include "selection/region/region.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 
 /* How far, in voxels, bounds reach beyond what is exact. */
 static const double SLACK = 0.01;

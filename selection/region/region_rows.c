@@ -2,8 +2,8 @@
 /* Rows of voxels as a region sees them, and the choice of a kernel that cuts them. */
 #include "selection/region/region_rows.h"
 
-#include "base/math3.h"
-#include "base/processor.h"
+#include "base/geometry/math3.h"
+#include "base/simd/processor.h"
 
 /* So much of its terms is added to a discriminant, and so many rows to a range: far more than what is rounded. */
 static const double WIDER = 1e-9;

@@ -2,7 +2,7 @@
 /* Segments and boxes against a cone, a cylinder or a ball. */
 #include "selection/region/region_segment.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 
 /* Distance from a border, as a part of the coordinates' size, from which on nothing that is rounded decides. */
 static const double DOUBT = 1e-12;

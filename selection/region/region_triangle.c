@@ -2,7 +2,7 @@
 /* Triangles cut to a cone, a cylinder or a ball, and the flux through what is left. */
 #include "selection/region/region_triangle.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "selection/region/region_segment.h"
 
 /* A triangle gains a corner at each of six planes at most. */

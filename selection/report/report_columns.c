@@ -3,7 +3,7 @@
 #include "selection/report/report_columns.h"
 
 #include "atlas/placement.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 
 #include <assert.h>
 #include <stddef.h>

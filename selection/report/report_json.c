@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* JSON: the whole report with its provenance, and the sidecars of tables and grids. */
 #include "atlas/grid.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/text.h"
 #include "selection/report/report_writers.h"

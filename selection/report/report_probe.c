@@ -2,7 +2,7 @@
 /* The areas along a probe, as SpikeGLX and Open Ephys take them (docs/formats.md). Each query is a contact, each row
  * of contacts whose ids differ in the number at their end a shank; or each query is a shank with its segments, whose
  * tip is at the far end of the range. */
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "selection/report/report_writers.h"
 
 #include <string.h>

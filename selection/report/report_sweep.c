@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The tables for people of reports on how sure an answer is: shares, admissions and chances. */
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "selection/report/report_table.h"
 #include "selection/report/report_writers.h"

@@ -2,7 +2,7 @@
 /* The table of answers for people, aligned, with units; and what all tables for people have in common. */
 #include "selection/report/report_table.h"
 #include "atlas/bundles.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "selection/report/report_writers.h"
 
 #include <math.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The table of a track for people: a line per object and step, under one header. */
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/text.h"
 #include "selection/report/report_table.h"
 #include "selection/report/report_writers.h"

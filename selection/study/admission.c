@@ -2,7 +2,7 @@
 /* The narrowest cone that holds some of an object: over its voxels, its surface, or its streamlines. */
 #include "selection/study/admission.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "selection/measure/census.h"
 
 /* World coordinates along the region's right, up and axis. */

@@ -2,7 +2,7 @@
 /* Where cones begin, and whether they can hold anything of the atlas. */
 #include "selection/study/aims.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "selection/selection.h"
 #include "selection/selector.h"

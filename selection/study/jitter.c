@@ -3,7 +3,7 @@
 #include "selection/study/jitter.h"
 #include "selection/selector.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/options.h"
 

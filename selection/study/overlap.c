@@ -6,7 +6,7 @@
 #include "atlas/space.h"
 #include "atlas/surface/mesh_lines.h"
 #include "atlas/surface/mesh_voxels.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "selection/selector.h"
 #include "selection/study/shares.h"

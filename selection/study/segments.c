@@ -2,7 +2,7 @@
 /* Follows the axis of a device through all objects, and fills the gaps between them (Eq. 17). */
 #include "selection/study/segments.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "selection/selector.h"
 

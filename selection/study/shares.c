@@ -2,7 +2,7 @@
 /* Cuts a box along the borders of voxels where they part objects, grid after grid. */
 #include "selection/study/shares.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 
 #include <string.h>

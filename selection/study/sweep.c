@@ -3,7 +3,7 @@
 #include "selection/study/sweep.h"
 
 #include "atlas/bundles.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "selection/selector.h"
 #include "selection/study/admission.h"

@@ -3,7 +3,7 @@
 #include "atlas/areas/area_find.h"
 #include "atlas/atlas.h"
 #include "atlas/space.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "test.h"
 

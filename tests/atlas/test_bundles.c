@@ -2,7 +2,7 @@
 /* Tractograms become bundles: their numbers, names, groups, moves and hiding. */
 #include "atlas/bundles.h"
 #include "atlas/placement.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "test.h"
 #include "tract_scene.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Eq. 18: a line in one capsule. */
 #include "atlas/tracts/capsule.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "test.h"
 
 struct known {

@@ -3,7 +3,7 @@
 #include "atlas/deformation/deformation.h"
 #include "atlas/deformation/deformation_facts.h"
 #include "atlas/deformation/deformation_find.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "test.h"
 
 #include <math.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The head in a context, where a moved atlas lies, and what is said about that. */
 #include "atlas/fit/fit.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "mesh_scene.h"
 #include "scene.h"

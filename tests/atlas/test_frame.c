@@ -8,7 +8,7 @@
 #include "atlas/frame.h"
 
 #include "atlas/space.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "scene.h"
 #include "test.h"
 

@@ -3,7 +3,7 @@
 #include "atlas/areas/level.h"
 #include "atlas/areas/pairs.h"
 #include "atlas/areas/sides.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "builders/area_rows.h"
 #include "test.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Surfaces: closed or not, volume, area and centroid in closed form, and what is refused. */
 #include "atlas/surface/mesh.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "test.h"
 
 #include <string.h>

@@ -2,8 +2,8 @@
 /* The brain phantom: its exact size, closed surfaces that are not convex and do not touch, the pathway's tube. */
 #include "atlas/atlas.h"
 #include "atlas/phantom/phantom_brain.h"
-#include "base/file.h"
-#include "base/math3.h"
+#include "base/files/file.h"
+#include "base/geometry/math3.h"
 #include "test.h"
 
 #include <math.h>

@@ -2,7 +2,7 @@
 /* Trees of streamlines: they have every segment once, and a walk finds what a loop over all runs finds. */
 #include "atlas/tracts/tract_node.h"
 #include "atlas/tracts/tractogram.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "test.h"
 

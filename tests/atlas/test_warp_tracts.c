@@ -3,7 +3,7 @@
  * are left out whole, with their numbers and their places in groups. */
 #include "atlas/bundles.h"
 #include "atlas/warp/warp.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "test.h"
 #include "tract_scene.h"

@@ -2,8 +2,8 @@
 /* Text, numbers, arrays, files and 3-D maths of base/. */
 #include "base/buffer.h"
 #include "base/clock.h"
-#include "base/file.h"
-#include "base/math3.h"
+#include "base/files/file.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/order.h"
 #include "base/text.h"

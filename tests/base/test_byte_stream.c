@@ -2,7 +2,7 @@
 /* Files read block by block, plain and packed, against their bytes. */
 #include "base/formats/byte_stream.h"
 
-#include "base/file.h"
+#include "base/files/file.h"
 #include "builders/nifti_builder.h"
 #include "test.h"
 

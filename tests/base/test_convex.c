@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Convex polyhedra cut by planes, against closed forms (Eq. 16). */
-#include "base/convex.h"
-#include "base/math3.h"
+#include "base/geometry/convex.h"
+#include "base/geometry/math3.h"
 #include "test.h"
 
 #include <math.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What is asked of the file system is kept, and found out to be the same or not. */
-#include "base/file_trace.h"
+#include "base/files/file_trace.h"
 #include "base/memory.h"
 #include "test.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Files that are written whole or not at all, and the names that they have on the way. */
-#include "base/file.h"
+#include "base/files/file.h"
 #include "test.h"
 
 #include <dirent.h>

@@ -5,7 +5,7 @@
  * From y = -100 mm along +y the posterior slab begins at a depth of 88 mm, with the voxel whose centre lies at 88.5 mm.
  */
 #include "atlas/phantom/phantom.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "bench/peers/peers.h"
 #include "selection/engine/engine.h"
 #include "test.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What was loaded is found the next time, and only while everything that it follows from is as it was. */
 #include "atlas/bundles.h"
-#include "base/file.h"
+#include "base/files/file.h"
 #include "base/memory.h"
 #include "builders/cache_builder.h"
 #include "loaders/scene/load.h"

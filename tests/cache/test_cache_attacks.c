@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What is damaged, foreign or exchanged is never taken for right, and what cannot be kept is no error. */
 #include "base/cache/cache_entry.h"
-#include "base/file.h"
+#include "base/files/file.h"
 #include "builders/cache_builder.h"
 #include "test.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Runs a fuzz target over every file of a corpus folder, and over every prefix of the small ones, so that what the
  * fuzzer once found stays found with any compiler. */
-#include "base/file.h"
+#include "base/files/file.h"
 
 #include <dirent.h>
 #include <stdio.h>

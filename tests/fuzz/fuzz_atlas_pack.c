@@ -4,7 +4,7 @@
  * to fit (one), then places (two bytes) and what they become (one). */
 #include "atlas/bundles.h"
 #include "atlas/space.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 
 #include <stdlib.h>

@@ -3,7 +3,7 @@
  * it should. */
 #include "atlas/deformation/deformation_facts.h"
 #include "atlas/deformation/deformation_find.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "loaders/transform/field_header.h"
 #include "loaders/volumes/nifti.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The matrices of a tracker: what is read is one rigid pose, or says why it is none. */
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "poses/pose_load.h"
 
 #include <stdlib.h>

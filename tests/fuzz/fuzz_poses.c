@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A pose that is read without error is rigid, whatever the format, the axis and the space; and passing over rows counts
  * them as reading does. */
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "poses/pose_load.h"
 #include "poses/pose_stream.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Affine transforms of all programs: what is read can be inverted, and moves points to points. */
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "loaders/transform/transform_file.h"
 
 #include <stdlib.h>

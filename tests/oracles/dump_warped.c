@@ -6,7 +6,7 @@
  * (uint32), where the centres of its voxels are in the atlas's own space (3 doubles each), and the vertices of all
  * surfaces (3 floats each). Prints how many there are of each, the volume's place, and the notes. */
 #include "atlas/atlas.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 
 #include <stdio.h>
 #include <string.h>

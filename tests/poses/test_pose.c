@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Poses from directions, quaternions, matrices and rows; LPS and RAS. */
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "poses/pose_load.h"
 #include "test.h"
 

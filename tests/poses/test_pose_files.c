@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Poses as other programs write them. The devices of the samples (tests/fuzz/corpus/poses) are 80 mm from (0, -20, 10)
  * and look at it. */
-#include "base/file.h"
-#include "base/math3.h"
+#include "base/files/file.h"
+#include "base/geometry/math3.h"
 #include "pose_checks.h"
 #include "poses/pose_load.h"
 #include "poses/pose_stream.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Poses of InVesalius and NIBS-BIDS; and of these, SimNIBS and Lead-DBS: formats and spaces, prefixes, allocations. */
-#include "base/file.h"
-#include "base/math3.h"
+#include "base/files/file.h"
+#include "base/geometry/math3.h"
 #include "poses/pose_load.h"
 
 #include "pose_checks.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Poses in MATLAB's files: of SimNIBS, also as text, and of Lead-DBS. scipy wrote the samples. */
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "poses/pose_load.h"
 
 #include "builders/matlab_builder.h"

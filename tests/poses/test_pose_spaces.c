@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Poses in the Allen CCF and from bregma: tables, points, and the files of the International Brain Laboratory. Expected
  * places follow from the frames below by hand. */
-#include "base/file.h"
+#include "base/files/file.h"
 #include "pose_checks.h"
 #include "poses/pose_load.h"
 #include "test.h"

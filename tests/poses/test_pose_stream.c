@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Poses read block by block, from files and pipes. */
 #include "base/buffer.h"
-#include "base/file.h"
-#include "base/math3.h"
+#include "base/files/file.h"
+#include "base/geometry/math3.h"
 #include "poses/pose_stream.h"
 #include "poses/rows/pose_lines.h"
 #include "test.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Several objects of one scalar volume, by bands of its values (Eq. 6). */
 #include "atlas/atlas.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "gl_pair.h"
 #include "shells.h"

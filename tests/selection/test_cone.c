@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Rays, apertures and checks of cones. */
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "selection/cone/aperture.h"
 #include "test.h"
 

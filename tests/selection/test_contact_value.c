@@ -2,7 +2,7 @@
 /* The value at the contact. Each voxel of a volume has a value of its own, which follows from its index, so a value
  * says which voxel was meant. The wanted one is that of the voxel whose cell holds the point that is a thousandth of a
  * millimetre behind the contact: the contact lies where the ray comes from one cell into the next. */
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "test.h"
 
 #include <math.h>

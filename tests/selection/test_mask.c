@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Masks of a selection: the voxels of the census (Eq. 10), on the atlas's grid, and back from the file. */
 #include "atlas/phantom/phantom.h"
-#include "base/file.h"
-#include "base/math3.h"
+#include "base/files/file.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "scene.h"
 #include "selection/selection.h"

@@ -3,7 +3,7 @@
  * are derived here: by hand on small grids, or by trying every voxel. */
 #include "atlas/atlas.h"
 #include "atlas/space.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "scene.h"
 #include "selection/measure/score.h"

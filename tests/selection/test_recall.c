@@ -2,7 +2,7 @@
 /* Which thin objects in a cone are found at all: by the census of Eq. 10, by rays, and on the planes of Eq. 7. The
  * table in docs/model.md, kept true. Each tube is alone in its grid, so that nothing hides it. */
 #include "atlas/phantom/phantom.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "scene.h"
 #include "selection/selection.h"

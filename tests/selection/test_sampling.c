@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The planes of slice sampling, on a real atlas and on thin tubes. */
 #include "atlas/phantom/phantom.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "selection/engine/engine.h"
 #include "test.h"
 

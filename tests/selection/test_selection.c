@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* From hand-made evidence to results, ranks and reports. The engine here is a script, so that every number is known. */
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "selection/report/report_columns.h"
 #include "test.h"

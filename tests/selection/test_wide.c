@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Cones of more than 120 degrees (Eq. 15): rays spread evenly in angle. Against angles, solid angles and volumes that
  * are known in closed form, and coarse buffers against fine ones. */
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "gl_pair.h"
 #include "mesh_scene.h"
 #include "scene.h"

@@ -2,7 +2,7 @@
 /* Projects triangles and measures the distance of a pixel to their edges. */
 #include "gl_edge.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 
 /* Pixels by which a driver's vertex grid may move an edge. */
 #define EDGE_PIXELS (1 / 128.0)

@@ -2,7 +2,7 @@
 /* Both engines for one atlas, and comparisons of what they see. */
 #include "gl_pair.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "mesh_scene.h"
 #include "scene.h"
 #include "selection/engine/engine.h"

@@ -2,7 +2,7 @@
 /* Paths of a hand, ways of selecting, and what they find (Eq. 12). */
 #include "tests/support/hand.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 
 #include <string.h>
 

@@ -3,7 +3,7 @@
 #include "mesh_scene.h"
 
 #include "atlas/phantom/phantom_brain.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "oracle_triangle.h"
 #include "selection/engine/engine.h"

@@ -2,7 +2,7 @@
 /* Amanatides and Woo, one voxel at a time. */
 #include "oracle_traversal.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 
 #include <math.h>
 

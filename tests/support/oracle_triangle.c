@@ -2,7 +2,7 @@
 /* Moeller and Trumbore, one triangle at a time. */
 #include "oracle_triangle.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 
 void oracle_corner(double out[3], const struct mesh *mesh, size_t triangle, size_t k)
 {

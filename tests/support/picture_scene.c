@@ -3,7 +3,7 @@
 #include "picture_scene.h"
 
 #include "atlas/space.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "test.h"
 #include "test_gl.h"

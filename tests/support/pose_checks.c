@@ -2,7 +2,7 @@
 /* Reads poses and checks their rows. */
 #include "pose_checks.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "poses/pose_load.h"
 #include "test.h"
 

@@ -3,7 +3,7 @@
  * three odd squares, and a radius R is passed where that sum is 4 R^2 or more: in whole numbers, with no rounding. */
 #include "shells.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "test.h"
 
 #include <math.h>

@@ -2,7 +2,7 @@
 /* Finds out a mesh file's format, and the space that it states. */
 #include "loaders/surfaces/foreign/foreign.h"
 
-#include "base/folder.h"
+#include "base/files/folder.h"
 #include "loaders/surfaces/foreign/mesh_foreign.h"
 
 #include <stdio.h>

@@ -2,8 +2,8 @@
 /* Reads mesh files of other programs: the format, its parser, the space, and the objects of an OBJ. */
 #include "loaders/surfaces/foreign/mesh_foreign.h"
 
-#include "base/file.h"
-#include "base/folder.h"
+#include "base/files/file.h"
+#include "base/files/folder.h"
 #include "base/formats/gzip.h"
 #include "base/memory.h"
 #include "base/text.h"

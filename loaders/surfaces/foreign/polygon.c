@@ -5,7 +5,7 @@
  */
 #include "loaders/surfaces/foreign/foreign_mesh.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 
 struct polygon_corner {

@@ -3,7 +3,7 @@
 #ifndef CONUS_LOADERS_SURFACES_FOREIGN_VTP_DATA_H
 #define CONUS_LOADERS_SURFACES_FOREIGN_VTP_DATA_H
 
-#include "base/file.h"
+#include "base/files/file.h"
 #include "base/text.h"
 
 enum vtp_kind { VTP_INTEGER, VTP_UNSIGNED, VTP_REAL };

@@ -7,7 +7,7 @@
 #define CONUS_LOADERS_VOLUMES_STORED_KEPT_INDEX_H
 
 #include "base/cache/cache_store.h"
-#include "base/file_trace.h"
+#include "base/files/file_trace.h"
 #include "base/formats/gzip_index.h"
 
 #define KEPT_INDEX_ENDING ".index"

@@ -2,7 +2,7 @@
 /* Reads a file from its beginning to its end, and gives a part of it. */
 #include "loaders/volumes/stored/plain_file.h"
 
-#include "base/file_trace.h"
+#include "base/files/file_trace.h"
 #include "base/memory.h"
 
 #include <errno.h>

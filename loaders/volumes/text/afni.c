@@ -2,7 +2,7 @@
 /* Reads and checks AFNI's headers. */
 #include "loaders/volumes/text/afni.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "loaders/volumes/text/header_text.h"
 

@@ -2,7 +2,7 @@
 /* Reads and checks MetaImage headers. */
 #include "loaders/volumes/text/metaimage.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "loaders/volumes/text/header_text.h"
 
 #include <stdio.h>

@@ -3,7 +3,7 @@
 #include "loaders/volumes/text/nrrd_axes.h"
 
 #include "atlas/frame.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "loaders/volumes/text/header_text.h"
 
 #include <stdio.h>

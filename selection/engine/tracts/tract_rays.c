@@ -3,7 +3,7 @@
 #include "selection/engine/tracts/tract_rays.h"
 
 #include "atlas/tracts/capsule.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 
 #include <stdlib.h>

@@ -2,8 +2,8 @@
 /* Where a search for segments begins, and the choice of a kernel. */
 #include "selection/engine/tracts/tract_search.h"
 
-#include "base/math3.h"
-#include "base/processor.h"
+#include "base/geometry/math3.h"
+#include "base/simd/processor.h"
 
 #include <string.h>
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The tracer that asks Embree. */
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "selection/engine/triangles/embree.h"
 #include "selection/engine/triangles/mesh_tracer.h"

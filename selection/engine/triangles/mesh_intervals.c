@@ -2,7 +2,7 @@
 /* Pairs crossings of surfaces: sorts them per ray and object, and makes intervals of them. */
 #include "selection/engine/triangles/mesh_intervals.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 
 #include <math.h>

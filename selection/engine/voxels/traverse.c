@@ -2,8 +2,8 @@
 /* The walk of one ray through the cells of a volume, and the choice of a kernel for bundles. */
 #include "selection/engine/voxels/traverse.h"
 
-#include "base/math3.h"
-#include "base/processor.h"
+#include "base/geometry/math3.h"
+#include "base/simd/processor.h"
 
 #include <math.h>
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The process of conus-mesh, played by shell scripts: what it may do, and what becomes of it. */
-#include "base/file.h"
+#include "base/files/file.h"
 #include "base/memory.h"
 #include "builders/mesh_builder.h"
 #include "loaders/child/mesh_child.h"

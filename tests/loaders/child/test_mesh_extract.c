@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Surfaces of phantoms and of AAL, made by conus-mesh, against closed forms and against the voxels. */
 #include "atlas/phantom/phantom.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "loaders/child/mesh_extract.h"
 #include "test.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Tables in a volume's folder under another name: which are taken, and the false friends that must not be. */
-#include "base/file.h"
+#include "base/files/file.h"
 #include "builders/label_row.h"
 #include "builders/nifti_builder.h"
 #include "loaders/labels/label_words.h"

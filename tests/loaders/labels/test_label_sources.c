@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Which number a name belongs to: the points of FSL atlas XMLs, and tables that contradict each other. */
 #include "base/buffer.h"
-#include "base/file.h"
+#include "base/files/file.h"
 #include "builders/label_row.h"
 #include "builders/nifti_builder.h"
 #include "loaders/tables/label_cells.h"

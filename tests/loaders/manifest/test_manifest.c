@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The manifest's parser, and what loading one gives and refuses. */
-#include "base/file.h"
+#include "base/files/file.h"
 #include "builders/nifti_builder.h"
 #include "loaders/manifest/manifest.h"
 #include "loaders/volumes/volume_header.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The transforms of a manifest: what they move, and which of them comes first. */
-#include "base/file.h"
+#include "base/files/file.h"
 #include "test.h"
 
 #include <stdio.h>

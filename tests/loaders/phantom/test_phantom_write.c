@@ -2,8 +2,8 @@
 /* Written phantoms: the same bytes each time, and what numpy and nibabel read in them. */
 #include "atlas/phantom/phantom.h"
 #include "base/buffer.h"
-#include "base/file.h"
-#include "base/math3.h"
+#include "base/files/file.h"
+#include "base/geometry/math3.h"
 #include "loaders/volumes/nifti_write.h"
 #include "test.h"
 

@@ -3,7 +3,7 @@
  * in several orientations: tests/oracles/compare_brainglobe.py. */
 #include "atlas/atlas.h"
 #include "base/buffer.h"
-#include "base/file.h"
+#include "base/files/file.h"
 #include "builders/tiff_builder.h"
 #include "test.h"
 

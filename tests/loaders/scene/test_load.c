@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Atlases from files: where names come from, FSL atlases, pathways and contexts. */
-#include "base/file.h"
+#include "base/files/file.h"
 #include "test.h"
 
 #include <math.h>

@@ -2,7 +2,7 @@
 /* Surfaces that a manifest names: files, patterns, BrainGlobe folders, their labels, names, place and tree. */
 #include "atlas/atlas.h"
 #include "base/buffer.h"
-#include "base/file.h"
+#include "base/files/file.h"
 #include "loaders/surfaces/mesh_format.h"
 #include "test.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus_manifest_write(): what it takes files for, and that what it writes loads. */
 #include "base/buffer.h"
-#include "base/file.h"
+#include "base/files/file.h"
 #include "builders/gifti_builder.h"
 #include "loaders/manifest/manifest_scan.h"
 #include "loaders/volumes/nifti_write.h"

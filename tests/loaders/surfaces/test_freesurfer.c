@@ -3,7 +3,7 @@
 #include "loaders/surfaces/freesurfer_annot.h"
 #include "loaders/surfaces/freesurfer_surface.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "builders/nifti_builder.h"
 #include "test.h"

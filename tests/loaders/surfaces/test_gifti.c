@@ -2,7 +2,7 @@
 /* GIFTI: every encoding, order and byte order, placement, and what is refused. */
 #include "loaders/surfaces/gifti.h"
 
-#include "base/file.h"
+#include "base/files/file.h"
 #include "base/memory.h"
 #include "builders/gifti_builder.h"
 #include "loaders/surfaces/gifti_mesh.h"

@@ -2,8 +2,8 @@
 /* conus_atlas_write_meshes() with a conus-mesh that is played by a script: files, names, notes, failures. And the
  * formats' bytes. */
 #include "atlas/atlas.h"
-#include "base/file.h"
-#include "base/math3.h"
+#include "base/files/file.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "builders/mesh_builder.h"
 #include "loaders/child/mesh_stream.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Fields of TIFF with a list of values, each of which is tried: those of the specification and those beside them. */
-#include "base/file.h"
+#include "base/files/file.h"
 #include "builders/tiff_builder.h"
 #include "loaders/tiff/tiff.h"
 #include "test.h"

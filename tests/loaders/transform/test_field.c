@@ -3,7 +3,7 @@
  * has FSL's, tests/oracles/compare_warps.py fields that are not constant. */
 #include "atlas/deformation/deformation.h"
 #include "atlas/warp/warp.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "builders/nifti_builder.h"
 #include "loaders/transform/field_file.h"

@@ -3,7 +3,7 @@
  * they move. tests/oracles/compare_transforms.py has random ones. */
 #include "atlas/atlas.h"
 #include "atlas/placement.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "loaders/transform/transform_file.h"
 #include "mesh_scene.h"
 #include "scene.h"

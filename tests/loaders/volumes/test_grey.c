@@ -4,7 +4,7 @@
 #include "loaders/volumes/grey.h"
 
 #include "base/buffer.h"
-#include "base/file.h"
+#include "base/files/file.h"
 #include "base/memory.h"
 #include "label_list.h"
 #include "loaders/volumes/nifti_write.h"

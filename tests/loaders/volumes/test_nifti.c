@@ -2,7 +2,7 @@
 /* NIfTI headers: every field that can be bent is. */
 #include "loaders/volumes/nifti.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "builders/nifti_builder.h"
 #include "test.h"

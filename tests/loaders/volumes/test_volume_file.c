@@ -2,7 +2,7 @@
 /* Volumes as files: packing, pairs, volumes of 4-D files, voxels into labels and values. */
 #include "loaders/volumes/volume_file.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "builders/nifti_builder.h"
 #include "label_list.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Cameras frame points and project them. */
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "render/gl/camera.h"
 #include "test.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The colour pass (Eq. 8) on volumes against closed forms. */
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "picture_scene.h"
 #include "render/colour/renderer.h"

@@ -2,7 +2,7 @@
 /* A context volume that blocks: a slab before, beside and behind a ball of voxels, a ball that is a surface and a
  * pathway. What each pixel must say follows from what the same engine sees without the slab. */
 #include "atlas/space.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "mesh_scene.h"
 #include "scene.h"

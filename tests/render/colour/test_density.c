@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Densities, gradients and ranges of volumes of all small sizes, against their definitions voxel by voxel. */
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "render/colour/field_task.h"
 #include "tests/support/test.h"
 

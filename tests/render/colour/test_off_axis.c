@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The viewer-centred projection (Eq. 1): what an eye sees through a window. */
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "mesh_scene.h"
 #include "picture_scene.h"

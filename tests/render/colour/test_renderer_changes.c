@@ -2,7 +2,7 @@
 /* What can be changed about a renderer's pictures while it lives: hidden objects, transfer function, fading; and the
  * cone's other shape, the cylinder. */
 #include "atlas/atlas.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "mesh_scene.h"
 #include "picture_scene.h"

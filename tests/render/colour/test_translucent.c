@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What lets light through (Eq. 8): translucent areas and meshes, and pathways as haze, against closed forms. */
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "golden_picture.h"
 #include "mesh_scene.h"

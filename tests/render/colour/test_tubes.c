@@ -2,7 +2,7 @@
 /* Streamlines in pictures: each pixel against a march along its ray that knows distances to segments only, and their
  * colours. */
 #include "atlas/bundles.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "picture_scene.h"
 #include "render/id/mesh_layer.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Flat cuts: which object each pixel's centre is in, on which side is what, and how things are laid over each other. */
 #include "atlas/phantom/phantom.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "mesh_scene.h"
 #include "picture_scene.h"

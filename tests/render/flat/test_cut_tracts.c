@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Streamlines in flat cuts: every pixel against its distance to all segments, areas in closed form. */
 #include "atlas/bundles.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "render/flat/cut.h"
 #include "scene.h"

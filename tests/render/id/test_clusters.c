@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Clusters hold every triangle once, and culling removes nothing visible. */
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "mesh_scene.h"
 #include "render/id/mesh_cull.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The ID pass by itself: identifiers, GL state, memory limits. */
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "render/colour/bricks.h"
 #include "render/id/id_pass.h"
 #include "test.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The planes of Eq. 7. */
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "render/id/slices.h"
 #include "test.h"
 

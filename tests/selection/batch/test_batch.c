@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Batches through the library: order, bytes that depend on nothing but the poses, errors, ends. */
 #include "base/buffer.h"
-#include "base/file.h"
-#include "base/math3.h"
+#include "base/files/file.h"
+#include "base/geometry/math3.h"
 #include "scene.h"
 #include "selection/report/report.h"
 #include "test.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Poses of arrays: the answers of conus_select() to the bit, whatever the threads and blocks; poses at fault; ends. */
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "same_answer.h"
 #include "scene.h"
 #include "test.h"

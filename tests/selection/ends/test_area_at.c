@@ -2,7 +2,7 @@
 /* Eq. 20: the area at a point or near it, in closed form, and against a search of every cell. */
 #include "selection/ends/area_at.h"
 
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "mesh_scene.h"
 #include "scene.h"

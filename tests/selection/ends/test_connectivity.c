@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Eq. 20: which areas bundles connect, of lines from area to area whose counts and lengths are known. */
 #include "atlas/bundles.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "scene.h"
 #include "test.h"

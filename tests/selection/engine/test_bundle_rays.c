@@ -3,7 +3,7 @@
  * a loop over all capsules say (Eq. 18). */
 #include "atlas/bundles.h"
 #include "atlas/tracts/capsule.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "gl_pair.h"
 #include "mesh_scene.h"

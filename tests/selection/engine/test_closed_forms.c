@@ -6,7 +6,7 @@
  */
 #include "atlas/phantom/phantom.h"
 #include "atlas/space.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "selection/cone/cone.h"
 #include "test.h"
 

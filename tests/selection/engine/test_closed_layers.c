@@ -2,7 +2,7 @@
 /* All layers (Eq. 10) of phantoms against answers worked out on paper: path lengths, entries and exits of every ray,
  * and how fast means over the cone approach their integrals. */
 #include "atlas/phantom/phantom.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "selection/cone/cone.h"
 #include "test.h"
 

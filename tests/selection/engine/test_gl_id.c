@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What the gl engine sees first in volumes (Eq. 5 to Eq. 7) against what the rays engine sees. */
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "gl_pair.h"
 #include "render/gl/context.h"

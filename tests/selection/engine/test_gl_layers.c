@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* All layers (Eq. 10) of volumes in the gl engine against those in the rays engine. */
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "gl_pair.h"
 #include "mesh_scene.h"
 #include "same_answer.h"

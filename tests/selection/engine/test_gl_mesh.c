@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What the gl engine sees first of meshes (Eq. 9) against what the rays engine sees; edges may differ by the driver's
  * rounding. */
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "gl_edge.h"
 #include "gl_pair.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* All layers of surfaces whose answers are known in closed form (Eq. 10). */
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "mesh_scene.h"
 #include "test.h"
 

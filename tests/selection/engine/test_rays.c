@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The rays engine against an oracle that visits every cell. */
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "oracle_traversal.h"
 #include "scene.h"
 #include "selection/engine/engine_rays.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The kernels against the plain traversal, on a real atlas. */
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "oracle_traversal.h"
 #include "selection/engine/engine_rays.h"
 #include "test.h"

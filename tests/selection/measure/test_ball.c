@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What is within a ball: distances to cells and surfaces against other ways to find them, volumes by Eq. 10. */
 #include "atlas/surface/mesh_near.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "mesh_scene.h"
 #include "report_scene.h"
 #include "scene.h"

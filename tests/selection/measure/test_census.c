@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The census of Eq. 10: the fast walk finds the voxels of the predicate, each once and in order. */
 #include "atlas/space.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "report_scene.h"
 #include "scene.h"

@@ -2,7 +2,7 @@
 /* Volumes in a cone (Eq. 10) against closed forms: how fast the census of shapes painted in voxels converges. */
 #include "atlas/atlas.h"
 #include "atlas/phantom/phantom.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "selection/selection.h"
 #include "test.h"
 

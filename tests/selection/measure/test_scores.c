@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The table of scores (Eq. 12): each by its definition, in its range and units, and formulas of them. */
 #include "atlas/phantom/phantom.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "scene.h"
 #include "selection/measure/score.h"
 #include "test.h"

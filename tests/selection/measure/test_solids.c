@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Volumes of closed surfaces in a region (Eq. 10) against closed forms, and against what volumes must add up to. */
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "mesh_scene.h"
 #include "selection/measure/solids.h"
 #include "selection/selection.h"

@@ -2,7 +2,7 @@
 /* Streamlines in regions (Eq. 19): by the tree against every segment one by one, to the bit; what bundles get of them
  * in closed form; groups, hiding, ways; every failing allocation. */
 #include "atlas/bundles.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "selection/measure/tract_census.h"
 #include "selection/region/region_segment.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Cryptomatte: hashes, and pixels that lead to names. */
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "render/image/image.h"
 #include "scene.h"
 #include "selection/picture/cryptomatte.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Pictures for papers: sides, backgrounds, letters, places of the legend, and sizes on paper. */
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "picture_scene.h"
 #include "render/flat/font.h"
 #include "render/image/image.h"

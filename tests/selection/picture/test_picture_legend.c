@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The legend inside a picture: which rows it has where there are too many, and that it lies beside the drawing. */
 #include "atlas/bundles.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "picture_scene.h"
 #include "render/flat/legend.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Images of a selection: evidence, colours and attributes. */
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "render/image/image_srgb.h"
 #include "scene.h"
 #include "test.h"

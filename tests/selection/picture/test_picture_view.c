@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Pictures of the view against golden ones. */
 #include "atlas/phantom/phantom.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "golden_picture.h"
 #include "picture_scene.h"
 #include "render/colour/renderer.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Segments in a region (Eq. 19): chords in closed form, borders, and random segments and boxes against a search in long
  * double that knows a region only by how far a point is outside. */
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "selection/region/region_segment.h"
 #include "test.h"
 

@@ -4,7 +4,7 @@
  * points of streamlines in conus_report_voxels(): in closed form, and against a loop over all points. */
 #include "atlas/bundles.h"
 #include "base/buffer.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "selection/selection.h"
 #include "test.h"
 #include "tract_scene.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What reports say of results that are made up here, so that every value in the text can be worked out by hand. */
 #include "atlas/atlas.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "selection/report/report.h"
 #include "test.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Poses that lie or look where they hardly should (conus_aims): cones and boxes against many rays, counts by hand. */
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "mesh_scene.h"
 #include "scene.h"
 #include "selection/study/aims.h"

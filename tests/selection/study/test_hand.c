@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A trembling hand that presses a button (Eq. 12): what a history and the look back at the press are worth. The figures
  * of docs/model.md are these. */
-#include "base/file.h"
-#include "base/math3.h"
+#include "base/files/file.h"
+#include "base/geometry/math3.h"
 #include "base/text.h"
 #include "test.h"
 #include "tests/support/hand.h"

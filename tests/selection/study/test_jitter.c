@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Eq. 14: probabilities under errors of the pose, against Gaussian integrals. */
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "mesh_scene.h"
 #include "scene.h"

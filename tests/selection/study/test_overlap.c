@@ -4,7 +4,7 @@
 #include "atlas/atlas.h"
 #include "atlas/roi.h"
 #include "atlas/surface/mesh_lines.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "mesh_scene.h"
 #include "region_scene.h"
 #include "scene.h"

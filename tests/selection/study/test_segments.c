@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Eq. 17: what an axis passes. Volumes against a walk along sorted plane crossings; surfaces in closed form. */
 #include "atlas/atlas.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "mesh_scene.h"
 #include "scene.h"
 #include "selection/selector.h"

@@ -3,7 +3,7 @@
  * search of a lattice of points in every voxel. */
 #include "atlas/atlas.h"
 #include "atlas/roi.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "region_scene.h"
 #include "scene.h"
 #include "test.h"

@@ -2,7 +2,7 @@
 /* Eq. 13: which angle admits an object, against a search of every voxel, against dense points of every triangle,
  * against the census of cones a little narrower and a little wider, and in closed form. And Eq. 14 of bundles. */
 #include "atlas/atlas.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "mesh_scene.h"
 #include "scene.h"

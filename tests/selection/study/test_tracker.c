@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A device followed through time (Eq. 12): the ranking with a history, and what a press confirms. */
 #include "atlas/phantom/phantom.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "selection/report/report.h"
 #include "test.h"
 

@@ -2,7 +2,7 @@
 /* Makes small atlases and lets them be kept. */
 #include "builders/cache_builder.h"
 
-#include "base/file.h"
+#include "base/files/file.h"
 #include "base/memory.h"
 #include "builders/nifti_builder.h"
 #include "loaders/scene/load.h"

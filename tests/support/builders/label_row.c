@@ -3,7 +3,7 @@
 #include "builders/label_row.h"
 
 #include "base/buffer.h"
-#include "base/file.h"
+#include "base/files/file.h"
 #include "builders/nifti_builder.h"
 #include "test.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Mesh files of other programs: space, objects, notes, and files that break other readers. */
 #include "base/buffer.h"
-#include "base/file.h"
+#include "base/files/file.h"
 #include "builders/nifti_builder.h"
 #include "loaders/surfaces/foreign/mesh_foreign.h"
 #include "loaders/surfaces/mesh_file.h"

@@ -2,7 +2,7 @@
 /* Eq. 18: rays through streamlines, by the tree and by a loop over all capsules. */
 #include "atlas/tracts/capsule.h"
 #include "atlas/tracts/tract_node.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "selection/engine/tracts/tract_rays.h"
 #include "test.h"

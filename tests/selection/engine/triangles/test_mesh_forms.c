@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Contacts on meshes of simple forms against closed formulas. */
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "mesh_scene.h"
 #include "selection/engine/triangles/mesh_rays.h"
 #include "test.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* All layers of surfaces (Eq. 10): against every triangle tried in double, and against what is visible. */
 #include "atlas/phantom/phantom_brain.h"
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "mesh_scene.h"
 #include "selection/selection.h"
 #include "test.h"

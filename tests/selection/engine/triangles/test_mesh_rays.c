@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Rays through meshes: hits, edges, limits and objects. */
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "mesh_scene.h"
 #include "scene.h"
 #include "selection/engine/triangles/mesh_tracer.h"

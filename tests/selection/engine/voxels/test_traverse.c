@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Every kernel against the plain traversal, ray by ray, where rounding decides: rays along faces, edges and diagonals,
  * from faces and corners and from next to them, up to limits that are the contact itself. */
-#include "base/math3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "oracle_traversal.h"
 #include "selection/engine/voxels/labelled_map.h"

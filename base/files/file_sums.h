@@ -3,7 +3,7 @@
 #ifndef CONUS_BASE_FILE_SUMS_H
 #define CONUS_BASE_FILE_SUMS_H
 
-#include "base/file.h"
+#include "base/files/file.h"
 #include "base/name_set.h"
 
 struct file_sum {

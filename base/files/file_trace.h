@@ -9,8 +9,8 @@
 #define CONUS_BASE_FILE_TRACE_H
 
 #include "base/buffer.h"
-#include "base/file.h"
-#include "base/folder.h"
+#include "base/files/file.h"
+#include "base/files/folder.h"
 
 #include <time.h>
 

@@ -5,7 +5,7 @@
 #ifndef CONUS_BASE_LANES_NUMBERS_H
 #define CONUS_BASE_LANES_NUMBERS_H
 
-#include "base/lanes.h"
+#include "base/simd/lanes.h"
 
 #include <math.h>
 #include <stddef.h>

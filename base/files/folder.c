@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Lists the names in a folder, and takes paths apart. */
-#include "base/folder.h"
+#include "base/files/folder.h"
 
-#include "base/file_trace.h"
+#include "base/files/file_trace.h"
 #include "base/memory.h"
 
 #include <dirent.h>

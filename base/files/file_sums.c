@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A list of the files that were read, with their SHA-256. */
-#include "base/file_sums.h"
+#include "base/files/file_sums.h"
 
 #include "base/memory.h"
 

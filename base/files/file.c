@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reads files whole and writes them whole or not at all, through a temporary file beside the target. */
-#include "base/file.h"
+#include "base/files/file.h"
 
-#include "base/file_trace.h"
+#include "base/files/file_trace.h"
 #include "base/memory.h"
 
 #include <errno.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Keeps what a thread asks of the file system, and asks it again. */
-#include "base/file_trace.h"
+#include "base/files/file_trace.h"
 
 #include "base/memory.h"
 
