@@ -7,7 +7,7 @@
 #include "loaders/arrays/array_volume.h"
 #include "loaders/maps/load_roi.h"
 #include "loaders/maps/load_scalar.h"
-#include "loaders/plan/load_parcellation.h"
+#include "loaders/scene/load_parcellation.h"
 #include "loaders/volumes/volume_values.h"
 
 #include <stdio.h>

@@ -6,7 +6,7 @@
 #include "base/formats/xml.h"
 #include "base/memory.h"
 #include "loaders/catalogue/volume_marks.h"
-#include "loaders/tables/fsl_find.h"
+#include "loaders/labels/fsl_find.h"
 
 #include <string.h>
 

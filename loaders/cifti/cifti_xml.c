@@ -6,7 +6,7 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/order.h"
-#include "loaders/tables/label_cells.h"
+#include "loaders/labels/label_cells.h"
 
 #include <limits.h>
 #include <stdio.h>

@@ -5,12 +5,12 @@
 
 #include "base/files/folder.h"
 #include "base/memory.h"
+#include "loaders/labels/label_bytes.h"
+#include "loaders/labels/label_cells.h"
 #include "loaders/labels/label_file.h"
 #include "loaders/labels/label_fit.h"
 #include "loaders/labels/label_search.h"
 #include "loaders/labels/label_words.h"
-#include "loaders/tables/label_bytes.h"
-#include "loaders/tables/label_cells.h"
 
 #include <string.h>
 

@@ -5,8 +5,8 @@
 #include "base/files/folder.h"
 #include "base/memory.h"
 #include "loaders/file_kind.h"
-#include "loaders/tables/label_bytes.h"
-#include "loaders/tables/label_rows.h"
+#include "loaders/labels/label_bytes.h"
+#include "loaders/labels/label_rows.h"
 
 #include <string.h>
 

@@ -5,7 +5,7 @@
 
 #include "atlas/labels/labels.h"
 #include "base/files/file.h"
-#include "loaders/tables/label_use.h"
+#include "loaders/labels/label_use.h"
 
 /** Takes @p text apart at ",label=COLUMN" and ",name=COLUMN", in either order, unless there is a file of that name:
  * *path is the caller's to memory_free(), @p columns lie in @p text, empty where none is given. CONUS_ERROR_ARGUMENT.

@@ -4,7 +4,7 @@
 #define CONUS_LOADERS_LABELS_LABEL_FIND_H
 
 #include "atlas/labels/labels.h"
-#include "loaders/tables/label_use.h"
+#include "loaders/labels/label_use.h"
 #include "loaders/volumes/volume_file.h"
 
 /** Finds the table of @p volume, whose labels are @p voxels (NULL: numbers are not checked): inside the file, then

@@ -4,7 +4,7 @@
 
 #include "atlas/labels/label_map.h"
 #include "base/memory.h"
-#include "loaders/tables/label_cells.h"
+#include "loaders/labels/label_cells.h"
 
 enum { STRAYS = 100000 }; /* of so many voxels one may be of a label without a name */
 

@@ -4,7 +4,7 @@
 #define CONUS_LOADERS_LABELS_LABEL_FIT_H
 
 #include "atlas/labels/labels.h"
-#include "loaders/tables/label_use.h"
+#include "loaders/labels/label_use.h"
 
 struct label_fit {
     size_t names;     /**< Of the table.                                                */

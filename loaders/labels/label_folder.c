@@ -5,11 +5,11 @@
 
 #include "base/files/folder.h"
 #include "base/memory.h"
+#include "loaders/labels/fsl_find.h"
+#include "loaders/labels/fsl_number.h"
 #include "loaders/labels/label_alike.h"
 #include "loaders/labels/label_freesurfer.h"
 #include "loaders/labels/label_search.h"
-#include "loaders/tables/fsl_find.h"
-#include "loaders/tables/fsl_number.h"
 
 #include <string.h>
 

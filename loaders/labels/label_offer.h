@@ -5,7 +5,7 @@
 
 #include "atlas/labels/labels.h"
 #include "base/buffer.h"
-#include "loaders/tables/label_use.h"
+#include "loaders/labels/label_use.h"
 #include "loaders/volumes/volume_file.h"
 
 struct label_search;

@@ -4,9 +4,9 @@
 
 #include "base/files/file.h"
 #include "base/files/folder.h"
+#include "loaders/labels/label_bytes.h"
 #include "loaders/labels/label_file.h"
-#include "loaders/tables/label_bytes.h"
-#include "loaders/tables/label_rows.h"
+#include "loaders/labels/label_rows.h"
 
 #include <string.h>
 #include <strings.h>

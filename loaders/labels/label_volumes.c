@@ -5,10 +5,10 @@
 
 #include "base/files/folder.h"
 #include "base/memory.h"
+#include "loaders/labels/label_bytes.h"
+#include "loaders/labels/label_cells.h"
 #include "loaders/labels/label_file.h"
-#include "loaders/tables/label_bytes.h"
-#include "loaders/tables/label_cells.h"
-#include "loaders/tables/label_rows.h"
+#include "loaders/labels/label_rows.h"
 
 #include <string.h>
 

@@ -6,7 +6,7 @@
 #include "atlas/labels/labels.h"
 #include "base/buffer.h"
 #include "base/notes.h"
-#include "loaders/tables/label_use.h"
+#include "loaders/labels/label_use.h"
 
 /** The labels of all volumes of the file that @p use is about (info, max_memory, read), numbered by the volumes from 1,
  * all with names: of the table @p path or, where that is NULL, of the one beside the file. Empty where no table says

@@ -3,11 +3,11 @@
 #include "loaders/manifest/manifest.h"
 
 #include "base/memory.h"
+#include "loaders/labels/label_cells.h"
 #include "loaders/manifest/manifest_context.h"
 #include "loaders/manifest/manifest_streamlines.h"
 #include "loaders/manifest/manifest_transform.h"
 #include "loaders/manifest/schema.h"
-#include "loaders/tables/label_cells.h"
 
 #include <math.h>
 #include <string.h>

@@ -5,10 +5,10 @@
 #include "base/buffer.h"
 #include "base/files/folder.h"
 #include "base/memory.h"
+#include "loaders/labels/fsl_find.h"
+#include "loaders/labels/label_cells.h"
 #include "loaders/labels/label_offer.h"
 #include "loaders/labels/label_volumes.h"
-#include "loaders/tables/fsl_find.h"
-#include "loaders/tables/label_cells.h"
 
 void fsl_maps_finish(struct fsl_maps *maps)
 {

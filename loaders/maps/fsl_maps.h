@@ -4,7 +4,7 @@
 #define CONUS_LOADERS_SCENE_FSL_MAPS_H
 
 #include "atlas/atlas.h"
-#include "loaders/tables/fsl_atlas.h"
+#include "loaders/labels/fsl_atlas.h"
 #include "loaders/volumes/volume_file.h"
 
 struct fsl_maps {

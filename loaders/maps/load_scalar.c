@@ -9,9 +9,9 @@
 #include "base/files/folder.h"
 #include "base/memory.h"
 #include "base/options.h"
+#include "loaders/labels/fsl_find.h"
 #include "loaders/labels/label_volumes.h"
 #include "loaders/maps/bands.h"
-#include "loaders/tables/fsl_find.h"
 #include "loaders/volumes/volume_values.h"
 
 #include <string.h>

@@ -3,7 +3,7 @@
 #include "loaders/scene/draft_fsl.h"
 
 #include "base/memory.h"
-#include "loaders/plan/load_parcellation.h"
+#include "loaders/scene/load_parcellation.h"
 
 #include <string.h>
 

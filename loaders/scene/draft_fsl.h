@@ -3,8 +3,8 @@
 #ifndef CONUS_LOADERS_SCENE_DRAFT_FSL_H
 #define CONUS_LOADERS_SCENE_DRAFT_FSL_H
 
+#include "loaders/labels/fsl_atlas.h"
 #include "loaders/manifest/manifest_draft.h"
-#include "loaders/tables/fsl_atlas.h"
 
 /** Which file stands for the XML @p xml, of type Label: the XML itself; its volume, where that has other names by
  * itself, so that the manifest says what a query of the volume says; or NULL, where another XML has taken the volume. A

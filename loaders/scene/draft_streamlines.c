@@ -3,7 +3,7 @@
 #include "loaders/scene/draft_streamlines.h"
 
 #include "base/memory.h"
-#include "loaders/moved/draft_transform.h"
+#include "loaders/scene/draft_transform.h"
 #include "loaders/scene/load_streamlines.h"
 #include "loaders/tracts/tract_file.h"
 

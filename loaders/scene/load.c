@@ -9,15 +9,15 @@
 #include "base/memory.h"
 #include "loaders/cifti/cifti_file.h"
 #include "loaders/file_kind.h"
+#include "loaders/labels/fsl_atlas.h"
 #include "loaders/manifest/manifest.h"
 #include "loaders/manifest/manifest_brainglobe.h"
 #include "loaders/manifest/manifest_surfaces.h"
-#include "loaders/plan/load_parcellation.h"
 #include "loaders/scene/load_cifti.h"
 #include "loaders/scene/load_manifest.h"
+#include "loaders/scene/load_parcellation.h"
 #include "loaders/scene/load_surface.h"
 #include "loaders/surfaces/mesh_file.h"
-#include "loaders/tables/fsl_atlas.h"
 
 #include <string.h>
 

@@ -4,7 +4,7 @@
 #define CONUS_LOADERS_SCENE_LOAD_AREAS_H
 
 #include "atlas/atlas.h"
-#include "loaders/plan/area_plan.h"
+#include "loaders/scene/area_plan.h"
 #include "loaders/scene/load_progress.h"
 
 /** Reads the surfaces, whose coordinates are in @p space where nothing else says so, and adds them to @p atlas, then

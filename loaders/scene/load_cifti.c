@@ -4,8 +4,8 @@
 
 #include "atlas/atlas.h"
 #include "base/memory.h"
-#include "loaders/plan/plan_cifti.h"
 #include "loaders/scene/load_manifest.h"
+#include "loaders/scene/plan_cifti.h"
 
 static conus_status plan_file(struct manifest *out, char **path, const char *text, struct load_progress *progress,
                               struct notes *notes)

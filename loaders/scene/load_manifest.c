@@ -9,13 +9,13 @@
 #include "loaders/maps/fsl_maps.h"
 #include "loaders/maps/load_probability.h"
 #include "loaders/maps/load_scalar.h"
-#include "loaders/moved/manifest_move.h"
-#include "loaders/plan/load_plan.h"
-#include "loaders/plan/parcellations.h"
-#include "loaders/plan/plan_settle.h"
 #include "loaders/scene/load_areas.h"
 #include "loaders/scene/load_context.h"
+#include "loaders/scene/load_plan.h"
 #include "loaders/scene/load_streamlines.h"
+#include "loaders/scene/manifest_move.h"
+#include "loaders/scene/parcellations.h"
+#include "loaders/scene/plan_settle.h"
 
 #include <math.h>
 #include <stdio.h>

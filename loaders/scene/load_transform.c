@@ -4,7 +4,7 @@
 #include "atlas/warp/warp.h"
 #include "base/geometry/math3.h"
 #include "base/options.h"
-#include "loaders/moved/transform_images.h"
+#include "loaders/scene/transform_images.h"
 #include "loaders/transform/field_file.h"
 #include "loaders/transform/transform_file.h"
 #include "loaders/volumes/volume_file.h"

@@ -8,18 +8,18 @@
 #include "base/memory.h"
 #include "base/options.h"
 #include "loaders/cifti/cifti_file.h"
+#include "loaders/labels/fsl_number.h"
 #include "loaders/labels/label_volumes.h"
 #include "loaders/manifest/manifest.h"
 #include "loaders/manifest/manifest_brainglobe.h"
 #include "loaders/manifest/manifest_scan.h"
 #include "loaders/manifest/manifest_surfaces.h"
 #include "loaders/maps/named_maps.h"
-#include "loaders/moved/draft_transform.h"
-#include "loaders/plan/plan_cifti.h"
 #include "loaders/scene/draft_fsl.h"
 #include "loaders/scene/draft_streamlines.h"
+#include "loaders/scene/draft_transform.h"
 #include "loaders/scene/load_manifest.h"
-#include "loaders/tables/fsl_number.h"
+#include "loaders/scene/plan_cifti.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -5,7 +5,7 @@
 #include "base/byte_order.h"
 #include "base/memory.h"
 #include "base/order.h"
-#include "loaders/tables/label_cells.h"
+#include "loaders/labels/label_cells.h"
 
 #include <stdlib.h>
 

@@ -7,8 +7,8 @@
 #include "base/formats/xml.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "loaders/labels/label_cells.h"
 #include "loaders/surfaces/gifti_data.h"
-#include "loaders/tables/label_cells.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -86,7 +86,7 @@ LIBRARY = {
     "poses/programs": "base base/files base/geometry base/formats poses/rows",
     "poses": "base base/geometry base/formats poses/rows poses/programs",
     # file_kind.c asks the readers what a file is; they ask it for the words of their errors.
-    "loaders": "base base/files base/formats loaders/volumes loaders/tables loaders/surfaces",
+    "loaders": "base base/files base/formats loaders/volumes loaders/labels loaders/surfaces",
     "loaders/tiff": "base base/files base",
     "loaders/brainglobe": "base base/files base/geometry base/formats",
     "loaders/tracts": "base base/files base/geometry base/formats atlas/tracts loaders loaders/surfaces/foreign",
@@ -94,26 +94,21 @@ LIBRARY = {
     "loaders/volumes/stored": "base base/files base/cache base/formats",
     "loaders/volumes": "base base/files base/geometry base/formats atlas/labels atlas loaders/volumes/stored loaders loaders/tiff"
     " loaders/brainglobe loaders/volumes/text",
-    "loaders/tables": "base base/files base/geometry base/formats loaders/volumes atlas/labels",
-    "loaders/cifti": "base base/files base/geometry base/formats loaders/volumes loaders/tables atlas/labels",
-    "loaders/labels": "base base/files base/geometry loaders loaders/volumes loaders/volumes/text loaders/tables atlas/labels",
+    "loaders/cifti": "base base/files base/geometry base/formats loaders/volumes loaders/labels atlas/labels",
+    "loaders/labels": "base base/files base/geometry base/formats loaders loaders/volumes loaders/volumes/text atlas/labels",
     "loaders/child": "base base/files base/cache atlas/surface atlas",
     "loaders/surfaces/foreign": "base base/files base/geometry base/formats atlas/labels atlas/surface loaders",
-    "loaders/surfaces": "base base/files base/geometry base/formats atlas/labels atlas/surface atlas loaders loaders/tables loaders/cifti"
+    "loaders/surfaces": "base base/files base/geometry base/formats atlas/labels atlas/surface atlas loaders loaders/labels loaders/cifti"
     " loaders/child loaders/surfaces/foreign",
     "loaders/phantom": "base base/files base/geometry atlas/labels atlas atlas/phantom loaders/volumes loaders/surfaces",
-    "loaders/manifest": "base base/files base/formats atlas/labels atlas/surface atlas/areas loaders/volumes loaders/tables"
-    " loaders/labels",
-    "loaders/plan": "base base/files base/geometry base/formats atlas/labels atlas loaders loaders/volumes loaders/tables loaders/labels"
-    " loaders/cifti loaders/surfaces loaders/manifest loaders/brainglobe",
+    "loaders/manifest": "base base/files base/formats atlas/labels atlas/surface atlas/areas loaders/volumes loaders/labels",
     "loaders/transform": "base base/files base/geometry base/formats atlas/deformation loaders loaders/volumes",
-    "loaders/moved": "base base/files atlas atlas/fit loaders/volumes loaders/manifest loaders/transform",
-    "loaders/maps": "base base/files atlas/labels atlas atlas/fit loaders/volumes loaders/tables loaders/labels",
+    "loaders/maps": "base base/files atlas/labels atlas atlas/fit loaders/volumes loaders/labels",
     "loaders/scene": "base base/files base/geometry base/formats atlas/labels atlas/surface atlas atlas/areas atlas/fit atlas/warp loaders/maps"
-    " loaders loaders/volumes loaders/tables loaders/labels loaders/cifti loaders/surfaces/foreign loaders/surfaces"
-    " loaders/manifest loaders/plan loaders/transform loaders/moved loaders/tracts",
-    "loaders/catalogue": "base base/files base/formats loaders/volumes loaders/tables",
-    "loaders/arrays": "base atlas atlas/areas loaders/maps loaders/volumes loaders/plan loaders/scene",
+    " loaders loaders/volumes loaders/labels loaders/cifti loaders/surfaces/foreign loaders/surfaces"
+    " loaders/manifest loaders/transform loaders/tracts loaders/brainglobe",
+    "loaders/catalogue": "base base/files base/formats loaders/volumes loaders/labels",
+    "loaders/arrays": "base atlas atlas/areas loaders/maps loaders/volumes loaders/scene",
     "render/gl": "base base/geometry base",
     "render/tubes": "base base/geometry atlas render/gl",
     "render/id": "base base/geometry atlas/surface atlas/tracts atlas render/gl render/tubes",
@@ -138,7 +133,7 @@ LIBRARY = {
     "selection/batch": "base base/geometry atlas/tracts atlas poses selection/engine/voxels selection selection/study selection/report",
 }
 RULES = {**LIBRARY, **APPS}
-CIRCLES = {frozenset(("loaders", wing)) for wing in ("loaders/volumes", "loaders/surfaces")}
+CIRCLES = {frozenset(("loaders", wing)) for wing in ("loaders/volumes", "loaders/surfaces", "loaders/labels")}
 INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)
 
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Any bytes as a label table of a format told by their content. What is read must be in order. */
-#include "loaders/tables/label_bytes.h"
+#include "loaders/labels/label_bytes.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -4,7 +4,7 @@
 #include "base/files/file.h"
 #include "builders/label_row.h"
 #include "builders/nifti_builder.h"
-#include "loaders/tables/label_cells.h"
+#include "loaders/labels/label_cells.h"
 #include "test.h"
 
 #include <stdio.h>

@@ -1,0 +1,119 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Which XML it is, by the outermost element; and Workbench's label table (NIfTI extension 30). */
+#include "loaders/labels/label_markup.h"
+
+#include "base/formats/xml.h"
+#include "loaders/labels/fsl_atlas.h"
+#include "loaders/labels/fsl_number.h"
+#include "loaders/labels/label_afni.h"
+#include "loaders/labels/label_cells.h"
+
+#include <string.h>
+
+struct workbench {
+    struct label_table *out;
+    struct notes *notes;
+    size_t wanted;  /* volume of a 4-D file */
+    bool elsewhere; /* inside another volume's VolumeInformation */
+    bool in_label;  /* label is being filled */
+    struct label label;
+};
+
+static conus_status start_volume(struct workbench *workbench, const struct xml_event *event)
+{
+    const char *index = xml_attribute(event, "Index");
+    uint64_t volume;
+    if (!index || !text_to_uint(text_from(index), UINT32_MAX, &volume)) {
+        return fail(CONUS_ERROR_DATA, "line %zu: VolumeInformation needs Index, a whole number", event->line);
+    }
+    workbench->elsewhere = volume != workbench->wanted;
+    return CONUS_OK;
+}
+
+static conus_status workbench_start(void *user, const struct xml_event *event)
+{
+    struct workbench *workbench = user;
+    if (strcmp(event->name, "VolumeInformation") == 0) {
+        return start_volume(workbench, event);
+    }
+    if (strcmp(event->name, "Label") == 0 && !workbench->elsewhere) {
+        workbench->in_label = true;
+        return label_element(&workbench->label, event);
+    }
+    return CONUS_OK;
+}
+
+static conus_status workbench_end(void *user, const struct xml_event *event)
+{
+    struct workbench *workbench = user;
+    if (strcmp(event->name, "VolumeInformation") == 0) {
+        workbench->elsewhere = false;
+    }
+    if (strcmp(event->name, "Label") != 0 || !workbench->in_label) {
+        return CONUS_OK;
+    }
+    workbench->in_label = false;
+    conus_status status = label_set_text(&workbench->label.name, event->text);
+    return label_keep(workbench->out, &workbench->label, status, workbench->notes);
+}
+
+conus_status label_workbench_parse(struct label_table *out, struct text text, size_t volume, struct notes *notes)
+{
+    struct workbench workbench = {.out = out, .notes = notes, .wanted = volume};
+    struct xml_handler handler = {workbench_start, workbench_end, &workbench, false};
+    return xml_parse(&handler, text);
+}
+
+static conus_status parse_workbench(struct label_table *out, struct text text, struct notes *notes)
+{
+    return label_workbench_parse(out, text, 0, notes);
+}
+
+conus_status label_fsl_parse(struct label_table *out, struct text text, const struct label_use *use,
+                             struct notes *notes)
+{
+    struct fsl_atlas atlas = {0};
+    conus_status status = fsl_atlas_parse(&atlas, text);
+    status = status ? status : fsl_atlas_number(&atlas, use, notes);
+    if (!status) {
+        *out = atlas.labels; /* it was empty */
+        atlas.labels = (struct label_table){0};
+    }
+    fsl_atlas_finish(&atlas);
+    return status;
+}
+
+static conus_status parse_fsl(struct label_table *out, struct text text, struct notes *notes)
+{
+    static const struct label_use no_volume;
+    return label_fsl_parse(out, text, &no_volume, notes);
+}
+
+const struct label_format label_format_workbench = {"Workbench label table", parse_workbench};
+const struct label_format label_format_fsl = {"FSL atlas XML", parse_fsl};
+const struct label_format label_format_spm = {"SPM atlas XML", parse_fsl};
+
+const struct label_format *label_format_of_markup(struct text text)
+{
+    static const struct {
+        const char *root;
+        const struct label_format *format;
+    } roots[] = {
+        {"atlas", &label_format_fsl},
+        {"CaretExtension", &label_format_workbench},
+        {"CaretVolumeExtension", &label_format_workbench},
+        {"LabelTable", &label_format_workbench},
+        {"AFNI_attributes", &label_format_afni},
+        {"AFNI_atr", &label_format_afni},
+        {"VALUE_LABEL_DTABLE", &label_format_afni},
+        {"ATLAS_LABEL_TABLE", &label_format_afni},
+    };
+    struct text root = xml_root(text);
+    for (size_t i = 0; i < sizeof roots / sizeof roots[0]; i++) {
+        if (text_equal(root, roots[i].root)) {
+            bool spm = roots[i].format == &label_format_fsl && text_mentions(text, "<index>");
+            return spm ? &label_format_spm : roots[i].format;
+        }
+    }
+    return NULL;
+}

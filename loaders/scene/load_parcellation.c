@@ -1,0 +1,241 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A parcellation: a labelled volume, or an FSL atlas XML that names some, and the table of its labels. */
+#include "loaders/scene/load_parcellation.h"
+
+#include "atlas/space.h"
+#include "base/buffer.h"
+#include "base/files/folder.h"
+#include "base/formats/xml.h"
+#include "base/memory.h"
+#include "loaders/cifti/cifti_file.h"
+#include "loaders/file_kind.h"
+#include "loaders/labels/fsl_find.h"
+#include "loaders/labels/fsl_number.h"
+#include "loaders/labels/label_file.h"
+#include "loaders/labels/label_find.h"
+#include "loaders/labels/label_offer.h"
+#include "loaders/scene/cifti_parcellation.h"
+#include "loaders/volumes/grey.h"
+#include "loaders/volumes/volume_values.h"
+
+void parcellation_finish(struct parcellation *parts)
+{
+    volume_file_finish(&parts->file);
+    label_voxels_finish(&parts->labels);
+    label_table_finish(&parts->table);
+    memory_free(parts->source);
+    file_sums_finish(&parts->read);
+    notes_finish(&parts->notes);
+}
+
+static conus_status set_source(struct parcellation *parts, const char *format, const char *where)
+{
+    struct buffer source = {0};
+    buffer_format(&source, "%s in %s", format, where);
+    conus_status status = buffer_status(&source);
+    if (status) {
+        buffer_finish(&source);
+        return status;
+    }
+    memory_free(parts->source);
+    parts->source = source.data;
+    return CONUS_OK;
+}
+
+static conus_status read_override(struct parcellation *parts, const char *path)
+{
+    const char *format = NULL;
+    struct label_table table = {0};
+    const struct label_use use = {.info = &parts->file.info,
+                                  .voxels = &parts->labels,
+                                  .max_memory = parts->file.max_memory,
+                                  .read = &parts->read};
+    conus_status status = label_file_read(&table, &format, path, &use, &parts->notes);
+    status = status ? status : set_source(parts, format, path);
+    if (status) {
+        label_table_finish(&table);
+        return status;
+    }
+    label_table_finish(&parts->table);
+    parts->table = table;
+    return CONUS_OK;
+}
+
+/* Opens `image` of the atlas and keeps it if its voxels are smaller than those of what is there. */
+static conus_status consider_image(struct parcellation *parts, const char *xml_path, const char *image,
+                                   uint64_t max_memory)
+{
+    char *path = NULL;
+    struct volume_file file = {0};
+    struct notes notes = {0};
+    conus_status status = fsl_image_find(&path, xml_path, image);
+    if (!status && !path) {
+        status = notes_warn(&parts->notes, "image %s of the FSL atlas is not there", image);
+    } else if (!status) {
+        status = volume_file_open(&file, path, max_memory, &notes);
+    }
+    bool taken =
+        !status && path && (!parts->file.path || space_voxel_mm3(&file.info) < space_voxel_mm3(&parts->file.info));
+    if (taken) {
+        struct volume_file other = parts->file;
+        parts->file = file;
+        file = other;
+    }
+    if (taken || status) {
+        conus_status moved = notes_move(&parts->notes, &notes);
+        status = status ? status : moved;
+    }
+    memory_free(path);
+    volume_file_finish(&file);
+    notes_finish(&notes);
+    return status;
+}
+
+static conus_status open_finest(struct parcellation *parts, const struct fsl_atlas *atlas, const char *path,
+                                uint64_t max_memory)
+{
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < atlas->image_count; i++) {
+        const char *image = atlas->images[i].image;
+        status = image ? consider_image(parts, path, image, max_memory) : CONUS_OK;
+    }
+    if (!status && !parts->file.path) {
+        return fail(CONUS_ERROR_DATA, "%s: none of its %zu images is there (<imagefile> is relative to the XML)", path,
+                    atlas->image_count);
+    }
+    if (!status && atlas->image_count > 1) {
+        const double *s = parts->file.info.spacing;
+        status = notes_add(&parts->notes, "of the %zu images of %s the finest is used: %s (%g x %g x %g mm)",
+                           atlas->image_count, path_base(path), path_base(parts->file.path), s[0], s[1], s[2]);
+    }
+    return status;
+}
+
+/* The volume by itself may have names from elsewhere, or a second XML may name it. */
+static conus_status compare_with_volume(struct parcellation *parts)
+{
+    struct label_table table = {0};
+    char *source = NULL;
+    struct notes silent = {0};
+    conus_status status = label_table_of_volume(&table, &source, &parts->file, &parts->labels, NULL, &silent);
+    if (status && status != CONUS_ERROR_MEMORY) {
+        status = notes_warn(&parts->notes, "%s", conus_message());
+    } else if (!status) {
+        status = label_tables_note(&parts->is_disputed, &parts->table, parts->source, &table, source, &parts->notes);
+    }
+    label_table_finish(&table);
+    memory_free(source);
+    notes_finish(&silent);
+    return status;
+}
+
+static conus_status load_fsl(struct parcellation *parts, const char *path, struct text text, uint64_t max_memory)
+{
+    struct fsl_atlas atlas = {0};
+    conus_status status = fsl_atlas_parse(&atlas, text);
+    if (status) {
+        return fail_in(status, path);
+    }
+    if (!atlas.is_label) {
+        status = fail(CONUS_ERROR_UNSUPPORTED,
+                      "%s: an FSL atlas of type %s, Label is needed; \"probabilities\" of a manifest takes it, or it "
+                      "is ATLAS itself",
+                      path, atlas.type);
+    }
+    status = status ? status : open_finest(parts, &atlas, path, max_memory);
+    status = status ? status : volume_file_take_labels(&parts->labels, &parts->file);
+    if (!status) {
+        const struct label_use use = {
+            .info = &parts->file.info, .voxels = &parts->labels, .path = path, .max_memory = max_memory};
+        status = fsl_atlas_number(&atlas, &use, &parts->notes);
+    }
+    status = status ? status : set_source(parts, atlas.is_spm ? "SPM atlas XML" : "FSL atlas XML", path_base(path));
+    if (!status) {
+        parts->table = atlas.labels;
+        atlas.labels = (struct label_table){0};
+        status = compare_with_volume(parts);
+    }
+    fsl_atlas_finish(&atlas);
+    return status;
+}
+
+static conus_status load_markup(struct parcellation *parts, const char *path, uint64_t max_memory, const char *needed)
+{
+    struct bytes bytes = {0};
+    conus_status status = file_read(&bytes, path, FSL_ATLAS_LIMIT);
+    struct text text = text_from_bytes(bytes.data, bytes.size);
+    if (!status && !text_equal(xml_root(text), "atlas")) {
+        status = file_kind_refuse(path, needed);
+    }
+    status = status ? status : load_fsl(parts, path, text, max_memory);
+    status = status ? status : file_sums_add(&parts->read, path, &bytes);
+    bytes_finish(&bytes);
+    return status;
+}
+
+static conus_status read_names(struct parcellation *parts, const char *override, bool markup)
+{
+    if (override) {
+        return read_override(parts, override);
+    }
+    return markup ? CONUS_OK
+                  : label_table_of_volume(&parts->table, &parts->source, &parts->file, &parts->labels, &parts->read,
+                                          &parts->notes);
+}
+
+conus_status parcellation_check_grey(const struct volume_file *file, const struct label_voxels *labels,
+                                     const struct label_table *table, bool stated, bool anyway, struct notes *notes)
+{
+    struct grey_verdict verdict;
+    conus_status status = grey_judge_file(&verdict, file, labels, table, stated);
+    if (status || !verdict.grey) {
+        return status;
+    }
+    double equal = 100 * verdict.equal;
+    double needed = 100 * verdict.needed;
+    return anyway
+               ? notes_warn(notes,
+                            "%s: looks like an image, not like labels (%.0f %% of its neighbouring voxels are equal): "
+                            "its grey values are listed as areas",
+                            path_base(file->path), equal)
+               : fail(
+                     CONUS_ERROR_DATA,
+                     "%s: looks like an image, not like labels: %.0f %% of its neighbouring voxels are equal, of areas "
+                     "%.0f %% would be; an atlas is needed ('conus atlases' lists those that are installed), --context "
+                     "draws an image, --pathway selects what is bright in it, --labels-anyway takes every value as a "
+                     "label",
+                     file->path, equal, needed);
+}
+
+static conus_status read_cifti(struct parcellation *out, const char *path, const conus_load_options *options)
+{
+    conus_status status = cifti_parcellation_read(out, path, options->max_memory);
+    out->file.info.role = CONUS_ROLE_PARCELLATION;
+    return status || !options->labels ? status : read_override(out, options->labels);
+}
+
+conus_status parcellation_read(struct parcellation *out, const char *path, const conus_load_options *options,
+                               const char *needed)
+{
+    bool cifti;
+    conus_status is_cifti = cifti_file_is(&cifti, path);
+    if (is_cifti || cifti) {
+        return is_cifti ? is_cifti : read_cifti(out, path, options);
+    }
+    bool markup = file_first_character(path) == '<';
+    conus_status status = markup
+                              ? load_markup(out, path, options->max_memory, needed)
+                              : volume_file_open_labels(&out->file, &out->labels, path, options, needed, &out->notes);
+    status = status ? status : file_sums_move(&out->read, &out->file.read);
+    status = status ? status : read_names(out, options->labels, markup);
+    out->file.info.role = CONUS_ROLE_PARCELLATION;
+    return status ? status
+                  : parcellation_check_grey(&out->file, &out->labels, &out->table, markup, options->labels_anyway,
+                                            &out->notes);
+}
+
+conus_status parcellation_atlas(conus_atlas **out, struct parcellation *parts)
+{
+    struct labelled_volume volume = {.info = &parts->file.info, .labels = &parts->labels};
+    return atlas_create_of(out, &volume, 1, &parts->table, parts->source, &parts->notes);
+}

@@ -1,0 +1,44 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Several parcellations that become one atlas: whose a label is, and whose a voxel. */
+#ifndef CONUS_LOADERS_PLAN_PARCELLATIONS_H
+#define CONUS_LOADERS_PLAN_PARCELLATIONS_H
+
+#include "atlas/labels/label_map.h"
+#include "base/buffer.h"
+#include "loaders/scene/load_parcellation.h"
+
+/** The parcellations of a manifest: first parcellations_reserve(), then each read and shifted, then united, settled
+ * with surfaces (plan_settle.h), and joined. */
+struct parcellations {
+    struct parcellation *parts; /**< [count], earlier ones have priority; joined, one for each grid. */
+    size_t count;
+    struct label_map *voxels; /**< [count] of each part: label -> its voxels, before any is taken away. */
+    struct label_table table; /**< Once united: of all, sorted. */
+    struct buffer source;     /**< Likewise: where the names come from, in words. */
+    struct file_sums read;    /**< Likewise: what else than the volumes of the parts was read. */
+    struct notes notes;       /**< Likewise. */
+};
+
+/** Makes @p count empty parts, whose notes go to @p sink. */
+conus_status parcellations_reserve(struct parcellations *out, size_t count, const struct note_sink *sink);
+void parcellations_finish(struct parcellations *all);
+
+/** How many voxels the volume has. */
+size_t parcellation_voxels(const struct parcellation *part);
+
+/** Adds @p offset to the labels of voxels and table; areas whose table says no hemisphere get @p hemisphere, unless it
+ * is 0. CONUS_ERROR_DATA where a label gets too large. */
+conus_status parcellation_shift(struct parcellation *part, uint32_t offset, char hemisphere);
+
+/** Moves tables, sources, notes and lists of files of the parts together. What a table says of a label that has voxels
+ * in another part only is left out. CONUS_ERROR_DATA where two parts have voxels with one label. */
+conus_status parcellations_unite(struct parcellations *all);
+
+/** Takes from each part the voxels whose centre lies in an area of an earlier one, which notes say; then parts on the
+ * same grid become one. */
+conus_status parcellations_join(struct parcellations *all);
+
+/** An atlas of them; the notes go there. */
+conus_status parcellations_atlas(conus_atlas **out, struct parcellations *all);
+
+#endif

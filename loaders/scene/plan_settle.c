@@ -1,0 +1,162 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Which of two areas keeps a label that both the planned surfaces and the parcellation have. */
+#include "loaders/scene/plan_settle.h"
+
+#include "base/files/folder.h"
+#include "base/memory.h"
+
+#include <string.h>
+
+/* Voxels of each planned area's label, in the plan's order. */
+static conus_status count_voxels(uint64_t *counts, const struct area_plan *plan, const struct parcellations *all)
+{
+    for (size_t i = 0; i < plan->count; i++) {
+        for (size_t p = 0; p < all->count; p++) {
+            const uint64_t *count = label_map_at(&all->voxels[p], plan->areas[i].label.number);
+            if (!count) {
+                return CONUS_ERROR_MEMORY;
+            }
+            counts[i] += *count;
+        }
+    }
+    return CONUS_OK;
+}
+
+/* Leaves the surfaces out whose label has voxels. */
+static void drop_surfaces(struct area_plan *plan, const uint64_t *counts)
+{
+    size_t kept = 0;
+    for (size_t i = 0; i < plan->count; i++) {
+        if (counts[i]) {
+            planned_area_finish(&plan->areas[i]);
+        } else {
+            plan->areas[kept++] = plan->areas[i];
+        }
+    }
+    plan->count = kept;
+}
+
+/* Gives the surface what the table's entry says and the manifest does not. */
+static void take_words(struct label *label, struct label *entry)
+{
+    if (!label->name) {
+        label->name = entry->name;
+        entry->name = NULL;
+    }
+    if (!label->abbreviation) {
+        label->abbreviation = entry->abbreviation;
+        entry->abbreviation = NULL;
+    }
+    if (!label->has_rgb) {
+        label->has_rgb = entry->has_rgb;
+        memcpy(label->rgb, entry->rgb, sizeof label->rgb);
+    }
+    label->hemisphere = label->hemisphere ? label->hemisphere : entry->hemisphere;
+}
+
+/* Gives the surfaces the parents that the table knows and the manifest does not. */
+static void hand_over_parents(struct area_plan *plan, const struct label_table *table)
+{
+    for (size_t i = 0; i < plan->count; i++) {
+        struct label *label = &plan->areas[i].label;
+        const struct label *entry = label_table_find(table, label->number);
+        bool known = entry && entry->has_parent &&
+                     (label_table_find(table, entry->parent) || area_plan_find(plan, entry->parent));
+        if (known && !label->has_parent) {
+            label->has_parent = true;
+            label->parent = entry->parent;
+        }
+    }
+}
+
+/* An entry of the table that lies in a surface becomes a node of the tree, since the table will not know its parent.
+ * The first `stated` nodes are the manifest's. */
+static conus_status hand_over_link(struct area_plan *plan, struct label *entry, size_t stated)
+{
+    if (!entry->name || !entry->has_parent || !area_plan_find(plan, entry->parent)) {
+        return CONUS_OK;
+    }
+    struct label *node = NULL;
+    for (size_t i = 0; i < stated && !node; i++) {
+        node = plan->groups.entries[i].number == entry->number ? &plan->groups.entries[i] : NULL;
+    }
+    node = node ? node : label_table_add(&plan->groups, entry->number);
+    if (!node) {
+        return CONUS_ERROR_MEMORY;
+    }
+    node->parent = node->has_parent ? node->parent : entry->parent;
+    node->has_parent = true;
+    entry->has_parent = false;
+    return CONUS_OK;
+}
+
+/* The table keeps what is no surface's. */
+static conus_status hand_over_entries(struct area_plan *plan, struct label_table *table)
+{
+    size_t kept = 0;
+    size_t stated = plan->groups.count;
+    conus_status status = CONUS_OK;
+    hand_over_parents(plan, table);
+    for (size_t i = 0; !status && i < table->count; i++) {
+        status = hand_over_link(plan, &table->entries[i], stated);
+    }
+    for (size_t i = 0; i < table->count; i++) {
+        struct label *entry = &table->entries[i];
+        struct planned_area *area = area_plan_find(plan, entry->number);
+        if (area) {
+            take_words(&area->label, entry);
+            label_finish(entry);
+        } else {
+            table->entries[kept++] = *entry;
+        }
+    }
+    table->count = kept;
+    return status;
+}
+
+/* Voxels with a planned area's label become background. */
+static void clear_voxels(const struct area_plan *plan, struct parcellation *parts)
+{
+    for (size_t p = 0; p < parts->labels.label_count; p++) {
+        uint32_t *label = &parts->labels.labels[p];
+        *label = *label && area_plan_find(plan, *label) ? 0 : *label;
+    }
+}
+
+static conus_status apply_preference(struct area_plan *plan, struct parcellations *all, const uint64_t *counts,
+                                     enum manifest_preference preference)
+{
+    size_t shared = 0;
+    const struct planned_area *first = NULL;
+    for (size_t i = 0; i < plan->count; i++) {
+        first = counts[i] && !first ? &plan->areas[i] : first;
+        shared += counts[i] > 0;
+    }
+    if (first && preference == MANIFEST_PREFER_NONE) {
+        return fail(CONUS_ERROR_DATA,
+                    "areas[%zu]: label %u of %s is in the parcellation, too: say \"prefer\": \"areas\" or "
+                    "\"parcellation\"",
+                    first->entry, first->label.number, path_base(first->path));
+    }
+    bool surfaces = preference != MANIFEST_PREFER_PARCELLATION;
+    for (size_t p = 0; first && surfaces && p < all->count; p++) {
+        clear_voxels(plan, &all->parts[p]);
+    }
+    if (first && !surfaces) {
+        drop_surfaces(plan, counts);
+    }
+    return !first ? CONUS_OK
+                  : notes_add(&all->notes, "labels that are both a surface and voxels: %zu, the %s taken", shared,
+                              surfaces ? "surfaces are" : "voxels are");
+}
+
+conus_status area_plan_settle(struct area_plan *plan, struct parcellations *all, enum manifest_preference preference)
+{
+    uint64_t *counts = memory_zeroed(plan->count, sizeof *counts);
+    conus_status status = counts ? count_voxels(counts, plan, all) : CONUS_ERROR_MEMORY;
+    status = status ? status : apply_preference(plan, all, counts, preference);
+    status = status ? status : hand_over_entries(plan, &all->table);
+    status = status ? status : label_table_sort(&plan->groups, &all->notes);
+    memory_free(counts);
+    return status;
+}
