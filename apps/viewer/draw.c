@@ -2,8 +2,8 @@
 /* One frame of the window: its panels and panes. */
 #include "viewer/draw.h"
 
-#include "viewer/keys/keys.h"
-#include "viewer/panels/panels.h"
+#include "viewer/commands/keys.h"
+#include "viewer/panes/panels.h"
 #include "viewer/panes/panes.h"
 #include "viewer/ui/ui_navigate.h"
 

@@ -5,11 +5,11 @@
 #include "common/messages.h"
 #include "link/send_selection.h"
 #include "viewer/draw.h"
-#include "viewer/figures/figure_form.h"
-#include "viewer/hands/hands.h"
-#include "viewer/question/studies.h"
+#include "viewer/model/studies.h"
 #include "viewer/session/keep.h"
 #include "viewer/session/undo.h"
+#include "viewer/window/figure_form.h"
+#include "viewer/window/hands.h"
 #include "viewer/window/title.h"
 
 #include <GLFW/glfw3.h>

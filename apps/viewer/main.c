@@ -3,11 +3,11 @@
 #include "common/messages.h"
 #include "pages/pages.h"
 #include "settings/atlases.h"
-#include "viewer/keys/keys.h"
-#include "viewer/loading/open.h"
-#include "viewer/loading/view_words.h"
-#include "viewer/loading/waiting.h"
+#include "viewer/commands/keys.h"
 #include "viewer/loop.h"
+#include "viewer/opening/open.h"
+#include "viewer/opening/view_words.h"
+#include "viewer/opening/waiting.h"
 
 #include <GLFW/glfw3.h>
 

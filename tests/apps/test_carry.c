@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What was done to areas, carried over to an atlas with other hemispheres; one side only. */
-#include "viewer/hemispheres/side.h"
-#include "viewer/hemispheres/words.h"
-#include "viewer/loading/carry.h"
+#include "viewer/model/hemisphere_side.h"
+#include "viewer/model/hemisphere_words.h"
+#include "viewer/opening/carry.h"
 
 #include "builders/area_rows.h"
 #include "test.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The shape of the chosen area, its shadow and its outline, without a window. */
-#include "viewer/chosen/cells.h"
-#include "viewer/chosen/outline.h"
+#include "viewer/model/outline.h"
+#include "viewer/pictures/cells.h"
 
 #include "test.h"
 

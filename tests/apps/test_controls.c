@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* How the window asks, and studies, without a window. */
-#include "viewer/keys/keys.h"
-#include "viewer/keys/keys_wand.h"
-#include "viewer/question/question.h"
-#include "viewer/question/studies.h"
+#include "viewer/commands/keys.h"
+#include "viewer/commands/keys_wand.h"
+#include "viewer/model/question.h"
+#include "viewer/model/studies.h"
 #include "viewer/session/session.h"
 
 #include "test.h"

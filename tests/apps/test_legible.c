@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Whether what the window says can be read: contrast of its colours, and texts that are cut, at usual sizes. */
-#include "viewer/keys/keys.h"
-#include "viewer/panels/panels.h"
-#include "viewer/results/columns.h"
+#include "viewer/commands/keys.h"
+#include "viewer/model/columns.h"
+#include "viewer/panes/panels.h"
 #include "viewer/ui/ui_audit.h"
 
 #include "test.h"

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* How an atlas looks: grey values, opacities, haze, colours of the context and the background, without a window. */
-#include "viewer/figures/figure_form.h"
-#include "viewer/look/look.h"
+#include "viewer/commands/script_look.h"
 #include "viewer/model/picker.h"
-#include "viewer/pointing/point.h"
-#include "viewer/script/script_look.h"
+#include "viewer/pictures/look.h"
 #include "viewer/session/session.h"
 #include "viewer/session/undo.h"
+#include "viewer/tools/point.h"
+#include "viewer/window/figure_form.h"
 
 #include "test.h"
 

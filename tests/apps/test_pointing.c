@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The mouse's cone without a window: where it begins, when it stays, what is said of it. */
 #include "viewer/model/picker.h"
-#include "viewer/pointing/notice.h"
-#include "viewer/pointing/point.h"
+#include "viewer/tools/notice.h"
+#include "viewer/tools/point.h"
 
 #include "test.h"
 

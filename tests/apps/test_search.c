@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The order in which the list of areas finds them. */
-#include "viewer/search/search.h"
+#include "viewer/model/search.h"
 
 #include "test.h"
 

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The window's second tool without a window: its answers, what moves and holds it, its cone's lines, sessions. */
 #include "link/clock.h"
-#include "viewer/hands/hands.h"
-#include "viewer/script/script_second.h"
-#include "viewer/second/shell.h"
+#include "viewer/commands/script_second.h"
 #include "viewer/session/session.h"
 #include "viewer/session/undo.h"
+#include "viewer/tools/shell.h"
+#include "viewer/window/hands.h"
 
 #include "test.h"
 #include "window_scene.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What a session says of its atlas, and how that is found again. */
-#include "viewer/opening/session_file.h"
+#include "viewer/model/session_file.h"
 
 #include "common/provenance.h"
 #include "test.h"

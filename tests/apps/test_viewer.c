@@ -2,7 +2,7 @@
 /* What the window does, without a window. */
 #include "atlas/warp/warp.h"
 #include "base/memory.h"
-#include "viewer/figures/cut_view.h"
+#include "viewer/model/cut_view.h"
 #include "viewer/model/picker.h"
 #include "viewer/session/session.h"
 

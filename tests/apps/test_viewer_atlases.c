@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Several atlases in the window, without a window: all are asked the same, one of them is drawn. */
-#include "viewer/loading/loader.h"
 #include "viewer/model/picker.h"
+#include "viewer/opening/loader.h"
 #include "viewer/session/session.h"
 #include "viewer/window/hover.h"
 

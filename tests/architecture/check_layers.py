@@ -30,41 +30,22 @@ APPS = {
     " apps/cli/verify apps/cli/cite apps/cli/pictures",
     "apps/mpi": "apps/common apps/pages apps/batch",
     "apps/mesh": "loaders/child",  # mesh_protocol.h: what conus and conus-mesh send each other
-    "apps/viewer/search": "",
-    "apps/viewer/look": "",
-    "apps/viewer/sight": "apps/link",
-    "apps/viewer/study": "apps/link apps/common",
-    "apps/viewer/model": "apps/link apps/viewer/look apps/viewer/sight apps/viewer/study",
+    "apps/viewer/pictures": "apps/link",
     "apps/viewer/devices": "apps/link",
-    "apps/viewer/second": "apps/link apps/viewer/model apps/viewer/devices apps/viewer/pointing",
-    "apps/viewer/hands": "apps/link apps/viewer/pointing apps/viewer/second apps/viewer/window",
-    "apps/viewer/theme": "",
-    "apps/viewer/ui": "apps/viewer/theme",
-    "apps/viewer/opening": "apps/common",
-    "apps/viewer/hemispheres": "apps/settings apps/viewer/model",
-    "apps/viewer/window": "apps/common apps/viewer/look apps/viewer/model apps/viewer/chosen apps/viewer/devices apps/viewer/second"
-    " apps/viewer/ui apps/viewer/opening apps/viewer/question apps/viewer/hemispheres",
-    "apps/viewer/pointing": "apps/viewer/model",
-    "apps/viewer/chosen": "apps/viewer/model apps/viewer/sight",
-    "apps/viewer/question": "apps/common apps/options apps/settings apps/viewer/model apps/viewer/study",
-    "apps/viewer/figures": "apps/figures apps/viewer/model apps/viewer/window",
-    "apps/viewer/panes": "apps/viewer/figures apps/viewer/model apps/viewer/pointing apps/viewer/chosen apps/viewer/second"
-    " apps/viewer/hands apps/viewer/window",
-    "apps/viewer/results": "apps/common apps/viewer/model",
-    "apps/viewer/panels": "apps/settings apps/viewer/search apps/viewer/figures apps/viewer/pointing apps/viewer/question"
-    " apps/viewer/results apps/viewer/hands apps/viewer/ui apps/viewer/window apps/viewer/hemispheres",
-    "apps/viewer/session": "apps/common apps/viewer/opening apps/viewer/question apps/viewer/results apps/viewer/window"
-    " apps/viewer/hemispheres",
-    "apps/viewer/script": "apps/common apps/settings apps/viewer/search apps/viewer/figures apps/viewer/pointing apps/viewer/question"
-    " apps/viewer/results apps/viewer/hands apps/viewer/window apps/viewer/session apps/viewer/hemispheres",
-    "apps/viewer/loading": "apps/common apps/settings apps/viewer/model apps/viewer/opening apps/viewer/question"
-    " apps/viewer/hemispheres apps/viewer/hands apps/viewer/window apps/viewer/session",
-    "apps/viewer/keys": "apps/viewer/figures apps/viewer/hands apps/viewer/hemispheres apps/viewer/pointing"
-    " apps/viewer/question apps/viewer/session apps/viewer/ui apps/viewer/window",
+    "apps/viewer/model": "apps/link apps/common apps/options apps/settings apps/viewer/pictures",
+    "apps/viewer/tools": "apps/link apps/viewer/devices apps/viewer/model",
+    "apps/viewer/ui": "",
+    "apps/viewer/window": "apps/link apps/common apps/figures apps/viewer/pictures apps/viewer/devices"
+    " apps/viewer/model apps/viewer/tools apps/viewer/ui",
+    "apps/viewer/panes": "apps/settings apps/viewer/pictures apps/viewer/model apps/viewer/tools apps/viewer/ui"
+    " apps/viewer/window",
+    "apps/viewer/session": "apps/common apps/viewer/model apps/viewer/window",
+    "apps/viewer/commands": "apps/common apps/settings apps/viewer/model apps/viewer/tools apps/viewer/ui"
+    " apps/viewer/window apps/viewer/session",
+    "apps/viewer/opening": "apps/common apps/settings apps/viewer/model apps/viewer/window apps/viewer/session",
     # draw.c joins the panes and panels; the window itself knows neither.
-    "apps/viewer": "apps/link apps/common apps/settings apps/pages apps/viewer/hands"
-    " apps/viewer/ui apps/viewer/window apps/viewer/panes apps/viewer/panels apps/viewer/session"
-    " apps/viewer/script apps/viewer/figures apps/viewer/question apps/viewer/keys apps/viewer/loading",
+    "apps/viewer": "apps/link apps/common apps/settings apps/pages apps/viewer/model apps/viewer/ui"
+    " apps/viewer/window apps/viewer/panes apps/viewer/session apps/viewer/commands apps/viewer/opening",
 }
 LIBRARY = {
     "base": "",

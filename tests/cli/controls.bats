@@ -166,10 +166,10 @@ END
 }
 
 @test "texts of the panels have the theme's colours, and pale ones its opacity" {
-    panels=$BATS_TEST_DIRNAME/../../apps/viewer/panels
-    run -1 grep -nE 'ui_(text_coloured|tint)\(\(ui_colour\)|\? \(ui_colour\)\{2|ui_dim\([^)]*[0-9]\.' "$panels"/*.c
+    panels=$BATS_TEST_DIRNAME/../../apps/viewer/panes
+    run -1 grep -nE 'ui_(text_coloured|tint)\(\(ui_colour\)|\? \(ui_colour\)\{2|ui_dim\([^)]*[0-9]\.' "$panels"/panel_*.c
     # no tip names a key that is another's
-    run -1 grep -nE 'comma and full stop|\( and \) change|B changes it|< and > the nearer' "$panels"/*.c
+    run -1 grep -nE 'comma and full stop|\( and \) change|B changes it|< and > the nearer' "$panels"/panel_*.c
 }
 
 @test "sweep and jitter are what conus sweep prints, of each atlas and with all options" {

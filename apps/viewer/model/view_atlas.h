@@ -4,10 +4,10 @@
 #ifndef CONUS_VIEWER_MODEL_VIEW_ATLAS_H
 #define CONUS_VIEWER_MODEL_VIEW_ATLAS_H
 
-#include "viewer/look/look.h"
-#include "viewer/model/answer.h"
 #include "viewer/model/shown.h"
 #include "viewer/model/watch.h"
+#include "viewer/pictures/answer.h"
+#include "viewer/pictures/look.h"
 
 struct view_atlas {
     conus_atlas *atlas;

@@ -7,11 +7,11 @@
 #define CONUS_VIEWER_MODEL_VIEWER_H
 
 #include "viewer/model/atlas_edits.h"
-#include "viewer/model/painter.h"
+#include "viewer/model/studier.h"
 #include "viewer/model/view_atlas.h"
-#include "viewer/sight/head.h"
-#include "viewer/sight/orbit.h"
-#include "viewer/study/studier.h"
+#include "viewer/pictures/head.h"
+#include "viewer/pictures/orbit.h"
+#include "viewer/pictures/painter.h"
 
 enum pointer {
     POINT_BY_MOUSE = 0,
@@ -60,15 +60,15 @@ struct display {
     enum backdrop backdrop; /**< Of the 3-D pane and figures. */
 };
 
-/** What the lists of hits show (results/columns.h). All 0: the usual. */
+/** What the lists of hits show (model/columns.h). All 0: the usual. */
 struct result_list {
     uint32_t columns; /**< A bit for each column that was chosen; 0 = none was, the usual ones are shown. */
     size_t order;     /**< The column that rows are ordered by; 0 = the rank, */
     bool reversed;    /**< the other way round. */
-    size_t format;    /**< Of exported files (results/export.h). */
+    size_t format;    /**< Of exported files (model/export.h). */
 };
 
-/** Of question/studies.h. */
+/** Of model/studies.h. */
 struct study_state {
     struct study_settings settings;
     struct studier *studier;     /**< Made when needed. */

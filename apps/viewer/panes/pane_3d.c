@@ -2,9 +2,9 @@
 /* The 3-D pane: shows the painter's picture, and lets the mouse turn it or aim. */
 #include "viewer/panes/panes.h"
 
-#include "viewer/hands/hands.h"
 #include "viewer/model/picker.h"
-#include "viewer/pointing/point.h"
+#include "viewer/tools/point.h"
+#include "viewer/window/hands.h"
 #include "viewer/window/hover.h"
 #include "viewer/window/screen.h"
 

@@ -2,7 +2,7 @@
 /* The chosen area over the picture of the 3-D pane, seen through what lies before it, and its name. */
 #include "viewer/panes/panes.h"
 
-#include "viewer/chosen/cells.h"
+#include "viewer/pictures/cells.h"
 
 #include <math.h>
 #include <stdlib.h>

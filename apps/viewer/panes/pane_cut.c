@@ -2,9 +2,9 @@
 /* A flat pane: the cut, the crosshair, the cone in it, and the mouse on it. */
 #include "viewer/panes/panes.h"
 
-#include "viewer/figures/cut_view.h"
-#include "viewer/hands/hands.h"
+#include "viewer/model/cut_view.h"
 #include "viewer/model/picker.h"
+#include "viewer/window/hands.h"
 #include "viewer/window/hover.h"
 
 #include <math.h>

@@ -2,7 +2,7 @@
 /* The second tool's cone over the four panes: its wall as lines of its own colour, and the names of what it hits. */
 #include "viewer/panes/panes.h"
 
-#include "viewer/second/shell.h"
+#include "viewer/tools/shell.h"
 
 #include <math.h>
 

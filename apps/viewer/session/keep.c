@@ -3,9 +3,9 @@
 #include "viewer/session/keep.h"
 
 #include "common/provenance.h"
-#include "viewer/question/studies.h"
-#include "viewer/results/columns.h"
-#include "viewer/results/export.h"
+#include "viewer/model/columns.h"
+#include "viewer/model/export.h"
+#include "viewer/model/studies.h"
 #include "viewer/session/session.h"
 
 #include <limits.h>

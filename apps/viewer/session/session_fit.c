@@ -2,7 +2,7 @@
 /* Numbers of objects then and now: those of each file that was added belong together, and so do all others. */
 #include "viewer/session/session_fit.h"
 
-#include "viewer/opening/additions.h"
+#include "viewer/model/additions.h"
 #include "viewer/session/session_atlases.h"
 
 #include <stdlib.h>

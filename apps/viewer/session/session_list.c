@@ -2,7 +2,7 @@
 /* Columns of the lists of hits as JSON, and back. */
 #include "viewer/session/session_list.h"
 
-#include "viewer/results/columns.h"
+#include "viewer/model/columns.h"
 
 #include <string.h>
 

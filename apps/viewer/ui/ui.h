@@ -6,7 +6,7 @@
 #ifndef CONUS_VIEWER_UI_UI_H
 #define CONUS_VIEWER_UI_UI_H
 
-#include "viewer/theme/theme.h"
+#include "viewer/ui/theme.h"
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -2,7 +2,7 @@
 // The font, sizes and colours of Dear ImGui's widgets.
 #include "viewer/ui/ui_style.h"
 
-#include "viewer/theme/theme.h"
+#include "viewer/ui/theme.h"
 
 #include <imgui.h>
 

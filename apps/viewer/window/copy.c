@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What the clipboard gets. */
-#include "viewer/question/studies.h"
+#include "viewer/model/studies.h"
 #include "viewer/window/window.h"
 
 #include <GLFW/glfw3.h>

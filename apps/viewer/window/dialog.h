@@ -3,7 +3,7 @@
 #ifndef CONUS_VIEWER_WINDOW_DIALOG_H
 #define CONUS_VIEWER_WINDOW_DIALOG_H
 
-#include "viewer/opening/folder.h"
+#include "viewer/window/folder.h"
 #include "viewer/window/start.h"
 
 enum { DIALOG_PLACES = 10, DIALOG_WHY = 512 };

@@ -4,7 +4,7 @@
 #ifndef CONUS_VIEWER_WINDOW_START_H
 #define CONUS_VIEWER_WINDOW_START_H
 
-#include "viewer/opening/installed.h"
+#include "viewer/window/installed.h"
 #include "viewer/window/recent.h"
 
 enum { START_WHY = 512 };

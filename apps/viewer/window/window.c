@@ -3,7 +3,7 @@
 #include "viewer/window/window.h"
 
 #include "common/messages.h"
-#include "viewer/question/studies.h"
+#include "viewer/model/studies.h"
 #include "viewer/ui/ui_navigate.h"
 #include "viewer/window/screen.h"
 

@@ -4,16 +4,16 @@
 #ifndef CONUS_VIEWER_WINDOW_WINDOW_H
 #define CONUS_VIEWER_WINDOW_WINDOW_H
 
-#include "viewer/chosen/cells.h"
-#include "viewer/chosen/outline.h"
 #include "viewer/devices/devices.h"
-#include "viewer/hemispheres/words.h"
-#include "viewer/look/sheet.h"
+#include "viewer/model/additions.h"
+#include "viewer/model/hemisphere_words.h"
+#include "viewer/model/outline.h"
 #include "viewer/model/source.h"
 #include "viewer/model/times.h"
 #include "viewer/model/viewer.h"
-#include "viewer/opening/additions.h"
-#include "viewer/second/second.h"
+#include "viewer/pictures/cells.h"
+#include "viewer/pictures/sheet.h"
+#include "viewer/tools/second.h"
 #include "viewer/ui/ui.h"
 #include "viewer/window/changes.h"
 #include "viewer/window/dialog.h"
@@ -103,7 +103,7 @@ struct window {
     bool (*press)(struct window *window, const char *key); /**< What keys do; NULL while an atlas is loaded. */
     struct wanted wanted;
     struct loader *begun;  /**< That loads what is wanted since before there was a window; NULL = none. */
-    struct json_t *opened; /**< What a session says of that (opening/session_file.h); NULL = nothing. */
+    struct json_t *opened; /**< What a session says of that (model/session_file.h); NULL = nothing. */
     void (*wake)(void);    /**< Makes the window's loop look again, from any thread. */
     conus_hemispheres hemispheres;
     char *doubted;       /**< Options that were not taken, since bundles hardly are in the atlas's space: asked for

@@ -1,0 +1,21 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * Scripts that drive the window, one command a line, for tests and figures (docs/viewer.md lists them). */
+#ifndef CONUS_VIEWER_COMMANDS_SCRIPT_H
+#define CONUS_VIEWER_COMMANDS_SCRIPT_H
+
+#include "viewer/window/window.h"
+
+struct script;
+
+/** Reads a script; returns the exit code and prints an error unless it is 0. */
+int script_load(struct script **out, const char *path);
+void script_destroy(struct script *script); /**< NULL is fine. */
+
+/** Whether it waits for something that takes no frames: a file, a time, pictures being drawn. */
+bool script_waits(struct script *script, const struct window *window);
+/** To be called after a frame was drawn, before it is shown, unless it waits. Does the next command; true when there is
+ * none left or one failed (then *code is set, and it was said why). */
+bool script_step(struct script *script, struct window *window, int *code);
+
+#endif

@@ -1,0 +1,365 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Words of the command line that add a file to an atlas: made, taken apart, described and found again. */
+#include "viewer/model/additions.h"
+
+#include "common/output.h"
+#include "viewer/model/session_file.h"
+
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+const char *const addition_names[ADDITION_COUNT] = {"context", "pathway", "streamlines"};
+
+enum addition addition_of(const char **value, const char *word)
+{
+    int kind = 0;
+    *value = "";
+    for (; kind < ADDITION_COUNT; kind++) {
+        size_t length = strlen(addition_names[kind]);
+        if (strncmp(word, "--", 2) == 0 && strncmp(word + 2, addition_names[kind], length) == 0 &&
+            word[2 + length] == '=') {
+            *value = word + 3 + length;
+            break;
+        }
+    }
+    return (enum addition)kind;
+}
+
+static bool is_key(enum addition kind, const char *text)
+{
+    return strchr(text, '=') || (kind == ADD_STREAMLINES && strcmp(text, "moves") == 0);
+}
+
+bool addition_path(char path[PATH_MAX], enum addition kind, const char *value)
+{
+    int size = snprintf(path, PATH_MAX, "%s", value);
+    for (char *comma; size < PATH_MAX && (comma = strrchr(path, ',')) && is_key(kind, comma + 1);) {
+        *comma = '\0';
+    }
+    return size < PATH_MAX;
+}
+
+static const char *word_at(const json_t *words, size_t index)
+{
+    const char *word = json_string_value(json_array_get(words, index));
+    return word ? word : "";
+}
+
+/* The kind and file of a word; false where it is none. */
+static bool read_word(enum addition *kind, char path[PATH_MAX], const char *word)
+{
+    const char *value = NULL;
+    *kind = addition_of(&value, word);
+    return *kind < ADDITION_COUNT && addition_path(path, *kind, value);
+}
+
+static bool is_context_surface(const char *word, bool surface)
+{
+    enum addition kind;
+    char path[PATH_MAX];
+    return read_word(&kind, path, word) && kind == ADD_CONTEXT && conus_context_is_surface(path) == surface;
+}
+
+json_t *additions_with(const json_t *words, enum addition kind, const char *value)
+{
+    json_t *with = json_array();
+    json_t *added = json_sprintf("--%s=%s", addition_names[kind], value);
+    bool replaces = added && is_context_surface(json_string_value(added), false);
+    bool fine = with && added;
+    for (size_t i = 0; i < json_array_size(words) && fine; i++) {
+        bool is_replaced = replaces && is_context_surface(word_at(words, i), false);
+        fine = is_replaced || !json_array_append(with, json_array_get(words, i));
+    }
+    fine = fine && !json_array_append(with, added);
+    json_decref(added);
+    if (!fine) {
+        json_decref(with);
+    }
+    return fine ? with : NULL;
+}
+
+static bool has_context_surface(const json_t *words)
+{
+    bool has = false;
+    for (size_t i = 0; i < json_array_size(words); i++) {
+        has = has || is_context_surface(word_at(words, i), true);
+    }
+    return has;
+}
+
+json_t *additions_without(const json_t *words, size_t index)
+{
+    static const char opacity[] = "--context-opacity=";
+    json_t *without = json_copy((json_t *)words);
+    json_array_remove(without, index);
+    for (size_t i = json_array_size(without); i-- > 0 && !has_context_surface(without);) {
+        if (strncmp(word_at(without, i), opacity, sizeof opacity - 1) == 0) {
+            json_array_remove(without, i);
+        }
+    }
+    return without;
+}
+
+static const char *name_of(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+size_t additions_index(const json_t *words, const char *path)
+{
+    size_t count = json_array_size(words);
+    size_t named = count;
+    for (size_t i = count; i-- > 0;) {
+        enum addition kind;
+        char file[PATH_MAX];
+        bool is = read_word(&kind, file, word_at(words, i));
+        if (is && (strcmp(file, path) == 0 || paths_equal(file, path))) {
+            return i;
+        }
+        named = is && named == count && strcmp(name_of(file), path) == 0 ? i : named;
+    }
+    return named;
+}
+
+/* The numbers from `first` on. */
+static void put_numbers(json_t *entry, size_t first, size_t count)
+{
+    json_t *numbers = json_object_get(entry, "objects");
+    for (size_t i = 0; i < count; i++) {
+        json_array_append_new(numbers, json_integer((json_int_t)first + (json_int_t)i));
+    }
+}
+
+static void put_sum(json_t *entry, const char *sha256, const char *path)
+{
+    struct stat info;
+    if (sha256[0] && stat(path, &info) == 0) {
+        json_object_set_new(entry, "sha256", json_string(sha256));
+        json_object_set_new(entry, "bytes", json_integer(info.st_size));
+    }
+}
+
+/* Tractograms and volumes that an entry has, so that a file that was added twice is not found twice. */
+struct taken {
+    bool *tractograms, *volumes;
+};
+
+static void describe_streamlines(json_t *entry, struct taken *taken, const conus_atlas *atlas, const char *path)
+{
+    for (size_t i = 0; i < conus_atlas_tractogram_count(atlas); i++) {
+        conus_tractogram_info info = CONUS_TRACTOGRAM_INFO_INIT;
+        if (!taken->tractograms[i] && !conus_atlas_tractogram(&info, atlas, i) &&
+            (strcmp(info.path, path) == 0 || paths_equal(info.path, path))) {
+            taken->tractograms[i] = true;
+            put_sum(entry, info.sha256, path);
+            put_numbers(entry, info.bundle, info.bundles);
+            return;
+        }
+    }
+}
+
+/* Bands of a volume follow each other. */
+static void put_pathways(json_t *entry, const conus_atlas *atlas, size_t volume)
+{
+    for (size_t number = 1; number <= conus_atlas_object_count(atlas); number++) {
+        const conus_object *object = conus_atlas_object(atlas, number);
+        if (object->kind == CONUS_KIND_PATHWAY && object->volume == volume) {
+            put_numbers(entry, number, 1);
+        }
+    }
+}
+
+/* Of 4-D files the volume that ",volume=K" names, or the first. */
+static void describe_volume(json_t *entry, struct taken *taken, const conus_atlas *atlas, conus_role role,
+                            const char *value, const char *path)
+{
+    static const char key[] = ",volume=";
+    const char *named = strstr(value, key);
+    uint64_t index = named ? strtoull(named + sizeof key - 1, NULL, 10) : 0;
+    for (size_t i = 0; i < conus_atlas_volume_count(atlas); i++) {
+        const conus_volume_info *info = conus_atlas_volume(atlas, i);
+        if (!taken->volumes[i] && info->role == role && info->volume == index && paths_equal(info->path, path)) {
+            taken->volumes[i] = true;
+            put_sum(entry, info->sha256, path);
+            if (role == CONUS_ROLE_SCALAR) {
+                put_pathways(entry, atlas, i);
+            }
+            return;
+        }
+    }
+}
+
+static json_t *describe(struct taken *taken, const conus_atlas *atlas, const char *word)
+{
+    const char *value = NULL;
+    char path[PATH_MAX];
+    enum addition kind = addition_of(&value, word);
+    json_t *entry = addition_path(path, kind, value)
+                        ? json_pack("{s: s, s: s, s: []}", "option", word, "path", path, "objects")
+                        : NULL;
+    if (entry && kind == ADD_STREAMLINES) {
+        describe_streamlines(entry, taken, atlas, path);
+    } else if (entry) {
+        conus_role role = kind == ADD_CONTEXT ? CONUS_ROLE_CONTEXT : CONUS_ROLE_SCALAR;
+        describe_volume(entry, taken, atlas, role, value, path);
+    }
+    return entry;
+}
+
+json_t *additions_describe(const conus_atlas *atlas, const json_t *words)
+{
+    json_t *list = json_array();
+    struct taken taken = {calloc(conus_atlas_tractogram_count(atlas) + 1, sizeof *taken.tractograms),
+                          calloc(conus_atlas_volume_count(atlas) + 1, sizeof *taken.volumes)};
+    bool fine = list && taken.tractograms && taken.volumes;
+    for (size_t i = 0; i < json_array_size(words) && fine; i++) {
+        const char *value;
+        if (addition_of(&value, word_at(words, i)) < ADDITION_COUNT) {
+            fine = !json_array_append_new(list, describe(&taken, atlas, word_at(words, i)));
+        }
+    }
+    free(taken.tractograms);
+    free(taken.volumes);
+    if (!fine) {
+        json_decref(list);
+    }
+    return fine ? list : NULL;
+}
+
+static const char *text_of(const json_t *entry, const char *key)
+{
+    const char *text = json_string_value(json_object_get(entry, key));
+    return text ? text : "";
+}
+
+static const json_t *entry_of(const json_t *described, const char *word)
+{
+    for (size_t i = 0; i < json_array_size(described); i++) {
+        if (strcmp(text_of(json_array_get(described, i), "option"), word) == 0) {
+            return json_array_get(described, i);
+        }
+    }
+    return NULL;
+}
+
+/* The word, with the path where its file is now; NULL: it is nowhere, or there is no memory. */
+static json_t *find_word(const char *word, const char *path, const json_t *entry, const char *session)
+{
+    const char *value = NULL;
+    char now[PATH_MAX];
+    enum addition kind = addition_of(&value, word);
+    const struct session_file file = {.atlas = path,
+                                      .folder = "",
+                                      .sha256 = text_of(entry, "sha256"),
+                                      .bytes = (uint64_t)json_integer_value(json_object_get(entry, "bytes"))};
+    return kind < ADDITION_COUNT && session_file_find(now, &file, session, NULL, 0)
+               ? json_sprintf("--%s=%s%s", addition_names[kind], now, value + strlen(path))
+               : NULL;
+}
+
+static void add_name(char missing[ADDITIONS_MISSING], const char *path)
+{
+    size_t used = strlen(missing);
+    snprintf(missing + used, ADDITIONS_MISSING - used, "%s%s", used ? ", " : "", name_of(path));
+    conus_plain_text(missing);
+}
+
+json_t *additions_find(char missing[ADDITIONS_MISSING], const json_t *words, const json_t *described,
+                       const char *session)
+{
+    json_t *found = json_array();
+    bool fine = found;
+    missing[0] = '\0';
+    for (size_t i = 0; i < json_array_size(words) && fine; i++) {
+        enum addition kind;
+        char path[PATH_MAX] = "";
+        const char *word = word_at(words, i);
+        const json_t *entry = entry_of(described, word);
+        if (!entry || !read_word(&kind, path, word)) {
+            fine = !json_array_append(found, json_array_get(words, i));
+            continue;
+        }
+        json_t *now = find_word(word, path, entry, session);
+        if (now) {
+            fine = !json_array_append_new(found, now);
+        } else {
+            add_name(missing, path);
+        }
+    }
+    if (!fine) {
+        json_decref(found);
+    }
+    return fine ? found : NULL;
+}
+
+/* What stands behind the file. */
+static const char *keys_of(const json_t *entry, enum addition *kind)
+{
+    const char *value = "";
+    *kind = addition_of(&value, text_of(entry, "option"));
+    size_t length = strlen(text_of(entry, "path"));
+    return strlen(value) >= length ? value + length : "";
+}
+
+/* How surely both are the same: 3 by the word, 2 by the file and its keys, 1 by the file, 0 = not at all. */
+static int likeness(const json_t *then, const json_t *now)
+{
+    enum addition kinds[2];
+    const char *keys[2] = {keys_of(then, &kinds[0]), keys_of(now, &kinds[1])};
+    const char *sum = text_of(then, "sha256");
+    bool same_file = (sum[0] && strcmp(sum, text_of(now, "sha256")) == 0) ||
+                     strcmp(name_of(text_of(then, "path")), name_of(text_of(now, "path"))) == 0;
+    if (strcmp(text_of(then, "option"), text_of(now, "option")) == 0) {
+        return 3;
+    }
+    return kinds[0] != kinds[1] || !same_file ? 0 : strcmp(keys[0], keys[1]) == 0 ? 2 : 1;
+}
+
+/* Pairs those that are so surely the same. */
+static void match_level(size_t *match, bool *taken, const json_t *then, const json_t *now, int level)
+{
+    for (size_t i = 0; i < json_array_size(then); i++) {
+        for (size_t k = 0; k < json_array_size(now) && match[i] == SIZE_MAX; k++) {
+            if (!taken[k] && likeness(json_array_get(then, i), json_array_get(now, k)) == level) {
+                match[i] = k;
+                taken[k] = true;
+            }
+        }
+    }
+}
+
+bool additions_match(size_t *match, const json_t *then, const json_t *now)
+{
+    bool *taken = calloc(json_array_size(now) + 1, sizeof *taken);
+    bool fine = taken;
+    for (size_t i = 0; i < json_array_size(then); i++) {
+        match[i] = SIZE_MAX;
+    }
+    for (int level = 3; level > 0 && fine; level--) {
+        match_level(match, taken, then, now, level);
+    }
+    free(taken);
+    return fine;
+}
+
+bool additions_differ(char name[ADDITIONS_MISSING], const json_t *then, const json_t *now)
+{
+    size_t count = json_array_size(then);
+    size_t *match = calloc(count + 1, sizeof *match);
+    bool differ = false;
+    for (size_t i = 0; match && additions_match(match, then, now) && i < count && !differ; i++) {
+        const json_t *entry = match[i] == SIZE_MAX ? NULL : json_array_get(now, match[i]);
+        const char *sum = text_of(json_array_get(then, i), "sha256");
+        differ = entry && sum[0] && strcmp(sum, text_of(entry, "sha256")) != 0;
+        if (differ) {
+            snprintf(name, ADDITIONS_MISSING, "%s", name_of(text_of(entry, "path")));
+            conus_plain_text(name);
+        }
+    }
+    free(match);
+    return differ;
+}

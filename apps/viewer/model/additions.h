@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file What was added to an atlas: contexts, pathways and tractograms, as options of the command line, words such as
+ * "--streamlines=FILE,radius=1". */
+#ifndef CONUS_VIEWER_MODEL_ADDITIONS_H
+#define CONUS_VIEWER_MODEL_ADDITIONS_H
+
+#include <conus/conus.h>
+
+#include <jansson.h>
+#include <limits.h>
+#include <stdbool.h>
+#include <stddef.h>
+
+enum addition { ADD_CONTEXT = 0, ADD_PATHWAY, ADD_STREAMLINES, ADDITION_COUNT };
+/** Their options, without dashes: "context". */
+extern const char *const addition_names[ADDITION_COUNT];
+
+/** Which of them @p word is, ADDITION_COUNT = none; *value is what stands behind its '=', or "". */
+enum addition addition_of(const char **value, const char *word);
+/** The file in a value, without the keys behind it, as the command line finds it; false where it is too long. */
+bool addition_path(char path[PATH_MAX], enum addition kind, const char *value);
+
+/** @p words with one more; a volume takes the place of another one as context. NULL without memory, or where @p value
+ * is not UTF-8. */
+json_t *additions_with(const json_t *words, enum addition kind, const char *value);
+/** @p words without the one of index @p index, and without --context-opacity where no surface is left. NULL without
+ * memory. */
+json_t *additions_without(const json_t *words, size_t index);
+/** Index in @p words of the newest one whose file is @p path, or has that name; the number of words = none. */
+size_t additions_index(const json_t *words, const char *path);
+
+/** What a session says of them: an array, in the order of @p words, of {"option": the word, "path": its file,
+ * "sha256" and "bytes" of that where they are known, "objects": numbers in @p atlas}. NULL without memory. */
+json_t *additions_describe(const conus_atlas *atlas, const json_t *words);
+
+enum { ADDITIONS_MISSING = 256 };
+
+/** Finds the files of @p described again, where they were, or beside the session @p session by name or checksum: the
+ * session's @p words, where they are now, without those that are nowhere, whose names are in @p missing, plain, "" =
+ * all are there. NULL without memory. */
+json_t *additions_find(char missing[ADDITIONS_MISSING], const json_t *words, const json_t *described,
+                       const char *session);
+/** Which entry of @p now each of @p then is, by its word, or its file's checksum or name: @p match is [entries of @p
+ * then], SIZE_MAX = none. No two are the same one. Both as additions_describe() has them, or NULL. False without
+ * memory.
+ */
+bool additions_match(size_t *match, const json_t *then, const json_t *now);
+/** A file of @p now that surely is another than that of the same name in @p then, by its checksum; its name in @p name.
+ * False: there is none. */
+bool additions_differ(char name[ADDITIONS_MISSING], const json_t *then, const json_t *now);
+
+#endif

@@ -1,0 +1,80 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file The columns of the lists of hits: which are shown, their cells as conus query gives them, the order of
+ * rows, and the formats that they are exported in. */
+#ifndef CONUS_VIEWER_MODEL_COLUMNS_H
+#define CONUS_VIEWER_MODEL_COLUMNS_H
+
+#include "viewer/model/viewer.h"
+
+enum result_column_number {
+    RESULT_RANK = 0, /**< Zero, so that rows are ordered by it unless told. */
+    RESULT_NAME,
+    RESULT_ABBREVIATION,
+    RESULT_LABEL,
+    RESULT_SHARE,
+    RESULT_SCORE,
+    RESULT_PIXELS,
+    RESULT_DISTANCE,
+    RESULT_ENTRY, /**< With all layers only, as those from RESULT_PIERCED on. */
+    RESULT_EXIT,
+    RESULT_PATH,
+    RESULT_OFFSET,
+    RESULT_X, /**< Of the contact, in the viewer's space. */
+    RESULT_Y,
+    RESULT_Z,
+    RESULT_CONTACT_VALUE,
+    RESULT_PIERCED,
+    RESULT_VOLUME,
+    RESULT_FRACTION,
+    RESULT_MEAN,
+    RESULT_MAX,
+    RESULT_STREAMLINES, /**< Of bundles, as those after it. */
+    RESULT_LENGTH,
+    RESULT_ALONG,
+    RESULT_COLUMNS
+};
+
+enum { RESULT_TEXT = 64, RESULT_TIP = 512, RESULT_FORMATS = 3 };
+
+/** "TSV", "CSV", "JSON": what a list may be exported as. */
+extern const char *const result_formats[RESULT_FORMATS];
+/** How the name of such a file ends: ".tsv", ... */
+const char *result_ending(size_t format);
+
+/** The name of a column in the tables of conus query, such as "distance_mm". */
+const char *result_key(size_t column);
+/** The column of that name, or RESULT_COLUMNS. */
+size_t result_find(const char *key);
+/** The word above it; of coordinates the viewer's axis. */
+const char *result_heading(const struct viewer *viewer, size_t column);
+/** What it is, with its unit. */
+const char *result_meaning(char out[RESULT_TIP], const struct viewer *viewer, size_t column);
+/** Whether it is of text, and not of numbers. */
+bool result_is_text(size_t column);
+/** A text as wide as the column's cells get; "" of texts. */
+const char *result_widest(const struct viewer *viewer, size_t column);
+
+/** Whether the question is one of which the column says something. */
+bool result_is_offered(const struct viewer *viewer, size_t column);
+/** Those that are shown, in their order. */
+size_t result_shown(size_t out[RESULT_COLUMNS], const struct viewer *viewer);
+/** Shows one more, or one less; the name is always there. */
+void result_show(struct viewer *viewer, size_t column, bool shown);
+/** Shows the columns of these names, and the name; without names the usual ones. False where one is unknown: nothing
+ * changes. */
+bool result_choose(struct viewer *viewer, char *const *keys, size_t count);
+/** Orders rows by a column; again: the other way round; and again: by rank, as they come. */
+void result_order_by(struct viewer *viewer, size_t column);
+
+/** A cell with the digits of conus query's table for people, "-" where there is nothing; a text whole. */
+const char *result_cell(char out[RESULT_TEXT], const struct viewer *viewer, const struct view_atlas *on, size_t column,
+                        const conus_result *result);
+/** The same with all digits, as in the TSV of conus query; "n/a" where there is nothing. */
+const char *result_exact(char out[RESULT_TEXT], const struct viewer *viewer, const struct view_atlas *on, size_t column,
+                         const conus_result *result);
+
+/** The rows of a selection in the viewer's order; to be freed. What has no value comes last, behind
+ * all what is unassigned. NULL without memory. */
+size_t *result_order(const struct viewer *viewer, const struct view_atlas *on, const conus_selection *selection);
+
+#endif

@@ -1,0 +1,74 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Hides the areas of a side, and finds out which side is shown. */
+#include "viewer/model/hemisphere_side.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+const char *const side_names[SIDE_COUNT] = {"both", "left", "right"};
+
+static const char letters[SIDE_COUNT] = {0, 'L', 'R'};
+
+/* How many areas of a side there are, or only those that are shown. */
+static size_t count(const struct view_atlas *on, enum side side, bool shown_only)
+{
+    size_t found = 0;
+    for (size_t number = 1; on->sides && number <= on->object_count; number++) {
+        found += on->sides[number] == letters[side] && !(shown_only && on->shown.hidden[number]);
+    }
+    return found;
+}
+
+bool side_is_known(const struct viewer *viewer)
+{
+    return count(viewer->drawn, SIDE_LEFT, false) && count(viewer->drawn, SIDE_RIGHT, false);
+}
+
+enum side side_shown(const struct viewer *viewer)
+{
+    bool left = count(viewer->drawn, SIDE_LEFT, true);
+    bool right = count(viewer->drawn, SIDE_RIGHT, true);
+    return left && right ? SIDE_BOTH : left ? SIDE_LEFT : right ? SIDE_RIGHT : SIDE_COUNT;
+}
+
+static void mark(bool *hidden, const struct view_atlas *on, enum side side, bool hide)
+{
+    for (size_t number = 1; number <= on->object_count; number++) {
+        hidden[number] = on->sides[number] == letters[side] ? hide : hidden[number];
+    }
+}
+
+void side_show(struct viewer *viewer, enum side side)
+{
+    struct view_atlas *on = viewer->drawn;
+    if (!side_is_known(viewer)) {
+        viewer_say(viewer, "no areas are known to be left and right ones; F8 splits them");
+        return;
+    }
+    bool *hidden = malloc((on->object_count + 1) * sizeof *hidden);
+    if (!hidden) {
+        viewer_say(viewer, "not enough memory");
+        return;
+    }
+    memcpy(hidden, on->shown.hidden, (on->object_count + 1) * sizeof *hidden);
+    for (enum side one = SIDE_LEFT; one <= SIDE_RIGHT; one++) {
+        bool is_other = side != SIDE_BOTH && side != one;
+        if (is_other || !count(on, one, true)) {
+            mark(hidden, on, one, is_other);
+        }
+    }
+    viewer_set_hidden(viewer, on, hidden);
+}
+
+void side_show_next(struct viewer *viewer)
+{
+    static const char *const news[SIDE_COUNT] = {"both sides are shown", "only the left side is shown",
+                                                 "only the right side is shown"};
+    enum side now = side_shown(viewer);
+    enum side next = now == SIDE_COUNT ? SIDE_BOTH : (enum side)((now + 1) % SIDE_COUNT);
+    unsigned said = viewer->said;
+    side_show(viewer, next);
+    if (viewer->said == said) {
+        viewer_say(viewer, "%s", news[next]);
+    }
+}

@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file The outline of what is chosen, in pictures of sRGB and opacity, [height width 4], top row first. */
+#ifndef CONUS_VIEWER_MODEL_OUTLINE_H
+#define CONUS_VIEWER_MODEL_OUTLINE_H
+
+#include "viewer/model/viewer.h"
+
+/** Where its name stands well: the middle of the upper edge of what was outlined. */
+struct outline_top {
+    bool is_there; /**< Something was outlined. */
+    uint32_t x, y;
+};
+
+/** Which objects are the chosen one of the drawn atlas or below it, [objects + 1], to be freed; NULL where none is
+ * chosen, and without memory. */
+bool *outline_wanted(const struct viewer *viewer);
+
+/** Draws a bright line inside the edge of @p mask, [height width] of 0 and 1, and a dark one outside. The picture's own
+ * border is no edge. */
+void outline_draw(uint8_t *rgba, struct outline_top *top, const uint8_t *mask, uint32_t width, uint32_t height);
+
+/** A wider outline, two pixels bright, of the @p wanted ones of @p objects, [height width], in a copy of @p rgba that
+ * is to be freed; NULL without memory. */
+uint8_t *outline_cut(struct outline_top *top, const uint8_t *rgba, const uint32_t *objects, uint32_t width,
+                     uint32_t height, const bool *wanted);
+
+#endif

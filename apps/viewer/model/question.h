@@ -1,0 +1,33 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file What the cone asks, changed as a whole or in one thing. What the atlas cannot answer is said in the status
+ * line, and all stays as it was. */
+#ifndef CONUS_VIEWER_MODEL_QUESTION_H
+#define CONUS_VIEWER_MODEL_QUESTION_H
+
+#include "viewer/model/viewer.h"
+
+/** Asks with these options from now on. @p options are without a level; @p level, of the first atlas, is as --level has
+ * it, "" = none. False: it was said why not. */
+bool question_use(struct viewer *viewer, const conus_selector_options *options, const char *level);
+
+/** Only what lies between two depths along the axis, mm from the apex, counts; both 0 = everything. */
+bool question_set_range(struct viewer *viewer, double nearest, double farthest);
+/** Moves the limits by so many mm; where there are none they are 0 and 50 mm first. */
+bool question_move_range(struct viewer *viewer, double nearest, double farthest);
+
+/** Rolls areas of the first atlas up, as question_use() says. */
+bool question_set_level(struct viewer *viewer, const char *level);
+/** The deepest level of the first atlas; 0 where none of its areas is part of another. */
+unsigned question_deepest(const struct viewer *viewer);
+/** The depth that the level is; 0 = there is none, or it is a list of areas. */
+unsigned question_depth(const struct viewer *viewer);
+/** One level deeper, from none to 1, and from the deepest to none. */
+void question_next_level(struct viewer *viewer);
+
+/** By rank or by depth. */
+void question_set_order(struct viewer *viewer, conus_order order);
+/** Results of @p selection in the order in which tables have them: [conus_selection_count()] indices, to be freed.
+ * NULL = by rank, or without memory. */
+size_t *question_order(const struct viewer *viewer, const conus_selection *selection);
+
+#endif

@@ -1,0 +1,155 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Reads what a session is of, and finds that again. */
+#include "viewer/model/session_file.h"
+
+#include "common/messages.h"
+#include "common/output.h"
+#include "common/provenance.h"
+#include "viewer/model/additions.h"
+
+#include <dirent.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+enum { FILE_LIMIT = 64 << 20 /* bytes */ };
+
+json_t *opened_describe(const conus_atlas *atlas, const char *path, json_t *options)
+{
+    char folder[PATH_MAX];
+    struct stat info;
+    const conus_volume_info *volume = conus_atlas_volume(atlas, 0);
+    json_t *opened = json_pack("{s: s, s: o, s: o}", "folder", getcwd(folder, sizeof folder) ? folder : "", "added",
+                               additions_describe(atlas, options), "options", options);
+    if (opened && volume && paths_equal(volume->path, path) && stat(path, &info) == 0) {
+        json_object_set_new(opened, "sha256", json_string(volume->sha256));
+        json_object_set_new(opened, "bytes", json_integer(info.st_size));
+    }
+    return opened;
+}
+
+static const char *text_or_none(const json_t *object, const char *key)
+{
+    const char *text = json_string_value(json_object_get(object, key));
+    return text ? text : "";
+}
+
+static bool is_of_texts(const json_t *list)
+{
+    bool is = json_is_array(list);
+    for (size_t i = 0; i < json_array_size(list); i++) {
+        is = is && json_is_string(json_array_get(list, i));
+    }
+    return is;
+}
+
+/* A regular file of an allowed size; NULL = it is none, or no JSON. */
+static json_t *load(const char *path)
+{
+    struct stat info;
+    bool fine =
+        path_ends(path, ".json") && stat(path, &info) == 0 && S_ISREG(info.st_mode) && info.st_size <= FILE_LIMIT;
+    return fine ? json_load_file(path, JSON_REJECT_DUPLICATES, NULL) : NULL;
+}
+
+bool session_file_read(struct session_file *out, const char *path)
+{
+    json_t *root = load(path);
+    const json_t *opened = json_object_get(root, "opened");
+    const json_t *options = json_object_get(opened, "options");
+    const char *atlas = text_or_none(root, "atlas");
+    if (!json_is_integer(json_object_get(root, "conus_session")) || !atlas[0]) {
+        json_decref(root);
+        return false;
+    }
+    *out = (struct session_file){.root = root,
+                                 .atlas = atlas,
+                                 .folder = text_or_none(opened, "folder"),
+                                 .sha256 = text_or_none(opened, "sha256"),
+                                 .bytes = (uint64_t)json_integer_value(json_object_get(opened, "bytes")),
+                                 .options = is_of_texts(options) ? options : NULL};
+    return true;
+}
+
+void session_file_finish(struct session_file *file)
+{
+    json_decref(file->root);
+    *file = (struct session_file){0};
+}
+
+bool session_file_differs(const struct session_file *file, const conus_atlas *atlas)
+{
+    const conus_volume_info *volume = conus_atlas_volume(atlas, 0);
+    return file->sha256[0] && volume && strcmp(file->sha256, volume->sha256) != 0;
+}
+
+/* Also with ",volume=K" and the like behind it. */
+static bool is_there(const char *path)
+{
+    char file[PATH_MAX];
+    snprintf(file, sizeof file, "%s", path);
+    if (access(file, R_OK) == 0) {
+        return true;
+    }
+    file[strcspn(file, ",")] = '\0';
+    return file[0] && access(file, R_OK) == 0;
+}
+
+static bool put_path(char out[PATH_MAX], const char *folder, const char *name)
+{
+    bool joins = folder[0] && name[0] != '/';
+    int size = snprintf(out, PATH_MAX, "%s%s%s", joins ? folder : "", joins ? "/" : "", name);
+    return size > 0 && size < PATH_MAX;
+}
+
+/* Whether it is the file, by its checksum; others are not read. */
+static bool is_same_file(const struct session_file *file, const char *path)
+{
+    char sum[SHA256_TEXT];
+    struct stat info;
+    return file->sha256[0] && access(path, R_OK) == 0 && stat(path, &info) == 0 && S_ISREG(info.st_mode) &&
+           (uint64_t)info.st_size == file->bytes && !provenance_hash_file(sum, path) && strcmp(sum, file->sha256) == 0;
+}
+
+static bool find_in_folder(char out[PATH_MAX], const struct session_file *file, const char *folder)
+{
+    DIR *entries = opendir(folder);
+    bool found = false;
+    for (const struct dirent *entry; entries && !found && (entry = readdir(entries));) {
+        found = put_path(out, folder, entry->d_name) && is_same_file(file, out);
+    }
+    if (entries) {
+        closedir(entries);
+    }
+    return found;
+}
+
+/* Where it was; an installed atlas may have been given by its name, which is kept. */
+static bool find_where_it_was(char out[PATH_MAX], const struct session_file *file)
+{
+    return put_path(out, file->folder, file->atlas) && is_there(out);
+}
+
+/* Of the same name or relative path, or of the same bytes. */
+static bool find_beside(char out[PATH_MAX], const struct session_file *file, const char *session)
+{
+    char folder[PATH_MAX];
+    const char *slash = strrchr(session, '/');
+    const char *last = strrchr(file->atlas, '/');
+    snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - session) + (slash == session) : 1,
+             slash ? session : ".");
+    return (put_path(out, folder, file->atlas) && is_there(out)) ||
+           (put_path(out, folder, last ? last + 1 : file->atlas) && is_there(out)) || find_in_folder(out, file, folder);
+}
+
+bool session_file_find(char out[PATH_MAX], const struct session_file *file, const char *session,
+                       const char *const *others, size_t count)
+{
+    bool found = find_where_it_was(out, file) || find_beside(out, file, session);
+    for (size_t i = 0; i < count && !found; i++) {
+        found = put_path(out, "", others[i]) && is_same_file(file, out);
+    }
+    return found;
+}

@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file What a session's file says of the atlas that it is of, so that it can be opened without naming that. */
+#ifndef CONUS_VIEWER_MODEL_SESSION_FILE_H
+#define CONUS_VIEWER_MODEL_SESSION_FILE_H
+
+#include <conus/conus.h>
+
+#include <jansson.h>
+#include <limits.h>
+#include <stdbool.h>
+#include <stddef.h>
+
+/** What was opened, as "opened" of a session has it: {"folder": where conus was started, "options": words of the
+ * command line, "added": what they add (additions.h), "sha256" and "bytes" of the atlas's file}. NULL without memory,
+ * or where a text is not UTF-8. @p options is taken over. The checksum is left out where the atlas has no volume that
+ * is the file @p path. */
+json_t *opened_describe(const conus_atlas *atlas, const char *path, json_t *options);
+
+/** A session as it was read. */
+struct session_file {
+    json_t *root;
+    const char *atlas;     /**< As it was given; borrowed from root, as what follows. */
+    const char *folder;    /**< "" = unknown, as in older sessions. */
+    const char *sha256;    /**< "" = unknown. */
+    uint64_t bytes;        /**< With sha256. */
+    const json_t *options; /**< An array of texts; NULL = unknown. */
+};
+
+/** Whether @p path is a session's file, which then is the caller's to session_file_finish(). What is damaged is none.
+ */
+bool session_file_read(struct session_file *out, const char *path);
+void session_file_finish(struct session_file *file);
+
+/** Finds the atlas: where it was, beside the session, and, if its checksum is known, any file beside the session and
+ * among @p others that has it. False: it is nowhere there. */
+bool session_file_find(char out[PATH_MAX], const struct session_file *file, const char *session,
+                       const char *const *others, size_t count);
+/** Whether the atlas is surely another than that of the session, by its checksum. */
+bool session_file_differs(const struct session_file *file, const conus_atlas *atlas);
+
+#endif

@@ -1,0 +1,115 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Keeps the study of the cone up to date. */
+#include "viewer/model/studies.h"
+
+#include "viewer/model/studier.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+bool studies_use(struct viewer *viewer, const struct study_settings *settings)
+{
+    const char *fault = study_fault(settings);
+    if (fault) {
+        viewer_say(viewer, "%s", fault);
+        return false;
+    }
+    viewer->study.settings = *settings;
+    viewer->version++;
+    return true;
+}
+
+void studies_next(struct viewer *viewer)
+{
+    static const char *const names[] = {"no study", "sweep: the shares over the angle",
+                                        "jitter: the chances under errors of the pose"};
+    enum study_kind next = (enum study_kind)((viewer->study.settings.kind + 1) % STUDY_COUNT);
+    viewer->study.settings.kind = next;
+    viewer->version++;
+    viewer_say(viewer, "%s", names[next]);
+}
+
+bool studies_is_on(const struct viewer *viewer)
+{
+    return viewer->study.settings.kind != STUDY_NONE && viewer->cone.has_pose;
+}
+
+static void find_question(struct study_question *out, const struct viewer *viewer)
+{
+    out->settings = viewer->study.settings;
+    out->pose = viewer->cone.pose;
+    out->frame = viewer->frame;
+    out->atlas_number = viewer->atlas_number;
+    out->angle = viewer_question(&out->options, viewer, 0);
+    out->options.level = NULL;
+    memcpy(out->level, viewer->cone.level, sizeof out->level);
+}
+
+bool studies_is_old(const struct viewer *viewer)
+{
+    struct study_question now;
+    find_question(&now, viewer);
+    return !viewer->study.answer || !study_is_same(&now, &viewer->study.answer->question);
+}
+
+static bool start(struct viewer *viewer)
+{
+    struct study_state *study = &viewer->study;
+    struct study_atlas *atlases = calloc(viewer->atlas_count, sizeof *atlases);
+    for (size_t i = 0; atlases && i < viewer->atlas_count; i++) {
+        atlases[i] = (struct study_atlas){viewer->atlases[i].atlas, viewer->atlases[i].name};
+    }
+    bool fine = atlases && studier_create(&study->studier, atlases, viewer->atlas_count, viewer->wake);
+    free(atlases);
+    return fine;
+}
+
+static void ask(struct viewer *viewer)
+{
+    struct study_state *study = &viewer->study;
+    struct study_question now;
+    find_question(&now, viewer);
+    bool is_known = study->answer && study_is_same(&now, &study->answer->question);
+    bool is_asked = study->studier && study_is_same(&now, &study->asked);
+    if (is_known || is_asked) {
+        return;
+    }
+    if (!study->studier && !start(viewer)) {
+        viewer_say(viewer, "not enough memory");
+        study->settings.kind = STUDY_NONE;
+        return;
+    }
+    study->asked = now;
+    studier_ask(study->studier, &now);
+}
+
+void studies_step(struct viewer *viewer)
+{
+    struct study_answer *answer = studier_take(viewer->study.studier);
+    if (answer) {
+        study_answer_destroy(viewer->study.answer);
+        viewer->study.answer = answer;
+        viewer->said++; /* a frame, but no cut anew */
+    }
+    if (studies_is_on(viewer)) {
+        ask(viewer);
+    }
+}
+
+const char *studies_text(struct viewer *viewer)
+{
+    const struct study_answer *answer = viewer->study.answer;
+    if (!studies_is_on(viewer)) {
+        viewer_say(viewer, viewer->cone.has_pose ? "there is no study: J begins one" : "there is no cone to study");
+        return NULL;
+    }
+    if (studies_is_old(viewer)) {
+        viewer_say(viewer, "the study is not done yet");
+        return NULL;
+    }
+    if (!answer->text) {
+        viewer_say(viewer, "%s", answer->error);
+    }
+    return answer->text;
+}

@@ -1,0 +1,82 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file A study of the cone: its shares over its angle, or the chances under errors of its pose, in all atlases.
+ * Angles in degrees in settings, radians elsewhere; mm. */
+#ifndef CONUS_VIEWER_MODEL_STUDY_H
+#define CONUS_VIEWER_MODEL_STUDY_H
+
+#include <conus/conus.h>
+
+enum { LEVEL_LIMIT = 1024, STUDY_ERROR = 256 };
+enum study_kind { STUDY_NONE = 0, STUDY_SWEEP, STUDY_JITTER, STUDY_COUNT };
+
+/** What the user sets. */
+struct study_settings {
+    enum study_kind kind;
+    double angles[3];          /**< From, to and by, full openings, degrees. */
+    double tilt_deg, shift_mm; /**< Standard deviations of jitter, as conus_jitter_options has them. */
+    double samples;            /**< Of jitter: a power of two from 16 to 2^20. */
+};
+
+extern const struct study_settings study_defaults;
+
+/** NULL, or what is wrong with settings, in words. */
+const char *study_fault(const struct study_settings *settings);
+
+/** All that an answer depends on. */
+struct study_question {
+    struct study_settings settings;
+    conus_selector_options options; /**< Without a level. */
+    char level[LEVEL_LIMIT];        /**< Of the first atlas; "" = none. */
+    conus_pose pose;
+    double angle; /**< Of jitter: full opening; 0 of a cylinder. */
+    conus_frame frame;
+    unsigned atlas_number; /**< Grows when an atlas changes. */
+};
+
+/** Whether both have the same answer. */
+bool study_is_same(const struct study_question *a, const struct study_question *b);
+/** Whether they have the same selectors. */
+bool study_has_same_selectors(const struct study_question *a, const struct study_question *b);
+
+/** An object's shares, by the angle. */
+struct study_curve {
+    uint32_t object; /**< 0 = nothing hit. */
+    double *shares;  /**< [angle_count] 0 to 1. */
+    double most;     /**< The largest of them. */
+};
+
+/** The numbers of one atlas. */
+struct study_table {
+    struct study_curve *curves; /**< [curve_count] Of a sweep: the largest first, nothing hit last. */
+    size_t curve_count;
+    conus_chance *chances; /**< [chance_count] Of jitter: by rank, nothing hit last. */
+    size_t chance_count;
+};
+
+struct study_answer {
+    struct study_question question;
+    double *angles; /**< [angle_count] Of a sweep, degrees. */
+    size_t angle_count;
+    struct study_table *tables; /**< [atlas_count] */
+    size_t atlas_count;
+    char *text;              /**< What conus sweep --format tsv prints; NULL where it failed: */
+    char error[STUDY_ERROR]; /**< why. */
+};
+
+/** An atlas that is studied. */
+struct study_atlas {
+    const conus_atlas *atlas;
+    const char *name; /**< Of the column `atlas`; "" where there is none. */
+};
+
+/** Answers by the selectors of @p question's options; what fails is the answer's error. NULL without memory, or where
+ * @p stops, asked between portions, says so. */
+struct study_answer *study_answer_create(const struct study_question *question, conus_selector *const *selectors,
+                                         const struct study_atlas *atlases, size_t count, bool (*stops)(void *user),
+                                         void *user);
+/** An answer that only says why there is none. NULL without memory. */
+struct study_answer *study_answer_refuse(const struct study_question *question, const char *why);
+/** NULL is allowed. */
+void study_answer_destroy(struct study_answer *answer);
+
+#endif

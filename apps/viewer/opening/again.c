@@ -1,0 +1,196 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Loads the same atlases with other options; what is there then takes the place of what was. */
+#include "viewer/opening/again.h"
+
+#include "common/messages.h"
+#include "common/output.h"
+#include "viewer/model/hemisphere_words.h"
+#include "viewer/model/question.h"
+#include "viewer/opening/carry.h"
+#include "viewer/opening/news.h"
+#include "viewer/opening/view_words.h"
+#include "viewer/opening/waiting.h"
+#include "viewer/session/undo.h"
+
+#include <GLFW/glfw3.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Volumes that both have are of the same bytes. */
+static const char *find_other_volume(const conus_atlas *before, const conus_atlas *now)
+{
+    for (size_t i = 0; i < conus_atlas_volume_count(before); i++) {
+        const conus_volume_info *was = conus_atlas_volume(before, i);
+        for (size_t k = 0; k < conus_atlas_volume_count(now); k++) {
+            const conus_volume_info *is = conus_atlas_volume(now, k);
+            if (strcmp(was->sha256, is->sha256) != 0 && paths_equal(was->path, is->path)) {
+                return was->path;
+            }
+        }
+    }
+    return NULL;
+}
+
+/* What was opened is what has been loaded now, as far as it is wanted still, by checksums and the time of files. */
+static bool is_same(char why[LOADER_WHY], const struct viewer *viewer, const struct atlases *loaded)
+{
+    const char *other = NULL;
+    for (size_t i = 0; i < viewer->atlas_count && !other; i++) {
+        const struct view_atlas *on = &viewer->atlases[i];
+        other = on->watch ? watch_other(on->watch, loaded->items[i].atlas) : NULL;
+        other = other ? other : find_other_volume(on->atlas, loaded->items[i].atlas);
+    }
+    if (other) {
+        snprintf(why, LOADER_WHY, "%.200s: not as when it was opened, so all stays as it is; open the atlas anew",
+                 other);
+    }
+    return !other;
+}
+
+/* Streamlines that hardly lie where the areas are: the user asks for them twice. */
+static bool is_doubtful(struct window *window, const conus_atlas *now, const json_t *words, char why[LOADER_WHY])
+{
+    const char *doubt = news_note(window->viewer->atlases->atlas, now, "bundle ");
+    char *text = doubt ? json_dumps(words, JSON_COMPACT) : NULL;
+    bool trusts = text && window->doubted && strcmp(text, window->doubted) == 0;
+    free(window->doubted);
+    window->doubted = trusts ? NULL : text;
+    if (doubt && !trusts) {
+        snprintf(why, LOADER_WHY, "not added: %s If all is well, add it once more.", doubt);
+        return true;
+    }
+    free(trusts ? text : NULL);
+    return false;
+}
+
+/* Nothing that was made of the atlases before may outlive them. */
+static void forget_pictures(struct window *window)
+{
+    second_forget(&window->second);
+    window->hover.object = 0;
+    window->listed = 0;
+    for (int p = 0; p < PLANE_COUNT; p++) {
+        conus_cutter_destroy(window->cuts[p].cutter);
+        window->cuts[p].cutter = NULL;
+    }
+}
+
+/* Which objects are of files whose word is another one than before: what it says of them counts. */
+static bool *find_fresh(size_t object_count, const json_t *added, const json_t *before)
+{
+    bool *fresh = calloc(object_count + 1, sizeof *fresh);
+    for (size_t i = 0; fresh && i < json_array_size(added); i++) {
+        const json_t *entry = json_array_get(added, i);
+        const json_t *objects = json_object_get(entry, "objects");
+        bool is_old = news_has_word(before, json_object_get(entry, "option"));
+        for (size_t k = 0; !is_old && k < json_array_size(objects); k++) {
+            fresh[json_integer_value(json_array_get(objects, k))] = true;
+        }
+    }
+    return fresh;
+}
+
+/* Takes over the atlases on success. */
+static bool exchange(struct window *window, struct atlases *loaded, const json_t *added, conus_hemispheres how,
+                     char why[LOADER_WHY])
+{
+    struct carried now = {.before = window->hemispheres, .how = how};
+    now.atlases = calloc(loaded->count, sizeof(conus_atlas *));
+    now.fresh =
+        find_fresh(conus_atlas_object_count(loaded->items[0].atlas), added, json_object_get(window->opened, "options"));
+    for (size_t i = 0; now.atlases && i < loaded->count; i++) {
+        now.atlases[i] = loaded->items[i].atlas;
+    }
+    forget_pictures(window);
+    snprintf(why, LOADER_WHY, "not enough memory");
+    bool fine = now.atlases && now.fresh && carry_over(window->viewer, &now, why, LOADER_WHY);
+    for (size_t i = 0; i < loaded->count && fine; i++) {
+        loaded->items[i].atlas = NULL;
+    }
+    free((void *)now.atlases);
+    free((void *)now.fresh);
+    return fine;
+}
+
+/* A level that is of areas that are not there any more ends. */
+static void check_level(struct viewer *viewer, char why[LOADER_WHY])
+{
+    char level[64];
+    snprintf(level, sizeof level, "%.60s", viewer->cone.level);
+    if (level[0] && !question_set_level(viewer, viewer->cone.level)) {
+        question_set_level(viewer, "");
+        snprintf(why, LOADER_WHY, "level %s is not possible with these hemispheres: each area by itself", level);
+    }
+}
+
+/* Coming and going of files is no change to be taken back; other hemispheres are one. */
+static void renew_states(struct window *window, conus_hemispheres before, int step)
+{
+    if (step) {
+        undo_go_on(window, step);
+    } else if (before == window->hemispheres) {
+        undo_renew(window);
+    }
+}
+
+static bool show(struct window *window, struct atlases *loaded, const json_t *words, int step, char why[LOADER_WHY])
+{
+    const conus_atlas *atlas = loaded->items[0].atlas;
+    conus_hemispheres before = window->hemispheres;
+    conus_hemispheres how = hemispheres_of_words(words);
+    char news[LOADER_WHY];
+    json_t *added = additions_describe(atlas, words);
+    news_tell(news, sizeof news, window, atlas, words);
+    bool fine = exchange(window, loaded, added, how, why);
+    if (fine) {
+        window->hemispheres = how;
+        json_object_set(window->opened, "options", (json_t *)words);
+        json_object_set(window->opened, "added", added);
+        window->start.on = window->dialog.on = false;
+        memcpy(why, news, sizeof news);
+        check_level(window->viewer, why);
+        viewer_say(window->viewer, "%s", why);
+        renew_states(window, before, step);
+        why[0] = '\0';
+    }
+    json_decref(added);
+    return fine;
+}
+
+/* With the words as they are kept: files have absolute paths. */
+static bool load_and_show(struct window *window, const struct worded *worded, int step, char why[LOADER_WHY])
+{
+    const struct loading what = {.path = window->viewer->atlases->path,
+                                 .settings = &worded->settings.atlas,
+                                 .context = &worded->settings.context,
+                                 .wake = glfwPostEmptyEvent};
+    struct atlases loaded = {0};
+    json_t *words = view_words(&worded->arguments, NULL);
+    snprintf(why, LOADER_WHY, "%s", words ? "" : "not enough memory");
+    bool fine = words && wait_load(window, &what, &loaded, why);
+    if (fine) {
+        fine = is_same(why, window->viewer, &loaded) && !is_doubtful(window, loaded.items[0].atlas, words, why) &&
+               show(window, &loaded, words, step, why);
+    }
+    if (!fine && loaded.count) {
+        print_error_line("%s", why);
+    }
+    json_decref(words);
+    atlases_finish(&loaded);
+    return fine;
+}
+
+bool open_again(struct window *window, const json_t *words, int step, const struct view_settings *settings,
+                char why[LOADER_WHY])
+{
+    struct worded worded;
+    bool fine = worded_parse(&worded, words, settings, false) == EXIT_DONE;
+    if (fine) {
+        fine = load_and_show(window, &worded, step, why);
+    } else {
+        snprintf(why, LOADER_WHY, "%s", error_line());
+    }
+    worded_finish(&worded);
+    return fine;
+}

@@ -1,0 +1,329 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Finds out which objects of two readings of an atlas are each other, and takes over what was done to them. */
+#include "viewer/opening/carry.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* What an area is of its atlas. */
+enum part { WHOLE = 0, LEFT_HALF, RIGHT_HALF, PAIR };
+
+/* An object, by what stays the same. */
+struct identity {
+    conus_kind kind;
+    uint32_t label; /* of what it was made of; 0 of what is no area: others may come before it */
+    enum part part;
+    uint32_t number;
+    const char *name;
+};
+
+/* An atlas's objects, by number and sorted. */
+struct identities {
+    struct identity *by_number; /* [count + 1] */
+    struct identity *sorted;    /* [count] */
+    size_t count;
+};
+
+/* The objects before that say what becomes of one now. */
+struct sources {
+    uint32_t numbers[2];
+    size_t count;
+};
+
+/* One atlas, before and now. */
+struct carrying {
+    const struct view_atlas *from;
+    struct view_atlas *to;
+    struct identities before, now;
+    const bool *fresh; /* as of struct carried */
+    bool is_other;     /* there are areas now that were not there before */
+};
+
+/* What stands before labels of halves and pairs, as a power of ten: those are the largest of the atlas, and the digit 1
+ * to 3 before them is the first of their number. 0 = there are none. */
+static uint32_t find_step(const conus_atlas *atlas, conus_hemispheres how)
+{
+    uint32_t largest = 0;
+    uint32_t step = 1;
+    for (size_t number = 1; number <= conus_atlas_object_count(atlas); number++) {
+        const conus_object *object = conus_atlas_object(atlas, number);
+        largest = object->kind == CONUS_KIND_AREA && object->label > largest ? object->label : largest;
+    }
+    while (largest / step > 9) {
+        step *= 10;
+    }
+    return how ? step : 0;
+}
+
+static int by_identity(const void *a, const void *b)
+{
+    const struct identity *x = a;
+    const struct identity *y = b;
+    int order = (x->kind > y->kind) - (x->kind < y->kind);
+    order = order ? order : (x->label > y->label) - (x->label < y->label);
+    order = order ? order : (x->part > y->part) - (x->part < y->part);
+    order = order || x->kind == CONUS_KIND_AREA ? order : strcmp(x->name, y->name);
+    return order ? order : (x->number > y->number) - (x->number < y->number);
+}
+
+static bool identities_find(struct identities *out, const conus_atlas *atlas, conus_hemispheres how)
+{
+    size_t count = conus_atlas_object_count(atlas);
+    uint32_t step = find_step(atlas, how);
+    out->count = count;
+    out->by_number = calloc(count + 1, sizeof *out->by_number);
+    out->sorted = calloc(count + 1, sizeof *out->sorted);
+    for (size_t number = 1; number <= count && out->by_number && out->sorted; number++) {
+        const conus_object *object = conus_atlas_object(atlas, number);
+        bool is_made = step && object->kind == CONUS_KIND_AREA && object->label >= step;
+        out->by_number[number] = (struct identity){.kind = object->kind,
+                                                   .label = object->kind != CONUS_KIND_AREA ? 0
+                                                            : is_made                       ? object->label % step
+                                                                                            : object->label,
+                                                   .part = is_made ? (enum part)(object->label / step) : WHOLE,
+                                                   .number = (uint32_t)number,
+                                                   .name = object->name};
+        out->sorted[number - 1] = out->by_number[number];
+    }
+    if (out->sorted) {
+        qsort(out->sorted, count, sizeof *out->sorted, by_identity);
+    }
+    return out->by_number && out->sorted;
+}
+
+static void identities_finish(struct identities *identities)
+{
+    free(identities->by_number);
+    free(identities->sorted);
+}
+
+/* Of a name without what halves have behind it. */
+static size_t length_of(const struct identity *of)
+{
+    size_t more = of->part == LEFT_HALF ? strlen(" left") : of->part == RIGHT_HALF ? strlen(" right") : 0;
+    size_t length = strlen(of->name);
+    return length > more ? length - more : 0;
+}
+
+static bool names_fit(const struct identity *a, const struct identity *b)
+{
+    return length_of(a) == length_of(b) && strncmp(a->name, b->name, length_of(a)) == 0;
+}
+
+/* The object that is such a part of what has that label; 0 = none. */
+static uint32_t find_part(const struct identities *in, const struct identity *of, enum part part)
+{
+    const struct identity wanted = {of->kind, of->label, part, 0, of->name};
+    size_t low = 0;
+    size_t high = in->count;
+    while (low < high) {
+        size_t middle = low + (high - low) / 2;
+        if (by_identity(&in->sorted[middle], &wanted) < 0) {
+            low = middle + 1;
+        } else {
+            high = middle;
+        }
+    }
+    for (; low < in->count; low++) {
+        const struct identity *found = &in->sorted[low];
+        if (found->kind != of->kind || found->label != of->label || found->part != part) {
+            return 0;
+        }
+        if (names_fit(found, of)) {
+            return found->number;
+        }
+    }
+    return 0;
+}
+
+/* None of a pair that was none before: its areas say what becomes of it. */
+static struct sources find_sources(const struct carrying *carrying, uint32_t number)
+{
+    const struct identity *is = &carrying->now.by_number[number];
+    const struct identities *before = &carrying->before;
+    uint32_t same = find_part(before, is, is->part);
+    uint32_t whole = is->part == PAIR ? 0 : find_part(before, is, WHOLE);
+    uint32_t left = is->part == WHOLE ? find_part(before, is, LEFT_HALF) : 0;
+    uint32_t right = is->part == WHOLE ? find_part(before, is, RIGHT_HALF) : 0;
+    if (same || whole) {
+        return (struct sources){{same ? same : whole}, 1};
+    }
+    return left && right ? (struct sources){{left, right}, 2} : (struct sources){.count = 0};
+}
+
+static bool are_alike(double a, double b)
+{
+    return a == b || (isnan(a) && isnan(b));
+}
+
+static void take_over(struct carrying *carrying, uint32_t number)
+{
+    const struct view_atlas *from = carrying->from;
+    struct view_atlas *to = carrying->to;
+    struct sources sources = find_sources(carrying, number);
+    const uint32_t *old = sources.numbers;
+    if (sources.count) {
+        uint32_t last = old[sources.count - 1];
+        bool agree = are_alike(from->look.opacity[old[0]], from->look.opacity[last]);
+        to->shown.hidden[number] = from->shown.hidden[old[0]] && from->shown.hidden[last];
+        to->look.opacity[number] = agree ? from->look.opacity[old[0]] : NAN;
+        to->look.haze[number] = from->look.haze[old[0]];
+    }
+    for (size_t i = 0; i < sources.count; i++) { /* of an area that became two none is chosen */
+        bool is_half = carrying->now.by_number[number].part > carrying->before.by_number[old[i]].part;
+        to->shown.chosen = from->shown.chosen == old[i] && !is_half ? number : to->shown.chosen;
+    }
+}
+
+/* Of a new pair both areas decide. */
+static void take_over_pair(struct carrying *carrying, uint32_t pair)
+{
+    struct view_atlas *to = carrying->to;
+    bool all = true;
+    uint32_t first = 0;
+    bool agree = true;
+    for (uint32_t number = 1; number <= to->object_count; number++) {
+        if (conus_atlas_object(to->atlas, number)->parent == pair) {
+            first = first ? first : number;
+            all = all && to->shown.hidden[number];
+            agree = agree && are_alike(to->look.opacity[number], to->look.opacity[first]);
+        }
+    }
+    to->shown.hidden[pair] = first && all;
+    to->look.opacity[pair] = first && agree ? to->look.opacity[first] : NAN;
+}
+
+/* A number may have gone with its file, or be another one in the order of them; and its range is of all files. */
+static void take_over_colour(const struct carrying *carrying)
+{
+    const struct view_atlas *from = carrying->from;
+    struct view_atlas *to = carrying->to;
+    const char *name = tract_colour_name(from->atlas, from->look.streamlines);
+    size_t colour = name ? tract_colour_find(to->atlas, name) : TRACT_COLOUR_LIMIT;
+    if (colour < TRACT_COLOUR_LIMIT) {
+        look_colour_streamlines(&to->look, to->atlas, colour);
+    }
+}
+
+static void take_over_all(struct carrying *carrying)
+{
+    const struct view_atlas *from = carrying->from;
+    struct view_atlas *to = carrying->to;
+    if (view_atlas_shares_context(from, to)) {
+        memcpy(to->look.grey, from->look.grey, sizeof to->look.grey);
+    }
+    memcpy(to->shown.search, from->shown.search, sizeof to->shown.search);
+    to->look.opacity[0] = from->look.opacity[0];
+    take_over_colour(carrying);
+    for (uint32_t number = 1; number <= to->object_count; number++) {
+        take_over(carrying, number);
+    }
+    for (uint32_t number = 1; number <= to->object_count; number++) {
+        if (carrying->now.by_number[number].part == PAIR && !find_sources(carrying, number).count) {
+            take_over_pair(carrying, number);
+        }
+    }
+}
+
+static conus_status change_atlas(const struct carrying *carrying)
+{
+    const struct view_atlas *to = carrying->to;
+    conus_status status = CONUS_OK;
+    for (uint32_t number = 1; number <= to->object_count && !status; number++) {
+        const conus_volume_info *info = view_atlas_pathway(to, number);
+        struct sources sources = find_sources(carrying, number);
+        const conus_volume_info *was = sources.count ? view_atlas_pathway(carrying->from, sources.numbers[0]) : NULL;
+        bool is_asked = carrying->fresh && carrying->fresh[number];
+        if (info && was && !is_asked && info->threshold != was->threshold) {
+            status = conus_atlas_set_threshold(to->atlas, number, was->threshold);
+        }
+    }
+    return status ? status : conus_atlas_set_hidden(to->atlas, to->shown.hidden);
+}
+
+/* What was confirmed keeps its name; an area that is not there any more has no number. */
+static void renumber_pins(struct viewer *viewer, const struct carrying *carrying, size_t atlas)
+{
+    for (size_t i = 0; i < viewer->pin_count; i++) {
+        struct pin *pin = &viewer->pins[i];
+        if (pin->atlas == atlas && pin->object) {
+            const struct identity *was = &carrying->before.by_number[pin->object];
+            pin->object = find_part(&carrying->now, was, was->part);
+        }
+    }
+}
+
+static conus_status carry(struct carrying *carrying, const struct carried *as)
+{
+    bool fine = identities_find(&carrying->before, carrying->from->atlas, as->before) &&
+                identities_find(&carrying->now, carrying->to->atlas, as->how);
+    if (!fine) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (uint32_t number = 1; number <= carrying->now.count; number++) {
+        const struct identity *is = &carrying->now.by_number[number];
+        bool may_be_new = is->kind != CONUS_KIND_AREA || is->part == PAIR;
+        carrying->is_other = carrying->is_other || (!may_be_new && !find_sources(carrying, number).count);
+    }
+    if (carrying->is_other) {
+        return CONUS_ERROR_DATA;
+    }
+    take_over_all(carrying);
+    return change_atlas(carrying);
+}
+
+/* Makes ready what takes the place of each atlas. */
+static conus_status prepare(struct carrying *all, struct view_atlas *next, const struct viewer *viewer,
+                            const struct carried *now)
+{
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; i < viewer->atlas_count && !status; i++) {
+        const struct view_atlas *from = &viewer->atlases[i];
+        const struct view_source source = {now->atlases[i], from->path, from->name};
+        status = view_atlas_init(&next[i], &source) ? CONUS_OK : CONUS_ERROR_MEMORY;
+        all[i] = (struct carrying){.from = from, .to = &next[i], .fresh = i ? NULL : now->fresh};
+        if (!status && viewer->display.safe_colours) {
+            conus_atlas_use_safe_colours(now->atlases[i]);
+        }
+        status = status ? status : carry(&all[i], now);
+    }
+    return status;
+}
+
+static void say_why(char *why, size_t size, const struct carrying *all, size_t count, conus_status status)
+{
+    bool is_other = false;
+    for (size_t i = 0; all && i < count; i++) {
+        is_other = is_other || all[i].is_other;
+    }
+    snprintf(why, size, "%s",
+             is_other                       ? "the areas have other names or labels than when the atlas was opened"
+             : status == CONUS_ERROR_MEMORY ? "not enough memory"
+                                            : conus_message());
+}
+
+bool carry_over(struct viewer *viewer, const struct carried *now, char *why, size_t size)
+{
+    struct carrying *all = calloc(viewer->atlas_count, sizeof *all);
+    struct view_atlas *next = calloc(viewer->atlas_count, sizeof *next);
+    conus_status status = all && next ? prepare(all, next, viewer, now) : CONUS_ERROR_MEMORY;
+    if (status) {
+        say_why(why, size, all, viewer->atlas_count, status);
+    }
+    for (size_t i = 0; i < viewer->atlas_count && !status; i++) {
+        renumber_pins(viewer, &all[i], i);
+    }
+    if (!status) {
+        viewer_exchange(viewer, next);
+    }
+    for (size_t i = 0; all && next && i < viewer->atlas_count; i++) {
+        identities_finish(&all[i].before);
+        identities_finish(&all[i].now);
+        view_atlas_finish(&next[i]);
+    }
+    free(all);
+    free(next);
+    return !status;
+}

@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file What a user did to objects, carried over to the same atlases opened with other wishes. Areas are known again
+ * by their labels and names: an area by its own, a half or a pair by that of the area that it was made of. Pathways and
+ * bundles are known by their names. */
+#ifndef CONUS_VIEWER_OPENING_CARRY_H
+#define CONUS_VIEWER_OPENING_CARRY_H
+
+#include "viewer/model/viewer.h"
+
+/** What takes the place of a viewer's atlases. */
+struct carried {
+    conus_atlas **atlases;         /**< [atlas_count of the viewer] */
+    conus_hemispheres before, how; /**< Of the viewer's, and of these. */
+    const bool
+        *fresh; /**< [object_count + 1] Pathways of the first one whose threshold was asked for anew; NULL = none */
+};
+
+/** Puts @p now in place of the viewer's atlases, and takes them over. Cone and views stay. Pathways keep their
+ * thresholds, objects are hidden and opaque as they were: both halves as the whole, a whole or a pair only where both
+ * halves agree, else it is shown and as opaque as the rest. What was set for grey values stays with their context.
+ * False with a reason in @p why: all is as it was, and they are the caller's. */
+bool carry_over(struct viewer *viewer, const struct carried *now, char *why, size_t size);
+
+#endif

@@ -1,0 +1,208 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The thread that reads files, and its progress. */
+#include "viewer/opening/loader.h"
+
+#include "common/messages.h"
+#include "settings/atlas_input.h"
+
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct loader {
+    pthread_t thread;
+    struct loading what;
+    struct atlases atlases;
+    size_t before, total; /* files of the atlases before, and with those of the one at hand; the thread's own */
+    size_t ahead;         /* atlases behind it, a file each, and one for the context; likewise */
+    char why[LOADER_WHY];
+    bool stopped; /* a load, because it was cancelled; the thread's own */
+    atomic_bool cancelled;
+    pthread_mutex_t lock; /* guards what follows */
+    bool done;
+    struct loader_progress progress;
+};
+
+/* What is read is shown, so that who waits knows what for. */
+static bool show(struct loader *loader, const char *path, size_t done, size_t total)
+{
+    const char *slash = strrchr(path, '/');
+    pthread_mutex_lock(&loader->lock);
+    snprintf(loader->progress.file, sizeof loader->progress.file, "%s", slash && slash[1] ? slash + 1 : path);
+    make_plain_line(loader->progress.file);
+    loader->progress.part = done < total ? (double)done / (double)total : 1;
+    pthread_mutex_unlock(&loader->lock);
+    loader->stopped = atomic_load(&loader->cancelled);
+    return !loader->stopped;
+}
+
+/* Each atlas counts its own files, from 0. */
+static bool note(void *user, const char *path, size_t done, size_t total)
+{
+    struct loader *loader = user;
+    if (!done) {
+        loader->before = loader->total;
+        loader->ahead--;
+    }
+    loader->total = loader->before + total;
+    return show(loader, path, loader->before + done, loader->total + loader->ahead);
+}
+
+/* The paths of an atlas's context, as conus_atlas_load() takes them. */
+struct own_context {
+    struct context_choice choice;
+    char *volume; /* of which it is the first, if there is one */
+};
+
+static void own_context_finish(struct own_context *own)
+{
+    free(own->choice.files.items);
+    free(own->volume);
+}
+
+static void own_context_find(struct own_context *out, const conus_atlas *atlas)
+{
+    size_t surfaces = conus_atlas_context_surface_count(atlas);
+    struct option_list *files = &out->choice.files;
+    *out = (struct own_context){0};
+    files->items = calloc(surfaces + 1, sizeof *files->items);
+    for (size_t i = 0; i < conus_atlas_volume_count(atlas); i++) {
+        const conus_volume_info *info = conus_atlas_volume(atlas, i);
+        if (info->role == CONUS_ROLE_CONTEXT &&
+            asprintf(&out->volume, info->volume_count > 1 ? "%s,volume=%zu" : "%s", info->path, info->volume) < 0) {
+            out->volume = NULL;
+        }
+    }
+    if (files->items && out->volume) {
+        files->items[files->count++] = out->volume;
+    }
+    for (size_t i = 0; i < surfaces && files->items; i++) {
+        conus_context_surface surface = CONUS_CONTEXT_SURFACE_INIT;
+        if (!conus_atlas_context_surface(&surface, atlas, i)) {
+            files->items[files->count++] = surface.path;
+            out->choice.opacity = surface.opacity;
+        }
+    }
+}
+
+static bool has_context(const conus_atlas *atlas)
+{
+    struct own_context own;
+    own_context_find(&own, atlas);
+    bool has = own.choice.files.count > 0;
+    own_context_finish(&own);
+    return has;
+}
+
+static int set_context(struct loader *loader, size_t index, const struct context_choice *choice)
+{
+    bool goes_on = show(loader, choice->files.items[0], loader->total, loader->total + 1);
+    return goes_on ? context_choice_load(loader->atlases.items[index].atlas, choice, loader->what.settings) : EXIT_DATA;
+}
+
+/* Any of the atlases may be drawn: each has the context, but for one that has its own. What no option asked for is no
+ * reason to load nothing. */
+static int set_contexts(struct loader *loader)
+{
+    const struct atlases *atlases = &loader->atlases;
+    const struct context_choice *given = loader->what.context;
+    struct own_context own;
+    own_context_find(&own, atlases->items[0].atlas);
+    const struct context_choice *choice = given->files.count ? given : &own.choice;
+    int code = given->files.count ? set_context(loader, 0, given) : EXIT_DONE;
+    for (size_t i = 1; i < atlases->count && choice->files.count && !code; i++) {
+        int failed = has_context(atlases->items[i].atlas) ? EXIT_DONE : set_context(loader, i, choice);
+        code = given->files.count ? failed : EXIT_DONE;
+    }
+    own_context_finish(&own);
+    return code;
+}
+
+static void load(struct loader *loader)
+{
+    const struct loading *what = &loader->what;
+    struct atlas_settings settings = *what->settings;
+    settings.progress = note;
+    settings.progress_user = loader;
+    if (what->may_be && !what->may_be(what->path)) {
+        return;
+    }
+    loader->ahead = settings.more.count + 1 + (what->context->files.count > 0);
+    int code = atlases_load(&loader->atlases, what->path, &settings);
+    code = code ? code : set_contexts(loader);
+    if (code || atomic_load(&loader->cancelled)) {
+        snprintf(loader->why, sizeof loader->why, "%s", code && !loader->stopped ? error_line() : "");
+        atlases_finish(&loader->atlases);
+    }
+}
+
+static void *run(void *user)
+{
+    struct loader *loader = user;
+    if (loader->what.look) {
+        (void)show(loader, loader->what.path, 0, 1);
+        loader->what.look(loader->what.user);
+    } else {
+        load(loader);
+    }
+    pthread_mutex_lock(&loader->lock);
+    loader->done = true;
+    pthread_mutex_unlock(&loader->lock);
+    loader->what.wake();
+    return NULL;
+}
+
+bool loader_start(struct loader **out, const struct loading *what)
+{
+    struct loader *loader = calloc(1, sizeof *loader);
+    if (!loader) {
+        return false;
+    }
+    loader->what = *what;
+    pthread_mutex_init(&loader->lock, NULL);
+    if (pthread_create(&loader->thread, NULL, run, loader)) {
+        pthread_mutex_destroy(&loader->lock);
+        free(loader);
+        return false;
+    }
+    *out = loader;
+    return true;
+}
+
+const char *loader_path(const struct loader *loader)
+{
+    return loader->what.path;
+}
+
+void loader_ask(struct loader *loader, struct loader_progress *out)
+{
+    pthread_mutex_lock(&loader->lock);
+    *out = loader->progress;
+    pthread_mutex_unlock(&loader->lock);
+}
+
+void loader_cancel(struct loader *loader)
+{
+    atomic_store(&loader->cancelled, true);
+}
+
+bool loader_done(struct loader *loader)
+{
+    pthread_mutex_lock(&loader->lock);
+    bool done = loader->done;
+    pthread_mutex_unlock(&loader->lock);
+    return done;
+}
+
+bool loader_finish(struct loader *loader, struct atlases *out, char why[LOADER_WHY])
+{
+    pthread_join(loader->thread, NULL);
+    *out = loader->atlases;
+    memcpy(why, loader->why, LOADER_WHY);
+    bool fine = loader->what.look ? !atomic_load(&loader->cancelled) : out->count > 0;
+    pthread_mutex_destroy(&loader->lock);
+    free(loader);
+    return fine;
+}

@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Loads ATLAS and those of --atlas, or looks at files, on a thread of its own, while the window is open. */
+#ifndef CONUS_VIEWER_OPENING_LOADER_H
+#define CONUS_VIEWER_OPENING_LOADER_H
+
+#include "settings/atlases.h"
+
+enum { LOADER_WHY = 512 };
+
+struct loader;
+
+struct loading {
+    const char *path; /**< Of the first, or its name. */
+    const struct atlas_settings *settings;
+    const struct context_choice *context; /**< Without files the first atlas's own. Another atlas that has none of its
+                                             own gets the same. */
+    void (*wake)(void);                   /**< Called when it is done. */
+    bool (*may_be)(const char *path);     /**< Asked first, on that thread: false = nothing is loaded, nor said why.
+                                             NULL = it is. */
+    void (*look)(void *user);             /**< Called in place of loading, with user; NULL = it loads. */
+    void *user;
+};
+
+/** How far it is. */
+struct loader_progress {
+    char file[96]; /**< That is read now; "" before the first.      */
+    double part;   /**< Of the files: 0 to 1; 0 while there is one. */
+};
+
+/** False without memory or threads. Strings of @p what must outlive the loader. */
+bool loader_start(struct loader **out, const struct loading *what);
+void loader_ask(struct loader *loader, struct loader_progress *out);
+bool loader_done(struct loader *loader);
+const char *loader_path(const struct loader *loader);
+/** Nobody wants the atlases any more: the file that is being read is the last one. */
+void loader_cancel(struct loader *loader);
+/** Waits, and ends the loader. @p out is the caller's. False: there is none, and unless it was cancelled it was said
+ * why on stderr, which @p why repeats. True where it looked at files and was not cancelled. */
+bool loader_finish(struct loader *loader, struct atlases *out, char why[LOADER_WHY]);
+
+#endif

@@ -1,0 +1,203 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Options become words with absolute paths, and words options again. */
+#include "viewer/opening/view_words.h"
+
+#include "common/messages.h"
+
+#include <assert.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+const struct option scene_options[] = {
+    {.name = "transfer",
+     .type = OPTION_TEXT,
+     .offset = offsetof(struct view_settings, transfer),
+     .value = "NAME|FILE",
+     .help = "transfer function of the context in 3-D, as for conus render"},
+    {0},
+};
+
+static const struct option_group groups[] = {
+    {"What is opened", context_choice_options, offsetof(struct view_settings, context)},
+    {"", scene_options, 0},
+    {"", atlas_options, offsetof(struct view_settings, atlas)},
+    {"", more_atlas_options, offsetof(struct view_settings, atlas)},
+    {"", space_options, offsetof(struct view_settings, space)},
+    {"", plain_options, offsetof(struct view_settings, common)}, /* which options_parse() asks for */
+    {0},
+};
+
+static const struct command cmd_words = {
+    .program = "conus-view", .name = "session", .groups = groups, .settings_size = sizeof(struct view_settings)};
+
+/* Whether a session keeps it. */
+static bool is_kept(const struct option *option)
+{
+    for (const struct option_group *group = groups; group->title; group++) {
+        for (const struct option *one = group->options; one->name; one++) {
+            if (one == option) {
+                return group->options != plain_options && strcmp(one->name, "max-memory") != 0;
+            }
+        }
+    }
+    return false;
+}
+
+static bool is_file(const char *text, size_t length)
+{
+    char path[PATH_MAX];
+    int size = snprintf(path, sizeof path, "%.*s", (int)length, text);
+    return size > 0 && size < PATH_MAX && access(path, F_OK) == 0;
+}
+
+/* "FILE,from=FILE": what is a file of this folder gets its path. */
+static void put_absolute(FILE *out, const char *text)
+{
+    static const char *const keys[] = {"", "from=", "to=", "grid="};
+    char folder[PATH_MAX];
+    bool is_known = getcwd(folder, sizeof folder);
+    for (size_t piece = 0; *text; piece++) {
+        size_t length = strcspn(text, ",");
+        size_t before = 0;
+        for (size_t k = 1; k < sizeof keys / sizeof keys[0] && piece; k++) {
+            before = strncmp(text, keys[k], strlen(keys[k])) == 0 ? strlen(keys[k]) : before;
+        }
+        bool may_be = (!piece || before) && text[before] != '/' && length > before;
+        bool prefixed = may_be && is_known && is_file(text + before, length - before);
+        fprintf(out, "%.*s%s%s%.*s", (int)before, text, prefixed ? folder : "", prefixed ? "/" : "",
+                (int)(length - before), text + before);
+        text += length;
+        if (*text) {
+            fputc(*text++, out);
+        }
+    }
+}
+
+/* A name of a transfer function is no file, even where one is called so. */
+static bool may_be_file(const struct option *option, const char *value)
+{
+    bool is_text = option->type == OPTION_TEXT || option->type == OPTION_LIST;
+    return is_text && (strcmp(option->name, "transfer") != 0 || strchr(value, '.') || strchr(value, '/'));
+}
+
+/* False without memory, or where it is not UTF-8. */
+static bool add_word(json_t *words, const struct option *option, const char *value)
+{
+    char *word = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&word, &size);
+    if (!out) {
+        return false;
+    }
+    fprintf(out, "--%s%s", option->name, value ? "=" : "");
+    if (value && may_be_file(option, value)) {
+        put_absolute(out, value);
+    } else if (value) {
+        fputs(value, out);
+    }
+    bool fine = fclose(out) == 0 && !json_array_append_new(words, json_string(word));
+    free(word);
+    return fine;
+}
+
+json_t *view_words(const struct arguments *arguments, const char *labels)
+{
+    json_t *words = json_array();
+    bool fine = words;
+    for (size_t i = 0; arguments && i < arguments->use_count && fine; i++) {
+        const struct option_use *use = &arguments->uses[i];
+        fine = !is_kept(use->option) || add_word(words, use->option, use->value);
+    }
+    assert(strcmp(atlas_options[0].name, "labels") == 0);
+    if (!fine || (labels && !add_word(words, &atlas_options[0], labels))) {
+        json_decref(words);
+        return NULL;
+    }
+    return words;
+}
+
+/* Whether the word is of an option that the command line had. */
+static bool is_given(const struct arguments *arguments, const char *word)
+{
+    for (size_t i = 0; arguments && i < arguments->use_count; i++) {
+        const char *name = arguments->uses[i].option->name;
+        size_t length = strlen(name);
+        if (strncmp(word, "--", 2) == 0 && strncmp(word + 2, name, length) == 0 &&
+            (word[2 + length] == '=' || !word[2 + length])) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* The words of both, to be freed; false without memory. */
+static bool join(struct worded *out, const json_t *words, const json_t *own, const struct arguments *given)
+{
+    size_t limit = json_array_size(words) + json_array_size(own);
+    bool fine = (out->words = calloc(limit + 1, sizeof *out->words));
+    for (size_t i = 0; i < limit && fine; i++) {
+        bool is_own = i >= json_array_size(words);
+        const char *word =
+            json_string_value(is_own ? json_array_get(own, i - json_array_size(words)) : json_array_get(words, i));
+        if (is_own || !is_given(given, word)) {
+            char *copy = strdup(word);
+            out->words[out->arguments.count] = copy;
+            out->arguments.count += copy != NULL;
+            fine = copy;
+        }
+    }
+    return fine;
+}
+
+/* The words say what is opened, and the rest is as it was given. */
+static void use_both(struct worded *out, const struct view_settings *given)
+{
+    struct view_settings *settings = &out->settings;
+    *settings = *given;
+    settings->atlas = out->read.atlas;
+    settings->atlas.max_memory = given->atlas.max_memory;
+    settings->atlas.no_cache = settings->atlas.no_cache || given->atlas.no_cache;
+    settings->atlas.only = given->atlas.only;
+    settings->atlas.hide = given->atlas.hide;
+    settings->context = out->read.context;
+    settings->transfer = out->read.transfer;
+    settings->space = out->read.space;
+    settings->arguments = &out->arguments;
+}
+
+int worded_parse(struct worded *out, const json_t *words, const struct view_settings *given, bool counts)
+{
+    const struct arguments *arguments = counts ? given->arguments : NULL;
+    json_t *own = view_words(arguments, NULL);
+    *out = (struct worded){.arguments.command = &cmd_words};
+    if (!own || !join(out, words, own, arguments)) {
+        json_decref(own);
+        print_error_line("not enough memory");
+        return EXIT_DATA;
+    }
+    json_decref(own);
+    int code = options_parse(&out->arguments, &out->read, &cmd_words, out->arguments.count, out->words, 0);
+    if (code == EXIT_DONE) {
+        print_error_line("a session's options say nothing of --help and --version");
+    }
+    code = code < 0 ? EXIT_DONE : EXIT_DATA;
+    if (!code && !settings_check_space(&out->arguments, &out->read.space)) {
+        code = EXIT_DATA;
+    }
+    use_both(out, given);
+    return code;
+}
+
+void worded_finish(struct worded *worded)
+{
+    int count = worded->arguments.count;
+    options_finish(&worded->read, &worded->arguments);
+    for (int i = 0; i < count; i++) {
+        free(worded->words[i]);
+    }
+    free(worded->words);
+    *worded = (struct worded){0};
+}

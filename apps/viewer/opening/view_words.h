@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file The options that say what is opened, as words that a session keeps, and back. */
+#ifndef CONUS_VIEWER_VIEW_WORDS_H
+#define CONUS_VIEWER_VIEW_WORDS_H
+
+#include "viewer/opening/view_settings.h"
+
+#include <jansson.h>
+
+/** --transfer. */
+extern const struct option scene_options[];
+
+/** Those of @p arguments (NULL = none) that are of the atlas, its context and its space, but for --max-memory, --only
+ * and --hide: an array of "--name=value". Files that are there have their absolute paths. @p labels: of --labels, where
+ * the catalogue chose them; or NULL. NULL without memory, or where a value is not UTF-8. */
+json_t *view_words(const struct arguments *arguments, const char *labels);
+
+/** Settings that came out of words. */
+struct worded {
+    struct view_settings settings; /**< Those that are to be used. */
+    struct view_settings read;     /**< The words' own. */
+    struct arguments arguments;
+    char **words; /**< [arguments.count] */
+};
+
+/** Reads @p words (NULL = none), an array of texts: as @p given, but for what the words say and the command line, if
+ * that @p counts, does not. Returns the exit code and prints an error unless it is 0; *out is the caller's to
+ * worded_finish() in any case, and borrows from @p given. */
+int worded_parse(struct worded *out, const json_t *words, const struct view_settings *given, bool counts);
+void worded_finish(struct worded *worded);
+
+#endif

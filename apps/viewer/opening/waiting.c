@@ -1,0 +1,132 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Draws the page, and waits for the loader's thread. */
+#include "viewer/opening/waiting.h"
+
+#include "common/messages.h"
+
+#include <GLFW/glfw3.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static const double progress_s = 0.1; /* between two looks at how far it is */
+/* What is ready after so long needs no page, for which what is open would be seen no more. */
+static const double patience_s = 0.2, first_patience_s = 0.05;
+
+/* What is read, and a bar of the files that are. */
+static void draw_progress(const struct window *window, const struct loader_progress *progress, double seconds)
+{
+    static const ui_colour light = {235, 235, 240, 255};
+    static const ui_colour dim = {255, 255, 255, 25};
+    static const ui_colour full = {66, 150, 250, 255};
+    float line = ui_line();
+    float wide = fminf(420 * window->scale, 0.8F * (float)window->width);
+    struct ui_box bar = {((float)window->width - wide) / 2, (float)window->height / 2, wide, 0.4F * line};
+    char text[160];
+    snprintf(text, sizeof text, "reading %s   %.1f s", progress->file, seconds);
+    ui_draw_text((float[]){bar.x + 3, bar.y - 1.5F * line}, light, text);
+    ui_draw_text((float[]){bar.x + 3, bar.y + line}, light,
+                 window->stops ? "Escape: this file is the last one that is read" : "Escape ends that");
+    ui_draw_box(bar, dim, 0);
+    bar.width *= (float)progress->part;
+    ui_draw_box(bar, full, 0);
+}
+
+static void draw_page(struct window *window, struct loader *loader, double seconds)
+{
+    struct loader_progress progress;
+    loader_ask(loader, &progress);
+    window_lay_out(window);
+    window_clear(window);
+    ui_begin();
+    ui_panel("loading", (struct ui_box){0, 0, (float)window->width, (float)window->height}, UI_PLAIN);
+    draw_progress(window, &progress, seconds);
+    ui_panel_end();
+    ui_end();
+    glfwSwapBuffers(window->handle);
+}
+
+/* All that keys do meanwhile. */
+static bool press_while_loading(struct window *window, const char *key)
+{
+    bool ends = strcmp(key, "escape") == 0;
+    window->stops = window->stops || ends;
+    return ends;
+}
+
+/* Until it is done, or the window is closed. */
+static void wait_for(struct loader *loader, struct window *window)
+{
+    double begun = glfwGetTime();
+    double patience = window->viewer ? patience_s : first_patience_s;
+    while (!loader_done(loader) && !glfwWindowShouldClose(window->handle)) {
+        double seconds = glfwGetTime() - begun;
+        if (window_wants(window) || window->stops) {
+            loader_cancel(loader);
+        }
+        if (seconds >= patience) {
+            draw_page(window, loader, seconds);
+        }
+        glfwWaitEventsTimeout(seconds < patience ? fmin(patience - seconds, progress_s) : progress_s);
+    }
+    if (glfwWindowShouldClose(window->handle)) { /* the file that is being read is read to its end */
+        loader_cancel(loader);
+        glfwHideWindow(window->handle);
+    }
+}
+
+struct loader *wait_begin(const struct loading *what)
+{
+    struct loader *loader = NULL;
+    return loader_start(&loader, what) ? loader : NULL;
+}
+
+void wait_leave(struct window *window)
+{
+    struct atlases atlases;
+    char why[LOADER_WHY];
+    if (window->begun) {
+        loader_cancel(window->begun);
+        (void)loader_finish(window->begun, &atlases, why);
+        atlases_finish(&atlases);
+        window->begun = NULL;
+    }
+}
+
+/* Takes over what was begun, if it is that. */
+static bool start(struct loader **out, struct window *window, const struct loading *what)
+{
+    bool is_begun = window->begun && !what->look && strcmp(loader_path(window->begun), what->path) == 0;
+    if (is_begun) {
+        *out = window->begun;
+        window->begun = NULL;
+    }
+    return is_begun || loader_start(out, what);
+}
+
+bool wait_load(struct window *window, const struct loading *what, struct atlases *out, char why[LOADER_WHY])
+{
+    struct loader *loader = NULL;
+    if (!start(&loader, window, what)) {
+        print_error_line("not enough memory");
+        snprintf(why, LOADER_WHY, "not enough memory");
+        return false;
+    }
+    bool (*press)(struct window *, const char *) = window->press;
+    window->press = press_while_loading;
+    window->stops = false;
+    wait_for(loader, window);
+    window->press = press;
+    bool fine = loader_finish(loader, out, why);
+    if (!fine && !why[0] && window->stops) {
+        snprintf(why, LOADER_WHY, "not read: Escape ended that");
+    }
+    return fine;
+}
+
+bool wait_look(struct window *window, const char *path, void (*look)(void *user), void *user, char why[LOADER_WHY])
+{
+    struct atlases none;
+    return wait_load(window, &(struct loading){.path = path, .look = look, .user = user, .wake = glfwPostEmptyEvent},
+                     &none, why);
+}

@@ -1,0 +1,131 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What was added to the atlas: a list, and a line for one more. */
+#include "viewer/panes/panels.h"
+
+#include <jansson.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static const float width_of = 620, height_of = 360;
+
+/* What the line takes. */
+static const char *const keys[ADDITION_COUNT] = {
+    "FILE: a volume, in place of another one, or a surface",
+    "FILE,threshold=T,name=S,volume=K or FILE,band=LOW:HIGH:NAME, as for --pathway",
+    "FILE,radius=MM,name=S,moves, as for --streamlines; without a radius it is 0.5 mm"};
+
+static void change(struct added_form *form, size_t index, enum addition kind, const char *value)
+{
+    form->kind = kind;
+    form->changed = index + 1;
+    form->takes_keys = true;
+    snprintf(form->text, sizeof form->text, "%s", value);
+    form->is_set = true;
+}
+
+/* Its name and keys; the whole path is in the tip. */
+static void draw_file(struct window *window, size_t index, enum addition kind, const char *value)
+{
+    char plain[PATH_MAX];
+    char path[PATH_MAX];
+    if (!addition_path(path, kind, value)) {
+        return;
+    }
+    const char *slash = strrchr(path, '/');
+    snprintf(plain, sizeof plain, "%s", value + (slash ? slash + 1 - path : 0));
+    conus_plain_text(plain);
+    ui_id((uint32_t)index);
+    if (ui_small_button("take out")) {
+        window_take_out(window, index);
+    }
+    ui_tip("the atlas is opened again without it");
+    ui_same_line();
+    if (ui_small_button("change")) {
+        change(&window->added, index, kind, value);
+    }
+    ui_tip("its file or what stands behind it, in the line below");
+    ui_id_end();
+    ui_same_line();
+    ui_text_coloured(theme_texts[THEME_HINT], "%s", addition_names[kind]);
+    ui_same_line();
+    ui_text("%s", plain);
+    conus_plain_text(path);
+    ui_tip(path);
+}
+
+static void draw_files(struct window *window, const json_t *words)
+{
+    size_t count = 0;
+    ui_scroll("files", fmaxf(ui_room_below() - 7.5F * ui_line(), 3 * ui_line()));
+    for (size_t i = 0; i < json_array_size(words) && !window_wants(window); i++) {
+        const char *value;
+        enum addition kind = addition_of(&value, json_string_value(json_array_get(words, i)));
+        if (kind < ADDITION_COUNT) {
+            draw_file(window, i, kind, value);
+            count++;
+        }
+    }
+    if (!count) {
+        ui_text_coloured(theme_texts[THEME_HINT], "Nothing was added by an option or by hand.");
+    }
+    ui_scroll_end();
+}
+
+/* What is typed is added, or takes the place of what is changed. */
+static void use(struct window *window, const json_t *words)
+{
+    struct added_form *form = &window->added;
+    if (!form->text[0]) {
+        return;
+    }
+    if (form->changed && form->changed <= json_array_size(words)) {
+        window_change(window, form->changed - 1, (enum addition)form->kind, form->text);
+    } else {
+        window_add(window, (enum addition)form->kind, form->text);
+    }
+}
+
+static void draw_line(struct window *window, const json_t *words)
+{
+    struct added_form *form = &window->added;
+    ui_choose("kind", &form->kind, addition_names, ADDITION_COUNT);
+    ui_tip("what the file is to be");
+    if (form->takes_keys) {
+        form->takes_keys = false;
+        ui_take_keys();
+    }
+    ui_width(ui_room());
+    ui_type_path("##file", form->text, sizeof form->text, &form->is_set);
+    bool entered = ui_entered();
+    ui_tint(theme_texts[THEME_HINT]);
+    ui_text_wrapped(keys[form->kind]);
+    ui_tint_end();
+    if (ui_button(form->changed ? "use instead" : "add") || entered) {
+        use(window, words);
+    }
+    ui_tip("the atlas is opened again, and all that you set stays; Enter, too");
+    ui_same_line();
+    if (form->changed && ui_button("no, add another")) {
+        *form = (struct added_form){.open = true, .kind = form->kind, .is_set = true};
+    }
+    ui_same_line();
+    if (ui_button("close")) {
+        form->open = false;
+    }
+    ui_text_wrapped(window->viewer->message);
+}
+
+void panel_added(struct window *window)
+{
+    float width = fminf(width_of * window->scale, (float)window->width);
+    float height = fminf(height_of * window->scale, (float)window->height);
+    const json_t *words = json_object_get(window->opened, "options");
+    ui_panel("Files that were added (Ctrl+L; Escape closes this)",
+             (struct ui_box){((float)window->width - width) / 2, ((float)window->height - height) / 2, width, height},
+             UI_IN_FRONT);
+    draw_files(window, words);
+    ui_separator();
+    draw_line(window, words);
+    ui_panel_end();
+}

@@ -1,0 +1,211 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The list of areas and pathways, with search and check boxes. */
+#include "viewer/panes/panels.h"
+
+#include "viewer/model/search.h"
+#include "viewer/ui/ui_list.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+enum { TIP_SIZE = 96 };
+
+static ui_colour colour_of(const struct viewer *viewer, uint32_t object)
+{
+    uint8_t rgb[3];
+    viewer_colour(rgb, viewer, object);
+    return (ui_colour){rgb[0], rgb[1], rgb[2], viewer->drawn->shown.hidden[object] ? 60 : 255};
+}
+
+/* Children are looked for in the whole list: atlases have hundreds of areas, and only open nodes are asked. */
+static bool has_children(const struct viewer *viewer, uint32_t object)
+{
+    for (uint32_t number = 1; number <= viewer->drawn->object_count; number++) {
+        if (conus_atlas_object(viewer->drawn->atlas, number)->parent == object) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static void write_tip(char tip[TIP_SIZE], const conus_object *object)
+{
+    int used = snprintf(tip, TIP_SIZE, "label %u", object->label);
+    if (object->volume_mm3 > 0) {
+        snprintf(tip + used, TIP_SIZE - (size_t)used, ", %.0f mm\u00b3", object->volume_mm3);
+    }
+    if (object->kind == CONUS_KIND_BUNDLE) {
+        snprintf(tip + used, TIP_SIZE - (size_t)used, ", %llu streamline%s, %.0f mm long together",
+                 (unsigned long long)object->streamlines, object->streamlines == 1 ? "" : "s", object->length_mm);
+    }
+}
+
+/* Of both, with what is between them. */
+static float buttons_width(const struct window *window)
+{
+    return ui_text_width("show") + ui_text_width("only") + 32 * window->scale;
+}
+
+static void draw_buttons(struct viewer *viewer, uint32_t object)
+{
+    bool hide = viewer_shown(viewer, object) == SHOWN;
+    ui_same_line();
+    if (ui_small_button(hide ? "hide" : "show")) {
+        viewer_hide(viewer, object, hide);
+    }
+    ui_tip("hidden areas are not hit, not drawn, and block nothing; H, too");
+    ui_same_line();
+    if (ui_small_button("only")) {
+        viewer_isolate(viewer, object);
+    }
+    ui_tip("hides all others; I, too, and Ctrl+Z takes it back");
+}
+
+/* Once, when it was chosen. */
+static void scroll_to(struct window *window, uint32_t number)
+{
+    if (window->listed != number) {
+        window->listed = number;
+        ui_scroll_here();
+    }
+}
+
+static void draw_area(struct window *window, uint32_t number)
+{
+    struct viewer *viewer = window->viewer;
+    const conus_object *object = conus_atlas_object(viewer->drawn->atlas, number);
+    enum shown shown = viewer_shown(viewer, number);
+    char name[VIEW_ATLAS_TITLE + 16];
+    char buffer[VIEW_ATLAS_TITLE];
+    char tip[TIP_SIZE];
+    const char *title = view_atlas_title(buffer, viewer->drawn, number);
+    write_tip(tip, object);
+    ui_id(number);
+    ui_dim(shown == SHOWN_NOT ? theme_pale : shown == SHOWN_IN_PART ? (1 + theme_pale) / 2 : 1);
+    ui_chip("colour", colour_of(viewer, number));
+    ui_same_line();
+    if (viewer->drawn->shown.chosen == number) {
+        scroll_to(window, number);
+        snprintf(name, sizeof name, "%s%s", title, shown == SHOWN_IN_PART ? " (in part)" : "");
+        ui_tint(theme_texts[THEME_AMBER]);
+        ui_text_cut(name, ui_room() - buttons_width(window));
+        ui_tint_end();
+        draw_buttons(viewer, number);
+        panel_look_area(viewer, number);
+    } else if (ui_row_cut(title, false, tip)) {
+        viewer_choose(viewer, number);
+    }
+    ui_dim_end();
+    ui_id_end();
+}
+
+static void draw_tree(struct window *window, uint32_t parent)
+{
+    const struct viewer *viewer = window->viewer;
+    for (uint32_t number = 1; number <= viewer->drawn->object_count; number++) {
+        const conus_object *object = conus_atlas_object(viewer->drawn->atlas, number);
+        if (object->parent != parent) {
+            continue;
+        }
+        if (!has_children(viewer, number)) {
+            draw_area(window, number);
+            continue;
+        }
+        ui_id(number);
+        bool leads = window->listed != viewer->drawn->shown.chosen && viewer->drawn->shown.chosen != number &&
+                     viewer_is_below(viewer, viewer->drawn->shown.chosen, number);
+        bool open = ui_tree("##node", leads ? UI_OPEN_NOW : parent == 0 ? UI_OPEN_FIRST : UI_AS_IT_WAS);
+        ui_id_end();
+        ui_same_line();
+        draw_area(window, number);
+        if (open) {
+            draw_tree(window, number);
+            ui_tree_end();
+        }
+    }
+}
+
+static void choose_first(struct viewer *viewer)
+{
+    uint32_t best = search_best(viewer->drawn->atlas, viewer->drawn->shown.search);
+    if (best) {
+        viewer_choose(viewer, best);
+    }
+}
+
+/* Best first. */
+static void draw_found(struct window *window)
+{
+    struct shown_objects *shown = &window->viewer->drawn->shown;
+    size_t count;
+    uint32_t *found = search_all(&count, window->viewer->drawn->atlas, shown->search);
+    for (size_t i = 0; found && i < count; i++) {
+        draw_area(window, found[i]);
+    }
+    free(found);
+    if (!count) {
+        ui_text("nothing fits");
+        ui_same_line();
+        if (ui_small_button("clear")) {
+            shown->search[0] = '\0';
+        }
+        ui_tip("lists all areas again");
+    }
+}
+
+/* Which of several is drawn. */
+static void choose_atlas(struct window *window)
+{
+    struct viewer *viewer = window->viewer;
+    size_t drawn = (size_t)(viewer->drawn - viewer->atlases);
+    if (viewer->atlas_count > 1) {
+        ui_width(window->left.width - 20);
+        if (ui_choose("##atlas", &drawn, viewer->names, viewer->atlas_count)) {
+            viewer_draw(viewer, drawn);
+        }
+        ui_tip("the atlas that is drawn and listed here; N: the next one");
+    }
+    if (window->listed_of != viewer->drawn) {
+        window->listed_of = viewer->drawn;
+        window->listed = 0;
+    }
+}
+
+void panel_areas(struct window *window)
+{
+    struct viewer *viewer = window->viewer;
+    ui_panel("Areas", window->left, 0);
+    panel_tools(window);
+    choose_atlas(window);
+    ui_id((uint32_t)(viewer->drawn - viewer->atlases)); /* each has a list of its own, scrolled and opened */
+    ui_width(window->left.width - 20);
+    ui_type("##search", viewer->drawn->shown.search, sizeof viewer->drawn->shown.search, "search name or label");
+    bool wants_first = ui_entered();
+    ui_tip("whole names come first, then names and words that begin so, names with it inside, and label numbers;\n"
+           "Enter chooses the first");
+    if (wants_first && viewer->drawn->shown.search[0]) {
+        choose_first(viewer);
+    }
+    if (ui_button("show all")) {
+        viewer_show_all(viewer);
+    }
+    ui_tip("no area is hidden any more; V, too");
+    ui_same_line();
+    ui_text("%zu in all", viewer->drawn->object_count);
+    ui_same_line();
+    if (ui_button("files")) {
+        window_press(window, "ctrl+l");
+    }
+    ui_tip("streamlines, pathways and context: add one, change it, take it out; Ctrl+L, too");
+    panel_sides(window);
+    ui_separator();
+    ui_scroll("list", 0);
+    if (viewer->drawn->shown.search[0]) {
+        draw_found(window);
+    } else {
+        draw_tree(window, 0);
+    }
+    ui_scroll_end();
+    ui_id_end();
+    ui_panel_end();
+}

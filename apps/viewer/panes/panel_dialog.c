@@ -1,0 +1,195 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The page on which a file is chosen: a line for its path, places, and what is in the folder. */
+#include "viewer/panes/panels.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static const float page_width = 980, places_width = 280, gap = 20, key_width = 80;
+
+static void draw_line(struct window *window)
+{
+    struct dialog *dialog = &window->dialog;
+    bool saves = dialog->purpose == DIALOG_SAVE;
+    ui_heading(saves ? "Save the session as" : "Open an atlas or a session, or add streamlines or a context");
+    ui_width(ui_room());
+    if (dialog->takes_keys) {
+        ui_take_keys();
+        dialog->takes_keys = false;
+    }
+    ui_type_path("##path", dialog->text, sizeof dialog->text, &dialog->is_set);
+    bool entered = ui_entered();
+    int moved = ui_wants_keys() ? ui_arrow() : 0; /* else keys.c hears them */
+    if (moved) {
+        dialog_move(dialog, moved);
+    }
+    ui_tint(theme_texts[dialog->why[0] ? THEME_ORANGE : THEME_HINT]);
+    ui_text_wrapped(dialog->why[0] ? dialog->why
+                    : saves        ? "A name for the file; .json is put behind it"
+                                   : "Type a path, or a part of a name to search this folder");
+    ui_tint_end();
+    if (entered) {
+        window_use_dialog(window);
+    }
+}
+
+static void draw_places(struct window *window)
+{
+    struct dialog *dialog = &window->dialog;
+    ui_text_coloured(theme_texts[THEME_HINT], "Places");
+    ui_separator();
+    for (size_t i = 0; i < dialog->place_count; i++) {
+        char plain[PATH_MAX];
+        snprintf(plain, sizeof plain, "%s", dialog->places[i]);
+        conus_plain_text(plain);
+        ui_id((uint32_t)i);
+        bool chosen = ui_row("##place", false);
+        ui_id_end();
+        ui_tip(plain);
+        ui_same_line_at(4 * window->scale);
+        const char *slash = strrchr(plain, '/');
+        bool has_name = slash && slash[1];
+        ui_text("%s", has_name ? slash + 1 : plain);
+        if (has_name) {
+            ui_same_line();
+            ui_text_coloured(theme_texts[THEME_HINT], "%.*s", (int)(slash - plain + 1), plain);
+        }
+        if (chosen) {
+            char text[PATH_MAX + 1];
+            snprintf(text, sizeof text, "%s%s", dialog->places[i], strcmp(dialog->places[i], "/") == 0 ? "" : "/");
+            dialog_set(dialog, text);
+        }
+    }
+}
+
+/* Whether the list may have changed by a click. */
+static bool draw_entry(struct window *window, size_t index)
+{
+    struct dialog *dialog = &window->dialog;
+    const struct folder_entry *entry = &dialog->folder.entries[index];
+    bool is_folder = entry->is_folder;
+    char plain[NAME_MAX + 1];
+    snprintf(plain, sizeof plain, "%s", entry->name);
+    conus_plain_text(plain);
+    ui_id((uint32_t)index);
+    bool clicked = ui_row("##entry", index == dialog->marked);
+    ui_id_end();
+    if (dialog->scrolls && index == dialog->marked) {
+        ui_scroll_here();
+        dialog->scrolls = false;
+    }
+    bool doubled = ui_hovered() && ui_mouse_now().doubled;
+    ui_same_line_at(4 * window->scale);
+    ui_text_coloured(theme_texts[is_folder ? THEME_AMBER : THEME_PLAIN], "%s%s", plain, is_folder ? "/" : "");
+    if (clicked) {
+        dialog_take(dialog, index);
+    }
+    if (doubled && !is_folder) {
+        window_use_dialog(window);
+    }
+    return clicked;
+}
+
+static void draw_folder(struct window *window)
+{
+    struct dialog *dialog = &window->dialog;
+    char here[PATH_MAX];
+    size_t fitting = 0;
+    bool goes_on = true;
+    dialog_look(dialog);
+    dialog_here(here, dialog);
+    conus_plain_text(here);
+    ui_text_coloured(theme_texts[THEME_HINT], "%s", here);
+    ui_separator();
+    ui_scroll("entries", 0);
+    if (ui_row("..  (the folder around it)", false)) {
+        dialog_leave(dialog);
+    }
+    for (size_t i = 0; i < dialog->folder.count && goes_on; i++) {
+        if (dialog_fits(dialog, i)) {
+            goes_on = !draw_entry(window, i);
+            fitting++;
+        }
+    }
+    if (!fitting && goes_on) {
+        ui_text_coloured(theme_texts[THEME_HINT], "%s",
+                         dialog->folder.failed ? "This folder cannot be read."
+                         : dialog->all         ? "Nothing here has such a name."
+                                               : "Nothing here that conus can open by its name.");
+    }
+    ui_scroll_end();
+}
+
+static void draw_buttons(struct window *window)
+{
+    struct dialog *dialog = &window->dialog;
+    bool saves = dialog->purpose == DIALOG_SAVE;
+    if (ui_button(saves ? "Save" : "Open")) {
+        window_use_dialog(window);
+    }
+    ui_same_line();
+    if (!saves) {
+        if (ui_button("Open this folder")) {
+            window_use_folder(window);
+        }
+        ui_tip("for an atlas that is a folder: of surfaces, or of BrainGlobe");
+        ui_same_line();
+        if (ui_button("Installed atlases")) {
+            dialog->on = false;
+            window_go_to_start(window);
+        }
+        ui_tip("the start page (Ctrl+N)");
+        ui_same_line();
+    }
+    if (ui_button("Cancel")) {
+        dialog->on = false;
+    }
+    ui_same_line();
+    ui_check("all files", &dialog->all);
+    ui_tip("lists files whatever their names end in");
+}
+
+static void draw_keys(const struct window *window)
+{
+    ui_text_coloured(theme_texts[THEME_AMBER], "Up, down");
+    ui_same_line_at(key_width * window->scale);
+    ui_text_coloured(theme_texts[THEME_HINT],
+                     "mark an entry; Enter goes into a folder or takes a file; Escape goes back");
+}
+
+static void draw_warning(const struct window *window)
+{
+    size_t pins = window->viewer && window->dialog.purpose == DIALOG_OPEN ? window->viewer->pin_count : 0;
+    if (pins) {
+        ui_text_coloured(theme_texts[THEME_ORANGE],
+                         "Another atlas ends the list of what was confirmed (%zu); O in the window saves it.", pins);
+    }
+}
+
+void panel_dialog(struct window *window)
+{
+    float margin = 16 * window->scale;
+    float width = fmaxf(fminf(page_width * window->scale, (float)window->width - 2 * margin), 1);
+    float places = floorf(fminf(places_width * window->scale, width / 3));
+    float height = (float)window->height;
+    ui_panel("dialog", (struct ui_box){floorf(((float)window->width - width) / 2), 0, width, height}, UI_PLAIN);
+    ui_gap(fmaxf(0.04F * height, 0));
+    draw_line(window);
+    draw_warning(window);
+    ui_gap(ui_line() / 2);
+    float lists = fmaxf(ui_room_below() - 4 * ui_line(), 5 * ui_line());
+    ui_column("places", places, lists);
+    draw_places(window);
+    ui_scroll_end();
+    ui_same_line_at(places + gap * window->scale);
+    ui_column("folder", width - places - gap * window->scale, lists);
+    draw_folder(window);
+    ui_scroll_end();
+    ui_gap(ui_line() / 4);
+    draw_buttons(window);
+    draw_keys(window);
+    bool escaped = ui_escaped();
+    ui_panel_end();
+    window->dialog.on = window->dialog.on && !escaped;
+}

@@ -1,0 +1,111 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The question what is to be saved as a figure. */
+#include "viewer/panes/panels.h"
+
+#include "viewer/window/figure_form.h"
+
+#include <math.h>
+
+static const float width_of = 520, height_of = 400;
+
+static void choose_size(struct sheet *sheet)
+{
+    static const char *const units[] = {"pixels", "mm on paper"};
+    size_t unit = sheet->in_mm;
+    if (ui_choose("size in", &unit, units, 2)) {
+        sheet->in_mm = unit;
+    }
+    if (sheet->in_mm) {
+        ui_slider("width", &sheet->mm[0], 1, SHEET_MM_LIMIT, "%.4g mm", true);
+        ui_tip("mm on paper, 1 to 10000, such as a column's 85; Ctrl and click to type it");
+        ui_slider("height", &sheet->mm[1], 1, SHEET_MM_LIMIT, "%.4g mm", true);
+        ui_tip("mm on paper, 1 to 10000; Ctrl and click to type it");
+    } else {
+        ui_count("width", &sheet->pixels[0], 1, SHEET_SIDE_LIMIT);
+        ui_tip("pixels, 1 to 16384; Ctrl and click to type it");
+        ui_count("height", &sheet->pixels[1], 1, SHEET_SIDE_LIMIT);
+        ui_tip("pixels, 1 to 16384; Ctrl and click to type it");
+    }
+}
+
+static void choose_dpi(struct sheet *sheet)
+{
+    bool said = sheet->dpi > 0;
+    const char *format = said ? "%.4g" : sheet->in_mm ? "300" : "not said";
+    double dpi = said ? sheet->dpi : 300;
+    if (ui_slider("dpi", &dpi, SHEET_DPI_LEAST, 1200, format, true)) {
+        sheet->dpi = dpi;
+    }
+    ui_tip("pixels per inch, which the file says, with letters of 7.5 points; Ctrl and click to type it");
+    if (said) {
+        ui_same_line();
+        if (ui_small_button("leave out")) {
+            sheet->dpi = 0;
+        }
+    }
+}
+
+static void choose_text(struct window *window)
+{
+    struct sheet *sheet = &window->sheet;
+    size_t legend = (size_t)sheet->legend;
+    size_t backdrop = (size_t)window->viewer->display.backdrop;
+    bool text = !sheet->no_text;
+    if (ui_choose("background", &backdrop, backdrop_names, BACKDROP_COUNT)) {
+        window->viewer->display.backdrop = (enum backdrop)backdrop;
+    }
+    ui_tip("of the 3-D pane, too, which shows a transparent one white");
+    if (ui_choose("legend", &legend, figure_legends, CONUS_LEGEND_NONE + 1)) {
+        sheet->legend = (conus_legend)legend;
+    }
+    ui_tip("where the areas that the cone hits are listed; right and below make the figure higher where it needs that");
+    if (ui_check("letters of directions, scale and legend", &text)) {
+        sheet->no_text = !text;
+    }
+    ui_tip("without them nothing says which side is left");
+}
+
+static void choose_name(struct window *window)
+{
+    struct figure_form *form = &window->figure;
+    if (form->takes_keys) {
+        form->takes_keys = false;
+        ui_take_keys();
+    }
+    ui_type("name", form->name, sizeof form->name, "figure.png");
+    bool entered = ui_entered();
+    ui_tip("of the file, .png or .exr, in the folder where conus was started, or a whole path; Enter saves");
+    if (ui_button("save figure") || entered) {
+        figure_form_save(window);
+    }
+    ui_same_line();
+    if (form->saved[0] && ui_button("copy its path")) {
+        figure_form_copy(window);
+    }
+    ui_same_line();
+    if (ui_button("close")) {
+        form->open = false;
+    }
+    ui_text_wrapped(form->news);
+}
+
+void panel_figure(struct window *window)
+{
+    static const char *const panes[] = {"axial cut", "coronal cut", "sagittal cut", "3-D"};
+    float width = fminf(width_of * window->scale, (float)window->width);
+    float height = fminf(height_of * window->scale, (float)window->height);
+    struct sheet before = window->sheet;
+    enum backdrop backdrop = window->viewer->display.backdrop;
+    ui_panel("Save a figure (Ctrl+P; Escape closes this)",
+             (struct ui_box){((float)window->width - width) / 2, ((float)window->height - height) / 2, width, height},
+             UI_IN_FRONT);
+    ui_choose("of", &window->figure.pane, panes, PANE_COUNT);
+    ui_tip("drawn anew at this size: the place, the cone and the look that the pane has now");
+    choose_size(&window->sheet);
+    choose_dpi(&window->sheet);
+    choose_text(window);
+    ui_separator();
+    choose_name(window);
+    ui_panel_end();
+    window->viewer->version += !sheet_is_same(&before, &window->sheet) || backdrop != window->viewer->display.backdrop;
+}

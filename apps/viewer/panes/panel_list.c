@@ -1,0 +1,198 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The list of what the cone hits in one atlas, and the choice of its columns. */
+#include "viewer/panes/panels.h"
+
+#include "viewer/model/columns.h"
+#include "viewer/model/question.h"
+#include "viewer/ui/ui_list.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+enum { NAME_WIDTH = 118 }; /* pixels at scale 1: most names of human atlases */
+
+/* Colours are those of the pictures: an atlas that is not in them has none. */
+static ui_colour colour_of(const struct viewer *viewer, const struct view_atlas *on, uint32_t object)
+{
+    static const ui_colour grey = {130, 132, 138, 255};
+    uint8_t rgb[3];
+    viewer_colour(rgb, viewer, object);
+    return on == viewer->drawn ? (ui_colour){rgb[0], rgb[1], rgb[2], 255} : grey;
+}
+
+/* Only what is drawn can be chosen; wherever it is, the crosshair goes there. */
+static void click(struct viewer *viewer, const struct view_atlas *on, const conus_result *result)
+{
+    if (on == viewer->drawn) {
+        viewer->drawn->shown.chosen = result->object;
+    }
+    if (result->pixels) {
+        viewer_cross(viewer, result->contact);
+    }
+    viewer->version++;
+}
+
+static void draw_heading(struct viewer *viewer, size_t column)
+{
+    char text[RESULT_TEXT];
+    char meaning[RESULT_TIP];
+    char tip[RESULT_TIP + 64];
+    bool orders = viewer->list.order == column && (column != RESULT_RANK || viewer->list.reversed);
+    snprintf(text, sizeof text, "%s%s", result_heading(viewer, column),
+             !orders                 ? ""
+             : viewer->list.reversed ? " \u2191"
+                                     : " \u2193");
+    snprintf(tip, sizeof tip, "%s\nclick: order by it, the other way round, by rank",
+             result_meaning(meaning, viewer, column));
+    ui_id((uint32_t)column);
+    bool pressed = ui_list_heading(text, !result_is_text(column));
+    ui_tip(tip);
+    ui_id_end();
+    if (pressed) {
+        result_order_by(viewer, column);
+    }
+}
+
+/* As wide as the widest number, whatever there is now, so that nothing moves while one points. */
+static float width_of(const struct window *window, size_t column)
+{
+    const struct viewer *viewer = window->viewer;
+    if (column == RESULT_NAME) {
+        return NAME_WIDTH * window->scale;
+    }
+    char heading[RESULT_TEXT];
+    bool orders = viewer->list.order == column;
+    snprintf(heading, sizeof heading, "%s%s", result_heading(viewer, column), orders ? " \u2193" : "");
+    float wide = ui_text_width(heading);
+    float widest = ui_text_width(result_widest(viewer, column));
+    return wide > widest ? wide : widest;
+}
+
+static void draw_name(struct viewer *viewer, const struct view_atlas *on, const conus_result *result)
+{
+    char tip[256] = "";
+    char title[VIEW_ATLAS_TITLE];
+    char place[VIEWER_PLACE_TEXT];
+    const conus_object *object = conus_atlas_object(on->atlas, result->object);
+    if (!object) {
+        ui_text("(nothing hit)");
+        return;
+    }
+    int used = snprintf(tip, sizeof tip, "label %u", object->label);
+    if (result->pixels) {
+        snprintf(tip + used, sizeof tip - (size_t)used, "\nhit at %s, by %u pixels; click: crosshair there",
+                 viewer_place_text(place, viewer, result->contact), result->pixels);
+    }
+    if (on == viewer->drawn) {
+        ui_chip("colour", colour_of(viewer, on, result->object));
+        ui_same_line();
+    }
+    if (ui_row_cut(view_atlas_title(title, on, result->object),
+                   on == viewer->drawn && on->shown.chosen == result->object, tip)) {
+        click(viewer, on, result);
+    }
+}
+
+static void draw_cell(const struct viewer *viewer, const struct view_atlas *on, size_t column,
+                      const conus_result *result)
+{
+    char cell[RESULT_TEXT];
+    char exact[RESULT_TEXT];
+    char meaning[RESULT_TIP];
+    char tip[RESULT_TIP + RESULT_TEXT];
+    ui_cell();
+    if (column == RESULT_SHARE) {
+        ui_underline(result->share, colour_of(viewer, on, result->object));
+    }
+    const char *text = result_cell(cell, viewer, on, column, result);
+    if (result_is_text(column)) {
+        ui_text_cut(text, ui_room());
+    } else {
+        ui_text_right(text);
+    }
+    if (ui_hovered()) {
+        snprintf(tip, sizeof tip, "%s\n%s", result_exact(exact, viewer, on, column, result),
+                 result_meaning(meaning, viewer, column));
+        ui_tip(tip);
+    }
+}
+
+static void draw_rows(struct viewer *viewer, const struct view_atlas *on, const conus_selection *selection,
+                      const size_t *shown, size_t columns)
+{
+    size_t count = conus_selection_count(selection);
+    bool by_rank = viewer->list.order == RESULT_RANK && !viewer->list.reversed;
+    size_t *order = by_rank ? question_order(viewer, selection) : result_order(viewer, on, selection);
+    for (size_t i = 0; i < count; i++) {
+        const conus_result *result = conus_selection_result(selection, order ? order[i] : i);
+        if (ui_list_row()) {
+            ui_id(result->object);
+            draw_name(viewer, on, result);
+            for (size_t c = 1; c < columns; c++) {
+                draw_cell(viewer, on, shown[c], result);
+            }
+            ui_id_end();
+        }
+    }
+    free(order);
+}
+
+void panel_list(struct window *window, const struct view_atlas *on, const conus_selection *selection, float lines)
+{
+    size_t shown[RESULT_COLUMNS];
+    float widths[RESULT_COLUMNS];
+    struct viewer *viewer = window->viewer;
+    size_t columns = result_shown(shown, viewer);
+    for (size_t i = 0; i < columns; i++) {
+        widths[i] = width_of(window, shown[i]);
+    }
+    if (ui_list("results", widths, columns, lines * ui_line())) {
+        ui_list_top();
+        for (size_t i = 0; i < columns; i++) {
+            draw_heading(viewer, shown[i]);
+        }
+        draw_rows(viewer, on, selection, shown, columns);
+        ui_list_end();
+    }
+}
+
+static void choose_column(struct viewer *viewer, size_t column, bool is_shown)
+{
+    char meaning[RESULT_TIP];
+    char label[RESULT_TEXT];
+    bool is_place = column >= RESULT_X && column <= RESULT_Z;
+    snprintf(label, sizeof label, "%s%s", is_place ? "contact " : "", result_heading(viewer, column));
+    if (ui_check(label, &is_shown)) {
+        result_show(viewer, column, is_shown);
+    }
+    ui_tip(result_meaning(meaning, viewer, column));
+}
+
+void panel_columns(struct window *window)
+{
+    size_t shown[RESULT_COLUMNS];
+    bool is_shown[RESULT_COLUMNS] = {false};
+    struct viewer *viewer = window->viewer;
+    size_t count = result_shown(shown, viewer);
+    for (size_t i = 0; i < count; i++) {
+        is_shown[shown[i]] = true;
+    }
+    bool open = ui_popup("columns");
+    if (!open) {
+        ui_tip("which columns the list has; a click above a column orders by it");
+        return;
+    }
+    for (size_t i = 0; i < RESULT_COLUMNS; i++) {
+        if (i != RESULT_NAME && result_is_offered(viewer, i)) {
+            choose_column(viewer, i, is_shown[i]);
+        }
+    }
+    if (viewer->list.columns) {
+        bool pressed = ui_button("the usual ones");
+        ui_tip("those that there were before any was chosen");
+        if (pressed) {
+            result_choose(viewer, NULL, 0);
+        }
+    }
+    ui_popup_end();
+}

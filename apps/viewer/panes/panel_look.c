@@ -1,0 +1,152 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Widgets of how the atlas looks. */
+#include "viewer/panes/panels.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double least_pale = 0.02; /* what should not be seen at all is hidden */
+
+void panel_look_view(struct viewer *viewer)
+{
+    double rest = viewer->drawn->look.opacity[0];
+    size_t backdrop = (size_t)viewer->display.backdrop;
+    if (ui_slider("the rest", &rest, least_pale, 1, "%.2f opaque", false)) {
+        viewer_set_opacity(viewer, 0, rest);
+    }
+    ui_tip("opacity in 3-D, 0 to 1, of the areas that the cone does not hit; , and . change it where no area is\n"
+           "chosen. It is of the picture only: what is not hidden is hit");
+    if (ui_choose("background", &backdrop, backdrop_names, BACKDROP_COUNT)) {
+        viewer->display.backdrop = (enum backdrop)backdrop;
+        viewer->version++;
+    }
+    ui_tip(
+        "behind the brain in 3-D and in figures; transparent is of figures, the window shows it white; K changes it");
+}
+
+/* Values that were dragged beyond those that the image has are kept, and shown. */
+static void edit_grey(struct viewer *viewer)
+{
+    const conus_volume_info *info = conus_atlas_volume(viewer->drawn->atlas, view_atlas_context(viewer->drawn));
+    double black = view_atlas_grey(viewer->drawn)[0];
+    double white = view_atlas_grey(viewer->drawn)[1];
+    double least = fmin(info->minimum, black);
+    double most = fmax(info->maximum, white);
+    double gap = (most - least) / 1000;
+    bool changed = ui_slider("black", &black, least, white - gap, "%.6g", false);
+    ui_tip(
+        "the grey value that the cuts show as black, in the image's own unit. In a cut drag with the middle button,\n"
+        "or with Ctrl and the left one: up is brighter, right is more contrast; a double click resets");
+    changed = ui_slider("white", &white, fmin(black + gap, most), most, "%.6g", false) || changed;
+    ui_tip("the grey value that the cuts show as white, in the image's own unit; [ and ] change brightness, { and }\n"
+           "contrast");
+    if (changed && white > black) {
+        viewer_set_grey(viewer, black, white);
+    }
+    if (view_atlas_grey(viewer->drawn) != viewer->drawn->window && ui_small_button("as found")) {
+        viewer_set_grey(viewer, 0, 0);
+    }
+}
+
+/* The first entry is as the context came. */
+static void choose_preset(struct viewer *viewer)
+{
+    const char *names[HAZE_LIMIT] = {viewer->transfer ? "as given" : "as it came"};
+    size_t count = 1;
+    size_t chosen = 0;
+    for (const char *name; count < HAZE_LIMIT && (name = conus_transfer_preset(count - 1)); count++) {
+        names[count] = name;
+        chosen = viewer->preset && strcmp(viewer->preset, name) == 0 ? count : chosen;
+    }
+    names[0] = viewer->transfer_editor.edited ? "edited" : names[0];
+    chosen = viewer->transfer_editor.edited ? 0 : chosen;
+    if (ui_choose("colours", &chosen, names, count)) {
+        viewer_use_preset(viewer, chosen ? names[chosen] : NULL);
+    }
+    ui_tip("colours and opacities of the context in 3-D by its values: a preset of conus render --transfer");
+}
+
+void panel_look_context(struct viewer *viewer)
+{
+    if (viewer->drawn->window[1] > viewer->drawn->window[0]) {
+        edit_grey(viewer);
+    }
+    choose_preset(viewer);
+}
+
+void panel_look_pathway(struct viewer *viewer, uint32_t pathway)
+{
+    const char *names[HAZE_LIMIT];
+    size_t count = 0;
+    size_t haze = viewer->drawn->look.haze[pathway];
+    while (count < HAZE_LIMIT && (names[count] = haze_name(count))) {
+        count++;
+    }
+    ui_id(pathway);
+    if (ui_choose("drawn as", &haze, names, count)) {
+        viewer_set_haze(viewer, pathway, haze);
+    }
+    ui_tip(
+        "in 3-D: solid from its threshold on, or as haze, by colours and opacities of its value: own is its colour,\n"
+        "the others are the presets of conus render --pathway-transfer");
+    ui_id_end();
+}
+
+/* As the legend of a figure says it. */
+static void explain_colours(const struct look *look)
+{
+    static const char *const directions[] = {"left to right", "back to front", "down to up"};
+    static const ui_colour pure[] = {{255, 0, 0, 255}, {0, 255, 0, 255}, {0, 0, 255, 255}};
+    for (uint32_t i = 0; look->streamlines == TRACT_BY_DIRECTION && i < 3; i++) {
+        ui_id(i);
+        ui_chip("direction", pure[i]);
+        ui_same_line();
+        ui_text("%s", directions[i]);
+        ui_id_end();
+    }
+    if (look->streamlines >= TRACT_BY_NUMBER && isfinite(look->streamline_range[0])) {
+        ui_text("dark blue %.4g, green, yellow %.4g", look->streamline_range[0], look->streamline_range[1]);
+    } else if (look->streamlines >= TRACT_BY_NUMBER) {
+        ui_text("no value of it is known: all grey");
+    }
+}
+
+void panel_look_streamlines(struct viewer *viewer)
+{
+    const char *names[TRACT_COLOUR_LIMIT];
+    size_t count = tract_colour_count(viewer->drawn->atlas);
+    size_t colour = viewer->drawn->look.streamlines;
+    for (size_t i = 0; i < count; i++) {
+        names[i] = tract_colour_name(viewer->drawn->atlas, i);
+    }
+    if (ui_choose("coloured by", &colour, names, count)) {
+        viewer_colour_streamlines(viewer, colour);
+    }
+    ui_tip(
+        "what colours streamlines in 3-D and in figures: their bundle, their direction, or a number that their file\n"
+        "has, in its own unit, from the least to the largest; 9 takes the next");
+    explain_colours(&viewer->drawn->look);
+}
+
+void panel_look_area(struct viewer *viewer, uint32_t object)
+{
+    const struct look *look = &viewer->drawn->look;
+    bool is_set = !isnan(look->opacity[object]);
+    double opacity = is_set ? look->opacity[object] : 1;
+    if (look->haze[object] != HAZE_NONE ||
+        conus_atlas_object(viewer->drawn->atlas, object)->kind == CONUS_KIND_BUNDLE) {
+        return; /* neither haze nor tubes have an opacity */
+    }
+    ui_width(fminf(0.5F * ui_room(), 9 * ui_line()));
+    if (ui_slider("##opacity", &opacity, 0, 1, is_set ? "%.2f opaque" : "opacity", false)) {
+        viewer_set_opacity(viewer, object, opacity);
+    }
+    ui_tip("opacity in 3-D, 0 to 1, with all below it in the tree; , and . change it. It is of the picture only: what\n"
+           "is not hidden is hit");
+    if (is_set) {
+        ui_same_line();
+        if (ui_small_button("as others")) {
+            viewer_set_opacity(viewer, object, NAN);
+        }
+    }
+}

@@ -1,0 +1,158 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The table of results and the one of confirmed results. */
+#include "viewer/panes/panels.h"
+
+#include "viewer/model/columns.h"
+#include "viewer/tools/notice.h"
+#include "viewer/ui/ui_list.h"
+#include "viewer/window/hands.h"
+
+#include <math.h>
+
+static void draw_number(const char *format, double value)
+{
+    ui_cell();
+    if (isfinite(value)) {
+        ui_text_number(format, value);
+    } else {
+        ui_text("-");
+    }
+}
+
+/* Each under its name, in the order in which they were given. */
+static void draw_all_results(struct window *window)
+{
+    struct viewer *viewer = window->viewer;
+    float lines = fmaxf((window->second.on ? 8.0F : 16.0F) / (float)viewer->atlas_count, 5);
+    for (size_t i = 0; i < viewer->atlas_count; i++) {
+        const struct view_atlas *on = &viewer->atlases[i];
+        ui_id((uint32_t)i);
+        ui_text_coloured(theme_texts[THEME_AMBER], "%s", on->name);
+        ui_same_line();
+        if (on == viewer->drawn) {
+            ui_text("drawn");
+        } else {
+            bool next = ui_small_button("draw");
+            ui_tip("shows this atlas in the pictures and the list of areas; N: the next one");
+            if (next) {
+                viewer_draw(viewer, i);
+            }
+        }
+        panel_list(window, on, view_atlas_selection(on), lines);
+        ui_id_end();
+    }
+}
+
+static void draw_pins(struct window *window)
+{
+    const struct viewer *viewer = window->viewer;
+    const char *columns[5] = {"confirmed", "share", "mm", "apart mm", "atlas"};
+    bool several = viewer->atlas_count > 1;
+    if (ui_table("pins", columns, several ? 5 : 4, 6 * ui_line())) {
+        for (size_t i = viewer->pin_count; i > 0; i--) {
+            const struct pin *pin = &viewer->pins[i - 1];
+            char title[VIEW_ATLAS_TITLE];
+            ui_cell();
+            ui_text_cut(viewer_pin_title(title, viewer, pin), ui_room());
+            draw_number("%.2f %%", 100 * pin->share);
+            draw_number("%.2f", pin->distance);
+            draw_number("%.2f", pin->apart);
+            if (several) {
+                ui_cell();
+                ui_text("%s", viewer->names[pin->atlas]);
+            }
+        }
+        ui_table_end();
+    }
+}
+
+static void draw_copy(struct window *window, const char *label, const char *tip, enum copied what)
+{
+    ui_flow(label);
+    if (ui_button(label)) {
+        window_copy(window, what);
+    }
+    ui_tip(tip);
+}
+
+/* Into a file, in the format that is chosen beside it. */
+static void draw_export(struct window *window)
+{
+    struct viewer *viewer = window->viewer;
+    ui_flow("export");
+    if (ui_button("export")) {
+        window_press(window, "ctrl+e");
+    }
+    ui_tip("writes the hits of the cone with all columns as conus query does, and a sidecar, to conus-DATE-TIME-hits\n"
+           "in the folder where conus was started (Ctrl+E)");
+    ui_flow("XXXXXX");
+    ui_width(70 * window->scale);
+    if (ui_choose("##format", &viewer->list.format, result_formats, RESULT_FORMATS)) {
+        viewer->version++;
+    }
+    ui_tip("the format of exported files");
+}
+
+static void draw_buttons(struct window *window)
+{
+    if (ui_button("confirm")) {
+        viewer_confirm(window->viewer);
+    }
+    ui_tip("pins the best hit in a list; or Enter, or a double click on the brain");
+    draw_copy(window, "copy list", "copies the hits of the cone as a table (Ctrl+C)", COPY_RESULTS);
+    draw_copy(window, "copy confirmed", "copies what was confirmed as a table (Ctrl+Shift+C)", COPY_PINS);
+    ui_flow("columns");
+    panel_columns(window);
+    draw_export(window);
+    ui_flow("figure");
+    if (ui_button("figure")) {
+        window_press(window, "ctrl+p");
+    }
+    ui_tip("saves 3-D or a cut at any size (Ctrl+P)");
+}
+
+/* What narrows the lists and may be scrolled out of sight below them. */
+static void say_limits(const struct viewer *viewer)
+{
+    const double *range = viewer->cone.options.range;
+    if (range[1] > 0) {
+        ui_text_coloured(theme_texts[THEME_AMBER], "only depths from %.6g to %.6g mm count", range[0], range[1]);
+    }
+    if (viewer->cone.level[0]) {
+        ui_text_coloured(theme_texts[THEME_AMBER], "level: %s", viewer->cone.level);
+    }
+}
+
+void panel_results(struct window *window)
+{
+    struct viewer *viewer = window->viewer;
+    struct notice notice;
+    hands_notice(&notice, window, FIRST_HAND);
+    ui_panel("Hits of the cone", window->right, 0);
+    if (notice.is_trouble || notice.is_old) { /* then what follows is pale */
+        ui_text_coloured(theme_texts[THEME_ORANGE], "%s", notice.text);
+    }
+    say_limits(viewer);
+    ui_dim(notice.is_old ? theme_pale : 1);
+    if (viewer->atlas_count > 1) {
+        draw_all_results(window);
+    } else {
+        bool shares_room = window->second.on || viewer->study.settings.kind;
+        panel_list(window, viewer->drawn, view_atlas_selection(viewer->drawn), shares_room ? 8 : 14);
+    }
+    ui_dim_end();
+    draw_buttons(window);
+    if (viewer->pin_count) {
+        draw_pins(window);
+    }
+    panel_study(window, notice.is_old);
+    bool two = window->second.on; /* then its list stands below the first one's */
+    if (two) {
+        panel_second(window);
+    }
+    panel_cone(window);
+    if (!two) {
+        panel_second(window);
+    }
+    ui_panel_end();
+}

@@ -1,0 +1,91 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The second tool: what moves it, its angle, and the list of what its cone hits. */
+#include "viewer/panes/panels.h"
+
+#include "viewer/window/hands.h"
+
+#include <math.h>
+
+/* All but the replay. */
+static void choose_pointer(struct window *window)
+{
+    static const enum pointer places[] = {POINT_BY_MOUSE, POINT_BY_WAND, POINT_BY_TRACKER, POINT_BY_SPACEMOUSE,
+                                          POINT_BY_GAMEPAD};
+    enum { PLACES = sizeof places / sizeof places[0] };
+    const char *names[PLACES];
+    size_t chosen = 0;
+    for (size_t i = 0; i < PLACES; i++) {
+        names[i] = hands_pointers[places[i]];
+        chosen = places[i] == window->second.pointer ? i : chosen;
+    }
+    if (ui_choose("points", &chosen, names, PLACES)) {
+        hands_choose(window, SECOND_HAND, places[chosen]);
+    }
+    ui_tip(
+        "what moves the second tool: another device than the first one's, or another tool of a tracker; 3: the next");
+}
+
+static void choose_settings(struct window *window)
+{
+    struct second *second = &window->second;
+    struct tool tool = hands_tool(window, SECOND_HAND);
+    choose_pointer(window);
+    panel_speed(window, second->pointer);
+    double angle = second_angle(second);
+    if (ui_slider("angle", &angle, 0.1, 179, "%.1f\u00b0", true)) {
+        second->angle = angle;
+        second_touch(second);
+    }
+    ui_tip("full opening of the second cone, degrees; 5 and 6 change it");
+    bool held = second->held;
+    if (ui_check("hold", &held)) {
+        tool_hold(&tool);
+    }
+    ui_tip("nothing moves the second tool; 4 changes it");
+    ui_same_line();
+    if (ui_button("confirm 2")) {
+        tool_confirm(&tool);
+    }
+    ui_tip("pins the best hit of the second cone");
+}
+
+static void draw_lists(struct window *window)
+{
+    const struct viewer *viewer = window->viewer;
+    float lines = fmaxf(8.0F / (float)viewer->atlas_count, 5); /* as the first tool's */
+    for (size_t i = 0; i < viewer->atlas_count; i++) {
+        ui_id((uint32_t)i);
+        if (viewer->atlas_count > 1) {
+            ui_text_coloured(theme_texts[THEME_AMBER], "%s", viewer->atlases[i].name);
+        }
+        panel_list(window, &viewer->atlases[i], second_selection(&window->second, i), lines);
+        ui_id_end();
+    }
+}
+
+void panel_second(struct window *window)
+{
+    struct notice notice;
+    bool on = window->second.on;
+    ui_id(2); /* widgets have the names of the first tool's */
+    if (ui_check("second tool", &on)) {
+        second_use(&window->second, window->viewer, on);
+    }
+    ui_tip("another cone, of another device, with a list of its own; 2 switches it on and off");
+    if (window->second.on) {
+        second_update(&window->second,
+                      window->viewer); /* the panel of areas may have changed the atlas in this frame */
+        hands_notice(&notice, window, SECOND_HAND);
+        ui_same_line();
+        ui_chip("colour of its cone", ((ui_colour){SECOND_RGB, 255}));
+        if (notice.text) {
+            ui_text_coloured(theme_texts[notice.is_trouble ? THEME_ORANGE : THEME_PLAIN], "%s", notice.text);
+        }
+        ui_dim(notice.is_old ? theme_pale : 1);
+        draw_lists(window);
+        ui_dim_end();
+        choose_settings(window);
+        ui_separator();
+    }
+    ui_id_end();
+}

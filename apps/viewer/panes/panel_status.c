@@ -1,0 +1,84 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The status line. */
+#include "viewer/panes/panels.h"
+
+#include "viewer/ui/ui_list.h"
+#include "viewer/window/hover.h"
+
+#include <math.h>
+#include <stdio.h>
+
+enum { STATUS_TEXT = HOVER_TEXT + 256 };
+
+static const float gap = 16; /* pixels at scale 1, between the parts of the line */
+
+static void write_place(char out[STATUS_TEXT], const struct window *window)
+{
+    const struct viewer *viewer = window->viewer;
+    const double *at = window->hover.has_place ? window->hover.at : viewer->crosshair;
+    char text[HOVER_TEXT];
+    char place[VIEWER_PLACE_TEXT];
+    char voxel_text[80] = "";
+    char grey_text[32] = "";
+    long voxel[3];
+    double grey = conus_atlas_value(viewer->drawn->atlas, view_atlas_context(viewer->drawn), at);
+    hover_text(text, window, "; ");
+    if (viewer_voxel(voxel, viewer, at)) {
+        snprintf(voxel_text, sizeof voxel_text, "  voxel %ld, %ld, %ld", voxel[0], voxel[1], voxel[2]);
+    }
+    if (isfinite(grey)) {
+        snprintf(grey_text, sizeof grey_text, "  grey %.4g", grey);
+    }
+    snprintf(out, STATUS_TEXT, "%s %s%s%s  %s", window->hover.has_place ? "mouse" : "cross",
+             viewer_place_text(place, viewer, at), voxel_text, grey_text, text);
+}
+
+static void write_times(char out[STATUS_TEXT], const struct window *window, bool with_device)
+{
+    char device[160] = "";
+    const struct viewer *viewer = window->viewer;
+    if (viewer->painter && with_device) {
+        painter_device(viewer->painter, device, sizeof device);
+    }
+    snprintf(out, STATUS_TEXT, "frame %.1f ms, picture %.0f ms, selection %.3f ms%s%s", window->frame_ms,
+             window->painted_ms, viewer->cone.select_ms, device[0] ? ", " : "", device);
+}
+
+/* Where there is room, with what draws or without. */
+static void show_times(const struct window *window, float room)
+{
+    for (int with_device = 1; with_device >= 0; with_device--) {
+        char times[STATUS_TEXT];
+        write_times(times, window, with_device);
+        if (ui_text_width(times) + gap * window->scale <= room) {
+            ui_same_line_at(window->status.width - ui_text_width(times) - gap * window->scale / 2);
+            ui_text_coloured(theme_texts[THEME_HINT], "%s", times);
+            return;
+        }
+    }
+}
+
+/* What happened last is whole where it can be; the place gets what it leaves, and times what both leave. */
+void panel_status(struct window *window)
+{
+    char place[STATUS_TEXT];
+    const char *message = window->viewer->message;
+    float wide = window->status.width - 2 * gap * window->scale;
+    float said = fminf(message[0] ? ui_text_width(message) + gap * window->scale : 0, 0.7F * wide);
+    write_place(place, window);
+    float placed = fminf(ui_text_width(place), wide - said);
+    ui_panel("status", window->status, UI_PLAIN);
+    ui_gap(0);
+    ui_same_line_at(gap * window->scale);
+    ui_text_cut(place, placed);
+    if (message[0]) {
+        ui_same_line_at(gap * window->scale + placed + gap * window->scale);
+        ui_tint(theme_texts[THEME_AMBER]);
+        ui_text_cut(message, said - gap * window->scale);
+        ui_tint_end();
+    }
+    if (!window->quiet_status) {
+        show_times(window, wide - placed - said);
+    }
+    ui_panel_end();
+}

@@ -1,0 +1,331 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The study of the cone: shares over the angle as curves, or probabilities of jitter as bars, with their numbers. */
+#include "viewer/panes/panels.h"
+
+#include "viewer/model/studies.h"
+
+#include <math.h>
+#include <stdio.h>
+
+enum { PLOT_HEIGHT = 120, LINES = 6, TIP_ROWS = 10, SAMPLE_CHOICES = 17 };
+
+static const ui_colour ground = {24, 25, 30, 255};
+static const ui_colour grid = {255, 255, 255, 40};
+static const ui_colour nothing = {150, 150, 155, 255};
+
+static void choose_kind(struct viewer *viewer)
+{
+    static const char *const kinds[STUDY_COUNT] = {"none", "sweep of the angle", "jitter of the pose"};
+    struct study_settings study = viewer->study.settings;
+    size_t kind = study.kind;
+    if (ui_choose("study", &kind, kinds, STUDY_COUNT)) {
+        study.kind = (enum study_kind)kind;
+        studies_use(viewer, &study);
+    }
+    ui_tip("sweep: the shares of the cone at several angles; jitter: how probable each area is to be the one hit\n"
+           "where the pose is not exactly known; the numbers of conus sweep, of the cone as it is now. J: the next");
+}
+
+static void choose_angles(struct viewer *viewer)
+{
+    struct study_settings study = viewer->study.settings;
+    if (ui_numbers("from, to, by \u00b0", study.angles, "%.4g")) {
+        studies_use(viewer, &study);
+    }
+    ui_tip(
+        "full opening angles in degrees: the first, the last, and the step between them (--angles); Enter takes them");
+}
+
+static void choose_errors(struct viewer *viewer)
+{
+    static const char *const samples[SAMPLE_CHOICES] = {
+        "16",   "32",    "64",    "128",   "256",    "512",    "1024",   "2048",   "4096",
+        "8192", "16384", "32768", "65536", "131072", "262144", "524288", "1048576"}; /* from 2^4 on */
+    struct study_settings study = viewer->study.settings;
+    size_t choice = (size_t)lround(log2(study.samples)) - 4;
+    bool changed = ui_slider("tilt", &study.tilt_deg, 0, 20, "%.2f\u00b0", false);
+    ui_tip("standard deviation of the axis about two axes, degrees (--jitter)");
+    changed = ui_slider("shift", &study.shift_mm, 0, 20, "%.2f mm", false) || changed;
+    ui_tip("standard deviation of the position along three axes, mm (--jitter)");
+    if (ui_choose("poses", &choice, samples, SAMPLE_CHOICES)) {
+        study.samples = ldexp(1, (int)choice + 4);
+        changed = true;
+    }
+    ui_tip("how many poses are traced (--samples)");
+    if (changed) {
+        studies_use(viewer, &study);
+    }
+}
+
+static ui_colour colour_of(const struct viewer *viewer, uint32_t object)
+{
+    uint8_t rgb[3];
+    viewer_colour(rgb, viewer, object);
+    return object ? (ui_colour){rgb[0], rgb[1], rgb[2], 255} : nothing;
+}
+
+static const char *name_of(const struct viewer *viewer, uint32_t object)
+{
+    const conus_object *info = conus_atlas_object(viewer->drawn->atlas, object);
+    return info ? info->name : "(nothing hit)";
+}
+
+/* Where an angle is in the box, 0 to 1. */
+static float across(const struct study_answer *answer, size_t angle)
+{
+    double low = answer->angles[0];
+    double high = answer->angles[answer->angle_count - 1];
+    return high > low ? (float)((answer->angles[angle] - low) / (high - low)) : 0.5F;
+}
+
+/* Dots show where shares are known, unless there are so many that they touch. */
+static void draw_line(const struct study_answer *answer, const struct study_curve *curve, struct ui_box box,
+                      ui_colour colour, float width)
+{
+    float before[2] = {0};
+    for (size_t i = 0; i < answer->angle_count; i++) {
+        const float at[2] = {box.x + box.width * across(answer, i), box.y + box.height * (float)(1 - curve->shares[i])};
+        if (i) {
+            ui_draw_line(before, at, colour, width);
+        }
+        if (8 * (float)answer->angle_count < box.width) {
+            ui_draw_circle(at, width, colour, 0);
+        }
+        before[0] = at[0];
+        before[1] = at[1];
+    }
+}
+
+/* With a light edge, since areas may be as dark as the ground. */
+static void draw_curve(const struct study_answer *answer, const struct study_curve *curve, struct ui_box box,
+                       ui_colour colour, float width)
+{
+    draw_line(answer, curve, box, (ui_colour){255, 255, 255, (uint8_t)(colour.a / 2)}, width + 1.5F);
+    draw_line(answer, curve, box, colour, width);
+}
+
+/* The angle of the sweep that is nearest to @p angle, degrees. */
+static size_t nearest_angle(const struct study_answer *answer, double angle)
+{
+    size_t nearest = 0;
+    for (size_t i = 1; i < answer->angle_count; i++) {
+        nearest = fabs(answer->angles[i] - angle) < fabs(answer->angles[nearest] - angle) ? i : nearest;
+    }
+    return nearest;
+}
+
+static double angle_under(const struct study_answer *answer, struct ui_box box, float x)
+{
+    double low = answer->angles[0];
+    double high = answer->angles[answer->angle_count - 1];
+    return low + (double)((x - box.x) / box.width) * (high - low);
+}
+
+static void draw_grid(struct ui_box box)
+{
+    ui_draw_box(box, ground, 0);
+    for (int quarter = 0; quarter <= 4; quarter++) {
+        float y = box.y + box.height * (float)quarter / 4;
+        ui_draw_line((float[]){box.x, y}, (float[]){box.x + box.width, y}, grid, 1);
+    }
+}
+
+static void draw_numbers(const struct study_answer *answer, struct ui_box box)
+{
+    char low[32];
+    char high[32];
+    snprintf(low, sizeof low, "%.4g\u00b0", answer->angles[0]);
+    snprintf(high, sizeof high, "%.4g\u00b0", answer->angles[answer->angle_count - 1]);
+    float below = box.y + box.height + 3;
+    ui_draw_text((float[]){box.x - ui_text_width("100 %") - 7, box.y - ui_line() / 2}, theme_texts[THEME_HINT],
+                 "100 %");
+    ui_draw_text((float[]){box.x - ui_text_width("0 %") - 7, box.y + box.height - ui_line() / 2},
+                 theme_texts[THEME_HINT], "0 %");
+    ui_draw_text((float[]){box.x, below}, theme_texts[THEME_HINT], low);
+    ui_draw_text((float[]){box.x + box.width / 2 - ui_text_width("full opening") / 2, below}, theme_texts[THEME_HINT],
+                 "full opening");
+    ui_draw_text((float[]){box.x + box.width - ui_text_width(high), below}, theme_texts[THEME_HINT], high);
+}
+
+/* The areas of that angle, in the order of the list below. */
+static void tip_of_angle(const struct viewer *viewer, const struct study_answer *answer,
+                         const struct study_table *table, size_t angle)
+{
+    char tip[1024];
+    size_t used = (size_t)snprintf(tip, sizeof tip, "at %.4g\u00b0", answer->angles[angle]);
+    size_t rows = 0;
+    for (size_t i = 0; i < table->curve_count && rows < TIP_ROWS && used < sizeof tip; i++) {
+        const struct study_curve *curve = &table->curves[i];
+        if (curve->shares[angle] > 0) {
+            used += (size_t)snprintf(tip + used, sizeof tip - used, "\n%6.2f %%  %s", 100 * curve->shares[angle],
+                                     name_of(viewer, curve->object));
+            rows++;
+        }
+    }
+    ui_tip(tip);
+}
+
+/* Gives the angle that the list below is about: the one under the mouse, or else that of the cone. */
+static size_t draw_plot(const struct window *window, const struct study_answer *answer, const struct study_table *table,
+                        bool is_old)
+{
+    const struct viewer *viewer = window->viewer;
+    struct ui_box area = ui_area("plot", PLOT_HEIGHT * window->scale + 1.5F * ui_line());
+    float left = ui_text_width("100 %") + 12;
+    struct ui_box box = {area.x + left, area.y + ui_line() / 2, fmaxf(area.width - left - 8, 1),
+                         fmaxf(area.height - 2 * ui_line(), 1)};
+    bool hovered = ui_hovered();
+    size_t angle = nearest_angle(answer, hovered ? angle_under(answer, box, ui_mouse_now().x) : viewer->cone.angle);
+    if (hovered) {
+        tip_of_angle(viewer, answer, table, angle);
+    }
+    draw_grid(box);
+    float x = box.x + box.width * across(answer, angle);
+    ui_draw_line((float[]){x, box.y}, (float[]){x, box.y + box.height}, theme_texts[THEME_HINT], 1);
+    for (size_t i = table->curve_count; i > 0; i--) { /* the largest in front */
+        const struct study_curve *curve = &table->curves[i - 1];
+        bool chosen = curve->object && curve->object == viewer->drawn->shown.chosen;
+        ui_colour colour = colour_of(viewer, curve->object);
+        colour.a = is_old ? 80 : 255;
+        draw_curve(answer, curve, box, colour, chosen ? 3.5F : 1.5F);
+    }
+    draw_numbers(answer, box);
+    return angle;
+}
+
+static void draw_name(struct viewer *viewer, uint32_t object)
+{
+    ui_cell();
+    ui_chip("colour", colour_of(viewer, object));
+    ui_same_line();
+    if (!object) {
+        ui_text("(nothing hit)");
+    } else if (ui_row(name_of(viewer, object), viewer->drawn->shown.chosen == object)) {
+        viewer_choose(viewer, object);
+    }
+}
+
+static void draw_part(double part, float width, ui_colour colour)
+{
+    ui_cell();
+    ui_bar(part, width, colour);
+    ui_same_line();
+    ui_text("%6.2f %%", 100 * part);
+}
+
+static void draw_percent(double part)
+{
+    ui_cell();
+    ui_text("%6.2f %%", 100 * part);
+}
+
+static void draw_shares(struct window *window, const struct study_answer *answer, const struct study_table *table,
+                        size_t angle)
+{
+    char at[48];
+    struct viewer *viewer = window->viewer;
+    snprintf(at, sizeof at, "share at %.4g\u00b0###share", answer->angles[angle]);
+    const char *columns[3] = {"area", at, "most"};
+    if (ui_table("shares", columns, 3, LINES * ui_line())) {
+        for (size_t i = 0; i < table->curve_count; i++) {
+            const struct study_curve *curve = &table->curves[i];
+            ui_id(curve->object);
+            draw_name(viewer, curve->object);
+            draw_part(curve->shares[angle], 40 * window->scale, colour_of(viewer, curve->object));
+            draw_percent(curve->most);
+            ui_id_end();
+        }
+        ui_table_end();
+    }
+}
+
+static void tip_of_chance(const struct viewer *viewer, const conus_chance *chance)
+{
+    char tip[320];
+    size_t used = (size_t)snprintf(tip, sizeof tip,
+                                   "%s\nis the one hit: %.2f %%, standard error %.2f %%\nsome pixel hits it first: "
+                                   "%.2f %%\nshare: %.2f %% on average, varies by %.2f %%",
+                                   name_of(viewer, chance->object), 100 * chance->hit, 100 * chance->hit_error,
+                                   100 * chance->seen, 100 * chance->share, 100 * chance->share_deviation);
+    if (isfinite(chance->in_cone) && used < sizeof tip) {
+        snprintf(tip + used, sizeof tip - used, "\nis in the cone at all: %.2f %%", 100 * chance->in_cone);
+    }
+    ui_tip(tip);
+}
+
+static void draw_chances(struct window *window, const struct study_table *table)
+{
+    static const char *const columns[] = {"area", "hit", "\u00b1", "seen"};
+    struct viewer *viewer = window->viewer;
+    if (ui_table("chances", columns, 4, (LINES + 2) * ui_line())) {
+        for (size_t i = 0; i < table->chance_count; i++) {
+            const conus_chance *chance = &table->chances[i];
+            ui_id(chance->object);
+            draw_name(viewer, chance->object);
+            tip_of_chance(viewer, chance);
+            draw_part(chance->hit, 40 * window->scale, colour_of(viewer, chance->object));
+            draw_percent(chance->hit_error);
+            draw_percent(chance->seen);
+            ui_id_end();
+        }
+        ui_table_end();
+    }
+}
+
+static void draw_answer(struct window *window, const struct study_answer *answer, bool is_old)
+{
+    const struct viewer *viewer = window->viewer;
+    size_t drawn = (size_t)(viewer->drawn - viewer->atlases);
+    const struct study_table *table = drawn < answer->atlas_count ? &answer->tables[drawn] : NULL;
+    if (!answer->text || !table) {
+        ui_text_wrapped(answer->error);
+    } else if (answer->question.settings.kind == STUDY_SWEEP) {
+        draw_shares(window, answer, table, draw_plot(window, answer, table, is_old));
+    } else {
+        draw_chances(window, table);
+    }
+}
+
+static void draw_study(struct window *window, bool cone_is_old)
+{
+    const struct viewer *viewer = window->viewer;
+    const struct study_answer *answer = viewer->study.answer;
+    bool is_behind = studies_is_old(viewer);
+    bool is_old = is_behind || cone_is_old;
+    bool fits = answer && answer->question.settings.kind == viewer->study.settings.kind;
+    ui_text_coloured(theme_texts[is_old ? THEME_ORANGE : THEME_HINT], "%s", /* always a line, so that nothing jumps */
+                     !is_old     ? "of the cone as it is now"
+                     : !fits     ? "computing"
+                     : is_behind ? "OLD: computing the new one"
+                                 : "OLD ANSWER");
+    ui_dim(is_old ? theme_pale : 1);
+    if (fits) {
+        draw_answer(window, answer, is_old);
+    }
+    ui_dim_end();
+    if (ui_button("copy study")) {
+        window_copy(window, COPY_STUDY);
+    }
+    ui_tip("copies the table that conus sweep prints");
+    ui_same_line();
+    if (ui_button("save study")) {
+        window_press(window, "ctrl+j");
+    }
+    ui_tip("saves that table, conus-DATE-TIME.tsv, in the folder where conus was started (Ctrl+J)");
+}
+
+void panel_study(struct window *window, bool is_old)
+{
+    struct viewer *viewer = window->viewer;
+    choose_kind(viewer);
+    if (viewer->study.settings.kind == STUDY_SWEEP) {
+        choose_angles(viewer);
+    } else if (viewer->study.settings.kind == STUDY_JITTER) {
+        choose_errors(viewer);
+    }
+    if (studies_is_on(viewer)) {
+        draw_study(window, is_old);
+    } else if (viewer->study.settings.kind) {
+        ui_text("no cone to study yet");
+    }
+}

@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file The shape of some objects of an atlas, as cells at its surface, and its shadow in a picture. World RAS+, mm.
+ */
+#ifndef CONUS_VIEWER_PICTURES_CELLS_H
+#define CONUS_VIEWER_PICTURES_CELLS_H
+
+#include "viewer/pictures/sight.h"
+
+/** Cubes that have an object's place at their middle, and a neighbour that has not. */
+struct cells {
+    double (*middles)[3]; /**< [count] */
+    size_t count;
+    double edge; /**< Of each, mm. */
+};
+
+/** Finds the shape of all objects that @p wanted, [objects + 1], says, as cuts through @p atlas show them, in up to 64
+ * cells along its longest side: where objects overlap, the one in front counts; hidden ones and surfaces that are not
+ * closed have no cells. End it with cells_finish(). Errors: as of conus_cutter_draw(). */
+conus_status cells_find(struct cells *out, const conus_atlas *atlas, const bool *wanted);
+void cells_finish(struct cells *cells); /**< One that is all 0 is fine. */
+
+/** Sets what they cover in a picture to 1, in @p mask, [height width], top row first, whose other pixels stay. */
+void cells_cast(uint8_t *mask, uint32_t width, uint32_t height, const struct cells *cells, const struct sight *sight);
+
+#endif

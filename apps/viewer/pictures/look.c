@@ -1,0 +1,122 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What is behind, opacities, and pathways as haze. */
+#include "viewer/pictures/look.h"
+
+#include "viewer/pictures/sheet.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+const char *const backdrop_names[BACKDROP_COUNT] = {"light", "white", "black", "transparent"};
+
+void backdrop_set(conus_view *view, enum backdrop backdrop)
+{
+    view->background = backdrop == BACKDROP_LIGHT ? CONUS_BACKGROUND_LIGHT : CONUS_BACKGROUND_COLOUR;
+    memset(view->background_rgb, backdrop == BACKDROP_BLACK ? 0 : 255, sizeof view->background_rgb);
+}
+
+void sheet_init(struct sheet *out)
+{
+    *out = (struct sheet){.pixels = {1400, 1050}, .mm = {85, 64}};
+}
+
+bool sheet_is_same(const struct sheet *a, const struct sheet *b)
+{
+    return a->in_mm == b->in_mm && a->pixels[0] == b->pixels[0] && a->pixels[1] == b->pixels[1] &&
+           a->mm[0] == b->mm[0] && a->mm[1] == b->mm[1] && a->dpi == b->dpi && a->legend == b->legend &&
+           a->no_text == b->no_text;
+}
+
+const char *haze_name(size_t haze)
+{
+    return haze == HAZE_NONE   ? "solid"
+           : haze == HAZE_OWN  ? "own"
+           : haze < HAZE_LIMIT ? conus_transfer_preset(haze - HAZE_OWN - 1)
+                               : NULL;
+}
+
+size_t haze_find(const char *name)
+{
+    for (size_t haze = 0; haze_name(haze); haze++) {
+        if (strcmp(haze_name(haze), name) == 0) {
+            return haze;
+        }
+    }
+    return HAZE_LIMIT;
+}
+
+bool look_init(struct look *out, size_t object_count)
+{
+    *out = (struct look){.opacity = malloc((object_count + 1) * sizeof *out->opacity),
+                         .haze = calloc(object_count + 1, sizeof *out->haze),
+                         .streamline_range = {NAN, NAN},
+                         .object_count = object_count};
+    for (size_t number = 0; out->opacity && number <= object_count; number++) {
+        out->opacity[number] = number ? NAN : 1;
+    }
+    if (!out->opacity || !out->haze) {
+        look_finish(out);
+        return false;
+    }
+    return true;
+}
+
+void look_finish(struct look *look)
+{
+    free(look->opacity);
+    free(look->haze);
+    *look = (struct look){0};
+}
+
+void look_colour_streamlines(struct look *look, const conus_atlas *atlas, size_t colour)
+{
+    const char *name = colour < TRACT_BY_NUMBER ? NULL : tract_colour_name(atlas, colour);
+    look->streamlines = colour;
+    look->streamline_range[0] = look->streamline_range[1] = NAN;
+    if (name) {
+        (void)tract_colour_range(look->streamline_range, atlas, name);
+    }
+}
+
+const char *look_streamline_colour(const struct look *look, const conus_atlas *atlas)
+{
+    return look->streamlines == TRACT_BY_BUNDLE ? NULL : tract_colour_name(atlas, look->streamlines);
+}
+
+bool look_same_tracts(const struct look *a, const struct look *b)
+{
+    return a->streamlines == b->streamlines && a->object_count == b->object_count &&
+           memcmp(a->haze, b->haze, (a->object_count + 1) * sizeof *a->haze) == 0;
+}
+
+void look_set(conus_view *view, const struct look *look)
+{
+    view->opacity = look->opacity;
+    view->pale = look->opacity[0];
+}
+
+static double clamp(double value, double low, double high)
+{
+    return fmin(fmax(value, low), high);
+}
+
+void look_move_grey(double grey[2], const double found[2], double right, double up)
+{
+    double range = found[1] - found[0];
+    double width = clamp((grey[1] - grey[0]) * exp(-right), range / 1000, 10 * range);
+    double level = clamp((grey[0] + grey[1]) / 2 - up * range, found[0] - range, found[1] + range);
+    grey[0] = level - width / 2;
+    grey[1] = level + width / 2;
+}
+
+size_t look_pathways(conus_pathway_transfer *out, const struct look *look)
+{
+    size_t count = 0;
+    for (size_t number = 1; number <= look->object_count; number++) {
+        if (look->haze[number] != HAZE_NONE) {
+            out[count++] = (conus_pathway_transfer){(uint32_t)number, haze_name(look->haze[number])};
+        }
+    }
+    return count;
+}

@@ -1,0 +1,50 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file How one atlas is drawn: what a user changes of it. Pictures differ by it, answers never. */
+#ifndef CONUS_VIEWER_PICTURES_LOOK_H
+#define CONUS_VIEWER_PICTURES_LOOK_H
+
+#include "viewer/pictures/tract_colour.h"
+
+/** What lies behind the brain in 3-D. */
+enum backdrop { BACKDROP_LIGHT = 0, BACKDROP_WHITE, BACKDROP_BLACK, BACKDROP_TRANSPARENT, BACKDROP_COUNT };
+/** Their names, as conus render --background has them. */
+extern const char *const backdrop_names[BACKDROP_COUNT];
+/** Sets it in @p view, of a pane: there what is transparent is white. */
+void backdrop_set(conus_view *view, enum backdrop backdrop);
+
+/** How a pathway is drawn: as a surface, or as haze by a transfer function of its value: its own colour, the presets.
+ */
+enum { HAZE_NONE = 0, HAZE_OWN, HAZE_LIMIT = 32 };
+/** "solid" and, as conus render --pathway-transfer has them, "own", "brain", ...; NULL past the last. Static. */
+const char *haze_name(size_t haze);
+/** The one of that name; HAZE_LIMIT = none. */
+size_t haze_find(const char *name);
+
+struct look {
+    double grey[2]; /**< Values of the context that the cuts show as black and white; both 0 = those that were found. */
+    double *opacity; /**< [object_count + 1] Of surfaces in 3-D, by number, 0 to 1; NaN = as the first entry says, which
+                          is of what the cone does not hit and more than 0. */
+    uint8_t *haze;   /**< [object_count + 1] Of pathways, as above. */
+    size_t streamlines;         /**< What colours them (tract_colour.h). */
+    double streamline_range[2]; /**< Of the number that does, its values; NaN of other colours. */
+    size_t object_count;
+};
+
+/** All as conus draws it by itself; false without memory. */
+bool look_init(struct look *out, size_t object_count);
+void look_finish(struct look *look);
+/** Colours streamlines by this, of pictures/tract_colour.h. */
+void look_colour_streamlines(struct look *look, const conus_atlas *atlas, size_t colour);
+/** Whether both draw pathways and streamlines in the same way. */
+bool look_same_tracts(const struct look *a, const struct look *b);
+/** Sets the opacities in @p view, which borrows them. */
+void look_set(conus_view *view, const struct look *look);
+/** Moves the grey values @p grey of the cuts: @p up makes it brighter, by the width of @p found for 1; @p right gives
+ * more contrast, e times for 1. Black stays below white, and both near @p found, which some images were found with. */
+void look_move_grey(double grey[2], const double found[2], double right, double up);
+/** The name for conus_renderer_options; NULL = that of bundles. */
+const char *look_streamline_colour(const struct look *look, const conus_atlas *atlas);
+/** The pathways that are haze, in @p out of [object_count]; returns how many. */
+size_t look_pathways(conus_pathway_transfer *out, const struct look *look);
+
+#endif

@@ -1,0 +1,497 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The thread that draws 3-D pictures: coarse, full, smooth. */
+#include "viewer/pictures/painter.h"
+
+#include "link/clock.h"
+
+#include <math.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+
+/* While the view moves a picture shall take no longer; and no coarser than that many pixels of the pane per pixel. */
+static const double quick_ms = 60;
+/* What a driver without a GPU is taken to need, before it has drawn anything: the first picture is a quick one, too. */
+static const double software_ms_per_pixel = 0.0015;
+/* Pictures shall not hold up the window, where both share processors: above 0, "nicer" than it. */
+static const int niceness = 2;
+enum { COARSEST = 5, MESSAGE_SIZE = 512, LEVELS = 4096, TRANSFER_POINTS = 64 };
+
+/* How fine pictures of one painting become, one after the other. */
+enum stage { STAGE_NONE = 0, STAGE_COARSE, STAGE_FULL, STAGE_SMOOTH };
+
+/* What changed of the scene, and is not drawn yet. */
+struct scene_news {
+    bool hidden;                  /* the atlas hides other objects */
+    conus_transfer_point *points; /* of another transfer function; NULL = none */
+    size_t point_count;
+    double *opacity; /* as in struct look; NULL = none */
+};
+
+struct painter {
+    pthread_t thread;
+    pthread_mutex_t lock; /* guards what follows */
+    pthread_cond_t wake;
+    bool stop;
+    struct painting asked;
+    bool is_new;    /* asked has not been begun */
+    bool is_busy;   /* reads the atlas */
+    unsigned holds; /* the window is about to change the atlas, or does: do not begin to read it */
+    struct scene_news news;
+    pthread_cond_t rest; /* is_busy ended */
+    struct painted done;
+    char error[MESSAGE_SIZE];
+    char device[160];
+    bool has_news;
+    conus_transfer_point used[TRANSFER_POINTS]; /* the transfer function in use */
+    size_t used_count;
+
+    /* the thread's own */
+    const conus_atlas *atlas;
+    char *transfer;
+    double *opacity;
+    conus_pathway_transfer *pathways;
+    size_t pathway_count;
+    const char *streamline_colour; /* the atlas's, or static */
+    conus_log log;
+    void (*wake_window)(void);
+    double ms_per_pixel;
+    uint8_t bytes[LEVELS]; /* sRGB of linear light */
+};
+
+bool painting_shows_same(const struct painting *a, const struct painting *b)
+{
+    return a->width == b->width && a->height == b->height && a->fade == b->fade && a->backdrop == b->backdrop &&
+           a->chosen == b->chosen && a->answer_number == b->answer_number && a->scene_number == b->scene_number &&
+           sight_is_same(&a->sight, &b->sight);
+}
+
+/* With the lock held; ends it. */
+static void wake_window(struct painter *painter)
+{
+    painter->has_news = true;
+    pthread_mutex_unlock(&painter->lock);
+    if (painter->wake_window) {
+        painter->wake_window();
+    }
+}
+
+static void note_error(struct painter *painter)
+{
+    pthread_mutex_lock(&painter->lock);
+    snprintf(painter->error, sizeof painter->error, "%s", conus_message());
+    wake_window(painter);
+}
+
+static void make_bytes(struct painter *painter)
+{
+    for (int i = 0; i < LEVELS; i++) {
+        double linear = (double)i / (LEVELS - 1);
+        double srgb = linear <= 0.0031308 ? 12.92 * linear : 1.055 * pow(linear, 1 / 2.4) - 0.055;
+        painter->bytes[i] = (uint8_t)(255 * srgb + 0.5);
+    }
+}
+
+static uint8_t *bytes_of(const struct painter *painter, const conus_image *image)
+{
+    static const char *const channels[] = {"R", "G", "B"};
+    size_t pixels = (size_t)conus_image_width(image) * conus_image_height(image);
+    uint8_t *rgba = malloc(4 * pixels);
+    for (size_t c = 0; rgba && c < 3; c++) {
+        const float *plane = conus_image_floats(image, channels[c]);
+        for (size_t p = 0; p < pixels; p++) {
+            float level = fminf(fmaxf(plane[p], 0), 1) * (LEVELS - 1);
+            rgba[4 * p + c] = painter->bytes[(size_t)(level + 0.5F)];
+            rgba[4 * p + 3] = 255;
+        }
+    }
+    return rgba;
+}
+
+static void hand_over(struct painter *painter, struct painted *picture)
+{
+    pthread_mutex_lock(&painter->lock);
+    free(painter->done.rgba);
+    painter->done = *picture;
+    wake_window(painter);
+}
+
+/* Pixels of the pane per pixel of the picture. */
+static double coarseness(const struct painter *painter, const struct painting *what, enum stage stage)
+{
+    double pixels = (double)what->width * what->height;
+    double wanted = sqrt(painter->ms_per_pixel * pixels / quick_ms);
+    return stage == STAGE_COARSE ? fmin(fmax(wanted, 1), COARSEST) : 1;
+}
+
+static bool is_news(const struct scene_news *news)
+{
+    return news->hidden || news->points || news->opacity;
+}
+
+/* A picture that is being drawn. */
+struct drawing {
+    struct painter *painter;
+    const struct painting *what;
+};
+
+/* Asked between its pieces: whether nobody has asked for another one meanwhile, nor is about to change the scene. */
+static bool is_wanted(void *user, size_t done, size_t total)
+{
+    const struct drawing *drawing = user;
+    struct painter *painter = drawing->painter;
+    (void)done, (void)total;
+    pthread_mutex_lock(&painter->lock);
+    bool other = painter->is_new && !painting_shows_same(&painter->asked, drawing->what);
+    bool wanted = !painter->stop && !painter->holds && !is_news(&painter->news) && !other;
+    pthread_mutex_unlock(&painter->lock);
+    return wanted;
+}
+
+/* Returns the stage that is reached: the one before where the picture is not wanted any more. A coarse one is drawn to
+ * its end, or else a view that moves would have none. */
+static enum stage paint(struct painter *painter, conus_renderer *renderer, const struct painting *what,
+                        enum stage stage)
+{
+    struct drawing drawing = {painter, what};
+    double coarse = coarseness(painter, what, stage);
+    conus_image *image = NULL;
+    const double *f = what->sight.frustum;
+    conus_view view = {.width = (uint32_t)fmax(what->width / coarse, 1),
+                       .height = (uint32_t)fmax(what->height / coarse, 1),
+                       .frustum = {f[0], f[1], f[2], f[3]},
+                       .camera = &what->sight.camera,
+                       .selection = answer_selection(what->answer),
+                       .chosen = what->chosen,
+                       .no_legend = true,
+                       .draft = stage != STAGE_SMOOTH,
+                       .fade = what->fade,
+                       .opacity = painter->opacity,
+                       .pale = painter->opacity[0],
+                       .progress = stage == STAGE_COARSE ? NULL : is_wanted,
+                       .progress_user = &drawing};
+    backdrop_set(&view, what->backdrop);
+    double begun = clock_ms();
+    conus_status status = conus_render(&image, renderer, &view);
+    if (status == CONUS_ERROR_CANCELLED) {
+        return stage - 1;
+    }
+    if (status) {
+        note_error(painter);
+        return STAGE_SMOOTH;
+    }
+    struct painted picture = {.width = view.width, .height = view.height, .what = *what, .fine = stage == STAGE_SMOOTH};
+    picture.rgba = bytes_of(painter, image);
+    picture.what.answer = NULL;
+    picture.milliseconds = clock_ms() - begun;
+    conus_image_destroy(image);
+    if (stage != STAGE_SMOOTH) {
+        painter->ms_per_pixel = picture.milliseconds / ((double)view.width * view.height);
+    }
+    if (picture.rgba) {
+        hand_over(painter, &picture);
+    }
+    bool is_full = view.width == what->width && view.height == what->height;
+    return stage == STAGE_COARSE && is_full ? STAGE_FULL : stage;
+}
+
+static void note_device(struct painter *painter, const char *device)
+{
+    pthread_mutex_lock(&painter->lock);
+    snprintf(painter->device, sizeof painter->device, "%s", device);
+    pthread_mutex_unlock(&painter->lock);
+    bool is_software = strstr(device, "llvmpipe") || strstr(device, "softpipe");
+    painter->ms_per_pixel = is_software ? software_ms_per_pixel : 0;
+}
+
+/* The window draws a frame of it, but not beside the first picture, which comes with it where one is asked for. */
+static void note_transfer(struct painter *painter, const conus_renderer *renderer)
+{
+    size_t count;
+    const conus_transfer_point *points = conus_renderer_transfer(&count, renderer);
+    count = count < TRANSFER_POINTS ? count : 0; /* a long table is not for editing by hand */
+    pthread_mutex_lock(&painter->lock);
+    if (!painter->used_count) { /* else another one was set meanwhile */
+        memcpy(painter->used, points ? points : painter->used, count * sizeof *points);
+        painter->used_count = count;
+    }
+    if (painter->is_new) {
+        pthread_mutex_unlock(&painter->lock);
+    } else {
+        wake_window(painter);
+    }
+}
+
+/* Ends what is left of it. */
+static void forget_news(struct scene_news *news)
+{
+    free(news->points);
+    free(news->opacity);
+    *news = (struct scene_news){0};
+}
+
+static void apply_news(struct painter *painter, conus_renderer *renderer, struct scene_news *news)
+{
+    conus_status status = news->hidden ? conus_renderer_update(renderer) : CONUS_OK;
+    if (!status && news->points) {
+        status = conus_renderer_set_transfer(renderer, news->points, news->point_count);
+    }
+    if (status) {
+        note_error(painter);
+    }
+    if (news->opacity) {
+        free(painter->opacity);
+        painter->opacity = news->opacity;
+        news->opacity = NULL;
+    }
+    forget_news(news);
+}
+
+/* With the lock held. */
+static void end_reading(struct painter *painter)
+{
+    painter->is_busy = false;
+    pthread_cond_signal(&painter->rest);
+}
+
+/* Waits for something to do; what is there is moved out. False: stop. */
+static bool wait_for_work(struct painter *painter, struct painting *what, enum stage *stage, struct scene_news *news)
+{
+    pthread_mutex_lock(&painter->lock);
+    end_reading(painter);
+    bool idle = *stage == STAGE_SMOOTH || *stage == STAGE_NONE || what->moving;
+    while (!painter->stop && (painter->holds || (idle && !painter->is_new && !is_news(&painter->news)))) {
+        pthread_cond_wait(&painter->wake, &painter->lock);
+    }
+    bool rests = painter->is_new && !is_news(&painter->news) &&
+                 painting_shows_same(&painter->asked, what); /* what was drawn so far holds: continue, finer */
+    bool changed = (painter->is_new || is_news(&painter->news)) && !rests;
+    if (painter->is_new) {
+        answer_drop(what->answer);
+        *what = painter->asked;
+        painter->asked.answer = NULL;
+        painter->is_new = false;
+    }
+    if (changed) {
+        *stage = STAGE_NONE;
+    }
+    *news = painter->news;
+    painter->news = (struct scene_news){0};
+    bool continues = !painter->stop;
+    painter->is_busy = continues;
+    pthread_mutex_unlock(&painter->lock);
+    return continues;
+}
+
+static void paint_all(struct painter *painter, conus_renderer *renderer)
+{
+    struct painting what = {0};
+    enum stage stage = STAGE_NONE;
+    struct scene_news news;
+    while (wait_for_work(painter, &what, &stage, &news)) {
+        apply_news(painter, renderer, &news);
+        if (what.width && what.height) {
+            stage = paint(painter, renderer, &what, stage + 1);
+        }
+    }
+    forget_news(&news);
+    answer_drop(what.answer);
+}
+
+static void *run(void *user)
+{
+    struct painter *painter = user;
+    conus_renderer *renderer = NULL;
+    const conus_renderer_options options = {.transfer = painter->transfer,
+                                            .log = painter->log,
+                                            .pathways = painter->pathways,
+                                            .pathway_count = painter->pathway_count,
+                                            .streamline_colour = painter->streamline_colour};
+    make_bytes(painter);
+    setpriority(PRIO_PROCESS, 0, getpriority(PRIO_PROCESS, 0) + niceness); /* of this thread, and those it starts */
+    if (conus_renderer_create(&renderer, painter->atlas, &options)) {
+        note_error(painter);
+        pthread_mutex_lock(&painter->lock);
+        end_reading(painter);
+        pthread_mutex_unlock(&painter->lock);
+        return NULL;
+    }
+    note_device(painter, conus_renderer_device(renderer));
+    note_transfer(painter, renderer);
+    paint_all(painter, renderer);
+    conus_renderer_destroy(renderer);
+    return NULL;
+}
+
+static double *copy_opacity(const struct look *look)
+{
+    double *copy = malloc((look->object_count + 1) * sizeof *copy);
+    if (copy) {
+        memcpy(copy, look->opacity, (look->object_count + 1) * sizeof *copy);
+    }
+    return copy;
+}
+
+static void free_painter(struct painter *painter)
+{
+    forget_news(&painter->news);
+    free(painter->done.rgba);
+    free(painter->opacity);
+    free(painter->pathways);
+    free(painter->transfer);
+    free(painter);
+}
+
+bool painter_create(struct painter **out, const conus_atlas *atlas, const char *transfer, const struct look *look,
+                    conus_log log, void (*wake)(void))
+{
+    struct painter *painter = calloc(1, sizeof *painter);
+    if (!painter) {
+        return false;
+    }
+    painter->atlas = atlas;
+    painter->log = log;
+    painter->wake_window = wake;
+    painter->is_busy = true; /* until there is a renderer */
+    painter->transfer = transfer ? strdup(transfer) : NULL;
+    painter->streamline_colour = look_streamline_colour(look, atlas);
+    painter->opacity = copy_opacity(look);
+    painter->pathways = calloc(look->object_count + 1, sizeof *painter->pathways);
+    bool fine = (painter->transfer || !transfer) && painter->opacity && painter->pathways;
+    painter->pathway_count = fine ? look_pathways(painter->pathways, look) : 0;
+    pthread_mutex_init(&painter->lock, NULL);
+    pthread_cond_init(&painter->wake, NULL);
+    pthread_cond_init(&painter->rest, NULL);
+    if (!fine || pthread_create(&painter->thread, NULL, run, painter)) {
+        free_painter(painter);
+        return false;
+    }
+    *out = painter;
+    return true;
+}
+
+void painter_destroy(struct painter *painter)
+{
+    if (!painter) {
+        return;
+    }
+    pthread_mutex_lock(&painter->lock);
+    painter->stop = true;
+    pthread_cond_signal(&painter->wake);
+    pthread_mutex_unlock(&painter->lock);
+    pthread_join(painter->thread, NULL);
+    pthread_cond_destroy(&painter->wake);
+    pthread_cond_destroy(&painter->rest);
+    pthread_mutex_destroy(&painter->lock);
+    answer_drop(painter->asked.answer);
+    free_painter(painter);
+}
+
+void painter_ask(struct painter *painter, const struct painting *what)
+{
+    pthread_mutex_lock(&painter->lock);
+    answer_drop(painter->asked.answer);
+    painter->asked = *what;
+    painter->asked.answer = answer_keep(what->answer);
+    painter->is_new = true;
+    pthread_cond_signal(&painter->wake);
+    pthread_mutex_unlock(&painter->lock);
+}
+
+bool painter_has_news(struct painter *painter)
+{
+    pthread_mutex_lock(&painter->lock);
+    bool news = painter->has_news;
+    painter->has_news = false;
+    pthread_mutex_unlock(&painter->lock);
+    return news;
+}
+
+bool painter_take(struct painter *painter, struct painted *out)
+{
+    pthread_mutex_lock(&painter->lock);
+    *out = painter->done;
+    painter->done = (struct painted){0};
+    pthread_mutex_unlock(&painter->lock);
+    return out->rgba;
+}
+
+void painter_hold(struct painter *painter)
+{
+    pthread_mutex_lock(&painter->lock);
+    painter->holds++;
+    while (painter->is_busy) {
+        pthread_cond_wait(&painter->rest, &painter->lock);
+    }
+    pthread_mutex_unlock(&painter->lock);
+}
+
+void painter_resume(struct painter *painter)
+{
+    pthread_mutex_lock(&painter->lock);
+    painter->holds--;
+    painter->news.hidden = true;
+    pthread_cond_signal(&painter->wake);
+    pthread_mutex_unlock(&painter->lock);
+}
+
+bool painter_set_opacity(struct painter *painter, const struct look *look)
+{
+    double *copy = copy_opacity(look);
+    if (!copy) {
+        return false;
+    }
+    pthread_mutex_lock(&painter->lock);
+    free(painter->news.opacity);
+    painter->news.opacity = copy;
+    pthread_cond_signal(&painter->wake);
+    pthread_mutex_unlock(&painter->lock);
+    return true;
+}
+
+bool painter_set_transfer(struct painter *painter, const conus_transfer_point *points, size_t count)
+{
+    conus_transfer_point *copy = malloc(count * sizeof *copy);
+    if (!copy) {
+        return false;
+    }
+    memcpy(copy, points, count * sizeof *copy);
+    pthread_mutex_lock(&painter->lock);
+    free(painter->news.points);
+    painter->news.points = copy;
+    painter->news.point_count = count;
+    painter->used_count = count < TRANSFER_POINTS ? count : 0;
+    memcpy(painter->used, points, painter->used_count * sizeof *points);
+    pthread_cond_signal(&painter->wake);
+    pthread_mutex_unlock(&painter->lock);
+    return true;
+}
+
+size_t painter_transfer(struct painter *painter, conus_transfer_point *points, size_t capacity)
+{
+    pthread_mutex_lock(&painter->lock);
+    size_t count = painter->used_count < capacity ? painter->used_count : capacity;
+    memcpy(points, painter->used, count * sizeof *points);
+    pthread_mutex_unlock(&painter->lock);
+    return count;
+}
+
+static void copy_text(struct painter *painter, const char *text, char *out, size_t size)
+{
+    pthread_mutex_lock(&painter->lock);
+    snprintf(out, size, "%s", text);
+    pthread_mutex_unlock(&painter->lock);
+}
+
+bool painter_error(struct painter *painter, char *out, size_t size)
+{
+    copy_text(painter, painter->error, out, size);
+    return out[0];
+}
+
+void painter_device(struct painter *painter, char *out, size_t size)
+{
+    copy_text(painter, painter->device, out, size);
+}

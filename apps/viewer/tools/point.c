@@ -1,0 +1,143 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Finds the surface under the mouse, and holds or frees the cone. */
+#include "viewer/tools/point.h"
+
+#include "viewer/model/picker.h"
+
+#include <math.h>
+
+/* Of the way from what the cuts show as black to white: darker is the air around a head. */
+static const double skin_part = 0.2;
+static const double fine = 0.01; /* of a step: how well the skin is found */
+
+/* A ray through the context. */
+struct course {
+    const struct view_atlas *on;
+    size_t context;
+    const double *from, *direction;
+    double skin; /* its grey value */
+    double step; /* mm: a voxel */
+};
+
+static bool is_inside(const struct course *course, double depth)
+{
+    double at[3];
+    for (int a = 0; a < 3; a++) {
+        at[a] = course->from[a] + depth * course->direction[a];
+    }
+    return conus_atlas_value(course->on->atlas, course->context, at) >= course->skin; /* NaN, outside of it, is not */
+}
+
+/* The skin is between both depths. */
+static double find_skin(const struct course *course, double outside, double inside)
+{
+    while (inside - outside > fine * course->step) {
+        double middle = (outside + inside) / 2;
+        *(is_inside(course, middle) ? &inside : &outside) = middle;
+    }
+    return inside;
+}
+
+/* A single voxel of noise is brighter than air, too, but for less than two voxels along any ray. */
+static bool is_skin(const struct course *course, double depth)
+{
+    return is_inside(course, depth) && is_inside(course, depth + course->step) &&
+           is_inside(course, depth + 2 * course->step);
+}
+
+/* Between the depths @p least and @p most. */
+static double depth_of_context(const struct viewer *viewer, const double from[3], const double direction[3],
+                               double least, double most)
+{
+    const struct view_atlas *on = viewer->drawn;
+    const double black = on->window[0];
+    if (!(on->window[1] > black)) { /* none, or one of a single value, which has no surface */
+        return INFINITY;
+    }
+    size_t context = view_atlas_context(on);
+    const double *voxel = conus_atlas_volume(on->atlas, context)->spacing;
+    const struct course course = {.on = on,
+                                  .context = context,
+                                  .from = from,
+                                  .direction = direction,
+                                  .skin = black + skin_part * (on->window[1] - black),
+                                  .step = fmax(voxel[0], fmax(voxel[1], voxel[2]))};
+    for (unsigned step = 0; least + course.step * step < most; step++) {
+        double depth = least + course.step * step;
+        if (is_skin(&course, depth)) {
+            return find_skin(&course, fmax(depth - course.step, 0), depth);
+        }
+    }
+    return INFINITY;
+}
+
+double point_depth(struct viewer *viewer, const double from[3], const double direction[3])
+{
+    double nearest = INFINITY;
+    double far = 2 * viewer->radius;
+    double across = 0;
+    for (size_t i = 0; i < viewer->atlas_count; i++) {
+        nearest = fmin(nearest, view_atlas_depth(&viewer->atlases[i], from, direction));
+    }
+    for (int a = 0; a < 3; a++) {
+        across = hypot(across, from[a] - viewer->centre[a]);
+    }
+    nearest = fmin(nearest, conus_atlas_context_depth(viewer->drawn->atlas, from, direction));
+    double least = fmax(across - far, 0);
+    return fmin(nearest, depth_of_context(viewer, from, direction, least, fmin(nearest, across + far)));
+}
+
+bool point_find(conus_pose *out, struct viewer *viewer, const double eye[3], const double direction[3])
+{
+    double depth = viewer->cone.apex_at_eye ? 0 : point_depth(viewer, eye, direction);
+    double apex[3];
+    for (int a = 0; a < 3; a++) {
+        apex[a] = eye[a] + depth * direction[a];
+    }
+    return isfinite(depth) && !conus_pose_along(out, apex, direction, NULL);
+}
+
+bool point_through(struct viewer *viewer, const double eye[3], const double direction[3])
+{
+    conus_pose pose;
+    bool found = point_find(&pose, viewer, eye, direction);
+    if (found) {
+        viewer_aim(viewer, &pose);
+    }
+    return found;
+}
+
+void point_hold(struct viewer *viewer)
+{
+    viewer->cone.frozen = !viewer->cone.frozen && viewer->cone.has_pose;
+    viewer->version++;
+    viewer_say(viewer, "%s",
+               viewer->cone.frozen                      ? "the cone stays where it is"
+               : !viewer->cone.has_pose                 ? "there is no cone to hold"
+               : viewer->cone.pointer == POINT_BY_MOUSE ? "the cone follows the mouse"
+                                                        : "the cone moves again");
+}
+
+void point_use_eye(struct viewer *viewer, bool at_eye)
+{
+    viewer->cone.apex_at_eye = at_eye;
+    viewer->version++;
+    viewer_say(viewer, at_eye ? "the mouse's cone begins at your eye"
+                              : "the mouse's cone begins at the surface: of the context, or of the atlas");
+}
+
+void point_follow(struct viewer *viewer, enum follow follow)
+{
+    static const char *const news[] = {"the cuts stay where they are", "the cuts follow the cone's tip",
+                                       "the cuts follow the contact of the best hit"};
+    viewer->cone.follow = follow;
+    viewer_say(viewer, "%s", news[follow]);
+    viewer_reselect(viewer);
+}
+
+void point_use_ray(struct viewer *viewer, bool one_ray)
+{
+    viewer->cone.one_ray = one_ray;
+    viewer_say(viewer, one_ray ? "one area: the one that a ray along the axis hits first" : "all areas in the cone");
+    viewer_reselect(viewer);
+}

@@ -1,0 +1,31 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file The cone of the mouse: where its apex is, when it follows and when it is held. World RAS+, mm. */
+#ifndef CONUS_VIEWER_TOOLS_POINT_H
+#define CONUS_VIEWER_TOOLS_POINT_H
+
+#include "viewer/model/viewer.h"
+
+/** How far it is from @p from along the unit vector @p direction to the surface of what is shown: to the context of the
+ * drawn atlas, a head's skin, or to the first object of any atlas, whichever is nearer. INFINITY beside them. */
+double point_depth(struct viewer *viewer, const double from[3], const double direction[3]);
+
+/** The pose that the mouse gives by a ray from the eye that goes through it; false where that passes beside all
+ * surfaces. */
+bool point_find(conus_pose *out, struct viewer *viewer, const double eye[3], const double direction[3]);
+/** Aims as the mouse does, by the ray from the eye that goes through it: from the surface, or from the eye itself where
+ * the cone has its apex there. False where the ray passes beside all surfaces: the cone stays as it is. */
+bool point_through(struct viewer *viewer, const double eye[3], const double direction[3]);
+
+/** Holds the cone where it is, or lets it follow the mouse again; without a cone there is nothing to hold. */
+void point_hold(struct viewer *viewer);
+
+/** Puts the apex of the mouse's cones to the eye, or to the surface; the cone that is there stays. */
+void point_use_eye(struct viewer *viewer, bool at_eye);
+
+/** The cuts go along with the tip, the contact or nothing from now on. */
+void point_follow(struct viewer *viewer, enum follow follow);
+
+/** One ray along the axis in place of the cone, which names one area, or the cone again. */
+void point_use_ray(struct viewer *viewer, bool one_ray);
+
+#endif

@@ -1,0 +1,95 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Rings of a cone's wall, and cuts through the triangles between them. */
+#include "viewer/tools/shell.h"
+
+#include <math.h>
+
+static double dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* In the device's frame, whose axis is -z: a ring of a radius, so deep, in the direction (x, y). */
+static void put(double out[3], const conus_pose *pose, double x, double y, double radius, double depth)
+{
+    const double *m = pose->world_from_device;
+    for (int a = 0; a < 3; a++) {
+        out[a] = m[12 + a] + radius * (x * m[a] + y * m[4 + a]) - depth * m[8 + a];
+    }
+}
+
+void shell_find(struct shell *out, const conus_pose *pose, const conus_selector_options *options, double angle,
+                double length)
+{
+    double slope = tan(angle / 2);
+    bool has_range = options->range[1] > 0;
+    double near = has_range ? options->range[0] : 0;
+    double far = has_range ? options->range[1] : length * cos(angle / 2);
+    const double *m = pose->world_from_device;
+    for (size_t i = 0; i < SHELL_POINTS; i++) {
+        double turn = 2 * M_PI * (double)i / SHELL_POINTS;
+        double x = cos(turn);
+        double y = sin(turn);
+        put(out->near[i], pose, x, y, options->radius + near * slope, near);
+        put(out->far[i], pose, x, y, options->radius + far * slope, far);
+        for (int a = 0; a < 3; a++) {
+            out->out[i][a] = cos(angle / 2) * (x * m[a] + y * m[4 + a]) + sin(angle / 2) * m[8 + a];
+        }
+    }
+}
+
+/* Where the edge from a to b meets the plane, at depths da and db beside it, of which one is negative. */
+static void meet(double out[3], const double a[3], const double b[3], double da, double db)
+{
+    for (int i = 0; i < 3; i++) {
+        out[i] = a[i] + (b[i] - a[i]) * da / (da - db);
+    }
+}
+
+static size_t cut_triangle(struct shell_piece *out, const double *const corners[3], const double at[3],
+                           const double normal[3])
+{
+    double beside[3];
+    size_t found = 0;
+    for (int c = 0; c < 3; c++) {
+        const double offset[3] = {corners[c][0] - at[0], corners[c][1] - at[1], corners[c][2] - at[2]};
+        beside[c] = dot(offset, normal);
+    }
+    for (int c = 0; c < 3; c++) {
+        int next = (c + 1) % 3;
+        if ((beside[c] < 0) != (beside[next] < 0)) {
+            meet(out->ends[found++], corners[c], corners[next], beside[c], beside[next]);
+        }
+    }
+    return found == 2;
+}
+
+size_t shell_cut(struct shell_piece out[2 * SHELL_POINTS], const struct shell *shell, const double at[3],
+                 const double normal[3])
+{
+    size_t count = 0;
+    for (size_t i = 0; i < SHELL_POINTS; i++) {
+        size_t next = (i + 1) % SHELL_POINTS;
+        const double *const lower[3] = {shell->near[i], shell->far[i], shell->far[next]};
+        const double *const upper[3] = {shell->near[i], shell->far[next], shell->near[next]};
+        struct shell_piece piece;
+        const double *const *const both[2] = {lower, upper};
+        for (int t = 0; t < 2; t++) {
+            if (cut_triangle(&piece, both[t], at, normal)) {
+                out[count++] = piece;
+            }
+        }
+    }
+    return count;
+}
+
+static bool faces(const struct shell *shell, size_t i, const double eye[3])
+{
+    const double *on = shell->far[i];
+    return dot(shell->out[i], (const double[]){eye[0] - on[0], eye[1] - on[1], eye[2] - on[2]}) > 0;
+}
+
+bool shell_turns(const struct shell *shell, size_t i, const double eye[3])
+{
+    return faces(shell, i, eye) != faces(shell, (i + 1) % SHELL_POINTS, eye);
+}

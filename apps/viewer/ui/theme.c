@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The colours, and their contrast. */
+#include "viewer/ui/theme.h"
+
+#include <math.h>
+
+const ui_colour theme_texts[THEME_TEXTS] = {
+    [THEME_PLAIN] = {255, 255, 255, 255}, [THEME_HINT] = {190, 195, 205, 255}, [THEME_AMBER] = {255, 200, 90, 255},
+    [THEME_ORANGE] = {255, 175, 85, 255}, [THEME_RED] = {255, 165, 150, 255},  [THEME_GREEN] = {110, 230, 130, 255},
+};
+
+const ui_colour theme_surfaces[THEME_SURFACES] = {
+    [THEME_PANEL] = {33, 34, 38, 255},          [THEME_POPUP] = {20, 20, 24, 255},
+    [THEME_TITLE] = {43, 46, 54, 255},          [THEME_FIELD] = {36, 52, 80, 255},
+    [THEME_FIELD_HOVERED] = {40, 64, 104, 255}, [THEME_FIELD_HELD] = {40, 68, 112, 255},
+    [THEME_BUTTON] = {40, 70, 112, 255},        [THEME_BUTTON_HOVERED] = {44, 78, 126, 255},
+    [THEME_BUTTON_HELD] = {34, 62, 104, 255},   [THEME_ROW] = {38, 62, 96, 255},
+    [THEME_ROW_HOVERED] = {42, 74, 120, 255},   [THEME_ROW_HELD] = {34, 62, 104, 255},
+    [THEME_ODD_ROW] = {46, 47, 51, 255},        [THEME_HEADINGS] = {48, 48, 51, 255},
+    [THEME_KNOB] = {56, 92, 146, 255},          [THEME_KNOB_HELD] = {60, 98, 154, 255},
+    [THEME_MARKED] = {44, 80, 130, 255},        [THEME_SHADE] = {0, 0, 0, 205},
+};
+
+const ui_colour theme_mark = {120, 180, 255, 255};
+const float theme_pale = 0.7F;
+
+ui_colour theme_over(ui_colour above, ui_colour below, double opacity)
+{
+    double part = opacity * above.a / 255;
+    return (ui_colour){(uint8_t)lround(part * above.r + (1 - part) * below.r),
+                       (uint8_t)lround(part * above.g + (1 - part) * below.g),
+                       (uint8_t)lround(part * above.b + (1 - part) * below.b), 255};
+}
+
+static double linear(uint8_t byte)
+{
+    double value = byte / 255.0;
+    return value <= 0.04045 ? value / 12.92 : pow((value + 0.055) / 1.055, 2.4);
+}
+
+static double luminance(ui_colour c)
+{
+    return 0.2126 * linear(c.r) + 0.7152 * linear(c.g) + 0.0722 * linear(c.b);
+}
+
+double theme_contrast(ui_colour a, ui_colour b)
+{
+    double first = luminance(a) + 0.05;
+    double second = luminance(b) + 0.05;
+    return fmax(first, second) / fmin(first, second);
+}
