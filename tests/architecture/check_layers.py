@@ -1,17 +1,25 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""tests/architecture/check_layers.py [ROOT]: every #include goes along the arrows of docs/architecture.md.
+"""tests/architecture/check_layers.py [--circles] BUILD: every #include goes along the arrows of docs/architecture.md.
 
 The table below names, for each folder, the folders whose headers it may include. Each file may include the headers of
-its own folder. A folder with sources that the table lacks is an error, and so are an arrow that no include uses, an
-include that names no file of the project, and two arrows that make a circle.
+its own folder. A folder with sources that the table lacks is an error, and so are an arrow that no include uses, and an
+include that names no file of the project.
+
+--circles prints, instead, all circles of any length, with the arrows that make them: between files, where one file's
+object of the build folder BUILD uses a symbol that the other's defines, and between folders, where one folder includes
+another's header or uses its symbol.
 """
+import collections
+import itertools
+import json
 import pathlib
 import re
+import subprocess
 import sys
 
-ROOT = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else __file__).resolve()
-ROOT = ROOT if ROOT.is_dir() else ROOT.parents[2]
+BUILD = pathlib.Path(sys.argv[-1]).resolve()
+ROOT = pathlib.Path(re.search("CMAKE_HOME_DIRECTORY:INTERNAL=(.*)", (BUILD / "CMakeCache.txt").read_text())[1])
 
 PUBLIC = "include/conus"
 APPS = {
@@ -114,7 +122,6 @@ LIBRARY = {
     "selection/batch": "base base/geometry atlas/tracts atlas poses selection/engine/voxels selection selection/study selection/report",
 }
 RULES = {**LIBRARY, **APPS}
-CIRCLES = {frozenset(("loaders", wing)) for wing in ("loaders/volumes", "loaders/surfaces", "loaders/labels")}
 INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)
 
 
@@ -155,11 +162,104 @@ def check():
         for target in targets.split():
             if (room, target) not in used:
                 faults.append(f"the arrow from {room} to {target} is not used: delete it")
-            if room in RULES.get(target, "").split() and frozenset((room, target)) not in CIRCLES:
-                faults.append(f"a circle: {room} and {target}")
     return faults
 
 
+def find_objects():
+    """{object: source}, both as paths, of the product's sources that BUILD compiles. Generated sources are left out."""
+    objects = {}
+    for entry in json.loads((BUILD / "compile_commands.json").read_text()):
+        source, output = pathlib.Path(entry["file"]), re.search(r" -o (\S+)", entry["command"])
+        path = pathlib.Path(entry["directory"]) / output[1]
+        if source.is_relative_to(ROOT) and not source.is_relative_to(BUILD) and path.is_file():
+            name = source.relative_to(ROOT)
+            if name.parts[0] != "tests":
+                objects[str(path)] = name.as_posix()
+    return objects
+
+
+def find_calls():
+    """{(file, file): symbols of the second that the first uses}."""
+    objects = find_objects()
+    defined, used = collections.defaultdict(set), collections.defaultdict(set)
+    listing = subprocess.run(["nm", "-A", "-P", "-g", *objects], capture_output=True, text=True, check=True).stdout
+    for line in listing.splitlines():
+        path, name, kind = line.split()[:3]
+        (used if kind in "Uwv" else defined)[name].add(objects[path[:-1]])
+    calls = collections.defaultdict(set)
+    for name, users in used.items():
+        # What several files define is main(), what C++ inlines, or a file's second copy for another program.
+        for user, owner in itertools.product(users, defined[name]):
+            if user != owner and len(defined[name]) == 1:
+                calls[user, owner].add(name)
+    return calls
+
+
+def find_includes():
+    """{(folder, folder): headers of the second that the first includes}."""
+    includes = collections.defaultdict(set)
+    for path in itertools.chain.from_iterable((ROOT / top).rglob("*") for top in {room.split("/")[0] for room in RULES}):
+        if path.suffix in (".c", ".h", ".cpp", ".hpp"):
+            for name in INCLUDE.findall(path.read_text()):
+                header = find_header(path, name)
+                if header and header.parent not in (path.parent.relative_to(ROOT), pathlib.Path(PUBLIC)):
+                    includes[path.parent.relative_to(ROOT).as_posix(), header.parent.as_posix()].add(
+                        f"{path.name} includes {header.name}")
+    return includes
+
+
+def find_circles(arrows):
+    """The sets of nodes that reach each other along arrows (strongly connected components), larger than one node."""
+    targets = collections.defaultdict(set)
+    for source, target in arrows:
+        targets[source].add(target)
+    index, low, stack, circles = {}, {}, [], []
+
+    def visit(node):  # Tarjan's algorithm
+        index[node] = low[node] = len(index)
+        stack.append(node)
+        for target in sorted(targets[node]):
+            if target not in index:
+                visit(target)
+            if target in stack:
+                low[node] = min(low[node], low[target])
+        if low[node] == index[node]:
+            circle = set(itertools.takewhile(lambda other: other != node, reversed(stack))) | {node}
+            del stack[-len(circle):]
+            if len(circle) > 1:
+                circles.append(circle)
+
+    sys.setrecursionlimit(10000)
+    for node in sorted({source for source, _ in arrows}):
+        if node not in index:
+            visit(node)
+    return circles
+
+
+def print_circles(what, arrows):
+    """Prints the circles, largest first. Returns how many there are."""
+    circles = sorted(find_circles(arrows), key=lambda circle: (-len(circle), sorted(circle)))
+    for circle in circles:
+        print(f"a circle of {len(circle)} {what}: {' '.join(sorted(circle))}")
+        for (source, target), reasons in sorted(arrows.items()):
+            if {source, target} <= circle:
+                more = f" and {len(reasons) - 4} more" if len(reasons) > 4 else ""
+                print(f"    {source} -> {target}: {', '.join(sorted(reasons)[:4])}{more}")
+    return len(circles)
+
+
+def check_circles():
+    files = find_calls()
+    folders = collections.defaultdict(set, find_includes())
+    for (source, target), names in files.items():
+        rooms = source.rpartition("/")[0], target.rpartition("/")[0]
+        if rooms[0] != rooms[1]:
+            folders[rooms].update(f"{source.rpartition('/')[2]} uses {name}" for name in names)
+    return print_circles("files", files) + print_circles("folders", folders)
+
+
+if "--circles" in sys.argv:
+    sys.exit(1 if check_circles() else 0)
 FAULTS = check()
 for fault in FAULTS:
     print(fault)
