@@ -2,8 +2,8 @@
 /* Counts the poses without an answer in a file of rows of any format. */
 #include "batch/batch_errors.h"
 
-#include "common/input_file.h"
-#include "common/messages.h"
+#include "options/input_file.h"
+#include "options/messages.h"
 
 #include <errno.h>
 #include <stdlib.h>

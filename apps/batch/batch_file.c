@@ -2,9 +2,8 @@
 /* The rows' file and its journal: beginning, appending whole blocks, resuming, finishing. */
 #include "batch/batch_file.h"
 
-#include "common/input_file.h"
-#include "common/messages.h"
-#include "options/option_values.h"
+#include "options/input_file.h"
+#include "options/messages.h"
 #include "options/options.h"
 
 #include <errno.h>

@@ -4,9 +4,9 @@
 
 #include "batch/batch_table.h"
 #include "batch/batch_work.h"
-#include "common/messages.h"
-#include "common/output.h"
-#include "common/provenance.h"
+#include "options/messages.h"
+#include "options/output.h"
+#include "options/provenance.h"
 
 #include <stdlib.h>
 

@@ -2,7 +2,7 @@
 /* Opens, resumes and finishes the output of a batch, and says how a broken one can be resumed. */
 #include "batch/batch_output.h"
 
-#include "common/messages.h"
+#include "options/messages.h"
 
 #include <inttypes.h>
 #include <stdlib.h>

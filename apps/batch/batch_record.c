@@ -2,9 +2,9 @@
 /* Writes the record of a batch into its sidecar, with the hashes that identify its inputs. */
 #include "batch/batch_record.h"
 
-#include "common/messages.h"
-#include "common/output.h"
-#include "common/provenance.h"
+#include "options/messages.h"
+#include "options/output.h"
+#include "options/provenance.h"
 
 #include <inttypes.h>
 #include <jansson.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reads the record of a batch back from its sidecar. */
 #include "batch/batch_record.h"
-#include "common/input_file.h"
-#include "common/messages.h"
+#include "options/input_file.h"
+#include "options/messages.h"
 
 #include <jansson.h>
 #include <stdlib.h>

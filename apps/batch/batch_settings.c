@@ -2,10 +2,10 @@
 /* The table of options of conus batch and conus-mpi, and what --format and --shard mean. */
 #include "batch/batch_settings.h"
 
-#include "common/messages.h"
-#include "common/output.h"
-#include "common/progress.h"
-#include "options/option_values.h"
+#include "options/messages.h"
+#include "options/options.h"
+#include "options/output.h"
+#include "options/progress.h"
 
 #include <stdlib.h>
 #include <string.h>

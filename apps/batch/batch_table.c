@@ -2,10 +2,10 @@
 /* Parses a table of batches. */
 #include "batch/batch_table.h"
 
-#include "common/input_file.h"
-#include "common/messages.h"
-#include "common/output.h"
-#include "common/provenance.h"
+#include "options/input_file.h"
+#include "options/messages.h"
+#include "options/output.h"
+#include "options/provenance.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -2,10 +2,9 @@
 /* The steps of a batch that conus batch and conus-mpi share: checks, loading, fingerprint, selector. */
 #include "batch/batch_work.h"
 
-#include "common/messages.h"
-#include "common/output.h"
-#include "common/outputs.h"
-#include "common/provenance.h"
+#include "options/messages.h"
+#include "options/output.h"
+#include "options/provenance.h"
 #include "settings/aim_notes.h"
 #include "settings/atlas_notes.h"
 

@@ -3,8 +3,8 @@
 #include "cli/answers/aligned.h"
 #include "cli/answers/info_json.h"
 #include "cli/commands.h"
-#include "common/messages.h"
-#include "common/output.h"
+#include "options/messages.h"
+#include "options/output.h"
 #include "settings/settings.h"
 
 #include <math.h>

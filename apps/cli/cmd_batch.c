@@ -3,10 +3,10 @@
 #include "batch/batch_jobs.h"
 #include "batch/batch_output.h"
 #include "cli/commands.h"
-#include "common/interrupt.h"
-#include "common/messages.h"
-#include "common/output.h"
-#include "common/progress.h"
+#include "options/interrupt.h"
+#include "options/messages.h"
+#include "options/output.h"
+#include "options/progress.h"
 
 #include <string.h>
 

@@ -2,8 +2,8 @@
 /* conus cache: what is kept for the next time, where, and an end to it. */
 #include "cli/answers/aligned.h"
 #include "cli/commands.h"
-#include "common/messages.h"
-#include "common/output.h"
+#include "options/messages.h"
+#include "options/output.h"
 #include "settings/settings.h"
 
 #include <inttypes.h>

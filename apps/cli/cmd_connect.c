@@ -3,7 +3,7 @@
 #include "cli/answers/ends.h"
 #include "cli/commands.h"
 #include "cli/survey.h"
-#include "common/messages.h"
+#include "options/messages.h"
 
 #include <stdlib.h>
 

@@ -2,9 +2,9 @@
 /* conus diff: compares two results row by row, or two pictures. */
 #include "cli/answers/results_file.h"
 #include "cli/commands.h"
-#include "common/messages.h"
-#include "common/output.h"
-#include "options/option_values.h"
+#include "options/messages.h"
+#include "options/options.h"
+#include "options/output.h"
 #include "settings/settings.h"
 
 #include <math.h>

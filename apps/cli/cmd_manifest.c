@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus manifest: writes the first manifest of a folder. */
 #include "cli/commands.h"
-#include "common/messages.h"
+#include "options/messages.h"
 #include "settings/settings.h"
 
 #include <stdlib.h>

@@ -4,12 +4,11 @@
 #include "batch/batch_file.h"
 #include "batch/batch_record.h"
 #include "cli/commands.h"
-#include "common/input_file.h"
-#include "common/messages.h"
-#include "common/output.h"
-#include "common/outputs.h"
-#include "common/progress.h"
-#include "common/provenance.h"
+#include "options/input_file.h"
+#include "options/messages.h"
+#include "options/output.h"
+#include "options/progress.h"
+#include "options/provenance.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -2,7 +2,7 @@
 /* conus overlap: which areas and pathways regions of interest cover. */
 #include "cli/commands.h"
 #include "cli/survey.h"
-#include "common/messages.h"
+#include "options/messages.h"
 
 #include <stdio.h>
 #include <stdlib.h>

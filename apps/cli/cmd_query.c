@@ -2,8 +2,8 @@
 /* conus query: what is in a cone or ball, with the tables, pictures and masks that belong to it. */
 #include "cli/commands.h"
 #include "cli/query_settings.h"
-#include "common/messages.h"
-#include "common/output.h"
+#include "options/messages.h"
+#include "options/output.h"
 #include "settings/atlas_notes.h"
 
 #include <stdio.h>

@@ -2,9 +2,9 @@
 /* conus sweep: the angles that admit areas, shares at several angles, probabilities under errors of the pose. */
 #include "cli/commands.h"
 #include "cli/inquiry.h"
-#include "common/angles.h"
-#include "common/messages.h"
-#include "options/option_values.h"
+#include "options/angles.h"
+#include "options/messages.h"
+#include "options/options.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -2,11 +2,11 @@
 /* conus track: the poses of a moving device, from a file, a pipe or a tracker, each ranked with those before it. */
 #include "cli/commands.h"
 #include "cli/inquiry.h"
-#include "common/interrupt.h"
-#include "common/messages.h"
-#include "common/output.h"
 #include "link/clock.h"
 #include "link/send_selection.h"
+#include "options/interrupt.h"
+#include "options/messages.h"
+#include "options/output.h"
 #include "settings/station_settings.h"
 
 #include <math.h>

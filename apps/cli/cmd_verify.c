@@ -2,8 +2,8 @@
 /* conus verify: answers a result again from its sidecar, and says whether it is the same, or why not. */
 #include "cli/commands.h"
 #include "cli/verify/verdict.h"
-#include "common/messages.h"
-#include "common/output.h"
+#include "options/messages.h"
+#include "options/output.h"
 #include "settings/settings.h"
 
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The window is a program of its own, so that no other command loads what draws it. */
 #include "cli/commands.h"
-#include "common/messages.h"
+#include "options/messages.h"
 
 #include <errno.h>
 #include <limits.h>

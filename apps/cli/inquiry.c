@@ -2,8 +2,8 @@
 /* The steps that query, sweep and track share: checks, loading, matching, rows without an answer, notes. */
 #include "cli/inquiry.h"
 
-#include "common/messages.h"
-#include "common/output.h"
+#include "options/messages.h"
+#include "options/output.h"
 #include "settings/aim_notes.h"
 #include "settings/atlas_notes.h"
 

@@ -6,8 +6,8 @@
 #define CONUS_CLI_INQUIRY_H
 
 #include "cli/answers/answer_format.h"
-#include "common/outputs.h"
-#include "common/progress.h"
+#include "options/output.h"
+#include "options/progress.h"
 #include "settings/pose_settings.h"
 
 struct inquiry_settings {

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The program conus: finds the command and runs it. */
 #include "cli/commands.h"
-#include "common/messages.h"
-#include "common/output.h"
 #include "options/help.h"
+#include "options/messages.h"
+#include "options/output.h"
 #include "pages/pages.h"
 
 #include <conus/conus.h>

@@ -2,8 +2,8 @@
 /* The table of conus query's options, and the checks of what stands together. */
 #include "cli/query_settings.h"
 
-#include "common/messages.h"
-#include "common/output.h"
+#include "options/messages.h"
+#include "options/output.h"
 
 static const char *const voxel_kinds[] = {"pathways", "all", NULL};
 

@@ -2,7 +2,7 @@
 /* From the command line to answers without a pose. */
 #include "cli/survey.h"
 
-#include "common/messages.h"
+#include "options/messages.h"
 #include "settings/atlas_notes.h"
 
 #include <stdlib.h>

@@ -6,7 +6,7 @@
 #define CONUS_CLI_SURVEY_H
 
 #include "cli/answers/answer_format.h"
-#include "common/output.h"
+#include "options/output.h"
 #include "settings/atlases.h"
 
 /** What the settings of the commands begin with. */

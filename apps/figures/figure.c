@@ -2,7 +2,7 @@
 /* What a picture's sheet is like: in pixels or millimetres, from which side, on what, with which text. */
 #include "figures/figure.h"
 
-#include "common/messages.h"
+#include "options/messages.h"
 
 #include <math.h>
 #include <stdlib.h>

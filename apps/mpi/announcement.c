@@ -2,7 +2,7 @@
 /* Announcements of rank 0: five strings, by MPI_Bcast. */
 #include "mpi/announcement.h"
 
-#include "common/messages.h"
+#include "options/messages.h"
 
 #include <mpi.h>
 #include <stdlib.h>

@@ -4,13 +4,13 @@
  * there. Every rank reads the poses' file by itself, and passes over the poses that are others'. */
 #include "batch/batch_jobs.h"
 #include "batch/batch_output.h"
-#include "common/interrupt.h"
-#include "common/messages.h"
-#include "common/output.h"
-#include "common/progress.h"
 #include "mpi/announcement.h"
 #include "mpi/node_atlas.h"
 #include "mpi/ordered_file.h"
+#include "options/interrupt.h"
+#include "options/messages.h"
+#include "options/output.h"
+#include "options/progress.h"
 #include "pages/pages.h"
 
 #include <inttypes.h>

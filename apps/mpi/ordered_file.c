@@ -2,8 +2,8 @@
 /* The file of all ranks: the coordinator on rank 0, and the messages between it and the other ranks. */
 #include "mpi/ordered_file.h"
 
-#include "common/interrupt.h"
-#include "common/messages.h"
+#include "options/interrupt.h"
+#include "options/messages.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -2,8 +2,8 @@
 /* The text of --help, from a command's table of options. */
 #include "options/help.h"
 
-#include "common/messages.h"
-#include "options/option_values.h"
+#include "options/messages.h"
+#include "options/options.h"
 
 #include <string.h>
 

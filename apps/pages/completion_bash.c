@@ -2,7 +2,7 @@
 /* Completions for bash. They need no other package, though bash-completion is what loads them. */
 #include "pages/completion.h"
 
-#include "options/option_values.h"
+#include "options/options.h"
 
 #include <stdbool.h>
 

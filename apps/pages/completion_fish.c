@@ -2,7 +2,7 @@
 /* Completions for fish. */
 #include "pages/completion.h"
 
-#include "options/option_values.h"
+#include "options/options.h"
 
 #define ATLASES "(conus atlases --quiet --format names 2>/dev/null)"
 

@@ -2,7 +2,7 @@
 /* Completions for zsh. */
 #include "pages/completion.h"
 
-#include "options/option_values.h"
+#include "options/options.h"
 
 #include <stdbool.h>
 

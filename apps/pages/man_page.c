@@ -3,7 +3,7 @@
 #include "pages/man_page.h"
 
 #include "options/help.h"
-#include "options/option_values.h"
+#include "options/options.h"
 
 #include <conus/conus.h>
 

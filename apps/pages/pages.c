@@ -2,7 +2,7 @@
 /* Writes a program's man pages and completions to a folder. */
 #include "pages/pages.h"
 
-#include "common/messages.h"
+#include "options/messages.h"
 #include "pages/completion.h"
 #include "pages/man_page.h"
 

@@ -2,7 +2,7 @@
 /* Notes about devices inside areas and cones that miss the atlas, with the likely mistake. */
 #include "settings/aim_notes.h"
 
-#include "common/messages.h"
+#include "options/messages.h"
 
 #include <inttypes.h>
 #include <stdarg.h>

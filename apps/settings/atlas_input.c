@@ -2,8 +2,8 @@
 /* Loads the atlas, its pathways and streamlines, and finds out whether a file is one of them. */
 #include "settings/atlas_input.h"
 
-#include "common/messages.h"
-#include "common/output.h"
+#include "options/messages.h"
+#include "options/output.h"
 #include "settings/atlas_name.h"
 #include "settings/pathway_option.h"
 #include "settings/streamlines_option.h"

@@ -2,7 +2,7 @@
 /* Asks the catalogue for what is no path. */
 #include "settings/atlas_name.h"
 
-#include "common/messages.h"
+#include "options/messages.h"
 
 int atlas_name_find(struct atlas_name *out, const char *text)
 {

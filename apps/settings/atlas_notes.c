@@ -2,7 +2,7 @@
 /* The atlas's notes, where those that many pathways share are one. */
 #include "settings/atlas_notes.h"
 
-#include "common/messages.h"
+#include "options/messages.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -2,9 +2,8 @@
 /* Names and loads several atlases, and compares their spaces. */
 #include "settings/atlases.h"
 
-#include "common/messages.h"
-#include "common/output.h"
-#include "common/outputs.h"
+#include "options/messages.h"
+#include "options/output.h"
 #include "settings/atlas_name.h"
 
 #include <stdio.h>

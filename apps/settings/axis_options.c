@@ -2,8 +2,8 @@
 /* The table of the options about what an axis passes, and what --contacts means. */
 #include "settings/axis_options.h"
 
-#include "common/messages.h"
-#include "options/option_values.h"
+#include "options/messages.h"
+#include "options/options.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -2,8 +2,8 @@
 /* Takes the option --pathway apart: FILE and keys behind commas. */
 #include "settings/pathway_option.h"
 
-#include "common/messages.h"
-#include "options/option_values.h"
+#include "options/messages.h"
+#include "options/options.h"
 
 #include <math.h>
 #include <stdint.h>

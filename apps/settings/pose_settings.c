@@ -2,8 +2,8 @@
 /* The options of files of poses, and the check that poses and atlas share a space. */
 #include "settings/pose_settings.h"
 
-#include "common/messages.h"
-#include "common/output.h"
+#include "options/messages.h"
+#include "options/output.h"
 #include "settings/settings.h"
 
 #include <stdio.h>

@@ -2,7 +2,7 @@
 /* The tables of options that several commands share, and what they mean for the library. */
 #include "settings/settings.h"
 
-#include "common/messages.h"
+#include "options/messages.h"
 
 #include <float.h>
 #include <math.h>

@@ -2,7 +2,7 @@
 /* The options --space and --bregma, and what they mean for atlases. */
 #include "settings/space_settings.h"
 
-#include "common/messages.h"
+#include "options/messages.h"
 #include "settings/atlases.h"
 
 #include <math.h>

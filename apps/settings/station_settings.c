@@ -2,8 +2,8 @@
 /* The options of trackers and of a tracked screen, and the start of a station. */
 #include "settings/station_settings.h"
 
-#include "common/messages.h"
-#include "options/option_values.h"
+#include "options/messages.h"
+#include "options/options.h"
 
 #include <assert.h>
 #include <stdio.h>

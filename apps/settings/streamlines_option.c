@@ -2,8 +2,8 @@
 /* Takes the option --streamlines apart: FILE and keys behind commas. */
 #include "settings/streamlines_option.h"
 
-#include "common/messages.h"
-#include "options/option_values.h"
+#include "options/messages.h"
+#include "options/options.h"
 
 #include <stdlib.h>
 #include <string.h>

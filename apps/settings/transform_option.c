@@ -2,7 +2,7 @@
 /* Takes the option --atlas-transform apart, and moves an atlas as it says. */
 #include "settings/transform_option.h"
 
-#include "common/messages.h"
+#include "options/messages.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -2,8 +2,8 @@
 /* The loop of the window: waits, handles news, draws frames. */
 #include "viewer/loop.h"
 
-#include "common/messages.h"
 #include "link/send_selection.h"
+#include "options/messages.h"
 #include "viewer/draw.h"
 #include "viewer/model/studies.h"
 #include "viewer/session/keep.h"

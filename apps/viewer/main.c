@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus-view: the window. Its options are read and explained by the same tables as those of conus. */
-#include "common/messages.h"
+#include "options/messages.h"
 #include "pages/pages.h"
 #include "settings/atlases.h"
 #include "viewer/commands/keys.h"

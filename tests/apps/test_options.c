@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The values of options, and names that were meant. */
-#include "common/messages.h"
-#include "options/option_values.h"
+#include "options/messages.h"
 #include "options/options.h"
 #include "test.h"
 

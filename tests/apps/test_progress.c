@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Progress in a log: a line every five minutes, with the time that is left. The clock is not waited for: the fields
  * that hold its times are set back. */
-#include "common/progress.h"
+#include "options/progress.h"
 #include "test.h"
 
 #include <stdio.h>

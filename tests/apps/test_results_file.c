@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What `conus diff` reads. */
 #include "cli/answers/results_file.h"
-#include "common/messages.h"
+#include "options/messages.h"
 #include "test.h"
 
 #include <stdio.h>

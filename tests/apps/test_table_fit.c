@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Tables on a terminal: where they are cut, what is bold, what stays. Columns are counted by hand. */
-#include "common/table_fit.h"
+#include "options/table_fit.h"
 #include "test.h"
 
 #include <stdio.h>

@@ -6,9 +6,9 @@
 #include "cli/verify/rows_differ.h"
 #include "cli/verify/settings_differ.h"
 #include "cli/verify/stage.h"
-#include "common/messages.h"
-#include "common/provenance.h"
+#include "options/messages.h"
 #include "options/options.h"
+#include "options/provenance.h"
 #include "test.h"
 
 #include <stdio.h>

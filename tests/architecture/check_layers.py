@@ -24,35 +24,34 @@ ROOT = pathlib.Path(re.search("CMAKE_HOME_DIRECTORY:INTERNAL=(.*)", (BUILD / "CM
 PUBLIC = "include/conus"
 APPS = {
     "apps/link": "",
-    "apps/common": "apps/link",
-    "apps/options": "apps/common",
-    "apps/settings": "apps/link apps/common apps/options",
-    "apps/figures": "apps/common apps/options",
-    "apps/pages": "apps/common apps/options",
-    "apps/batch": "apps/common apps/options apps/settings",
-    "apps/cli/answers": "apps/common apps/options apps/settings",
-    "apps/cli/verify": "apps/common apps/options",
-    "apps/cli/cite": "apps/common apps/options",
-    "apps/cli/pictures": "apps/common apps/options",
-    "apps/cli": "apps/link apps/common apps/options apps/settings apps/figures apps/pages apps/batch apps/cli/answers"
+    "apps/options": "apps/link",
+    "apps/settings": "apps/link apps/options",
+    "apps/figures": "apps/options",
+    "apps/pages": "apps/options",
+    "apps/batch": "apps/options apps/settings",
+    "apps/cli/answers": "apps/options apps/settings",
+    "apps/cli/verify": "apps/options",
+    "apps/cli/cite": "apps/options",
+    "apps/cli/pictures": "apps/options",
+    "apps/cli": "apps/link apps/options apps/settings apps/figures apps/pages apps/batch apps/cli/answers"
     " apps/cli/verify apps/cli/cite apps/cli/pictures",
-    "apps/mpi": "apps/common apps/pages apps/batch",
+    "apps/mpi": "apps/options apps/pages apps/batch",
     "apps/mesh": "loaders/child",  # mesh_protocol.h: what conus and conus-mesh send each other
     "apps/viewer/pictures": "apps/link",
     "apps/viewer/devices": "apps/link",
-    "apps/viewer/model": "apps/link apps/common apps/options apps/settings apps/viewer/pictures",
+    "apps/viewer/model": "apps/link apps/options apps/settings apps/viewer/pictures",
     "apps/viewer/tools": "apps/link apps/viewer/devices apps/viewer/model",
     "apps/viewer/ui": "",
-    "apps/viewer/window": "apps/link apps/common apps/figures apps/viewer/pictures apps/viewer/devices"
+    "apps/viewer/window": "apps/link apps/options apps/figures apps/viewer/pictures apps/viewer/devices"
     " apps/viewer/model apps/viewer/tools apps/viewer/ui",
     "apps/viewer/panes": "apps/settings apps/viewer/pictures apps/viewer/model apps/viewer/tools apps/viewer/ui"
     " apps/viewer/window",
-    "apps/viewer/session": "apps/common apps/viewer/model apps/viewer/window",
-    "apps/viewer/commands": "apps/common apps/settings apps/viewer/model apps/viewer/tools apps/viewer/ui"
+    "apps/viewer/session": "apps/options apps/viewer/model apps/viewer/window",
+    "apps/viewer/commands": "apps/options apps/settings apps/viewer/model apps/viewer/tools apps/viewer/ui"
     " apps/viewer/window apps/viewer/session",
-    "apps/viewer/opening": "apps/common apps/settings apps/viewer/model apps/viewer/window apps/viewer/session",
+    "apps/viewer/opening": "apps/options apps/settings apps/viewer/model apps/viewer/window apps/viewer/session",
     # draw.c joins the panes and panels; the window itself knows neither.
-    "apps/viewer": "apps/link apps/common apps/settings apps/pages apps/viewer/model apps/viewer/ui"
+    "apps/viewer": "apps/link apps/options apps/settings apps/pages apps/viewer/model apps/viewer/ui"
     " apps/viewer/window apps/viewer/panes apps/viewer/session apps/viewer/commands apps/viewer/opening",
 }
 LIBRARY = {

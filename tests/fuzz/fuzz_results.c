@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What `conus diff` reads: every row must be found again by its own key. */
 #include "cli/answers/results_file.h"
-#include "common/messages.h"
+#include "options/messages.h"
 
 #include <stdint.h>
 #include <stdlib.h>

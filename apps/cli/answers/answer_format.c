@@ -2,8 +2,8 @@
 /* The options --format and --output. */
 #include "cli/answers/answer_format.h"
 
-#include "common/messages.h"
-#include "common/output.h"
+#include "options/messages.h"
+#include "options/output.h"
 
 #include <stdlib.h>
 #include <string.h>

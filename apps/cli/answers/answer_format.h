@@ -3,8 +3,8 @@
 #ifndef CONUS_CLI_ANSWERS_ANSWER_FORMAT_H
 #define CONUS_CLI_ANSWERS_ANSWER_FORMAT_H
 
-#include "common/answer_file.h"
-#include "common/outputs.h"
+#include "options/output.h"
+#include "options/provenance.h"
 #include "settings/atlases.h"
 #include "settings/settings.h"
 

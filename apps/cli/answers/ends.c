@@ -2,9 +2,9 @@
 /* The options about where streamlines end, and the file of --connectivity. */
 #include "cli/answers/ends.h"
 
-#include "common/answer_file.h"
-#include "common/messages.h"
-#include "common/output.h"
+#include "options/messages.h"
+#include "options/output.h"
+#include "options/provenance.h"
 
 const struct option endpoints_options[] = {
     {.name = "endpoints",

@@ -2,8 +2,8 @@
 /* --mask: takes the grid of a selection and writes it with its sidecar. */
 #include "cli/answers/mask.h"
 
-#include "common/messages.h"
-#include "common/output.h"
+#include "options/messages.h"
+#include "options/output.h"
 
 #include <stdio.h>
 #include <stdlib.h>

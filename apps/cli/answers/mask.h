@@ -3,8 +3,8 @@
 #ifndef CONUS_CLI_ANSWERS_MASK_H
 #define CONUS_CLI_ANSWERS_MASK_H
 
-#include "common/provenance.h"
 #include "options/options.h"
+#include "options/provenance.h"
 
 #include <conus/conus.h>
 

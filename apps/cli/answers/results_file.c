@@ -2,8 +2,8 @@
 /* Parses a TSV or CSV result and finds its rows by their keys. */
 #include "cli/answers/results_file.h"
 
-#include "common/input_file.h"
-#include "common/messages.h"
+#include "options/input_file.h"
+#include "options/messages.h"
 
 #include <stdint.h>
 #include <stdio.h>

@@ -3,8 +3,8 @@
 #include "cli/answers/rows_file.h"
 
 #include "cli/answers/answer_format.h"
-#include "common/messages.h"
-#include "common/output.h"
+#include "options/messages.h"
+#include "options/output.h"
 
 #include <stdlib.h>
 

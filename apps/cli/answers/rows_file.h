@@ -4,7 +4,7 @@
 #ifndef CONUS_CLI_ANSWERS_ROWS_FILE_H
 #define CONUS_CLI_ANSWERS_ROWS_FILE_H
 
-#include "common/provenance.h"
+#include "options/provenance.h"
 #include "settings/settings.h"
 
 struct rows_file {

@@ -2,7 +2,7 @@
 /* --streamlines-out: takes the streamlines of a selection and writes them. */
 #include "cli/answers/streamlines_out.h"
 
-#include "common/messages.h"
+#include "options/messages.h"
 
 const struct option streamlines_out_options[] = {
     {.name = "streamlines-out",

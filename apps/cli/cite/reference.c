@@ -2,9 +2,9 @@
 /* Reads references out of manifests, BrainGlobe's metadata and BIDS's descriptions. */
 #include "cli/cite/reference.h"
 
-#include "common/input_file.h"
-#include "common/messages.h"
-#include "common/output.h"
+#include "options/input_file.h"
+#include "options/messages.h"
+#include "options/output.h"
 
 #include <jansson.h>
 #include <stdio.h>

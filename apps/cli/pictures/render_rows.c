@@ -2,7 +2,7 @@
 /* Chooses the poses that are drawn, and gives each picture a name of its own. */
 #include "cli/pictures/render_rows.h"
 
-#include "common/messages.h"
+#include "options/messages.h"
 
 #include <inttypes.h>
 #include <stdio.h>

@@ -2,7 +2,7 @@
 /* Opacities by the names of areas, and transfer functions by those of pathways. */
 #include "cli/pictures/translucent.h"
 
-#include "common/messages.h"
+#include "options/messages.h"
 
 #include <math.h>
 #include <stdlib.h>

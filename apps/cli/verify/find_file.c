@@ -2,9 +2,9 @@
 /* Tries the places where a file may be, by its size first and then by its SHA-256. */
 #include "cli/verify/find_file.h"
 
-#include "common/messages.h"
-#include "common/output.h"
-#include "common/provenance.h"
+#include "options/messages.h"
+#include "options/output.h"
+#include "options/provenance.h"
 
 #include <dirent.h>
 #include <errno.h>

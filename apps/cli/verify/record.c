@@ -2,7 +2,7 @@
 /* Parses sidecars: the command line, the files with their checksums, and the seal. */
 #include "cli/verify/record.h"
 
-#include "common/provenance.h"
+#include "options/provenance.h"
 
 #include <stdarg.h>
 #include <stdio.h>

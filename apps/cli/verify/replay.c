@@ -4,9 +4,9 @@
 #include "cli/verify/replay.h"
 
 #include "cli/verify/stage.h"
-#include "common/messages.h"
-#include "common/output.h"
-#include "common/progress.h"
+#include "options/messages.h"
+#include "options/output.h"
+#include "options/progress.h"
 
 #include <fcntl.h>
 #include <signal.h>

@@ -2,8 +2,8 @@
 /* Compares sidecars value by value. */
 #include "cli/verify/settings_differ.h"
 
-#include "common/output.h"
-#include "common/provenance.h"
+#include "options/output.h"
+#include "options/provenance.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -2,8 +2,8 @@
 /* Makes and removes a folder of links and outputs. No name of a sidecar leads out of it. */
 #include "cli/verify/stage.h"
 
-#include "common/messages.h"
-#include "common/output.h"
+#include "options/messages.h"
+#include "options/output.h"
 
 #include <dirent.h>
 #include <errno.h>

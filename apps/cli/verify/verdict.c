@@ -3,10 +3,10 @@
 #include "cli/verify/verdict.h"
 
 #include "cli/verify/settings_differ.h"
-#include "common/input_file.h"
-#include "common/messages.h"
-#include "common/output.h"
-#include "common/provenance.h"
+#include "options/input_file.h"
+#include "options/messages.h"
+#include "options/output.h"
+#include "options/provenance.h"
 
 #include <inttypes.h>
 #include <stdarg.h>

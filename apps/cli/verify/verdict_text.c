@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Writes a verdict for people and for programs. */
 #include "cli/verify/verdict.h"
-#include "common/messages.h"
+#include "options/messages.h"
 
 #include <stdio.h>
 #include <stdlib.h>

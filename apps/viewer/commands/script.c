@@ -2,7 +2,7 @@
 /* The commands of scripts, and their run over frames. */
 #include "viewer/commands/script.h"
 
-#include "common/messages.h"
+#include "options/messages.h"
 #include "viewer/commands/script_add.h"
 #include "viewer/commands/script_figure.h"
 #include "viewer/commands/script_head.h"

@@ -2,7 +2,7 @@
 /* The sheet by words, and figures. */
 #include "viewer/commands/script_figure.h"
 
-#include "common/messages.h"
+#include "options/messages.h"
 #include "viewer/commands/script_words.h"
 #include "viewer/window/figure_form.h"
 

@@ -2,7 +2,7 @@
 /* A tracked head by words. */
 #include "viewer/commands/script_head.h"
 
-#include "common/messages.h"
+#include "options/messages.h"
 #include "viewer/commands/script_words.h"
 
 #include <string.h>

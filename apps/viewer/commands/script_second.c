@@ -2,7 +2,7 @@
 /* What a script does with the second tool. */
 #include "viewer/commands/script_second.h"
 
-#include "common/messages.h"
+#include "options/messages.h"
 #include "viewer/commands/script_words.h"
 #include "viewer/window/hands.h"
 

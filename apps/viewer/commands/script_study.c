@@ -2,7 +2,7 @@
 /* Sweeps and jitter by words. */
 #include "viewer/commands/script_study.h"
 
-#include "common/messages.h"
+#include "options/messages.h"
 #include "viewer/commands/script_words.h"
 #include "viewer/model/studies.h"
 

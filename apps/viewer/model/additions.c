@@ -2,7 +2,7 @@
 /* Words of the command line that add a file to an atlas: made, taken apart, described and found again. */
 #include "viewer/model/additions.h"
 
-#include "common/output.h"
+#include "options/output.h"
 #include "viewer/model/session_file.h"
 
 #include <stdint.h>

@@ -2,7 +2,7 @@
 /* Reads options by the tables that conus query has. */
 #include "viewer/model/ask.h"
 
-#include "common/messages.h"
+#include "options/messages.h"
 #include "options/options.h"
 #include "settings/axis_options.h"
 #include "settings/settings.h"

@@ -2,9 +2,9 @@
 /* Writes the answers by the writers of conus query. */
 #include "viewer/model/export.h"
 
-#include "common/answer_file.h"
-#include "common/messages.h"
-#include "common/output.h"
+#include "options/messages.h"
+#include "options/output.h"
+#include "options/provenance.h"
 
 #include <stdio.h>
 #include <stdlib.h>

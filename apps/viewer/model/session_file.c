@@ -2,9 +2,9 @@
 /* Reads what a session is of, and finds that again. */
 #include "viewer/model/session_file.h"
 
-#include "common/messages.h"
-#include "common/output.h"
-#include "common/provenance.h"
+#include "options/messages.h"
+#include "options/output.h"
+#include "options/provenance.h"
 #include "viewer/model/additions.h"
 
 #include <dirent.h>

@@ -2,7 +2,7 @@
 /* What a study asks: defaults, limits, and whether two ask the same. */
 #include "viewer/model/study.h"
 
-#include "common/angles.h"
+#include "options/angles.h"
 
 #include <math.h>
 #include <string.h>

@@ -2,7 +2,7 @@
 /* Computes a study as conus sweep does: the numbers for the plots and the text come from the same answers. */
 #include "viewer/model/study.h"
 
-#include "common/angles.h"
+#include "options/angles.h"
 
 #include <math.h>
 #include <stdio.h>

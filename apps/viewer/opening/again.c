@@ -2,8 +2,8 @@
 /* Loads the same atlases with other options; what is there then takes the place of what was. */
 #include "viewer/opening/again.h"
 
-#include "common/messages.h"
-#include "common/output.h"
+#include "options/messages.h"
+#include "options/output.h"
 #include "viewer/model/hemisphere_words.h"
 #include "viewer/model/question.h"
 #include "viewer/opening/carry.h"

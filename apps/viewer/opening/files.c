@@ -2,7 +2,7 @@
 /* Looks at files, and tells what they are. */
 #include "viewer/opening/files.h"
 
-#include "common/messages.h"
+#include "options/messages.h"
 #include "settings/atlas_input.h"
 #include "viewer/model/session_file.h"
 #include "viewer/opening/waiting.h"

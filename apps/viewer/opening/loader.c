@@ -2,7 +2,7 @@
 /* The thread that reads files, and its progress. */
 #include "viewer/opening/loader.h"
 
-#include "common/messages.h"
+#include "options/messages.h"
 #include "settings/atlas_input.h"
 
 #include <pthread.h>

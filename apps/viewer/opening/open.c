@@ -2,7 +2,7 @@
 /* Loads an atlas, or several, while the window says how far that is, and puts it in place of what was open before. */
 #include "viewer/opening/open.h"
 
-#include "common/messages.h"
+#include "options/messages.h"
 #include "settings/atlas_input.h"
 #include "settings/atlas_name.h"
 #include "settings/atlas_notes.h"

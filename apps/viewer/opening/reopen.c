@@ -2,7 +2,7 @@
 /* Asks the session's file, the atlases that were opened lately and the catalogue. */
 #include "viewer/opening/reopen.h"
 
-#include "common/messages.h"
+#include "options/messages.h"
 
 #include <stdio.h>
 #include <stdlib.h>

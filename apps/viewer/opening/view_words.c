@@ -2,7 +2,7 @@
 /* Options become words with absolute paths, and words options again. */
 #include "viewer/opening/view_words.h"
 
-#include "common/messages.h"
+#include "options/messages.h"
 
 #include <assert.h>
 #include <limits.h>

@@ -2,7 +2,7 @@
 /* Draws the page, and waits for the loader's thread. */
 #include "viewer/opening/waiting.h"
 
-#include "common/messages.h"
+#include "options/messages.h"
 
 #include <GLFW/glfw3.h>
 #include <math.h>

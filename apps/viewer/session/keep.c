@@ -2,7 +2,7 @@
 /* Finds a free name by the time, and writes a session or picture there. */
 #include "viewer/session/keep.h"
 
-#include "common/provenance.h"
+#include "options/provenance.h"
 #include "viewer/model/columns.h"
 #include "viewer/model/export.h"
 #include "viewer/model/studies.h"

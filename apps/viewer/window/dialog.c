@@ -2,8 +2,8 @@
 /* What the dialog lists and answers, without how it looks. */
 #include "viewer/window/dialog.h"
 
-#include "common/messages.h"
-#include "common/output.h"
+#include "options/messages.h"
+#include "options/output.h"
 
 #include <stdint.h>
 #include <stdio.h>

@@ -2,7 +2,7 @@
 /* Reads, filters and sorts the entries of a folder. */
 #include "viewer/window/folder.h"
 
-#include "common/output.h"
+#include "options/output.h"
 
 #include <dirent.h>
 #include <stdio.h>

@@ -2,7 +2,7 @@
 /* Looks for what the start page can offer. */
 #include "viewer/window/start.h"
 
-#include "common/messages.h"
+#include "options/messages.h"
 #include "viewer/window/state_file.h"
 
 #include <stdio.h>

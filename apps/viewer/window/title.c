@@ -2,7 +2,7 @@
 /* Puts the title together from what the window shows. */
 #include "viewer/window/title.h"
 
-#include "common/messages.h"
+#include "options/messages.h"
 
 #include <GLFW/glfw3.h>
 #include <stdio.h>

@@ -2,7 +2,7 @@
 /* Opens and closes the window, lays it out, and decides when the next frame is due. */
 #include "viewer/window/window.h"
 
-#include "common/messages.h"
+#include "options/messages.h"
 #include "viewer/model/studies.h"
 #include "viewer/ui/ui_navigate.h"
 #include "viewer/window/screen.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The handlers of SIGINT and SIGTERM. */
-#include "common/interrupt.h"
+#include "options/interrupt.h"
 
 #include <signal.h>
 #include <stddef.h>

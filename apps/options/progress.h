@@ -2,8 +2,8 @@
 /** @file
  * How far a long piece of work has got, on stderr: on a terminal at most ten times a second, on one line that is gone
  * at the end; in a file or pipe a line every five minutes. */
-#ifndef CONUS_COMMON_PROGRESS_H
-#define CONUS_COMMON_PROGRESS_H
+#ifndef CONUS_OPTIONS_PROGRESS_H
+#define CONUS_OPTIONS_PROGRESS_H
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Counts steps, with room for their rounding. */
-#include "common/angles.h"
+#include "options/angles.h"
 
 #include <math.h>
 

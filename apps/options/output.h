@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Where results go: stdout, or files that appear whole or not at all. */
-#ifndef CONUS_COMMON_OUTPUT_H
-#define CONUS_COMMON_OUTPUT_H
+/** @file
+ * Where results go: stdout, or files that appear whole or not at all. No file replaces another one unless --force is
+ * given. */
+#ifndef CONUS_OPTIONS_OUTPUT_H
+#define CONUS_OPTIONS_OUTPUT_H
 
 #include <conus/conus.h>
 
@@ -58,5 +60,27 @@ int path_place_order(const struct path_place *a, const struct path_place *b);
 
 /** Whether both paths lead to one regular file, be it there already or not yet. */
 bool paths_equal(const char *a, const char *b);
+
+/** A file that is written. */
+struct output {
+    const char *what; /**< "--output", for messages. */
+    const char *path; /**< NULL = none, or standard output. */
+    bool is_sidecar;  /**< It is beside another one. */
+};
+
+/** Whether all are different files; prints an error if not. */
+bool outputs_differ(const struct output *outputs, size_t count);
+
+/** Whether they can be written: their folders are there, and no file is where one goes; with @p force only a sidecar
+ * may be where a sidecar goes, and @p force without a file is an error. Devices, pipes and what is open already
+ * (/dev/stdout) are written to, not replaced. Returns the exit code and prints an error unless it is 0. */
+int outputs_check(const struct output *outputs, size_t count, bool force);
+
+/** Whether a sidecar may be written to @p path, with --force: nothing is there, or a sidecar. Likewise. */
+int outputs_check_sidecar(const char *path);
+
+/** Whether a sidecar can hold a path or a word of the command line: what has control characters, or bytes that are no
+ * UTF-8, could not be found again. Likewise. */
+int outputs_check_name(const char *name);
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file Angles from LOW to HIGH in steps, as --angles has them; in whatever unit. */
-#ifndef CONUS_COMMON_ANGLES_H
-#define CONUS_COMMON_ANGLES_H
+#ifndef CONUS_OPTIONS_ANGLES_H
+#define CONUS_OPTIONS_ANGLES_H
 
 #include <stddef.h>
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reads whole files or pipes, up to a limit of bytes. */
-#include "common/input_file.h"
+#include "options/input_file.h"
 
-#include "common/messages.h"
+#include "options/messages.h"
 
 #include <errno.h>
 #include <fcntl.h>

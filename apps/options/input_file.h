@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file Reading files that somebody names, of any kind and size, without waiting or growing for ever. */
-#ifndef CONUS_COMMON_INPUT_FILE_H
-#define CONUS_COMMON_INPUT_FILE_H
+#ifndef CONUS_OPTIONS_INPUT_FILE_H
+#define CONUS_OPTIONS_INPUT_FILE_H
 
 #include <stddef.h>
 #include <stdint.h>

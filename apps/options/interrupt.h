@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file SIGINT and SIGTERM, kept until a long piece of work comes to a place where it can end. */
-#ifndef CONUS_COMMON_INTERRUPT_H
-#define CONUS_COMMON_INTERRUPT_H
+#ifndef CONUS_OPTIONS_INTERRUPT_H
+#define CONUS_OPTIONS_INTERRUPT_H
 
 #include <conus/conus.h>
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file What conus says on stderr, one line each, and the exit codes that go with it (docs/commands.md). */
-#ifndef CONUS_COMMON_MESSAGES_H
-#define CONUS_COMMON_MESSAGES_H
+#ifndef CONUS_OPTIONS_MESSAGES_H
+#define CONUS_OPTIONS_MESSAGES_H
 
 #include <conus/conus.h>
 

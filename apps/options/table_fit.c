@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Finds the tables in a text by the gaps in their lines, and cuts them where a column ends. */
-#include "common/table_fit.h"
+#include "options/table_fit.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
 
 enum { GAP = 2, NAMES_SIZE = 512 };
 
@@ -188,4 +190,27 @@ char *table_fit(const char *text, size_t width, bool bold, const char *whole)
         return NULL;
     }
     return fitted;
+}
+
+enum { WIDTH_LIMIT = 100000 };
+
+size_t terminal_width(int descriptor)
+{
+    struct winsize size = {0};
+    if (!isatty(descriptor)) {
+        return 0;
+    }
+    if (ioctl(descriptor, TIOCGWINSZ, &size) == 0 && size.ws_col > 0) {
+        return size.ws_col;
+    }
+    const char *columns = getenv("COLUMNS");
+    long width = columns ? strtol(columns, NULL, 10) : 0;
+    return width > 0 && width < WIDTH_LIMIT ? (size_t)width : 0;
+}
+
+bool terminal_has_colour(int descriptor)
+{
+    const char *none = getenv("NO_COLOR"); /* no-color.org: any text but the empty one */
+    const char *term = getenv("TERM");
+    return isatty(descriptor) && !(none && *none) && term && *term && strcmp(term, "dumb") != 0;
 }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Prints error lines, maps statuses to exit codes, and suggests names for misspelt words. */
-#include "common/messages.h"
+#include "options/messages.h"
 
-#include "common/terminal.h"
+#include "options/table_fit.h"
 
 #include <errno.h>
 #include <stdarg.h>

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The progress line on a terminal or in a log, or as JSON. */
-#include "common/progress.h"
+#include "options/progress.h"
 
-#include "common/messages.h"
 #include "link/clock.h"
+#include "options/messages.h"
 
 #include <stdio.h>
 #include <string.h>
