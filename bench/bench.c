@@ -285,3 +285,20 @@ conus_status bench_leave_out(struct bench *bench, const char *what)
                ? fail(CONUS_ERROR_MEMORY, "out of memory")
                : CONUS_OK;
 }
+
+/* The distances from the mean of log x sum to 0, so the mean of log y does not matter. */
+double bench_exponent(const double *x, const double *y, size_t count)
+{
+    double mean_x = 0;
+    double above = 0;
+    double below = 0;
+    for (size_t i = 0; i < count; i++) {
+        mean_x += log(x[i]) / (double)count;
+    }
+    for (size_t i = 0; i < count; i++) {
+        double away = log(x[i]) - mean_x;
+        above += away * log(y[i]);
+        below += away * away;
+    }
+    return below > 0 ? above / below : (double)NAN;
+}

@@ -15,11 +15,10 @@ struct bench_options {
     const char *bonsai;  /**< Path of the paper's volume; NULL = a stand-in for it is made. */
     double angle;        /**< Full opening, degrees.                      */
     size_t poses;
-    size_t slices;      /**< Planes of the colour pass.               */
-    size_t repeats;     /**< Rounds in which every variant runs once. */
-    double seconds;     /**< No measurement begins another round when it has taken so long; 0 = never mind. */
-    const char *record; /**< Where the poses of a hand go; NULL = nowhere. */
-    bool check;         /**< Everything small: what counts is whether answers are equal. */
+    size_t slices;  /**< Planes of the colour pass.               */
+    size_t repeats; /**< Rounds in which every variant runs once. */
+    double seconds; /**< No measurement begins another round when it has taken so long; 0 = never mind. */
+    bool check;     /**< Everything small: what counts is whether answers are equal. */
 };
 
 /** Everything measured, as it goes into the JSON. */
@@ -93,6 +92,10 @@ size_t bench_size(const struct bench_options *options, size_t full);
 /** Path of the brain phantom's manifest, which is written if it is not there yet. */
 conus_status bench_brain(char *path, size_t size, const struct bench *bench);
 
+/** b of y = a x^b through @p count points by least squares in the logarithms; all x and y are above 0. NAN unless there
+ * are two different x. */
+double bench_exponent(const double *x, const double *y, size_t count);
+
 struct bench_scenario {
     const char *name, *description;
     conus_status (*run)(struct bench *bench);
@@ -100,33 +103,22 @@ struct bench_scenario {
     double seconds;        /**< likewise, of one measurement       */
 };
 
-conus_status bench_brain_frames(struct bench *bench);
-conus_status bench_census(struct bench *bench);
 conus_status bench_batch(struct bench *bench);
 conus_status bench_batch_mesh(struct bench *bench);   /**< On surfaces made of the atlas. */
 conus_status bench_batch_layers(struct bench *bench); /**< All layers.                    */
 conus_status bench_python(struct bench *bench);
 conus_status bench_accuracy(struct bench *bench);
 conus_status bench_bonsai(struct bench *bench);
-conus_status bench_colour(struct bench *bench);
 conus_status bench_growth(struct bench *bench);
-conus_status bench_hand(struct bench *bench);
 conus_status bench_volume(struct bench *bench);
-conus_status bench_volume_gl(struct bench *bench);
-conus_status bench_mesh(struct bench *bench);
-conus_status bench_skipping(struct bench *bench);
 conus_status bench_open(struct bench *bench);
-conus_status bench_steps(struct bench *bench);
 conus_status bench_startup(struct bench *bench);
 conus_status bench_streamlines(struct bench *bench);
 conus_status bench_torus(struct bench *bench);
 conus_status bench_torus_frame(struct bench *bench);
-conus_status bench_torus_gl(struct bench *bench); /**< Its part that needs OpenGL. */
-conus_status bench_gl_layers(struct bench *bench);
 conus_status bench_layers(struct bench *bench);
 /* What people use today; they leave themselves out where VTK was not there to build them. */
 conus_status bench_peers_mesh(struct bench *bench);
-conus_status bench_peers_volume(struct bench *bench);
 conus_status bench_peers_colour(struct bench *bench);
 conus_status bench_peers_streamlines(struct bench *bench);
 

@@ -22,10 +22,6 @@ enum { CHECK_POSES = 4, CHECK_SLICES = 45, CHECK_REPEATS = 1, CHECK_EDGE = 32 /*
 /* The last three numbers are for when all are run: poses, rounds, and seconds for one measurement. */
 static const struct bench_scenario scenarios[] = {
     {"volume", "256 rays through a labelled volume: plain traversal against the rays engine", bench_volume, 64, 31, 10},
-    {"volume_gl", "256 rays through a labelled volume by OpenGL: the paper's slices against exact cells",
-     bench_volume_gl, 64, 9, 10},
-    {"census", "the voxels in cones of 5, 20 and 60 degrees: a test of every voxel against the walk over rows",
-     bench_census, 8, 3, 10},
     {"batch", "poses as text in, rows as text out, on one thread and two, against plain traversal", bench_batch, 4000,
      9, 20},
     {"batch_mesh", "the same batch on surfaces that conus mesh makes of the areas", bench_batch_mesh, 1000, 5, 15},
@@ -38,34 +34,21 @@ static const struct bench_scenario scenarios[] = {
      bench_torus_frame, 1, 5, 15},
     {"layers", "256 rays into 20,000 tori: first hits and all hits, the engine alone and whole queries", bench_layers,
      16, 5, 20},
-    {"gl_layers", "256 rays into 20,000 tori by OpenGL: first hits and all hits", bench_gl_layers, 16, 5, 20},
-    {"steps", "the gl engine's mesh pass with and without each of its steps, on 20,000 tori", bench_steps, 4, 3, 15},
-    {"skipping", "256 rays through a labelled volume by both engines, with and without empty-space skipping",
-     bench_skipping, 64, 9, 10},
-    {"mesh", "256 rays at an atlas's surfaces (else the brain phantom's), one at a time or in packets", bench_mesh, 64,
-     9, 10},
     {"streamlines", "256 rays into 1,000 to 1,000,000 streamlines, by each kernel of the search", bench_streamlines, 4,
      5, 15},
-    {"colour", "a picture: blended slices against ray casting without and with skipping", bench_colour, 1, 5, 40},
     {"peers_mesh", "256 rays into 20,000 tori: VTK's selector, locators and picker against the rays engine",
      bench_peers_mesh, 4, 5, 40},
-    {"peers_volume", "256 rays through a labelled volume: VTK's pickers and selector beside the rays engine",
-     bench_peers_volume, 8, 5, 20},
     {"peers_colour", "a picture of a volume: VTK's volume mappers against the colour pass", bench_peers_colour, 1, 3,
      20},
     {"peers_streamlines", "256 rays into tubes of streamlines: VTK's locators beside the search along streamlines",
      bench_peers_streamlines, 4, 5, 20},
     {"bonsai", "frames of 1 to 45 volumes of 256^3 bytes, without and with a selection in each, as the paper has it",
      bench_bonsai, 1, 3, 20},
-    {"brain", "frames of the brain phantom, surfaces and volumes, without and with a selection in each",
-     bench_brain_frames, 1, 9, 20},
     {"accuracy", "how wrong slices are: labels and thin tubes, over cones' angles", bench_accuracy, 64, 5, 2},
     {"startup", "loading an atlas, making selectors, and the whole of conus query", bench_startup, 1, 15, 15},
     {"open", "the atlas enlarged three times along each axis: conus query on it, and its memory per voxel", bench_open,
      1, 3, 15},
-    {"growth", "how the cost grows with objects, voxels, labels, poses, pixels, angle, ranks and streamlines",
-     bench_growth, 64, 3, 10},
-    {"hand", "a trembling hand: how often --poses trials select the area that was meant", bench_hand, 64, 0, 0},
+    {"growth", "how the cost grows with objects, voxels, labels, poses, pixels and angle", bench_growth, 64, 3, 10},
 };
 
 enum { SCENARIO_COUNT = sizeof scenarios / sizeof scenarios[0] };
@@ -86,7 +69,6 @@ static void print_help(void)
          "  --poses N      cones per round (default 64; all: its own)\n"
          "  --repeats N    rounds in which every variant runs once (default 9; all: its own)\n"
          "  --seconds S    begin no further round once a measurement has taken S seconds (all: its own)\n"
-         "  --record FILE  write the poses of the hand, for conus track\n"
          "  --check        small sizes: exit code 1 unless all answers are equal; the times have no meaning\n"
          "  --json FILE    write everything measured");
 }
@@ -141,9 +123,6 @@ static conus_status parse_option(struct arguments *out, int option)
         return parse_count("repeats", optarg, &options->repeats);
     case 't':
         return parse_number("seconds", optarg, 1e6, &options->seconds);
-    case 'o':
-        options->record = optarg;
-        return CONUS_OK;
     case 'k':
         options->check = true;
         return CONUS_OK;
@@ -171,19 +150,13 @@ static conus_status parse_scenario(struct arguments *out, const char *name)
 
 static conus_status parse_arguments(struct arguments *out, int argc, char **argv)
 {
-    static const struct option table[] = {{"atlas", required_argument, NULL, 'a'},
-                                          {"context", required_argument, NULL, 'c'},
-                                          {"slices", required_argument, NULL, 's'},
-                                          {"angle", required_argument, NULL, 'g'},
-                                          {"poses", required_argument, NULL, 'p'},
-                                          {"repeats", required_argument, NULL, 'r'},
-                                          {"seconds", required_argument, NULL, 't'},
-                                          {"record", required_argument, NULL, 'o'},
-                                          {"check", no_argument, NULL, 'k'},
-                                          {"json", required_argument, NULL, 'j'},
-                                          {"bonsai", required_argument, NULL, 'b'},
-                                          {"help", no_argument, NULL, 'h'},
-                                          {NULL, 0, NULL, 0}};
+    static const struct option table[] = {
+        {"atlas", required_argument, NULL, 'a'},   {"context", required_argument, NULL, 'c'},
+        {"slices", required_argument, NULL, 's'},  {"angle", required_argument, NULL, 'g'},
+        {"poses", required_argument, NULL, 'p'},   {"repeats", required_argument, NULL, 'r'},
+        {"seconds", required_argument, NULL, 't'}, {"check", no_argument, NULL, 'k'},
+        {"json", required_argument, NULL, 'j'},    {"bonsai", required_argument, NULL, 'b'},
+        {"help", no_argument, NULL, 'h'},          {NULL, 0, NULL, 0}};
     opterr = 0;
     for (int option; (option = getopt_long(argc, argv, "h", table, NULL)) != -1;) {
         conus_status status = parse_option(out, option);

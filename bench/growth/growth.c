@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* How the cost grows with objects, voxels, labels, poses, pixels, angle, ranks and streamlines. */
+/* How the cost grows with objects, voxels, labels, poses, pixels and angle. */
 #include "bench/growth/growth.h"
-
-#include "bench/growth/exponent.h"
 
 #include <assert.h>
 #include <stdio.h>
@@ -66,20 +64,20 @@ conus_status growth_end(struct growth_curve *curve)
     json_array_foreach(curve->bench->runs, index, run)
     {
         if (is_of(run, curve) && point++ > 0) {
-            double slope = growth_exponent(curve->x + point - 2, curve->ms + point - 2, 2);
+            double slope = bench_exponent(curve->x + point - 2, curve->ms + point - 2, 2);
             if (json_object_set_new(run, "slope", json_real(slope))) {
                 return fail(CONUS_ERROR_MEMORY, "out of memory");
             }
         }
     }
     snprintf(key, sizeof key, "growth_%s", curve->name);
-    return bench_value(curve->bench, key, growth_exponent(curve->x, curve->ms, curve->count), curve->equal);
+    return bench_value(curve->bench, key, bench_exponent(curve->x, curve->ms, curve->count), curve->equal);
 }
 
 conus_status bench_growth(struct bench *bench)
 {
-    conus_status (*const curves[])(struct bench *) = {growth_objects, growth_torus_angle, growth_labels, growth_cones,
-                                                      growth_voxels,  growth_streamlines, growth_poses,  growth_ranks};
+    conus_status (*const curves[])(struct bench *) = {growth_objects, growth_torus_angle, growth_labels,
+                                                      growth_cones,   growth_voxels,      growth_poses};
     conus_status status = CONUS_OK;
     bench->one_thread = true;
     for (size_t i = 0; i < sizeof curves / sizeof *curves && !status; i++) {

@@ -41,8 +41,6 @@ conus_status growth_labels(struct bench *bench);
 conus_status growth_cones(struct bench *bench); /**< Pixels and angle, on the atlas. */
 conus_status growth_objects(struct bench *bench);
 conus_status growth_torus_angle(struct bench *bench);
-conus_status growth_streamlines(struct bench *bench);
 conus_status growth_poses(struct bench *bench);
-conus_status growth_ranks(struct bench *bench);
 
 #endif

@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // VTK's hardware selector on the surfaces of an atlas.
 #include <vtkActor.h>
-#include <vtkCompositePolyDataMapper2.h>
 #include <vtkHardwareSelector.h>
 #include <vtkMatrix4x4.h>
-#include <vtkMultiBlockDataSet.h>
 #include <vtkNew.h>
 #include <vtkPolyDataMapper.h>
-#include <vtkSelection.h>
 
 #include <cmath>
 #include <memory>
@@ -19,9 +16,8 @@ struct peer_selector {
     vtkNew<vtkRenderer> renderer;
     vtkSmartPointer<vtkRenderWindow> window;
     vtkNew<vtkHardwareSelector> selector;
-    std::unordered_map<const vtkProp *, uint32_t>
-        numbers;     /* of the actors; empty where flat indices tell objects apart */
-    uint32_t low[2]; /* corner of the square of pixels that is looked at */
+    std::unordered_map<const vtkProp *, uint32_t> numbers; /* of the actors */
+    uint32_t low[2];                                       /* corner of the square of pixels that is looked at */
     uint32_t height;
     double range[2];
 };
@@ -62,21 +58,6 @@ void add_actors(peer_selector &selector, const mesh_object *objects, size_t coun
     }
 }
 
-void add_composite(peer_selector &selector, const mesh_object *objects, size_t count)
-{
-    vtkNew<vtkMultiBlockDataSet> blocks;
-    for (size_t i = 0; i < count; i++) {
-        if (objects[i].mesh) {
-            blocks->SetBlock(static_cast<unsigned>(i), peers::make_surface(&objects[i], 1));
-        }
-    }
-    vtkNew<vtkCompositePolyDataMapper2> mapper;
-    mapper->SetInputDataObject(blocks);
-    vtkNew<vtkActor> actor;
-    actor->SetMapper(mapper);
-    selector.renderer->AddActor(actor);
-}
-
 /* The window's angle, so that the cone fills the square in its middle. */
 double window_angle(const peer_selector &selector, const cone &cone)
 {
@@ -88,8 +69,8 @@ void aim(peer_selector &selector, const cone &cone)
     peers::aim_camera(selector.renderer, cone.pose.world_from_device, window_angle(selector, cone), selector.range);
 }
 
-std::unique_ptr<peer_selector> make(const mesh_object *objects, size_t count, peer_parts parts, const uint32_t size[2],
-                                    double reach, const cone &cone)
+std::unique_ptr<peer_selector> make(const mesh_object *objects, size_t count, const uint32_t size[2], double reach,
+                                    const cone &cone)
 {
     auto selector = std::make_unique<peer_selector>();
     selector->window = peers::make_window(selector->renderer, size);
@@ -99,7 +80,7 @@ std::unique_ptr<peer_selector> make(const mesh_object *objects, size_t count, pe
     for (int a = 0; a < 2; a++) {
         selector->low[a] = (size[a] - PEER_RESOLUTION) / 2;
     }
-    (parts == PEER_ACTORS ? add_actors : add_composite)(*selector, objects, count);
+    add_actors(*selector, objects, count);
     vtkHardwareSelector *pass = selector->selector;
     pass->SetRenderer(selector->renderer);
     pass->SetFieldAssociation(vtkDataObject::FIELD_ASSOCIATION_CELLS);
@@ -116,27 +97,21 @@ uint32_t number_of(const peer_selector &selector, const vtkHardwareSelector::Pix
     if (!pixel.Valid) {
         return 0;
     }
-    if (selector.numbers.empty()) {
-        return pixel.CompositeID; /* of the block i + 1: the root has 0 */
-    }
     auto found = selector.numbers.find(pixel.Prop);
     return found == selector.numbers.end() ? 0 : found->second;
 }
 
-void trace(peer_selector &selector, uint32_t *objects, const cone &cone, bool actors_only)
+void trace(peer_selector &selector, uint32_t *objects, const cone &cone)
 {
     vtkHardwareSelector *pass = selector.selector;
     aim(selector, cone);
-    pass->SetActorPassOnly(actors_only);
+    pass->SetActorPassOnly(true);
     if (!pass->CaptureBuffers()) {
         throw std::runtime_error("vtkHardwareSelector captured nothing");
     }
     for (unsigned i = 0; i < PEER_RESOLUTION * PEER_RESOLUTION; i++) {
         const unsigned at[2] = {selector.low[0] + i % PEER_RESOLUTION, selector.low[1] + i / PEER_RESOLUTION};
         objects[i] = number_of(selector, pass->GetPixelInformation(at));
-    }
-    if (!actors_only) {
-        vtkSmartPointer<vtkSelection>::Take(pass->GenerateSelection());
     }
     pass->ClearBuffers();
     selector.window->ReleaseCurrent();
@@ -145,9 +120,9 @@ void trace(peer_selector &selector, uint32_t *objects, const cone &cone, bool ac
 } // namespace
 
 conus_status peer_selector_create(struct peer_selector **out, const struct mesh_object *objects, size_t count,
-                                  enum peer_parts parts, const uint32_t size[2], double reach, const struct cone *cone)
+                                  const uint32_t size[2], double reach, const struct cone *cone)
 {
-    return peers::guarded([&] { *out = make(objects, count, parts, size, reach, *cone).release(); });
+    return peers::guarded([&] { *out = make(objects, count, size, reach, *cone).release(); });
 }
 
 void peer_selector_destroy(struct peer_selector *selector)
@@ -155,8 +130,7 @@ void peer_selector_destroy(struct peer_selector *selector)
     delete selector;
 }
 
-conus_status peer_selector_trace(struct peer_selector *selector, uint32_t *objects, const struct cone *cone,
-                                 bool actors_only)
+conus_status peer_selector_trace(struct peer_selector *selector, uint32_t *objects, const struct cone *cone)
 {
-    return peers::guarded([&] { trace(*selector, objects, *cone, actors_only); });
+    return peers::guarded([&] { trace(*selector, objects, *cone); });
 }

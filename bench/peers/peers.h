@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * What people use today for the same questions: VTK's selector, pickers, locators and volume mappers, each as its
+ * What people use today for the same questions: VTK's selector, picker, locators and volume mappers, each as its
  * documentation shows it. C++ stays behind this border; nothing here is part of the library.
  *
  * What draws needs a display (X, or Xvfb): CONUS_ERROR_GL where there is none. No context of VTK's stays current. */
@@ -28,23 +28,17 @@ conus_status peer_check_display(void);
 
 /* vtkHardwareSelector: surfaces drawn with their numbers as colours. */
 
-enum peer_parts {
-    PEER_ACTORS,   /**< One vtkActor per object: how programs show parts.                                */
-    PEER_COMPOSITE /**< One vtkCompositePolyDataMapper2 over a block per object, distinguished by flat index. */
-};
-
 struct peer_selector;
 
-/** Shows @p objects, within @p reach mm of every cone to come, in a window of width x height pixels, both even; draws
- * it once, along @p cone. Object number k is objects[k - 1]. */
+/** Shows @p objects, a vtkActor each, within @p reach mm of every cone to come, in a window of width x height pixels,
+ * both even; draws it once, along @p cone. Object number k is objects[k - 1]. */
 conus_status peer_selector_create(struct peer_selector **out, const struct mesh_object *objects, size_t count,
-                                  enum peer_parts parts, const uint32_t size[2], double reach, const struct cone *cone);
+                                  const uint32_t size[2], double reach, const struct cone *cone);
 void peer_selector_destroy(struct peer_selector *selector); /**< NULL is fine. */
 
-/** Objects, [16 * 16], of the square of pixels in the window's middle, which @p cone just fills. @p actors_only: leaves
- * out the passes that distinguish cells (vtkHardwareSelector::ActorPassOnly), which Select() makes by default. */
-conus_status peer_selector_trace(struct peer_selector *selector, uint32_t *objects, const struct cone *cone,
-                                 bool actors_only);
+/** Objects, [16 * 16], of the square of pixels in the window's middle, which @p cone just fills, by the pass that
+ * distinguishes actors (vtkHardwareSelector::ActorPassOnly). */
+conus_status peer_selector_trace(struct peer_selector *selector, uint32_t *objects, const struct cone *cone);
 
 /* vtkCellPicker and cell locators: rays into one merged surface. */
 
@@ -82,30 +76,6 @@ conus_status peer_tubes_build(struct peer_tubes *tubes, enum peer_locator kind);
  * none. */
 conus_status peer_tubes_trace(struct peer_tubes *tubes, uint32_t *streamlines, const struct cone *cone, double reach,
                               enum peer_locator kind);
-
-enum peer_picker { PEER_VOLUME_PICKER, PEER_CELL_PICKER };
-
-/** The hit of a ray in the labelled volume. */
-struct peer_contact {
-    uint32_t object;    /**< Of the voxel that was named; 0 = none, or a voxel of the background. */
-    uint64_t voxel;     /**< Its linear index; UINT64_MAX = no hit.                      */
-    double distance_mm; /**< From the apex to the point that was named; NAN if only a voxel was.  */
-};
-
-struct peer_labels;
-
-/** Shows the voxels of all objects of @p volume, clear elsewhere and with @p opacity per mm; whose a voxel is that VTK
- * names, the labels tell. @p window: whether it is to be drawn, too. Eyes are within 2 m. */
-conus_status peer_labels_create(struct peer_labels **out, const struct volume *volume, double opacity, bool window);
-void peer_labels_destroy(struct peer_labels *labels); /**< NULL is fine. */
-
-/** What a picker's 16 * 16 rays through the pixels' centres hit. @p isovalue is VolumeOpacityIsovalue, VTK's default
- * being 0.05. */
-conus_status peer_labels_pick(struct peer_labels *labels, struct peer_contact *contacts, const struct cone *cone,
-                              enum peer_picker kind, double isovalue);
-
-/** The voxels that vtkHardwareSelector names for cells, drawing with vtkGPUVolumeRayCastMapper. Needs the window. */
-conus_status peer_labels_select(struct peer_labels *labels, struct peer_contact *contacts, const struct cone *cone);
 
 enum peer_caster { PEER_GPU, PEER_FIXED_POINT };
 

@@ -5,7 +5,7 @@
 #include "base/memory.h"
 #include "bench/bench.h"
 #include "bench/peers/peers.h"
-#include "bench/support/picture.h"
+#include "bench/support/frame.h"
 #include "render/colour/colour_view.h"
 #include "render/colour/renderer.h"
 #include "render/gl/target.h"

@@ -9,157 +9,54 @@
 
 #include <stdio.h>
 
-enum { TORI = 20000, CONES = 4, WAYS_LIMIT = 10, LARGE_WIDTH = 1400, LARGE_HEIGHT = 1050 };
+enum { TORI = 20000, CONES = 4, ANGLE = 5 };
 
-/* What programs look at their scene with, in whose middle 16 x 16 pixels are asked about. */
-#define LARGE_DEGREES 30.0
+/* The ways to answer the cones. ACTORS is missing where there is no display. */
+enum way { RAYS, RAYS_PLACED, CELL_LOCATOR, STATIC_LOCATOR, CELL_PICKER, ACTORS, WAYS };
 
 struct scene {
     struct torus_scene tori;
     struct mesh_object *placed; /* [tori.count] one torus at all places */
     struct mesh_object *areas;  /* [tori.count] the atlas's, with triangles of their own */
     conus_atlas *atlas;
-    struct engine *rays;
-    struct mesh_rays *placed_rays;
-    struct engine *rays_on_placed;          /* which share the torus's triangles, as VTK's actors do */
-    struct cone wide[CONES], narrow[CONES]; /* what 16 x 16 pixels show of a window of their size, and of a large one */
-    struct peer_selector *small, *own, *large, *composite;
+    struct mesh_rays *placed_rays; /* share the torus's triangles, as VTK's actors do */
+    struct cone cones[CONES];
     struct peer_surface *surface;
+    struct peer_selector *selector;
+    double reach; /* no cone is so far from a torus, mm */
 };
 
-enum kind { SELECTOR, LOCATOR, PICKER };
-
+/* A way of VTK's as an engine. */
 struct peer {
     struct engine engine;
-    enum kind kind;
-    struct peer_selector *selector;
-    bool actors_only;
-    struct peer_surface *surface;
-    enum peer_locator locator;
+    enum way way;
+    struct scene *scene;
 };
 
 static conus_status trace_as_peer(struct engine *engine, struct evidence *out, const struct cone *cone)
 {
-    struct peer *peer = (struct peer *)engine;
-    switch (peer->kind) {
-    case SELECTOR:
-        return peer_selector_trace(peer->selector, out->object, cone, peer->actors_only);
-    case PICKER:
-        return peer_surface_pick(peer->surface, out->object, cone, peer->locator);
+    struct scene *scene = ((struct peer *)engine)->scene;
+    switch (((struct peer *)engine)->way) {
+    case CELL_LOCATOR:
+        return peer_surface_trace(scene->surface, out->object, cone, PEER_CELL_LOCATOR);
+    case STATIC_LOCATOR:
+        return peer_surface_trace(scene->surface, out->object, cone, PEER_STATIC_LOCATOR);
+    case CELL_PICKER:
+        return peer_surface_pick(scene->surface, out->object, cone, PEER_CELL_LOCATOR);
     default:
-        return peer_surface_trace(peer->surface, out->object, cone, peer->locator);
+        return peer_selector_trace(scene->selector, out->object, cone);
     }
 }
 
-static const struct engine_functions functions = {.trace = trace_as_peer};
-
-/* Something of VTK's that is made before anything can be asked. */
-struct preparation {
-    struct scene *scene;
-    conus_status (*make)(struct scene *scene);
-    conus_status status;
-};
-
-static double view_range(const struct scene *scene)
+static conus_status scene_init(struct scene *scene, const struct bench_options *options)
 {
-    return 4 * scene->tori.side;
-}
-
-static conus_status remake_selector(struct peer_selector **selector, const struct scene *scene,
-                                    const struct mesh_object *objects, enum peer_parts parts, const uint32_t size[2],
-                                    const struct cone *cones)
-{
-    peer_selector_destroy(*selector);
-    *selector = NULL;
-    return peer_selector_create(selector, objects, scene->tori.count, parts, size, view_range(scene), cones);
-}
-
-static const uint32_t small_size[2] = {PEER_RESOLUTION, PEER_RESOLUTION};
-static const uint32_t large_size[2] = {LARGE_WIDTH, LARGE_HEIGHT};
-
-static conus_status make_small(struct scene *scene)
-{
-    return remake_selector(&scene->small, scene, scene->placed, PEER_ACTORS, small_size, scene->wide);
-}
-
-static conus_status make_own(struct scene *scene)
-{
-    return remake_selector(&scene->own, scene, scene->areas, PEER_ACTORS, small_size, scene->wide);
-}
-
-static conus_status make_large(struct scene *scene)
-{
-    return remake_selector(&scene->large, scene, scene->placed, PEER_ACTORS, large_size, scene->narrow);
-}
-
-static conus_status make_composite(struct scene *scene)
-{
-    return remake_selector(&scene->composite, scene, scene->areas, PEER_COMPOSITE, small_size, scene->wide);
-}
-
-static conus_status make_surface(struct scene *scene)
-{
-    peer_surface_destroy(scene->surface);
-    scene->surface = NULL;
-    return peer_surface_create(&scene->surface, scene->areas, scene->tori.count, view_range(scene));
-}
-
-static conus_status build_locator(struct scene *scene)
-{
-    return peer_surface_build(scene->surface, PEER_CELL_LOCATOR);
-}
-
-static conus_status build_static(struct scene *scene)
-{
-    return peer_surface_build(scene->surface, PEER_STATIC_LOCATOR);
-}
-
-static conus_status make_rays(struct scene *scene)
-{
-    engine_destroy(scene->rays);
-    scene->rays = NULL;
-    return engine_rays_create(&scene->rays, scene->atlas, &(struct engine_options){0});
-}
-
-static conus_status make_placed_rays(struct scene *scene)
-{
-    engine_destroy(scene->rays_on_placed);
-    mesh_rays_destroy(scene->placed_rays);
-    scene->rays_on_placed = NULL;
-    scene->placed_rays = NULL;
-    conus_status status = mesh_rays_create(&scene->placed_rays, scene->placed, scene->tori.count);
-    status = status ? status : mesh_engine_create(&scene->rays_on_placed, scene->placed_rays, 0);
-    if (!status) {
-        snprintf(scene->rays_on_placed->name, sizeof scene->rays_on_placed->name, "rays, one torus placed");
+    conus_status status = torus_scene_init(&scene->tori, bench_size(options, TORI));
+    status = status ? status : torus_scene_atlas(&scene->atlas, &scene->tori);
+    if (status) {
+        return status;
     }
-    return status;
-}
-
-static void prepare(void *data)
-{
-    struct preparation *preparation = data;
-    conus_status status = preparation->make(preparation->scene);
-    preparation->status = status ? status : preparation->status;
-}
-
-/* Makes it and prints how long that took: once, by the wall clock, since some of it uses all processors. */
-static conus_status make_timed(struct bench *bench, struct scene *scene, const char *what,
-                               conus_status (*make)(struct scene *scene))
-{
-    struct preparation preparation = {.scene = scene, .make = make};
-    struct bench_variant variant = {.name = what, .run = prepare, .data = &preparation, .equal = true};
-    size_t repeats = bench->options.repeats;
-    bench->options.repeats = 1;
-    bench->one_thread = false;
-    conus_status status = bench_measure(bench, "peers_mesh", &variant, 1, 1, 0);
-    bench->options.repeats = repeats;
-    bench->one_thread = true;
-    return preparation.status ? preparation.status : status;
-}
-
-static conus_status make_objects(struct scene *scene)
-{
     size_t count = scene->tori.count;
+    scene->reach = 4 * scene->tori.side;
     scene->placed = memory_zeroed(count, sizeof *scene->placed);
     scene->areas = memory_zeroed(count, sizeof *scene->areas);
     if (!scene->placed || !scene->areas) {
@@ -169,187 +66,117 @@ static conus_status make_objects(struct scene *scene)
         scene->placed[i] = (struct mesh_object){&scene->tori.torus, scene->tori.places[i]};
         scene->areas[i] = (struct mesh_object){atlas_object_mesh(scene->atlas, (uint32_t)i + 1), NULL};
     }
-    double slope = tan(radians_from_degrees(LARGE_DEGREES) / 2) * PEER_RESOLUTION / LARGE_HEIGHT;
-    torus_scene_cones(scene->wide, &scene->tori, CONES, 5);
-    torus_scene_cones(scene->narrow, &scene->tori, CONES, degrees_from_radians(2 * atan(slope)));
+    torus_scene_cones(scene->cones, &scene->tori, CONES, ANGLE);
     return CONUS_OK;
-}
-
-static conus_status scene_init(struct bench *bench, struct scene *scene)
-{
-    conus_status status = torus_scene_init(&scene->tori, bench_size(&bench->options, TORI));
-    status = status ? status : torus_scene_atlas(&scene->atlas, &scene->tori);
-    status = status ? status : make_objects(scene);
-    status = status ? status : make_timed(bench, scene, "making the rays engine", make_rays);
-    status = status ? status : make_timed(bench, scene, "making rays on placed tori", make_placed_rays);
-    status = status ? status : make_timed(bench, scene, "merging for locators", make_surface);
-    status = status ? status : make_timed(bench, scene, "building vtkCellLocator", build_locator);
-    return status ? status : make_timed(bench, scene, "building vtkStaticCellLocator", build_static);
-}
-
-/* What needs a display. */
-static conus_status windows_init(struct bench *bench, struct scene *scene)
-{
-    conus_status status = peer_check_display();
-    status = status ? status : make_timed(bench, scene, "actors, 16 x 16, first frame", make_small);
-    status = status ? status : make_timed(bench, scene, "actors, 1400 x 1050, first frame", make_large);
-    status = status ? status : make_timed(bench, scene, "composite, 16 x 16, first frame", make_composite);
-    return status ? status : make_timed(bench, scene, "actors of own triangles, first frame", make_own);
 }
 
 static void scene_finish(struct scene *scene)
 {
-    peer_selector_destroy(scene->small);
-    peer_selector_destroy(scene->own);
-    peer_selector_destroy(scene->large);
-    peer_selector_destroy(scene->composite);
+    peer_selector_destroy(scene->selector);
     peer_surface_destroy(scene->surface);
-    engine_destroy(scene->rays_on_placed);
     mesh_rays_destroy(scene->placed_rays);
-    engine_destroy(scene->rays);
     conus_atlas_destroy(scene->atlas);
     memory_free(scene->placed);
     memory_free(scene->areas);
     torus_scene_finish(&scene->tori);
 }
 
-/* Several ways to answer the same cones, the rays first. */
-struct contest {
-    struct scene *scene;
-    const struct cone *cones;
-    struct engine *engines[WAYS_LIMIT];
-    struct peer peers[WAYS_LIMIT]; /* where the engine is one */
-    struct trace traces[WAYS_LIMIT];
-    struct bench_variant variants[WAYS_LIMIT];
-    size_t count;
-};
-
-static struct peer *add_peer(struct contest *contest, enum kind kind, const char *what)
+/* Makes what the way needs, and notes the processor time of all threads that this took. */
+static conus_status make_way(struct bench *bench, struct scene *scene, enum way way, struct engine **own)
 {
-    struct peer *peer = &contest->peers[contest->count];
-    snprintf(peer->engine.name, sizeof peer->engine.name, "%s", what);
-    peer->engine.functions = &functions;
-    peer->kind = kind;
-    peer->surface = contest->scene->surface;
-    contest->engines[contest->count++] = &peer->engine;
-    return peer;
-}
-
-static void add_locator(struct contest *contest, enum kind kind, enum peer_locator locator, const char *what)
-{
-    add_peer(contest, kind, what)->locator = locator;
-}
-
-static void add_selector(struct contest *contest, struct peer_selector *selector, bool actors_only, const char *what)
-{
-    struct peer *peer = add_peer(contest, SELECTOR, what);
-    peer->selector = selector;
-    peer->actors_only = actors_only;
-}
-
-/* Answers all once, compares, and times them. */
-static conus_status measure_contest(struct bench *bench, struct contest *contest)
-{
+    static const char *const keys[WAYS] = {
+        "rays_ready_ms",       "rays_placed_ready_ms", "vtkcelllocator_ready_ms", "vtkstaticlocator_ready_ms", NULL,
+        "vtkselector_ready_ms"};
+    static const uint32_t size[2] = {PEER_RESOLUTION, PEER_RESOLUTION};
+    double start = bench_cpu();
     conus_status status = CONUS_OK;
-    for (size_t w = 0; w < contest->count && !status; w++) {
-        struct trace *trace = &contest->traces[w];
-        status = trace_init(trace, contest->engines[w], contest->cones, CONES);
+    switch (way) {
+    case RAYS:
+        status = engine_rays_create(own, scene->atlas, &(struct engine_options){0});
+        break;
+    case RAYS_PLACED:
+        status = mesh_rays_create(&scene->placed_rays, scene->placed, scene->tori.count);
+        status = status ? status : mesh_engine_create(own, scene->placed_rays, 0);
+        break;
+    case CELL_LOCATOR:
+        status = peer_surface_create(&scene->surface, scene->areas, scene->tori.count, scene->reach);
+        status = status ? status : peer_surface_build(scene->surface, PEER_CELL_LOCATOR);
+        break;
+    case STATIC_LOCATOR:
+        status = peer_surface_build(scene->surface, PEER_STATIC_LOCATOR);
+        break;
+    case ACTORS:
+        status = peer_check_display();
+        status = status ? status
+                        : peer_selector_create(&scene->selector, scene->placed, scene->tori.count, size, scene->reach,
+                                               scene->cones);
+        break;
+    default:
+        break;
+    }
+    return status || !keys[way] ? status : bench_value(bench, keys[way], 1e3 * (bench_cpu() - start), true);
+}
+
+static conus_status measure_ways(struct bench *bench, struct scene *scene, struct engine *own[2],
+                                 struct trace traces[WAYS])
+{
+    static const char *const names[WAYS] = {
+        "rays engine",          "rays, one torus placed",        "vtkCellLocator",
+        "vtkStaticCellLocator", "vtkCellPicker, vtkCellLocator", "vtkHardwareSelector, actors"};
+    /* Each over rays at what it has in memory: triangles for each torus, or one torus for all places. */
+    static const struct {
+        const char *key;
+        enum way above, below;
+    } ratios[] = {{"vtkcelllocator_over_rays", CELL_LOCATOR, RAYS},
+                  {"vtkstaticlocator_over_rays", STATIC_LOCATOR, RAYS},
+                  {"vtkcellpicker_over_rays", CELL_PICKER, RAYS},
+                  {"vtkselector_over_rays", ACTORS, RAYS_PLACED}};
+    static const struct engine_functions functions = {.trace = trace_as_peer};
+    struct peer peers[WAYS];
+    struct bench_variant variants[WAYS];
+    size_t count = 0;
+    conus_status status = CONUS_OK;
+    for (; count < WAYS && !status; count++) {
+        struct trace *trace = &traces[count];
+        status = make_way(bench, scene, (enum way)count, count <= RAYS_PLACED ? &own[count] : NULL);
+        if (status == CONUS_ERROR_GL) {
+            status = bench_leave_out(bench, "vtkHardwareSelector");
+            break;
+        }
+        peers[count] = (struct peer){{.functions = &functions}, (enum way)count, scene};
+        status = status
+                     ? status
+                     : trace_init(trace, count <= RAYS_PLACED ? own[count] : &peers[count].engine, scene->cones, CONES);
         if (!status) {
-            contest->variants[w] = (struct bench_variant){.name = trace->name, .run = trace_all, .data = trace};
-            contest->variants[w].equal = trace_same_but_edges(trace, &contest->traces[0]);
+            snprintf(trace->name, sizeof trace->name, "%s", names[count]);
+            variants[count] = (struct bench_variant){.name = trace->name, .run = trace_all, .data = trace};
+            variants[count].equal = trace_same_but_edges(trace, &traces[RAYS]);
         }
     }
-    double angle = degrees_from_radians(contest->cones[0].angle);
-    return status ? status : bench_measure(bench, "peers_mesh", contest->variants, contest->count, CONES, angle);
-}
-
-static conus_status ratio(struct bench *bench, const struct contest *contest, size_t above, size_t below,
-                          const char *key)
-{
-    return bench_ratio(bench, key, &contest->variants[above], &contest->variants[below]);
-}
-
-static void contest_finish(struct contest *contest)
-{
-    for (size_t w = 0; w < contest->count; w++) {
-        trace_finish(&contest->traces[w]);
+    status = status ? status : bench_measure(bench, "peers_mesh", variants, count, CONES, ANGLE);
+    for (size_t i = 0; i < sizeof ratios / sizeof *ratios && !status; i++) {
+        if (ratios[i].above < count) {
+            status = bench_ratio(bench, ratios[i].key, &variants[ratios[i].above], &variants[ratios[i].below]);
+        }
     }
-}
-
-/* The ways of measure_wide(). */
-enum way {
-    RAYS,
-    RAYS_PLACED,
-    CELL_LOCATOR,
-    STATIC_LOCATOR,
-    CELL_PICKER,
-    STATIC_PICKER,
-    ACTORS, /* from here on a display is needed */
-    ACTORS_CELLS,
-    ACTORS_OWN,
-    COMPOSITE
-};
-
-/* Each over rays at what it has in memory: one torus for all places, or triangles for each. */
-static const struct {
-    enum way above, below;
-    const char *key;
-} ratios[] = {{CELL_LOCATOR, RAYS, "vtkcelllocator_over_rays"},
-              {STATIC_LOCATOR, RAYS, "vtkstaticlocator_over_rays"},
-              {CELL_PICKER, RAYS, "vtkcellpicker_over_rays"},
-              {ACTORS, RAYS_PLACED, "vtkselector_over_rays"},
-              {ACTORS_CELLS, RAYS_PLACED, "vtkselector_cells_over_rays"},
-              {ACTORS_OWN, RAYS, "vtkselector_own_over_rays"},
-              {COMPOSITE, RAYS, "vtkselector_composite_over_rays"}};
-enum { RATIOS = sizeof ratios / sizeof ratios[0], RATIOS_WITHOUT_DISPLAY = 3 };
-
-/* Cones of 5 degrees; the selector's window has 16 x 16 pixels. */
-static conus_status measure_wide(struct bench *bench, struct scene *scene)
-{
-    struct contest contest = {
-        .scene = scene, .cones = scene->wide, .engines = {scene->rays, scene->rays_on_placed}, .count = CELL_LOCATOR};
-    add_locator(&contest, LOCATOR, PEER_CELL_LOCATOR, "vtkCellLocator");
-    add_locator(&contest, LOCATOR, PEER_STATIC_LOCATOR, "vtkStaticCellLocator");
-    add_locator(&contest, PICKER, PEER_CELL_LOCATOR, "vtkCellPicker, vtkCellLocator");
-    add_locator(&contest, PICKER, PEER_STATIC_LOCATOR, "vtkCellPicker, vtkStaticCellLocator");
-    if (scene->small) {
-        add_selector(&contest, scene->small, true, "vtkHardwareSelector, actors");
-        add_selector(&contest, scene->small, false, "vtkHardwareSelector, actors and cells");
-        add_selector(&contest, scene->own, true, "vtkHardwareSelector, actors of own triangles");
-        add_selector(&contest, scene->composite, false, "vtkHardwareSelector, composite");
-    }
-    conus_status status = measure_contest(bench, &contest);
-    for (size_t i = 0; i < (scene->small ? RATIOS : RATIOS_WITHOUT_DISPLAY) && !status; i++) {
-        status = ratio(bench, &contest, ratios[i].above, ratios[i].below, ratios[i].key);
-    }
-    contest_finish(&contest);
-    return status;
-}
-
-/* What 16 x 16 pixels in the middle of a large window show. */
-static conus_status measure_narrow(struct bench *bench, struct scene *scene)
-{
-    struct contest contest = {.scene = scene, .cones = scene->narrow, .engines = {scene->rays}, .count = 1};
-    add_selector(&contest, scene->large, true, "vtkHardwareSelector, 1400 x 1050, actors");
-    conus_status status = measure_contest(bench, &contest);
-    status = status ? status : ratio(bench, &contest, 1, 0, "vtkselector_window_over_rays");
-    contest_finish(&contest);
     return status;
 }
 
 conus_status bench_peers_mesh(struct bench *bench)
 {
     struct scene scene = {0};
+    struct engine *own[2] = {NULL, NULL};
+    struct trace traces[WAYS] = {0};
     bench_draw_on_this_thread();
     bench->one_thread = true;
-    conus_status status = scene_init(bench, &scene);
-    if (!status) {
-        snprintf(bench->driver, sizeof bench->driver, "%s; %s", peer_version(), scene.rays->name);
-        status = windows_init(bench, &scene);
-        status = status == CONUS_ERROR_GL ? bench_leave_out(bench, "vtkHardwareSelector") : status;
+    snprintf(bench->driver, sizeof bench->driver, "%s", peer_version());
+    conus_status status = scene_init(&scene, &bench->options);
+    status = status ? status : measure_ways(bench, &scene, own, traces);
+    for (int way = 0; way < WAYS; way++) {
+        trace_finish(&traces[way]);
     }
-    status = status ? status : measure_wide(bench, &scene);
-    status = status || !scene.large ? status : measure_narrow(bench, &scene);
+    engine_destroy(own[RAYS]);
+    engine_destroy(own[RAYS_PLACED]);
     scene_finish(&scene);
     return status;
 }

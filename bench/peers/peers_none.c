@@ -13,11 +13,6 @@ conus_status bench_peers_mesh(struct bench *bench)
     return leave_out(bench, "peers_mesh");
 }
 
-conus_status bench_peers_volume(struct bench *bench)
-{
-    return leave_out(bench, "peers_volume");
-}
-
 conus_status bench_peers_colour(struct bench *bench)
 {
     return leave_out(bench, "peers_colour");

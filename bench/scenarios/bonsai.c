@@ -5,7 +5,7 @@
 #include "base/memory.h"
 #include "bench/bench.h"
 #include "bench/support/bonsai_volume.h"
-#include "bench/support/picture.h"
+#include "bench/support/frame.h"
 #include "bench/support/slicing.h"
 #include "bench/support/trace.h"
 

@@ -33,7 +33,8 @@ size_t trace_pixels(const struct trace *trace);
 /** Pixels in which they name different objects. */
 size_t trace_differences(const struct trace *a, const struct trace *b);
 
-/** Whether they name the same objects but for edges (edges.h); prints what differs. */
+/** Whether they name the same objects but for edges, which whoever rasterises moves by up to 1/128 of a pixel, since
+ * corners are snapped to a grid; prints what differs. */
 bool trace_same_but_edges(const struct trace *trace, const struct trace *rays);
 
 /** A frame, and one selection while it is drawn. */
@@ -60,8 +61,5 @@ conus_status mesh_engine_create(struct engine **out, struct mesh_rays *rays, uns
 
 /** Writes cones from 200 to 300 mm around a grid's middle, towards its inner half. */
 void cones_round_grid(struct cone *out, size_t count, const conus_volume_info *info, double angle_deg, uint64_t seed);
-
-/** The same from one to one and a half times the size of the atlas's surfaces. */
-void cones_round_meshes(struct cone *out, size_t count, const conus_atlas *atlas, double angle_deg, uint64_t seed);
 
 #endif

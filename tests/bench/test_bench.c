@@ -2,7 +2,6 @@
 /* What the scenarios of conus-bench share: which runs count, when a ratio is null, and that one scenario's failure is
  * its own. No time is asserted. */
 #include "bench/all.h"
-#include "bench/growth/exponent.h"
 #include "bench/report.h"
 #include "test.h"
 
@@ -245,13 +244,13 @@ static void an_exponent_is_the_slope_of_the_logarithms(void **state)
         root[i] = 7 * sqrt(x[i]);
         square[i] = 0.1 / (x[i] * x[i]);
     }
-    assert_true(fabs(growth_exponent(x, root, 4) - 0.5) < 1e-12);
-    assert_true(fabs(growth_exponent(x, square, 4) + 2) < 1e-12);
-    assert_true(fabs(growth_exponent(bent_x, bent, 3) - 0.5) < 1e-12);
-    assert_true(fabs(growth_exponent(bent_x, same, 3)) < 1e-12);
-    assert_true(isnan(growth_exponent(same, bent, 2)));
-    assert_true(isnan(growth_exponent(x, root, 1)));
-    assert_true(isnan(growth_exponent(x, root, 0)));
+    assert_true(fabs(bench_exponent(x, root, 4) - 0.5) < 1e-12);
+    assert_true(fabs(bench_exponent(x, square, 4) + 2) < 1e-12);
+    assert_true(fabs(bench_exponent(bent_x, bent, 3) - 0.5) < 1e-12);
+    assert_true(fabs(bench_exponent(bent_x, same, 3)) < 1e-12);
+    assert_true(isnan(bench_exponent(same, bent, 2)));
+    assert_true(isnan(bench_exponent(x, root, 1)));
+    assert_true(isnan(bench_exponent(x, root, 0)));
 }
 
 /* A process that ends once it has taken 10 ms of its own. */

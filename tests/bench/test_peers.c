@@ -6,9 +6,9 @@
  */
 #include "atlas/phantom/phantom.h"
 #include "base/geometry/math3.h"
-#include "bench/peers/peers.h"
 #include "selection/engine/engine.h"
 #include "test.h"
+#include "tests/bench/peer_labels.h"
 
 enum { PIXELS = PEER_RESOLUTION * PEER_RESOLUTION, ANTERIOR = 1, POSTERIOR = 2, FIRST_ROW = 20, DEGREES = 1 };
 

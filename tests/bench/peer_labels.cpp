@@ -17,6 +17,7 @@
 #include <memory>
 
 #include "bench/peers/peer_window.hpp"
+#include "tests/bench/peer_labels.h"
 
 struct peer_labels {
     const struct volume *volume;
