@@ -87,8 +87,6 @@ static const struct hold {
     {"id_over_colour_gl", true, 0.003},
     {"rays_200k_over_1k", true, 2.5},
     {"vtkselector_over_rays", false, 500},
-    {"slices72_over_exact", false, 1.5},
-    {"colour_slicing_over_skipping", false, 5},
     {"dda_over_simd", false, 6},
     {"query_process_s", true, 0.1},
     {"open_bytes_per_voxel", true, 3.2},

@@ -33,10 +33,9 @@ bench() {
 
 @test "what cannot run is left out and says why, and the others go on" {
     run -0 --separate-stderr env MESA_LOADER_DRIVER_OVERRIDE=none EGL_PLATFORM=none \
-        __EGL_VENDOR_LIBRARY_DIRS=/nonexistent "$CONUS_BENCH" all --check --context missing.nii.gz --json all.json
-    jq -e '.left_out.colour | test("missing.nii.gz")' all.json
-    jq -e '.left_out | has("gl_layers") and has("torus_frame") and has("torus by OpenGL")' all.json
-    jq -e '.settings.scenarios | has("volume") and has("torus") and has("batch") and (has("colour") | not)' all.json
+        __EGL_VENDOR_LIBRARY_DIRS=/nonexistent "$CONUS_BENCH" all --check --json all.json
+    jq -e '.left_out | has("bonsai") and has("torus_frame") and has("torus by OpenGL")' all.json
+    jq -e '.settings.scenarios | has("volume") and has("torus") and has("batch") and (has("torus_frame") | not)' all.json
     jq -e '.ratios | has("rays_200k_over_1k") and (has("naive_over_rays") | not)' all.json
     jq -e '.versions.gl_renderer | startswith("none")' all.json
 }
@@ -51,7 +50,7 @@ bench() {
 @test "growth: every curve has its points, slopes and exponent" {
     run -0 bench growth --check --json growth.json
     jq -e '[.runs[] | .curve] | unique == ["angle", "angle_tori", "labels", "labels_layers", "objects", "objects_own",
-        "pixels", "poses", "streamlines", "voxels", "voxels_layers", "voxels_open"]' growth.json
+        "pixels", "poses", "voxels", "voxels_layers", "voxels_open"]' growth.json
     # An exponent of two points is their slope; a curve's lies between its least and its greatest.
     jq -e '.ratios as $ratios | [.runs | group_by(.curve)[] | . as $points | [$points[1:][] | .slope]
         | length >= 2 and $ratios["growth_\($points[0].curve)"] >= min - 1e-4 and $ratios["growth_\($points[0].curve)"] <= max + 1e-4] | all' growth.json
@@ -60,7 +59,7 @@ bench() {
 }
 
 @test "command lines as people mistype them" {
-    for wrong in "" "volumes" "volume census" "volume --poses 0" "volume --angle 180" "volume --seconds -1" \
+    for wrong in "" "volumes" "volume batch" "volume --poses 0" "volume --angle 180" "volume --seconds -1" \
         "volume --angles 5" "volume --json"; do
         # shellcheck disable=SC2086 # words
         run -2 --separate-stderr bench $wrong
