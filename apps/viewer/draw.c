@@ -16,26 +16,26 @@ static void navigate(struct window *window)
     static const char *const panels[] = {NULL, "Areas", "Hits of the cone"};
     const struct ui_mouse mouse = ui_mouse_now();
     bool is_pressed = mouse.pressed[0] || mouse.pressed[1] || mouse.pressed[2];
-    bool ends = ui_navigates() && (is_pressed || window->start.on || window->alone);
-    if (window->navigates_anew || ends) {
-        window->navigated = ends ? 0 : window->navigated;
-        window->navigates_anew = false;
-        ui_navigate(panels[window->navigated]);
+    bool ends = ui_navigates() && (is_pressed || window->start.on || window->screen.alone);
+    if (window->frame.navigates_anew || ends) {
+        window->frame.navigated = ends ? 0 : window->frame.navigated;
+        window->frame.navigates_anew = false;
+        ui_navigate(panels[window->frame.navigated]);
     }
 }
 
 /* What was tapped is down for one frame. */
 static void tap(struct window *window, bool down)
 {
-    if (window->tapped && (down || glfwGetKey(window->handle, window->tapped) != GLFW_PRESS)) {
-        ui_hold_key(window->tapped, down);
+    if (window->frame.tapped && (down || glfwGetKey(window->handle, window->frame.tapped) != GLFW_PRESS)) {
+        ui_hold_key(window->frame.tapped, down);
     }
-    window->tapped = down ? window->tapped : 0;
+    window->frame.tapped = down ? window->frame.tapped : 0;
 }
 
 static void draw_panels(struct window *window)
 {
-    window->hover = (struct hover){.value = NAN};
+    window->frame.hover = (struct hover){.value = NAN};
     if (window->dialog.on) {
         panel_dialog(window);
         return;
@@ -45,7 +45,7 @@ static void draw_panels(struct window *window)
         return;
     }
     pane_borders(window); /* first, so that they lie in front */
-    if (!window->alone) {
+    if (!window->screen.alone) {
         panel_areas(window);
         panel_results(window);
     }
@@ -57,7 +57,7 @@ static void draw_panels(struct window *window)
     if (window_shows_pane(window, PANE_3D)) {
         pane_3d(window);
     }
-    if (!window->alone) { /* after the panes, which find what is under the mouse */
+    if (!window->screen.alone) { /* after the panes, which find what is under the mouse */
         panel_status(window);
     }
 }
@@ -65,12 +65,12 @@ static void draw_panels(struct window *window)
 /* What the newest frame shows of the viewer. */
 static void note_shown(struct window *window)
 {
-    window->frames_wanted -= window->frames_wanted > 0;
+    window->frame.frames_wanted -= window->frame.frames_wanted > 0;
     if (window->viewer) {
-        window->shown_version = window->viewer->version;
-        window->shown_said = window->viewer->said;
-        window->shown_second = window->second.version;
-        window->shown_head = window->viewer->head.number;
+        window->frame.shown_version = window->viewer->version;
+        window->frame.shown_said = window->viewer->said;
+        window->frame.shown_second = window->second.version;
+        window->frame.shown_head = window->viewer->head.number;
     }
 }
 
@@ -78,32 +78,32 @@ void draw_window(struct window *window)
 {
     double begun = glfwGetTime();
     note_shown(window);
-    window->moving = window->moving && clock_ms() < window->moving_until;
+    window->pictures.moving = window->pictures.moving && clock_ms() < window->pictures.moving_until;
     window_lay_out(window);
-    if (window->width < 1 || window->height < 1) { /* minimised */
+    if (window->screen.width < 1 || window->screen.height < 1) { /* minimised */
         return;
     }
-    if (window->next_scale > 0 && ui_set_scale(window->next_scale)) {
-        window->scale = window->next_scale;
+    if (window->screen.next_scale > 0 && ui_set_scale(window->screen.next_scale)) {
+        window->screen.scale = window->screen.next_scale;
         window_lay_out(window);
     }
-    window->next_scale = 0;
+    window->screen.next_scale = 0;
     window_clear(window);
     tap(window, true);
     ui_begin();
     navigate(window);
     draw_panels(window);
-    if (window->show_help) {
+    if (window->forms.show_help) {
         keys_draw_help(window);
     }
-    if (window->figure.open && window->viewer && !window->start.on) {
+    if (window->forms.figure.open && window->viewer && !window->start.on) {
         panel_figure(window);
     }
-    if (window->added.open && window->viewer && !window->start.on && !window->dialog.on) {
+    if (window->forms.added.open && window->viewer && !window->start.on && !window->dialog.on) {
         panel_added(window);
     }
     ui_end();
     tap(window, false);
-    window->frame_ms = 1e3 * (glfwGetTime() - begun);
-    times_add(&window->times, TIMED_FRAME, window->frame_ms);
+    window->frame.ms = 1e3 * (glfwGetTime() - begun);
+    times_add(&window->times, TIMED_FRAME, window->frame.ms);
 }

@@ -34,13 +34,13 @@ void loop_wake(void)
 /* Tracker and other devices. */
 static void hear_devices(struct window *window)
 {
-    uint64_t before = window->news.number;
-    if (window->station) {
-        station_hear(window->station, window->viewer, &window->news);
+    uint64_t before = window->inputs.news.number;
+    if (window->inputs.station) {
+        station_hear(window->inputs.station, window->viewer, &window->inputs.news);
     }
     bool aimed = hands_step(window, 1e-3 * clock_ms());
-    if (aimed && window->viewer->cone.pointer == POINT_BY_TRACKER && window->news.number != before) {
-        times_add(&window->times, TIMED_LATENCY, 1e3 * window->news.age_s + window->viewer->cone.select_ms);
+    if (aimed && window->viewer->cone.pointer == POINT_BY_TRACKER && window->inputs.news.number != before) {
+        times_add(&window->times, TIMED_LATENCY, 1e3 * window->inputs.news.age_s + window->viewer->cone.select_ms);
     }
 }
 
@@ -49,9 +49,10 @@ static void send_answer(struct window *window)
 {
     const struct viewer *viewer = window->viewer;
     const struct view_atlas *first = viewer->atlases;
-    if (window->news.clients && first->answer && first->selector && window->sent_answer != viewer->cone.answer_number) {
-        station_send_selection(window->station, first->selector, first->atlas, view_atlas_selection(first));
-        window->sent_answer = viewer->cone.answer_number;
+    if (window->inputs.news.clients && first->answer && first->selector &&
+        window->frame.sent_answer != viewer->cone.answer_number) {
+        station_send_selection(window->inputs.station, first->selector, first->atlas, view_atlas_selection(first));
+        window->frame.sent_answer = viewer->cone.answer_number;
     }
 }
 
@@ -59,10 +60,10 @@ static void watch_files(struct window *window)
 {
     char news[WATCH_NEWS];
     double now = clock_ms();
-    if (now - window->watched < 1e3 * longest_s) {
+    if (now - window->frame.watched < 1e3 * longest_s) {
         return;
     }
-    window->watched = now;
+    window->frame.watched = now;
     for (size_t i = 0; i < window->viewer->atlas_count; i++) {
         struct watch *watch = window->viewer->atlases[i].watch;
         if (watch && watch_look(watch, news)) {
@@ -93,7 +94,7 @@ static double rest(const struct window *window, const struct script *script)
     if (script) {
         seconds = least(seconds, patience_s);
     }
-    if (window->station) {
+    if (window->inputs.station) {
         seconds = least(seconds, watch_s);
     }
     if (ui_wants_keys()) {
@@ -101,7 +102,7 @@ static double rest(const struct window *window, const struct script *script)
     }
     if (window->viewer) {
         seconds = least(seconds, hands_rest(window));
-        seconds = least(seconds, replay_rest(&window->replay, window->viewer, glfwGetTime()));
+        seconds = least(seconds, replay_rest(&window->inputs.replay, window->viewer, glfwGetTime()));
     }
     return least(seconds, longest_s);
 }
@@ -122,7 +123,8 @@ static void wait_for_events(struct window *window, double seconds)
 static void note_changes(struct window *window)
 {
     struct ui_mouse mouse = ui_mouse_now();
-    bool widens = window->devices.heard[FIRST_HAND].widen > 0 || window->devices.heard[SECOND_HAND].widen > 0;
+    bool widens =
+        window->inputs.devices.heard[FIRST_HAND].widen > 0 || window->inputs.devices.heard[SECOND_HAND].widen > 0;
     if (window->viewer && !widens && !mouse.down[0] && !mouse.down[1] && !mouse.down[2] && !ui_wants_keys()) {
         undo_note(window);
     }
@@ -134,11 +136,11 @@ static void draw_frame(struct window *window)
     draw_window(window);
     title_update(window);
     note_changes(window);
-    if (window->keeps_picture) {
-        window->keeps_picture = false;
+    if (window->frame.keeps_picture) {
+        window->frame.keeps_picture = false;
         keep(window, KEEP_PICTURE);
     }
-    if (window->saves_as) {
+    if (window->files.saves_as) {
         keep_as(window);
     }
     figure_form_step(window);
@@ -148,11 +150,11 @@ static void draw_frame(struct window *window)
 static void serve_viewer(struct window *window)
 {
     hear_devices(window);
-    if (window->station) {
+    if (window->inputs.station) {
         send_answer(window);
     }
     watch_files(window);
-    replay_step(&window->replay, window->viewer, glfwGetTime());
+    replay_step(&window->inputs.replay, window->viewer, glfwGetTime());
     studies_step(window->viewer);
 }
 

@@ -84,7 +84,7 @@ static int run_window(struct window *window, const struct view_settings *setting
     later.session = NULL; /* it is for the first, or waits for its atlas */
     window->press = keys_press;
     window->wake = loop_wake;
-    window->remembers = !script;
+    window->files.remembers = !script;
     if (path || settings->session) {
         window_want(window, path ? path : settings->session);
     }
@@ -104,15 +104,15 @@ static int run_window(struct window *window, const struct view_settings *setting
 
 static int start_sources(struct window *window, const struct view_settings *settings)
 {
-    int code = settings_start_station(&window->station, &settings->station);
-    if (window->station) {
-        station_on_pose(window->station, loop_wake);
+    int code = settings_start_station(&window->inputs.station, &settings->station);
+    if (window->inputs.station) {
+        station_on_pose(window->inputs.station, loop_wake);
     }
-    code = code ? code : settings_start_second(&window->second_station, &settings->station);
-    if (window->second_station) {
-        station_on_pose(window->second_station, loop_wake);
+    code = code ? code : settings_start_second(&window->inputs.second_station, &settings->station);
+    if (window->inputs.second_station) {
+        station_on_pose(window->inputs.second_station, loop_wake);
     }
-    window->has_second_tool = settings->station.second_tool;
+    window->inputs.has_second_tool = settings->station.second_tool;
     if (code || !settings->poses || settings_space_needs_atlas(&settings->space)) {
         return code; /* open.c loads the poses, once it knows the atlas */
     }
@@ -154,7 +154,7 @@ static bool open_window(struct window *out, const struct window_options *options
     bool has_display = window_find_display();
     struct loader *begun = has_display ? open_begin(path, settings) : NULL;
     bool fine = has_display && window_open(out, options);
-    out->begun = begun;
+    out->files.begun = begun;
     if (!fine) {
         wait_leave(out);
         print_error_line("conus view needs a display and OpenGL 4.5; conus render draws pictures without a window");
@@ -186,9 +186,9 @@ static int run_view(const void *given, const struct arguments *arguments)
     times_start(&window.times, started);
     code = start_sources(&window, settings);
     code = code ? code : run_window(&window, settings, arguments->operands[0], script, started);
-    station_stop(window.station);
-    station_stop(window.second_station);
-    conus_pose_list_destroy(window.replay.poses);
+    station_stop(window.inputs.station);
+    station_stop(window.inputs.second_station);
+    conus_pose_list_destroy(window.inputs.replay.poses);
     if (!code && !settings->script) {
         leave_place(&window, &options);
     }

@@ -204,10 +204,10 @@ static void numbers_go_with_their_files(void **state)
         json_t *root = session_of(&then, chosen, &seed);
         struct view_atlas atlas = {.object_count = (size_t)objects_of(&now)};
         struct viewer viewer = {.atlases = &atlas, .atlas_count = 1};
-        struct window window = {.viewer = &viewer, .opened = opened_of(&now)};
+        struct window window = {.viewer = &viewer, .files.opened = opened_of(&now)};
         session_fit(root, &window);
         assert_fits(root, &now, chosen, was);
-        json_decref(window.opened);
+        json_decref(window.files.opened);
         json_decref(root);
     }
 }
@@ -228,7 +228,7 @@ static void what_a_session_says_of_files_is_not_trusted(void **state)
     struct model model = {.files = {{0, 1, 1}}, .count = 1};
     struct view_atlas atlas = {.object_count = OWN + 1};
     struct viewer viewer = {.atlases = &atlas, .atlas_count = 1};
-    struct window window = {.viewer = &viewer, .opened = opened_of(&model)};
+    struct window window = {.viewer = &viewer, .files.opened = opened_of(&model)};
     (void)state;
     for (size_t i = 0; i < sizeof added / sizeof added[0]; i++) {
         for (int objects = 0; objects <= 2 * OWN; objects++) {
@@ -243,7 +243,7 @@ static void what_a_session_says_of_files_is_not_trusted(void **state)
             json_decref(root);
         }
     }
-    json_decref(window.opened);
+    json_decref(window.files.opened);
 }
 
 int main(void)

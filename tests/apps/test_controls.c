@@ -282,7 +282,7 @@ static void studies_have_limits(void **state)
 static void a_session_has_the_study(void **state)
 {
     struct viewer viewer;
-    struct window window = {.enlarged = -1, .viewer = &viewer};
+    struct window window = {.screen.enlarged = -1, .viewer = &viewer};
     char why[SESSION_REASON];
     (void)state;
     load(&viewer);

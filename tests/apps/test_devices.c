@@ -114,14 +114,14 @@ static void what_is_wrong_with_a_gamepad_is_said(void **state)
 static void open_window(struct window *out, struct viewer *viewer)
 {
     window_scene_open(out, viewer);
-    devices_init(&out->devices);
-    gamepad_init(&out->devices.gamepad, read_fake);
+    devices_init(&out->inputs.devices);
+    gamepad_init(&out->inputs.devices.gamepad, read_fake);
 }
 
 static void close_window(struct window *window)
 {
     second_forget(&window->second);
-    devices_finish(&window->devices);
+    devices_finish(&window->inputs.devices);
     viewer_finish(window->viewer);
 }
 
@@ -147,7 +147,7 @@ static void a_gamepad_moves_the_first_tool(void **state)
     hands_step(&window, 1.03);
     assert_near(viewer.cone.pose.world_from_device[13], y - 0.8, 1e-9); /* it looks along -y */
     assert_int_equal(conus_selection_result(viewer_selection(&viewer), 0)->object, 1);
-    devices_set_speed(&window.devices, 100);
+    devices_set_speed(&window.inputs.devices, 100);
     hands_step(&window, 1.05);
     assert_near(viewer.cone.pose.world_from_device[13], y - 2.8, 1e-9);
     reading.pressed = SOURCE_HOLD;
@@ -314,7 +314,7 @@ static void a_spacemouse_moves_the_second_tool(void **state)
     second_use(&window.second, &viewer, true);
     hands_choose(&window, SECOND_HAND, POINT_BY_SPACEMOUSE);
     hands_step(&window, 1);
-    if (window.devices.heard[SECOND_HAND].state != SOURCE_SILENT) {
+    if (window.inputs.devices.heard[SECOND_HAND].state != SOURCE_SILENT) {
         skip();
     }
     welcome(&daemon);

@@ -152,7 +152,7 @@ static void draw(struct window *window)
         panel_results(window);
         panel_status(window);
     }
-    if (window->show_help) {
+    if (window->forms.show_help) {
         keys_draw_help(window);
     }
     ui_audit_end();
@@ -166,8 +166,8 @@ static void nothing_is_cut(struct window *window, const char *where)
     }
     assert_true(ui_audit_count() > 10);
     if (ui_audit_cut(0)) {
-        fail_msg("%d x %d, scale %g, %s: \"%s\" is cut", window->width, window->height, (double)window->scale, where,
-                 ui_audit_cut(0));
+        fail_msg("%d x %d, scale %g, %s: \"%s\" is cut", window->screen.width, window->screen.height,
+                 (double)window->screen.scale, where, ui_audit_cut(0));
     }
     if (ui_audit_untold(0)) {
         fail_msg("%s: \"%s\" has no tip", where, ui_audit_untold(0));
@@ -214,9 +214,9 @@ static void look_at_all(struct window *window)
     viewer->drawn->sides[1] = 'L';
     viewer->drawn->sides[2] = 'R';
     nothing_is_cut(window, "sides");
-    window->show_help = true;
+    window->forms.show_help = true;
     nothing_is_cut(window, "keys");
-    window->show_help = false;
+    window->forms.show_help = false;
     window->start.on = true;
     nothing_is_cut(window, "start page");
     window->start.on = false;
@@ -233,16 +233,16 @@ static void nothing_is_cut_at_usual_sizes(void **state)
     (void)state;
     assert_ok(viewer_create(&viewer, &(struct view_source){.atlas = atlas, .path = "slabs"}, 1, NULL, NULL, NULL));
     for (size_t i = 0; i < sizeof screens / sizeof screens[0]; i++) {
-        struct window window = {.viewer = &viewer, .enlarged = -1, .scale = screens[i].scale};
-        window.width = screens[i].width;
-        window.height = screens[i].height;
+        struct window window = {.viewer = &viewer, .screen.enlarged = -1, .screen.scale = screens[i].scale};
+        window.screen.width = screens[i].width;
+        window.screen.height = screens[i].height;
         window_divide(&window);
         viewer.cone = (struct cone_state){.angle = 20};
         viewer.frame.space = CONUS_SPACE_RAS;
         viewer_show_all(&viewer);
         viewer_aim_along(&viewer, (double[]){-123.4, -123.4, -123.4}, (double[]){1, 1, 1});
         viewer_say(&viewer, "opened: slabs.nii.gz");
-        assert_true(ui_audit_create(window.scale, (float)window.width, (float)window.height));
+        assert_true(ui_audit_create(window.screen.scale, (float)window.screen.width, (float)window.screen.height));
         look_at_all(&window);
         ui_destroy();
     }

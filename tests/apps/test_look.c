@@ -40,13 +40,13 @@ static void open_window(struct window *out, struct viewer *viewer, bool with_con
 {
     const struct view_source source = {.atlas = load(with_context), .path = "nested"};
     assert_ok(viewer_create(viewer, &source, 1, NULL, NULL, NULL));
-    *out = (struct window){.viewer = viewer, .enlarged = -1};
+    *out = (struct window){.viewer = viewer, .screen.enlarged = -1};
     undo_note(out);
 }
 
 static void close_window(struct window *window)
 {
-    changes_finish(&window->changes);
+    changes_finish(&window->history.changes);
     viewer_finish(window->viewer);
 }
 
@@ -269,7 +269,7 @@ static void open_with_bundle(struct window *out, struct viewer *viewer)
     const struct view_source source = {.atlas = load(false), .path = "nested"};
     add_bundle(source.atlas);
     assert_ok(viewer_create(viewer, &source, 1, NULL, NULL, NULL));
-    *out = (struct window){.viewer = viewer, .enlarged = -1};
+    *out = (struct window){.viewer = viewer, .screen.enlarged = -1};
     undo_note(out);
 }
 
@@ -458,8 +458,8 @@ static void words_that_cannot_be_change_nothing(void **state)
 
 static void finish_figure(struct window *window)
 {
-    assert_true(window->figure.frames > 0);
-    while (window->figure.frames) {
+    assert_true(window->forms.figure.frames > 0);
+    while (window->forms.figure.frames) {
         figure_form_step(window);
     }
 }
@@ -468,7 +468,7 @@ static void a_file_is_replaced_when_it_is_said_twice(void **state)
 {
     struct viewer viewer;
     struct window window;
-    struct figure_form *form = &window.figure;
+    struct figure_form *form = &window.forms.figure;
     (void)state;
     open_window(&window, &viewer, false);
     window.sheet = (struct sheet){.pixels = {40, 30}, .no_text = true};

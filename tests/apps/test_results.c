@@ -266,7 +266,7 @@ static void columns_are_chosen(void **state)
 static void sessions_keep_the_list(void **state)
 {
     struct viewer viewer;
-    struct window window = {.viewer = &viewer, .enlarged = -1};
+    struct window window = {.viewer = &viewer, .screen.enlarged = -1};
     char why[SESSION_REASON];
     (void)state;
     load(&viewer, "nested", NULL, NULL);

@@ -24,15 +24,15 @@ static const double back[3] = {0, -1, 0};
 static void open_window(struct window *out, struct viewer *viewer)
 {
     window_scene_open(out, viewer);
-    devices_init(&out->devices);
+    devices_init(&out->inputs.devices);
     undo_note(out);
 }
 
 static void close_window(struct window *window)
 {
     second_forget(&window->second);
-    changes_finish(&window->changes);
-    free(window->session_path);
+    changes_finish(&window->history.changes);
+    free(window->history.session_path);
     viewer_finish(window->viewer);
 }
 
@@ -195,8 +195,8 @@ static void send_pose(int peer, const char *tool, double y)
 static void step(struct window *window)
 {
     usleep(2000);
-    if (window->station) {
-        station_hear(window->station, window->viewer, &window->news);
+    if (window->inputs.station) {
+        station_hear(window->inputs.station, window->viewer, &window->inputs.news);
     }
     hands_step(window, 0);
 }
@@ -206,13 +206,13 @@ static void step_until(struct window *window, enum station_state wanted)
 {
     do {
         step(window);
-    } while (window->devices.trackers[SECOND_HAND].tool.state != wanted);
+    } while (window->inputs.devices.trackers[SECOND_HAND].tool.state != wanted);
 }
 
 /* Sends it until it has arrived and is seen: on a busy machine half a second may pass in between. */
 static void send_until_seen(struct window *window, int peer, const char *name, double y)
 {
-    const struct station_tool *tool = &window->devices.trackers[SECOND_HAND].tool;
+    const struct station_tool *tool = &window->inputs.devices.trackers[SECOND_HAND].tool;
     do {
         send_pose(peer, name, y);
         step(window);
@@ -236,12 +236,12 @@ static void one_tracker_moves_two_tools(void **state)
     uint8_t lost[4096];
     (void)state;
     open_window(&window, &viewer);
-    window.station = start(NULL, "Left"); /* the first tool is any other */
-    window.has_second_tool = true;
+    window.inputs.station = start(NULL, "Left"); /* the first tool is any other */
+    window.inputs.has_second_tool = true;
     second_use(&window.second, &viewer, true);
     hands_choose(&window, FIRST_HAND, POINT_BY_TRACKER);
     hands_choose(&window, SECOND_HAND, POINT_BY_TRACKER);
-    int peer = connect_to(window.station);
+    int peer = connect_to(window.inputs.station);
     while (!viewer.cone.has_pose) {
         send_pose(peer, "RightToTracker", 50);
         step(&window);
@@ -266,7 +266,7 @@ static void one_tracker_moves_two_tools(void **state)
     do {
         send_pose(peer, "RightToTracker", 30);
         send_until_seen(&window, peer, "LeftToTracker", 40);
-    } while (fabs(window.devices.trackers[FIRST_HAND].tool.pose.world_from_device[13] - 30) > 1e-5);
+    } while (fabs(window.inputs.devices.trackers[FIRST_HAND].tool.pose.world_from_device[13] - 30) > 1e-5);
     assert_near(window.second.pose.world_from_device[13], 60, 1e-5);
     assert_near(viewer.cone.pose.world_from_device[13], 50, 1e-5); /* the first one is held, too */
     hands_notice(&notice, &window, FIRST_HAND);
@@ -277,7 +277,7 @@ static void one_tracker_moves_two_tools(void **state)
         step(&window);
     }
     close(peer);
-    station_stop(window.station);
+    station_stop(window.inputs.station);
     close_window(&window);
 }
 
@@ -289,11 +289,11 @@ static void the_second_tool_has_a_tracker_of_its_own(void **state)
     struct notice notice;
     (void)state;
     open_window(&window, &viewer);
-    window.second_station = start(NULL, NULL);
+    window.inputs.second_station = start(NULL, NULL);
     second_use(&window.second, &viewer, true);
     hands_choose(&window, SECOND_HAND, POINT_BY_TRACKER);
     assert_true(isfinite(hands_rest(&window)));
-    int peer = connect_to(window.second_station);
+    int peer = connect_to(window.inputs.second_station);
     send_until_seen(&window, peer, "Any", 45);
     assert_near(window.second.pose.world_from_device[13], 45, 1e-5);
     assert_false(viewer.cone.has_pose);
@@ -303,7 +303,7 @@ static void the_second_tool_has_a_tracker_of_its_own(void **state)
     step_until(&window, STATION_WAITING);
     hands_notice(&notice, &window, SECOND_HAND);
     assert_non_null(strstr(notice.text, "OLD ANSWER: the tracker is gone"));
-    station_stop(window.second_station);
+    station_stop(window.inputs.second_station);
     close_window(&window);
 }
 
@@ -312,7 +312,7 @@ static void values_that_never_change_and_no_numbers_are_said(void **state)
     struct viewer viewer;
     struct window window;
     struct notice notice;
-    struct tracker *tracker = &window.devices.trackers[SECOND_HAND];
+    struct tracker *tracker = &window.inputs.devices.trackers[SECOND_HAND];
     struct station_tool tool = {.state = STATION_SEEN, .number = 1};
     struct source_news news;
     (void)state;
@@ -327,7 +327,7 @@ static void values_that_never_change_and_no_numbers_are_said(void **state)
     assert_false(news.has_pose); /* each pose once */
     source_ask(&tracker->source, 15, &news);
     assert_int_equal(news.state, SOURCE_FROZEN);
-    window.devices.heard[SECOND_HAND] = news;
+    window.inputs.devices.heard[SECOND_HAND] = news;
     window.second.pointer = POINT_BY_TRACKER;
     window.second.has_pose = true;
     hands_notice(&notice, &window, SECOND_HAND);

@@ -31,7 +31,7 @@ static void assert_pinned(const struct viewer *viewer, const char *wanted)
 /* The outermost ball has a namesake among the pathways, but no other ball has. */
 static void names_of_two_kinds_are_told_apart(void **state)
 {
-    struct window window = {.enlarged = -1};
+    struct window window = {.screen.enlarged = -1};
     struct viewer viewer;
     const conus_pathway_options namesake = {.name = "Shell outer", .threshold = 1000};
     char path[600];
@@ -59,7 +59,7 @@ static void names_of_two_kinds_are_told_apart(void **state)
 /* From y = 90 towards the balls of "nested" the outermost is met first. */
 static void the_title_says_what_is_open_and_hit(void **state)
 {
-    struct window window = {.enlarged = -1};
+    struct window window = {.screen.enlarged = -1};
     struct viewer viewer;
     conus_atlas *atlas = NULL;
     char path[600];
@@ -80,11 +80,11 @@ static void the_title_says_what_is_open_and_hit(void **state)
     viewer_confirm(&viewer);
     assert_pinned(&viewer, "Shell outer");
     viewer.cone.frozen = true;
-    window.session_path = strdup("/a/my\n.json");
+    window.history.session_path = strdup("/a/my\n.json");
     assert_titled(&window, "conus - nested.nii.gz [my .json] - Shell outer (held)");
     window.start.on = true;
     assert_titled(&window, "conus");
-    free(window.session_path);
+    free(window.history.session_path);
     viewer_finish(&viewer);
 }
 

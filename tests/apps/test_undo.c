@@ -71,8 +71,8 @@ static void open_window(struct window *out, struct viewer *viewer)
 
 static void close_window(struct window *window)
 {
-    changes_finish(&window->changes);
-    free(window->session_path);
+    changes_finish(&window->history.changes);
+    free(window->history.session_path);
     viewer_finish(window->viewer);
 }
 
@@ -141,39 +141,39 @@ static void borders_are_put_back(void **state)
     const struct layout moved = {.panels = {310.5, 320}, .division = {0.25, 0.7}};
     (void)state;
     open_window(&window, &viewer);
-    window.layout = first;
+    window.screen.layout = first;
     undo_note(&window);
-    size_t count = window.changes.count;
+    size_t count = window.history.changes.count;
     undo_note(&window);
-    assert_int_equal(window.changes.count, count);
-    window.layout = moved;
+    assert_int_equal(window.history.changes.count, count);
+    window.screen.layout = moved;
     undo_note(&window);
-    assert_int_equal(window.changes.count, count + 1);
+    assert_int_equal(window.history.changes.count, count + 1);
     set_angle(&window, 12);
     undo_step(&window, -1);
     assert_near(viewer.cone.angle, 5, 1e-12);
-    assert_true(layout_is_same(&window.layout, &moved));
+    assert_true(layout_is_same(&window.screen.layout, &moved));
     undo_step(&window, -1);
-    assert_true(layout_is_same(&window.layout, &first));
+    assert_true(layout_is_same(&window.screen.layout, &first));
     undo_step(&window, 1);
-    assert_true(layout_is_same(&window.layout, &moved));
+    assert_true(layout_is_same(&window.screen.layout, &moved));
     char *text = session_text(&window);
     char *key = strstr(text, "\"layout\"");
     assert_non_null(key);
     char *part = strstr(key, "0.25");
     assert_non_null(part);
-    window.layout = first;
+    window.screen.layout = first;
     *part = '9';
     assert_false(session_parse(&window, text, strlen(text), why));
     assert_non_null(strstr(why, "session: layout: panels"));
-    assert_true(layout_is_same(&window.layout, &first));
+    assert_true(layout_is_same(&window.screen.layout, &first));
     *part = '0';
     assert_true(session_parse(&window, text, strlen(text), why));
-    assert_true(layout_is_same(&window.layout, &moved));
+    assert_true(layout_is_same(&window.screen.layout, &moved));
     memcpy(key, "\"nought\"", 8); /* a key that no session has */
-    window.layout = first;
+    window.screen.layout = first;
     assert_true(session_parse(&window, text, strlen(text), why));
-    assert_true(layout_is_same(&window.layout, &first));
+    assert_true(layout_is_same(&window.screen.layout, &first));
     free(text);
     close_window(&window);
 }
@@ -226,10 +226,10 @@ static void views_and_what_moves_by_itself_stay(void **state)
     viewer.cone.pointer = POINT_BY_TRACKER;
     viewer.version++;
     undo_note(&window);
-    size_t count = window.changes.count;
+    size_t count = window.history.changes.count;
     viewer_aim_along(&viewer, (double[]){0, 0, 80}, (double[]){0, 0, -1});
     undo_note(&window);
-    assert_int_equal(window.changes.count, count);
+    assert_int_equal(window.history.changes.count, count);
     close_window(&window);
 }
 
@@ -237,10 +237,10 @@ static void views_and_what_moves_by_itself_stay(void **state)
 static void add_file(struct window *window)
 {
     static const char word[] = "--streamlines=/nowhere/two.tck";
-    json_decref(window->opened);
-    window->opened = json_pack("{s: [s], s: [{s: s, s: s, s: []}]}", "options", word, "added", "option", word, "path",
-                               "/nowhere/two.tck", "objects");
-    assert_non_null(window->opened);
+    json_decref(window->files.opened);
+    window->files.opened = json_pack("{s: [s], s: [{s: s, s: s, s: []}]}", "options", word, "added", "option", word,
+                                     "path", "/nowhere/two.tck", "objects");
+    assert_non_null(window->files.opened);
     undo_renew(window);
 }
 
@@ -251,7 +251,7 @@ static void changes_before_a_file_was_added_are_all_taken_back(void **state)
     struct window window;
     (void)state;
     window_scene_open(&window, &viewer);
-    window.opened = json_pack("{s: [], s: []}", "options", "added");
+    window.files.opened = json_pack("{s: [], s: []}", "options", "added");
     undo_note(&window);
     for (int i = 0; i < 3; i++) {
         set_angle(&window, 12 + i);
@@ -269,7 +269,7 @@ static void changes_before_a_file_was_added_are_all_taken_back(void **state)
         assert_near(viewer.cone.angle, 12 + i, 1e-12);
         undo_note(&window);
     }
-    json_decref(window.opened);
+    json_decref(window.files.opened);
     close_window(&window);
 }
 
@@ -280,21 +280,21 @@ static void a_state_that_is_not_reached_stays(void **state)
     struct window window;
     (void)state;
     window_scene_open(&window, &viewer);
-    window.opened = json_pack("{s: [], s: []}", "options", "added");
+    window.files.opened = json_pack("{s: [], s: []}", "options", "added");
     undo_note(&window);
     set_angle(&window, 12);
-    json_object_set_new(window.opened, "options", json_pack("[s]", "--hemispheres=split"));
-    window.hemispheres = CONUS_HEMISPHERES_SPLIT;
+    json_object_set_new(window.files.opened, "options", json_pack("[s]", "--hemispheres=split"));
+    window.files.hemispheres = CONUS_HEMISPHERES_SPLIT;
     set_angle(&window, 13);
-    size_t at = window.changes.at;
+    size_t at = window.history.changes.at;
     undo_step(&window, -1);
     assert_true(window_wants(&window));
-    assert_int_equal(window.wanted.step, -1);
-    assert_int_equal(window.changes.at, at); /* it is not there yet */
-    wanted_finish(&window.wanted);
+    assert_int_equal(window.files.wanted.step, -1);
+    assert_int_equal(window.history.changes.at, at); /* it is not there yet */
+    wanted_finish(&window.files.wanted);
     undo_renew(&window);
-    assert_non_null(strstr(window.changes.states[at - 1], "\"angle_deg\":12"));
-    json_decref(window.opened);
+    assert_non_null(strstr(window.history.changes.states[at - 1], "\"angle_deg\":12"));
+    json_decref(window.files.opened);
     close_window(&window);
 }
 

@@ -485,7 +485,7 @@ static void a_pin_says_how_far_the_one_before_is(void **state)
 static void a_session_is_of_where_the_atlas_lay(void **state)
 {
     struct viewer viewer;
-    struct window window = {.enlarged = -1, .viewer = &viewer};
+    struct window window = {.screen.enlarged = -1, .viewer = &viewer};
     const double right[16] = {[0] = 1, [5] = 1, [10] = 1, [12] = 7, [15] = 1};
     char why[SESSION_REASON];
     (void)state;
@@ -536,7 +536,7 @@ static conus_atlas *warped_phantom(double shift)
 static void a_session_is_of_the_field_that_moved_the_atlas(void **state)
 {
     struct viewer viewer;
-    struct window window = {.enlarged = -1, .viewer = &viewer};
+    struct window window = {.screen.enlarged = -1, .viewer = &viewer};
     char why[SESSION_REASON];
     (void)state;
     load(&viewer, "nested", "nested.nii.gz");

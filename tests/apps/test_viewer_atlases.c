@@ -247,7 +247,7 @@ static void places_have_a_name_in_each_atlas(void **state)
  */
 static void point(struct window *window)
 {
-    struct hover *hover = &window->hover;
+    struct hover *hover = &window->frame.hover;
     *hover = (struct hover){.by_ray = true, .value = NAN};
     memcpy(hover->eye, eye, sizeof eye);
     memcpy(hover->direction, back, sizeof back);
@@ -273,7 +273,7 @@ static void names_of_all_atlases_are_said(void **state)
     point(&window);
     hover_text(text, &window, "; ");
     assert_string_equal(text, "nested: Shell outer; slabs: Slab anterior (12.0 mm deeper)");
-    window.hover = (struct hover){.object = 2, .has_place = true, .at = {0.5, 9.5, 0.5}, .value = NAN};
+    window.frame.hover = (struct hover){.object = 2, .has_place = true, .at = {0.5, 9.5, 0.5}, .value = NAN};
     hover_text(text, &window, "; ");
     assert_string_equal(text, "nested: Shell inner; slabs: Slab anterior");
     viewer_draw(&viewer, 1);
@@ -421,7 +421,7 @@ static void confirm_and_hide(struct viewer *viewer, size_t atlas)
 static void a_session_has_all_atlases(void **state)
 {
     struct viewer viewer;
-    struct window window = {.enlarged = -1, .viewer = &viewer};
+    struct window window = {.screen.enlarged = -1, .viewer = &viewer};
     char why[SESSION_REASON];
     (void)state;
     load_three(&viewer);
@@ -483,7 +483,7 @@ static void a_session_that_does_not_fit_changes_no_atlas(void **state)
         {"\"pathway\": \"Tract\"", "\"pathway\": \"Arc\"", "that of \"Tract\" is needed, not of \"Arc\""},
     };
     struct viewer viewer;
-    struct window window = {.enlarged = -1, .viewer = &viewer};
+    struct window window = {.screen.enlarged = -1, .viewer = &viewer};
     char why[SESSION_REASON];
     (void)state;
     load_three(&viewer);
@@ -533,7 +533,7 @@ static void thresholds_of_all_atlases_are_set_or_none(void **state)
 static void a_path_that_is_not_utf8_makes_no_session(void **state)
 {
     struct viewer viewer;
-    struct window window = {.enlarged = -1, .viewer = &viewer};
+    struct window window = {.screen.enlarged = -1, .viewer = &viewer};
     const struct view_source sources[] = {{load("nested"), "nested.nii.gz", "nested"},
                                           {load("slabs"), "\xff.nii.gz", "?"}};
     (void)state;
@@ -547,7 +547,7 @@ static void a_session_of_one_atlas_is_that_of_the_first(void **state)
 {
     struct viewer one;
     struct viewer two;
-    struct window window = {.enlarged = -1, .viewer = &one};
+    struct window window = {.screen.enlarged = -1, .viewer = &one};
     const struct view_source source = {load("nested"), "nested.nii.gz", NULL};
     char why[SESSION_REASON];
     (void)state;

@@ -114,7 +114,7 @@ static void check_again(struct window *window, const char *text)
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     static struct viewer viewer;
-    static struct window window = {.enlarged = -1, .viewer = &viewer};
+    static struct window window = {.screen.enlarged = -1, .viewer = &viewer};
     char why[SESSION_REASON];
     if (!viewer.atlases) {
         const struct view_source sources[] = {{make_atlas(), "sphere.nii.gz", "sphere"},

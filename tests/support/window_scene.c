@@ -16,5 +16,5 @@ void window_scene_open(struct window *out, struct viewer *viewer)
     snprintf(path, sizeof path, "%s/nested.nii.gz", folder);
     assert_ok(conus_atlas_load(&atlas, path, NULL));
     assert_ok(viewer_create(viewer, &(struct view_source){.atlas = atlas, .path = path}, 1, NULL, NULL, NULL));
-    *out = (struct window){.viewer = viewer, .enlarged = -1};
+    *out = (struct window){.viewer = viewer, .screen.enlarged = -1};
 }

@@ -24,7 +24,7 @@
 
 static void toggle_help(struct window *window)
 {
-    window->show_help = !window->show_help;
+    window->forms.show_help = !window->forms.show_help;
 }
 
 static void confirm(struct window *window)
@@ -70,15 +70,15 @@ static void hold(struct window *window)
 /* First what covers the brain, then the cone. */
 static void clear(struct window *window)
 {
-    if (window->show_help) {
-        window->show_help = false;
-    } else if (window->figure.open) {
-        window->figure.open = false;
-    } else if (window->added.open) {
-        window->added.open = false;
+    if (window->forms.show_help) {
+        window->forms.show_help = false;
+    } else if (window->forms.figure.open) {
+        window->forms.figure.open = false;
+    } else if (window->forms.added.open) {
+        window->forms.added.open = false;
     } else if (ui_navigates()) {
-        window->navigated = 0;
-        window->navigates_anew = true;
+        window->frame.navigated = 0;
+        window->frame.navigates_anew = true;
     } else {
         viewer_clear(window->viewer);
         viewer_choose(window->viewer, 0);
@@ -89,8 +89,8 @@ static void clear(struct window *window)
 /* From the areas to the hits, and back to the panes. */
 static void go_to_panel(struct window *window)
 {
-    window->navigated = ui_navigates() ? (window->navigated + 1) % 3 : 1;
-    window->navigates_anew = true;
+    window->frame.navigated = ui_navigates() ? (window->frame.navigated + 1) % 3 : 1;
+    window->frame.navigates_anew = true;
 }
 
 static void use_eye(struct window *window)
@@ -142,10 +142,10 @@ static void narrow_second(struct window *window)
 
 static void scale_speed(struct window *window, double factor)
 {
-    devices_set_speed(&window->devices, devices_speed(&window->devices) * factor);
+    devices_set_speed(&window->inputs.devices, devices_speed(&window->inputs.devices) * factor);
     window->viewer->version++;
     viewer_say(window->viewer, "a SpaceMouse or gamepad moves by %.0f mm and degrees a second at most",
-               devices_speed(&window->devices));
+               devices_speed(&window->inputs.devices));
 }
 
 static void speed_up(struct window *window)
@@ -199,7 +199,7 @@ static void go_deeper(struct window *window)
 
 static void change_hemispheres(struct window *window)
 {
-    window_want_hemispheres(window, (conus_hemispheres)((window->hemispheres + 1) % HEMISPHERES_COUNT), 0);
+    window_want_hemispheres(window, (conus_hemispheres)((window->files.hemispheres + 1) % HEMISPHERES_COUNT), 0);
 }
 
 static void show_next_side(struct window *window)
@@ -304,7 +304,7 @@ static void quit(struct window *window)
 
 static void keep_picture(struct window *window)
 {
-    window->keeps_picture = true; /* once the frame is drawn */
+    window->frame.keeps_picture = true; /* once the frame is drawn */
 }
 
 static void copy_list(struct window *window)
@@ -329,9 +329,11 @@ static void ask_for_figure(struct window *window)
 
 static void list_added(struct window *window)
 {
-    window->figure.open = false;
-    window->added = (struct added_form){
-        .open = !window->added.open, .takes_keys = !window->added.open, .kind = ADD_STREAMLINES, .is_set = true};
+    window->forms.figure.open = false;
+    window->forms.added = (struct added_form){.open = !window->forms.added.open,
+                                              .takes_keys = !window->forms.added.open,
+                                              .kind = ADD_STREAMLINES,
+                                              .is_set = true};
 }
 
 static void copy_figure(struct window *window)
@@ -356,37 +358,37 @@ static void reset_texts(struct window *window)
 
 static void widen_first(struct window *window)
 {
-    layout_widen_first(&window->layout, 1);
+    layout_widen_first(&window->screen.layout, 1);
 }
 
 static void narrow_first(struct window *window)
 {
-    layout_widen_first(&window->layout, -1);
+    layout_widen_first(&window->screen.layout, -1);
 }
 
 static void widen_panels(struct window *window)
 {
-    layout_widen_panels(&window->layout, 1, (float)window->width, window->scale);
+    layout_widen_panels(&window->screen.layout, 1, (float)window->screen.width, window->screen.scale);
 }
 
 static void narrow_panels(struct window *window)
 {
-    layout_widen_panels(&window->layout, -1, (float)window->width, window->scale);
+    layout_widen_panels(&window->screen.layout, -1, (float)window->screen.width, window->screen.scale);
 }
 
 static void reset_layout(struct window *window)
 {
-    window->layout = (struct layout){.panels = {0}};
+    window->screen.layout = (struct layout){.panels = {0}};
 }
 
 static void fill_screen(struct window *window)
 {
-    window_fill_screen(window, !window->alone);
+    window_fill_screen(window, !window->screen.alone);
 }
 
 static void enlarge(struct window *window)
 {
-    window->enlarged = window->enlarged < PANE_COUNT - 1 ? window->enlarged + 1 : -1;
+    window->screen.enlarged = window->screen.enlarged < PANE_COUNT - 1 ? window->screen.enlarged + 1 : -1;
     window_lay_out(window);
 }
 
@@ -521,11 +523,11 @@ static bool press_at_start(struct window *window, const char *key)
         start_move(start, strcasecmp(key, "up") == 0 ? -1 : 1);
     } else if (strcasecmp(key, "s") == 0 && start->has_no_sample) {
         window_want_sample(window);
-    } else if (strcasecmp(key, "escape") == 0 && window->show_help) {
-        window->show_help = false;
-    } else if (strcasecmp(key, "escape") == 0 && window->session_waits) {
-        free(window->session_waits);
-        window->session_waits = NULL;
+    } else if (strcasecmp(key, "escape") == 0 && window->forms.show_help) {
+        window->forms.show_help = false;
+    } else if (strcasecmp(key, "escape") == 0 && window->files.session_waits) {
+        free(window->files.session_waits);
+        window->files.session_waits = NULL;
         start->why[0] = '\0';
     } else if (strcasecmp(key, "escape") == 0 && window->viewer) {
         start->on = false;
@@ -549,7 +551,7 @@ bool keys_press(struct window *window, const char *key)
     if (window->start.on) {
         return press_at_start(window, key);
     }
-    bool asks = window->figure.open || window->added.open;
+    bool asks = window->forms.figure.open || window->forms.added.open;
     if (asks && strcasecmp(key, "escape") != 0 && strncasecmp(key, "ctrl+", 5) != 0) {
         return true; /* the question is before the brain: a second Enter confirms nothing */
     }

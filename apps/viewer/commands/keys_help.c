@@ -55,14 +55,15 @@ static void show_keys(float at)
 
 void keys_draw_help(struct window *window)
 {
-    bool is_wide = (float)window->width >= 1240 * window->scale;
-    float width = fminf((is_wide ? 1240 : 640) * window->scale, (float)window->width);
-    float height = fminf((is_wide ? 680 : 780) * window->scale, (float)window->height);
+    bool is_wide = (float)window->screen.width >= 1240 * window->screen.scale;
+    float width = fminf((is_wide ? 1240 : 640) * window->screen.scale, (float)window->screen.width);
+    float height = fminf((is_wide ? 680 : 780) * window->screen.scale, (float)window->screen.height);
     ui_panel("Keys and mouse (?, F1 or Escape closes this)",
-             (struct ui_box){((float)window->width - width) / 2, ((float)window->height - height) / 2, width, height},
+             (struct ui_box){((float)window->screen.width - width) / 2, ((float)window->screen.height - height) / 2,
+                             width, height},
              UI_IN_FRONT);
     ui_columns(is_wide ? 2 : 1);
-    show_keys(120 * window->scale);
+    show_keys(120 * window->screen.scale);
     ui_columns(1);
     ui_separator();
     ui_text_wrapped(

@@ -219,7 +219,7 @@ static bool do_speed(struct call *call)
     double speed;
     bool fine = numbers(&speed, call, 0, 1) && speed >= SOURCE_LEAST_SPEED && speed <= SOURCE_MOST_SPEED;
     if (fine) {
-        devices_set_speed(&call->window->devices, speed);
+        devices_set_speed(&call->window->inputs.devices, speed);
         call->window->viewer->version++;
     }
     return fine;
@@ -328,7 +328,7 @@ static bool do_panes(struct call *call)
     struct layout layout = {.panels = {given[0], given[1]}, .division = {given[2], given[3]}};
     fine = fine && layout_is_fine(&layout);
     if (fine) {
-        call->window->layout = layout;
+        call->window->screen.layout = layout;
     }
     return fine;
 }

@@ -53,9 +53,9 @@ static bool is_doubtful(struct window *window, const conus_atlas *now, const jso
 {
     const char *doubt = news_note(window->viewer->atlases->atlas, now, "bundle ");
     char *text = doubt ? json_dumps(words, JSON_COMPACT) : NULL;
-    bool trusts = text && window->doubted && strcmp(text, window->doubted) == 0;
-    free(window->doubted);
-    window->doubted = trusts ? NULL : text;
+    bool trusts = text && window->files.doubted && strcmp(text, window->files.doubted) == 0;
+    free(window->files.doubted);
+    window->files.doubted = trusts ? NULL : text;
     if (doubt && !trusts) {
         snprintf(why, LOADER_WHY, "not added: %s If all is well, add it once more.", doubt);
         return true;
@@ -68,11 +68,11 @@ static bool is_doubtful(struct window *window, const conus_atlas *now, const jso
 static void forget_pictures(struct window *window)
 {
     second_forget(&window->second);
-    window->hover.object = 0;
-    window->listed = 0;
+    window->frame.hover.object = 0;
+    window->frame.listed = 0;
     for (int p = 0; p < PLANE_COUNT; p++) {
-        conus_cutter_destroy(window->cuts[p].cutter);
-        window->cuts[p].cutter = NULL;
+        conus_cutter_destroy(window->pictures.cuts[p].cutter);
+        window->pictures.cuts[p].cutter = NULL;
     }
 }
 
@@ -95,10 +95,10 @@ static bool *find_fresh(size_t object_count, const json_t *added, const json_t *
 static bool exchange(struct window *window, struct atlases *loaded, const json_t *added, conus_hemispheres how,
                      char why[LOADER_WHY])
 {
-    struct carried now = {.before = window->hemispheres, .how = how};
+    struct carried now = {.before = window->files.hemispheres, .how = how};
     now.atlases = calloc(loaded->count, sizeof(conus_atlas *));
-    now.fresh =
-        find_fresh(conus_atlas_object_count(loaded->items[0].atlas), added, json_object_get(window->opened, "options"));
+    now.fresh = find_fresh(conus_atlas_object_count(loaded->items[0].atlas), added,
+                           json_object_get(window->files.opened, "options"));
     for (size_t i = 0; now.atlases && i < loaded->count; i++) {
         now.atlases[i] = loaded->items[i].atlas;
     }
@@ -129,7 +129,7 @@ static void renew_states(struct window *window, conus_hemispheres before, int st
 {
     if (step) {
         undo_go_on(window, step);
-    } else if (before == window->hemispheres) {
+    } else if (before == window->files.hemispheres) {
         undo_renew(window);
     }
 }
@@ -137,16 +137,16 @@ static void renew_states(struct window *window, conus_hemispheres before, int st
 static bool show(struct window *window, struct atlases *loaded, const json_t *words, int step, char why[LOADER_WHY])
 {
     const conus_atlas *atlas = loaded->items[0].atlas;
-    conus_hemispheres before = window->hemispheres;
+    conus_hemispheres before = window->files.hemispheres;
     conus_hemispheres how = hemispheres_of_words(words);
     char news[LOADER_WHY];
     json_t *added = additions_describe(atlas, words);
     news_tell(news, sizeof news, window, atlas, words);
     bool fine = exchange(window, loaded, added, how, why);
     if (fine) {
-        window->hemispheres = how;
-        json_object_set(window->opened, "options", (json_t *)words);
-        json_object_set(window->opened, "added", added);
+        window->files.hemispheres = how;
+        json_object_set(window->files.opened, "options", (json_t *)words);
+        json_object_set(window->files.opened, "added", added);
         window->start.on = window->dialog.on = false;
         memcpy(why, news, sizeof news);
         check_level(window->viewer, why);

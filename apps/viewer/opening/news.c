@@ -57,13 +57,13 @@ static void put_names(char *out, size_t size, const char *title, const json_t *w
 
 void news_tell(char *out, size_t size, const struct window *window, const conus_atlas *now, const json_t *words)
 {
-    const json_t *then = json_object_get(window->opened, "options");
+    const json_t *then = json_object_get(window->files.opened, "options");
     const char *note = news_note(window->viewer->atlases->atlas, now, "");
     conus_hemispheres how = hemispheres_of_words(words);
     out[0] = '\0';
     put_names(out, size, "added: ", words, then);
     put_names(out, size, "taken out: ", then, words);
-    if (!note && how != window->hemispheres) {
+    if (!note && how != window->files.hemispheres) {
         note = hemispheres_meanings[how];
     }
     size_t used = strlen(out);

@@ -72,11 +72,11 @@ static struct viewer *create(const struct atlases *atlases, const char *path, co
 int open_poses(struct window *window, const struct view_settings *settings, const conus_frame *frame)
 {
     const conus_pose_options options = {.max_memory = settings->atlas.max_memory, .frame = frame};
-    conus_status status = conus_pose_list_load(&window->replay.poses, settings->poses, &options);
+    conus_status status = conus_pose_list_load(&window->inputs.replay.poses, settings->poses, &options);
     if (status) {
         return print_status(status);
     }
-    if (!conus_pose_list_count(window->replay.poses)) {
+    if (!conus_pose_list_count(window->inputs.replay.poses)) {
         print_error_line("%s: no poses in it to replay", settings->poses);
         return EXIT_DATA;
     }
@@ -87,7 +87,7 @@ int open_poses(struct window *window, const struct view_settings *settings, cons
 static bool find_frame(conus_frame *frame, struct window *window, const struct atlases *atlases,
                        const struct view_settings *settings)
 {
-    bool waits = settings->poses && !window->replay.poses;
+    bool waits = settings->poses && !window->inputs.replay.poses;
     int code = settings_frame(frame, atlases, &settings->space, settings->common.quiet);
     code = code || !waits ? code : open_poses(window, settings, frame);
     return code == EXIT_DONE;
@@ -97,13 +97,15 @@ static bool find_frame(conus_frame *frame, struct window *window, const struct a
 static bool show(struct window *window, struct viewer *viewer, const struct view_settings *settings, char *why)
 {
     window_show(window, viewer);
-    viewer->cone.pointer = window->station ? POINT_BY_TRACKER : window->replay.poses ? POINT_BY_REPLAY : POINT_BY_MOUSE;
-    if (window->second_station || window->has_second_tool) {
+    viewer->cone.pointer = window->inputs.station        ? POINT_BY_TRACKER
+                           : window->inputs.replay.poses ? POINT_BY_REPLAY
+                                                         : POINT_BY_MOUSE;
+    if (window->inputs.second_station || window->inputs.has_second_tool) {
         hands_choose(window, SECOND_HAND, POINT_BY_TRACKER);
         second_use(&window->second, viewer, true);
     }
-    if (window->replay.poses) {
-        replay_show(&window->replay, viewer, 0);
+    if (window->inputs.replay.poses) {
+        replay_show(&window->inputs.replay, viewer, 0);
     }
     if (settings->session && !session_load(window, settings->session, why)) {
         print_error_line("%s", why);
@@ -146,24 +148,24 @@ struct aside {
 
 static struct aside set_aside(struct window *window)
 {
-    struct aside aside = {.changes = window->changes,
-                          .session_path = window->session_path,
-                          .opened = window->opened,
-                          .hemispheres = window->hemispheres};
-    window->changes = (struct changes){.count = 0};
-    window->session_path = NULL;
-    window->opened = NULL;
+    struct aside aside = {.changes = window->history.changes,
+                          .session_path = window->history.session_path,
+                          .opened = window->files.opened,
+                          .hemispheres = window->files.hemispheres};
+    window->history.changes = (struct changes){.count = 0};
+    window->history.session_path = NULL;
+    window->files.opened = NULL;
     return aside;
 }
 
 static void bring_back(struct window *window, struct viewer *viewer, struct aside *aside)
 {
-    json_decref(window->opened);
+    json_decref(window->files.opened);
     window_show(window, viewer);
-    window->changes = aside->changes;
-    window->session_path = aside->session_path;
-    window->opened = aside->opened;
-    window->hemispheres = aside->hemispheres;
+    window->history.changes = aside->changes;
+    window->history.session_path = aside->session_path;
+    window->files.opened = aside->opened;
+    window->files.hemispheres = aside->hemispheres;
     *aside = (struct aside){.opened = NULL};
 }
 
@@ -180,8 +182,8 @@ static bool replace(struct window *window, struct viewer *viewer, const struct a
 {
     struct viewer *before = window->viewer;
     struct aside aside = set_aside(window);
-    window->opened = describe(viewer, name, settings);
-    window->hemispheres = (conus_hemispheres)settings->atlas.hemispheres;
+    window->files.opened = describe(viewer, name, settings);
+    window->files.hemispheres = (conus_hemispheres)settings->atlas.hemispheres;
     bool fine = show(window, viewer, settings, why);
     if (!fine) {
         bring_back(window, before, &aside);
@@ -244,7 +246,7 @@ static bool open_named(struct window *window, const char *text, const struct vie
     } else {
         snprintf(why, LOADER_WHY, "%s", error_line());
     }
-    if (fine && window->remembers) {
+    if (fine && window->files.remembers) {
         recent_add(name.path);
     }
     atlas_name_finish(&name);
@@ -256,7 +258,7 @@ static void say_added(struct window *window, const struct reopening *reopening, 
 {
     const json_t *then = json_object_get(json_object_get(reopening->file.root, "opened"), "added");
     char name[ADDITIONS_MISSING];
-    if (additions_differ(name, then, json_object_get(window->opened, "added"))) {
+    if (additions_differ(name, then, json_object_get(window->files.opened, "added"))) {
         viewer_say(window->viewer, "the session is of another %s than this: numbers may differ", name);
     }
     if (reopening->missing[0]) {
@@ -309,13 +311,13 @@ static bool open_session(struct window *window, const char *session, const char 
     if (fine && !was_open) {
         say_added(window, &reopening, session, why);
     }
-    if (fine && window->remembers) {
+    if (fine && window->files.remembers) {
         recent_add(session);
     }
     if (fine || missing) {
         char *waits = missing ? strdup(session) : NULL;
-        free(window->session_waits);
-        window->session_waits = waits;
+        free(window->files.session_waits);
+        window->files.session_waits = waits;
         window->start.on = window->start.on || missing;
     }
     reopening_finish(&reopening);
@@ -326,7 +328,7 @@ static bool open_session(struct window *window, const char *session, const char 
 static bool open_first(struct window *window, const struct sorted *sorted, const struct view_settings *settings,
                        bool with_options, char why[LOADER_WHY])
 {
-    const char *waiting = sorted->is_session ? sorted->atlas : window->session_waits;
+    const char *waiting = sorted->is_session ? sorted->atlas : window->files.session_waits;
     char *session = waiting ? strdup(waiting) : NULL;
     bool fine =
         session ? open_session(window, session, sorted->is_session ? NULL : sorted->atlas, settings, with_options, why)
@@ -365,7 +367,7 @@ static bool open_sorted(struct window *window, struct sorted *sorted, const stru
     struct view_settings later = *settings;
     bool fine = true;
     if (sorted->atlas) {
-        first.atlas.image_is_fine = window->viewer && !window->session_waits && !sorted->is_session;
+        first.atlas.image_is_fine = window->viewer && !window->files.session_waits && !sorted->is_session;
         fine = open_first(window, sorted, &first, with_options, why);
         if (!fine && first.atlas.image_is_fine && atlas_input_is_image(why)) {
             sorted->images[sorted->image_count++] = sorted->atlas;
@@ -409,9 +411,9 @@ bool open_wanted(struct window *window, const struct view_settings *settings, bo
 {
     struct view_settings used = *settings;
     char why[LOADER_WHY] = "";
-    struct wanted wanted = window->wanted;
+    struct wanted wanted = window->files.wanted;
     bool (*press)(struct window *, const char *) = window->press;
-    window->wanted = (struct wanted){.count = 0};
+    window->files.wanted = (struct wanted){.count = 0};
     window->press = NULL;
     if (!with_options) {
         leave_options(&used);
@@ -420,7 +422,7 @@ bool open_wanted(struct window *window, const struct view_settings *settings, bo
                              : open_files(window, &wanted, &used, with_options, why);
     wait_leave(window); /* it was a session, and its atlas is another */
     window->press = press;
-    *failed = !fine && why[0] && !window->session_waits; /* for an atlas */
+    *failed = !fine && why[0] && !window->files.session_waits; /* for an atlas */
     if (fine) {
         times_start(&window->times, begun);
     }

@@ -77,7 +77,7 @@ bool reopening_prepare(struct reopening *out, const char *session, const char *a
 bool reopening_is_open(const struct reopening *reopening, const struct window *window)
 {
     const json_t *opened = json_object_get(reopening->file.root, "opened");
-    return window->viewer && window->opened && json_equal(opened, window->opened) &&
+    return window->viewer && window->files.opened && json_equal(opened, window->files.opened) &&
            strcmp(reopening->file.atlas, window->viewer->atlases->path) == 0;
 }
 

@@ -20,13 +20,13 @@ static void draw_progress(const struct window *window, const struct loader_progr
     static const ui_colour dim = {255, 255, 255, 25};
     static const ui_colour full = {66, 150, 250, 255};
     float line = ui_line();
-    float wide = fminf(420 * window->scale, 0.8F * (float)window->width);
-    struct ui_box bar = {((float)window->width - wide) / 2, (float)window->height / 2, wide, 0.4F * line};
+    float wide = fminf(420 * window->screen.scale, 0.8F * (float)window->screen.width);
+    struct ui_box bar = {((float)window->screen.width - wide) / 2, (float)window->screen.height / 2, wide, 0.4F * line};
     char text[160];
     snprintf(text, sizeof text, "reading %s   %.1f s", progress->file, seconds);
     ui_draw_text((float[]){bar.x + 3, bar.y - 1.5F * line}, light, text);
     ui_draw_text((float[]){bar.x + 3, bar.y + line}, light,
-                 window->stops ? "Escape: this file is the last one that is read" : "Escape ends that");
+                 window->files.stops ? "Escape: this file is the last one that is read" : "Escape ends that");
     ui_draw_box(bar, dim, 0);
     bar.width *= (float)progress->part;
     ui_draw_box(bar, full, 0);
@@ -39,7 +39,7 @@ static void draw_page(struct window *window, struct loader *loader, double secon
     window_lay_out(window);
     window_clear(window);
     ui_begin();
-    ui_panel("loading", (struct ui_box){0, 0, (float)window->width, (float)window->height}, UI_PLAIN);
+    ui_panel("loading", (struct ui_box){0, 0, (float)window->screen.width, (float)window->screen.height}, UI_PLAIN);
     draw_progress(window, &progress, seconds);
     ui_panel_end();
     ui_end();
@@ -50,7 +50,7 @@ static void draw_page(struct window *window, struct loader *loader, double secon
 static bool press_while_loading(struct window *window, const char *key)
 {
     bool ends = strcmp(key, "escape") == 0;
-    window->stops = window->stops || ends;
+    window->files.stops = window->files.stops || ends;
     return ends;
 }
 
@@ -61,7 +61,7 @@ static void wait_for(struct loader *loader, struct window *window)
     double patience = window->viewer ? patience_s : first_patience_s;
     while (!loader_done(loader) && !glfwWindowShouldClose(window->handle)) {
         double seconds = glfwGetTime() - begun;
-        if (window_wants(window) || window->stops) {
+        if (window_wants(window) || window->files.stops) {
             loader_cancel(loader);
         }
         if (seconds >= patience) {
@@ -85,21 +85,21 @@ void wait_leave(struct window *window)
 {
     struct atlases atlases;
     char why[LOADER_WHY];
-    if (window->begun) {
-        loader_cancel(window->begun);
-        (void)loader_finish(window->begun, &atlases, why);
+    if (window->files.begun) {
+        loader_cancel(window->files.begun);
+        (void)loader_finish(window->files.begun, &atlases, why);
         atlases_finish(&atlases);
-        window->begun = NULL;
+        window->files.begun = NULL;
     }
 }
 
 /* Takes over what was begun, if it is that. */
 static bool start(struct loader **out, struct window *window, const struct loading *what)
 {
-    bool is_begun = window->begun && !what->look && strcmp(loader_path(window->begun), what->path) == 0;
+    bool is_begun = window->files.begun && !what->look && strcmp(loader_path(window->files.begun), what->path) == 0;
     if (is_begun) {
-        *out = window->begun;
-        window->begun = NULL;
+        *out = window->files.begun;
+        window->files.begun = NULL;
     }
     return is_begun || loader_start(out, what);
 }
@@ -114,11 +114,11 @@ bool wait_load(struct window *window, const struct loading *what, struct atlases
     }
     bool (*press)(struct window *, const char *) = window->press;
     window->press = press_while_loading;
-    window->stops = false;
+    window->files.stops = false;
     wait_for(loader, window);
     window->press = press;
     bool fine = loader_finish(loader, out, why);
-    if (!fine && !why[0] && window->stops) {
+    if (!fine && !why[0] && window->files.stops) {
         snprintf(why, LOADER_WHY, "not read: Escape ended that");
     }
     return fine;

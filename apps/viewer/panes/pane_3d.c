@@ -28,8 +28,8 @@ enum { NAMES_SHOWN = 3, INSET = 7 /* pixels on the screen per pixel of the devic
 static void ask_painter(struct window *window, bool moving)
 {
     struct viewer *viewer = window->viewer;
-    const struct ui_box *box = &window->panes[PANE_3D];
-    struct painting what = {.sight = window->sight,
+    const struct ui_box *box = &window->screen.panes[PANE_3D];
+    struct painting what = {.sight = window->pictures.sight,
                             .width = (uint32_t)fmaxf(box->width, 1),
                             .height = (uint32_t)fmaxf(box->height, 1),
                             .fade = viewer->display.fade,
@@ -39,12 +39,12 @@ static void ask_painter(struct window *window, bool moving)
                             .answer_number = viewer->cone.answer_number,
                             .scene_number = viewer->scene_number,
                             .moving = moving};
-    bool same = painting_shows_same(&what, &window->asked);
-    bool rests = window->asked.moving && !moving;
+    bool same = painting_shows_same(&what, &window->pictures.asked);
+    bool rests = window->pictures.asked.moving && !moving;
     if (viewer->painter && (!same || rests)) {
         painter_ask(viewer->painter, &what);
-        window->asked = what;
-        window->painted_fine = window->painted_fine && same;
+        window->pictures.asked = what;
+        window->pictures.painted_fine = window->pictures.painted_fine && same;
     }
 }
 
@@ -58,10 +58,10 @@ static void note_picture(struct window *window, double milliseconds)
 /* A picture of another atlas is none of this one. */
 static void leave_other(struct window *window)
 {
-    if (window->painted_of != window->viewer->drawn) {
-        texture_drop(&window->painted);
-        window->painted_of = window->viewer->drawn;
-        window->painted_fine = false;
+    if (window->pictures.painted_of != window->viewer->drawn) {
+        texture_drop(&window->pictures.painted);
+        window->pictures.painted_of = window->viewer->drawn;
+        window->pictures.painted_fine = false;
     }
 }
 
@@ -71,22 +71,23 @@ static void take_picture(struct window *window)
     leave_other(window);
     if (window->viewer->painter && painter_take(window->viewer->painter, &picture)) {
         bool coarse = picture.width != picture.what.width || picture.height != picture.what.height;
-        if (!window->painted.name) { /* one frame is enough before it, for where both share processors */
-            window->frames_wanted = FRAMES_PER_EVENT;
+        if (!window->pictures.painted.name) { /* one frame is enough before it, for where both share processors */
+            window->frame.frames_wanted = FRAMES_PER_EVENT;
         }
         note_picture(window, picture.milliseconds);
-        texture_set(&window->painted, picture.rgba, picture.width, picture.height, coarse);
-        window->painted_ms = picture.milliseconds;
-        window->painted_fine = picture.fine && painting_shows_same(&picture.what, &window->asked);
+        texture_set(&window->pictures.painted, picture.rgba, picture.width, picture.height, coarse);
+        window->pictures.painted_ms = picture.milliseconds;
+        window->pictures.painted_fine = picture.fine && painting_shows_same(&picture.what, &window->pictures.asked);
         free(picture.rgba);
     }
 }
 
 bool pane_3d_place(float out[2], const struct window *window, const double world[3])
 {
-    const struct ui_box *box = &window->panes[PANE_3D];
+    const struct ui_box *box = &window->screen.panes[PANE_3D];
     double at[2];
-    bool visible = sight_project(at, &window->sight, (double[]){(double)box->width, (double)box->height}, world);
+    bool visible =
+        sight_project(at, &window->pictures.sight, (double[]){(double)box->width, (double)box->height}, world);
     out[0] = box->x + (float)at[0];
     out[1] = box->y + (float)at[1];
     return visible;
@@ -95,7 +96,7 @@ bool pane_3d_place(float out[2], const struct window *window, const double world
 /* Beside the place, on the side where there is room. */
 static void draw_name(const struct window *window, const float at[2], float y, const char *name)
 {
-    const struct ui_box *box = &window->panes[PANE_3D];
+    const struct ui_box *box = &window->screen.panes[PANE_3D];
     char shown[PANE_NAME];
     float gap = 18;
     ui_shorten(shown, sizeof shown, name, box->width - 14);
@@ -151,12 +152,12 @@ static void draw_device_view(struct window *window)
         }
         to[3] = 255;
     }
-    texture_set(&window->device_view, rgba, n, n, false);
-    const struct ui_box *box = &window->panes[PANE_3D];
-    float edge = fminf(INSET * 16 * window->scale, 0.3F * fminf(box->width, box->height));
+    texture_set(&window->pictures.device_view, rgba, n, n, false);
+    const struct ui_box *box = &window->screen.panes[PANE_3D];
+    float edge = fminf(INSET * 16 * window->screen.scale, 0.3F * fminf(box->width, box->height));
     struct ui_box inset = {box->x + box->width - edge - 10, box->y + 10, edge, edge};
     ui_surface("inset", inset);
-    ui_draw_image(window->device_view.name, inset);
+    ui_draw_image(window->pictures.device_view.name, inset);
     ui_draw_box(inset, light, 1);
     static const char caption[] = "what the device sees";
     ui_draw_text((float[]){inset.x + edge - ui_text_width(caption), inset.y + edge + 4}, light, caption);
@@ -182,14 +183,14 @@ static void draw_crosshair(const struct window *window)
 
 static void draw_waiting(const struct window *window)
 {
-    const struct ui_box *box = &window->panes[PANE_3D];
+    const struct ui_box *box = &window->screen.panes[PANE_3D];
     char error[256];
     const float at[2] = {box->x + 20, box->y + box->height / 2};
     if (!window->viewer->painter) {
         ui_draw_text(at, theme_texts[THEME_ORANGE], "not enough memory to draw");
     } else if (painter_error(window->viewer->painter, error, sizeof error)) {
         ui_draw_text(at, theme_texts[THEME_ORANGE], error);
-    } else if (!window->painted.name) {
+    } else if (!window->pictures.painted.name) {
         ui_draw_text(at, light, "drawing ...");
     }
 }
@@ -208,7 +209,7 @@ static void draw_second_notice(const struct window *window, const float at[2])
 /* At the lower edge: what is to be said of the head, and above it of the cone. */
 static void draw_notices(const struct window *window)
 {
-    const struct ui_box *box = &window->panes[PANE_3D];
+    const struct ui_box *box = &window->screen.panes[PANE_3D];
     const struct viewer *viewer = window->viewer;
     struct notice notice;
     bool is_well;
@@ -229,12 +230,12 @@ static void draw_notices(const struct window *window)
 /* From the eye through the mouse. */
 static void find_ray(double eye[3], double direction[3], const struct window *window)
 {
-    const struct ui_box *box = &window->panes[PANE_3D];
+    const struct ui_box *box = &window->screen.panes[PANE_3D];
     const struct ui_mouse mouse = ui_mouse_now();
     const double size[2] = {(double)box->width, (double)box->height};
     const double at[2] = {(double)(mouse.x - box->x), (double)(mouse.y - box->y)};
-    memcpy(eye, window->sight.camera.world_from_device + 12, 3 * sizeof *eye);
-    sight_ray(direction, &window->sight, size, at);
+    memcpy(eye, window->pictures.sight.camera.world_from_device + 12, 3 * sizeof *eye);
+    sight_ray(direction, &window->pictures.sight, size, at);
 }
 
 static void point(struct window *window)
@@ -249,16 +250,17 @@ static void point(struct window *window)
 static void hover(struct window *window)
 {
     struct viewer *viewer = window->viewer;
-    double *eye = window->hover.eye;
-    double *direction = window->hover.direction;
+    double *eye = window->frame.hover.eye;
+    double *direction = window->frame.hover.direction;
     find_ray(eye, direction, window);
-    window->hover.by_ray = true;
-    window->hover.has_place = viewer_pick(&window->hover.object, window->hover.at, viewer, eye, direction);
-    if (window->hover.object) {
-        window->hover.value = view_atlas_value(viewer->drawn, window->hover.object, window->hover.at);
+    window->frame.hover.by_ray = true;
+    window->frame.hover.has_place =
+        viewer_pick(&window->frame.hover.object, window->frame.hover.at, viewer, eye, direction);
+    if (window->frame.hover.object) {
+        window->frame.hover.value = view_atlas_value(viewer->drawn, window->frame.hover.object, window->frame.hover.at);
     }
     struct tool follows = hands_moved_by(window, POINT_BY_MOUSE);
-    if (window->hover.object && (!follows.viewer || tool_is_held(&follows))) {
+    if (window->frame.hover.object && (!follows.viewer || tool_is_held(&follows))) {
         hover_tip(window);
     }
 }
@@ -271,10 +273,10 @@ static void use_click(struct window *window, const struct ui_mouse *mouse)
     double at[3];
     double eye[3];
     double direction[3];
-    bool is_click = mouse->released[0] && window->click_left > 0;
+    bool is_click = mouse->released[0] && window->frame.click_left > 0;
     bool is_pressed = mouse->pressed[0] && ui_surface_held(); /* and not on a panel, whence it came */
-    float left = is_pressed ? click : window->click_left - fabsf(mouse->moved_x) - fabsf(mouse->moved_y);
-    window->click_left = mouse->released[0] ? 0 : fmaxf(left, 0);
+    float left = is_pressed ? click : window->frame.click_left - fabsf(mouse->moved_x) - fabsf(mouse->moved_y);
+    window->frame.click_left = mouse->released[0] ? 0 : fmaxf(left, 0);
     if (!is_click) {
         return;
     }
@@ -294,7 +296,7 @@ static bool use_mouse(struct window *window)
 {
     struct viewer *viewer = window->viewer;
     struct ui_mouse mouse = ui_mouse_now();
-    double height = (double)window->panes[PANE_3D].height;
+    double height = (double)window->screen.panes[PANE_3D].height;
     bool held = ui_surface_held();
     bool moved = mouse.moved_x != 0 || mouse.moved_y != 0;
     if (viewer->head.on && viewer->head.known && ((held && moved) || mouse.wheel != 0)) {
@@ -325,26 +327,26 @@ static void note_moves(struct window *window, bool by_mouse)
     double now = clock_ms();
     bool carried = viewer->cone.pointer >= POINT_BY_REPLAY; /* or a tracker, a SpaceMouse, a gamepad */
     if (by_mouse) {
-        window->moving_until = now + view_rest_ms;
+        window->pictures.moving_until = now + view_rest_ms;
     }
-    if ((carried && window->carried_answer != viewer->cone.answer_number) ||
-        (viewer->head.on && window->carried_head != viewer->head.number)) {
-        window->moving_until = now + others_rest_ms;
+    if ((carried && window->pictures.carried_answer != viewer->cone.answer_number) ||
+        (viewer->head.on && window->pictures.carried_head != viewer->head.number)) {
+        window->pictures.moving_until = now + others_rest_ms;
     }
-    window->carried_answer = viewer->cone.answer_number;
-    window->carried_head = viewer->head.number;
-    window->moving = now < window->moving_until;
+    window->pictures.carried_answer = viewer->cone.answer_number;
+    window->pictures.carried_head = viewer->head.number;
+    window->pictures.moving = now < window->pictures.moving_until;
 }
 
 void pane_3d(struct window *window)
 {
-    const struct ui_box *box = &window->panes[PANE_3D];
+    const struct ui_box *box = &window->screen.panes[PANE_3D];
     orbit_fit(&window->viewer->orbit, (double[]){(double)box->width, (double)box->height});
-    window_sight(window, &window->sight);
+    window_sight(window, &window->pictures.sight);
     take_picture(window);
     ui_panel("3d", *box, UI_PLAIN);
-    if (window->painted.name) {
-        ui_draw_image(window->painted.name, *box);
+    if (window->pictures.painted.name) {
+        ui_draw_image(window->pictures.painted.name, *box);
     } else {
         ui_draw_box(*box, dark, 0);
     }
@@ -353,7 +355,7 @@ void pane_3d(struct window *window)
     if (touched) {
         hover(window);
     }
-    ask_painter(window, window->moving);
+    ask_painter(window, window->pictures.moving);
     ui_clip(*box);
     pane_chosen(window);
     pane_compass(window);

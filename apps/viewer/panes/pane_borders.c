@@ -10,24 +10,24 @@ static const float thick = 6; /* where the mouse meets it, at scale 1 */
 /* Where the border's middle is; false where there is none. */
 static bool find_box(struct ui_box *out, const struct window *window, enum border border)
 {
-    float height = window->status.y;
-    float width = (float)window->width;
-    struct division d = layout_divide(&window->layout, width, height, window->scale);
-    float edge = floorf(thick * window->scale);
+    float height = window->screen.status.y;
+    float width = (float)window->screen.width;
+    struct division d = layout_divide(&window->screen.layout, width, height, window->screen.scale);
+    float edge = floorf(thick * window->screen.scale);
     float at[] = {d.left, width - d.right, d.left + d.column, d.row};
     *out = border == BORDER_ROW ? (struct ui_box){d.left, at[border] - edge / 2, d.columns, edge}
                                 : (struct ui_box){at[border] - edge / 2, 0, edge, height};
-    return !window->alone && (border < BORDER_COLUMN || window->enlarged < 0);
+    return !window->screen.alone && (border < BORDER_COLUMN || window->screen.enlarged < 0);
 }
 
 static void use_mouse(struct window *window, enum border border)
 {
     struct ui_mouse mouse = ui_mouse_now();
     if (mouse.doubled) {
-        layout_reset(&window->layout, border);
+        layout_reset(&window->screen.layout, border);
     } else if (ui_surface_held() && (mouse.moved_x != 0 || mouse.moved_y != 0)) {
-        layout_move(&window->layout, border, border == BORDER_ROW ? mouse.y : mouse.x, (float)window->width,
-                    window->status.y, window->scale);
+        layout_move(&window->screen.layout, border, border == BORDER_ROW ? mouse.y : mouse.x,
+                    (float)window->screen.width, window->screen.status.y, window->screen.scale);
     }
 }
 

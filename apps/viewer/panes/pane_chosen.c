@@ -49,13 +49,13 @@ static void draw_shadow(struct shadow *shadow, uint8_t *rgba, const uint8_t *mas
 
 static void cast(struct window *window, uint32_t width, uint32_t height)
 {
-    struct shadow *shadow = &window->shadow;
+    struct shadow *shadow = &window->pictures.shadow;
     uint8_t *mask = calloc(width, height);
     uint8_t *rgba = malloc((size_t)4 * width * height);
     shadow->top.is_there = false;
     shadow->width = width;
     shadow->height = height;
-    shadow->sight = window->sight;
+    shadow->sight = window->pictures.sight;
     if (mask && rgba) {
         uint8_t rgb[3];
         viewer_colour(rgb, window->viewer, shadow->chosen);
@@ -69,8 +69,8 @@ static void cast(struct window *window, uint32_t width, uint32_t height)
 
 void pane_chosen_name(const struct window *window)
 {
-    const struct shadow *shadow = &window->shadow;
-    const struct ui_box *box = &window->panes[PANE_3D];
+    const struct shadow *shadow = &window->pictures.shadow;
+    const struct ui_box *box = &window->screen.panes[PANE_3D];
     if (shadow->cells.count && shadow->top.is_there) {
         char title[VIEW_ATLAS_TITLE];
         pane_name(box, box->x + (float)(COARSE * shadow->top.x), box->y + (float)(COARSE * shadow->top.y),
@@ -90,15 +90,15 @@ void pane_name(const struct ui_box *box, float x, float y, const char *name)
 
 void pane_chosen(struct window *window)
 {
-    struct shadow *shadow = &window->shadow;
-    const struct ui_box *box = &window->panes[PANE_3D];
+    struct shadow *shadow = &window->pictures.shadow;
+    const struct ui_box *box = &window->screen.panes[PANE_3D];
     uint32_t width = (uint32_t)fmaxf(box->width / COARSE, 1);
     uint32_t height = (uint32_t)fmaxf(box->height / COARSE, 1);
     find_cells(shadow, window->viewer);
     if (!shadow->cells.count) {
         return;
     }
-    if (!shows_same(shadow, &window->sight, width, height)) {
+    if (!shows_same(shadow, &window->pictures.sight, width, height)) {
         cast(window, width, height);
     }
     if (shadow->top.is_there) {

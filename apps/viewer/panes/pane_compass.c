@@ -10,7 +10,7 @@ static const ui_colour edge = {20, 20, 24, 190};
 static void draw_direction(const struct window *window, const float centre[2], size_t axis, int sign)
 {
     static const char letters[3][2][2] = {{"L", "R"}, {"P", "A"}, {"I", "S"}};
-    const double *m = window->sight.camera.world_from_device;
+    const double *m = window->pictures.sight.camera.world_from_device;
     float x = (float)(sign * m[axis]);
     float y = (float)(-sign * m[4 + axis]);
     bool is_away = sign * m[8 + axis] < 0;
@@ -28,7 +28,7 @@ static void draw_direction(const struct window *window, const float centre[2], s
 
 void pane_compass(const struct window *window)
 {
-    const struct ui_box *box = &window->panes[PANE_3D];
+    const struct ui_box *box = &window->screen.panes[PANE_3D];
     float reach = 2.9F * ui_line();
     bool is_well;
     bool has_text = head_text(&window->viewer->head, &is_well) || !window->viewer->cone.has_pose;
@@ -38,7 +38,7 @@ void pane_compass(const struct window *window)
         for (int half = 0; half < 12; half++) { /* what points away first */
             size_t axis = (size_t)half % 3;
             int sign = half / 3 % 2 ? 1 : -1;
-            bool is_away = sign * window->sight.camera.world_from_device[8 + axis] < 0;
+            bool is_away = sign * window->pictures.sight.camera.world_from_device[8 + axis] < 0;
             if (is_away == (half < 6)) {
                 draw_direction(window, centre, axis, sign);
             }

@@ -263,10 +263,10 @@ static void use_mouse(struct window *window, const struct frame *frame, enum pla
     struct tool wand = hands_moved_by(window, POINT_BY_WAND);
     double at[3];
     world_at(at, frame, mouse.x, mouse.y);
-    window->hover.object = object_at(frame->pane, mouse.x, mouse.y);
-    memcpy(window->hover.at, at, sizeof at);
-    window->hover.has_place = true;
-    window->hover.value = view_atlas_value(viewer->drawn, window->hover.object, at);
+    window->frame.hover.object = object_at(frame->pane, mouse.x, mouse.y);
+    memcpy(window->frame.hover.at, at, sizeof at);
+    window->frame.hover.has_place = true;
+    window->frame.hover.value = view_atlas_value(viewer->drawn, window->frame.hover.object, at);
     if (mouse.wheel != 0 && mouse.control) {
         viewer->magnification = fmin(fmax(viewer->magnification * pow(1.1, (double)mouse.wheel), 0.2), 50);
         viewer->version++;
@@ -282,7 +282,8 @@ static void use_mouse(struct window *window, const struct frame *frame, enum pla
         window_maximise(window);
     } else if (ui_surface_held() && mouse.down[0]) {
         viewer_cross(viewer, at);
-        viewer->drawn->shown.chosen = window->hover.object ? window->hover.object : viewer->drawn->shown.chosen;
+        viewer->drawn->shown.chosen =
+            window->frame.hover.object ? window->frame.hover.object : viewer->drawn->shown.chosen;
     } else if (ui_surface_held() && mouse.down[1] && wand.viewer) {
         use_wand(&wand, &mouse, at);
     }
@@ -291,9 +292,9 @@ static void use_mouse(struct window *window, const struct frame *frame, enum pla
 void pane_cut(struct window *window, enum plane plane)
 {
     static const char *const ids[] = {"axial", "coronal", "sagittal"};
-    struct cut_pane *pane = &window->cuts[plane];
+    struct cut_pane *pane = &window->pictures.cuts[plane];
     conus_cut_view view;
-    pane->box = window->panes[plane];
+    pane->box = window->screen.panes[plane];
     cut_view(&view, window->viewer, plane, (double[]){(double)pane->box.width, (double)pane->box.height});
     struct frame frame = {.pane = pane, .mm_per_pixel = view.mm_per_pixel, .width = view.width, .height = view.height};
     memcpy(frame.right, view.right, sizeof frame.right);
@@ -316,7 +317,7 @@ void pane_cut(struct window *window, enum plane plane)
     pane_grey_show(window, &pane->box);
     draw_chosen(window, frame.pane);
     ui_clip_end();
-    if (touched && window->hover.object) {
+    if (touched && window->frame.hover.object) {
         hover_tip(window);
     }
     ui_panel_end();

@@ -109,7 +109,7 @@ static void draw_best(const struct window *window)
     float at[2];
     if (best && best->object && best->pixels && pane_3d_place(at, window, best->contact)) {
         ui_draw_circle(at, 4, second_colour, 1.5F);
-        const struct ui_box *box = &window->panes[PANE_3D];
+        const struct ui_box *box = &window->screen.panes[PANE_3D];
         char title[VIEW_ATLAS_TITLE];
         char shown[PANE_NAME];
         ui_shorten(shown, sizeof shown, view_atlas_title(title, viewer->drawn, best->object), box->width - 14);
@@ -123,7 +123,7 @@ void pane_second_3d(struct window *window)
 {
     struct shell shell;
     float apex[2];
-    const double *eye = window->sight.camera.world_from_device + 12;
+    const double *eye = window->pictures.sight.camera.world_from_device + 12;
     if (!shows(window)) {
         return;
     }

@@ -42,7 +42,7 @@ static void draw_file(struct window *window, size_t index, enum addition kind, c
     ui_tip("the atlas is opened again without it");
     ui_same_line();
     if (ui_small_button("change")) {
-        change(&window->added, index, kind, value);
+        change(&window->forms.added, index, kind, value);
     }
     ui_tip("its file or what stands behind it, in the line below");
     ui_id_end();
@@ -75,7 +75,7 @@ static void draw_files(struct window *window, const json_t *words)
 /* What is typed is added, or takes the place of what is changed. */
 static void use(struct window *window, const json_t *words)
 {
-    struct added_form *form = &window->added;
+    struct added_form *form = &window->forms.added;
     if (!form->text[0]) {
         return;
     }
@@ -88,7 +88,7 @@ static void use(struct window *window, const json_t *words)
 
 static void draw_line(struct window *window, const json_t *words)
 {
-    struct added_form *form = &window->added;
+    struct added_form *form = &window->forms.added;
     ui_choose("kind", &form->kind, addition_names, ADDITION_COUNT);
     ui_tip("what the file is to be");
     if (form->takes_keys) {
@@ -118,11 +118,12 @@ static void draw_line(struct window *window, const json_t *words)
 
 void panel_added(struct window *window)
 {
-    float width = fminf(width_of * window->scale, (float)window->width);
-    float height = fminf(height_of * window->scale, (float)window->height);
-    const json_t *words = json_object_get(window->opened, "options");
+    float width = fminf(width_of * window->screen.scale, (float)window->screen.width);
+    float height = fminf(height_of * window->screen.scale, (float)window->screen.height);
+    const json_t *words = json_object_get(window->files.opened, "options");
     ui_panel("Files that were added (Ctrl+L; Escape closes this)",
-             (struct ui_box){((float)window->width - width) / 2, ((float)window->height - height) / 2, width, height},
+             (struct ui_box){((float)window->screen.width - width) / 2, ((float)window->screen.height - height) / 2,
+                             width, height},
              UI_IN_FRONT);
     draw_files(window, words);
     ui_separator();

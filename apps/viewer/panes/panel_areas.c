@@ -43,7 +43,7 @@ static void write_tip(char tip[TIP_SIZE], const conus_object *object)
 /* Of both, with what is between them. */
 static float buttons_width(const struct window *window)
 {
-    return ui_text_width("show") + ui_text_width("only") + 32 * window->scale;
+    return ui_text_width("show") + ui_text_width("only") + 32 * window->screen.scale;
 }
 
 static void draw_buttons(struct viewer *viewer, uint32_t object)
@@ -64,8 +64,8 @@ static void draw_buttons(struct viewer *viewer, uint32_t object)
 /* Once, when it was chosen. */
 static void scroll_to(struct window *window, uint32_t number)
 {
-    if (window->listed != number) {
-        window->listed = number;
+    if (window->frame.listed != number) {
+        window->frame.listed = number;
         ui_scroll_here();
     }
 }
@@ -112,7 +112,7 @@ static void draw_tree(struct window *window, uint32_t parent)
             continue;
         }
         ui_id(number);
-        bool leads = window->listed != viewer->drawn->shown.chosen && viewer->drawn->shown.chosen != number &&
+        bool leads = window->frame.listed != viewer->drawn->shown.chosen && viewer->drawn->shown.chosen != number &&
                      viewer_is_below(viewer, viewer->drawn->shown.chosen, number);
         bool open = ui_tree("##node", leads ? UI_OPEN_NOW : parent == 0 ? UI_OPEN_FIRST : UI_AS_IT_WAS);
         ui_id_end();
@@ -159,26 +159,26 @@ static void choose_atlas(struct window *window)
     struct viewer *viewer = window->viewer;
     size_t drawn = (size_t)(viewer->drawn - viewer->atlases);
     if (viewer->atlas_count > 1) {
-        ui_width(window->left.width - 20);
+        ui_width(window->screen.left.width - 20);
         if (ui_choose("##atlas", &drawn, viewer->names, viewer->atlas_count)) {
             viewer_draw(viewer, drawn);
         }
         ui_tip("the atlas that is drawn and listed here; N: the next one");
     }
-    if (window->listed_of != viewer->drawn) {
-        window->listed_of = viewer->drawn;
-        window->listed = 0;
+    if (window->frame.listed_of != viewer->drawn) {
+        window->frame.listed_of = viewer->drawn;
+        window->frame.listed = 0;
     }
 }
 
 void panel_areas(struct window *window)
 {
     struct viewer *viewer = window->viewer;
-    ui_panel("Areas", window->left, 0);
+    ui_panel("Areas", window->screen.left, 0);
     panel_tools(window);
     choose_atlas(window);
     ui_id((uint32_t)(viewer->drawn - viewer->atlases)); /* each has a list of its own, scrolled and opened */
-    ui_width(window->left.width - 20);
+    ui_width(window->screen.left.width - 20);
     ui_type("##search", viewer->drawn->shown.search, sizeof viewer->drawn->shown.search, "search name or label");
     bool wants_first = ui_entered();
     ui_tip("whole names come first, then names and words that begin so, names with it inside, and label numbers;\n"

@@ -47,7 +47,7 @@ static void draw_places(struct window *window)
         bool chosen = ui_row("##place", false);
         ui_id_end();
         ui_tip(plain);
-        ui_same_line_at(4 * window->scale);
+        ui_same_line_at(4 * window->screen.scale);
         const char *slash = strrchr(plain, '/');
         bool has_name = slash && slash[1];
         ui_text("%s", has_name ? slash + 1 : plain);
@@ -80,7 +80,7 @@ static bool draw_entry(struct window *window, size_t index)
         dialog->scrolls = false;
     }
     bool doubled = ui_hovered() && ui_mouse_now().doubled;
-    ui_same_line_at(4 * window->scale);
+    ui_same_line_at(4 * window->screen.scale);
     ui_text_coloured(theme_texts[is_folder ? THEME_AMBER : THEME_PLAIN], "%s%s", plain, is_folder ? "/" : "");
     if (clicked) {
         dialog_take(dialog, index);
@@ -153,7 +153,7 @@ static void draw_buttons(struct window *window)
 static void draw_keys(const struct window *window)
 {
     ui_text_coloured(theme_texts[THEME_AMBER], "Up, down");
-    ui_same_line_at(key_width * window->scale);
+    ui_same_line_at(key_width * window->screen.scale);
     ui_text_coloured(theme_texts[THEME_HINT],
                      "mark an entry; Enter goes into a folder or takes a file; Escape goes back");
 }
@@ -169,11 +169,11 @@ static void draw_warning(const struct window *window)
 
 void panel_dialog(struct window *window)
 {
-    float margin = 16 * window->scale;
-    float width = fmaxf(fminf(page_width * window->scale, (float)window->width - 2 * margin), 1);
-    float places = floorf(fminf(places_width * window->scale, width / 3));
-    float height = (float)window->height;
-    ui_panel("dialog", (struct ui_box){floorf(((float)window->width - width) / 2), 0, width, height}, UI_PLAIN);
+    float margin = 16 * window->screen.scale;
+    float width = fmaxf(fminf(page_width * window->screen.scale, (float)window->screen.width - 2 * margin), 1);
+    float places = floorf(fminf(places_width * window->screen.scale, width / 3));
+    float height = (float)window->screen.height;
+    ui_panel("dialog", (struct ui_box){floorf(((float)window->screen.width - width) / 2), 0, width, height}, UI_PLAIN);
     ui_gap(fmaxf(0.04F * height, 0));
     draw_line(window);
     draw_warning(window);
@@ -182,8 +182,8 @@ void panel_dialog(struct window *window)
     ui_column("places", places, lists);
     draw_places(window);
     ui_scroll_end();
-    ui_same_line_at(places + gap * window->scale);
-    ui_column("folder", width - places - gap * window->scale, lists);
+    ui_same_line_at(places + gap * window->screen.scale);
+    ui_column("folder", width - places - gap * window->screen.scale, lists);
     draw_folder(window);
     ui_scroll_end();
     ui_gap(ui_line() / 4);

@@ -67,7 +67,7 @@ static void choose_text(struct window *window)
 
 static void choose_name(struct window *window)
 {
-    struct figure_form *form = &window->figure;
+    struct figure_form *form = &window->forms.figure;
     if (form->takes_keys) {
         form->takes_keys = false;
         ui_take_keys();
@@ -92,14 +92,15 @@ static void choose_name(struct window *window)
 void panel_figure(struct window *window)
 {
     static const char *const panes[] = {"axial cut", "coronal cut", "sagittal cut", "3-D"};
-    float width = fminf(width_of * window->scale, (float)window->width);
-    float height = fminf(height_of * window->scale, (float)window->height);
+    float width = fminf(width_of * window->screen.scale, (float)window->screen.width);
+    float height = fminf(height_of * window->screen.scale, (float)window->screen.height);
     struct sheet before = window->sheet;
     enum backdrop backdrop = window->viewer->display.backdrop;
     ui_panel("Save a figure (Ctrl+P; Escape closes this)",
-             (struct ui_box){((float)window->width - width) / 2, ((float)window->height - height) / 2, width, height},
+             (struct ui_box){((float)window->screen.width - width) / 2, ((float)window->screen.height - height) / 2,
+                             width, height},
              UI_IN_FRONT);
-    ui_choose("of", &window->figure.pane, panes, PANE_COUNT);
+    ui_choose("of", &window->forms.figure.pane, panes, PANE_COUNT);
     ui_tip("drawn anew at this size: the place, the cone and the look that the pane has now");
     choose_size(&window->sheet);
     choose_dpi(&window->sheet);

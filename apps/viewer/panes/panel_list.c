@@ -58,7 +58,7 @@ static float width_of(const struct window *window, size_t column)
 {
     const struct viewer *viewer = window->viewer;
     if (column == RESULT_NAME) {
-        return NAME_WIDTH * window->scale;
+        return NAME_WIDTH * window->screen.scale;
     }
     char heading[RESULT_TEXT];
     bool orders = viewer->list.order == column;

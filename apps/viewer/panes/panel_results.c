@@ -86,7 +86,7 @@ static void draw_export(struct window *window)
     ui_tip("writes the hits of the cone with all columns as conus query does, and a sidecar, to conus-DATE-TIME-hits\n"
            "in the folder where conus was started (Ctrl+E)");
     ui_flow("XXXXXX");
-    ui_width(70 * window->scale);
+    ui_width(70 * window->screen.scale);
     if (ui_choose("##format", &viewer->list.format, result_formats, RESULT_FORMATS)) {
         viewer->version++;
     }
@@ -128,7 +128,7 @@ void panel_results(struct window *window)
     struct viewer *viewer = window->viewer;
     struct notice notice;
     hands_notice(&notice, window, FIRST_HAND);
-    ui_panel("Hits of the cone", window->right, 0);
+    ui_panel("Hits of the cone", window->screen.right, 0);
     if (notice.is_trouble || notice.is_old) { /* then what follows is pale */
         ui_text_coloured(theme_texts[THEME_ORANGE], "%s", notice.text);
     }

@@ -9,12 +9,12 @@
 /* That of the line above, where there is room. */
 static void use_width(const struct window *window)
 {
-    ui_width(fminf(window->left.width - 20, ui_room()));
+    ui_width(fminf(window->screen.left.width - 20, ui_room()));
 }
 
 static void choose_hemispheres(struct window *window)
 {
-    size_t how = (size_t)window->hemispheres;
+    size_t how = (size_t)window->files.hemispheres;
     use_width(window);
     if (ui_choose("##hemispheres", &how, hemispheres_meanings, HEMISPHERES_COUNT)) {
         window_want_hemispheres(window, (conus_hemispheres)how, 0);

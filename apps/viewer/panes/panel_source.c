@@ -9,7 +9,7 @@
 
 static void show_replay(struct window *window)
 {
-    struct replay *replay = &window->replay;
+    struct replay *replay = &window->inputs.replay;
     size_t count = replay->poses ? conus_pose_list_count(replay->poses) : 0;
     if (!count) {
         ui_text("no poses: start with --poses FILE");
@@ -34,12 +34,12 @@ static void show_tracker(struct window *window)
 {
     static const enum theme_text colours[] = {THEME_HINT, THEME_HINT, THEME_RED, THEME_RED, THEME_GREEN};
     char text[160];
-    if (!window->station) {
+    if (!window->inputs.station) {
         ui_text("no tracker: start with --listen or --connect");
         return;
     }
-    settings_station_text(text, sizeof text, window->station, &window->news);
-    ui_text_coloured(theme_texts[colours[window->news.state]], "%s", text);
+    settings_station_text(text, sizeof text, window->inputs.station, &window->inputs.news);
+    ui_text_coloured(theme_texts[colours[window->inputs.news.state]], "%s", text);
 }
 
 void panel_source(struct window *window)
@@ -54,12 +54,12 @@ void panel_source(struct window *window)
 
 void panel_speed(struct window *window, enum pointer pointer)
 {
-    double speed = devices_speed(&window->devices);
+    double speed = devices_speed(&window->inputs.devices);
     if (pointer < POINT_BY_SPACEMOUSE) {
         return;
     }
     if (ui_slider("speed", &speed, SOURCE_LEAST_SPEED, SOURCE_MOST_SPEED, "%.0f mm/s", true)) {
-        devices_set_speed(&window->devices, speed);
+        devices_set_speed(&window->inputs.devices, speed);
         window->viewer->version++;
     }
     ui_tip("of a SpaceMouse or gamepad at full deflection: mm a second, and as many degrees a second; 8 and 7 "

@@ -29,7 +29,7 @@ static void draw_field(struct window *window)
         "folders of surfaces or of BrainGlobe, manifests. On an atlas that is open: streamlines (.trk, .tck, .trx, "
         "VTK, .tt.gz), an image as context";
     struct start *start = &window->start;
-    float around = 14 * window->scale; /* a button's text, and before it */
+    float around = 14 * window->screen.scale; /* a button's text, and before it */
     float buttons = ui_text_width(open) + ui_text_width(choose) + 2 * around;
     ui_text_wrapped("Drop an atlas on this window, a file or a folder, or give its path or name:");
     ui_width(ui_room() - buttons);
@@ -69,9 +69,9 @@ static void draw_entry(struct window *window, size_t index)
     bool chosen = ui_row("##entry", false);
     ui_id_end();
     ui_tip(words);
-    ui_same_line_at(4 * window->scale);
+    ui_same_line_at(4 * window->screen.scale);
     ui_text_coloured(theme_texts[THEME_AMBER], "%zu", index + 1);
-    ui_same_line_at(number_width * window->scale);
+    ui_same_line_at(number_width * window->screen.scale);
     ui_text("%s", name);
     if (name > words) {
         ui_same_line();
@@ -105,9 +105,9 @@ static void draw_phantom(struct window *window)
     draw_list_title("A sample");
     bool chosen = ui_row("##sample", false);
     ui_tip("eleven areas, a pathway and a context, made by conus; not a real brain");
-    ui_same_line_at(4 * window->scale);
+    ui_same_line_at(4 * window->screen.scale);
     ui_text_coloured(theme_texts[THEME_AMBER], "S");
-    ui_same_line_at(number_width * window->scale);
+    ui_same_line_at(number_width * window->screen.scale);
     ui_text("brain phantom");
     ui_same_line();
     ui_text_coloured(theme_texts[THEME_HINT], "made by conus, to try it");
@@ -155,7 +155,7 @@ static void draw_installed(struct window *window, size_t index, bool picked)
     snprintf(words, sizeof words, "%s", atlas->path);
     conus_plain_text(words);
     ui_tip(words);
-    ui_same_line_at(4 * window->scale);
+    ui_same_line_at(4 * window->screen.scale);
     ui_text("%s", atlas->name);
     ui_same_line();
     ui_text_coloured(theme_texts[THEME_HINT], "%s, %s%s", atlas->source, atlas->kind, spacing);
@@ -194,8 +194,8 @@ static void draw_catalogue(struct window *window, float height)
 static void draw_lists(struct window *window, float height)
 {
     float width = ui_room();
-    float half = floorf((width - gap * window->scale) / 2);
-    if (width < least_wide * window->scale) {
+    float half = floorf((width - gap * window->screen.scale) / 2);
+    if (width < least_wide * window->screen.scale) {
         draw_known(window);
         draw_catalogue(window, fmaxf(height / 2, 8 * ui_line()));
         return;
@@ -203,7 +203,7 @@ static void draw_lists(struct window *window, float height)
     ui_column("known", half, height);
     draw_known(window);
     ui_scroll_end();
-    ui_same_line_at(half + gap * window->scale);
+    ui_same_line_at(half + gap * window->screen.scale);
     ui_column("catalogue", half, height);
     draw_catalogue(window, ui_room_below());
     ui_scroll_end();
@@ -212,7 +212,7 @@ static void draw_lists(struct window *window, float height)
 static void draw_key(const struct window *window, const char *key, const char *meaning)
 {
     ui_text_coloured(theme_texts[THEME_AMBER], "%s", key);
-    ui_same_line_at(key_width * window->scale);
+    ui_same_line_at(key_width * window->screen.scale);
     ui_text_coloured(theme_texts[THEME_HINT], "%s", meaning);
 }
 
@@ -223,7 +223,7 @@ static void draw_keys(const struct window *window)
     }
     draw_key(window, "Tab", "search or type a path; the arrow keys choose, Enter opens");
     draw_key(window, "Ctrl+O", "choose a file");
-    if (window->session_waits) {
+    if (window->files.session_waits) {
         draw_key(window, "Escape", "open atlases without the session");
     } else if (window->viewer) {
         draw_key(window, "Escape", "back to the atlas that is open");
@@ -233,10 +233,10 @@ static void draw_keys(const struct window *window)
 
 void panel_start(struct window *window)
 {
-    float margin = 16 * window->scale;
-    float width = fmaxf(fminf(page_width * window->scale, (float)window->width - 2 * margin), 1);
-    float height = (float)window->height;
-    ui_panel("start", (struct ui_box){floorf(((float)window->width - width) / 2), 0, width, height}, UI_PLAIN);
+    float margin = 16 * window->screen.scale;
+    float width = fmaxf(fminf(page_width * window->screen.scale, (float)window->screen.width - 2 * margin), 1);
+    float height = (float)window->screen.height;
+    ui_panel("start", (struct ui_box){floorf(((float)window->screen.width - width) / 2), 0, width, height}, UI_PLAIN);
     ui_scroll("page", 0);
     ui_gap(fmaxf(0.08F * height - margin, 0));
     draw_title();

@@ -15,7 +15,7 @@ static const float gap = 16; /* pixels at scale 1, between the parts of the line
 static void write_place(char out[STATUS_TEXT], const struct window *window)
 {
     const struct viewer *viewer = window->viewer;
-    const double *at = window->hover.has_place ? window->hover.at : viewer->crosshair;
+    const double *at = window->frame.hover.has_place ? window->frame.hover.at : viewer->crosshair;
     char text[HOVER_TEXT];
     char place[VIEWER_PLACE_TEXT];
     char voxel_text[80] = "";
@@ -29,7 +29,7 @@ static void write_place(char out[STATUS_TEXT], const struct window *window)
     if (isfinite(grey)) {
         snprintf(grey_text, sizeof grey_text, "  grey %.4g", grey);
     }
-    snprintf(out, STATUS_TEXT, "%s %s%s%s  %s", window->hover.has_place ? "mouse" : "cross",
+    snprintf(out, STATUS_TEXT, "%s %s%s%s  %s", window->frame.hover.has_place ? "mouse" : "cross",
              viewer_place_text(place, viewer, at), voxel_text, grey_text, text);
 }
 
@@ -40,8 +40,8 @@ static void write_times(char out[STATUS_TEXT], const struct window *window, bool
     if (viewer->painter && with_device) {
         painter_device(viewer->painter, device, sizeof device);
     }
-    snprintf(out, STATUS_TEXT, "frame %.1f ms, picture %.0f ms, selection %.3f ms%s%s", window->frame_ms,
-             window->painted_ms, viewer->cone.select_ms, device[0] ? ", " : "", device);
+    snprintf(out, STATUS_TEXT, "frame %.1f ms, picture %.0f ms, selection %.3f ms%s%s", window->frame.ms,
+             window->pictures.painted_ms, viewer->cone.select_ms, device[0] ? ", " : "", device);
 }
 
 /* Where there is room, with what draws or without. */
@@ -50,8 +50,8 @@ static void show_times(const struct window *window, float room)
     for (int with_device = 1; with_device >= 0; with_device--) {
         char times[STATUS_TEXT];
         write_times(times, window, with_device);
-        if (ui_text_width(times) + gap * window->scale <= room) {
-            ui_same_line_at(window->status.width - ui_text_width(times) - gap * window->scale / 2);
+        if (ui_text_width(times) + gap * window->screen.scale <= room) {
+            ui_same_line_at(window->screen.status.width - ui_text_width(times) - gap * window->screen.scale / 2);
             ui_text_coloured(theme_texts[THEME_HINT], "%s", times);
             return;
         }
@@ -63,18 +63,18 @@ void panel_status(struct window *window)
 {
     char place[STATUS_TEXT];
     const char *message = window->viewer->message;
-    float wide = window->status.width - 2 * gap * window->scale;
-    float said = fminf(message[0] ? ui_text_width(message) + gap * window->scale : 0, 0.7F * wide);
+    float wide = window->screen.status.width - 2 * gap * window->screen.scale;
+    float said = fminf(message[0] ? ui_text_width(message) + gap * window->screen.scale : 0, 0.7F * wide);
     write_place(place, window);
     float placed = fminf(ui_text_width(place), wide - said);
-    ui_panel("status", window->status, UI_PLAIN);
+    ui_panel("status", window->screen.status, UI_PLAIN);
     ui_gap(0);
-    ui_same_line_at(gap * window->scale);
+    ui_same_line_at(gap * window->screen.scale);
     ui_text_cut(place, placed);
     if (message[0]) {
-        ui_same_line_at(gap * window->scale + placed + gap * window->scale);
+        ui_same_line_at(gap * window->screen.scale + placed + gap * window->screen.scale);
         ui_tint(theme_texts[THEME_AMBER]);
-        ui_text_cut(message, said - gap * window->scale);
+        ui_text_cut(message, said - gap * window->screen.scale);
         ui_tint_end();
     }
     if (!window->quiet_status) {

@@ -170,7 +170,7 @@ static size_t draw_plot(const struct window *window, const struct study_answer *
                         bool is_old)
 {
     const struct viewer *viewer = window->viewer;
-    struct ui_box area = ui_area("plot", PLOT_HEIGHT * window->scale + 1.5F * ui_line());
+    struct ui_box area = ui_area("plot", PLOT_HEIGHT * window->screen.scale + 1.5F * ui_line());
     float left = ui_text_width("100 %") + 12;
     struct ui_box box = {area.x + left, area.y + ui_line() / 2, fmaxf(area.width - left - 8, 1),
                          fmaxf(area.height - 2 * ui_line(), 1)};
@@ -231,7 +231,7 @@ static void draw_shares(struct window *window, const struct study_answer *answer
             const struct study_curve *curve = &table->curves[i];
             ui_id(curve->object);
             draw_name(viewer, curve->object);
-            draw_part(curve->shares[angle], 40 * window->scale, colour_of(viewer, curve->object));
+            draw_part(curve->shares[angle], 40 * window->screen.scale, colour_of(viewer, curve->object));
             draw_percent(curve->most);
             ui_id_end();
         }
@@ -263,7 +263,7 @@ static void draw_chances(struct window *window, const struct study_table *table)
             ui_id(chance->object);
             draw_name(viewer, chance->object);
             tip_of_chance(viewer, chance);
-            draw_part(chance->hit, 40 * window->scale, colour_of(viewer, chance->object));
+            draw_part(chance->hit, 40 * window->screen.scale, colour_of(viewer, chance->object));
             draw_percent(chance->hit_error);
             draw_percent(chance->seen);
             ui_id_end();

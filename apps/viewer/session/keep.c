@@ -54,11 +54,11 @@ static bool write_file(struct window *window, enum keep what, const char *path, 
 void keep_as(struct window *window)
 {
     char why[SESSION_REASON] = "";
-    char *path = window->saves_as;
-    window->saves_as = NULL;
+    char *path = window->files.saves_as;
+    window->files.saves_as = NULL;
     if (session_save(window, path, why)) {
         viewer_say(window->viewer, "saved: %s", path);
-        if (window->remembers) {
+        if (window->files.remembers) {
             recent_add(path);
         }
     } else {
@@ -94,7 +94,8 @@ void keep(struct window *window, enum keep what)
                                     : ".json");
     make_name(name, ending);
     char path[PATH_MAX];
-    snprintf(path, sizeof path, "%s", what == KEEP_SAME_SESSION && window->session_path ? window->session_path : name);
+    snprintf(path, sizeof path, "%s",
+             what == KEEP_SAME_SESSION && window->history.session_path ? window->history.session_path : name);
     if (write_file(window, what, path, why)) {
         viewer_say(window->viewer, "saved: %s", path);
     } else {

@@ -12,7 +12,7 @@ enum keep { KEEP_SESSION = 0, KEEP_SAME_SESSION, KEEP_PICTURE, KEEP_RESULTS, KEE
 /** Writes it, and says where in the status line. A picture is what has just been drawn; the hits of the cone get a
  * sidecar. */
 void keep(struct window *window, enum keep what);
-/** Writes the session to window->saves_as, which is NULL then, and says so. */
+/** Writes the session to window->files.saves_as, which is NULL then, and says so. */
 void keep_as(struct window *window);
 
 #endif

@@ -142,7 +142,7 @@ static void take_state(struct state *out, const struct window *window)
                           .outlines = !viewer->display.no_outlines,
                           .radiological = viewer->display.radiological,
                           .magnification = viewer->magnification,
-                          .enlarged = window->enlarged};
+                          .enlarged = window->screen.enlarged};
     take_study(out, &viewer->study.settings);
     memcpy(out->pose, viewer->cone.pose.world_from_device, sizeof out->pose);
     memcpy(out->orbit, viewer->orbit.centre, sizeof viewer->orbit.centre);
@@ -202,7 +202,7 @@ static void put_state(struct window *window, const struct state *state)
     viewer->orbit.elevation = state->orbit[5];
     memcpy(viewer->crosshair, state->crosshair, sizeof viewer->crosshair);
     viewer->magnification = state->magnification;
-    window->enlarged = (int)state->enlarged;
+    window->screen.enlarged = (int)state->enlarged;
     put_head(&viewer->head, state);
 }
 
@@ -271,8 +271,8 @@ char *session_text(const struct window *window)
     for (size_t i = state.slice_fraction > 0 ? 0 : 1; root && i < OPTIONAL_FIELDS; i++) {
         json_object_set_new(root, fields[i].key, numbers(&fields[i]));
     }
-    if (window->opened) {
-        json_object_set(root, "opened", window->opened);
+    if (window->files.opened) {
+        json_object_set(root, "opened", window->files.opened);
     }
     json_object_set_new(root, "level", json_string(viewer->cone.level));
     json_object_set_new(root, "place", session_place(viewer->atlases));
@@ -285,7 +285,7 @@ char *session_text(const struct window *window)
     json_object_set_new(root, "look", session_look(viewer->atlases));
     json_object_set_new(root, "background", json_string(backdrop_names[viewer->display.backdrop]));
     json_object_set_new(root, "figure", session_sheet(&window->sheet));
-    json_object_set_new(root, "layout", session_layout(&window->layout));
+    json_object_set_new(root, "layout", session_layout(&window->screen.layout));
     json_object_set_new(root, "safe_colours", json_boolean(viewer->display.safe_colours));
     json_object_set_new(root, "results", session_list(&viewer->list));
     if (root && viewer->atlas_count > 1) {
@@ -305,8 +305,8 @@ static void note_path(struct window *window, const char *path)
 {
     char *copy = strdup(path);
     if (copy) {
-        free(window->session_path);
-        window->session_path = copy;
+        free(window->history.session_path);
+        window->history.session_path = copy;
     }
 }
 
@@ -498,7 +498,7 @@ static bool read_session(struct window *window, const json_t *root, char why[SES
     struct result_list list = viewer->list;
     enum backdrop backdrop = viewer->display.backdrop;
     struct sheet sheet = window->sheet;
-    struct layout layout = window->layout;
+    struct layout layout = window->screen.layout;
     const char *score = known_score(json_string_value(json_object_get(root, "score")));
     const char *level = NULL;
     bool fine = read_state(&state, root, why) && session_list_read(&list, root, why) &&
@@ -515,7 +515,7 @@ static bool read_session(struct window *window, const json_t *root, char why[SES
         viewer->list = list;
         viewer->display.backdrop = backdrop;
         window->sheet = sheet;
-        window->layout = layout;
+        window->screen.layout = layout;
         memmove(viewer->cone.level, level, strlen(level) + 1); /* of itself, where the session says nothing */
         session_atlases_show(&atlases, viewer);
         read_pins(viewer, root);

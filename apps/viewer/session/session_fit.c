@@ -232,7 +232,7 @@ static void fit_context(json_t *root)
 void session_fit(json_t *root, const struct window *window)
 {
     const json_t *then = added_of(json_object_get(root, "opened"));
-    const json_t *now = added_of(window->opened);
+    const json_t *now = added_of(window->files.opened);
     if (!then || !now || json_equal(then, now)) {
         return;
     }

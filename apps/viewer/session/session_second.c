@@ -15,7 +15,7 @@ void session_second_add(json_t *root, const struct window *window)
                         json_pack("{s: b, s: i, s: b, s: b, s: f, s: o}", "on", second->on, "pointer",
                                   (int)second->pointer, "has_pose", second->has_pose, "held", second->held, "angle_deg",
                                   second_angle(second), "world_from_device", pose));
-    json_object_set_new(root, "device_speed", json_real(devices_speed(&window->devices)));
+    json_object_set_new(root, "device_speed", json_real(devices_speed(&window->inputs.devices)));
 }
 
 static bool read_flag(bool *out, const json_t *object, const char *key)
@@ -61,7 +61,7 @@ bool session_second_read(struct session_tools *out, const struct window *window,
                          char why[SESSION_REASON])
 {
     const json_t *speed = json_object_get(root, "device_speed");
-    *out = (struct session_tools){.second = window->second, .speed = devices_speed(&window->devices)};
+    *out = (struct session_tools){.second = window->second, .speed = devices_speed(&window->inputs.devices)};
     out->speed = speed ? json_number_value(speed) : out->speed;
     if (speed && (!json_is_number(speed) || !(out->speed >= SOURCE_LEAST_SPEED) || out->speed > SOURCE_MOST_SPEED)) {
         return session_refuse(why, "session: device_speed: a number from %d to %d is needed", SOURCE_LEAST_SPEED,
@@ -74,7 +74,7 @@ void session_second_put(struct window *window, const struct session_tools *tools
 {
     struct second *second = &window->second;
     const struct second *read = &tools->second;
-    devices_set_speed(&window->devices, tools->speed);
+    devices_set_speed(&window->inputs.devices, tools->speed);
     second->pose = read->pose;
     second->has_pose = read->has_pose;
     second->held = read->held;

@@ -52,10 +52,10 @@ static char *text_of(const struct window *window)
 
 static void note_versions(struct window *window)
 {
-    window->noted_version = window->viewer->version;
-    window->noted_said = window->viewer->said;
-    window->noted_second = window->second.version;
-    window->noted_layout = window->layout;
+    window->history.noted_version = window->viewer->version;
+    window->history.noted_said = window->viewer->said;
+    window->history.noted_second = window->second.version;
+    window->history.noted_layout = window->screen.layout;
 }
 
 void undo_renew(struct window *window)
@@ -63,21 +63,21 @@ void undo_renew(struct window *window)
     char *text = text_of(window);
     if (text) {
         note_versions(window);
-        changes_renew(&window->changes, text);
+        changes_renew(&window->history.changes, text);
     }
 }
 
 void undo_note(struct window *window)
 {
     const struct viewer *viewer = window->viewer;
-    bool is_new = window->noted_version != viewer->version || window->noted_said != viewer->said ||
-                  window->noted_second != window->second.version || !window->changes.count ||
-                  !layout_is_same(&window->noted_layout, &window->layout);
+    bool is_new = window->history.noted_version != viewer->version || window->history.noted_said != viewer->said ||
+                  window->history.noted_second != window->second.version || !window->history.changes.count ||
+                  !layout_is_same(&window->history.noted_layout, &window->screen.layout);
     if (is_new) {
         char *text = text_of(window);
         note_versions(window);
         if (text) {
-            changes_add(&window->changes, text);
+            changes_add(&window->history.changes, text);
         }
     }
 }
@@ -105,7 +105,7 @@ static bool needs_others(conus_hemispheres *how, const struct window *window, co
     const json_t *opened = json_object_get(root, "opened");
     *how = hemispheres_of_words(json_object_get(opened, "options"));
     json_decref(root);
-    return opened && *how != window->hemispheres;
+    return opened && *how != window->files.hemispheres;
 }
 
 static void use_aloud(struct window *window, const char *state, int by)
@@ -120,7 +120,7 @@ static void use_aloud(struct window *window, const char *state, int by)
 
 void undo_go_on(struct window *window, int by)
 {
-    const char *state = changes_step(&window->changes, by);
+    const char *state = changes_step(&window->history.changes, by);
     if (state) {
         use_aloud(window, state, by);
     }
@@ -129,13 +129,13 @@ void undo_go_on(struct window *window, int by)
 void undo_step(struct window *window, int by)
 {
     conus_hemispheres how;
-    window->noted_version = window->viewer->version - 1; /* what has just changed counts, too */
+    window->history.noted_version = window->viewer->version - 1; /* what has just changed counts, too */
     undo_note(window);
-    const char *state = changes_step(&window->changes, by);
+    const char *state = changes_step(&window->history.changes, by);
     if (!state) {
         viewer_say(window->viewer, by < 0 ? "nothing to undo" : "nothing to do again");
     } else if (needs_others(&how, window, state)) {
-        changes_step(&window->changes, -by);
+        changes_step(&window->history.changes, -by);
         window_want_hemispheres(window, how, by);
     } else {
         use_aloud(window, state, by);

@@ -10,7 +10,7 @@
 
 bool window_wants(const struct window *window)
 {
-    return window->wanted.count || window->wanted.words;
+    return window->files.wanted.count || window->files.wanted.words;
 }
 
 void wanted_finish(struct wanted *wanted)
@@ -26,17 +26,17 @@ void wanted_finish(struct wanted *wanted)
 void window_want_all(struct window *window, size_t count, const char *const *paths)
 {
     bool fine = true;
-    wanted_finish(&window->wanted);
-    window->wanted.paths = calloc(count + 1, sizeof *window->wanted.paths);
+    wanted_finish(&window->files.wanted);
+    window->files.wanted.paths = calloc(count + 1, sizeof *window->files.wanted.paths);
     for (size_t i = 0; i < count && fine; i++) {
-        char *path = window->wanted.paths ? strdup(paths[i]) : NULL;
+        char *path = window->files.wanted.paths ? strdup(paths[i]) : NULL;
         fine = path;
         if (fine) {
-            window->wanted.paths[window->wanted.count++] = path;
+            window->files.wanted.paths[window->files.wanted.count++] = path;
         }
     }
     if (!fine) {
-        wanted_finish(&window->wanted);
+        wanted_finish(&window->files.wanted);
         window_say(window, "not enough memory");
     }
 }
@@ -67,7 +67,7 @@ void window_want_sample(struct window *window)
 void window_drop(struct window *window, size_t count, const char *const *paths)
 {
     window_want_all(window, count, paths);
-    window->wanted.asks = !window->start.on && window->viewer->pin_count;
+    window->files.wanted.asks = !window->start.on && window->viewer->pin_count;
 }
 
 void window_ask(struct window *window, const struct wanted *wanted)
@@ -80,7 +80,7 @@ void window_ask(struct window *window, const struct wanted *wanted)
 
 const struct json_t *window_words(struct window *window)
 {
-    const json_t *words = json_object_get(window->opened, "options");
+    const json_t *words = json_object_get(window->files.opened, "options");
     if (!words) {
         window_say(window, "one of the options with which conus was started is not UTF-8: the atlas stays as it is");
     }
@@ -91,8 +91,8 @@ const struct json_t *window_words(struct window *window)
 static void want_words(struct window *window, json_t *words)
 {
     if (words) {
-        wanted_finish(&window->wanted);
-        window->wanted.words = words;
+        wanted_finish(&window->files.wanted);
+        window->files.wanted.words = words;
     } else {
         window_say(window, "not enough memory, or a name that is not UTF-8");
     }
@@ -127,9 +127,9 @@ void window_change(struct window *window, size_t index, enum addition kind, cons
 void window_want_hemispheres(struct window *window, conus_hemispheres how, int step)
 {
     const json_t *words = window_words(window);
-    if (words && how != window->hemispheres) {
+    if (words && how != window->files.hemispheres) {
         want_words(window, hemispheres_put_in_words(words, how));
-        window->wanted.step = step;
+        window->files.wanted.step = step;
     } else if (words) {
         viewer_say(window->viewer, "%s", hemispheres_meanings[how]);
     }
@@ -144,12 +144,12 @@ static void find_session_path(char path[PATH_MAX], const struct window *window)
     const char *name = slash && slash[1] ? slash + 1 : atlas;
     bool fits = getcwd(here, sizeof here) && access(here, W_OK) == 0;
     const char *home = getenv("HOME");
-    int size = window->session_path ? snprintf(path, PATH_MAX, "%s", window->session_path)
-                                    : snprintf(path, PATH_MAX, "%s/%.*s-session.json",
-                                               fits   ? here
-                                               : home ? home
-                                                      : "",
-                                               (int)strcspn(name, "."), name);
+    int size = window->history.session_path ? snprintf(path, PATH_MAX, "%s", window->history.session_path)
+                                            : snprintf(path, PATH_MAX, "%s/%.*s-session.json",
+                                                       fits   ? here
+                                                       : home ? home
+                                                              : "",
+                                                       (int)strcspn(name, "."), name);
     path[size < PATH_MAX ? size : 0] = '\0';
 }
 
@@ -176,8 +176,8 @@ void window_use_dialog(struct window *window)
     if (dialog->purpose == DIALOG_OPEN) {
         window_want(window, path);
     } else {
-        free(window->saves_as);
-        window->saves_as = strdup(path);
+        free(window->files.saves_as);
+        window->files.saves_as = strdup(path);
     }
 }
 

@@ -27,9 +27,9 @@ static void find_name(char name[FIGURE_NAME])
 
 void figure_form_open(struct window *window)
 {
-    struct figure_form *form = &window->figure;
+    struct figure_form *form = &window->forms.figure;
     form->open = form->takes_keys = true;
-    form->pane = window->enlarged >= 0 ? (size_t)window->enlarged : PANE_3D;
+    form->pane = window->screen.enlarged >= 0 ? (size_t)window->screen.enlarged : PANE_3D;
     form->news[0] = form->replaced[0] = '\0';
     find_name(form->name);
 }
@@ -42,14 +42,14 @@ static bool has_ending(const char *name)
 
 static void say(struct window *window, const char *what, const char *name)
 {
-    struct figure_form *form = &window->figure;
+    struct figure_form *form = &window->forms.figure;
     snprintf(form->news, sizeof form->news, "%s%s", what, name);
     viewer_say(window->viewer, "%s", form->news);
 }
 
 void figure_form_save(struct window *window)
 {
-    struct figure_form *form = &window->figure;
+    struct figure_form *form = &window->forms.figure;
     size_t used = strlen(form->name);
     if (!used || form->frames) {
         return;
@@ -63,13 +63,13 @@ void figure_form_save(struct window *window)
         return;
     }
     form->frames = FRAMES_BEFORE;
-    window->frames_wanted = FRAMES_BEFORE + 2;
+    window->frame.frames_wanted = FRAMES_BEFORE + 2;
     say(window, "saving ", form->name);
 }
 
 static void write_now(struct window *window)
 {
-    struct figure_form *form = &window->figure;
+    struct figure_form *form = &window->forms.figure;
     struct figure_settings settings;
     char why[FIGURE_REASON];
     char whole[PATH_MAX];
@@ -86,7 +86,7 @@ static void write_now(struct window *window)
 
 void figure_form_step(struct window *window)
 {
-    struct figure_form *form = &window->figure;
+    struct figure_form *form = &window->forms.figure;
     form->frames -= form->frames > 0;
     if (form->frames == 1 && window->viewer) {
         form->frames = 0;
@@ -96,7 +96,7 @@ void figure_form_step(struct window *window)
 
 void figure_form_copy(struct window *window)
 {
-    const char *saved = window->figure.saved;
+    const char *saved = window->forms.figure.saved;
     if (saved[0]) {
         glfwSetClipboardString(window->handle, saved);
         viewer_say(window->viewer, "copied the path: %s", saved);

@@ -58,17 +58,18 @@ void hands_choose_next(struct window *window, enum hand hand)
 
 static void hear_trackers(struct window *window)
 {
-    struct devices *devices = &window->devices;
-    const struct station_news *news = &window->news;
+    struct devices *devices = &window->inputs.devices;
+    const struct station_news *news = &window->inputs.news;
     const struct station_tool first = {.state = news->state, .pose = news->pose, .number = news->number};
-    tracker_hear(&devices->trackers[0], window->station ? &first : NULL);
-    if (window->second_station) {
+    tracker_hear(&devices->trackers[0], window->inputs.station ? &first : NULL);
+    if (window->inputs.second_station) {
         struct station_news other;
-        station_ask(window->second_station, &other);
+        station_ask(window->inputs.second_station, &other);
         const struct station_tool second = {.state = other.state, .pose = other.pose, .number = other.number};
         tracker_hear(&devices->trackers[1], &second);
     } else {
-        tracker_hear(&devices->trackers[1], window->station && window->has_second_tool ? &news->second : NULL);
+        tracker_hear(&devices->trackers[1],
+                     window->inputs.station && window->inputs.has_second_tool ? &news->second : NULL);
     }
 }
 
@@ -76,7 +77,7 @@ static void hear_trackers(struct window *window)
 static struct source *source_of(struct window *window, enum hand hand)
 {
     struct tool tool = hands_tool(window, hand);
-    struct devices *devices = &window->devices;
+    struct devices *devices = &window->inputs.devices;
     if (hand == SECOND_HAND && !second_moves(window)) {
         return NULL;
     }
@@ -98,7 +99,7 @@ static struct source *source_of(struct window *window, enum hand hand)
 static bool serve(struct window *window, enum hand hand, double now_s)
 {
     struct tool tool = hands_tool(window, hand);
-    struct source_news *heard = &window->devices.heard[hand];
+    struct source_news *heard = &window->inputs.devices.heard[hand];
     enum source_state was = heard->state;
     source_ask(source_of(window, hand), now_s, heard);
     window->viewer->version += heard->state != was; /* what is said of the tool is another now */
@@ -119,11 +120,11 @@ double hands_rest(const struct window *window)
     static const double watch_s = 0.2; /* how often a tracker that says nothing is looked at */
     static const double look_s = 0.02; /* and what moves by hand; or */
     static const double seek_s = 0.5;  /* what may be plugged in */
-    double seconds = window->second_station ? watch_s : INFINITY;
+    double seconds = window->inputs.second_station ? watch_s : INFINITY;
     for (int hand = FIRST_HAND; hand <= SECOND_HAND; hand++) {
         enum pointer pointer = hand == SECOND_HAND ? window->second.pointer : window->viewer->cone.pointer;
         bool is_asked = pointer >= POINT_BY_SPACEMOUSE && (hand == FIRST_HAND || second_moves(window));
-        bool is_there = window->devices.heard[hand].state > SOURCE_ABSENT;
+        bool is_there = window->inputs.devices.heard[hand].state > SOURCE_ABSENT;
         seconds = is_asked ? fmin(seconds, is_there ? look_s : seek_s) : seconds;
     }
     return seconds;
@@ -134,7 +135,7 @@ void hands_point(struct window *window, const double eye[3], const double direct
     struct tool tool = hands_moved_by(window, POINT_BY_MOUSE);
     conus_pose pose;
     if (tool.viewer && !tool_is_held(&tool) && point_find(&pose, tool.viewer, eye, direction)) {
-        pushed_put(&window->devices.mouse, &pose);
+        pushed_put(&window->inputs.devices.mouse, &pose);
         serve(window, tool.second ? SECOND_HAND : FIRST_HAND, 1e-3 * clock_ms());
         second_update(&window->second, window->viewer);
     }
@@ -143,7 +144,7 @@ void hands_point(struct window *window, const double eye[3], const double direct
 static void find_second(struct notice *out, const struct window *window)
 {
     const struct second *second = &window->second;
-    const struct devices *devices = &window->devices;
+    const struct devices *devices = &window->inputs.devices;
     *out = (struct notice){0};
     if (is_taken(window)) {
         *out = (struct notice){.text = "the first tool has this device", .is_trouble = true};
@@ -182,11 +183,11 @@ void hands_notice(struct notice *out, const struct window *window, enum hand han
     if (hand == SECOND_HAND) {
         find_second(out, window);
     } else {
-        notice_find(out, viewer, window->station, &window->news, window->replay.poses);
+        notice_find(out, viewer, window->inputs.station, &window->inputs.news, window->inputs.replay.poses);
     }
     bool has_pose = hand == SECOND_HAND ? window->second.has_pose : viewer->cone.has_pose;
     if (!out->is_trouble) {
-        find_trouble(out, &window->devices.heard[hand], has_pose, pointer >= POINT_BY_SPACEMOUSE);
+        find_trouble(out, &window->inputs.devices.heard[hand], has_pose, pointer >= POINT_BY_SPACEMOUSE);
     }
     if (!out->text && is_held && (hand == SECOND_HAND || pointer >= POINT_BY_TRACKER)) {
         out->text = hand == SECOND_HAND ? "held: B lets it move again" : "held: Space lets it move again";

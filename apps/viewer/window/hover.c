@@ -39,7 +39,7 @@ static void find_along_ray(struct found *out, const struct hover *hover, struct 
 
 static void find(struct found *out, const struct window *window, struct view_atlas *on)
 {
-    const struct hover *hover = &window->hover;
+    const struct hover *hover = &window->frame.hover;
     const double *at = hover->has_place ? hover->at : window->viewer->crosshair;
     *out = (struct found){.value = NAN};
     if (hover->has_place && on == window->viewer->drawn) {

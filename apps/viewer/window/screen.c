@@ -65,18 +65,18 @@ void window_fill_screen(struct window *window, bool fill)
 {
     int screen[4];
     void *monitor = fill ? window_screen(window, screen) : NULL;
-    if (fill == window->alone) {
+    if (fill == window->screen.alone) {
         return;
     }
     if (fill) {
-        window_place(window, &window->before);
+        window_place(window, &window->screen.before);
     }
-    window->alone = fill;
+    window->screen.alone = fill;
     if (monitor) { /* it stays when others are clicked on: who points may stand far from who clicks */
         glfwSetWindowAttrib(window->handle, GLFW_AUTO_ICONIFY, GLFW_FALSE);
         glfwSetWindowMonitor(window->handle, monitor, 0, 0, screen[2], screen[3], GLFW_DONT_CARE);
     } else if (!fill) {
-        const struct place *place = &window->before;
+        const struct place *place = &window->screen.before;
         glfwSetWindowMonitor(window->handle, NULL, place->x, place->y, place->width, place->height, 0);
     }
     window->viewer->version++;
@@ -93,7 +93,7 @@ static void find_part(double part[4], const struct window *window, const struct 
         memcpy(part, (double[]){0, 1, 0, 1}, 4 * sizeof *part);
         return;
     }
-    double unit = (double)place[2] / window->width; /* the screen's, per pixel */
+    double unit = (double)place[2] / window->screen.width; /* the screen's, per pixel */
     double left = place[0] - screen[0] + unit * (double)box->x;
     double top = place[1] - screen[1] + unit * (double)box->y;
     part[0] = left / screen[2];
@@ -105,9 +105,9 @@ static void find_part(double part[4], const struct window *window, const struct 
 void window_sight(const struct window *window, struct sight *out)
 {
     const struct viewer *viewer = window->viewer;
-    const struct ui_box *box = &window->panes[PANE_3D];
+    const struct ui_box *box = &window->screen.panes[PANE_3D];
     double part[4];
-    if (viewer->head.on && window->width > 0) {
+    if (viewer->head.on && window->screen.width > 0) {
         find_part(part, window, box);
         if (head_sight(out, &viewer->head, part)) {
             return;

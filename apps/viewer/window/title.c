@@ -33,8 +33,8 @@ void title_write(char out[TITLE_SIZE], const struct window *window)
         return;
     }
     used += snprintf(out + used, (size_t)(TITLE_SIZE - used), " - %.80s", last_name(viewer->atlases->path));
-    if (window->session_path) {
-        used += snprintf(out + used, (size_t)(TITLE_SIZE - used), " [%.80s]", last_name(window->session_path));
+    if (window->history.session_path) {
+        used += snprintf(out + used, (size_t)(TITLE_SIZE - used), " [%.80s]", last_name(window->history.session_path));
     }
     uint32_t object = find_object(&how, viewer);
     if (object) {
@@ -49,8 +49,8 @@ void title_update(struct window *window)
 {
     char title[TITLE_SIZE];
     title_write(title, window);
-    if (strcmp(title, window->title) != 0) {
-        memcpy(window->title, title, sizeof title);
+    if (strcmp(title, window->frame.title) != 0) {
+        memcpy(window->frame.title, title, sizeof title);
         glfwSetWindowTitle(window->handle, title);
     }
 }

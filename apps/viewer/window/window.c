@@ -22,7 +22,7 @@ static void touch(GLFWwindow *handle)
 {
     struct window *window = glfwGetWindowUserPointer(handle);
     if (window) {
-        window->frames_wanted = FRAMES_PER_EVENT;
+        window->frame.frames_wanted = FRAMES_PER_EVENT;
     }
 }
 
@@ -120,7 +120,7 @@ static void press_named(GLFWwindow *handle, int key, int scancode, int action, i
         name_with_control(name, key, scancode, mods);
     }
     if (action == GLFW_PRESS && is_for_widgets(key)) {
-        window->tapped = key;
+        window->frame.tapped = key;
     }
     bool counts = action == GLFW_PRESS || (action == GLFW_REPEAT && !acts_once(key));
     if (name[0] && counts && !ui_wants_keys() && !is_for_widgets(key)) {
@@ -143,14 +143,15 @@ static void use_zoom(struct window *window, double zoom)
 {
     double least = PLACE_LEAST_ZOOM / 100.0;
     double most = PLACE_MOST_ZOOM / 100.0;
-    window->zoom = fmin(fmax(zoom, least), most);
-    window->next_scale = fminf(fmaxf(window->screen_scale * (float)window->zoom, (float)least), (float)most);
-    window->frames_wanted = FRAMES_PER_EVENT;
+    window->screen.zoom = fmin(fmax(zoom, least), most);
+    window->screen.next_scale =
+        fminf(fmaxf(window->screen.screen_scale * (float)window->screen.zoom, (float)least), (float)most);
+    window->frame.frames_wanted = FRAMES_PER_EVENT;
 }
 
 void window_zoom(struct window *window, int steps)
 {
-    use_zoom(window, steps ? window->zoom * pow(1.1, steps) : 1);
+    use_zoom(window, steps ? window->screen.zoom * pow(1.1, steps) : 1);
 }
 
 /* The window came to a screen of another density. */
@@ -158,9 +159,9 @@ static void note_scale(GLFWwindow *handle, float x, float y)
 {
     struct window *window = glfwGetWindowUserPointer(handle);
     (void)y;
-    if (window && !window->scale_given && x > 0) {
-        window->screen_scale = window_screen_scale(window, x);
-        use_zoom(window, window->zoom);
+    if (window && !window->screen.scale_given && x > 0) {
+        window->screen.screen_scale = window_screen_scale(window, x);
+        use_zoom(window, window->screen.zoom);
     }
     touch(handle);
 }
@@ -237,25 +238,26 @@ static void find_scale(struct window *window, const struct window_options *optio
     float content = 1;
     float across;
     glfwGetWindowContentScale(window->handle, &content, &across);
-    window->scale_given = options->scale > 0;
-    window->screen_scale = window->scale_given ? (float)options->scale : window_screen_scale(window, content);
-    use_zoom(window, options->place.zoom > 0 && !window->scale_given ? options->place.zoom : 1);
-    window->scale = window->next_scale;
-    window->next_scale = 0;
+    window->screen.scale_given = options->scale > 0;
+    window->screen.screen_scale =
+        window->screen.scale_given ? (float)options->scale : window_screen_scale(window, content);
+    use_zoom(window, options->place.zoom > 0 && !window->screen.scale_given ? options->place.zoom : 1);
+    window->screen.scale = window->screen.next_scale;
+    window->screen.next_scale = 0;
 }
 
 void window_place(const struct window *window, struct place *out)
 {
-    if (window->alone) {
-        *out = window->before;
-        out->zoom = window->zoom;
-        out->layout = window->layout;
+    if (window->screen.alone) {
+        *out = window->screen.before;
+        out->zoom = window->screen.zoom;
+        out->layout = window->screen.layout;
         return;
     }
-    *out = (struct place){.known = true, .layout = window->layout};
+    *out = (struct place){.known = true, .layout = window->screen.layout};
     glfwGetWindowSize(window->handle, &out->width, &out->height);
     glfwGetWindowPos(window->handle, &out->x, &out->y);
-    out->zoom = window->zoom;
+    out->zoom = window->screen.zoom;
 }
 
 bool window_find_display(void)
@@ -266,8 +268,8 @@ bool window_find_display(void)
 
 bool window_open(struct window *out, const struct window_options *options)
 {
-    struct window window = {.enlarged = -1, .start.on = true, .layout = options->place.layout};
-    devices_init(&window.devices);
+    struct window window = {.screen = {.enlarged = -1, .layout = options->place.layout}, .start.on = true};
+    devices_init(&window.inputs.devices);
     sheet_init(&window.sheet);
     window.handle = make_window(options, GLFW_EGL_CONTEXT_API);
     if (!window.handle) {
@@ -282,7 +284,7 @@ bool window_open(struct window *out, const struct window_options *options)
     put(&window, options);
     find_scale(&window, options);
     hear_events(window.handle);
-    if (!ui_create(window.handle, window.scale)) {
+    if (!ui_create(window.handle, window.screen.scale)) {
         print_error_line("window: no font for its texts");
         window_close(&window);
         return false;
@@ -292,31 +294,36 @@ bool window_open(struct window *out, const struct window_options *options)
     return true;
 }
 
-/* Pictures of the viewer's, and what makes them. */
-static void drop_pictures(struct window *window)
+static void pictures_drop(struct pictures *pictures)
 {
-    GLuint names[] = {window->painted.name,         window->device_view.name,     window->shadow.texture.name,
-                      window->cuts[0].texture.name, window->cuts[1].texture.name, window->cuts[2].texture.name};
-    cells_finish(&window->shadow.cells);
-    glDeleteTextures(sizeof names / sizeof names[0], names);
+    glDeleteTextures(1, &pictures->painted.name);
+    glDeleteTextures(1, &pictures->device_view.name);
+    glDeleteTextures(1, &pictures->shadow.texture.name);
+    cells_finish(&pictures->shadow.cells);
     for (int p = 0; p < PLANE_COUNT; p++) {
-        conus_cutter_destroy(window->cuts[p].cutter);
+        glDeleteTextures(1, &pictures->cuts[p].texture.name);
+        conus_cutter_destroy(pictures->cuts[p].cutter);
     }
+}
+
+static void history_finish(struct history *history)
+{
+    changes_finish(&history->changes);
+    free(history->session_path);
 }
 
 void window_close(struct window *window)
 {
-    drop_pictures(window);
-    devices_finish(&window->devices);
-    wanted_finish(&window->wanted);
-    free(window->session_path);
-    free(window->session_waits);
-    free(window->doubted);
-    json_decref(window->opened);
-    changes_finish(&window->changes);
+    pictures_drop(&window->pictures);
+    history_finish(&window->history);
+    devices_finish(&window->inputs.devices);
+    wanted_finish(&window->files.wanted);
+    free(window->files.session_waits);
+    free(window->files.doubted);
+    json_decref(window->files.opened);
     start_finish(&window->start);
     dialog_finish(&window->dialog);
-    free(window->saves_as);
+    free(window->files.saves_as);
     ui_destroy();
     glfwDestroyWindow(window->handle);
     glfwTerminate();
@@ -324,43 +331,18 @@ void window_close(struct window *window)
 
 void window_show(struct window *window, struct viewer *viewer)
 {
-    drop_pictures(window);
+    pictures_drop(&window->pictures);
     second_forget(&window->second);
-    changes_finish(&window->changes);
-    free(window->session_path);
-    *window = (struct window){.handle = window->handle,
-                              .viewer = viewer,
-                              .press = window->press,
-                              .wanted = window->wanted,
-                              .opened = window->opened,
-                              .begun = window->begun,
-                              .wake = window->wake,
-                              .hemispheres = window->hemispheres,
-                              .doubted = window->doubted,
-                              .session_waits = window->session_waits,
-                              .start = window->start,
-                              .dialog = window->dialog,
-                              .saves_as = window->saves_as,
-                              .remembers = window->remembers,
-                              .replay = {.poses = window->replay.poses},
-                              .station = window->station,
-                              .news = window->news,
-                              .second_station = window->second_station,
-                              .has_second_tool = window->has_second_tool,
-                              .sheet = window->sheet,
-                              .devices = window->devices,
-                              .scale = window->scale,
-                              .layout = window->layout,
-                              .enlarged = -1,
-                              .alone = window->alone,
-                              .before = window->before,
-                              .times = window->times,
-                              .frames_wanted = 1,
-                              .quiet_status = window->quiet_status,
-                              .next_scale = window->next_scale,
-                              .scale_given = window->scale_given,
-                              .screen_scale = window->screen_scale,
-                              .zoom = window->zoom};
+    history_finish(&window->history);
+    window->viewer = viewer;
+    window->second = (struct second){0};
+    window->pictures = (struct pictures){0};
+    window->frame = (struct frame_state){.frames_wanted = 1};
+    window->history = (struct history){0};
+    window->forms = (struct forms){0};
+    window->inputs.replay = (struct replay){.poses = window->inputs.replay.poses};
+    window->files.stops = false;
+    window->screen.enlarged = -1;
     window->start.on = !viewer;
     window->dialog.on = false;
     window_lay_out(window);
@@ -387,7 +369,7 @@ void window_say(struct window *window, const char *text)
     make_plain_line(plain);
     if (window->start.on) {
         memcpy(window->start.why, plain, sizeof plain);
-        window->frames_wanted = FRAMES_PER_EVENT;
+        window->frame.frames_wanted = FRAMES_PER_EVENT;
     } else {
         viewer_say(window->viewer, "%s", plain);
     }
@@ -400,39 +382,40 @@ void window_resize(struct window *window, int width, int height)
 
 void window_lay_out(struct window *window)
 {
-    glfwGetFramebufferSize(window->handle, &window->width, &window->height);
+    glfwGetFramebufferSize(window->handle, &window->screen.width, &window->screen.height);
     window_divide(window);
 }
 
 void window_divide(struct window *window)
 {
-    float width = (float)window->width;
-    float status = STATUS_HEIGHT * window->scale;
-    float height = fmaxf((float)window->height - status, 0);
-    struct division d = layout_divide(&window->layout, width, height, window->scale);
-    window->left = (struct ui_box){0, 0, d.left, height};
-    window->right = (struct ui_box){width - d.right, 0, d.right, height};
-    window->status = (struct ui_box){0, height, width, status};
+    float width = (float)window->screen.width;
+    float status = STATUS_HEIGHT * window->screen.scale;
+    float height = fmaxf((float)window->screen.height - status, 0);
+    struct division d = layout_divide(&window->screen.layout, width, height, window->screen.scale);
+    window->screen.left = (struct ui_box){0, 0, d.left, height};
+    window->screen.right = (struct ui_box){width - d.right, 0, d.right, height};
+    window->screen.status = (struct ui_box){0, height, width, status};
     for (int p = 0; p < PANE_COUNT; p++) {
         static const int place[PANE_COUNT] = {1, 2, 3, 0}; /* 3-D is the first, then axial, coronal, sagittal */
         int column = place[p] % 2;
         int row = place[p] / 2;
-        window->panes[p] =
+        window->screen.panes[p] =
             (struct ui_box){d.left + (column ? d.column : 0), row ? d.row : 0,
                             (column ? d.columns - d.column : d.column) - 1, (row ? d.rows - d.row : d.row) - 1};
-        if (window->enlarged == p) {
-            window->panes[p] = (struct ui_box){d.left, 0, d.columns, d.rows};
+        if (window->screen.enlarged == p) {
+            window->screen.panes[p] = (struct ui_box){d.left, 0, d.columns, d.rows};
         }
     }
-    if (window->alone) {
-        window->panes[PANE_3D] = (struct ui_box){0, 0, width, (float)window->height};
+    if (window->screen.alone) {
+        window->screen.panes[PANE_3D] = (struct ui_box){0, 0, width, (float)window->screen.height};
     }
 }
 
 bool window_shows_pane(const struct window *window, int pane)
 {
-    const struct ui_box *box = &window->panes[pane];
-    bool chosen = window->alone ? pane == PANE_3D : window->enlarged < 0 || window->enlarged == pane;
+    const struct ui_box *box = &window->screen.panes[pane];
+    bool chosen =
+        window->screen.alone ? pane == PANE_3D : window->screen.enlarged < 0 || window->screen.enlarged == pane;
     return chosen && box->width >= 2 && box->height >= 2;
 }
 
@@ -441,12 +424,12 @@ void window_maximise(struct window *window)
     struct ui_mouse mouse = ui_mouse_now();
     int under = PANE_3D;
     for (int p = 0; p < PANE_COUNT; p++) {
-        const struct ui_box *box = &window->panes[p];
+        const struct ui_box *box = &window->screen.panes[p];
         bool is_on =
             mouse.x >= box->x && mouse.x < box->x + box->width && mouse.y >= box->y && mouse.y < box->y + box->height;
         under = is_on ? p : under;
     }
-    window->enlarged = window->enlarged < 0 ? under : -1;
+    window->screen.enlarged = window->screen.enlarged < 0 ? under : -1;
     window_lay_out(window);
 }
 
@@ -454,17 +437,18 @@ static bool is_behind(const struct window *window)
 {
     const struct viewer *viewer = window->viewer;
     if (!viewer) {
-        return window->frames_wanted;
+        return window->frame.frames_wanted;
     }
-    return window->frames_wanted || window->shown_version != viewer->version || window->shown_said != viewer->said ||
-           window->shown_head != viewer->head.number || window->shown_second != window->second.version;
+    return window->frame.frames_wanted || window->frame.shown_version != viewer->version ||
+           window->frame.shown_said != viewer->said || window->frame.shown_head != viewer->head.number ||
+           window->frame.shown_second != window->second.version;
 }
 
 bool window_wants_frame(struct window *window)
 {
     const struct viewer *viewer = window->viewer;
     bool news = viewer && viewer->painter && painter_has_news(viewer->painter);
-    bool rests = window->moving && clock_ms() >= window->moving_until;
+    bool rests = window->pictures.moving && clock_ms() >= window->pictures.moving_until;
     return news || rests || is_behind(window);
 }
 
@@ -473,12 +457,12 @@ double window_rest(const struct window *window)
     if (is_behind(window)) {
         return 0;
     }
-    return window->moving ? fmax(window->moving_until - clock_ms(), 1) / 1e3 : INFINITY;
+    return window->pictures.moving ? fmax(window->pictures.moving_until - clock_ms(), 1) / 1e3 : INFINITY;
 }
 
 void window_clear(const struct window *window)
 {
-    glViewport(0, 0, window->width, window->height);
+    glViewport(0, 0, window->screen.width, window->screen.height);
     const ui_colour panel = theme_surfaces[THEME_PANEL];
     glClearColor((float)panel.r / 255, (float)panel.g / 255, (float)panel.b / 255, 1);
     glClear(GL_COLOR_BUFFER_BIT);
@@ -488,32 +472,32 @@ bool window_is_settled(const struct window *window)
 {
     const struct viewer *viewer = window->viewer;
     bool has_page = window->start.on || window->dialog.on;
-    bool settled = has_page || window->painted_fine || !window_shows_pane(window, PANE_3D);
+    bool settled = has_page || window->pictures.painted_fine || !window_shows_pane(window, PANE_3D);
     if (!has_page && studies_is_on(viewer)) {
         settled = settled && !studies_is_old(viewer);
     }
     for (int p = 0; p < PLANE_COUNT && !has_page; p++) {
-        settled = settled && (window->cuts[p].version == viewer->version || !window_shows_pane(window, p));
+        settled = settled && (window->pictures.cuts[p].version == viewer->version || !window_shows_pane(window, p));
     }
     return settled;
 }
 
 conus_status window_write(const struct window *window, const char *path)
 {
-    size_t row = 4 * (size_t)window->width;
-    uint8_t *bottom_up = malloc(row * (size_t)window->height);
-    uint8_t *rgba = malloc(row * (size_t)window->height);
+    size_t row = 4 * (size_t)window->screen.width;
+    uint8_t *bottom_up = malloc(row * (size_t)window->screen.height);
+    uint8_t *rgba = malloc(row * (size_t)window->screen.height);
     conus_image *image = NULL;
     conus_status status = bottom_up && rgba ? CONUS_OK : CONUS_ERROR_MEMORY;
     if (!status) {
-        glReadPixels(0, 0, window->width, window->height, GL_RGBA, GL_UNSIGNED_BYTE, bottom_up);
-        for (int y = 0; y < window->height; y++) {
-            memcpy(rgba + row * (size_t)y, bottom_up + row * (size_t)(window->height - 1 - y), row);
+        glReadPixels(0, 0, window->screen.width, window->screen.height, GL_RGBA, GL_UNSIGNED_BYTE, bottom_up);
+        for (int y = 0; y < window->screen.height; y++) {
+            memcpy(rgba + row * (size_t)y, bottom_up + row * (size_t)(window->screen.height - 1 - y), row);
         }
-        for (size_t p = 0; p < row * (size_t)window->height; p += 4) {
+        for (size_t p = 0; p < row * (size_t)window->screen.height; p += 4) {
             rgba[p + 3] = 255;
         }
-        status = conus_image_from_bytes(&image, rgba, (uint32_t)window->width, (uint32_t)window->height);
+        status = conus_image_from_bytes(&image, rgba, (uint32_t)window->screen.width, (uint32_t)window->screen.height);
     }
     status = status ? status : conus_image_write(image, path);
     conus_image_destroy(image);

@@ -97,79 +97,118 @@ struct wanted {
     int step;             /**< By which undo goes then (session/undo.h). */
 };
 
-struct window {
-    void *handle;                                          /**< GLFWwindow */
-    struct viewer *viewer;                                 /**< NULL = there is no atlas. */
-    bool (*press)(struct window *window, const char *key); /**< What keys do; NULL while an atlas is loaded. */
+/** The files that are open, and those that are to be opened or saved next. */
+struct window_files {
     struct wanted wanted;
-    struct loader *begun;  /**< That loads what is wanted since before there was a window; NULL = none. */
-    struct json_t *opened; /**< What a session says of that (model/session_file.h); NULL = nothing. */
-    void (*wake)(void);    /**< Makes the window's loop look again, from any thread. */
+    struct loader *begun;  /**< Has loaded what is wanted since before there was a window; NULL = none. */
+    struct json_t *opened; /**< What a session says of the open ones (model/session_file.h); NULL = nothing. */
     conus_hemispheres hemispheres;
     char *doubted;       /**< Options that were not taken, since bundles hardly are in the atlas's space: asked for
                               once more, they are; NULL = none. */
     char *session_waits; /**< A session whose atlas was not found: the next atlas is its; NULL = none. */
-    struct start start;
-    struct dialog dialog; /**< In place of the start page and all panels, while it is on. */
-    bool stops;           /**< What is being loaded is not wanted any more. */
-    bool remembers;       /**< What is opened and saved is listed on the start page, also next time. */
-    char *saves_as;       /**< Where the session is to be written after the next frame; NULL = nowhere. */
+    bool stops;          /**< What is being loaded is not wanted any more. */
+    bool remembers;      /**< What is opened and saved is listed on the start page, also next time. */
+    char *saves_as;      /**< Where the session is to be written after the next frame; NULL = nowhere. */
+};
+
+/** What moves the tools and a head from outside of the window. */
+struct inputs {
     struct replay replay;
     struct station *station; /**< NULL = none. */
     struct station_news news;
     struct station *second_station; /**< Of the second tool; NULL = the first one's. */
     bool has_second_tool;           /**< The first one's station hears of it. */
     struct devices devices;
-    struct second second;
-    float scale;
-    int width, height;
+};
+
+/** How the window is divided, and how large its texts are. */
+struct screen {
+    int width, height; /**< Pixels. */
+    float scale;       /**< Of texts and panels. */
     struct ui_box left, right, status, panes[PANE_COUNT];
-    char title[TITLE_SIZE]; /**< As title.h gave it last; "" = none yet. */
     struct layout layout;
     int enlarged;        /**< The pane that fills the middle, or -1. */
-    bool alone;          /**< The 3-D pane fills the whole screen.   */
-    struct place before; /**< Where the window was before that.      */
+    bool alone;          /**< The 3-D pane fills the whole screen. */
+    struct place before; /**< Where the window was before that. */
+    float next_scale;    /**< That the screen asks for; 0 = no other than before. */
+    bool scale_given;    /**< By the user: the screen is not asked. */
+    float screen_scale;  /**< What the screen, or the user, said when the window was opened or moved. */
+    double zoom;         /**< Times that, by keys. */
+};
+
+/** The panes' pictures of the viewer that is shown, and what they were drawn for. */
+struct pictures {
     struct cut_pane cuts[PLANE_COUNT];
     struct texture painted, device_view;
     struct shadow shadow;
     const struct view_atlas *painted_of; /**< The atlas that painted shows. */
-    struct sight sight;                  /**< Of the 3-D pane, in this frame.    */
+    struct sight sight;                  /**< Of the 3-D pane, in this frame. */
     struct painting asked;               /**< What the painter was asked last. */
-    double painted_ms, frame_ms;
-    struct times times;
-    bool painted_fine;                  /**< The picture is what was asked last, as fine as it gets. */
-    unsigned carried_answer;            /**< The newest answer that was looked at for moves of the cone. */
-    unsigned carried_head;              /**< Likewise of the head's changes. */
-    double moving_until;                /**< By clock_ms(): until then pictures shall be quick. */
-    bool moving;                        /**< The newest was asked for as one of these. */
+    double painted_ms;
+    bool painted_fine;       /**< The picture is what was asked last, as fine as it gets. */
+    unsigned carried_answer; /**< The newest answer that was looked at for moves of the cone. */
+    unsigned carried_head;   /**< Likewise of the head's changes. */
+    double moving_until;     /**< By clock_ms(): until then pictures shall be quick. */
+    bool moving;             /**< The newest was asked for as one of these. */
+};
+
+/** What the newest frame showed of the viewer, and what mouse and keys are at in it. */
+struct frame_state {
     unsigned frames_wanted;             /**< To be drawn still, whatever changes. */
-    unsigned shown_version, shown_said; /**< Of the viewer, in the newest frame. */
+    unsigned shown_version, shown_said; /**< Of the viewer. */
     unsigned shown_head, shown_second;  /**< Likewise. */
-    struct sheet sheet;                 /**< Of figures. */
-    struct figure_form figure;
-    struct added_form added;
+    double ms;                          /**< That it took. */
+    struct hover hover;
+    float click_left;    /**< Pixels that the mouse, pressed on the 3-D pane, may move and it is a click;
+                              0 = it is not pressed there. */
+    int navigated;       /**< The panel that keys go to, from 1: areas, hits; 0 = none. */
+    bool navigates_anew; /**< From the next frame on. */
+    int tapped;          /**< The key of GLFW that was pressed last for the widgets; 0 = none since the newest frame. */
+    uint32_t listed;     /**< What the list of areas was scrolled to last. */
+    const struct view_atlas *listed_of; /**< In the list of this atlas. */
+    bool keeps_picture;                 /**< The next frame goes into a file. */
+    char title[TITLE_SIZE];             /**< As title.h gave it last; "" = none yet. */
+    unsigned sent_answer;               /**< The answer that was sent to the station last. */
+    double watched;                     /**< When the atlas's files were looked at last, by clock_ms(). */
+};
+
+/** What can be taken back, and the file that keeps it. */
+struct history {
     struct changes changes;             /**< Of states that session/undo.h notes. */
     unsigned noted_version, noted_said; /**< Of the viewer, when it was looked at last for that. */
     unsigned noted_second;              /**< Of the second tool. */
     struct layout noted_layout;
     char *session_path; /**< Of the session that was opened or saved last; NULL = none. */
+};
+
+/** Pages that lie over the panes while they are open. */
+struct forms {
+    struct figure_form figure;
+    struct added_form added;
     bool show_help;
-    int navigated;       /**< The panel that keys go to, from 1: areas, hits; 0 = none. */
-    bool navigates_anew; /**< From the next frame on. */
-    int tapped;          /**< The key of GLFW that was pressed last for the widgets; 0 = none since the newest frame. */
-    bool quiet_status;   /**< The status line leaves out what differs from run to run: times and the device. */
-    struct hover hover;
-    bool keeps_picture;                 /**< The next frame goes into a file.     */
-    uint32_t listed;                    /**< What the list of areas was scrolled to last. */
-    const struct view_atlas *listed_of; /**< In the list of this atlas. */
-    float click_left;                   /**< Pixels that the mouse, pressed on the 3-D pane, may move and it is a click;
-                                             0 = it is not pressed there. */
-    unsigned sent_answer;               /**< The answer that was sent to the station last. */
-    double watched;                     /**< When the atlas's files were looked at last, by clock_ms(). */
-    float next_scale;                   /**< That the screen asks for; 0 = no other than before. */
-    bool scale_given;                   /**< By the user: the screen is not asked. */
-    float screen_scale;                 /**< What the screen, or the user, said when the window was opened or moved. */
-    double zoom;                        /**< Times that, by keys. */
+};
+
+struct window {
+    /* as long as the window is there */
+    void *handle;                                          /**< GLFWwindow */
+    bool (*press)(struct window *window, const char *key); /**< What keys do; NULL while an atlas is loaded. */
+    void (*wake)(void);                                    /**< Makes the window's loop look again, from any thread. */
+    struct window_files files;
+    struct inputs inputs;
+    struct screen screen;
+    struct start start;
+    struct dialog dialog; /**< In place of the start page and all panels, while it is on. */
+    struct sheet sheet;   /**< Of figures. */
+    struct times times;
+    bool quiet_status; /**< The status line leaves out what differs from run to run: times and the device. */
+
+    /* as long as the viewer is shown: window_show() begins anew */
+    struct viewer *viewer; /**< NULL = there is no atlas. */
+    struct second second;
+    struct pictures pictures;
+    struct frame_state frame;
+    struct history history;
+    struct forms forms;
 };
 
 struct window_options {
