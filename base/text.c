@@ -4,7 +4,6 @@
 
 #include "base/memory.h"
 #include "base/order.h"
-#include "conus/conus.h"
 
 #include <float.h>
 #include <locale.h>
@@ -334,39 +333,6 @@ bool text_to_int(struct text text, int64_t *out)
     return true;
 }
 
-/* Length of the UTF-8 sequence at the start of `text`, 0 if it is not one (Unicode 15, table 3-7). */
-static size_t utf8_length(struct text text)
-{
-    const unsigned char *s = (const unsigned char *)text.data;
-    if (s[0] < 0x80) {
-        return 1;
-    }
-    size_t length = s[0] >= 0xc2 && s[0] <= 0xdf ? 2 : (s[0] & 0xf0) == 0xe0 ? 3 : s[0] >= 0xf0 && s[0] <= 0xf4 ? 4 : 0;
-    if (!length || length > text.size) {
-        return 0;
-    }
-    for (size_t i = 1; i < length; i++) {
-        if ((s[i] & 0xc0) != 0x80) {
-            return 0;
-        }
-    }
-    bool overlong = (s[0] == 0xe0 && s[1] < 0xa0) || (s[0] == 0xf0 && s[1] < 0x90);
-    bool outside = (s[0] == 0xed && s[1] > 0x9f) || (s[0] == 0xf4 && s[1] > 0x8f);
-    return overlong || outside ? 0 : length;
-}
-
-bool text_is_utf8(struct text text)
-{
-    while (text.size) {
-        size_t length = utf8_length(text);
-        if (!length) {
-            return false;
-        }
-        take_bytes(&text, length, 0);
-    }
-    return true;
-}
-
 static char *utf8_from_latin1(struct text text)
 {
     char *out = memory_raw(2 * text.size + 1, 1);
@@ -386,42 +352,6 @@ static char *utf8_from_latin1(struct text text)
     return out;
 }
 
-/* The character that a valid sequence of `length` bytes means. */
-static uint32_t utf8_code(const char *bytes, size_t length)
-{
-    static const unsigned char first[] = {0, 0x7f, 0x1f, 0x0f, 0x07}; /* bits of the first byte, by length */
-    uint32_t code = (unsigned char)bytes[0] & first[length];
-    for (size_t i = 1; i < length; i++) {
-        code = code << 6 | ((unsigned char)bytes[i] & 0x3f);
-    }
-    return code;
-}
-
-/* Whether a character moves a terminal's cursor, begins a command to it, ends the line or turns the text around:
- * controls (C0, DEL, C1), line and paragraph separators, bidirectional embeddings, overrides and isolates. */
-static bool steers_terminal(uint32_t code)
-{
-    return code < 0x20 || (code >= 0x7f && code <= 0x9f) || (code >= 0x2028 && code <= 0x202e) ||
-           (code >= 0x2066 && code <= 0x2069);
-}
-
-void text_make_plain(char *text, const char *kept)
-{
-    char *end = text;
-    for (struct text rest = text_from(text); rest.size;) {
-        size_t length = utf8_length(rest);
-        bool replaced = !length || (steers_terminal(utf8_code(rest.data, length)) && !strchr(kept, *rest.data));
-        if (replaced) {
-            *end++ = length ? ' ' : '?';
-        } else {
-            memmove(end, rest.data, length);
-            end += length;
-        }
-        take_bytes(&rest, length ? length : 1, 0);
-    }
-    *end = '\0';
-}
-
 char *text_to_utf8(struct text text)
 {
     char *copy = text_is_utf8(text) ? memory_text(text.data, text.size) : utf8_from_latin1(text);
@@ -429,9 +359,4 @@ char *text_to_utf8(struct text text)
         text_make_plain(copy, "");
     }
     return copy;
-}
-
-void conus_plain_text(char *text)
-{
-    text_make_plain(text, "\n\t");
 }

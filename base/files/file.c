@@ -9,7 +9,6 @@
 #include <fcntl.h>
 #include <inttypes.h>
 #include <limits.h>
-#include <nettle/sha2.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -44,15 +43,6 @@ static bool read_fully(int descriptor, uint8_t *data, size_t size, size_t *got)
     return true;
 }
 
-void file_state_take(struct file_state *out, const struct stat *info)
-{
-    *out =
-        (struct file_state){(uint64_t)info->st_dev,
-                            (uint64_t)info->st_ino,
-                            (uint64_t)info->st_size,
-                            {info->st_mtim.tv_sec, info->st_mtim.tv_nsec, info->st_ctim.tv_sec, info->st_ctim.tv_nsec}};
-}
-
 /* stat(), which a trace hears of. */
 static bool look_at(struct stat *info, const char *path)
 {
@@ -71,21 +61,6 @@ conus_status file_state_find(struct file_state *out, const char *path)
     }
     file_state_take(out, &info);
     return CONUS_OK;
-}
-
-bool file_state_of(struct file_state *out, int descriptor)
-{
-    struct stat info;
-    bool found = fstat(descriptor, &info) == 0;
-    if (found) {
-        file_state_take(out, &info);
-    }
-    return found;
-}
-
-bool file_state_equal(const struct file_state *a, const struct file_state *b)
-{
-    return memcmp(a, b, sizeof *a) == 0;
 }
 
 static conus_status check_state(const char *path, int descriptor, const struct file_state *before)
@@ -395,23 +370,6 @@ char *file_beside(const char *path, const char *name)
         memcpy(joined + folder, name, strlen(name) + 1);
     }
     return joined;
-}
-
-void file_sha256_end(char out[65], struct sha256_ctx *context)
-{
-    uint8_t digest[SHA256_DIGEST_SIZE];
-    sha256_digest(context, sizeof digest, digest);
-    for (size_t i = 0; i < sizeof digest; i++) {
-        snprintf(out + 2 * i, 3, "%02x", digest[i]);
-    }
-}
-
-void file_sha256(char out[65], const struct bytes *bytes)
-{
-    struct sha256_ctx context;
-    sha256_init(&context);
-    sha256_update(&context, bytes->size, bytes->data);
-    file_sha256_end(out, &context);
 }
 
 conus_status conus_write_file(const char *path, const void *data, size_t size)

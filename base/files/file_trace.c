@@ -95,14 +95,16 @@ static void sum_names(char out[65], const struct names *names)
     buffer_finish(&all);
 }
 
-void file_trace_names(const char *folder, const char *ending, const struct names *names)
+conus_status names_list(struct names *out, const char *folder, const char *ending)
 {
+    conus_status status = names_read(out, folder, ending);
     char sum[65];
-    if (open_trace) {
-        sum_names(sum, names);
+    if (!status && open_trace) {
+        sum_names(sum, out);
         open_trace->broken = open_trace->broken || !sum[0];
         keep(TRACE_NAMES, folder, ending, NULL, sum);
     }
+    return status;
 }
 
 const char *file_trace_environment(const char *name)
@@ -185,7 +187,9 @@ const struct traced *file_trace_find(const struct file_trace *trace, const char 
     return found && found->kind == TRACE_FILE ? found : NULL;
 }
 
-/* File systems whose times are of this machine's clock (linux/magic.h, and ZFS and bcachefs). */
+/* Whether the file system takes its times from this machine's clock (linux/magic.h, and ZFS and bcachefs). Size, inode,
+ * mtime and ctime do not tell a change from none within one step of the clock, so a file must have rested; and how long
+ * it has is not known from a server's clock, which may be wrong. */
 static bool has_own_clock(const char *path)
 {
     static const uint64_t magics[] = {0xef53 /* ext2 to ext4 */,
@@ -248,7 +252,7 @@ static bool same_names(const struct traced *item)
 {
     struct names names = {0};
     char sum[65] = "";
-    if (!names_list(&names, item->path, item->more)) {
+    if (!names_read(&names, item->path, item->more)) {
         sum_names(sum, &names);
     }
     names_finish(&names);

@@ -71,7 +71,6 @@ struct stat;
 void file_trace_path(const char *path, const struct stat *info);
 /** A file is there, but could not be read: the next time it may be, and look the same. That breaks the trace. */
 void file_trace_failed(void);
-void file_trace_names(const char *folder, const char *ending, const struct names *names);
 /** getenv(). */
 const char *file_trace_environment(const char *name);
 /** realpath() into @p out, [PATH_MAX]; false where there is none. */

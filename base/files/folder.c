@@ -2,7 +2,6 @@
 /* Lists the names in a folder, and takes paths apart. */
 #include "base/files/folder.h"
 
-#include "base/files/file_trace.h"
 #include "base/memory.h"
 
 #include <dirent.h>
@@ -48,7 +47,7 @@ conus_status names_add(struct names *names, const char *name)
     return CONUS_OK;
 }
 
-conus_status names_list(struct names *out, const char *folder, const char *ending)
+conus_status names_read(struct names *out, const char *folder, const char *ending)
 {
     DIR *directory = opendir(folder);
     conus_status status = CONUS_OK;
@@ -60,9 +59,6 @@ conus_status names_list(struct names *out, const char *folder, const char *endin
     }
     if (!status && out->count) {
         qsort(out->names, out->count, sizeof *out->names, compare_names);
-    }
-    if (!status) {
-        file_trace_names(folder, ending, out);
     }
     return status;
 }

@@ -17,6 +17,8 @@ enum { NAMES_LIMIT = 4096 }; /**< Names of a folder that names_list() gives. */
  * system; none if there is no such folder. A list, as for path_ending_length(), is of several endings. What does not
  * end so may come and go, and the answer is the same. @p out is the caller's to finish, also on failure. */
 conus_status names_list(struct names *out, const char *folder, const char *ending);
+/** names_list() of which no trace hears. */
+conus_status names_read(struct names *out, const char *folder, const char *ending);
 void names_finish(struct names *names);
 
 /** Appends a copy of @p name. */

@@ -1,0 +1,84 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* UTF-8: checks it, and replaces what would steer a terminal. Below memory.c and status.c, whose messages pass here. */
+#include "base/text.h"
+
+#include "conus/conus.h"
+
+#include <string.h>
+
+/* Length of the UTF-8 sequence at the start of `text`, 0 if it is not one (Unicode 15, table 3-7). */
+static size_t utf8_length(struct text text)
+{
+    const unsigned char *s = (const unsigned char *)text.data;
+    if (s[0] < 0x80) {
+        return 1;
+    }
+    size_t length = s[0] >= 0xc2 && s[0] <= 0xdf ? 2 : (s[0] & 0xf0) == 0xe0 ? 3 : s[0] >= 0xf0 && s[0] <= 0xf4 ? 4 : 0;
+    if (!length || length > text.size) {
+        return 0;
+    }
+    for (size_t i = 1; i < length; i++) {
+        if ((s[i] & 0xc0) != 0x80) {
+            return 0;
+        }
+    }
+    bool overlong = (s[0] == 0xe0 && s[1] < 0xa0) || (s[0] == 0xf0 && s[1] < 0x90);
+    bool outside = (s[0] == 0xed && s[1] > 0x9f) || (s[0] == 0xf4 && s[1] > 0x8f);
+    return overlong || outside ? 0 : length;
+}
+
+bool text_is_utf8(struct text text)
+{
+    while (text.size) {
+        size_t length = utf8_length(text);
+        if (!length) {
+            return false;
+        }
+        text = (struct text){text.data + length, text.size - length};
+    }
+    return true;
+}
+
+/* The character that a valid sequence of `length` bytes means. */
+static uint32_t utf8_code(const char *bytes, size_t length)
+{
+    static const unsigned char first[] = {0, 0x7f, 0x1f, 0x0f, 0x07}; /* bits of the first byte, by length */
+    uint32_t code = (unsigned char)bytes[0] & first[length];
+    for (size_t i = 1; i < length; i++) {
+        code = code << 6 | ((unsigned char)bytes[i] & 0x3f);
+    }
+    return code;
+}
+
+/* Whether a character moves a terminal's cursor, begins a command to it, ends the line or turns the text around:
+ * controls (C0, DEL, C1), line and paragraph separators, bidirectional embeddings, overrides and isolates. */
+static bool steers_terminal(uint32_t code)
+{
+    return code < 0x20 || (code >= 0x7f && code <= 0x9f) || (code >= 0x2028 && code <= 0x202e) ||
+           (code >= 0x2066 && code <= 0x2069);
+}
+
+void text_make_plain(char *text, const char *kept)
+{
+    char *end = text;
+    struct text rest = {text, strlen(text)};
+    while (rest.size) {
+        size_t length = utf8_length(rest);
+        size_t used = length ? length : 1;
+        if (!length) {
+            *end++ = '?';
+        } else if (steers_terminal(utf8_code(rest.data, length)) && !strchr(kept, *rest.data)) {
+            *end++ = ' ';
+        } else {
+            memmove(end, rest.data, length);
+            end += length;
+        }
+        rest = (struct text){rest.data + used, rest.size - used};
+    }
+    *end = '\0';
+}
+
+void conus_plain_text(char *text)
+{
+    text_make_plain(text, "\n\t");
+}
