@@ -240,26 +240,19 @@ static conus_status move_points(struct tractogram *out, const struct tractogram 
     return CONUS_OK;
 }
 
-/* `first` is lent to it for the tree. */
-static conus_status move_one(struct tractogram *out, const struct tractogram *tractogram, const double matrix[16])
-{
-    *out =
-        (struct tractogram){.point_count = tractogram->point_count, .streamline_count = tractogram->streamline_count};
-    conus_status status = move_points(out, tractogram, matrix);
-    if (!status) {
-        out->first = tractogram->first;
-        status = tractogram_grow_tree(out);
-        out->first = NULL;
-    }
-    return status;
-}
-
 conus_status bundles_move(struct tractogram *out, const conus_atlas *atlas, const double world_from_atlas[16])
 {
     size_t made = 0;
     conus_status status = CONUS_OK;
     while (made < atlas->tractogram_count && !status) {
-        status = move_one(&out[made], &atlas->tractograms[made], world_from_atlas);
+        out[made] = (struct tractogram){.point_count = atlas->tractograms[made].point_count,
+                                        .streamline_count = atlas->tractograms[made].streamline_count};
+        status = move_points(&out[made], &atlas->tractograms[made], world_from_atlas);
+        if (!status) {
+            out[made].first = atlas->tractograms[made].first;
+            status = tractogram_grow_tree(&out[made]);
+            out[made].first = NULL;
+        }
         made++;
     }
     for (size_t i = 0; i < made && status; i++) {

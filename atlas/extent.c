@@ -159,16 +159,6 @@ conus_status conus_atlas_bounds(double low[3], double high[3], const conus_atlas
     return CONUS_OK;
 }
 
-static void add_vertices(struct box *box, const struct mesh *mesh, const double m[16])
-{
-    for (size_t i = 0; i < mesh->vertex_count; i++) {
-        const float *at = mesh->positions + 3 * i;
-        double p[3] = {(double)at[0], (double)at[1], (double)at[2]};
-        mat4_point(p, m, p);
-        add_point(box, p);
-    }
-}
-
 bool atlas_area_bounds(double low[3], double high[3], const conus_atlas *atlas, const double from_world[16])
 {
     struct box box = empty_box;
@@ -183,7 +173,12 @@ bool atlas_area_bounds(double low[3], double high[3], const conus_atlas *atlas, 
     for (uint32_t number = 1; number <= atlas->area_count; number++) {
         const struct mesh *mesh = atlas_object_mesh(atlas, number);
         if (mesh) {
-            add_vertices(&box, mesh, from_world);
+            for (size_t i = 0; i < mesh->vertex_count; i++) {
+                const float *at = mesh->positions + 3 * i;
+                double p[3] = {(double)at[0], (double)at[1], (double)at[2]};
+                mat4_point(p, from_world, p);
+                add_point(&box, p);
+            }
         }
     }
     memcpy(low, box.low, sizeof box.low);
@@ -202,18 +197,6 @@ static void add_voxel(struct moment *moment, const size_t dim[3], size_t voxel)
     const double p[3] = {(double)at[0], (double)at[1], (double)at[2]};
     vec3_add_scaled(moment->sum, moment->sum, 1, p);
     moment->weight++;
-}
-
-static void add_hidden_voxels(struct moment *moment, const conus_atlas *atlas, const struct volume *volume,
-                              uint32_t object)
-{
-    for (size_t i = 0; i < volume->hidden_run_count; i++) {
-        const struct hidden_run *run = &volume->hidden_runs[i];
-        size_t count = atlas_is_below(atlas, run->object, object) ? run->count : 0;
-        for (size_t v = run->first; v < run->first + count; v++) {
-            add_voxel(moment, volume->info.dim, v);
-        }
-    }
 }
 
 static void add_voxels(struct moment *moment, const conus_atlas *atlas, const struct volume *volume, uint32_t object)
@@ -281,7 +264,13 @@ conus_status conus_atlas_centre(double out[3], const conus_atlas *atlas, size_t 
         const struct volume *volume = &atlas->volumes[i];
         if (volume->info.role != CONUS_ROLE_CONTEXT) {
             add_voxels(&voxels, atlas, volume, (uint32_t)number);
-            add_hidden_voxels(&voxels, atlas, volume, (uint32_t)number);
+            for (size_t h = 0; h < volume->hidden_run_count; h++) {
+                const struct hidden_run *run = &volume->hidden_runs[h];
+                size_t count = atlas_is_below(atlas, run->object, (uint32_t)number) ? run->count : 0;
+                for (size_t v = run->first; v < run->first + count; v++) {
+                    add_voxel(&voxels, volume->info.dim, v);
+                }
+            }
         }
         if (voxels.weight > 0) {
             double weight = voxels.weight * (has_grids ? space_voxel_mm3(&volume->info) : 1);

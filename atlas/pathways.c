@@ -68,31 +68,6 @@ static void count_voxels(conus_object *object, const struct step *step, const co
     object->volume_mm3 = (double)step->voxels * space_voxel_mm3(info);
 }
 
-static void number_pathway(conus_object *pathway, const conus_atlas *atlas)
-{
-    uint32_t ordinal = 1;
-    for (size_t i = atlas->area_count; i < atlas->object_count; i++) {
-        ordinal += atlas->objects[i].kind == CONUS_KIND_PATHWAY;
-    }
-    pathway->label = ordinal;
-    pathway->abbreviation = "";
-    pathway->named = true;
-    palette_colour(pathway->rgb, 1000 + ordinal);
-}
-
-/* Appends the object of a step of the volume that comes next. */
-static conus_status append_object(conus_atlas *atlas, const conus_object *described, const struct step *step,
-                                  const conus_volume_info *info)
-{
-    conus_object object = *described;
-    if (object.kind == CONUS_KIND_PATHWAY) {
-        number_pathway(&object, atlas);
-    }
-    object.volume = atlas->volume_count;
-    count_voxels(&object, step, info);
-    return atlas_append_object(atlas, &object, (struct object_place){.index = atlas->volume_count});
-}
-
 static int compare_steps(const void *a, const void *b)
 {
     const struct step *first = a;
@@ -121,7 +96,20 @@ static conus_status add_objects(conus_atlas *atlas, const conus_volume_info *inf
         status = mark_voxels(&volume, steps, count);
     }
     for (size_t i = 0; i < count && !status; i++) {
-        status = append_object(atlas, &objects[i], find_step(steps, (uint32_t)(before + i) + 1), info);
+        conus_object object = objects[i];
+        if (object.kind == CONUS_KIND_PATHWAY) {
+            uint32_t ordinal = 1;
+            for (size_t k = atlas->area_count; k < atlas->object_count; k++) {
+                ordinal += atlas->objects[k].kind == CONUS_KIND_PATHWAY;
+            }
+            object.label = ordinal;
+            object.abbreviation = "";
+            object.named = true;
+            palette_colour(object.rgb, 1000 + ordinal);
+        }
+        object.volume = atlas->volume_count;
+        count_voxels(&object, find_step(steps, (uint32_t)(before + i) + 1), info);
+        status = atlas_append_object(atlas, &object, (struct object_place){.index = atlas->volume_count});
     }
     status = status ? status : atlas_append_volume(atlas, &volume);
     if (status) {
@@ -266,19 +254,6 @@ static void renumber_mask(struct volume *volume, uint32_t *wide, uint32_t shift)
     }
 }
 
-static void exchange_objects(conus_atlas *a, conus_atlas *b)
-{
-    conus_atlas held = *a;
-    a->objects = b->objects;
-    a->places = b->places;
-    a->object_count = b->object_count;
-    a->area_count = b->area_count;
-    b->objects = held.objects;
-    b->places = held.places;
-    b->object_count = held.object_count;
-    b->area_count = held.area_count;
-}
-
 conus_status atlas_exchange_areas(conus_atlas *atlas, conus_atlas *areas)
 {
     uint32_t **wide = memory_zeroed(atlas->volume_count, sizeof *wide);
@@ -297,7 +272,15 @@ conus_status atlas_exchange_areas(conus_atlas *atlas, conus_atlas *areas)
     }
     if (!status) {
         name_set_finish(&atlas->taken);
-        exchange_objects(atlas, areas);
+        conus_atlas held = *atlas;
+        atlas->objects = areas->objects;
+        atlas->places = areas->places;
+        atlas->object_count = areas->object_count;
+        atlas->area_count = areas->area_count;
+        areas->objects = held.objects;
+        areas->places = held.places;
+        areas->object_count = held.object_count;
+        areas->area_count = held.area_count;
     }
     for (size_t i = 0; wide && i < atlas->volume_count; i++) {
         memory_free(wide[i]);

@@ -17,19 +17,6 @@ struct moved {
     struct tractogram *tractograms; /* of which only points and trees count */
 };
 
-static void moved_finish(struct moved *moved, const conus_atlas *atlas)
-{
-    for (size_t i = 0; moved->tractograms && i < atlas->tractogram_count; i++) {
-        tractogram_finish(&moved->tractograms[i]);
-    }
-    memory_free(moved->tractograms);
-    for (size_t i = 0; moved->meshes && i < atlas->mesh_count; i++) {
-        mesh_finish(&moved->meshes[i]);
-    }
-    memory_free(moved->meshes);
-    memory_free(moved->volumes);
-}
-
 static conus_status move_volume(struct volume *out, const struct volume *volume, const double world_from_atlas[16])
 {
     double matrix[16];
@@ -112,16 +99,6 @@ static void measure_objects(conus_atlas *atlas, double growth)
     }
 }
 
-static void remember(conus_atlas *atlas, const double atlas_from_world[16])
-{
-    if (atlas->is_moved) {
-        mat4_multiply(atlas->own_from_world, atlas->own_from_world, atlas_from_world);
-    } else {
-        memcpy(atlas->own_from_world, atlas_from_world, sizeof atlas->own_from_world);
-    }
-    atlas->is_moved = true;
-}
-
 conus_status atlas_move(conus_atlas *atlas, const double atlas_from_world[16], const char *words)
 {
     struct moved moved = {0};
@@ -142,11 +119,24 @@ conus_status atlas_move(conus_atlas *atlas, const double atlas_from_world[16], c
     if (!status) {
         take(atlas, &moved);
         measure_objects(atlas, growth);
-        remember(atlas, atlas_from_world);
+        if (atlas->is_moved) {
+            mat4_multiply(atlas->own_from_world, atlas->own_from_world, atlas_from_world);
+        } else {
+            memcpy(atlas->own_from_world, atlas_from_world, sizeof atlas->own_from_world);
+        }
+        atlas->is_moved = true;
     } else {
         notes_cut(&atlas->notes, note_count);
     }
-    moved_finish(&moved, atlas);
+    for (size_t i = 0; moved.tractograms && i < atlas->tractogram_count; i++) {
+        tractogram_finish(&moved.tractograms[i]);
+    }
+    memory_free(moved.tractograms);
+    for (size_t i = 0; moved.meshes && i < atlas->mesh_count; i++) {
+        mesh_finish(&moved.meshes[i]);
+    }
+    memory_free(moved.meshes);
+    memory_free(moved.volumes);
     return status;
 }
 

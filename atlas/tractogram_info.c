@@ -21,18 +21,6 @@ static double total_length(const struct tractogram *tractogram)
     return length;
 }
 
-/* Of an atlas that has the tractogram. */
-static void find_bundles(conus_tractogram_info *info, const conus_atlas *atlas, size_t index)
-{
-    for (size_t i = atlas->object_count; i > atlas->area_count; i--) {
-        const struct object_place *place = &atlas->places[i - 1];
-        if (place->is_bundle && place->index == index) {
-            info->bundle = i;
-            info->bundles++;
-        }
-    }
-}
-
 size_t conus_atlas_tractogram_count(const conus_atlas *atlas)
 {
     return atlas ? atlas->tractogram_count : 0;
@@ -58,7 +46,13 @@ conus_status conus_atlas_tractogram(conus_tractogram_info *out, const conus_atla
         whole.low[a] = tractogram->point_count ? tractogram->low[a] : NAN;
         whole.high[a] = tractogram->point_count ? tractogram->high[a] : NAN;
     }
-    find_bundles(&whole, atlas, index);
+    for (size_t i = atlas->object_count; i > atlas->area_count; i--) {
+        const struct object_place *place = &atlas->places[i - 1];
+        if (place->is_bundle && place->index == index) {
+            whole.bundle = i;
+            whole.bundles++;
+        }
+    }
     fill(out, out->struct_size, &whole, sizeof whole);
     return CONUS_OK;
 }

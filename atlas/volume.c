@@ -15,20 +15,15 @@ static void free_arrays(struct volume *volume)
     memory_free(volume->hidden_runs);
 }
 
-static void free_source(struct volume_source *source)
-{
-    if (source && !source->is_borrowed) {
-        memory_free(source->objects16);
-        memory_free(source->objects32);
-        memory_free(source->values);
-    }
-    memory_free(source);
-}
-
 void volume_finish(struct volume *volume)
 {
     memory_free(volume->path);
-    free_source(volume->source);
+    if (volume->source && !volume->source->is_borrowed) {
+        memory_free(volume->source->objects16);
+        memory_free(volume->source->objects32);
+        memory_free(volume->source->values);
+    }
+    memory_free(volume->source);
     if (!volume->is_borrowed) {
         free_arrays(volume);
     }

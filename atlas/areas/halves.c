@@ -31,14 +31,6 @@ struct splitting {
     uint32_t label_step;
 };
 
-static void splitting_finish(struct splitting *splitting)
-{
-    conus_atlas_destroy(splitting->areas);
-    memory_free(splitting->fates);
-    memory_free(splitting->objects16);
-    memory_free(splitting->objects32);
-}
-
 static conus_status find_sides(struct splitting *splitting)
 {
     size_t count = splitting->atlas->area_count;
@@ -54,17 +46,6 @@ static conus_status find_sides(struct splitting *splitting)
 /* Called with each voxel of an area, and its side. */
 typedef void (*voxel_act)(struct splitting *splitting, size_t voxel, int side);
 
-/* The voxels along i from `first` on, whose centre is at x `start`, the next one's `step` further. */
-static void each_in_row(struct splitting *splitting, size_t first, double step, double start, voxel_act act)
-{
-    const struct volume *volume = atlas_parcellation(splitting->atlas);
-    for (size_t i = 0; i < volume->info.dim[0]; i++) {
-        if (volume_object(volume, first + i)) {
-            act(splitting, first + i, start + step * (double)i < 0 ? LEFT : RIGHT);
-        }
-    }
-}
-
 /* The midline is that of the atlas's own space. There and back a centre on it is right by rounding only. */
 static void each_voxel(struct splitting *splitting, voxel_act act)
 {
@@ -79,7 +60,14 @@ static void each_voxel(struct splitting *splitting, voxel_act act)
     for (size_t k = 0; k < info->dim[2]; k++) {
         for (size_t j = 0; j < info->dim[1]; j++) {
             size_t first = info->dim[0] * (j + info->dim[1] * k);
-            each_in_row(splitting, first, m[0], m[4] * (double)j + m[8] * (double)k + m[12], act);
+            const double step = m[0];
+            const double start = m[4] * (double)j + m[8] * (double)k + m[12];
+            const struct volume *volume = atlas_parcellation(splitting->atlas);
+            for (size_t i = 0; i < volume->info.dim[0]; i++) {
+                if (volume_object(volume, first + i)) {
+                    act(splitting, first + i, start + step * (double)i < 0 ? LEFT : RIGHT);
+                }
+            }
         }
     }
 }
@@ -87,15 +75,6 @@ static void each_voxel(struct splitting *splitting, voxel_act act)
 static void count_voxel(struct splitting *splitting, size_t voxel, int side)
 {
     splitting->fates[volume_object(atlas_parcellation(splitting->atlas), voxel)].voxels[side]++;
-}
-
-/* Marks that the area and all above it have something on that side. */
-static void mark_side(struct splitting *splitting, uint32_t number, int side)
-{
-    while (number && !splitting->fates[number].reaches[side]) {
-        splitting->fates[number].reaches[side] = true;
-        number = splitting->atlas->objects[number - 1].parent;
-    }
 }
 
 static void decide_fates(struct splitting *splitting)
@@ -106,7 +85,11 @@ static void decide_fates(struct splitting *splitting)
         for (int side = LEFT; side < SIDES; side++) {
             bool here = fate->side ? fate->side == "LR"[side] : fate->voxels[side] > 0;
             if (here && (fate->voxels[LEFT] || fate->voxels[RIGHT])) {
-                mark_side(splitting, number, side);
+                uint32_t above = number;
+                while (above && !splitting->fates[above].reaches[side]) {
+                    splitting->fates[above].reaches[side] = true;
+                    above = splitting->atlas->objects[above - 1].parent;
+                }
             }
         }
     }
@@ -213,19 +196,6 @@ static void number_voxel(struct splitting *splitting, size_t voxel, int side)
     }
 }
 
-static conus_status number_voxels(struct splitting *splitting)
-{
-    size_t voxels = atlas_parcellation(splitting->atlas)->voxel_count;
-    bool narrow = splitting->areas->object_count <= UINT16_MAX;
-    splitting->objects16 = narrow ? memory_zeroed(voxels, sizeof *splitting->objects16) : NULL;
-    splitting->objects32 = narrow ? NULL : memory_zeroed(voxels, sizeof *splitting->objects32);
-    if (!splitting->objects16 && !splitting->objects32) {
-        return CONUS_ERROR_MEMORY;
-    }
-    each_voxel(splitting, number_voxel);
-    return CONUS_OK;
-}
-
 static conus_status check_atlas(const conus_atlas *atlas)
 {
     if (atlas->mesh_count) {
@@ -280,28 +250,18 @@ static conus_status prepare_halves(struct splitting *splitting)
         number_areas(splitting);
         status = add_areas(splitting);
     }
-    return status ? status : number_voxels(splitting);
-}
-
-static conus_status note_split(conus_atlas *atlas, const struct splitting *splitting)
-{
-    uint64_t voxels[SIDES];
-    count_sides(voxels, splitting);
-    return notes_add(
-        &atlas->notes,
-        "hemispheres: %zu areas are cut in two at x = 0, which is taken as the midline: %llu voxels lie left "
-        "of it, %llu on it or right",
-        splitting->cut_count, (unsigned long long)voxels[LEFT], (unsigned long long)voxels[RIGHT]);
-}
-
-static void exchange_voxels(struct volume *volume, struct splitting *splitting)
-{
-    memory_free(volume->objects16);
-    memory_free(volume->objects32);
-    volume->objects16 = splitting->objects16;
-    volume->objects32 = splitting->objects32;
-    splitting->objects16 = NULL;
-    splitting->objects32 = NULL;
+    if (status) {
+        return status;
+    }
+    size_t voxels = atlas_parcellation(splitting->atlas)->voxel_count;
+    bool narrow = splitting->areas->object_count <= UINT16_MAX;
+    splitting->objects16 = narrow ? memory_zeroed(voxels, sizeof *splitting->objects16) : NULL;
+    splitting->objects32 = narrow ? NULL : memory_zeroed(voxels, sizeof *splitting->objects32);
+    if (!splitting->objects16 && !splitting->objects32) {
+        return CONUS_ERROR_MEMORY;
+    }
+    each_voxel(splitting, number_voxel);
+    return CONUS_OK;
 }
 
 conus_status hemispheres_split(conus_atlas *atlas)
@@ -309,7 +269,15 @@ conus_status hemispheres_split(conus_atlas *atlas)
     struct splitting splitting = {.atlas = atlas};
     size_t notes = atlas->notes.count;
     conus_status status = prepare_halves(&splitting);
-    status = status ? status : note_split(atlas, &splitting);
+    if (!status) {
+        uint64_t voxels[SIDES];
+        count_sides(voxels, &splitting);
+        status = notes_add(
+            &atlas->notes,
+            "hemispheres: %zu areas are cut in two at x = 0, which is taken as the midline: %llu voxels lie left "
+            "of it, %llu on it or right",
+            splitting.cut_count, (unsigned long long)voxels[LEFT], (unsigned long long)voxels[RIGHT]);
+    }
     if (!status) {
         status = atlas_exchange_areas(atlas, splitting.areas);
         if (status) {
@@ -317,10 +285,18 @@ conus_status hemispheres_split(conus_atlas *atlas)
         }
     }
     if (!status) {
-        exchange_voxels(&atlas->volumes[0], &splitting);
+        memory_free(atlas->volumes[0].objects16);
+        memory_free(atlas->volumes[0].objects32);
+        atlas->volumes[0].objects16 = splitting.objects16;
+        atlas->volumes[0].objects32 = splitting.objects32;
+        splitting.objects16 = NULL;
+        splitting.objects32 = NULL;
         atlas->hemispheres = CONUS_HEMISPHERES_SPLIT;
         atlas->half_step = splitting.label_step;
     }
-    splitting_finish(&splitting);
+    conus_atlas_destroy(splitting.areas);
+    memory_free(splitting.fates);
+    memory_free(splitting.objects16);
+    memory_free(splitting.objects32);
     return status;
 }

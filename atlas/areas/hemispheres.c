@@ -26,18 +26,6 @@ struct merging {
     uint32_t label_step;
 };
 
-static void merging_finish(struct merging *merging)
-{
-    for (size_t i = 0; merging->pairs && i < merging->pair_count; i++) {
-        memory_free(merging->pairs[i].name);
-    }
-    conus_atlas_destroy(merging->areas);
-    memory_free(merging->right_of);
-    memory_free(merging->pairs);
-    memory_free(merging->pair_of);
-    memory_free(merging->names);
-}
-
 static conus_status name_pair(struct pair *pair, const conus_atlas *atlas)
 {
     struct buffer name = {0};
@@ -117,14 +105,6 @@ static void write_name(struct buffer *out, const struct merging *merging, const 
     }
 }
 
-static conus_status add_area(struct merging *merging, uint32_t number)
-{
-    const conus_atlas *atlas = merging->atlas;
-    conus_object area = atlas->objects[number - 1];
-    area.parent = merging->pair_of[number] ? merging->pair_of[number] : area.parent;
-    return atlas_append_object(merging->areas, &area, atlas->places[number - 1]);
-}
-
 /* Of abbreviations, too, that end in the side and nothing between: AntL and AntR. Their names give the sides. */
 static void write_abbreviation(struct buffer *out, const char *left, const char *right)
 {
@@ -156,18 +136,6 @@ static conus_status add_pair(struct merging *merging, const struct pair *pair)
     }
     buffer_finish(&name);
     buffer_finish(&abbreviation);
-    return status;
-}
-
-static conus_status add_areas(struct merging *merging)
-{
-    conus_status status = atlas_create_empty(&merging->areas, "");
-    for (uint32_t number = 1; !status && number <= merging->atlas->area_count; number++) {
-        status = add_area(merging, number);
-    }
-    for (size_t i = 0; !status && i < merging->pair_count; i++) {
-        status = add_pair(merging, &merging->pairs[i]);
-    }
     return status;
 }
 
@@ -208,7 +176,20 @@ static conus_status prepare_merging(struct merging *merging)
     }
     status = status ? status : hemispheres_label_step(&merging->label_step, merging->atlas);
     status = status ? status : list_names(merging);
-    return status ? status : add_areas(merging);
+    if (status) {
+        return status;
+    }
+    status = atlas_create_empty(&merging->areas, "");
+    for (uint32_t number = 1; !status && number <= merging->atlas->area_count; number++) {
+        const conus_atlas *atlas = merging->atlas;
+        conus_object area = atlas->objects[number - 1];
+        area.parent = merging->pair_of[number] ? merging->pair_of[number] : area.parent;
+        status = atlas_append_object(merging->areas, &area, atlas->places[number - 1]);
+    }
+    for (size_t i = 0; !status && i < merging->pair_count; i++) {
+        status = add_pair(merging, &merging->pairs[i]);
+    }
+    return status;
 }
 
 /* Adds an area above each pair, with the pair's name without the side; level_create() then reports pairs as it. Its
@@ -231,7 +212,14 @@ static conus_status merge_pairs(conus_atlas *atlas)
         atlas->half_step = 0;
         atlas->hemispheres = CONUS_HEMISPHERES_MERGED;
     }
-    merging_finish(&merging);
+    for (size_t i = 0; merging.pairs && i < merging.pair_count; i++) {
+        memory_free(merging.pairs[i].name);
+    }
+    conus_atlas_destroy(merging.areas);
+    memory_free(merging.right_of);
+    memory_free(merging.pairs);
+    memory_free(merging.pair_of);
+    memory_free(merging.names);
     return status;
 }
 

@@ -55,14 +55,6 @@ static void measure_depths(struct climb *climb)
     }
 }
 
-static conus_status need_tree(const struct climb *climb)
-{
-    return climb->deepest > 1
-               ? CONUS_OK
-               : fail(CONUS_ERROR_ARGUMENT, "the atlas has no area tree: none of its %zu areas is part of another",
-                      climb->atlas->area_count);
-}
-
 static conus_status target_depth(struct climb *climb, uint64_t depth)
 {
     if (depth < 1 || depth > climb->deepest) {
@@ -118,7 +110,11 @@ static conus_status roll_up(struct climb *climb, const char *spec)
     uint64_t depth;
     struct text text = text_trim(text_from(spec));
     measure_depths(climb);
-    conus_status status = need_tree(climb);
+    conus_status status =
+        climb->deepest > 1
+            ? CONUS_OK
+            : fail(CONUS_ERROR_ARGUMENT, "the atlas has no area tree: none of its %zu areas is part of another",
+                   climb->atlas->area_count);
     if (!status) {
         status = text_to_uint(text, UINT64_MAX, &depth) ? target_depth(climb, depth) : target_list(climb, text);
     }

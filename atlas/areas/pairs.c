@@ -74,16 +74,6 @@ static bool may_be(const conus_object *area, char side)
     return !area->hemisphere || area->hemisphere == side;
 }
 
-/* Notes that `left` and the only area called `name` may be a pair. */
-static void propose_pair(struct pairing *pairing, uint32_t left, const char *name, size_t *found)
-{
-    size_t first = 0;
-    if (find_name(&first, &pairing->index, name) == 1 && may_be(pairing->index.areas[first], 'R')) {
-        pairing->right_of[left] = number_of(pairing->atlas, pairing->index.areas[first]);
-        ++*found;
-    }
-}
-
 /* By a word for the side in the name. Where several words would do there is no knowing. */
 static conus_status pair_by_word(struct pairing *pairing, uint32_t left)
 {
@@ -98,24 +88,16 @@ static conus_status pair_by_word(struct pairing *pairing, uint32_t left)
             status = buffer_status(&swapped);
         }
         if (!status && word.side == 'L') {
-            propose_pair(pairing, left, swapped.data, &found);
+            size_t first = 0;
+            if (find_name(&first, &pairing->index, swapped.data) == 1 && may_be(pairing->index.areas[first], 'R')) {
+                pairing->right_of[left] = number_of(pairing->atlas, pairing->index.areas[first]);
+                ++found;
+            }
         }
         buffer_finish(&swapped);
     }
     pairing->right_of[left] = found == 1 ? pairing->right_of[left] : 0;
     return status;
-}
-
-/* By the table's hemispheres: exactly two areas of one name, one L and one R. */
-static void pair_by_table(struct pairing *pairing, size_t first)
-{
-    const conus_object *a = pairing->index.areas[first];
-    const conus_object *b = pairing->index.areas[first + 1];
-    const conus_object *left = a->hemisphere == 'L' ? a : b;
-    const conus_object *right = a->hemisphere == 'L' ? b : a;
-    if (left->hemisphere == 'L' && right->hemisphere == 'R') {
-        pairing->right_of[number_of(pairing->atlas, left)] = number_of(pairing->atlas, right);
-    }
 }
 
 static conus_status propose_pairs(struct pairing *pairing)
@@ -127,7 +109,13 @@ static conus_status propose_pairs(struct pairing *pairing)
         const conus_object *area = index->areas[first];
         count = find_name(&same, index, area->name);
         if (count == 2) {
-            pair_by_table(pairing, first);
+            const conus_object *a = pairing->index.areas[first];
+            const conus_object *b = pairing->index.areas[first + 1];
+            const conus_object *left = a->hemisphere == 'L' ? a : b;
+            const conus_object *right = a->hemisphere == 'L' ? b : a;
+            if (left->hemisphere == 'L' && right->hemisphere == 'R') {
+                pairing->right_of[number_of(pairing->atlas, left)] = number_of(pairing->atlas, right);
+            }
         } else if (count == 1 && may_be(area, 'L')) {
             status = pair_by_word(pairing, number_of(pairing->atlas, area));
         }

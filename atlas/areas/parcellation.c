@@ -22,23 +22,6 @@ struct numbering {
     struct label_map number_of; /* label -> its area */
 };
 
-static conus_status numbering_init(struct numbering *out, struct labelled_volume *volumes, size_t count,
-                                   const struct label_table *table)
-{
-    struct label_map *voxels = memory_zeroed(count, sizeof *voxels);
-    *out = (struct numbering){.volumes = volumes, .count = voxels ? count : 0, .table = table, .voxels = voxels};
-    return voxels ? CONUS_OK : CONUS_ERROR_MEMORY;
-}
-
-static void numbering_finish(struct numbering *numbering)
-{
-    for (size_t v = 0; v < numbering->count; v++) {
-        label_map_finish(&numbering->voxels[v]);
-    }
-    memory_free(numbering->voxels);
-    label_map_finish(&numbering->number_of);
-}
-
 /* Whether a volume behind the first has voxels of the label. */
 static conus_status is_elsewhere(bool *out, struct numbering *numbering, uint32_t label)
 {
@@ -112,29 +95,6 @@ static conus_status append_areas(conus_atlas *atlas, struct numbering *numbering
     return status;
 }
 
-static conus_status append_grid(conus_atlas *atlas, const struct labelled_volume *labelled)
-{
-    struct volume volume = {0};
-    conus_status status = volume_init(&volume, labelled->info);
-    volume.is_joined = labelled->is_joined;
-    status = status ? status : atlas_append_volume(atlas, &volume);
-    volume_finish(&volume);
-    return status;
-}
-
-static conus_status append_all(conus_atlas *atlas, struct numbering *numbering)
-{
-    conus_status status = CONUS_OK;
-    for (size_t v = 0; !status && v < numbering->count; v++) {
-        status = append_grid(atlas, &numbering->volumes[v]);
-        status = status ? status : label_voxels_tally(&numbering->voxels[v], numbering->volumes[v].labels);
-    }
-    for (size_t v = 0; !status && v < numbering->count; v++) {
-        status = append_areas(atlas, numbering, v);
-    }
-    return status;
-}
-
 /* The number of the area of each place in the list of labels. */
 static conus_status number_places(uint32_t *numbers, struct label_map *number_of, const struct label_voxels *labels)
 {
@@ -162,16 +122,6 @@ static conus_status number_voxels(struct volume *volume, struct label_map *numbe
         labels->wide = NULL;
     }
     memory_free(numbers);
-    return status;
-}
-
-static conus_status number_all(conus_atlas *atlas, struct numbering *numbering)
-{
-    conus_status status = CONUS_OK;
-    for (size_t v = 0; !status && v < numbering->count; v++) {
-        status =
-            number_voxels(&atlas->volumes[v], &numbering->number_of, numbering->volumes[v].labels, atlas->area_count);
-    }
     return status;
 }
 
@@ -291,8 +241,21 @@ static conus_status create_with(conus_atlas **out, struct numbering *numbering, 
         return status;
     }
     atlas->notes.sink = notes->sink;
-    status = append_all(atlas, numbering);
-    status = status ? status : number_all(atlas, numbering);
+    for (size_t v = 0; !status && v < numbering->count; v++) {
+        struct volume volume = {0};
+        status = volume_init(&volume, numbering->volumes[v].info);
+        volume.is_joined = numbering->volumes[v].is_joined;
+        status = status ? status : atlas_append_volume(atlas, &volume);
+        volume_finish(&volume);
+        status = status ? status : label_voxels_tally(&numbering->voxels[v], numbering->volumes[v].labels);
+    }
+    for (size_t v = 0; !status && v < numbering->count; v++) {
+        status = append_areas(atlas, numbering, v);
+    }
+    for (size_t v = 0; !status && v < numbering->count; v++) {
+        status =
+            number_voxels(&atlas->volumes[v], &numbering->number_of, numbering->volumes[v].labels, atlas->area_count);
+    }
     status = status ? status : link_parents(atlas, &numbering->number_of, numbering->table);
     if (!status && atlas_check_tree(atlas)) {
         status = fail_in(CONUS_ERROR_DATA, label_source);
@@ -310,10 +273,15 @@ static conus_status create_with(conus_atlas **out, struct numbering *numbering, 
 conus_status atlas_create_of(conus_atlas **out, struct labelled_volume *volumes, size_t count,
                              const struct label_table *table, const char *label_source, struct notes *notes)
 {
-    struct numbering numbering;
-    conus_status status = numbering_init(&numbering, volumes, count, table);
+    struct label_map *voxels = memory_zeroed(count, sizeof *voxels);
+    struct numbering numbering = {.volumes = volumes, .count = voxels ? count : 0, .table = table, .voxels = voxels};
+    conus_status status = voxels ? CONUS_OK : CONUS_ERROR_MEMORY;
     status = status ? status : create_with(out, &numbering, label_source, notes);
-    numbering_finish(&numbering);
+    for (size_t v = 0; v < numbering.count; v++) {
+        label_map_finish(&numbering.voxels[v]);
+    }
+    memory_free(numbering.voxels);
+    label_map_finish(&numbering.number_of);
     return status;
 }
 

@@ -67,17 +67,6 @@ static conus_status plan_voxels(struct runs *runs, struct volume *volume, const 
     return status;
 }
 
-/* Takes the runs over. */
-static void change_voxels(struct volume *volume, struct runs *runs)
-{
-    show_voxels(volume);
-    memory_free(volume->hidden_runs);
-    volume->hidden_runs = runs->items;
-    volume->hidden_run_count = runs->count;
-    runs->items = NULL;
-    hide_voxels(volume);
-}
-
 /* Of the objects in a volume's voxels. */
 struct in_volume {
     size_t count, hidden;
@@ -110,7 +99,12 @@ static void apply_hidden(conus_atlas *atlas, const bool *hidden, struct runs *ru
         struct volume *volume = &atlas->volumes[v];
         struct in_volume found = look_at_volume(atlas, v, hidden);
         if (hides_voxels(volume, &found)) {
-            change_voxels(volume, &runs[v]);
+            show_voxels(volume);
+            memory_free(volume->hidden_runs);
+            volume->hidden_runs = runs[v].items;
+            volume->hidden_run_count = runs[v].count;
+            runs[v].items = NULL;
+            hide_voxels(volume);
         }
         volume->is_hidden = found.count > 0 && found.hidden == found.count && volume_is_scalar(volume);
     }

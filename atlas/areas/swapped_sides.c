@@ -19,16 +19,6 @@ static void add_x(struct mean_x *mean, double x)
     mean->weight++;
 }
 
-static void add_row(struct mean_x *means, const struct volume *volume, size_t first, double x)
-{
-    for (size_t i = 0; i < volume->info.dim[0]; i++) {
-        uint32_t object = volume_object(volume, first + i);
-        if (object) {
-            add_x(&means[object], x + volume->info.world_from_voxel[0] * (double)i);
-        }
-    }
-}
-
 static void add_voxels(struct mean_x *means, const struct volume *volume)
 {
     const size_t *dim = volume->info.dim;
@@ -39,7 +29,14 @@ static void add_voxels(struct mean_x *means, const struct volume *volume)
     }
     for (size_t k = 0; k < dim[2]; k += step) {
         for (size_t j = 0; j < dim[1]; j += step) {
-            add_row(means, volume, dim[0] * (j + dim[1] * k), m[4] * (double)j + m[8] * (double)k + m[12]);
+            const size_t first = dim[0] * (j + dim[1] * k);
+            const double x = m[4] * (double)j + m[8] * (double)k + m[12];
+            for (size_t i = 0; i < dim[0]; i++) {
+                uint32_t object = volume_object(volume, first + i);
+                if (object) {
+                    add_x(&means[object], x + m[0] * (double)i);
+                }
+            }
         }
     }
 }

@@ -50,17 +50,6 @@ static bool folds_at(const struct layers *layers, size_t n, double turn)
     return false;
 }
 
-static void visit_cells(struct deformation_facts *out, const struct layers *layers, double turn)
-{
-    const size_t *dim = layers->field->dim;
-    for (size_t j = 0; j + 1 < dim[1]; j++) {
-        for (size_t i = 0; i + 1 < dim[0]; i++) {
-            out->cells++;
-            out->folds += folds_at(layers, i + dim[0] * j, turn);
-        }
-    }
-}
-
 static void find_directions(struct deformation_facts *out, const struct deformation *field)
 {
     double x_from_voxel[16];
@@ -86,7 +75,13 @@ conus_status deformation_facts_find(struct deformation_facts *out, const struct 
         layers.far = last;
         visit_layer(&facts, &layers, k);
         if (k > 0) {
-            visit_cells(&facts, &layers, turn);
+            const size_t *dim = layers.field->dim;
+            for (size_t j = 0; j + 1 < dim[1]; j++) {
+                for (size_t i = 0; i + 1 < dim[0]; i++) {
+                    facts.cells++;
+                    facts.folds += folds_at(&layers, i + dim[0] * j, turn);
+                }
+            }
         }
     }
     if (enough) {

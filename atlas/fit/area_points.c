@@ -33,14 +33,6 @@ static void take_voxels(struct taking *taking, const struct volume *volume)
     }
 }
 
-static void take_vertices(struct taking *taking, const struct mesh *mesh)
-{
-    for (size_t i = 0; i < mesh->vertex_count; i++) {
-        const float *at = mesh->positions + 3 * i;
-        take(taking, (const double[]){(double)at[0], (double)at[1], (double)at[2]});
-    }
-}
-
 static void take_all(struct taking *taking, const conus_atlas *atlas)
 {
     taking->seen = 0;
@@ -52,7 +44,10 @@ static void take_all(struct taking *taking, const conus_atlas *atlas)
     for (uint32_t number = 1; !taking->seen && number <= atlas->area_count; number++) {
         const struct mesh *mesh = atlas_object_mesh(atlas, number);
         if (mesh) {
-            take_vertices(taking, mesh);
+            for (size_t i = 0; i < mesh->vertex_count; i++) {
+                const float *at = mesh->positions + 3 * i;
+                take(taking, (const double[]){(double)at[0], (double)at[1], (double)at[2]});
+            }
         }
     }
 }

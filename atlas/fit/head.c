@@ -87,20 +87,6 @@ static void mark_line(uint8_t *marks, const struct head *head, size_t first, siz
     }
 }
 
-/* How often a cell is enclosed: along up to three axes. */
-static void mark_enclosed(uint8_t *marks, const struct head *head)
-{
-    const size_t stride[3] = {1, head->dim[0], head->dim[0] * head->dim[1]};
-    for (size_t a = 0; a < 3; a++) {
-        const size_t b = (a + 1) % 3;
-        const size_t c = (a + 2) % 3;
-        for (size_t line = 0; line < head->dim[b] * head->dim[c]; line++) {
-            size_t first = line % head->dim[b] * stride[b] + line / head->dim[b] * stride[c];
-            mark_line(marks, head, first, stride[a], head->dim[a]);
-        }
-    }
-}
-
 conus_status head_make(struct head *out, const struct volume *context)
 {
     struct head head = {.context = context};
@@ -113,7 +99,15 @@ conus_status head_make(struct head *out, const struct volume *context)
         return CONUS_ERROR_MEMORY;
     }
     find_threshold(&head);
-    mark_enclosed(head.inside, &head);
+    const size_t stride[3] = {1, head.dim[0], head.dim[0] * head.dim[1]};
+    for (size_t a = 0; a < 3; a++) {
+        const size_t b = (a + 1) % 3;
+        const size_t c = (a + 2) % 3;
+        for (size_t line = 0; line < head.dim[b] * head.dim[c]; line++) {
+            size_t first = line % head.dim[b] * stride[b] + line / head.dim[b] * stride[c];
+            mark_line(head.inside, &head, first, stride[a], head.dim[a]);
+        }
+    }
     for (size_t cell = 0; cell < cell_count(&head); cell++) {
         head.inside[cell] = head.inside[cell] >= 2;
     }

@@ -24,19 +24,6 @@ static conus_status fill_fit(conus_placement *out, const struct volume *context,
     return CONUS_OK;
 }
 
-/* What no matrix says of an atlas that a field moved. */
-static void hide_matrix(conus_placement *out)
-{
-    for (size_t i = 0; i < 16; i++) {
-        out->atlas_from_world[i] = NAN;
-    }
-    for (size_t i = 0; i < 3; i++) {
-        out->own_low[i] = out->own_high[i] = NAN;
-    }
-    out->growth = NAN;
-    out->mirrors = false;
-}
-
 /* Of closed surfaces, where there is no volume. */
 static conus_status fill_surface_fit(conus_placement *out, const conus_atlas *atlas, const struct area_points *points)
 {
@@ -56,7 +43,14 @@ static conus_status fill(conus_placement *out, const conus_atlas *atlas, const s
         return fail(CONUS_ERROR_DATA, "the atlas has no areas that could be placed");
     }
     if (out->is_warped) {
-        hide_matrix(out);
+        for (size_t i = 0; i < 16; i++) {
+            out->atlas_from_world[i] = NAN;
+        }
+        for (size_t i = 0; i < 3; i++) {
+            out->own_low[i] = out->own_high[i] = NAN;
+        }
+        out->growth = NAN;
+        out->mirrors = false;
     } else {
         (void)atlas_area_bounds(out->own_low, out->own_high, atlas, out->atlas_from_world); /* there are areas */
     }

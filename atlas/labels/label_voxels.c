@@ -45,24 +45,18 @@ void label_voxels_clear(struct label_voxels *voxels, size_t voxel)
     set_place(voxels, voxel, 0);
 }
 
-/* Run by run: neighbours along i mostly share their label. */
-static void count_places(uint64_t *counts, const struct label_voxels *voxels)
-{
-    for (size_t start = 0, end; start < voxels->count; start = end) {
-        uint32_t place = place_at(voxels, start);
-        for (end = start + 1; end < voxels->count && place_at(voxels, end) == place;) {
-            end++;
-        }
-        counts[place] += end - start;
-    }
-}
-
 conus_status label_voxels_tally(struct label_map *out, const struct label_voxels *voxels)
 {
     uint64_t *counts = memory_zeroed(voxels->label_count, sizeof *counts);
     conus_status status = counts ? CONUS_OK : CONUS_ERROR_MEMORY;
     if (!status) {
-        count_places(counts, voxels);
+        for (size_t start = 0, end; start < voxels->count; start = end) {
+            uint32_t place = place_at(voxels, start);
+            for (end = start + 1; end < voxels->count && place_at(voxels, end) == place;) {
+                end++;
+            }
+            counts[place] += end - start;
+        }
     }
     for (size_t p = 1; !status && p < voxels->label_count; p++) {
         uint64_t *count = voxels->labels[p] && counts[p] ? label_map_at(out, voxels->labels[p]) : &counts[p];

@@ -101,11 +101,6 @@ static conus_status sort_stably(struct label_table *table)
     return CONUS_OK;
 }
 
-static bool names_differ(const struct label *kept, const struct label *dropped)
-{
-    return kept->name && dropped->name && strcmp(kept->name, dropped->name) != 0;
-}
-
 /* Notes the first few labels with two names, then only how many there are. */
 static conus_status note_conflict(struct notes *notes, size_t conflicts, const struct label *kept,
                                   const struct label *dropped)
@@ -125,7 +120,9 @@ conus_status label_table_sort(struct label_table *table, struct notes *notes)
         struct label *label = &table->entries[i];
         struct label *last = kept ? &table->entries[kept - 1] : NULL;
         if (last && last->number == label->number) {
-            status = names_differ(last, label) ? note_conflict(notes, ++conflicts, last, label) : CONUS_OK;
+            status = (last->name && label->name && strcmp(last->name, label->name) != 0)
+                         ? note_conflict(notes, ++conflicts, last, label)
+                         : CONUS_OK;
             label_finish(label);
         } else {
             struct label moved = *label;

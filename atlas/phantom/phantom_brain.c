@@ -102,20 +102,6 @@ static void place_vertex(float *out, size_t index, double polar, double azimuth)
     }
 }
 
-/* Vertex 0 is the upper pole, then the rings, then the lower pole. */
-static void place_vertices(struct mesh *mesh, size_t index, const struct lattice *lattice)
-{
-    size_t vertex = 0;
-    place_vertex(mesh->positions, index, 0, 0);
-    for (size_t ring = 1; ring <= lattice->rings; ring++) {
-        for (size_t m = 0; m < lattice->meridians; m++) {
-            place_vertex(mesh->positions + 3 * ++vertex, index, MATH3_PI * (double)ring / (double)(lattice->rings + 1),
-                         2 * MATH3_PI * (double)m / (double)lattice->meridians);
-        }
-    }
-    place_vertex(mesh->positions + 3 * ++vertex, index, MATH3_PI, 0);
-}
-
 static uint32_t *put_triangle(uint32_t *at, size_t a, size_t b, size_t c)
 {
     at[0] = (uint32_t)a;
@@ -151,7 +137,15 @@ conus_status phantom_brain_mesh(struct mesh *out, size_t index)
     if (status) {
         return status;
     }
-    place_vertices(&mesh, index, lattice);
+    size_t vertex = 0;
+    place_vertex(mesh.positions, index, 0, 0);
+    for (size_t ring = 1; ring <= lattice->rings; ring++) {
+        for (size_t m = 0; m < lattice->meridians; m++) {
+            place_vertex(mesh.positions + 3 * ++vertex, index, MATH3_PI * (double)ring / (double)(lattice->rings + 1),
+                         2 * MATH3_PI * (double)m / (double)lattice->meridians);
+        }
+    }
+    place_vertex(mesh.positions + 3 * ++vertex, index, MATH3_PI, 0);
     join_vertices(&mesh, lattice);
     *out = mesh;
     return CONUS_OK;

@@ -188,26 +188,6 @@ struct view {
     double slopes[2]; /* Of the ray along the other two, per mm of the last. */
 };
 
-static struct view view_along(const double origin[3], const double direction[3])
-{
-    int most = fabs(direction[1]) > fabs(direction[0]) ? 1 : 0;
-    most = fabs(direction[2]) > fabs(direction[most]) ? 2 : most;
-    struct view view = {.origin = origin, .axes = {(most + 1) % 3, (most + 2) % 3, most}};
-    for (int i = 0; i < 2; i++) {
-        view.slopes[i] = direction[view.axes[i]] / direction[most];
-    }
-    return view;
-}
-
-static void move_into_view(double out[2], const struct view *view, const double corner[3])
-{
-    double p[3];
-    vec3_sub(p, corner, view->origin);
-    for (int i = 0; i < 2; i++) {
-        out[i] = p[view->axes[i]] - view->slopes[i] * p[view->axes[2]];
-    }
-}
-
 /* Whether a point, the origin, lies left of the way from a to b: exactly, by the errors of both products where these
  * are equal. On the line it is taken to lie a little aside along the first axis, and much less along the second. So of
  * the way from b to a it is always on the other side, and round a corner there is always one triangle that holds it. */
@@ -229,10 +209,19 @@ bool mesh_is_passed(const struct mesh *mesh, size_t triangle, const double origi
 {
     double corners[3][3];
     double p[3][2];
-    const struct view view = view_along(origin, direction);
+    int most = fabs(direction[1]) > fabs(direction[0]) ? 1 : 0;
+    most = fabs(direction[2]) > fabs(direction[most]) ? 2 : most;
+    struct view view = {.origin = origin, .axes = {(most + 1) % 3, (most + 2) % 3, most}};
+    for (int i = 0; i < 2; i++) {
+        view.slopes[i] = direction[view.axes[i]] / direction[most];
+    }
     mesh_corners(corners, mesh, triangle);
     for (int k = 0; k < 3; k++) {
-        move_into_view(p[k], &view, corners[k]);
+        double offset[3];
+        vec3_sub(offset, corners[k], view.origin);
+        for (int a = 0; a < 2; a++) {
+            p[k][a] = offset[view.axes[a]] - view.slopes[a] * offset[view.axes[2]];
+        }
     }
     bool left = is_left(p[0], p[1]);
     return is_left(p[1], p[2]) == left && is_left(p[2], p[0]) == left;

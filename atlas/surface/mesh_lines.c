@@ -71,21 +71,16 @@ static bool add_crossing(struct mesh_lines *lines, uint32_t object, double p[3][
     return fits;
 }
 
-static void find_corners(double p[3][3], const struct mesh *mesh, size_t triangle, const double *lines_from_mesh)
-{
-    mesh_corners(p, mesh, triangle);
-    for (int k = 0; lines_from_mesh && k < 3; k++) {
-        mat4_point(p[k], lines_from_mesh, p[k]);
-    }
-}
-
 conus_status mesh_lines_cross(struct mesh_lines *lines, uint32_t object, const struct mesh *mesh, size_t triangle,
                               const double *lines_from_mesh)
 {
     double p[3][3];
     size_t range[2][2];
     bool fits = true;
-    find_corners(p, mesh, triangle, lines_from_mesh);
+    mesh_corners(p, mesh, triangle);
+    for (int k = 0; lines_from_mesh && k < 3; k++) {
+        mat4_point(p[k], lines_from_mesh, p[k]);
+    }
     find_range(range[0], lines, p, 0);
     find_range(range[1], lines, p, 1);
     for (size_t j = range[1][0]; fits && j < range[1][1]; j++) {

@@ -43,13 +43,6 @@ struct mesh_part *mesh_parts_find(const struct mesh_parts *parts, uint32_t label
     return low < parts->count && parts->parts[low].label == label ? &parts->parts[low] : NULL;
 }
 
-static uint32_t label_of(const uint32_t *corners, const uint32_t *labels)
-{
-    uint32_t a = labels[corners[0]];
-    uint32_t b = labels[corners[1]];
-    return b == labels[corners[2]] ? b : a;
-}
-
 static int compare_labelled(const void *a, const void *b)
 {
     const struct labelled *x = a;
@@ -63,7 +56,10 @@ static conus_status gather_triangles(struct splitting *work, const uint32_t *lab
     const struct mesh *mesh = work->mesh;
     size_t left_out = 0;
     for (size_t i = 0; i < mesh->triangle_count; i++) {
-        uint32_t label = label_of(mesh->triangles + 3 * i, labels);
+        const uint32_t *corners = mesh->triangles + 3 * i;
+        uint32_t a = labels[corners[0]];
+        uint32_t b = labels[corners[1]];
+        uint32_t label = b == labels[corners[2]] ? b : a;
         if (label) {
             work->triangles[work->count++] = (struct labelled){label, (uint32_t)i};
         }
@@ -93,17 +89,6 @@ static size_t number_vertices(struct splitting *work, const struct labelled *tri
     return vertices;
 }
 
-static void fill_part(struct mesh *part, const struct splitting *work, const struct labelled *triangles)
-{
-    for (size_t i = 0; i < 3 * part->triangle_count; i++) {
-        uint32_t vertex = work->mesh->triangles[3 * (size_t)triangles[i / 3].triangle + i % 3];
-        uint32_t place = work->place[vertex];
-        part->triangles[i] = place;
-        memcpy(part->positions + 3 * (size_t)place, work->mesh->positions + 3 * (size_t)vertex,
-               3 * sizeof *part->positions);
-    }
-}
-
 static conus_status make_part(struct mesh_part *out, struct splitting *work, const struct labelled *triangles,
                               size_t count)
 {
@@ -115,7 +100,13 @@ static conus_status make_part(struct mesh_part *out, struct splitting *work, con
         status = part.path ? CONUS_OK : CONUS_ERROR_MEMORY;
     }
     if (!status) {
-        fill_part(&part, work, triangles);
+        for (size_t i = 0; i < 3 * part.triangle_count; i++) {
+            uint32_t vertex = work->mesh->triangles[3 * (size_t)triangles[i / 3].triangle + i % 3];
+            uint32_t place = work->place[vertex];
+            part.triangles[i] = place;
+            memcpy(part.positions + 3 * (size_t)place, work->mesh->positions + 3 * (size_t)vertex,
+                   3 * sizeof *part.positions);
+        }
         *out = (struct mesh_part){triangles->label, part};
         part = (struct mesh){0};
     }

@@ -6,17 +6,6 @@
 
 enum { LINES = 64, PAIR_LIMIT = 1 << 26 };
 
-/* Lines lie off the middle of their cells, since vertices of many meshes are at round numbers. */
-static void place_lines(struct mesh_lines *lines, const struct mesh_shape *shape)
-{
-    static const double off_middle[2] = {0.4878911, 0.5127683};
-    for (int a = 0; a < 2; a++) {
-        lines->count[a] = LINES;
-        lines->step[a] = (shape->high[a] - shape->low[a]) / LINES;
-        lines->start[a] = shape->low[a] + off_middle[a] * lines->step[a];
-    }
-}
-
 /* The length inside, winding not 0, and that of it around which the mesh does not wind `facing` times. */
 static void sum_lengths(double *inside, double *wrong, const struct mesh_lines *lines, int facing)
 {
@@ -39,7 +28,13 @@ conus_status mesh_winds_once(bool *out, const struct mesh *mesh, const struct me
     double inside = 0;
     double wrong = 0;
     conus_status status = CONUS_OK;
-    place_lines(&lines, shape);
+    /* Lines lie off the middle of their cells, since vertices of many meshes are at round numbers. */
+    static const double off_middle[2] = {0.4878911, 0.5127683};
+    for (int a = 0; a < 2; a++) {
+        lines.count[a] = LINES;
+        lines.step[a] = (shape->high[a] - shape->low[a]) / LINES;
+        lines.start[a] = shape->low[a] + off_middle[a] * lines.step[a];
+    }
     for (size_t i = 0; !status && lines.pairs <= PAIR_LIMIT && i < mesh->triangle_count; i++) {
         status = mesh_lines_cross(&lines, 0, mesh, i, NULL);
     }

@@ -26,11 +26,6 @@ static uint64_t run_length(const struct tractogram *tractogram)
     return tractogram->halves ? OF_HALVES : OF_FLOATS;
 }
 
-static uint64_t points_of(const struct tractogram *tractogram, size_t streamline)
-{
-    return tractogram->first[streamline + 1] - tractogram->first[streamline];
-}
-
 static size_t runs_of(uint64_t points, uint64_t longest)
 {
     return (size_t)(points < 2 ? points : (points - 1 + longest - 1) / longest);
@@ -40,19 +35,9 @@ static size_t count_runs(const struct tractogram *tractogram)
 {
     size_t count = 0;
     for (size_t s = 0; s < tractogram->streamline_count; s++) {
-        count += runs_of(points_of(tractogram, s), run_length(tractogram));
+        count += runs_of(tractogram->first[s + 1] - tractogram->first[s], run_length(tractogram));
     }
     return count;
-}
-
-static void mark(uint32_t *out, const struct tractogram *tractogram)
-{
-    uint64_t next = 0;
-    for (size_t s = 0; s < tractogram->streamline_count; s++) {
-        for (; next < tractogram->first[s + 1]; next += TRACT_MARK) {
-            *out++ = (uint32_t)s;
-        }
-    }
 }
 
 struct box {
@@ -269,14 +254,6 @@ static size_t put_before(struct item *items, size_t from, size_t count, size_t m
     return place;
 }
 
-/* Puts the @p half items with the least middles before the others. */
-static void halve(struct item *items, size_t count, size_t half, int axis)
-{
-    unsigned median = find_median(items, count, half, axis);
-    size_t place = put_before(items, 0, count, count, axis, median);
-    put_before(items, place, count, half, axis, median + 1);
-}
-
 /* Halves runs that are items of one node, down to single leaves. All items but the last one are full. */
 static void arrange(struct item *items, size_t count, const struct tractogram *tractogram)
 {
@@ -297,7 +274,9 @@ static void arrange(struct item *items, size_t count, const struct tractogram *t
     }
     if (size > 0) {
         size_t half = (count + item - 1) / item / 2 * item;
-        halve(items, count, half, axis);
+        unsigned median = find_median(items, count, half, axis);
+        size_t place = put_before(items, 0, count, count, axis, median);
+        put_before(items, place, count, half, axis, median + 1);
         arrange(items, half, tractogram);
         arrange(items + half, count - half, tractogram);
     }
@@ -504,29 +483,6 @@ static void fill_leaves(struct tract_tree *tree, const struct item *items, const
     }
 }
 
-/* Level by level: the nodes above the items of each are the items of the next. */
-static void fill_nodes(const struct tract_tree *tree, const struct tract_levels *levels)
-{
-    for (unsigned level = 1; level < levels->count; level++) {
-        for (size_t i = 0; i < levels->items[level]; i++) {
-            size_t left = levels->items[level - 1] - i * TRACT_WIDTH;
-            struct hull hull =
-                hull_of_lanes(&tree->nodes[levels->first[level - 1] + i], left < TRACT_WIDTH ? left : TRACT_WIDTH);
-            set_hull(&tree->nodes[levels->first[level] + i / TRACT_WIDTH], i % TRACT_WIDTH, &hull);
-        }
-    }
-}
-
-static struct box keep_bounds(struct tractogram *tractogram)
-{
-    struct box box = box_of_points(tractogram, 0, tractogram->point_count);
-    for (int a = 0; a < 3; a++) {
-        tractogram->low[a] = (double)box.low[a];
-        tractogram->high[a] = (double)box.high[a];
-    }
-    return box;
-}
-
 conus_status tractogram_grow_tree(struct tractogram *tractogram)
 {
     if (tractogram->point_count > UINT32_MAX) {
@@ -544,13 +500,30 @@ conus_status tractogram_grow_tree(struct tractogram *tractogram)
         return CONUS_ERROR_MEMORY;
     }
     struct item *items = (void *)tree.leaves;
-    struct box around = keep_bounds(tractogram);
-    mark(tree.marks, tractogram);
+    struct box around = box_of_points(tractogram, 0, tractogram->point_count);
+    for (int a = 0; a < 3; a++) {
+        tractogram->low[a] = (double)around.low[a];
+        tractogram->high[a] = (double)around.high[a];
+    }
+    uint32_t *out = tree.marks;
+    uint64_t next = 0;
+    for (size_t s = 0; s < tractogram->streamline_count; s++) {
+        for (; next < tractogram->first[s + 1]; next += TRACT_MARK) {
+            *out++ = (uint32_t)s;
+        }
+    }
     cut(items, tractogram);
     frame(items, tree.run_count, tractogram, &around);
     arrange(items, tree.run_count, tractogram);
     fill_leaves(&tree, items, tractogram);
-    fill_nodes(&tree, &levels);
+    for (unsigned level = 1; level < levels.count; level++) {
+        for (size_t i = 0; i < levels.items[level]; i++) {
+            size_t left = levels.items[level - 1] - i * TRACT_WIDTH;
+            struct hull hull =
+                hull_of_lanes(&tree.nodes[levels.first[level - 1] + i], left < TRACT_WIDTH ? left : TRACT_WIDTH);
+            set_hull(&tree.nodes[levels.first[level] + i / TRACT_WIDTH], i % TRACT_WIDTH, &hull);
+        }
+    }
     tractogram->tree = tree;
     return CONUS_OK;
 }

@@ -91,14 +91,6 @@ static void fetch_points(const struct tractogram *tractogram, const struct tract
     __builtin_prefetch(&tractogram->tree.marks[leaf->point[lane] / TRACT_MARK]);
 }
 
-static void fetch_leaf(const struct tractogram *tractogram, size_t number)
-{
-    const struct tract_leaf *leaf = &tractogram->tree.leaves[number];
-    for (size_t lane = 0; lane < leaf->count; lane++) {
-        fetch_points(tractogram, leaf, lane);
-    }
-}
-
 static void walk_leaf(const struct walk *walk, size_t number, bool inside)
 {
     const struct tract_leaf *leaf = &walk->tractogram->tree.leaves[number];
@@ -139,7 +131,10 @@ void tract_tree_walk(const struct tractogram *tractogram, tract_box_test test, t
         size_t end = leaf + ((size_t)1 << TRACT_WIDTH_BITS * level);
         for (; leaf < end && leaf < leaf_count && answer != TRACT_OUTSIDE; leaf++) {
             if (answer == TRACT_INSIDE && leaf + 1 < end && leaf + 1 < leaf_count) {
-                fetch_leaf(tractogram, leaf + 1);
+                const struct tract_leaf *next = &tractogram->tree.leaves[leaf + 1];
+                for (size_t lane = 0; lane < next->count; lane++) {
+                    fetch_points(tractogram, next, lane);
+                }
             }
             walk_leaf(&walk, leaf, answer == TRACT_INSIDE);
         }

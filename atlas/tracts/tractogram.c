@@ -9,31 +9,21 @@
 
 #include <assert.h>
 
-static void finish_points(struct tractogram *tractogram)
-{
-    memory_free(tractogram->points);
-    memory_free(tractogram->halves);
-    tract_tree_finish(&tractogram->tree);
-}
-
-static void finish_others(struct tractogram *tractogram)
-{
-    memory_free(tractogram->first);
-    for (size_t i = 0; i < tractogram->scalar_count; i++) {
-        memory_free(tractogram->scalars[i].values);
-    }
-    for (size_t i = 0; i < tractogram->group_count; i++) {
-        memory_free(tractogram->groups[i].members);
-    }
-}
-
 void tractogram_finish(struct tractogram *tractogram)
 {
     if (!tractogram->has_borrowed_points) {
-        finish_points(tractogram);
+        memory_free(tractogram->points);
+        memory_free(tractogram->halves);
+        tract_tree_finish(&tractogram->tree);
     }
     if (!tractogram->is_borrowed) {
-        finish_others(tractogram);
+        memory_free(tractogram->first);
+        for (size_t i = 0; i < tractogram->scalar_count; i++) {
+            memory_free(tractogram->scalars[i].values);
+        }
+        for (size_t i = 0; i < tractogram->group_count; i++) {
+            memory_free(tractogram->groups[i].members);
+        }
     }
     for (size_t i = 0; i < tractogram->scalar_count; i++) {
         memory_free(tractogram->scalars[i].name);

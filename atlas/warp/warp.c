@@ -123,34 +123,6 @@ struct parts {
     struct notes notes; /* about the surfaces' shapes */
 };
 
-static void parts_finish(struct parts *parts, const conus_atlas *atlas)
-{
-    warped_volumes_finish(&parts->volumes, atlas->volume_count);
-    warped_meshes_finish(&parts->meshes, atlas->mesh_count);
-    warped_tracts_finish(&parts->tracts, atlas->tractogram_count);
-    notes_finish(&parts->notes);
-}
-
-static conus_status note_parts(conus_atlas *atlas, struct parts *parts, const struct deformation *field,
-                               const struct warp_plan *plan)
-{
-    conus_status status = note_move(&atlas->notes, plan);
-    status = status ? status : note_facts(&atlas->notes, field, plan->words);
-    status = status ? status : warped_volumes_note(&parts->volumes, atlas, plan->words);
-    status = status ? status : note_meshes(&atlas->notes, &parts->meshes, field->stays_outside, plan->words);
-    status = status ? status : note_tracts(&atlas->notes, &parts->tracts, field->stays_outside, plan->words);
-    return status ? status : notes_move(&atlas->notes, &parts->notes);
-}
-
-/* The field becomes the last of the warps. */
-static void remember(conus_atlas *atlas, struct deformation *field)
-{
-    atlas->warps[atlas->warp_count++].field = *field;
-    *field = (struct deformation){0};
-    mat4_identity(atlas->own_from_world);
-    atlas->is_moved = true;
-}
-
 /* A place for one warp more, which counts only when the atlas has moved. */
 static conus_status reserve_warp(struct warp_way *way, conus_atlas *atlas, const struct deformation *field)
 {
@@ -179,16 +151,29 @@ conus_status atlas_warp(conus_atlas *atlas, struct deformation *field, const str
     status = status ? status : warped_volumes_init(&parts.volumes, atlas, &way, plan);
     status = status ? status : warped_meshes_init(&parts.meshes, atlas, field, &parts.notes);
     status = status ? status : warped_tracts_init(&parts.tracts, atlas, field);
-    status = status ? status : note_parts(atlas, &parts, field, plan);
+    if (!status) {
+        status = note_move(&atlas->notes, plan);
+        status = status ? status : note_facts(&atlas->notes, field, plan->words);
+        status = status ? status : warped_volumes_note(&parts.volumes, atlas, plan->words);
+        status = status ? status : note_meshes(&atlas->notes, &parts.meshes, field->stays_outside, plan->words);
+        status = status ? status : note_tracts(&atlas->notes, &parts.tracts, field->stays_outside, plan->words);
+        status = status ? status : notes_move(&atlas->notes, &parts.notes);
+    }
     if (!status) {
         warped_volumes_take(&parts.volumes, atlas);
         warped_meshes_take(&parts.meshes, atlas);
         bundles_take(atlas, parts.tracts.items);
-        remember(atlas, field);
+        atlas->warps[atlas->warp_count++].field = *field;
+        *field = (struct deformation){0};
+        mat4_identity(atlas->own_from_world);
+        atlas->is_moved = true;
     } else {
         notes_cut(&atlas->notes, note_count);
     }
-    parts_finish(&parts, atlas);
+    warped_volumes_finish(&parts.volumes, atlas->volume_count);
+    warped_meshes_finish(&parts.meshes, atlas->mesh_count);
+    warped_tracts_finish(&parts.tracts, atlas->tractogram_count);
+    notes_finish(&parts.notes);
     return status;
 }
 

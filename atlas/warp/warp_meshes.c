@@ -63,15 +63,6 @@ static conus_status cut_mesh(size_t *cut, struct mesh *mesh)
     return CONUS_OK;
 }
 
-static void turn_triangles(struct mesh *mesh)
-{
-    for (size_t i = 0; i < mesh->triangle_count; i++) {
-        uint32_t second = mesh->triangles[3 * i + 1];
-        mesh->triangles[3 * i + 1] = mesh->triangles[3 * i + 2];
-        mesh->triangles[3 * i + 2] = second;
-    }
-}
-
 static const char *name_of(const conus_atlas *atlas, size_t mesh)
 {
     for (size_t i = 0; i < atlas->object_count; i++) {
@@ -106,7 +97,11 @@ static conus_status move_mesh(struct warped_meshes *out, size_t index, const con
         return fail(CONUS_ERROR_DATA, "nothing of %s is where the field leads to", name_of(atlas, index));
     }
     if (mat4_determinant3(field->start) * mat4_determinant3(field->world_from_voxel) < 0) {
-        turn_triangles(mesh);
+        for (size_t i = 0; i < mesh->triangle_count; i++) {
+            uint32_t second = mesh->triangles[3 * i + 1];
+            mesh->triangles[3 * i + 1] = mesh->triangles[3 * i + 2];
+            mesh->triangles[3 * i + 2] = second;
+        }
     }
     status = cut ? mesh_check(mesh, notes) : mesh_check_numbers(mesh);
     return status ? status : mesh_measure(&mesh->shape, mesh);

@@ -40,20 +40,6 @@ static bool move_streamline(struct warped_tracts *counts, struct tractogram *out
     return whole;
 }
 
-/* Moves what has a place; numbers[k] becomes the new number of streamline k, or GONE. */
-static void move_streamlines(struct warped_tracts *counts, struct tractogram *out, uint32_t *numbers,
-                             const struct tractogram *old, const struct deformation *field)
-{
-    for (uint32_t k = 0; k < old->streamline_count; k++) {
-        bool whole = move_streamline(counts, out, old, k, field);
-        numbers[k] = whole ? (uint32_t)out->streamline_count++ : GONE;
-        if (whole) {
-            out->point_count += old->first[k + 1] - old->first[k];
-            out->first[out->streamline_count] = out->point_count;
-        }
-    }
-}
-
 static conus_status cut_scalar(struct tract_scalar *out, const struct tract_scalar *scalar, const uint32_t *numbers,
                                const struct tractogram *old)
 {
@@ -134,7 +120,14 @@ static conus_status move_tractogram(struct warped_tracts *counts, struct tractog
     out->first = memory_zeroed(old->streamline_count + 1, sizeof *out->first);
     conus_status status = numbers && out->points && out->first ? CONUS_OK : CONUS_ERROR_MEMORY;
     if (!status) {
-        move_streamlines(counts, out, numbers, old, field);
+        for (uint32_t k = 0; k < old->streamline_count; k++) {
+            bool whole = move_streamline(counts, out, old, k, field);
+            numbers[k] = whole ? (uint32_t)out->streamline_count++ : GONE;
+            if (whole) {
+                out->point_count += old->first[k + 1] - old->first[k];
+                out->first[out->streamline_count] = out->point_count;
+            }
+        }
         counts->streamlines += old->streamline_count;
         counts->cut += old->streamline_count - out->streamline_count;
         status = settle(out, numbers, old);

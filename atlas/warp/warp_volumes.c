@@ -74,12 +74,6 @@ static uint32_t source_object(const struct volume_source *source, size_t voxel)
     return source->objects16 ? source->objects16[voxel] : source->objects32 ? source->objects32[voxel] : 0;
 }
 
-static uint64_t bytes_each(const struct volume_source *source)
-{
-    return (source->objects16 ? sizeof *source->objects16 : 0) + (source->objects32 ? sizeof *source->objects32 : 0) +
-           (source->values ? sizeof *source->values : 0);
-}
-
 static conus_status check_memory(const conus_atlas *atlas, const struct warp_way *way, const struct warp_plan *plan)
 {
     uint64_t limit = plan->max_memory ? plan->max_memory : DEFAULT_MEMORY;
@@ -87,7 +81,10 @@ static conus_status check_memory(const conus_atlas *atlas, const struct warp_way
     double each = 0;
     for (size_t i = 0; i < atlas->volume_count; i++) {
         struct volume_source source = source_of(atlas, i);
-        each += is_warped(&source, way) ? (double)bytes_each(&source) : 0;
+        each += is_warped(&source, way) ? (double)((source.objects16 ? sizeof *source.objects16 : 0) +
+                                                   (source.objects32 ? sizeof *source.objects32 : 0) +
+                                                   (source.values ? sizeof *source.values : 0))
+                                        : 0;
     }
     double wanted = each * (double)dim[0] * (double)dim[1] * (double)dim[2];
     return wanted <= (double)limit
@@ -153,17 +150,6 @@ static void fill_row(struct volume *volume, const struct volume_source *source, 
     }
 }
 
-static void find_row(size_t *nearest, const struct volume_source *source, const struct warp_way *way,
-                     const conus_volume_info *grid, size_t first)
-{
-    for (size_t i = 0; i < grid->dim[0]; i++) {
-        double point[3];
-        find_indices(point, grid->dim, first + i);
-        mat4_point(point, grid->world_from_voxel, point);
-        nearest[i] = nearest_voxel(source, way, point);
-    }
-}
-
 /* Row by row, since volumes of one grid, as those of a 4-D file, then share the way. */
 static conus_status fill(struct warped_volumes *volumes, const conus_atlas *atlas, const struct warp_way *way,
                          const struct warp_plan *plan)
@@ -179,7 +165,12 @@ static conus_status fill(struct warped_volumes *volumes, const conus_atlas *atla
                 continue;
             }
             if (!any || !same_place(&source, &found)) {
-                find_row(nearest, &source, way, plan->grid, first);
+                for (size_t column = 0; column < plan->grid->dim[0]; column++) {
+                    double point[3];
+                    find_indices(point, plan->grid->dim, first + column);
+                    mat4_point(point, plan->grid->world_from_voxel, point);
+                    nearest[column] = nearest_voxel(&source, way, point);
+                }
                 found = source;
                 any = true;
             }
@@ -266,21 +257,6 @@ static void sample_source(struct warped_volumes *out, const struct volume_source
     }
 }
 
-/* Of the parcellations, or of what else has objects where there are none. */
-static void sample_sources(struct warped_volumes *out, const conus_atlas *atlas, const struct warp_way *way,
-                           const struct warp_plan *plan)
-{
-    bool parcellations = atlas_parcellation_count(atlas) > 0;
-    for (size_t i = 0; i < atlas->volume_count; i++) {
-        struct volume_source source = source_of(atlas, i);
-        conus_role role = atlas->volumes[i].info.role;
-        if (is_warped(&source, way) && role != CONUS_ROLE_CONTEXT &&
-            (role == CONUS_ROLE_PARCELLATION || !parcellations)) {
-            sample_source(out, &source, way, plan);
-        }
-    }
-}
-
 static conus_status check_any(const struct warped_volumes *volumes, const conus_atlas *atlas, const char *words)
 {
     uint64_t left = 0;
@@ -323,7 +299,15 @@ conus_status warped_volumes_init(struct warped_volumes *out, const conus_atlas *
     }
     status = status ? status : fill(&volumes, atlas, way, plan);
     if (!status) {
-        sample_sources(&volumes, atlas, way, plan);
+        bool parcellations = atlas_parcellation_count(atlas) > 0;
+        for (size_t i = 0; i < atlas->volume_count; i++) {
+            struct volume_source source = source_of(atlas, i);
+            conus_role role = atlas->volumes[i].info.role;
+            if (is_warped(&source, way) && role != CONUS_ROLE_CONTEXT &&
+                (role == CONUS_ROLE_PARCELLATION || !parcellations)) {
+                sample_source(&volumes, &source, way, plan);
+            }
+        }
         status = check_any(&volumes, atlas, plan->words);
     }
     if (status) {

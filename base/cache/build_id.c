@@ -17,13 +17,6 @@ static size_t round_to(size_t size, size_t step)
     return (size + step - 1) / step * step;
 }
 
-static void write_hex(char out[BUILD_ID_SIZE], const uint8_t *id, size_t size)
-{
-    for (size_t i = 0; i < size && 2 * i + 2 < BUILD_ID_SIZE; i++) {
-        snprintf(out + 2 * i, 3, "%02x", id[i]);
-    }
-}
-
 static void read_notes(char out[BUILD_ID_SIZE], const uint8_t *at, size_t size, size_t step)
 {
     ElfW(Nhdr) note;
@@ -36,7 +29,10 @@ static void read_notes(char out[BUILD_ID_SIZE], const uint8_t *at, size_t size, 
         }
         if (note.n_type == NT_GNU_BUILD_ID && note.n_namesz == sizeof owner &&
             memcmp(at + sizeof note, owner, sizeof owner) == 0) {
-            write_hex(out, at + sizeof note + name, note.n_descsz);
+            const uint8_t *id = at + sizeof note + name;
+            for (size_t i = 0; i < note.n_descsz && 2 * i + 2 < BUILD_ID_SIZE; i++) {
+                snprintf(out + 2 * i, 3, "%02x", id[i]);
+            }
         }
         at += whole;
         size -= whole;

@@ -201,13 +201,6 @@ static bool verify(const struct cache_entry *entry, uint64_t small, int descript
     return true;
 }
 
-/* From the cheapest question to the dearest. */
-static bool may_be_believed(const struct cache_entry *entry, const struct cache_store *store, int descriptor)
-{
-    return entry->key.size == store->key.size && memcmp(entry->key.data, store->key.data, entry->key.size) == 0 &&
-           sources_hold(entry) && verify(entry, store->small, descriptor);
-}
-
 void cache_mapping_finish(struct cache_mapping *mapping)
 {
     if (mapping->memory) {
@@ -220,7 +213,9 @@ static bool map_believed(struct cache_mapping *out, const struct cache_store *st
 {
     struct cache_mapping mapping = {0};
     bool believed = map_file(&mapping, descriptor) && cache_entry_parse(&mapping.entry, mapping.memory, mapping.size) &&
-                    may_be_believed(&mapping.entry, store, descriptor);
+                    mapping.entry.key.size == store->key.size &&
+                    memcmp(mapping.entry.key.data, store->key.data, mapping.entry.key.size) == 0 &&
+                    sources_hold(&mapping.entry) && verify(&mapping.entry, store->small, descriptor);
     if (!believed) {
         cache_mapping_finish(&mapping);
         return false;

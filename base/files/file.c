@@ -284,16 +284,11 @@ static conus_status replace_file(const char *path, const void *data, size_t size
     return status;
 }
 
-/* An open file's name in /dev or /proc: what is there belongs to whoever opened it. */
-static bool is_open_file(const char *path)
-{
-    return strncmp(path, "/dev/", strlen("/dev/")) == 0 || strncmp(path, "/proc/", strlen("/proc/")) == 0;
-}
-
 /* The file that a link leads to is replaced, not the link. */
 static conus_status write_through(const char *link, const void *data, size_t size, unsigned how)
 {
-    if (is_open_file(link)) {
+    /* An open file's name in /dev or /proc: what is there belongs to whoever opened it. */
+    if (strncmp(link, "/dev/", strlen("/dev/")) == 0 || strncmp(link, "/proc/", strlen("/proc/")) == 0) {
         return write_directly(link, data, size);
     }
     char path[PATH_MAX];

@@ -152,12 +152,6 @@ static int compare_items(const void *a, const void *b)
     return compare_questions(a, b);
 }
 
-static bool is_same_answer(const struct traced *a, const struct traced *b)
-{
-    return a->kind == b->kind && compare_texts(a->more, b->more) == 0 && file_state_equal(&a->state, &b->state) &&
-           memcmp(a->sum, b->sum, sizeof a->sum) == 0;
-}
-
 void file_trace_end(struct file_trace *trace)
 {
     size_t kept = 0;
@@ -168,7 +162,10 @@ void file_trace_end(struct file_trace *trace)
     for (size_t i = 0; i < trace->count; i++) {
         struct traced *last = kept ? &trace->items[kept - 1] : NULL;
         bool repeated = last && compare_questions(last, &trace->items[i]) == 0;
-        trace->broken = trace->broken || (repeated && !is_same_answer(last, &trace->items[i]));
+        trace->broken = trace->broken || (repeated && !(last->kind == trace->items[i].kind &&
+                                                        compare_texts(last->more, trace->items[i].more) == 0 &&
+                                                        file_state_equal(&last->state, &trace->items[i].state) &&
+                                                        memcmp(last->sum, trace->items[i].sum, sizeof last->sum) == 0));
         if (repeated) {
             memory_free(trace->items[i].path);
             memory_free(trace->items[i].more);

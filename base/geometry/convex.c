@@ -198,19 +198,6 @@ static void cut_edge(struct convex_stack *stack, struct cut *cut, const struct c
     push(stack, &closing);
 }
 
-static void cut_face_edge(struct convex_stack *stack, struct cut *cut, const struct convex_edge *edge)
-{
-    bool begins_kept = height(cut, edge->from) > 0;
-    bool ends_kept = height(cut, edge->to) > 0;
-    cut->is_crossed = cut->is_crossed && edge->face == cut->face;
-    cut->face = edge->face;
-    if (begins_kept && ends_kept) {
-        push(stack, edge);
-    } else if (begins_kept || ends_kept) {
-        cut_edge(stack, cut, edge, begins_kept);
-    }
-}
-
 /* Appends the new face: the edges that closed the others, the other way round. */
 static void close_cut(struct convex_stack *stack, struct convex *out)
 {
@@ -243,7 +230,16 @@ bool convex_cut(struct convex *out, struct convex_stack *stack, const struct con
     struct convex part = {.first = stack->count, .faces = convex->faces};
     struct cut cut = {.axis = axis, .at = at, .side = above ? 1 : -1};
     for (size_t i = 0; i < convex->count; i++) {
-        cut_face_edge(stack, &cut, &stack->edges[convex->first + i]);
+        const struct convex_edge *edge = &stack->edges[convex->first + i];
+        bool begins_kept = height(&cut, edge->from) > 0;
+        bool ends_kept = height(&cut, edge->to) > 0;
+        cut.is_crossed = cut.is_crossed && edge->face == cut.face;
+        cut.face = edge->face;
+        if (begins_kept && ends_kept) {
+            push(stack, edge);
+        } else if (begins_kept || ends_kept) {
+            cut_edge(stack, &cut, edge, begins_kept);
+        }
     }
     close_cut(stack, &part);
     measure(&part, stack);

@@ -46,7 +46,7 @@ static void relax(struct bricks *bricks, size_t i, size_t j, size_t k, int back)
     }
 }
 
-static void spread_forwards(struct bricks *bricks)
+void bricks_spread(struct bricks *bricks)
 {
     for (size_t k = 0; k < bricks->dim[2]; k++) {
         for (size_t j = 0; j < bricks->dim[1]; j++) {
@@ -55,10 +55,6 @@ static void spread_forwards(struct bricks *bricks)
             }
         }
     }
-}
-
-static void spread_backwards(struct bricks *bricks)
-{
     for (size_t k = bricks->dim[2]; k-- > 0;) {
         for (size_t j = bricks->dim[1]; j-- > 0;) {
             for (size_t i = bricks->dim[0]; i-- > 0;) {
@@ -66,10 +62,4 @@ static void spread_backwards(struct bricks *bricks)
             }
         }
     }
-}
-
-void bricks_spread(struct bricks *bricks)
-{
-    spread_forwards(bricks);
-    spread_backwards(bricks);
 }

@@ -121,18 +121,6 @@ static void copy_numbers(void *out, const struct numbers *numbers, size_t at, si
     }
 }
 
-/* Of so many slices of the box. */
-static void copy_slices(uint8_t *row, const struct numbers *numbers, size_t first, size_t count)
-{
-    const struct colour_volume *box = numbers->box;
-    for (size_t k = first; k < first + count; k++) {
-        for (size_t j = 0; j < box->size[1]; j++, row += box->size[0] * numbers->bytes) {
-            size_t at = box->first[0] + box->dim[0] * (box->first[1] + j + box->dim[1] * (box->first[2] + k));
-            copy_numbers(row, numbers, at, box->size[0]);
-        }
-    }
-}
-
 /* As narrow as their highest, `last`, allows; a few slices at a time, as well. */
 static conus_status upload_numbers(GLuint *out, const struct colour_volume *box, const struct volume *volume,
                                    size_t last, uint64_t *memory_left)
@@ -147,7 +135,13 @@ static conus_status upload_numbers(GLuint *out, const struct colour_volume *box,
     conus_status status = some ? volume_texture_create(out, kinds[bytes], dim, NULL, memory_left) : CONUS_ERROR_MEMORY;
     for (size_t first = 0; first < dim[2] && !status; first += step) {
         size_t count = dim[2] - first < step ? dim[2] - first : step;
-        copy_slices(some, &numbers, first, count);
+        uint8_t *row = some;
+        for (size_t k = first; k < first + count; k++) {
+            for (size_t j = 0; j < box->size[1]; j++, row += box->size[0] * numbers.bytes) {
+                size_t at = box->first[0] + box->dim[0] * (box->first[1] + j + box->dim[1] * (box->first[2] + k));
+                copy_numbers(row, &numbers, at, box->size[0]);
+            }
+        }
         volume_texture_fill(*out, kinds[bytes], dim, first, count, some);
     }
     memory_free(some);
@@ -307,17 +301,6 @@ conus_status colour_upload_meshes(struct colour_pass *pass, const conus_atlas *a
     return status ? status : add_bundle_content(pass, atlas);
 }
 
-static GLuint table_texture(const float *table)
-{
-    GLuint texture = 0;
-    glCreateTextures(GL_TEXTURE_2D, 1, &texture);
-    glTextureStorage2D(texture, 1, GL_RGBA32F, COLOUR_TABLE_ENTRIES, 1);
-    glTextureSubImage2D(texture, 0, 0, 0, COLOUR_TABLE_ENTRIES, 1, GL_RGBA, GL_FLOAT, table);
-    glTextureParameteri(texture, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-    glTextureParameteri(texture, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-    return texture;
-}
-
 /* Which entries of its table show. */
 static void find_visible(bool visible[COLOUR_TABLE_ENTRIES], float table[COLOUR_TABLE_ENTRIES * 4],
                          const struct transfer *transfer)
@@ -362,7 +345,11 @@ conus_status colour_upload_context(struct colour_pass *pass, struct field_task *
     find_visible(visible, table, transfer);
     conus_status status = begin_field(pass, &pass->context, task, visible, memory_left);
     if (!status) {
-        pass->transfer = table_texture(table);
+        glCreateTextures(GL_TEXTURE_2D, 1, &pass->transfer);
+        glTextureStorage2D(pass->transfer, 1, GL_RGBA32F, COLOUR_TABLE_ENTRIES, 1);
+        glTextureSubImage2D(pass->transfer, 0, 0, 0, COLOUR_TABLE_ENTRIES, 1, GL_RGBA, GL_FLOAT, table);
+        glTextureParameteri(pass->transfer, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+        glTextureParameteri(pass->transfer, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
         status = gl_check("transfer function");
     }
     pass->has_context = true;

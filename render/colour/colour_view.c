@@ -6,19 +6,6 @@
 #include "render/colour/bricks.h"
 #include "render/image/image_srgb.h"
 
-static void join_depths(struct slices *joint, const struct colour_volume *volume, const struct camera *camera)
-{
-    const double *m = camera->world_from_camera;
-    const double forward[3] = {-m[8], -m[9], -m[10]};
-    struct slices own = slices_over(volume->dim, volume->world_from_voxel, m + 12, forward, 1);
-    if (own.count) {
-        double end = fmax(joint->count ? joint->start + joint->spacing : 0, own.start + own.spacing);
-        joint->start = joint->count ? fmin(joint->start, own.start) : own.start;
-        joint->spacing = end - joint->start;
-        joint->count = 1;
-    }
-}
-
 struct slices colour_pass_slices(const struct colour_pass *pass, const struct camera *camera, uint32_t count)
 {
     struct slices joint = {0};
@@ -30,7 +17,15 @@ struct slices colour_pass_slices(const struct colour_pass *pass, const struct ca
         if (volumes[i]) {
             uint32_t own = slices_default(volumes[i]->dim);
             finest = own > finest ? own : finest;
-            join_depths(&joint, volumes[i], camera);
+            const double *m = camera->world_from_camera;
+            const double forward[3] = {-m[8], -m[9], -m[10]};
+            struct slices alone = slices_over(volumes[i]->dim, volumes[i]->world_from_voxel, m + 12, forward, 1);
+            if (alone.count) {
+                double end = fmax(joint.count ? joint.start + joint.spacing : 0, alone.start + alone.spacing);
+                joint.start = joint.count ? fmin(joint.start, alone.start) : alone.start;
+                joint.spacing = end - joint.start;
+                joint.count = 1;
+            }
         }
     }
     if (joint.count) {

@@ -42,15 +42,6 @@ static conus_status make(struct field_task *task)
     return status || task->texels ? status : CONUS_ERROR_MEMORY;
 }
 
-static void note_made(struct field_task *task, conus_status status)
-{
-    pthread_mutex_lock(&task->lock);
-    task->status = status;
-    task->is_made = true;
-    pthread_cond_signal(&task->changed);
-    pthread_mutex_unlock(&task->lock);
-}
-
 /* Whether there is room for another slab, as there is sooner or later unless nobody wants any. */
 static bool wait_for_room(struct field_task *task)
 {
@@ -68,7 +59,11 @@ static void *run(void *user)
     struct field_task *task = user;
     struct field_slab slab;
     conus_status status = make(task);
-    note_made(task, status);
+    pthread_mutex_lock(&task->lock);
+    task->status = status;
+    task->is_made = true;
+    pthread_cond_signal(&task->changed);
+    pthread_mutex_unlock(&task->lock);
     for (size_t n = 0; !status && wait_for_room(task); n++) {
         uint8_t *place = place_slab(&slab, task, n);
         if (!slab.count) {

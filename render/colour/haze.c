@@ -156,28 +156,6 @@ static void extend(struct extent *extent, const struct volume *volume, size_t vo
     }
 }
 
-static void extend_over(struct extent *extent, const struct volume *volume, const struct haze_choice *choice)
-{
-    for (size_t v = 0; v < volume->voxel_count; v++) {
-        bool hazy = hazy_at(volume, choice, v);
-        if (hazy && !extent->first) {
-            *extent = (struct extent){volume, {LONG_MAX, LONG_MAX, LONG_MAX}, {LONG_MIN, LONG_MIN, LONG_MIN}};
-        }
-        if (hazy) {
-            extend(extent, volume, v);
-        }
-    }
-}
-
-static void find_extent(struct extent *out, const conus_atlas *atlas, const struct haze_choice *choice)
-{
-    for (size_t i = 0; i < atlas->volume_count; i++) {
-        if (is_used(&atlas->volumes[i])) {
-            extend_over(out, &atlas->volumes[i], choice);
-        }
-    }
-}
-
 /* With a voxel around it. */
 static conus_status init_field(struct haze_field *out, const struct extent *extent, uint64_t max_memory)
 {
@@ -230,7 +208,20 @@ conus_status haze_fill(struct haze_field *out, const conus_atlas *atlas, const s
 {
     struct extent extent = {0};
     struct haze_field field = {0};
-    find_extent(&extent, atlas, choice);
+    for (size_t i = 0; i < atlas->volume_count; i++) {
+        if (is_used(&atlas->volumes[i])) {
+            for (size_t v = 0; v < atlas->volumes[i].voxel_count; v++) {
+                bool hazy = hazy_at(&atlas->volumes[i], choice, v);
+                if (hazy && !extent.first) {
+                    extent = (struct extent){
+                        &atlas->volumes[i], {LONG_MAX, LONG_MAX, LONG_MAX}, {LONG_MIN, LONG_MIN, LONG_MIN}};
+                }
+                if (hazy) {
+                    extend(&extent, &atlas->volumes[i], v);
+                }
+            }
+        }
+    }
     if (!extent.first) {
         return CONUS_OK;
     }

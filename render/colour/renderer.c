@@ -25,13 +25,6 @@ static conus_status make_absolute(struct transfer *transfer, const struct volume
     return status;
 }
 
-static conus_status choose_transfer(conus_renderer *renderer, const conus_renderer_options *options)
-{
-    const char *own = renderer->atlas->transfer ? renderer->atlas->transfer : "brain";
-    conus_status status = transfer_load(&renderer->transfer, options->transfer ? options->transfer : own);
-    return status ? status : make_absolute(&renderer->transfer, atlas_context(renderer->atlas));
-}
-
 /* With the renderer's context current. */
 static conus_status create_passes(conus_renderer *renderer, const conus_renderer_options *options,
                                   struct colour_fields *fields)
@@ -63,7 +56,9 @@ conus_status conus_renderer_create(conus_renderer **out, const conus_atlas *atla
     renderer->log_user = options->log_user;
     struct colour_fields fields = {0};
     struct gl_current previous;
-    conus_status status = choose_transfer(renderer, options);
+    const char *own = renderer->atlas->transfer ? renderer->atlas->transfer : "brain";
+    conus_status status = transfer_load(&renderer->transfer, options->transfer ? options->transfer : own);
+    status = status ? status : make_absolute(&renderer->transfer, atlas_context(renderer->atlas));
     status = status ? status : colour_fields_start(&fields, atlas, &renderer->transfer);
     status = status ? status : gl_context_create(&renderer->context, options->log, options->log_user);
     if (!status) {

@@ -94,18 +94,6 @@ static conus_status draw_tiles(const struct tiles *tiles, const struct target *t
     return status;
 }
 
-static void copy_tiles(float *rgba, const float *smooth, const struct tiles *tiles, const struct target *target)
-{
-    for (size_t n = 0; n < tiles->count; n++) {
-        size_t x = tiles->items[n].x;
-        size_t width = target->width - x < TILE ? target->width - x : TILE;
-        for (size_t y = tiles->items[n].y; y < (size_t)tiles->items[n].y + TILE && y < target->height; y++) {
-            size_t first = 4 * (y * target->width + x);
-            memcpy(rgba + first, smooth + first, 4 * width * sizeof *rgba);
-        }
-    }
-}
-
 conus_status smooth_edges(float *rgba, const struct target *target, const struct colour_pass *pass,
                           const struct colour_view *view)
 {
@@ -118,7 +106,14 @@ conus_status smooth_edges(float *rgba, const struct target *target, const struct
         status = draw_tiles(&tiles, target, pass, view);
         status = status ? status : target_read(target, "colour", smooth);
         if (!status) {
-            copy_tiles(rgba, smooth, &tiles, target);
+            for (size_t n = 0; n < tiles.count; n++) {
+                size_t x = tiles.items[n].x;
+                size_t width = target->width - x < TILE ? target->width - x : TILE;
+                for (size_t y = tiles.items[n].y; y < (size_t)tiles.items[n].y + TILE && y < target->height; y++) {
+                    size_t first = 4 * (y * target->width + x);
+                    memcpy(rgba + first, smooth + first, 4 * width * sizeof *rgba);
+                }
+            }
         }
     }
     memory_free(smooth);

@@ -168,19 +168,6 @@ conus_status transfer_parse(struct transfer *out, const uint8_t *data, size_t si
     return CONUS_OK;
 }
 
-static conus_status load_preset(struct transfer *out, const struct transfer_preset *preset)
-{
-    struct transfer transfer = {.relative = true};
-    for (size_t i = 0; i < preset->count; i++) {
-        if (append(&transfer, &preset->points[i])) {
-            transfer_finish(&transfer);
-            return CONUS_ERROR_MEMORY;
-        }
-    }
-    *out = transfer;
-    return CONUS_OK;
-}
-
 conus_status transfer_copy(struct transfer *out, const conus_transfer_point *points, size_t count)
 {
     struct transfer transfer = {0};
@@ -201,7 +188,16 @@ conus_status transfer_load(struct transfer *out, const char *name)
 {
     for (size_t i = 0; find_preset(i); i++) {
         if (strcmp(name, find_preset(i)->name) == 0) {
-            return load_preset(out, find_preset(i));
+            const struct transfer_preset *preset = find_preset(i);
+            struct transfer transfer = {.relative = true};
+            for (size_t k = 0; k < preset->count; k++) {
+                if (append(&transfer, &preset->points[k])) {
+                    transfer_finish(&transfer);
+                    return CONUS_ERROR_MEMORY;
+                }
+            }
+            *out = transfer;
+            return CONUS_OK;
         }
     }
     struct bytes bytes = {0};

@@ -40,16 +40,6 @@ static uint8_t *pixel_at(const struct drawing *drawing, uint32_t column, uint32_
     return drawing->rgba + 4 * ((size_t)drawing->place->width * row + column);
 }
 
-static void draw_pixel(const struct drawing *drawing, uint32_t column, uint32_t row)
-{
-    double wall = distance_to_wall(drawing, column, row);
-    double line = 0.9 * fmin(fmax(half_line - fabs(wall), 0), 1);
-    double opacity = fmax(line, wall < 0 ? tint : 0);
-    if (opacity > 0) {
-        cut_blend(pixel_at(drawing, column, row), cone_rgb, opacity);
-    }
-}
-
 /* A tile all inside or all outside needs to be asked once. */
 static void draw_tile(const struct drawing *drawing, uint32_t left, uint32_t top)
 {
@@ -66,7 +56,12 @@ static void draw_tile(const struct drawing *drawing, uint32_t left, uint32_t top
             if (inside) {
                 cut_blend(pixel_at(drawing, column, row), cone_rgb, tint);
             } else {
-                draw_pixel(drawing, column, row);
+                double outside = distance_to_wall(drawing, column, row);
+                double line = 0.9 * fmin(fmax(half_line - fabs(outside), 0), 1);
+                double opacity = fmax(line, outside < 0 ? tint : 0);
+                if (opacity > 0) {
+                    cut_blend(pixel_at(drawing, column, row), cone_rgb, opacity);
+                }
             }
         }
     }

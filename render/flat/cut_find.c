@@ -31,19 +31,14 @@ static void point_at(double out[3], const struct stretch *stretch, const struct 
     vec3_add_scaled(out, stretch->start, column, walk->right);
 }
 
-static bool is_in_grid(const struct volume *volume, const double p[3])
-{
-    const size_t *dim = volume->info.dim;
-    return p[0] >= -0.5 && p[0] < (double)dim[0] - 0.5 && p[1] >= -0.5 && p[1] < (double)dim[1] - 0.5 && p[2] >= -0.5 &&
-           p[2] < (double)dim[2] - 0.5;
-}
-
 static bool column_is_in(const struct volume *volume, const struct stretch *stretch, const struct cut_walk *walk,
                          uint32_t column)
 {
     double p[3];
     point_at(p, stretch, walk, column);
-    return is_in_grid(volume, p);
+    const size_t *dim = volume->info.dim;
+    return p[0] >= -0.5 && p[0] < (double)dim[0] - 0.5 && p[1] >= -0.5 && p[1] < (double)dim[1] - 0.5 && p[2] >= -0.5 &&
+           p[2] < (double)dim[2] - 0.5;
 }
 
 /* The grid is convex, so its columns are one stretch; the bounds are found a column too wide, for rounding. */
@@ -155,22 +150,6 @@ struct pane {
     uint32_t width, height;
 };
 
-static void pane_init(struct pane *out, const struct cut_place *place)
-{
-    *out = (struct pane){.width = place->width, .height = place->height};
-    memcpy(out->origin, place->centre, sizeof out->origin);
-    vec3_scale(out->right, place->right, 1 / place->mm_per_pixel);
-    vec3_scale(out->down, place->up, -1 / place->mm_per_pixel);
-    vec3_cross(out->forward, place->right, place->up);
-}
-
-static void to_offset(double out[3], const struct pane *pane, const float position[3])
-{
-    for (int a = 0; a < 3; a++) {
-        out[a] = (double)position[a] - pane->origin[a];
-    }
-}
-
 static void draw_line(uint32_t *contours, const struct pane *pane, const double from[2], const double to[2],
                       uint32_t object)
 {
@@ -246,7 +225,9 @@ static bool cut_triangle(double ends[2][2], const struct pane *pane, const struc
     double depth[3];
     for (int k = 0; k < 3; k++) {
         position[k] = mesh->positions + 3 * (size_t)triangle[k];
-        to_offset(corner[k], pane, position[k]);
+        for (int a = 0; a < 3; a++) {
+            corner[k][a] = (double)position[k][a] - pane->origin[a];
+        }
         depth[k] = vec3_dot(corner[k], pane->forward);
     }
     if ((depth[0] < 0) == (depth[1] < 0) && (depth[0] < 0) == (depth[2] < 0)) {
@@ -323,8 +304,11 @@ static void find_around(struct cut *cut, const struct pane *pane)
 
 static void find_surfaces(struct cut *cut, const struct cut_view *view)
 {
-    struct pane pane;
-    pane_init(&pane, &view->place);
+    struct pane pane = {.width = view->place.width, .height = view->place.height};
+    memcpy(pane.origin, view->place.centre, sizeof pane.origin);
+    vec3_scale(pane.right, view->place.right, 1 / view->place.mm_per_pixel);
+    vec3_scale(pane.down, view->place.up, -1 / view->place.mm_per_pixel);
+    vec3_cross(pane.forward, view->place.right, view->place.up);
     memset(cut->contours, 0, (size_t)pane.width * pane.height * sizeof *cut->contours);
     find_around(cut, &pane);
     for (size_t i = 0; i < cut->surface_count; i++) {

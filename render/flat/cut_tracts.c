@@ -17,18 +17,6 @@ struct frame {
     const uint32_t *objects; /* [streamline_count] 0 = not shown */
 };
 
-static void init_axes(struct frame *out, const struct cut_place *place)
-{
-    vec3_scale(out->axes[0], place->right, 1 / place->mm_per_pixel);
-    vec3_scale(out->axes[1], place->up, -1 / place->mm_per_pixel);
-    vec3_cross(out->axes[2], place->right, place->up);
-    vec3_scale(out->axes[2], out->axes[2], 1 / place->mm_per_pixel);
-    const double middle[3] = {0.5 * place->width - 0.5, 0.5 * place->height - 0.5, 0};
-    for (int a = 0; a < 3; a++) {
-        out->start[a] = middle[a] - vec3_dot(out->axes[a], place->centre);
-    }
-}
-
 static double along(const struct frame *frame, int axis, const double world[3])
 {
     return vec3_dot(frame->axes[axis], world) + frame->start[axis];
@@ -166,7 +154,14 @@ void cut_find_streamlines(struct cut *cut, const struct cut_view *view)
                               .cut = cut,
                               .tractogram = tractogram,
                               .objects = cut->streamlines[i]};
-        init_axes(&frame, &view->place);
+        vec3_scale(frame.axes[0], view->place.right, 1 / view->place.mm_per_pixel);
+        vec3_scale(frame.axes[1], view->place.up, -1 / view->place.mm_per_pixel);
+        vec3_cross(frame.axes[2], view->place.right, view->place.up);
+        vec3_scale(frame.axes[2], frame.axes[2], 1 / view->place.mm_per_pixel);
+        const double middle[3] = {0.5 * view->place.width - 0.5, 0.5 * view->place.height - 0.5, 0};
+        for (int a = 0; a < 3; a++) {
+            frame.start[a] = middle[a] - vec3_dot(frame.axes[a], view->place.centre);
+        }
         tract_tree_walk(tractogram, test_box, draw_run, &frame);
     }
 }

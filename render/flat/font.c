@@ -47,19 +47,6 @@ static conus_status fail_font(FT_Error error, const char *what)
                : fail(CONUS_ERROR_UNSUPPORTED, "%s: FreeType error %d", what, error);
 }
 
-static conus_status open_face(struct font *font, const char *path, int index)
-{
-    FT_Error error = FT_New_Library(&font->memory, &font->library);
-    if (!error) {
-        FT_Add_Default_Modules(font->library);
-        error = FT_New_Face(font->library, path, index, &font->face);
-    }
-    if (error) {
-        return fail_font(error, path);
-    }
-    return FT_IS_SCALABLE(font->face) ? CONUS_OK : fail(CONUS_ERROR_UNSUPPORTED, "%s: not a scalable font", path);
-}
-
 static conus_status open_match(struct font *font, FcPattern *match)
 {
     FcChar8 *path = NULL;
@@ -68,7 +55,16 @@ static conus_status open_match(struct font *font, FcPattern *match)
         return fail(CONUS_ERROR_UNSUPPORTED, "no text in pictures: no scalable font is installed (see fc-match sans)");
     }
     FcPatternGetInteger(match, FC_INDEX, 0, &index);
-    return open_face(font, (const char *)path, index);
+    const char *file = (const char *)path;
+    FT_Error error = FT_New_Library(&font->memory, &font->library);
+    if (!error) {
+        FT_Add_Default_Modules(font->library);
+        error = FT_New_Face(font->library, file, index, &font->face);
+    }
+    if (error) {
+        return fail_font(error, file);
+    }
+    return FT_IS_SCALABLE(font->face) ? CONUS_OK : fail(CONUS_ERROR_UNSUPPORTED, "%s: not a scalable font", file);
 }
 
 static conus_status open_sans(struct font *font)

@@ -132,15 +132,6 @@ size_t legend_capacity(const struct legend *legend, double size, double height)
     return space > 0 ? (size_t)(space / (LINE * size)) : 0;
 }
 
-static void choose_rows(struct layout *layout)
-{
-    size_t fitting = legend_capacity(layout->legend, layout->em, layout->image->height);
-    size_t count = layout->legend->count;
-    size_t tail = layout->legend->tail;
-    layout->shown = count <= fitting ? count : fitting > 0 ? fitting - 1 : 0;
-    layout->head = count <= fitting || layout->shown <= tail ? layout->shown : layout->shown - tail;
-}
-
 /* Chooses the columns, and the width of the names: as wide as they are, or what the columns leave them. */
 static double choose_columns(struct layout *layout)
 {
@@ -163,7 +154,11 @@ static bool measure_layout(struct layout *layout)
     const struct legend *legend = layout->legend;
     double em = layout->em;
     find_header(layout);
-    choose_rows(layout);
+    size_t fitting = legend_capacity(layout->legend, layout->em, layout->image->height);
+    size_t count = layout->legend->count;
+    size_t tail = layout->legend->tail;
+    layout->shown = count <= fitting ? count : fitting > 0 ? fitting - 1 : 0;
+    layout->head = count <= fitting || layout->shown <= tail ? layout->shown : layout->shown - tail;
     double width = choose_columns(layout) + 2 * PADDING * em;
     size_t lines = layout->shown + (layout->shown < legend->count);
     double height = head_height(layout) + (LINE * (double)lines + 2 * PADDING) * em;
@@ -228,37 +223,24 @@ static conus_status write_head(const struct layout *layout, double *y)
     return status;
 }
 
-static void draw_chip(const struct layout *layout, double left, double baseline, const struct legend_row *row)
-{
-    float colour[4];
-    double bottom = baseline + 0.04 * layout->em;
-    const struct draw_box box = {rint(left), rint(bottom - CHIP * layout->em), rint(left + CHIP * layout->em),
-                                 rint(bottom)};
-    draw_colour(colour, row->rgb, 1);
-    if (row->hollow && layout->legend->ink) {
-        memcpy(colour, layout->dim, sizeof colour);
-    }
-    draw_frame(layout->image, &box, 0.18 * layout->em, row->hollow ? fmax(1, 0.08 * layout->em) : 0, colour);
-}
-
 static conus_status write_row(const struct layout *layout, double left, double baseline, const struct legend_row *row)
 {
     double indent = row->heading ? 0 : (CHIP + CHIP_GAP) * layout->em;
     const float *colour = row->hollow || row->heading ? layout->dim : layout->bright;
     if (!row->heading) {
-        draw_chip(layout, left, baseline, row);
+        float chip[4];
+        double bottom = baseline + 0.04 * layout->em;
+        const struct draw_box box = {rint(left), rint(bottom - CHIP * layout->em), rint(left + CHIP * layout->em),
+                                     rint(bottom)};
+        draw_colour(chip, row->rgb, 1);
+        if (row->hollow && layout->legend->ink) {
+            memcpy(chip, layout->dim, sizeof chip);
+        }
+        draw_frame(layout->image, &box, 0.18 * layout->em, row->hollow ? fmax(1, 0.08 * layout->em) : 0, chip);
     }
     conus_status status = write_text(layout, (double[]){left + indent, baseline}, layout->em, layout->name_width + 0.01,
                                      colour, row->name);
     return status ? status : write_details(layout, baseline, row->detail, colour);
-}
-
-static conus_status write_count(const struct layout *layout, double left, double baseline)
-{
-    char text[64];
-    snprintf(text, sizeof text, "\xe2\x80\xa6 and %zu more", layout->legend->count - layout->shown);
-    const double at[2] = {left + (CHIP + CHIP_GAP) * layout->em, baseline};
-    return font_draw(layout->font, layout->image, at, layout->em, layout->dim, text);
 }
 
 static conus_status write_rows(const struct layout *layout, double y)
@@ -271,20 +253,15 @@ static conus_status write_rows(const struct layout *layout, double y)
         y += LINE * em;
         double baseline = rint(y - BELOW_BASELINE * em);
         if (is_short && line == layout->head) {
-            status = write_count(layout, left, baseline);
+            char text[64];
+            snprintf(text, sizeof text, "\xe2\x80\xa6 and %zu more", layout->legend->count - layout->shown);
+            const double at[2] = {left + (CHIP + CHIP_GAP) * layout->em, baseline};
+            status = font_draw(layout->font, layout->image, at, layout->em, layout->dim, text);
         } else {
             status = write_row(layout, left, baseline, shown_row(layout, line - (is_short && line > layout->head)));
         }
     }
     return status;
-}
-
-static void choose_colours(struct layout *layout)
-{
-    const float *ink = layout->legend->ink;
-    memcpy(layout->bright, ink ? ink : BRIGHT, sizeof layout->bright);
-    memcpy(layout->dim, ink ? ink : DIM, sizeof layout->dim);
-    layout->dim[3] *= ink ? 0.87F : 1;
 }
 
 conus_status legend_draw(conus_image *image, struct font *font, const struct legend *legend)
@@ -295,7 +272,10 @@ conus_status legend_draw(conus_image *image, struct font *font, const struct leg
     }
     struct layout layout = {.legend = legend, .font = font, .image = image};
     layout.em = legend->size > 0 ? legend->size : legend_size(image);
-    choose_colours(&layout);
+    const float *ink = layout.legend->ink;
+    memcpy(layout.bright, ink ? ink : BRIGHT, sizeof layout.bright);
+    memcpy(layout.dim, ink ? ink : DIM, sizeof layout.dim);
+    layout.dim[3] *= ink ? 0.87F : 1;
     if (!measure_layout(&layout)) {
         return CONUS_OK;
     }

@@ -18,16 +18,10 @@ struct gl_context {
     char renderer[128];
 };
 
-static void remember(struct gl_current *out)
-{
-    *out = (struct gl_current){eglGetCurrentDisplay(), eglGetCurrentSurface(EGL_DRAW), eglGetCurrentSurface(EGL_READ),
-                               eglGetCurrentContext(), eglQueryAPI()};
-}
-
 conus_status gl_context_use(struct gl_context *context, struct gl_current *previous)
 {
-    struct gl_current current;
-    remember(&current);
+    struct gl_current current = {eglGetCurrentDisplay(), eglGetCurrentSurface(EGL_DRAW), eglGetCurrentSurface(EGL_READ),
+                                 eglGetCurrentContext(), eglQueryAPI()};
     if (current.context != context->context) {
         eglBindAPI(EGL_OPENGL_API);
         if (!eglMakeCurrent(context->display, EGL_NO_SURFACE, EGL_NO_SURFACE, context->context)) {

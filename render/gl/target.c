@@ -81,11 +81,6 @@ void target_finish(struct target *target)
     *target = (struct target){0};
 }
 
-static bool has_depth(const struct target *target)
-{
-    return target->count && target->attachments[target->count - 1].format == TARGET_DEPTH;
-}
-
 void target_bind(const struct target *target)
 {
     static const GLenum off[] = {GL_BLEND,        GL_DITHER,       GL_CULL_FACE,         GL_MULTISAMPLE,
@@ -97,7 +92,7 @@ void target_bind(const struct target *target)
     }
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
-    if (has_depth(target)) {
+    if (target->count && target->attachments[target->count - 1].format == TARGET_DEPTH) {
         glEnable(GL_DEPTH_TEST);
         glDepthMask(GL_TRUE);
     } else {

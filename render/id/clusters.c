@@ -38,13 +38,6 @@ static int longest_axis(const struct middle *middles, size_t count)
     return axis;
 }
 
-static void swap(struct middle *a, struct middle *b)
-{
-    struct middle kept = *a;
-    *a = *b;
-    *b = kept;
-}
-
 /* Hoare's selection: afterwards the `part` lowest along the axis come first. */
 static void select_lowest(struct middle *middles, size_t count, size_t part, int axis)
 {
@@ -64,7 +57,11 @@ static void select_lowest(struct middle *middles, size_t count, size_t part, int
             if (i >= j) {
                 break;
             }
-            swap(&middles[i++], &middles[j--]);
+            struct middle *a = &middles[i++];
+            struct middle *b = &middles[j--];
+            struct middle held = *a;
+            *a = *b;
+            *b = held;
         }
         if (part <= j) {
             high = j;
@@ -84,18 +81,6 @@ static void gather_neighbours(struct middle *middles, size_t count)
         gather_neighbours(middles, half);
         middles += half;
         count -= half;
-    }
-}
-
-static void find_middles(struct middle *out, const struct mesh *mesh)
-{
-    for (size_t i = 0; i < mesh->triangle_count; i++) {
-        const uint32_t *corner = &mesh->triangles[3 * i];
-        out[i].triangle = (uint32_t)i;
-        for (size_t a = 0; a < 3; a++) {
-            out[i].at[a] = mesh->positions[3 * (size_t)corner[0] + a] + mesh->positions[3 * (size_t)corner[1] + a] +
-                           mesh->positions[3 * (size_t)corner[2] + a];
-        }
     }
 }
 
@@ -247,7 +232,15 @@ conus_status clusters_init(struct clusters *out, const struct mesh *const *meshe
     clusters.vertex_count = sizes.triangles;
     for (size_t i = 0; i < count && !status; i++) {
         if (meshes[i]) {
-            find_middles(scratch.middles, meshes[i]);
+            for (size_t t = 0; t < meshes[i]->triangle_count; t++) {
+                const uint32_t *corners = &meshes[i]->triangles[3 * t];
+                scratch.middles[t].triangle = (uint32_t)t;
+                for (size_t a = 0; a < 3; a++) {
+                    scratch.middles[t].at[a] = meshes[i]->positions[3 * (size_t)corners[0] + a] +
+                                               meshes[i]->positions[3 * (size_t)corners[1] + a] +
+                                               meshes[i]->positions[3 * (size_t)corners[2] + a];
+                }
+            }
             gather_neighbours(scratch.middles, meshes[i]->triangle_count);
             lay_out(&clusters, meshes[i], &scratch, clusters.triangle_count);
             add_clusters(&clusters, clusters.mesh_count++, (uint32_t)i + 1, clusters.triangle_count,

@@ -294,18 +294,6 @@ static struct seen see_cluster(const struct mesh_cull *cull, uint32_t number)
     return see(cull, cluster->centre[0], cluster->centre[1], cluster->centre[2], cluster->radius);
 }
 
-static void push_clusters(struct mesh_cull *cull, uint32_t mesh)
-{
-    const size_t *first = &cull->clusters->first_cluster[mesh];
-    for (size_t i = first[0]; i < first[1]; i++) {
-        struct seen ball = see_cluster(cull, (uint32_t)i);
-        double nearest = nearest_of(cull, &ball);
-        if (is_in_pyramid(cull, &ball) && is_open(cull, &ball, nearest)) {
-            push_waiting(cull, (struct waiting){key_of(cull, nearest), (uint32_t)i, 0});
-        }
-    }
-}
-
 /* How near what comes up is, of which the heap need not know. */
 static double nearest_again(const struct mesh_cull *cull, const struct waiting *next, const struct seen *ball)
 {
@@ -326,7 +314,14 @@ size_t mesh_cull_batch(const uint32_t **out, struct mesh_cull *cull, size_t tria
             struct seen seen =
                 see(cull, ball[0][next.number], ball[1][next.number], ball[2][next.number], ball[3][next.number]);
             if (is_open(cull, &seen, nearest_again(cull, &next, &seen))) {
-                push_clusters(cull, next.number);
+                const size_t *first = &cull->clusters->first_cluster[next.number];
+                for (size_t i = first[0]; i < first[1]; i++) {
+                    struct seen cluster = see_cluster(cull, (uint32_t)i);
+                    double distance = nearest_of(cull, &cluster);
+                    if (is_in_pyramid(cull, &cluster) && is_open(cull, &cluster, distance)) {
+                        push_waiting(cull, (struct waiting){key_of(cull, distance), (uint32_t)i, 0});
+                    }
+                }
             }
         } else {
             struct seen seen = see_cluster(cull, next.number);

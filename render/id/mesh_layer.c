@@ -180,26 +180,6 @@ static conus_status make_program(struct mesh_program *out, const char *file, con
     return status;
 }
 
-static conus_status make_programs(struct mesh_layer *layer)
-{
-    conus_status status = make_program(&layer->solid, "mesh.frag.glsl", shader_mesh_frag);
-    status = status ? status : make_program(&layer->peel, "mesh_peel.frag.glsl", shader_mesh_peel_frag);
-    if (!status) {
-        layer->taken = program_uniform(layer->peel.program, "taken");
-    }
-    return status;
-}
-
-static conus_status make_parts(struct mesh_layer *layer, size_t count)
-{
-    layer->part_count = count;
-    layer->counts = memory_zeroed(count, sizeof *layer->counts);
-    layer->parts = memory_zeroed(count, sizeof *layer->parts);
-    layer->offsets = memory_zeroed(count, sizeof(void *));
-    layer->shown = memory_zeroed(count, sizeof *layer->shown);
-    return layer->counts && layer->parts && layer->offsets && layer->shown ? CONUS_OK : CONUS_ERROR_MEMORY;
-}
-
 /* Those that are not hidden. */
 static void show_parts(struct mesh_layer *layer, const conus_atlas *atlas)
 {
@@ -215,8 +195,20 @@ conus_status mesh_layer_create(struct mesh_layer **out, const conus_atlas *atlas
     if (!layer) {
         return CONUS_ERROR_MEMORY;
     }
-    conus_status status = make_programs(layer);
-    status = status ? status : make_parts(layer, count_parts(atlas));
+    conus_status status = make_program(&layer->solid, "mesh.frag.glsl", shader_mesh_frag);
+    status = status ? status : make_program(&layer->peel, "mesh_peel.frag.glsl", shader_mesh_peel_frag);
+    if (!status) {
+        layer->taken = program_uniform(layer->peel.program, "taken");
+    }
+    if (!status) {
+        const size_t count = count_parts(atlas);
+        layer->part_count = count;
+        layer->counts = memory_zeroed(count, sizeof *layer->counts);
+        layer->parts = memory_zeroed(count, sizeof *layer->parts);
+        layer->offsets = memory_zeroed(count, sizeof(void *));
+        layer->shown = memory_zeroed(count, sizeof *layer->shown);
+        status = layer->counts && layer->parts && layer->offsets && layer->shown ? CONUS_OK : CONUS_ERROR_MEMORY;
+    }
     status = status ? status : upload_meshes(layer, atlas, memory_left);
     status = status || !atlas->tractogram_count ? status : tube_layer_create(&layer->tubes, atlas, memory_left);
     if (status) {

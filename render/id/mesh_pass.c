@@ -305,25 +305,6 @@ static conus_status set_capacity(struct mesh_pass *pass, uint32_t count)
     return status ? status : make_pixels(pass, slots);
 }
 
-/* Nothing noted yet; what is known to be farther than `distances` need not be. */
-static void clear_pixels(const struct mesh_pass *pass, size_t place, const double *distances)
-{
-    for (size_t i = 0; i < pixel_count(pass); i++) {
-        float nearest = (float)distances[i];
-        memcpy(pixel_at(pass, place, i), &nearest, sizeof nearest);
-        pixel_at(pass, place, i)[1] = 0;
-    }
-}
-
-/* Waits for the drawing. */
-static conus_status read_pixels(const struct mesh_pass *pass, size_t slots)
-{
-    glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-    glFinish();
-    glGetNamedBufferSubData(pass->pixel_buffer, 0, (GLsizeiptr)pixels_size(pass, slots), pass->pixels);
-    return gl_check("mesh ID pass");
-}
-
 /* Eq. 9: nearest first; of equally near ones the lower object, then the lower triangle. */
 static void weigh(const struct mesh_pass *pass, const struct mesh_pixels *pixels, size_t pixel, uint32_t drawn)
 {
@@ -442,7 +423,11 @@ static size_t feed_all(struct mesh_pass *pass, size_t slots, struct queue *queue
 static conus_status draw_batches(struct mesh_pass *pass, const struct slot *slots, size_t count)
 {
     for (size_t i = 0; i < count; i++) {
-        clear_pixels(pass, i, slots[i].query->pixels.distances);
+        for (size_t pixel = 0; pixel < pixel_count(pass); pixel++) {
+            float nearest = (float)slots[i].query->pixels.distances[pixel];
+            memcpy(pixel_at(pass, i, pixel), &nearest, sizeof nearest);
+            pixel_at(pass, i, pixel)[1] = 0;
+        }
     }
     glNamedBufferSubData(pass->pixel_buffer, 0, (GLsizeiptr)pixels_size(pass, count), pass->pixels);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PIXEL_BUFFER, pass->pixel_buffer);
@@ -451,7 +436,10 @@ static conus_status draw_batches(struct mesh_pass *pass, const struct slot *slot
         glUniform1i(pass->first.first_pixel, (GLint)(i * pixel_count(pass)));
         draw_batch(pass, slots[i].batch, slots[i].count);
     }
-    return read_pixels(pass, count);
+    glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+    glFinish();
+    glGetNamedBufferSubData(pass->pixel_buffer, 0, (GLsizeiptr)pixels_size(pass, count), pass->pixels);
+    return gl_check("mesh ID pass");
 }
 
 /* Draws a batch again if a pixel had more triangles than its capacity. What is known by then leaves most of them out;

@@ -125,17 +125,6 @@ static int by_name(const void *a, const void *b)
     return strcmp(((const struct image_channel *)a)->name, ((const struct image_channel *)b)->name);
 }
 
-/* The channels by name, as the file has them: the caller's to memory_free(). */
-static struct image_channel *ordered_channels(const struct deep_image *image)
-{
-    struct image_channel *order = memory_raw(image->channel_count, sizeof *order);
-    if (order) {
-        memcpy(order, image->channels, image->channel_count * sizeof *order);
-        qsort(order, image->channel_count, sizeof *order, by_name);
-    }
-    return order;
-}
-
 static exr_result_t write_rows(exr_context_t file, const struct deep_image *image, struct row *row,
                                const struct image_channel *order)
 {
@@ -154,19 +143,6 @@ static exr_result_t write_rows(exr_context_t file, const struct deep_image *imag
     return code;
 }
 
-static exr_result_t write_samples(exr_context_t file, const struct deep_image *image)
-{
-    struct row row;
-    struct image_channel *order = ordered_channels(image);
-    exr_result_t code = order ? row_init(&row, image) : EXR_ERR_OUT_OF_MEMORY;
-    if (!code) {
-        code = write_rows(file, image, &row, order);
-        row_finish(&row);
-    }
-    memory_free(order);
-    return code;
-}
-
 static uint32_t most_samples(const struct deep_image *image)
 {
     size_t pixels = (size_t)image->header->width * image->header->height;
@@ -175,17 +151,6 @@ static uint32_t most_samples(const struct deep_image *image)
         most = image->counts[i] > most ? image->counts[i] : most;
     }
     return most;
-}
-
-static exr_result_t write_channels(exr_context_t file, const struct deep_image *image)
-{
-    exr_result_t code = EXR_ERR_SUCCESS;
-    for (size_t i = 0; !code && i < image->channel_count; i++) {
-        const struct image_channel *channel = &image->channels[i];
-        code = exr_add_channel(file, 0, channel->name, channel->type == IMAGE_FLOAT ? EXR_PIXEL_FLOAT : EXR_PIXEL_UINT,
-                               EXR_PERCEPTUALLY_LINEAR, 1, 1);
-    }
-    return code;
 }
 
 /* Declared first: left alone, exr_attr_set_user() of 3.1.5 crashes where there is no memory for the attribute.
@@ -213,7 +178,11 @@ static exr_result_t write_header(exr_context_t file, const struct deep_image *im
                                                       (int32_t)image->header->height, EXR_COMPRESSION_ZIPS);
     code = code ? code : exr_set_version(file, part, DEEP_VERSION);
     code = code ? code : exr_attr_set_int(file, part, "maxSamplesPerPixel", (int32_t)most_samples(image));
-    code = code ? code : write_channels(file, image);
+    for (size_t i = 0; !code && i < image->channel_count; i++) {
+        const struct image_channel *channel = &image->channels[i];
+        code = exr_add_channel(file, 0, channel->name, channel->type == IMAGE_FLOAT ? EXR_PIXEL_FLOAT : EXR_PIXEL_UINT,
+                               EXR_PERCEPTUALLY_LINEAR, 1, 1);
+    }
     code = code ? code : exr_stream_attributes(file, image->header);
     if (!code && image->manifest.data) {
         code = write_manifest(file, &image->manifest);
@@ -227,6 +196,19 @@ conus_status deep_image_format(struct bytes *out, const struct deep_image *image
     exr_context_t file = NULL;
     exr_result_t code = exr_stream_write(&file, &stream);
     code = code ? code : write_header(file, image);
-    code = code ? code : write_samples(file, image);
+    if (!code) {
+        struct row row;
+        struct image_channel *order = memory_raw(image->channel_count, sizeof *order);
+        if (order) {
+            memcpy(order, image->channels, image->channel_count * sizeof *order);
+            qsort(order, image->channel_count, sizeof *order, by_name);
+        }
+        code = order ? row_init(&row, image) : EXR_ERR_OUT_OF_MEMORY;
+        if (!code) {
+            code = write_rows(file, image, &row, order);
+            row_finish(&row);
+        }
+        memory_free(order);
+    }
     return exr_stream_end(out, file, &stream, code);
 }

@@ -39,13 +39,6 @@ struct dictionary {
     uint32_t *rank_of;  /* [count] rank of the word with an index */
 };
 
-static void dictionary_finish(struct dictionary *dictionary)
-{
-    memory_free(dictionary->words);
-    memory_free(dictionary->index_of);
-    memory_free(dictionary->rank_of);
-}
-
 static void put_u32(struct buffer *out, uint32_t value)
 {
     const uint8_t bytes[] = {(uint8_t)value, (uint8_t)(value >> 8), (uint8_t)(value >> 16), (uint8_t)(value >> 24)};
@@ -316,7 +309,9 @@ conus_status id_manifest_format(struct bytes *out, const struct id_manifest_grou
         status = buffer_status(&plain);
     }
     status = status ? status : deflate_manifest(out, &plain);
-    dictionary_finish(&dictionary);
+    memory_free(dictionary.words);
+    memory_free(dictionary.index_of);
+    memory_free(dictionary.rank_of);
     buffer_finish(&plain);
     return status;
 }

@@ -43,15 +43,6 @@ static exr_result_t compress_if_smaller(exr_encode_pipeline_t *pipeline)
     return code;
 }
 
-static exr_result_t choose_routines(exr_context_t file, exr_encode_pipeline_t *pipeline, compress_function *compress)
-{
-    exr_result_t code = exr_encoding_choose_default_routines(file, 0, pipeline);
-    *compress = pipeline->compress_fn;
-    pipeline->encoding_user_data = compress;
-    pipeline->compress_fn = compress_if_smaller;
-    return code;
-}
-
 static exr_result_t write_chunk(exr_context_t file, exr_encode_pipeline_t *pipeline, compress_function *compress,
                                 const conus_image *image, int row)
 {
@@ -69,22 +60,12 @@ static exr_result_t write_chunk(exr_context_t file, exr_encode_pipeline_t *pipel
         coded->user_line_stride = (int32_t)(image->width * sizeof *pixels);
     }
     if (!code && row == 0) {
-        code = choose_routines(file, pipeline, compress);
+        code = exr_encoding_choose_default_routines(file, 0, pipeline);
+        *compress = pipeline->compress_fn;
+        pipeline->encoding_user_data = compress;
+        pipeline->compress_fn = compress_if_smaller;
     }
     return code ? code : exr_encoding_run(file, 0, pipeline);
-}
-
-static exr_result_t write_pixels(exr_context_t file, const conus_image *image)
-{
-    exr_encode_pipeline_t pipeline = EXR_ENCODE_PIPELINE_INITIALIZER;
-    compress_function compress = NULL;
-    int32_t lines = 0;
-    exr_result_t code = exr_get_scanlines_per_chunk(file, 0, &lines);
-    for (int row = 0; !code && row < (int)image->height; row += lines) {
-        code = write_chunk(file, &pipeline, &compress, image, row);
-    }
-    exr_encoding_destroy(file, &pipeline);
-    return code;
 }
 
 conus_status image_format_exr(struct bytes *out, const conus_image *image)
@@ -93,7 +74,16 @@ conus_status image_format_exr(struct bytes *out, const conus_image *image)
     exr_context_t file = NULL;
     exr_result_t code = exr_stream_write(&file, &stream);
     code = code ? code : write_header(file, image);
-    code = code ? code : write_pixels(file, image);
+    if (!code) {
+        exr_encode_pipeline_t pipeline = EXR_ENCODE_PIPELINE_INITIALIZER;
+        compress_function compress = NULL;
+        int32_t lines = 0;
+        code = exr_get_scanlines_per_chunk(file, 0, &lines);
+        for (int row = 0; !code && row < (int)image->height; row += lines) {
+            code = write_chunk(file, &pipeline, &compress, image, row);
+        }
+        exr_encoding_destroy(file, &pipeline);
+    }
     return exr_stream_end(out, file, &stream, code);
 }
 
@@ -140,19 +130,6 @@ static conus_status read_attribute(conus_image *image, const exr_attribute_t *at
                                                      : CONUS_OK;
 }
 
-static conus_status read_attributes(conus_image *image, exr_const_context_t file)
-{
-    int32_t count = 0;
-    conus_status status = exr_get_attribute_count(file, 0, &count) ? CONUS_ERROR_DATA : CONUS_OK;
-    for (int32_t i = 0; !status && i < count; i++) {
-        const exr_attribute_t *attribute = NULL;
-        if (exr_get_attribute_by_index(file, 0, EXR_ATTR_LIST_FILE_ORDER, i, &attribute) == EXR_ERR_SUCCESS) {
-            status = read_attribute(image, attribute);
-        }
-    }
-    return status;
-}
-
 /* Makes the image that the header speaks of. */
 static conus_status read_header(conus_image **out, exr_const_context_t file, const struct exr_stream *stream)
 {
@@ -186,7 +163,16 @@ static conus_status read_header(conus_image **out, exr_const_context_t file, con
     conus_image *image = NULL;
     conus_status status = image_create(&image, (uint32_t)width, (uint32_t)height);
     status = status ? status : read_channels(image, list, compression);
-    status = status ? status : read_attributes(image, file);
+    if (!status) {
+        int32_t count = 0;
+        status = exr_get_attribute_count(file, 0, &count) ? CONUS_ERROR_DATA : CONUS_OK;
+        for (int32_t i = 0; !status && i < count; i++) {
+            const exr_attribute_t *attribute = NULL;
+            if (exr_get_attribute_by_index(file, 0, EXR_ATTR_LIST_FILE_ORDER, i, &attribute) == EXR_ERR_SUCCESS) {
+                status = read_attribute(image, attribute);
+            }
+        }
+    }
     if (status) {
         conus_image_destroy(image);
         return status;

@@ -81,15 +81,6 @@ static void flush_nothing(png_structp png)
     (void)png;
 }
 
-/* Whole pixels per metre. */
-static void write_density(const struct job *job)
-{
-    if (job->dpi > 0) {
-        png_uint_32 per_metre = (png_uint_32)lrint(job->dpi / 0.0254);
-        png_set_pHYs(job->png, job->info, per_metre, per_metre, PNG_RESOLUTION_METER);
-    }
-}
-
 static bool write_png(struct job *job, const uint8_t *rgba, uint32_t width, uint32_t height)
 {
     if (setjmp(png_jmpbuf(job->png))) {
@@ -101,7 +92,10 @@ static bool write_png(struct job *job, const uint8_t *rgba, uint32_t width, uint
     png_set_filter(job->png, PNG_FILTER_TYPE_BASE, PNG_FILTER_UP);
     png_set_compression_level(job->png, LEVEL);
     png_set_sRGB(job->png, job->info, PNG_sRGB_INTENT_RELATIVE);
-    write_density(job);
+    if (job->dpi > 0) {
+        png_uint_32 per_metre = (png_uint_32)lrint(job->dpi / 0.0254);
+        png_set_pHYs(job->png, job->info, per_metre, per_metre, PNG_RESOLUTION_METER);
+    }
     png_write_info(job->png, job->info);
     for (uint32_t y = 0; y < height; y++) {
         png_write_row(job->png, rgba + (size_t)y * width * 4);
@@ -148,16 +142,6 @@ static void read_bytes(png_structp png, png_bytep bytes, size_t size)
     job->offset += size;
 }
 
-/* Turns whatever comes into RGBA with 16 bits in this machine's byte order. */
-static void set_transformations(png_structp png)
-{
-    png_set_expand_16(png); /* palette, few bits and transparent colours too */
-    png_set_gray_to_rgb(png);
-    png_set_add_alpha(png, 0xffff, PNG_FILLER_AFTER);
-    png_set_swap(png);
-    png_set_interlace_handling(png);
-}
-
 static bool read_head(struct job *job)
 {
     if (setjmp(png_jmpbuf(job->png))) {
@@ -171,7 +155,11 @@ static bool read_head(struct job *job)
     if (unpacked / MAX_RATIO > job->size) {
         png_error(job->png, "more pixels than a file of this size can hold");
     }
-    set_transformations(job->png);
+    png_set_expand_16(job->png); /* palette, few bits and transparent colours too */
+    png_set_gray_to_rgb(job->png);
+    png_set_add_alpha(job->png, 0xffff, PNG_FILLER_AFTER);
+    png_set_swap(job->png);
+    png_set_interlace_handling(job->png);
     png_read_update_info(job->png, job->info);
     return true;
 }

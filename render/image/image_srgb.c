@@ -16,14 +16,6 @@ double linear_from_srgb(double srgb)
     return srgb <= 0.04045 ? srgb / 12.92 : pow((srgb + 0.055) / 1.055, 2.4);
 }
 
-/* An sRGB byte is the number of these that a value reaches: the middles between the bytes, in linear radiance. */
-static void make_steps(float steps[255])
-{
-    for (int i = 0; i < 255; i++) {
-        steps[i] = (float)linear_from_srgb((i + 0.5) / 255);
-    }
-}
-
 static uint8_t byte_from_linear(const float steps[255], float linear)
 {
     unsigned low = 0;
@@ -31,11 +23,6 @@ static uint8_t byte_from_linear(const float steps[255], float linear)
         low += low + half <= 255 && linear >= steps[low + half - 1] ? half : 0;
     }
     return (uint8_t)low;
-}
-
-static uint8_t byte_from_opacity(float opacity)
-{
-    return (uint8_t)(opacity > 0 ? lrintf(255 * fminf(opacity, 1)) : 0);
 }
 
 conus_status image_srgb_bytes(uint8_t **out, const conus_image *image)
@@ -50,13 +37,16 @@ conus_status image_srgb_bytes(uint8_t **out, const conus_image *image)
         return CONUS_ERROR_MEMORY;
     }
     float steps[255];
-    make_steps(steps);
+    /* An sRGB byte is the number of these that a value reaches: the middles between the bytes, in linear radiance. */
+    for (int i = 0; i < 255; i++) {
+        steps[i] = (float)linear_from_srgb((i + 0.5) / 255);
+    }
     for (size_t i = 0; i < count; i++) {
         float opacity = rgba.plane[3] ? rgba.plane[3][i] : 1;
         for (size_t c = 0; c < 3; c++) {
             bytes[4 * i + c] = opacity > 0 ? byte_from_linear(steps, rgba.plane[c][i] / opacity) : 0;
         }
-        bytes[4 * i + 3] = byte_from_opacity(opacity);
+        bytes[4 * i + 3] = (uint8_t)(opacity > 0 ? lrintf(255 * fminf(opacity, 1)) : 0);
     }
     *out = bytes;
     return CONUS_OK;

@@ -44,11 +44,6 @@ static const struct tract_scalar *find_scalar(const struct tractogram *tractogra
     return NULL;
 }
 
-static size_t value_count(const struct tractogram *tractogram, const struct tract_scalar *scalar)
-{
-    return scalar->per_point ? tractogram->point_count : tractogram->streamline_count;
-}
-
 /* Of all tractograms that have the number; false where none has, or no value is finite. */
 static bool find_range(struct tube_colouring *out, const conus_atlas *atlas, const char *name)
 {
@@ -57,7 +52,9 @@ static bool find_range(struct tube_colouring *out, const conus_atlas *atlas, con
     out->high = -INFINITY;
     for (size_t i = 0; i < atlas->tractogram_count; i++) {
         const struct tract_scalar *scalar = find_scalar(&atlas->tractograms[i], name);
-        size_t count = scalar ? value_count(&atlas->tractograms[i], scalar) : 0;
+        size_t count =
+            scalar ? (scalar->per_point ? atlas->tractograms[i].point_count : atlas->tractograms[i].streamline_count)
+                   : 0;
         found = found || scalar;
         for (size_t v = 0; v < count; v++) {
             double value = (double)scalar->values[v];

@@ -121,15 +121,6 @@ static conus_status keep_points(struct tube_layer *layer)
     return status;
 }
 
-static uint64_t count_points(const conus_atlas *atlas)
-{
-    uint64_t count = 0;
-    for (size_t i = 0; i < atlas->tractogram_count; i++) {
-        count += atlas->tractograms[i].point_count;
-    }
-    return count;
-}
-
 /* The last point stands twice: each instance reads the one behind its own, too. */
 static void fill_points(float (*points)[3], const struct tube_layer *layer)
 {
@@ -209,7 +200,11 @@ conus_status tube_layer_create(struct tube_layer **out, const conus_atlas *atlas
     layer->atlas = atlas;
     layer->range_count = atlas->tractogram_count;
     layer->ranges = memory_zeroed(layer->range_count, sizeof *layer->ranges);
-    layer->step = count_points(atlas) / TUBE_POINT_LIMIT + 1;
+    uint64_t count = 0;
+    for (size_t i = 0; i < atlas->tractogram_count; i++) {
+        count += atlas->tractograms[i].point_count;
+    }
+    layer->step = count / TUBE_POINT_LIMIT + 1;
     conus_status status = layer->ranges ? make_program(layer) : CONUS_ERROR_MEMORY;
     status = status ? status : keep_points(layer);
     status = status ? status : upload(layer, memory_left);
@@ -300,19 +295,6 @@ static void invert_rows(float out[9], const double rows[9])
     }
 }
 
-static void use_view(const struct tube_layer *layer, const struct tube_layer_view *view)
-{
-    float inverse[9];
-    invert_rows(inverse, view->camera_from_world);
-    glUseProgram(layer->program);
-    glUniform3dv(layer->eye, 1, view->eye);
-    glUniformMatrix3dv(layer->camera_from_world, 1, GL_TRUE, view->camera_from_world);
-    glUniformMatrix3fv(layer->world_from_camera, 1, GL_FALSE, inverse);
-    glUniform2fv(layer->shift, 1, view->shift);
-    glUniform2f(layer->size, (float)view->width, (float)view->height);
-    glBindVertexArray(layer->vertices);
-}
-
 /* In pieces, where somebody hears of them. */
 static conus_status draw_range(const struct range *range, const struct tube_layer_view *view)
 {
@@ -331,7 +313,15 @@ static conus_status draw_range(const struct range *range, const struct tube_laye
 conus_status tube_layer_draw(const struct tube_layer *layer, const struct tube_layer_view *view)
 {
     conus_status status = CONUS_OK;
-    use_view(layer, view);
+    float inverse[9];
+    invert_rows(inverse, view->camera_from_world);
+    glUseProgram(layer->program);
+    glUniform3dv(layer->eye, 1, view->eye);
+    glUniformMatrix3dv(layer->camera_from_world, 1, GL_TRUE, view->camera_from_world);
+    glUniformMatrix3fv(layer->world_from_camera, 1, GL_FALSE, inverse);
+    glUniform2fv(layer->shift, 1, view->shift);
+    glUniform2f(layer->size, (float)view->width, (float)view->height);
+    glBindVertexArray(layer->vertices);
     for (size_t i = 0; i < layer->range_count && !status; i++) {
         glUniform1f(layer->radius, layer->ranges[i].radius);
         status = draw_range(&layer->ranges[i], view);
