@@ -5,6 +5,7 @@
 #include "options/input_file.h"
 #include "options/messages.h"
 #include "options/options.h"
+#include "options/output.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -315,6 +316,12 @@ struct batch_entry batch_entry_of(const conus_batch_block *block)
 
 int batch_file_append(struct batch_file *file, const conus_batch_block *block)
 {
+    if (!file->path) {
+        int code = output_write(NULL, block->text, block->size);
+        file->poses += code ? 0 : block->poses;
+        file->errors += code ? 0 : block->errors;
+        return code;
+    }
     const struct batch_entry entry = batch_entry_of(block);
     if (!write_fully(file->rows, block->text, block->size)) {
         return print_system_error(file->path, "write");

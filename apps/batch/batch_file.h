@@ -9,7 +9,7 @@
 #include <conus/conus.h>
 
 struct batch_file {
-    const char *path;
+    const char *path;     /**< NULL = standard output, which has no journal. */
     char *part, *journal; /**< Paths. */
     int rows, log;        /**< Descriptors of the two; -1 = closed. */
     uint64_t poses, errors;
@@ -38,7 +38,7 @@ struct batch_entry {
 
 struct batch_entry batch_entry_of(const conus_batch_block *block);
 
-/** Appends a block. Gives the exit code likewise. */
+/** Appends a block; to standard output where the file has no path. Gives the exit code likewise. */
 int batch_file_append(struct batch_file *file, const conus_batch_block *block);
 
 /** Notes a block that somebody else has written behind those that are there. Gives the exit code likewise. */

@@ -3,14 +3,12 @@
  * journals, and announces each batch to the others. The first rank of each node loads the atlases for all that run
  * there. Every rank reads the poses' file by itself, and passes over the poses that are others'. */
 #include "batch/batch_jobs.h"
-#include "batch/batch_output.h"
-#include "mpi/announcement.h"
+#include "batch/batch_run.h"
 #include "mpi/node_atlas.h"
 #include "mpi/ordered_file.h"
 #include "options/interrupt.h"
 #include "options/messages.h"
 #include "options/output.h"
-#include "options/progress.h"
 #include "pages/pages.h"
 
 #include <inttypes.h>
@@ -19,7 +17,6 @@
 
 enum { BLOCKS_PER_PART = 16, DEFAULT_BLOCK = 256 };
 
-/* Who is who. */
 struct cluster {
     int rank, node_rank;
     MPI_Comm node;
@@ -27,11 +24,9 @@ struct cluster {
 
 struct run {
     const struct cluster *cluster;
-    struct work work;
-    struct node_atlas *shared; /* [work.atlases.count]; NULL where the work is not open */
-    struct batch_file kept;    /* on rank 0 */
+    struct batch_run batch;
+    struct node_atlas *shared; /* [batch.atlases.count]; NULL where the batch is not open */
     struct ordered_file file;
-    struct progress progress;
     uint64_t first, left; /* poses to answer; left UINT64_MAX = all from there on */
     uint64_t part_poses;  /* in a whole part */
 
@@ -48,12 +43,12 @@ static int agree(int code)
     return agreed;
 }
 
-/* Sees to what must be seen to every now and then; whether to continue. */
+/* To be called now and then; whether to continue. */
 static bool tend(struct run *run)
 {
     bool continues = ordered_file_tend(&run->file);
     if (run->cluster->rank == 0) {
-        progress_update(&run->progress, run->kept.poses, run->kept.errors);
+        progress_update(&run->batch.progress, run->batch.file.poses, run->batch.file.errors);
     }
     return continues;
 }
@@ -78,17 +73,17 @@ static bool collect(void *user, const conus_batch_block *block)
     run->part.size = needed;
     run->part.poses += block->poses;
     run->part.errors += block->errors;
-    work_keep_error(&run->work, block);
+    batch_run_keep_error(&run->batch, block);
     return tend(run);
 }
 
 /* Answers `poses` poses from `pass` poses further on. */
 static int answer_part(struct run *run, uint64_t pass, uint64_t poses)
 {
-    int code = work_pass_over(&run->work, pass);
+    int code = batch_run_skip(&run->batch, pass);
     run->part = (conus_batch_block){.text = ""};
     if (!code && poses) {
-        conus_status status = conus_batch_run(run->work.batch, run->work.poses, poses, collect, run);
+        conus_status status = conus_batch_run(run->batch.batch, run->batch.poses, poses, collect, run);
         bool is_said = !status || status == CONUS_ERROR_CANCELLED; /* by collect() */
         code = is_said ? EXIT_DONE : print_status(status);
     }
@@ -117,7 +112,7 @@ static void answer_parts(struct run *run)
 /* All ranks at once, each with as many atlases. */
 static int share_atlases(struct run *run)
 {
-    struct atlases *atlases = &run->work.atlases;
+    struct atlases *atlases = &run->batch.atlases;
     run->shared = calloc(atlases->count, sizeof *run->shared);
     if (!run->shared) {
         print_error_line("not enough memory");
@@ -129,7 +124,7 @@ static int share_atlases(struct run *run)
     return code;
 }
 
-/* Behind the end of the work. */
+/* After the batch has ended. */
 static void finish_shared(struct run *run, const struct batch_settings *settings)
 {
     for (size_t i = 0; run->shared && i < 1 + settings->atlas.more.count; i++) {
@@ -141,7 +136,7 @@ static void finish_shared(struct run *run, const struct batch_settings *settings
 static size_t shared_size(const struct run *run)
 {
     size_t size = 0;
-    for (size_t i = 0; i < run->work.atlases.count; i++) {
+    for (size_t i = 0; i < run->batch.atlases.count; i++) {
         size += run->shared[i].memory ? run->shared[i].size : 0;
     }
     return size;
@@ -149,25 +144,25 @@ static size_t shared_size(const struct run *run)
 
 /* The poses and the atlases: rank 0 first, so that what is wrong on all ranks is said once; then the first rank of each
  * node; then those that need no atlas of their own. */
-static int open_work(struct run *run, const struct batch_settings *settings, const struct arguments *arguments)
+static int open_batch(struct run *run, const struct batch_settings *settings, const struct arguments *arguments)
 {
     const struct cluster *cluster = run->cluster;
     int code = EXIT_DONE;
     int turn = cluster->rank == 0 ? 0 : cluster->node_rank == 0 ? 1 : 2;
     for (int i = 0; i < 3 && !code; i++) {
         if (i == turn) {
-            code = work_init(&run->work, settings, arguments);
+            code = batch_run_init(&run->batch, settings, arguments);
         }
         if (i == 2) {
             code = agree(code);
             code = code ? code : share_atlases(run);
         }
         if (i == turn && !code) {
-            code = work_open(&run->work);
+            code = batch_run_open(&run->batch);
         }
         code = agree(code);
     }
-    code = code ? code : work_build(&run->work);
+    code = code ? code : batch_run_build(&run->batch);
     return agree(code);
 }
 
@@ -178,45 +173,32 @@ static int open_output(struct run *run)
     uint64_t found[COUNT] = {0};
     bool leads = run->cluster->rank == 0;
     if (leads) {
-        found[CODE] = (uint64_t)batch_output_open(&run->kept, &run->work);
-        found[FINISHED] = run->kept.is_finished;
-        found[POSES] = run->kept.poses;
-        found[SIZE] = run->kept.size;
+        found[CODE] = (uint64_t)batch_run_open_output(&run->batch);
+        found[FINISHED] = run->batch.file.is_finished;
+        found[POSES] = run->batch.file.poses;
+        found[SIZE] = run->batch.file.size;
     }
     MPI_Bcast(found, COUNT, MPI_UINT64_T, 0, MPI_COMM_WORLD);
-    run->kept.is_finished = found[FINISHED];
-    run->first = run->work.first + found[POSES];
-    run->left = run->work.count == UINT64_MAX ? UINT64_MAX : run->work.count - found[POSES];
+    run->batch.file.is_finished = found[FINISHED];
+    run->first = run->batch.first + found[POSES];
+    run->left = run->batch.count == UINT64_MAX ? UINT64_MAX : run->batch.count - found[POSES];
     return found[CODE] || found[FINISHED]
                ? (int)found[CODE]
-               : ordered_file_open(&run->file, run->work.output, found[SIZE], leads ? &run->kept : NULL);
-}
-
-static void start_progress(struct run *run)
-{
-    const struct work *work = &run->work;
-    progress_start(&run->progress, (enum progress_kind)work->settings->progress, work->settings->common.quiet, "poses",
-                   0);
-    run->progress.before = run->kept.poses;
-    if (progress_is_shown(&run->progress)) {
-        uint64_t total = work->count;
-        bool known = total != UINT64_MAX || conus_pose_stream_count(&total, work->poses) == CONUS_OK;
-        run->progress.total = known ? total : 0;
-    }
+               : ordered_file_open(&run->file, run->batch.output, found[SIZE], leads ? &run->batch.file : NULL);
 }
 
 /* Whether all ranks have read the file that rank 0 began with. */
 static int check_poses(struct run *run)
 {
-    MPI_Bcast(run->work.pose_hash, sizeof run->work.pose_hash, MPI_CHAR, 0, MPI_COMM_WORLD);
-    int code = agree(work_check_poses(&run->work));
+    MPI_Bcast(run->batch.pose_hash, sizeof run->batch.pose_hash, MPI_CHAR, 0, MPI_COMM_WORLD);
+    int code = agree(batch_run_check_poses(&run->batch));
     if (code && run->cluster->rank == 0) {
-        batch_file_disown(&run->kept);
+        batch_file_disown(&run->batch.file);
     }
     return code;
 }
 
-/* Adds what another rank found; of both, the first pose is the one with the lower number. */
+/* Adds what another rank found; the first pose is the one with the lower number. */
 static void add_oddity(conus_oddity *sum, const conus_oddity *more)
 {
     uint64_t count = sum->count + more->count;
@@ -236,10 +218,10 @@ static void add_astray(conus_astray *sum, const conus_astray *more)
     add_oddity(&sum->apart, &more->apart);
 }
 
-/* Rank 0 says how many poses have no answer, with the first one that any rank met. */
+/* Rank 0 prints how many poses have no answer, with the first one that any rank found. */
 static void say_errors(struct run *run)
 {
-    struct first_error *first = &run->work.first_error;
+    struct first_error *first = &run->batch.first_error;
     int ranks;
     MPI_Comm_size(MPI_COMM_WORLD, &ranks);
     if (run->cluster->rank > 0) {
@@ -253,60 +235,60 @@ static void say_errors(struct run *run)
             *first = other;
         }
     }
-    work_say_errors(&run->work, run->kept.poses, run->kept.errors);
+    batch_run_say_errors(&run->batch);
 }
 
-/* Rank 0 says what all ranks together found of where poses lie and point. */
-static void say_aims(struct run *run)
+/* Rank 0 prints what all ranks found about where the poses lie and point. */
+static void say_astray(struct run *run)
 {
-    struct work *work = &run->work;
+    struct batch_run *batch = &run->batch;
     int ranks;
-    work_find_aims(work);
+    batch_run_find_astray(batch);
     MPI_Comm_size(MPI_COMM_WORLD, &ranks);
-    for (size_t i = 0; i < work->atlases.count; i++) {
+    for (size_t i = 0; i < batch->atlases.count; i++) {
         if (run->cluster->rank > 0) {
-            MPI_Send(&work->astray[i], sizeof work->astray[i], MPI_BYTE, 0, 0, MPI_COMM_WORLD);
+            MPI_Send(&batch->astray[i], sizeof batch->astray[i], MPI_BYTE, 0, 0, MPI_COMM_WORLD);
         }
         for (int rank = 1; rank < ranks && run->cluster->rank == 0; rank++) {
             conus_astray more;
             MPI_Recv(&more, sizeof more, MPI_BYTE, rank, 0, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
-            add_astray(&work->astray[i], &more);
+            add_astray(&batch->astray[i], &more);
         }
     }
     if (run->cluster->rank == 0) {
-        work_say_aims(work);
+        batch_run_say_astray(batch);
     }
 }
 
-/* All of it; on rank 0 also the last words. */
+/* Answers all parts; rank 0 also prints the findings and finishes the file. */
 static int answer_all(struct run *run)
 {
     bool leads = run->cluster->rank == 0;
-    uint32_t block = run->work.settings->block;
+    uint32_t block = run->batch.settings->block;
     run->part_poses = (uint64_t)BLOCKS_PER_PART * (block ? block : DEFAULT_BLOCK);
     if (leads) {
-        start_progress(run);
+        batch_run_start_progress(&run->batch);
     }
     interrupt_catch(NULL); /* nothing waits for poses: they are files */
     answer_parts(run);
     if (leads) {
         ordered_file_wait(&run->file);
-        progress_finish(&run->progress, run->kept.poses, run->kept.errors);
+        progress_finish(&run->batch.progress, run->batch.file.poses, run->batch.file.errors);
     }
     if (leads && run->file.stop >= 128) { /* first, since the others may be there no more */
-        batch_output_interrupted(&run->work, run->kept.poses, run->file.stop - 128);
+        batch_run_interrupted(&run->batch, run->file.stop - 128);
     }
     int code = agree(ordered_file_close(&run->file));
     code = code ? code : check_poses(run);
     if (!code) {
         say_errors(run);
-        say_aims(run);
+        say_astray(run);
     }
     if (leads && !code) {
-        if (!run->kept.poses && run->work.shard.count == 1) {
-            settings_say_no_poses(run->work.settings->poses, &run->work.settings->common);
+        if (!run->batch.file.poses && run->batch.shard.count == 1) {
+            settings_say_no_poses(run->batch.settings->poses, &run->batch.settings->common);
         }
-        code = batch_output_finish(&run->kept, &run->work);
+        code = batch_run_finish_output(&run->batch);
     }
     return code;
 }
@@ -315,28 +297,56 @@ static int answer_all(struct run *run)
 static int answer_batch(const struct cluster *cluster, const struct batch_settings *settings,
                         const struct arguments *arguments)
 {
-    struct run run = {.cluster = cluster, .kept = {.rows = -1, .log = -1}};
+    struct run run = {.cluster = cluster, .batch.file = {.rows = -1, .log = -1}};
     struct batch_settings own = *settings;
     own.threads = settings->threads ? settings->threads : 1; /* ranks are the processors */
     own.common.quiet = settings->common.quiet || cluster->rank > 0;
     own.common.verbose = settings->common.verbose && cluster->rank == 0;
-    int code = open_work(&run, &own, arguments);
+    int code = open_batch(&run, &own, arguments);
     size_t shared = code ? 0 : shared_size(&run);
     if (own.common.verbose && shared) {
         print_error_line("atlas: %zu bytes, in memory once for all processes of a node", shared);
     }
     code = code ? code : open_output(&run);
-    if (!code && !run.kept.is_finished) {
+    if (!code && !run.batch.file.is_finished) {
         code = answer_all(&run);
     } else if (!code && cluster->rank == 0) {
-        work_say_errors(&run.work, run.kept.poses, run.kept.errors);
+        batch_run_say_errors(&run.batch);
     }
-    code = code || !run.kept.errors ? code : EXIT_DIFFERENT;
-    batch_file_close(&run.kept);
+    code = code || !run.batch.file.errors ? code : EXIT_DIFFERENT;
     free(run.text);
-    work_finish(&run.work);
+    batch_run_finish(&run.batch);
     finish_shared(&run, settings);
     return code;
+}
+
+/* The words by which rank 0 announces a batch to the others. */
+enum { ATLAS, POSES, OUTPUT, SHARD, ROWS, WORD_COUNT };
+
+/* Without an atlas there is nothing more to answer. */
+static void announce(const char *const words[WORD_COUNT])
+{
+    for (int i = 0; i < WORD_COUNT; i++) {
+        int size = words[i] ? (int)strlen(words[i]) + 1 : 0; /* with the final NUL; 0 = none */
+        MPI_Bcast(&size, 1, MPI_INT, 0, MPI_COMM_WORLD);
+        MPI_Bcast((void *)words[i], size, MPI_CHAR, 0, MPI_COMM_WORLD);
+    }
+}
+
+/* Waits for rank 0; false when there is nothing more to answer. The words are the caller's to free. */
+static bool receive_words(char *words[WORD_COUNT])
+{
+    for (int i = 0; i < WORD_COUNT; i++) {
+        int size;
+        MPI_Bcast(&size, 1, MPI_INT, 0, MPI_COMM_WORLD);
+        words[i] = size ? malloc((size_t)size) : NULL;
+        if (size && !words[i]) {
+            print_error_line("not enough memory");
+            MPI_Abort(MPI_COMM_WORLD, EXIT_DATA);
+        }
+        MPI_Bcast(words[i], size, MPI_CHAR, 0, MPI_COMM_WORLD);
+    }
+    return words[ATLAS];
 }
 
 /* On rank 0: answers with all ranks. */
@@ -346,7 +356,7 @@ static int lead(void *user, const struct batch_settings *settings, const struct 
     struct batch_settings own = *settings;
     char text[64];
     struct shard shard;
-    if (!settings->output || output_is_stdout(settings->output) || work_is_pipe(settings->poses)) {
+    if (!settings->output || output_is_stdout(settings->output) || batch_is_pipe(settings->poses)) {
         return print_usage_error("conus-mpi batch needs files for --poses and --%s",
                                  settings->of_segments ? "segments" : "output");
     }
@@ -356,8 +366,9 @@ static int lead(void *user, const struct batch_settings *settings, const struct 
     }
     snprintf(text, sizeof text, "%" PRIu64 "/%" PRIu64, shard.index, shard.count);
     own.shard = text;
-    announcement_send(&(const struct announcement){arguments->operands[0], own.poses, own.output, own.shard,
-                                                   own.of_segments ? "segments" : NULL});
+    const char *const words[WORD_COUNT] = {arguments->operands[0], own.poses, own.output, own.shard,
+                                           own.of_segments ? "segments" : NULL};
+    announce(words);
     return answer_batch(cluster, &own, arguments);
 }
 
@@ -365,17 +376,19 @@ static int lead(void *user, const struct batch_settings *settings, const struct 
 static void follow(const struct cluster *cluster, const struct batch_settings *settings,
                    const struct arguments *arguments)
 {
-    struct announcement announced;
-    while (announcement_receive(&announced)) {
+    char *words[WORD_COUNT];
+    while (receive_words(words)) {
         struct batch_settings own = *settings;
         struct arguments aimed = *arguments;
-        aimed.operands[0] = announced.atlas;
-        own.poses = announced.poses;
-        own.output = announced.output;
-        own.shard = announced.shard;
-        own.of_segments = announced.rows;
+        aimed.operands[0] = words[ATLAS];
+        own.poses = words[POSES];
+        own.output = words[OUTPUT];
+        own.shard = words[SHARD];
+        own.of_segments = words[ROWS];
         answer_batch(cluster, &own, &aimed);
-        announcement_finish(&announced);
+        for (int i = 0; i < WORD_COUNT; i++) {
+            free(words[i]);
+        }
     }
 }
 
@@ -399,7 +412,7 @@ static const struct command batch = {
 
 enum { CONTINUE = -1 };
 
-/* Whether the word asks about the program, which has one command: the answer is that command's. */
+/* The program has one command, which answers --help and --version. */
 static bool is_question(const char *word)
 {
     return strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0 || strcmp(word, "--version") == 0;
@@ -424,7 +437,7 @@ static int answer_command(const struct cluster *cluster, int count, char **words
     MPI_Bcast(&code, 1, MPI_INT, 0, MPI_COMM_WORLD);
     if (code == CONTINUE && cluster->rank == 0) {
         code = batch_jobs_answer(&settings, &arguments, lead, (void *)cluster);
-        announcement_send(NULL);
+        announce((const char *const[WORD_COUNT]){NULL});
     } else if (code == CONTINUE) {
         code = read_command(&arguments, &settings, count, words);
         follow(cluster, &settings, &arguments);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A table of batches: what is read of it names three files each, and no output twice. */
-#include "batch/batch_table.h"
+#include "batch/batch_jobs.h"
 #include "quiet.h"
 
 #include <stdint.h>

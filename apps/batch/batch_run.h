@@ -1,0 +1,85 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file One run of a batch, from its options to its file, as conus batch and conus-mpi batch share it. The functions
+ * are in the order in which they are called. */
+#ifndef CONUS_BATCH_BATCH_RUN_H
+#define CONUS_BATCH_BATCH_RUN_H
+
+#include "batch/batch_file.h"
+#include "batch/batch_record.h"
+#include "options/progress.h"
+
+/** The first pose that has no answer. */
+struct first_error {
+    uint64_t line; /**< In the file of poses; 0 = there is none. */
+    char why[512];
+};
+
+struct batch_run {
+    const struct batch_settings *settings;
+    const struct arguments *arguments;
+    const char *output; /**< NULL = stdout */
+    char *sidecar;      /**< Path; NULL without output. */
+    char *command_line;
+    conus_format format;
+    conus_contacts contacts; /**< Of --contacts. */
+    struct shard shard;
+    uint64_t first, count; /**< Poses to answer; count UINT64_MAX = all from there on. */
+    conus_pose_stream *poses;
+    bool piped; /**< The poses can be read only once: from standard input or a named pipe. */
+    struct atlases atlases;
+    conus_frame frame;          /**< Of positions. */
+    conus_selector **selectors; /**< [atlases.count] */
+    conus_astray *astray;       /**< [atlases.count] Findings about the poses, after batch_run_find_astray(). */
+    conus_batch *batch;
+    struct batch_file file; /**< The output, and how many poses are answered. With MPI only rank 0 opens it. */
+    struct progress progress;
+    struct first_error first_error; /**< Of the poses answered since the run began. */
+    char fingerprint[65], pose_hash[65];
+};
+
+/** Whether poses at @p path can be read only once: "-", a pipe or a device. */
+bool batch_is_pipe(const char *path);
+
+/* Functions that return an int return the exit code, and print an error unless it is 0. */
+
+/** Checks the options and names the files and the atlases. @p out is the caller's to batch_run_finish() in any case. */
+int batch_run_init(struct batch_run *out, const struct batch_settings *settings, const struct arguments *arguments);
+
+/** Opens the poses, and loads the atlases except those that the run already has. */
+int batch_run_open(struct batch_run *run);
+
+/** Creates the batch, and prints the notes about the atlases. */
+int batch_run_build(struct batch_run *run);
+
+/** Opens the output as --force and --resume say; run->file then knows how many poses are answered. Where an earlier
+ * run has written all of them, which only --resume accepts, run->file.is_finished. */
+int batch_run_open_output(struct batch_run *run);
+
+/** Skips the next @p poses poses. */
+int batch_run_skip(struct batch_run *run, uint64_t poses);
+
+void batch_run_start_progress(struct batch_run *run);
+
+/** Keeps the first pose of the block that has no answer, unless an earlier one is kept. */
+void batch_run_keep_error(struct batch_run *run, const conus_batch_block *block);
+
+/** Prints how many poses have no answer, with the first of this run; nothing where all have. */
+void batch_run_say_errors(const struct batch_run *run);
+
+/** Sets run->astray from the poses that the batch answered. */
+void batch_run_find_astray(struct batch_run *run);
+/** Prints it. */
+void batch_run_say_astray(const struct batch_run *run);
+
+/** Prints that @p signal ended the run, and which command resumes it. */
+int batch_run_interrupted(const struct batch_run *run, int signal);
+
+/** Fails if the file of poses has changed since the fingerprint was taken. Reads the rest of it. */
+int batch_run_check_poses(struct batch_run *run);
+
+/** Writes the sidecar and gives the file its name. */
+int batch_run_finish_output(struct batch_run *run);
+
+void batch_run_finish(struct batch_run *run);
+
+#endif
