@@ -7,6 +7,7 @@
 
 #include <ftw.h>
 #include <getopt.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -48,7 +49,7 @@ static const struct bench_scenario scenarios[] = {
     {"startup", "loading an atlas, making selectors, and the whole of conus query", bench_startup, 1, 15, 15},
     {"open", "the atlas enlarged three times along each axis: conus query on it, and its memory per voxel", bench_open,
      1, 3, 15},
-    {"growth", "how the cost grows with objects, voxels, labels, poses, pixels and angle", bench_growth, 64, 3, 10},
+    {"growth", "how the cost grows with objects, angle and voxels", bench_growth, 64, 3, 10},
 };
 
 enum { SCENARIO_COUNT = sizeof scenarios / sizeof scenarios[0] };
@@ -73,26 +74,6 @@ static void print_help(void)
          "  --json FILE    write everything measured");
 }
 
-static conus_status parse_count(const char *option, const char *value, size_t *out)
-{
-    uint64_t number;
-    if (!text_to_uint(text_from(value), 1000000, &number) || number == 0) {
-        return fail(CONUS_ERROR_ARGUMENT, "--%s: '%s', allowed is 1 to 1000000", option, value);
-    }
-    *out = (size_t)number;
-    return CONUS_OK;
-}
-
-static conus_status parse_number(const char *option, const char *value, double limit, double *out)
-{
-    double number;
-    if (!text_to_double(text_from(value), &number) || !(number > 0 && number < limit)) {
-        return fail(CONUS_ERROR_ARGUMENT, "--%s: '%s', allowed is more than 0 and less than %g", option, value, limit);
-    }
-    *out = number;
-    return CONUS_OK;
-}
-
 struct arguments {
     struct bench_options options;
     const struct bench_scenario *scenario;
@@ -100,66 +81,65 @@ struct arguments {
     bool all, help;
 };
 
-static conus_status parse_option(struct arguments *out, int option)
+/* Where an option's value goes: a text, a count from 1 to 1,000,000, a number above 0 and below `limit`, or a flag. */
+static const struct taken {
+    const char *name;
+    enum { TEXT, COUNT, NUMBER, FLAG } kind;
+    size_t offset; /* in struct arguments */
+    double limit;
+} takes[] = {{"atlas", TEXT, offsetof(struct arguments, options.atlas), 0},
+             {"context", TEXT, offsetof(struct arguments, options.context), 0},
+             {"bonsai", TEXT, offsetof(struct arguments, options.bonsai), 0},
+             {"json", TEXT, offsetof(struct arguments, json), 0},
+             {"slices", COUNT, offsetof(struct arguments, options.slices), 0},
+             {"poses", COUNT, offsetof(struct arguments, options.poses), 0},
+             {"repeats", COUNT, offsetof(struct arguments, options.repeats), 0},
+             {"angle", NUMBER, offsetof(struct arguments, options.angle), 180},
+             {"seconds", NUMBER, offsetof(struct arguments, options.seconds), 1e6},
+             {"check", FLAG, offsetof(struct arguments, options.check), 0},
+             {"help", FLAG, offsetof(struct arguments, help), 0}};
+enum { TAKES = sizeof takes / sizeof takes[0] };
+
+static conus_status take_value(struct arguments *out, const struct taken *option, const char *value)
 {
-    struct bench_options *options = &out->options;
-    switch (option) {
-    case 'a':
-        options->atlas = optarg;
+    void *place = (char *)out + option->offset;
+    uint64_t count;
+    double number;
+    switch (option->kind) {
+    case TEXT:
+        *(const char **)place = value;
         return CONUS_OK;
-    case 'c':
-        options->context = optarg;
+    case FLAG:
+        *(bool *)place = true;
         return CONUS_OK;
-    case 'b':
-        options->bonsai = optarg;
-        return CONUS_OK;
-    case 's':
-        return parse_count("slices", optarg, &options->slices);
-    case 'g':
-        return parse_number("angle", optarg, 180, &options->angle);
-    case 'p':
-        return parse_count("poses", optarg, &options->poses);
-    case 'r':
-        return parse_count("repeats", optarg, &options->repeats);
-    case 't':
-        return parse_number("seconds", optarg, 1e6, &options->seconds);
-    case 'k':
-        options->check = true;
-        return CONUS_OK;
-    case 'j':
-        out->json = optarg;
-        return CONUS_OK;
-    case 'h':
-        out->help = true;
+    case COUNT:
+        if (!text_to_uint(text_from(value), 1000000, &count) || count == 0) {
+            return fail(CONUS_ERROR_ARGUMENT, "--%s: '%s', allowed is 1 to 1000000", option->name, value);
+        }
+        *(size_t *)place = (size_t)count;
         return CONUS_OK;
     default:
-        return fail(CONUS_ERROR_ARGUMENT, "unknown option, or one without its value; see conus-bench --help");
+        if (!text_to_double(text_from(value), &number) || !(number > 0 && number < option->limit)) {
+            return fail(CONUS_ERROR_ARGUMENT, "--%s: '%s', allowed is more than 0 and less than %g", option->name,
+                        value, option->limit);
+        }
+        *(double *)place = number;
+        return CONUS_OK;
     }
-}
-
-static conus_status parse_scenario(struct arguments *out, const char *name)
-{
-    out->all = strcmp(name, "all") == 0;
-    for (size_t i = 0; i < SCENARIO_COUNT; i++) {
-        out->scenario = strcmp(name, scenarios[i].name) ? out->scenario : &scenarios[i];
-    }
-    return out->all || out->scenario
-               ? CONUS_OK
-               : fail(CONUS_ERROR_ARGUMENT, "unknown scenario '%s'; see conus-bench --help", name);
 }
 
 static conus_status parse_arguments(struct arguments *out, int argc, char **argv)
 {
-    static const struct option table[] = {
-        {"atlas", required_argument, NULL, 'a'},   {"context", required_argument, NULL, 'c'},
-        {"slices", required_argument, NULL, 's'},  {"angle", required_argument, NULL, 'g'},
-        {"poses", required_argument, NULL, 'p'},   {"repeats", required_argument, NULL, 'r'},
-        {"seconds", required_argument, NULL, 't'}, {"check", no_argument, NULL, 'k'},
-        {"json", required_argument, NULL, 'j'},    {"bonsai", required_argument, NULL, 'b'},
-        {"help", no_argument, NULL, 'h'},          {NULL, 0, NULL, 0}};
+    struct option table[TAKES + 1] = {{0}};
+    for (int i = 0; i < TAKES; i++) {
+        table[i] = (struct option){takes[i].name, takes[i].kind == FLAG ? no_argument : required_argument, NULL, i + 1};
+    }
     opterr = 0;
     for (int option; (option = getopt_long(argc, argv, "h", table, NULL)) != -1;) {
-        conus_status status = parse_option(out, option);
+        if (option == '?') {
+            return fail(CONUS_ERROR_ARGUMENT, "unknown option, or one without its value; see conus-bench --help");
+        }
+        conus_status status = take_value(out, &takes[option == 'h' ? TAKES - 1 : option - 1], optarg);
         if (status) {
             return status;
         }
@@ -167,8 +147,16 @@ static conus_status parse_arguments(struct arguments *out, int argc, char **argv
     if (out->help) {
         return CONUS_OK;
     }
-    return optind + 1 == argc ? parse_scenario(out, argv[optind])
-                              : fail(CONUS_ERROR_ARGUMENT, "name one scenario, or all; see conus-bench --help");
+    if (optind + 1 != argc) {
+        return fail(CONUS_ERROR_ARGUMENT, "name one scenario, or all; see conus-bench --help");
+    }
+    out->all = strcmp(argv[optind], "all") == 0;
+    for (size_t i = 0; i < SCENARIO_COUNT; i++) {
+        out->scenario = strcmp(argv[optind], scenarios[i].name) ? out->scenario : &scenarios[i];
+    }
+    return out->all || out->scenario
+               ? CONUS_OK
+               : fail(CONUS_ERROR_ARGUMENT, "unknown scenario '%s'; see conus-bench --help", argv[optind]);
 }
 
 static int remove_entry(const char *path, const struct stat *about, int kind, struct FTW *where)

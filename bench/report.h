@@ -21,8 +21,8 @@ conus_status report_write(const json_t *root, const char *path);
 /** Prints which ratios are what they are held to. */
 void report_print_holds(const json_t *root);
 
-/** Prints, to stderr, what is not as --check wants it: keys that are missing, answers that differ without being meant
- * to, ratios that are null. Returns how many there are. */
+/** Prints, to stderr, what is not as --check wants it: answers that differ without being meant to, ratios that are
+ * null, a crash. Returns how many there are. */
 size_t report_check(const json_t *root);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* How the cost grows with objects, voxels, labels, poses, pixels and angle. */
+/* How the cost grows with objects, angle and voxels. */
 #include "bench/growth/growth.h"
 
 #include <assert.h>
@@ -76,8 +76,7 @@ conus_status growth_end(struct growth_curve *curve)
 
 conus_status bench_growth(struct bench *bench)
 {
-    conus_status (*const curves[])(struct bench *) = {growth_objects, growth_torus_angle, growth_labels,
-                                                      growth_cones,   growth_voxels,      growth_poses};
+    conus_status (*const curves[])(struct bench *) = {growth_objects, growth_torus_angle, growth_voxels};
     conus_status status = CONUS_OK;
     bench->one_thread = true;
     for (size_t i = 0; i < sizeof curves / sizeof *curves && !status; i++) {

@@ -37,10 +37,7 @@ size_t growth_sizes(const struct bench *bench, size_t count);
 
 /* The curves. */
 conus_status growth_voxels(struct bench *bench);
-conus_status growth_labels(struct bench *bench);
-conus_status growth_cones(struct bench *bench); /**< Pixels and angle, on the atlas. */
 conus_status growth_objects(struct bench *bench);
 conus_status growth_torus_angle(struct bench *bench);
-conus_status growth_poses(struct bench *bench);
 
 #endif

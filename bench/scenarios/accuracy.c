@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* How wrong slices are (Eq. 7): labels of an atlas, and thin tubes, by a fifth of the slices, all of them, and exactly;
  * and what that costs. */
-#include "base/memory.h"
 #include "bench/bench.h"
 #include "bench/support/trace.h"
 #include "render/id/slices.h"
@@ -10,17 +9,7 @@
 
 enum { SEED = 72 };
 
-/* Ways to trace. An engine takes a fifth of the given number of slices. */
-enum { EXACT, ALL_SLICES, FIFTH, WAYS };
-
-struct scene {
-    const char *what;
-    conus_atlas *atlas;
-    struct cone *cones;
-    size_t cone_count;
-    struct engine *engines[WAYS];
-    struct trace traces[WAYS];
-};
+enum { PLAIN, EXACT, ALL_SLICES, FIFTH, WAYS };
 
 /* Pixels that hit something, and those in which a way differs from the exact one. */
 struct faults {
@@ -42,42 +31,6 @@ static void count_faults(struct faults *out, const struct trace *trace, const st
     }
 }
 
-static conus_status make_engines(struct scene *scene)
-{
-    uint32_t slices = slices_default(scene->atlas->volumes[0].info.dim);
-    const struct engine_options how[WAYS] = {[EXACT] = {0},
-                                             [ALL_SLICES] = {.sampling = CONUS_SAMPLING_SLICES, .slices = 5 * slices},
-                                             [FIFTH] = {.sampling = CONUS_SAMPLING_SLICES, .slices = slices}};
-    conus_status status = CONUS_OK;
-    for (int way = 0; way < WAYS && !status; way++) {
-        status = engine_rays_create(&scene->engines[way], scene->atlas, &how[way]);
-    }
-    return status;
-}
-
-static conus_status scene_init(struct scene *scene, const char *what, const char *path, size_t cone_count)
-{
-    *scene = (struct scene){.what = what, .cone_count = cone_count};
-    conus_status status = conus_atlas_load(&scene->atlas, path, NULL);
-    if (!status && !atlas_parcellation(scene->atlas)) {
-        status = fail(CONUS_ERROR_DATA, "%s: has no labelled voxels", path);
-    }
-    scene->cones = status ? NULL : memory_zeroed(cone_count, sizeof *scene->cones);
-    if (!scene->cones) {
-        return status ? status : CONUS_ERROR_MEMORY;
-    }
-    return make_engines(scene);
-}
-
-static void scene_finish(struct scene *scene)
-{
-    for (int way = 0; way < WAYS; way++) {
-        engine_destroy(scene->engines[way]);
-    }
-    memory_free(scene->cones);
-    conus_atlas_destroy(scene->atlas);
-}
-
 static json_t *describe(const struct faults *faults)
 {
     double hits = (double)(faults->hits ? faults->hits : 1);
@@ -87,47 +40,56 @@ static json_t *describe(const struct faults *faults)
                      (double)faults->other / hits);
 }
 
-static conus_status measure_angle(struct bench *bench, struct scene *scene, double angle)
+/* The plain traversal is the truth. An engine takes a fifth of the given number of slices. */
+static conus_status add_ways(struct contest *contest, const char *what)
 {
-    static const char *const names[WAYS] = {"exact", "slices", "slices, a fifth"};
-    struct bench_variant variants[WAYS];
-    struct engine *plain = NULL;
-    struct trace truth = {0};
-    cones_round_grid(scene->cones, scene->cone_count, &scene->atlas->volumes[0].info, angle, SEED);
-    conus_status status = plain_engine_create(&plain, scene->atlas);
-    status = status ? status : trace_init(&truth, plain, scene->cones, scene->cone_count);
+    static const char *const names[WAYS] = {"plain", "exact", "slices", "slices, a fifth"};
+    uint32_t slices = slices_default(contest->atlas->volumes[0].info.dim);
+    const struct engine_options how[WAYS] = {[ALL_SLICES] = {.sampling = CONUS_SAMPLING_SLICES, .slices = 5 * slices},
+                                             [FIFTH] = {.sampling = CONUS_SAMPLING_SLICES, .slices = slices}};
+    conus_status status = CONUS_OK;
     for (int way = 0; way < WAYS && !status; way++) {
-        struct trace *trace = &scene->traces[way];
+        struct engine *engine = NULL;
+        char name[112];
+        status = way == PLAIN ? plain_engine_create(&engine, contest->atlas)
+                              : engine_rays_create(&engine, contest->atlas, &how[way]);
+        snprintf(name, sizeof name, "%s, %s", what, names[way]);
+        status = status ? status : contest_add(contest, engine, name);
+    }
+    return status;
+}
+
+static conus_status measure_angle(struct bench *bench, const char *what, const char *path, double angle)
+{
+    struct contest contest;
+    struct bench_variant variants[WAYS];
+    conus_status status = contest_load(&contest, path, bench->options.poses, angle, SEED);
+    status = status ? status : add_ways(&contest, what);
+    for (size_t way = EXACT; way < WAYS && !status; way++) {
         struct faults faults;
-        status = trace_init(trace, scene->engines[way], scene->cones, scene->cone_count);
-        count_faults(&faults, trace, &truth);
-        snprintf(trace->name, sizeof trace->name, "%s, %s", scene->what, names[way]);
-        variants[way] = (struct bench_variant){.name = trace->name, .run = trace_all, .data = trace};
-        variants[way].equal = trace_same(trace, &truth);
+        count_faults(&faults, &contest.traces[way], &contest.traces[PLAIN]);
+        variants[way] = contest_variant(&contest, way);
+        variants[way].equal = trace_same(&contest.traces[way], &contest.traces[PLAIN]);
         variants[way].other_by_design = way != EXACT;
         variants[way].more = describe(&faults);
-        printf("%s, %g degrees: wrong pixels are %.3g %% of those that hit something\n", trace->name, angle,
+        printf("%s, %g degrees: wrong pixels are %.3g %% of those that hit something\n", variants[way].name, angle,
                100 * json_number_value(json_object_get(variants[way].more, "wrong")));
     }
-    status = status ? status : bench_measure(bench, "accuracy", variants, WAYS, scene->cone_count, angle);
-    for (int way = 0; way < WAYS; way++) {
-        trace_finish(&scene->traces[way]);
+    if (!status) {
+        snprintf(bench->driver, sizeof bench->driver, "%s", contest.engines[EXACT]->name);
+        status = bench_measure(bench, "accuracy", variants + EXACT, WAYS - EXACT, contest.cone_count, angle);
     }
-    trace_finish(&truth);
-    engine_destroy(plain);
+    contest_finish(&contest);
     return status;
 }
 
 static conus_status measure_volume(struct bench *bench, const char *what, const char *path)
 {
     static const double angles[] = {1, 2, 5, 10, 20, 40};
-    struct scene scene;
-    conus_status status = scene_init(&scene, what, path, bench->options.poses);
+    conus_status status = CONUS_OK;
     for (size_t i = 0; i < sizeof angles / sizeof *angles && !status; i++) {
-        snprintf(bench->driver, sizeof bench->driver, "%s", scene.engines[EXACT]->name);
-        status = measure_angle(bench, &scene, angles[i]);
+        status = measure_angle(bench, what, path, angles[i]);
     }
-    scene_finish(&scene);
     return status;
 }
 

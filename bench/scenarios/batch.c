@@ -155,47 +155,63 @@ static conus_status add_speed(struct bench *bench, const char *key, const struct
     return bench_value(bench, key, 1000 / variant->median_ms, variant->equal);
 }
 
-static conus_status measure_contenders(struct bench *bench, struct contender *contenders, size_t count)
+/* One way to answer the poses. */
+struct way {
+    const char *name;
+    conus_selector *selector; /* NULL = only the plain traversal, without rows */
+    uint32_t threads;
+    bool one_by_one;      /* not in blocks of cones */
+    bool other_by_design; /* rows that are not the others' */
+};
+
+/* Answers once by each of @p ways, compares the rows with those of way number @p reference, and measures. */
+static conus_status measure_ways(struct bench *bench, const char *scenario, const struct scene *scene,
+                                 const struct way *ways, size_t count, size_t reference, struct bench_variant *variants)
 {
-    static const char *const names[VARIANTS] = {"plain scalar traversal, no rows", "plain scalar traversal, batch",
-                                                "rays, batch, 1 thread",           "rays, batch, 2 threads",
-                                                "gl, batch, one cone at a time",   "gl, batch, blocks of 256 cones"};
-    struct bench_variant variants[VARIANTS];
+    struct contender contenders[VARIANTS] = {0};
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; i < count && !status; i++) {
+        status = contender_init(&contenders[i], scene, ways[i].selector, ways[i].threads, ways[i].one_by_one);
+        if (!status) {
+            run_contender(&contenders[i]);
+        }
+    }
+    for (size_t i = 0; i < count && !status; i++) {
+        variants[i] = (struct bench_variant){.name = ways[i].name, .run = run_contender, .data = &contenders[i]};
+        variants[i].other_by_design = ways[i].other_by_design;
+        variants[i].equal =
+            ways[i].selector ? gives_the_same(&contenders[i], &contenders[reference]) : !contenders[i].status;
+    }
+    status =
+        status ? status : bench_measure(bench, scenario, variants, count, bench->options.poses, bench->options.angle);
     for (size_t i = 0; i < count; i++) {
-        run_contender(&contenders[i]);
-        bool same = i == 0 ? !contenders[0].status : gives_the_same(&contenders[i], &contenders[1]);
-        variants[i] =
-            (struct bench_variant){.name = names[i], .run = run_contender, .data = &contenders[i], .equal = same};
+        contender_finish(&contenders[i]);
     }
-    conus_status status = bench_measure(bench, "batch", variants, count, bench->options.poses, bench->options.angle);
-    status = status ? status : bench_ratio(bench, "plain_over_batch", &variants[NO_ROWS], &variants[RAYS]);
-    status = status ? status : bench_ratio(bench, "batch_one_over_two_threads", &variants[RAYS], &variants[RAYS_2]);
-    if (!status && count > GL_BLOCKS) {
-        status = bench_ratio(bench, "gl_one_over_block", &variants[GL_ALONE], &variants[GL_BLOCKS]);
-    }
-    return status ? status : add_speed(bench, "batch_cones_per_s", &variants[RAYS_2]);
+    return status;
 }
 
 conus_status bench_batch(struct bench *bench)
 {
     struct scene scene = {0};
-    struct contender contenders[VARIANTS] = {0};
+    struct bench_variant v[VARIANTS];
     conus_status status = make_scene(&scene, bench);
     status = status ? status : make_plain(&scene);
     status = status ? status : make_gl(&scene, bench);
-    conus_selector *const selectors[VARIANTS] = {NULL, scene.plain, scene.selector, scene.selector, scene.gl, scene.gl};
-    size_t count = scene.gl ? VARIANTS : GL_ALONE;
-    for (size_t i = 0; i < count && !status; i++) {
-        status = contender_init(&contenders[i], &scene, selectors[i], i == RAYS_2 ? 2 : 1, i == GL_ALONE);
-    }
+    const struct way ways[VARIANTS] = {{"plain scalar traversal, no rows", NULL, 1, false, false},
+                                       {"plain scalar traversal, batch", scene.plain, 1, false, false},
+                                       {"rays, batch, 1 thread", scene.selector, 1, false, false},
+                                       {"rays, batch, 2 threads", scene.selector, 2, false, false},
+                                       {"gl, batch, one cone at a time", scene.gl, 1, true, false},
+                                       {"gl, batch, blocks of 256 cones", scene.gl, 1, false, false}};
     if (!status) {
         snprintf(bench->driver, sizeof bench->driver, "%s; %s", conus_selector_engine(scene.selector),
                  conus_selector_engine(scene.gl));
-        status = measure_contenders(bench, contenders, count);
+        status = measure_ways(bench, "batch", &scene, ways, scene.gl ? VARIANTS : GL_ALONE, PLAIN, v);
     }
-    for (size_t i = 0; i < VARIANTS; i++) {
-        contender_finish(&contenders[i]);
-    }
+    status = status ? status : bench_ratio(bench, "plain_over_batch", &v[NO_ROWS], &v[RAYS]);
+    status = status ? status : bench_ratio(bench, "batch_one_over_two_threads", &v[RAYS], &v[RAYS_2]);
+    status = status || !scene.gl ? status : bench_ratio(bench, "gl_one_over_block", &v[GL_ALONE], &v[GL_BLOCKS]);
+    status = status ? status : add_speed(bench, "batch_cones_per_s", &v[RAYS_2]);
     scene_finish(&scene);
     return status;
 }
@@ -222,39 +238,26 @@ static conus_status make_single(conus_selector **out, const conus_atlas *atlas)
 conus_status bench_batch_layers(struct bench *bench)
 {
     enum { SINGLE_RAYS, ALL, VISIBLE, WAYS };
-    static const char *const names[WAYS] = {"all layers, ray by ray, batch, 1 thread", "all layers, batch, 1 thread",
-                                            "first hits, batch, 1 thread"};
     const conus_selector_options all = {.layers = CONUS_LAYERS_ALL};
     struct scene scene = {0};
-    struct contender contenders[WAYS] = {0};
-    struct bench_variant variants[WAYS];
-    conus_selector *selectors[WAYS] = {0};
+    struct bench_variant v[WAYS];
+    conus_selector *single = NULL, *layers = NULL;
     conus_status status = make_scene(&scene, bench);
-    status = status ? status : make_single(&selectors[SINGLE_RAYS], scene.atlas);
-    status = status ? status : conus_selector_create(&selectors[ALL], scene.atlas, &all);
-    status = status ? status : conus_selector_create(&selectors[VISIBLE], scene.atlas, NULL);
-    for (size_t i = 0; i < WAYS && !status; i++) {
-        status = contender_init(&contenders[i], &scene, selectors[i], 1, false);
-        variants[i] = (struct bench_variant){.name = names[i], .run = run_contender, .data = &contenders[i]};
-        if (!status) {
-            run_contender(&contenders[i]);
-            variants[i].equal = gives_the_same(&contenders[i], &contenders[SINGLE_RAYS]);
-            variants[i].other_by_design = i == VISIBLE;
-        }
-    }
+    status = status ? status : make_single(&single, scene.atlas);
+    status = status ? status : conus_selector_create(&layers, scene.atlas, &all);
+    const struct way ways[WAYS] = {{"all layers, ray by ray, batch, 1 thread", single, 1, false, false},
+                                   {"all layers, batch, 1 thread", layers, 1, false, false},
+                                   {"first hits, batch, 1 thread", scene.selector, 1, false, true}};
     if (!status) {
-        snprintf(bench->driver, sizeof bench->driver, "%s", conus_selector_engine(selectors[ALL]));
-        status = bench_measure(bench, "batch_layers", variants, WAYS, bench->options.poses, bench->options.angle);
+        snprintf(bench->driver, sizeof bench->driver, "%s", conus_selector_engine(layers));
+        status = measure_ways(bench, "batch_layers", &scene, ways, WAYS, SINGLE_RAYS, v);
     }
-    status = status ? status : bench_ratio(bench, "layers_single_over_batch", &variants[SINGLE_RAYS], &variants[ALL]);
-    if (!status) {
-        double ratio = variants[ALL].median_ms / variants[VISIBLE].median_ms;
-        status = bench_value(bench, "layers_over_visible_aal", ratio, variants[ALL].equal);
-    }
-    for (size_t i = 0; i < WAYS; i++) {
-        contender_finish(&contenders[i]);
-        conus_selector_destroy(selectors[i]);
-    }
+    status = status ? status : bench_ratio(bench, "layers_single_over_batch", &v[SINGLE_RAYS], &v[ALL]);
+    status = status
+                 ? status
+                 : bench_value(bench, "layers_over_visible_aal", v[ALL].median_ms / v[VISIBLE].median_ms, v[ALL].equal);
+    conus_selector_destroy(single);
+    conus_selector_destroy(layers);
     scene_finish(&scene);
     return status;
 }
@@ -276,31 +279,19 @@ static conus_status make_surfaces(struct scene *scene, const struct bench *bench
 conus_status bench_batch_mesh(struct bench *bench)
 {
     enum { ONE, TWO, VOLUME, WAYS };
-    static const char *const names[WAYS] = {"surfaces, rays, batch, 1 thread", "surfaces, rays, batch, 2 threads",
-                                            "volume, rays, batch, 1 thread"};
     struct scene scene = {0};
-    struct contender contenders[WAYS] = {0};
-    struct bench_variant variants[WAYS];
+    struct bench_variant v[WAYS];
     conus_status status = make_scene(&scene, bench);
     status = status ? status : make_surfaces(&scene, bench);
-    for (size_t i = 0; i < WAYS && !status; i++) {
-        conus_selector *selector = i == VOLUME ? scene.selector : scene.surface;
-        status = contender_init(&contenders[i], &scene, selector, i == TWO ? 2 : 1, false);
-        variants[i] = (struct bench_variant){.name = names[i], .run = run_contender, .data = &contenders[i]};
-        if (!status) {
-            run_contender(&contenders[i]);
-            variants[i].equal = gives_the_same(&contenders[i], &contenders[ONE]);
-            variants[i].other_by_design = i == VOLUME; /* surfaces cut corners */
-        }
-    }
+    const struct way ways[WAYS] = {{"surfaces, rays, batch, 1 thread", scene.surface, 1, false, false},
+                                   {"surfaces, rays, batch, 2 threads", scene.surface, 2, false, false},
+                                   /* surfaces cut corners */
+                                   {"volume, rays, batch, 1 thread", scene.selector, 1, false, true}};
     if (!status) {
         snprintf(bench->driver, sizeof bench->driver, "%s", conus_selector_engine(scene.surface));
-        status = bench_measure(bench, "batch_mesh", variants, WAYS, bench->options.poses, bench->options.angle);
+        status = measure_ways(bench, "batch_mesh", &scene, ways, WAYS, ONE, v);
     }
-    status = status ? status : add_speed(bench, "batch_mesh_cones_per_s", &variants[TWO]);
-    for (size_t i = 0; i < WAYS; i++) {
-        contender_finish(&contenders[i]);
-    }
+    status = status ? status : add_speed(bench, "batch_mesh_cones_per_s", &v[TWO]);
     scene_finish(&scene);
     return status;
 }

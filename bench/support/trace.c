@@ -2,9 +2,9 @@
 /* Answers many cones with one engine, compares the answers, and makes the cones. */
 #include "bench/support/trace.h"
 
+#include "atlas/atlas.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "bench/bench.h"
 #include "tests/support/oracle_traversal.h"
 
 #include <assert.h>
@@ -269,4 +269,50 @@ void cones_round_grid(struct cone *out, size_t count, const conus_volume_info *i
     for (size_t i = 0; i < count; i++) {
         make_cone(&out[i], &block, angle_deg, &seed);
     }
+}
+
+conus_status contest_load(struct contest *out, const char *path, size_t count, double angle_deg, uint64_t seed)
+{
+    *out = (struct contest){.cone_count = count};
+    conus_status status = conus_atlas_load(&out->atlas, path, NULL);
+    if (status) {
+        return status;
+    }
+    const struct volume *volume = atlas_parcellation(out->atlas);
+    if (!volume) {
+        return fail(CONUS_ERROR_DATA, "%s: has no labelled voxels", path);
+    }
+    out->cones = memory_zeroed(count, sizeof *out->cones);
+    if (!out->cones) {
+        return CONUS_ERROR_MEMORY;
+    }
+    cones_round_grid(out->cones, count, &volume->info, angle_deg, seed);
+    return CONUS_OK;
+}
+
+conus_status contest_add(struct contest *contest, struct engine *engine, const char *name)
+{
+    size_t i = contest->count++;
+    assert(i < CONTEST_LIMIT);
+    contest->engines[i] = engine;
+    conus_status status = trace_init(&contest->traces[i], engine, contest->cones, contest->cone_count);
+    snprintf(contest->traces[i].name, sizeof contest->traces[i].name, "%s", name);
+    return status;
+}
+
+struct bench_variant contest_variant(struct contest *contest, size_t index)
+{
+    struct trace *trace = &contest->traces[index];
+    return (struct bench_variant){.name = trace->name, .run = trace_all, .data = trace};
+}
+
+void contest_finish(struct contest *contest)
+{
+    for (size_t i = 0; i < contest->count; i++) {
+        trace_finish(&contest->traces[i]);
+        engine_destroy(contest->engines[i]);
+    }
+    memory_free(contest->cones);
+    conus_atlas_destroy(contest->atlas);
+    *contest = (struct contest){0};
 }

@@ -3,8 +3,11 @@
 #ifndef CONUS_BENCH_SUPPORT_TRACE_H
 #define CONUS_BENCH_SUPPORT_TRACE_H
 
+#include "bench/bench.h"
 #include "selection/engine/engine.h"
 #include "selection/engine/triangles/mesh_rays.h"
+
+enum { CONTEST_LIMIT = 8 };
 
 /** An engine that answers cones; cones of one resolution. */
 struct trace {
@@ -36,6 +39,28 @@ size_t trace_differences(const struct trace *a, const struct trace *b);
 /** Whether they name the same objects but for edges, which whoever rasterises moves by up to 1/128 of a pixel, since
  * corners are snapped to a grid; prints what differs. */
 bool trace_same_but_edges(const struct trace *trace, const struct trace *rays);
+
+/** Engines that answer the same cones. */
+struct contest {
+    conus_atlas *atlas; /**< Owned; may be NULL. */
+    struct cone *cones; /**< [cone_count] Owned. */
+    size_t cone_count;
+    struct engine *engines[CONTEST_LIMIT]; /**< [count] Owned. */
+    struct trace traces[CONTEST_LIMIT];    /**< [count] */
+    size_t count;
+};
+
+/** Loads the atlas at @p path, which must have labelled voxels, and aims @p count cones from 200 to 300 mm around its
+ * grid at the inner half of it. End it with contest_finish() even if this fails. */
+conus_status contest_load(struct contest *out, const char *path, size_t count, double angle_deg, uint64_t seed);
+
+/** Takes @p engine over, and lets it answer all cones once. */
+conus_status contest_add(struct contest *contest, struct engine *engine, const char *name);
+
+/** Way number @p index as a variant. Its answers are still to be called equal. */
+struct bench_variant contest_variant(struct contest *contest, size_t index);
+
+void contest_finish(struct contest *contest);
 
 /** A frame, and one selection while it is drawn. */
 struct shot {

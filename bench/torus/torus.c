@@ -8,86 +8,66 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { WIDTHS = 2, TRACES = WIDTHS + 1, BY_RULE = WIDTHS - 1 };
+/* The ways at one number of tori: one torus at all places, by single rays, packets and the engine's rule, then an atlas
+ * of tori with triangles of their own, of up to FLAT_LIMIT. */
+enum { SINGLE, PACKETS, BY_RULE, FLAT, WAYS, FLAT_LIMIT = 20000 };
 
-/* Largest scene that is an atlas, too, whose tori have triangles of their own. */
-enum { FLAT_LIMIT = 20000 };
-
-/* Everything about one number of tori: placed, with each number of rays at once, then as an atlas. */
 struct round {
     struct torus_scene scene;
-    struct cone *cones;
-    conus_atlas *atlas; /* NULL beyond FLAT_LIMIT */
     struct mesh_rays *rays;
-    struct engine *engines[TRACES];
-    struct trace traces[TRACES];
-    size_t count;
+    struct contest contest;
 };
-
-static void round_finish(struct round *round)
-{
-    for (size_t i = 0; i < TRACES; i++) {
-        trace_finish(&round->traces[i]);
-        engine_destroy(round->engines[i]);
-    }
-    mesh_rays_destroy(round->rays);
-    conus_atlas_destroy(round->atlas);
-    memory_free(round->cones);
-    torus_scene_finish(&round->scene);
-}
-
-static conus_status add_trace(struct round *round, size_t cone_count, const char *how)
-{
-    struct trace *trace = &round->traces[round->count];
-    struct engine *engine = round->engines[round->count++];
-    conus_status status = trace_init(trace, engine, round->cones, cone_count);
-    snprintf(trace->name, sizeof trace->name, "%zu tori, %s%s", round->scene.count, how,
-             round->atlas ? "" : engine->name);
-    return status;
-}
-
-static conus_status add_placed(struct round *round, size_t cone_count)
-{
-    static const unsigned widths[WIDTHS] = {1, 0};
-    conus_status status = torus_scene_rays(&round->rays, &round->scene);
-    for (size_t w = 0; w < WIDTHS && !status; w++) {
-        status = mesh_engine_create(&round->engines[w], round->rays, widths[w]);
-        status = status ? status : add_trace(round, cone_count, "placed, ");
-    }
-    return status;
-}
-
-static conus_status add_flat(struct round *round, size_t cone_count)
-{
-    conus_status status = torus_scene_atlas(&round->atlas, &round->scene);
-    status = status ? status : engine_rays_create(&round->engines[WIDTHS], round->atlas, &(struct engine_options){0});
-    return status ? status : add_trace(round, cone_count, "rays engine");
-}
 
 static conus_status round_init(struct round *out, size_t tori, const struct bench_options *options)
 {
+    struct contest *contest = &out->contest;
+    static const unsigned widths[FLAT] = {1, 16, 0};
+    char name[112];
+    contest->cone_count = options->poses;
     conus_status status = torus_scene_init(&out->scene, tori);
-    out->cones = status ? NULL : memory_zeroed(options->poses, sizeof *out->cones);
-    if (!out->cones) {
+    status = status ? status : torus_scene_rays(&out->rays, &out->scene);
+    contest->cones = status ? NULL : memory_zeroed(options->poses, sizeof *contest->cones);
+    if (!contest->cones) {
         return status ? status : CONUS_ERROR_MEMORY;
     }
-    torus_scene_cones(out->cones, &out->scene, options->poses, options->angle);
-    status = add_placed(out, options->poses);
-    return !status && tori <= bench_size(options, FLAT_LIMIT) ? add_flat(out, options->poses) : status;
+    torus_scene_cones(contest->cones, &out->scene, options->poses, options->angle);
+    for (unsigned way = SINGLE; way < FLAT && !status; way++) {
+        struct engine *engine = NULL;
+        status = mesh_engine_create(&engine, out->rays, widths[way]);
+        if (!status) {
+            snprintf(name, sizeof name, "%zu tori, placed, %s", tori, engine->name);
+            status = contest_add(contest, engine, name);
+        }
+    }
+    if (!status && tori <= bench_size(options, FLAT_LIMIT)) {
+        struct engine *engine = NULL;
+        status = torus_scene_atlas(&contest->atlas, &out->scene);
+        status = status ? status : engine_rays_create(&engine, contest->atlas, &(struct engine_options){0});
+        snprintf(name, sizeof name, "%zu tori, rays engine", tori);
+        status = status ? status : contest_add(contest, engine, name);
+    }
+    return status;
+}
+
+static void round_finish(struct round *round)
+{
+    contest_finish(&round->contest);
+    mesh_rays_destroy(round->rays);
+    torus_scene_finish(&round->scene);
 }
 
 /* An atlas has moved vertices, which are rounded: its tori are not quite the placed ones, and a ray in thousands
  * tells. */
-static void fill_in(struct bench_variant *out, struct round *round, size_t index)
+static struct bench_variant compare(struct round *round, size_t way)
 {
-    struct trace *trace = &round->traces[index];
-    size_t differ = trace_differences(trace, &round->traces[0]);
-    size_t allowed = index == WIDTHS ? trace_pixels(trace) / 1000 : 0;
-    *out = (struct bench_variant){.name = trace->name, .run = trace_all, .data = trace};
-    out->equal = !trace->status && differ <= allowed;
+    struct bench_variant out = contest_variant(&round->contest, way);
+    const struct trace *trace = &round->contest.traces[way];
+    size_t differ = trace_differences(trace, &round->contest.traces[SINGLE]);
+    out.equal = !trace->status && differ <= (way == FLAT ? trace_pixels(trace) / 1000 : 0);
     if (differ) {
         printf("%s: %zu of %zu pixels differ\n", trace->name, differ, trace_pixels(trace));
     }
+    return out;
 }
 
 static const size_t sizes[] = {1000, 5000, 20000, 200000};
@@ -96,13 +76,13 @@ enum { SIZES = sizeof sizes / sizeof sizes[0] };
 /* All sizes side by side, since their ratio is wanted. */
 static conus_status measure_sizes(struct bench *bench, struct round rounds[SIZES])
 {
-    struct bench_variant variants[SIZES * TRACES];
+    struct bench_variant variants[SIZES * WAYS];
     const struct bench_variant *by_rule[SIZES];
     size_t count = 0;
     for (size_t s = 0; s < SIZES; s++) {
         by_rule[s] = &variants[count + BY_RULE];
-        for (size_t i = 0; i < rounds[s].count; i++) {
-            fill_in(&variants[count++], &rounds[s], i);
+        for (size_t i = 0; i < rounds[s].contest.count; i++) {
+            variants[count++] = compare(&rounds[s], i);
         }
     }
     conus_status status = bench_measure(bench, "torus", variants, count, bench->options.poses, bench->options.angle);
@@ -176,7 +156,7 @@ conus_status bench_torus(struct bench *bench)
         status = round_init(&rounds[s], bench_size(&bench->options, sizes[s]), &bench->options);
     }
     if (!status) {
-        snprintf(bench->driver, sizeof bench->driver, "%s", rounds[0].engines[WIDTHS]->name);
+        snprintf(bench->driver, sizeof bench->driver, "%s", rounds[0].contest.engines[FLAT]->name);
         status = measure_sizes(bench, rounds);
     }
     for (size_t s = 0; s < SIZES; s++) {

@@ -46,7 +46,7 @@ static conus_status scene_init(struct scene *scene, const struct bench *bench, s
         torus_scene_cones(scene->cones, &scene->round.scene, CONES, bench->options.angle);
     }
     for (int way = 0; way < TORUS_WAYS && !status; way++) {
-        struct engine *engine = way == TORUS_ONE_BY_ONE ? NULL : scene->round.engines[way];
+        struct engine *engine = scene->round.engines[way];
         struct trace *trace = &scene->traces[way];
         status = engine ? trace_init(trace, engine, scene->cones, CONES) : CONUS_OK;
         torus_round_name(trace->name, sizeof trace->name, &scene->round, (enum torus_way)way);

@@ -19,7 +19,7 @@ struct torus_pass {
     struct gl_context *context;
     double side; /* of the cube of tori, mm */
     GLuint identify, paint;
-    GLint identify_matrix, identify_first, paint_matrix, paint_eye;
+    GLint identify_matrix, paint_matrix, paint_eye;
     GLuint vertices, corner_buffer, index_buffer, place_buffer;
     GLsizei index_count, count;
     struct target buffer;
@@ -33,8 +33,6 @@ static const char place_vert[] = "layout(location = 0) in vec3 corner;\n"
                                  "out vec3 place;\n"
                                  "#if PAINT\n"
                                  "out vec3 normal;\n"
-                                 "#else\n"
-                                 "uniform uint first;\n"
                                  "#endif\n"
                                  "flat out uint number;\n"
                                  "void main()\n"
@@ -46,7 +44,7 @@ static const char place_vert[] = "layout(location = 0) in vec3 corner;\n"
                                  "    normal = mat3(world_from_torus) * (corner - ring);\n"
                                  "    number = uint(gl_InstanceID);\n"
                                  "#else\n"
-                                 "    number = first + uint(gl_InstanceID);\n"
+                                 "    number = 1u + uint(gl_InstanceID);\n"
                                  "#endif\n"
                                  "    gl_Position = clip_from_world * p;\n"
                                  "}\n";
@@ -126,7 +124,6 @@ static conus_status make_programs(struct torus_pass *pass)
     status = status ? status : program_create(&pass->paint, &paint);
     if (!status) {
         pass->identify_matrix = program_uniform(pass->identify, "clip_from_world");
-        pass->identify_first = program_uniform(pass->identify, "first");
         pass->paint_matrix = program_uniform(pass->paint, "clip_from_world");
         pass->paint_eye = program_uniform(pass->paint, "eye");
     }
@@ -207,7 +204,7 @@ static void clip_matrix(float out[16], const double world_from_camera[16], const
     }
 }
 
-static void draw_identifiers(struct torus_pass *pass, const struct cone *cone, bool one_by_one)
+static void draw_identifiers(struct torus_pass *pass, const struct cone *cone)
 {
     float matrix[16];
     double slope = tan(cone->angle / 2);
@@ -216,20 +213,12 @@ static void draw_identifiers(struct torus_pass *pass, const struct cone *cone, b
     glUseProgram(pass->identify);
     glUniformMatrix4fv(pass->identify_matrix, 1, GL_FALSE, matrix);
     glBindVertexArray(pass->vertices);
-    if (!one_by_one) {
-        glUniform1ui(pass->identify_first, 1);
-        glDrawElementsInstanced(GL_TRIANGLES, pass->index_count, GL_UNSIGNED_INT, NULL, pass->count);
-    }
-    for (GLuint i = 0; one_by_one && i < (GLuint)pass->count; i++) {
-        glUniform1ui(pass->identify_first, i + 1);
-        glDrawElementsInstancedBaseInstance(GL_TRIANGLES, pass->index_count, GL_UNSIGNED_INT, NULL, 1, i);
-    }
+    glDrawElementsInstanced(GL_TRIANGLES, pass->index_count, GL_UNSIGNED_INT, NULL, pass->count);
 }
 
 struct pass_engine {
     struct engine base;
     struct torus_pass *pass;
-    bool one_by_one;
 };
 
 static conus_status trace_by_drawing(struct engine *engine, struct evidence *out, const struct cone *cone)
@@ -241,7 +230,7 @@ static conus_status trace_by_drawing(struct engine *engine, struct evidence *out
     if (status) {
         return status;
     }
-    draw_identifiers(pass, cone, own->one_by_one);
+    draw_identifiers(pass, cone);
     status = target_read(&pass->buffer, "identifier", out->object);
     status = status ? status : target_read(&pass->buffer, "contact", pass->contacts);
     gl_current_restore(&previous);
@@ -254,15 +243,15 @@ static void destroy(struct engine *engine)
 }
 
 /* The paper's ID pass as an engine: identifier and contact of every torus into 16 x 16 pixels, both read back. All tori
- * are instances of one draw call, or `one_by_one`. To be destroyed before the pass. */
-static conus_status create_pass_engine(struct engine **out, struct torus_pass *pass, bool one_by_one)
+ * are instances of one draw call. To be destroyed before the pass. */
+static conus_status create_pass_engine(struct engine **out, struct torus_pass *pass)
 {
     static const struct engine_functions functions = {.trace = trace_by_drawing, .destroy = destroy};
     struct pass_engine *engine = memory_zeroed(1, sizeof *engine);
     if (!engine) {
         return CONUS_ERROR_MEMORY;
     }
-    *engine = (struct pass_engine){{&functions, ""}, pass, one_by_one};
+    *engine = (struct pass_engine){{&functions, ""}, pass};
     *out = &engine->base;
     return CONUS_OK;
 }
@@ -344,8 +333,7 @@ conus_status torus_round_init(struct torus_round *out, size_t count, bool placed
     *out = (struct torus_round){0};
     conus_status status = torus_scene_init(&out->scene, count);
     status = status ? status : create_pass(&out->pass, &out->scene);
-    status = status ? status : create_pass_engine(&out->engines[TORUS_ALL_DRAWN], out->pass, false);
-    status = status ? status : create_pass_engine(&out->engines[TORUS_ONE_BY_ONE], out->pass, true);
+    status = status ? status : create_pass_engine(&out->engines[TORUS_ALL_DRAWN], out->pass);
     return status ? status : placed ? add_placed(out) : add_engines(out);
 }
 
@@ -362,7 +350,7 @@ void torus_round_finish(struct torus_round *round)
 
 void torus_round_name(char *out, size_t size, const struct torus_round *round, enum torus_way way)
 {
-    static const char *const names[TORUS_WAYS] = {"all drawn", "all drawn one by one", "gl engine", "rays engine"};
+    static const char *const names[TORUS_WAYS] = {"all drawn", "gl engine", "rays engine"};
     const char *name = way == TORUS_RAYS && round->rays ? "placed, rays by rule" : names[way];
     snprintf(out, size, "%zu tori, %s", round->scene.count, name);
 }

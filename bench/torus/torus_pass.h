@@ -23,7 +23,7 @@ conus_status torus_pass_coverage(double *out, struct torus_pass *pass);
 const char *torus_pass_device(const struct torus_pass *pass);
 
 /** The ways to select from one number of tori. */
-enum torus_way { TORUS_ALL_DRAWN, TORUS_ONE_BY_ONE, TORUS_GL, TORUS_RAYS, TORUS_WAYS };
+enum torus_way { TORUS_ALL_DRAWN, TORUS_GL, TORUS_RAYS, TORUS_WAYS };
 
 struct torus_round {
     struct torus_scene scene;

@@ -49,12 +49,10 @@ bench() {
 
 @test "growth: every curve has its points, slopes and exponent" {
     run -0 bench growth --check --json growth.json
-    jq -e '[.runs[] | .curve] | unique == ["angle", "angle_tori", "labels", "labels_layers", "objects", "objects_own",
-        "pixels", "poses", "voxels", "voxels_layers", "voxels_open"]' growth.json
+    jq -e '[.runs[] | .curve] | unique == ["angle_tori", "objects", "objects_own", "voxels", "voxels_layers", "voxels_open"]' growth.json
     # An exponent of two points is their slope; a curve's lies between its least and its greatest.
     jq -e '.ratios as $ratios | [.runs | group_by(.curve)[] | . as $points | [$points[1:][] | .slope]
         | length >= 2 and $ratios["growth_\($points[0].curve)"] >= min - 1e-4 and $ratios["growth_\($points[0].curve)"] <= max + 1e-4] | all' growth.json
-    jq -e '[.runs[] | select(.curve == "labels") | .x] | . == (sort | unique)' growth.json
     jq -e '[.runs[] | .equal] | all' growth.json
 }
 
