@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What the arrays of a GIFTI file mean: a surface, or labels of its vertices. */
-#include "loaders/surfaces/gifti_mesh.h"
+#include "loaders/surfaces/gifti.h"
 
 #include "atlas/space.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "loaders/cifti/map_choice.h"
 #include "loaders/surfaces/freesurfer_surface.h"
-#include "loaders/surfaces/gifti.h"
 
 enum { SPACE_UNKNOWN = 0, GEOMETRY_WHOLE = (1 << 12) - 1 };
 

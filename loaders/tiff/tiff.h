@@ -6,9 +6,42 @@
 #define CONUS_LOADERS_TIFF_TIFF_H
 
 #include "base/files/file.h"
-#include "loaders/tiff/tiff_directory.h"
+#include "base/text.h"
 
 enum { TIFF_PAGE_LIMIT = 1 << 16 };
+
+/** A whole file in memory. */
+struct tiff_file {
+    const uint8_t *data; /**< Not owned. */
+    size_t size;
+    bool swapped; /**< Its numbers have the other byte order than this machine's. */
+    bool big;     /**< BigTIFF: offsets of 8 bytes. */
+};
+
+enum tiff_compression { TIFF_PLAIN = 1, TIFF_LZW = 5, TIFF_DEFLATE = 8 };
+enum tiff_format { TIFF_UNSIGNED = 1, TIFF_SIGNED = 2, TIFF_FLOAT = 3 };
+
+/** Whole numbers of 1, 2, 4 or 8 bytes that lie in the file one after the other, all of them inside it. */
+struct tiff_list {
+    uint64_t at;
+    uint64_t count; /**< 0 = the directory has no such field. */
+    size_t size;    /**< Bytes of each. */
+};
+
+/** What a directory says. Strips are chunks as wide as the page, the last of them cut off at its end; tiles are chunks
+ * that are stored whole and may reach beyond it. */
+struct tiff_page {
+    uint64_t width, length; /**< Pixels, 1 to 2^31 - 1. */
+    unsigned bits;          /**< Of a pixel: 8, 16, 32 or 64. */
+    enum tiff_format format;
+    enum tiff_compression compression;
+    bool differences; /**< Predictor 2: of each pixel from the one before it in the row. */
+    bool tiled;
+    uint64_t chunk_width, chunk_length; /**< Pixels. */
+    uint64_t across, down;              /**< Chunks in a row of them, and rows of them. */
+    struct tiff_list offsets, counts;   /**< [across * down]: where each lies, and its stored bytes. */
+    struct text description;            /**< Inside the file. */
+};
 
 struct tiff {
     struct tiff_file file;

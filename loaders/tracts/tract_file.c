@@ -5,11 +5,7 @@
 #include "base/formats/gzip.h"
 #include "base/memory.h"
 #include "loaders/file_kind.h"
-#include "loaders/tracts/tck.h"
-#include "loaders/tracts/trk.h"
-#include "loaders/tracts/trx.h"
-#include "loaders/tracts/tt.h"
-#include "loaders/tracts/vtk_lines.h"
+#include "loaders/tracts/tract_formats.h"
 
 static const uint64_t default_memory = UINT64_C(8) << 30;
 

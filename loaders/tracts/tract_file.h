@@ -4,8 +4,7 @@
 #define CONUS_LOADERS_TRACTS_TRACT_FILE_H
 
 #include "atlas/tracts/tractogram.h"
-#include "base/files/file.h"
-#include "base/formats/byte_stream.h"
+#include "base/notes.h"
 
 /** Reads the tractogram @p path: of the format that its content has, checked by tractogram_check(), with the radius
  * TRACT_RADIUS, path and sum set, without a tree. @p max_memory: bytes that its arrays may take; 0 = 8 GiB. Errors
@@ -20,10 +19,5 @@ bool tract_file_is(const char *path);
 /** tract_file_read() of bytes in memory, of the formats that are a stream of bytes: for tests. Without path. */
 conus_status tract_file_parse(struct tractogram *out, const uint8_t *data, size_t size, uint64_t max_memory,
                               struct notes *notes);
-
-/** Reads a tractogram to the end of @p stream. Fills in what a file says: format, points, streamlines, scalars and
- * groups. Messages are without the path. */
-typedef conus_status tract_reader(struct tractogram *out, struct byte_stream *stream, uint64_t max_memory,
-                                  struct notes *notes);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reads DSI Studio's streamlines, variable by variable. */
-#include "loaders/tracts/tt.h"
+#include "loaders/tracts/tract_formats.h"
 
 #include "base/byte_order.h"
 #include "base/geometry/math3.h"

@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Makes streamlines of the lines of VTK's files. */
-#include "loaders/tracts/vtk_lines.h"
+#include "loaders/tracts/tract_formats.h"
 
 #include "base/formats/gzip.h"
 #include "base/memory.h"
 #include "loaders/file_kind.h"
-#include "loaders/surfaces/foreign/foreign.h"
-#include "loaders/surfaces/foreign/foreign_lines.h"
+#include "loaders/surfaces/foreign/foreign_mesh.h"
 
 #include <stdio.h>
 #include <string.h>

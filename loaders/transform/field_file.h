@@ -6,6 +6,7 @@
 #include "atlas/deformation/deformation.h"
 #include "base/files/file_sums.h"
 #include "base/notes.h"
+#include "base/status.h"
 
 /** Whether @p path is a NIfTI file, and so no affine. */
 conus_status field_file_is(bool *out, const char *path);
@@ -19,5 +20,36 @@ conus_status field_file_words(const char **out, bool *usable, const char *path);
  * @p notes. Errors name path, field, value and what is allowed. End @p out with deformation_finish(). */
 conus_status field_file_read(struct deformation *out, conus_volume_info *grid, const char *path,
                              const conus_transform_options *options, struct file_sums *read, struct notes *notes);
+
+/** How vectors are to be read. */
+enum field_kind {
+    FIELD_VECTORS, /**< ITK's or SPM's: the header does not say which. */
+    FIELD_ITK,     /**< Displacements in mm, LPS.                                                          */
+    FIELD_SPM,     /**< Positions in mm, RAS.                                                              */
+    FIELD_FSL,     /**< In FSL's mm of two images; positions or displacements.                             */
+    FIELD_FNIRT    /**< The same, displacements.                                                           */
+};
+
+struct field_header {
+    int64_t dim[8];
+    int intent_code;
+    char intent_name[17];
+};
+
+enum { FIELD_HEADER_SIZE = 540 }; /**< Bytes that field_header_parse() wants to see, if there are as many. */
+
+/** Takes the fields from @p data, the first bytes of a NIfTI file (nifti_has_magic()), unpacked. */
+conus_status field_header_parse(struct field_header *out, const uint8_t *data, size_t size);
+
+/** What a file with this header calls itself, in words ("a deformation field of SPM", static): a field that
+ * conus_atlas_transform() may take, *usable, or what a program of registration writes besides. NULL where it says
+ * nothing of the kind, as 4-D fields do that FSL's tools but fnirt's write. */
+const char *field_header_words(bool *usable, const struct field_header *header);
+
+/** Says what the vectors are, by the header and by what is stated: @p has_images, FSL's two. CONUS_ERROR_DATA for what
+ * is no field, CONUS_ERROR_UNSUPPORTED for coefficients of splines, CONUS_ERROR_ARGUMENT where header and statement
+ * contradict each other. */
+conus_status field_header_kind(enum field_kind *out, const struct field_header *header, bool has_images,
+                               conus_vectors vectors);
 
 #endif

@@ -12,19 +12,9 @@ conus_status itk_text_parse(double out[16], struct text text);
 bool itk_matlab_is(const uint8_t *data, size_t size);
 conus_status itk_matlab_parse(double out[16], const uint8_t *data, size_t size);
 
-/** The matrix of an ITK transform of type @p name. Points of a file with several go through the last one first. */
-conus_status itk_matrix(double out[16], struct text name, const double *parameters, size_t count, const double *fixed,
-                        size_t fixed_count);
-
-/* FreeSurfer's .lta and the MNI's .xfm. */
+/* FreeSurfer's .lta. */
 bool lta_is(struct text text);
 conus_status lta_parse(double out[16], struct text text);
-bool xfm_is(struct text text);
-conus_status xfm_parse(double out[16], struct text text);
-
-/** Sixteen numbers, four in a line, the last line 0 0 0 1; lines that begin with # are comments. */
-bool matrix_text_is(struct text text);
-conus_status matrix_text_parse(double out[16], struct text text);
 
 /** Takes the next @p count numbers off @p rest, row by row into the first rows of @p out; @p what is for messages. */
 conus_status matrix_rows_parse(double out[16], struct text *rest, size_t rows, const char *what);

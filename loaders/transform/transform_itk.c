@@ -120,8 +120,9 @@ static conus_status check_type(struct text name)
                         size, name.data);
 }
 
-conus_status itk_matrix(double out[16], struct text name, const double *p, size_t count, const double *fixed,
-                        size_t fixed_count)
+/* The matrix of an ITK transform of type `name`. */
+static conus_status itk_matrix(double out[16], struct text name, const double *p, size_t count, const double *fixed,
+                               size_t fixed_count)
 {
     static const double zero[3] = {0, 0, 0};
     double r[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};

@@ -2,21 +2,135 @@
 /* Opens a volume: one file or a pair, packed or not, one volume of several. */
 #include "loaders/volumes/volume_file.h"
 
+#include "atlas/space.h"
 #include "base/byte_order.h"
+#include "base/files/file.h"
 #include "base/formats/gzip.h"
 #include "base/memory.h"
+#include "loaders/brainglobe/brainglobe_metadata.h"
 #include "loaders/file_kind.h"
+#include "loaders/tiff/tiff.h"
 #include "loaders/volumes/mgh.h"
 #include "loaders/volumes/nifti.h"
 #include "loaders/volumes/stored/stored_file.h"
-#include "loaders/volumes/tiff_volume.h"
-#include "loaders/volumes/volume_pair.h"
+#include "loaders/volumes/volume_header.h"
 #include "loaders/volumes/volume_selector.h"
 #include "loaders/volumes/volume_text.h"
 #include "loaders/volumes/volume_values.h"
 
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
+
+/* True where `path` ends in ".ext" or ".ext.gz", whatever the case; *at is where "ext" stands. */
+static bool volume_pair_has(const char *path, const char *ext, size_t *at)
+{
+    size_t length = strlen(path);
+    if (length > 3 && strcasecmp(path + length - 3, ".gz") == 0) {
+        length -= 3;
+    }
+    size_t ending = strlen(ext);
+    *at = length - ending;
+    return length > ending && path[*at - 1] == '.' && strncasecmp(path + *at, ext, ending) == 0;
+}
+
+/* Path of the other half of a pair: `path` with the ending at `at` replaced by `ext` ("hdr" or "img"), in capitals
+ * if this half's is; packed like this half if there is such a file, else not. NULL without memory; memory_free() it. */
+static char *volume_pair_other(const char *path, size_t at, const char *ext)
+{
+    bool packed = path[at + 3] != '\0';
+    char *other = memory_raw(at + 7, 1);
+    if (!other) {
+        return NULL;
+    }
+    for (int attempt = 0; attempt < 2; attempt++) {
+        snprintf(other, at + 7, "%.*s%s%s", (int)at, path, ext, packed == (attempt == 0) ? ".gz" : "");
+        for (size_t i = at; i < at + 3; i++) {
+            other[i] = path[at] < 'a' ? (char)(other[i] - 'a' + 'A') : other[i];
+        }
+        if (file_exists(other)) {
+            break;
+        }
+    }
+    return other;
+}
+
+/* Where the stack `path` lies: `stated`, and what that leaves open as metadata.json beside it says, which then joins
+ * `read`. CONUS_ERROR_DATA where voxel size or orientation are missing. */
+static conus_status tiff_volume_place(struct brainglobe_metadata *out, const char *path,
+                                      const struct brainglobe_metadata *stated, struct file_sums *read)
+{
+    bool found = false;
+    bool whole = stated->orientation[0] && stated->resolution[0] > 0;
+    struct brainglobe_metadata place = {0};
+    conus_status status = whole ? CONUS_OK : brainglobe_metadata_read(&place, &found, path, read);
+    if (stated->orientation[0]) {
+        memcpy(place.orientation, stated->orientation, sizeof place.orientation);
+    }
+    if (stated->resolution[0] > 0) {
+        memcpy(place.resolution, stated->resolution, sizeof place.resolution);
+    }
+    bool sized = place.resolution[0] > 0;
+    if (!status && (!sized || !place.orientation[0])) {
+        const char *missing = sized                  ? "no orientation"
+                              : place.orientation[0] ? "no resolution"
+                                                     : "no resolution and no orientation";
+        status = fail(CONUS_ERROR_DATA,
+                      "a TIFF stack does not say where it lies: %s %s beside it; give FILE,resolution=25,"
+                      "orientation=asr (micrometres; where page, row and column start)",
+                      missing, found ? "in metadata.json" : "is given, and there is no metadata.json");
+    }
+    if (!status) {
+        *out = place;
+    }
+    return status;
+}
+
+static int tiff_datatype(const struct tiff_page *page)
+{
+    static const int types[][3] = {
+        {VOLUME_UINT8, VOLUME_INT8, 0},
+        {VOLUME_UINT16, VOLUME_INT16, 0},
+        {VOLUME_UINT32, VOLUME_INT32, VOLUME_FLOAT32},
+        {VOLUME_UINT64, VOLUME_INT64, VOLUME_FLOAT64},
+    };
+    int row = page->bits == 8 ? 0 : page->bits == 16 ? 1 : page->bits == 32 ? 2 : 3;
+    return types[row][page->format - TIFF_UNSIGNED];
+}
+
+static conus_status check_tiff_shape(const struct volume_header *header, const uint64_t shape[3])
+{
+    const size_t *dim = header->info.dim;
+    return !shape[0] || (shape[0] == dim[2] && shape[1] == dim[1] && shape[2] == dim[0])
+               ? CONUS_OK
+               : fail(CONUS_ERROR_DATA,
+                      "shape: metadata.json says %llu x %llu x %llu, the stack has %zu pages of %zu rows and %zu "
+                      "columns",
+                      (unsigned long long)shape[0], (unsigned long long)shape[1], (unsigned long long)shape[2], dim[2],
+                      dim[1], dim[0]);
+}
+
+/* The header of the stack. A shape in `place` that is not the stack's is CONUS_ERROR_DATA. */
+static conus_status tiff_volume_header(struct volume_header *out, const struct tiff *tiff,
+                                       const struct brainglobe_metadata *place)
+{
+    const struct tiff_page *page = &tiff->pages[0];
+    const int64_t dim[7] = {(int64_t)page->width, (int64_t)page->length, (int64_t)tiff->depth, 1, 1, 1, 1};
+    double world[16];
+    struct volume_header header = {
+        .swapped = tiff->file.swapped, .footer = true, .offset = tiff->whole ? tiff->start : 0};
+    header.info.slope = 1;
+    snprintf(header.info.format, sizeof header.info.format, tiff->file.big ? "BigTIFF" : "TIFF");
+    conus_status status = volume_header_set_datatype(&header, tiff_datatype(page));
+    status = status ? status : volume_header_set_dim(&header, dim);
+    status = status ? status : check_tiff_shape(&header, place->shape);
+    status = status ? status : brainglobe_voxels(world, place);
+    status = status ? status : space_describe(&header.info, world, "resolution and orientation");
+    if (!status) {
+        *out = header;
+    }
+    return status;
+}
 
 static const uint64_t DEFAULT_MEMORY = UINT64_C(8) << 30;
 static const char default_needed[] = "a volume (NIfTI, MGH, NRRD, MetaImage, AFNI or TIFF)";

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* FreeSurfer annotations: every label that a vertex has is in the table. And FreeSurfer's lists of vertices. */
 #include "base/memory.h"
-#include "loaders/surfaces/freesurfer_annot.h"
-#include "loaders/surfaces/freesurfer_label.h"
+#include "loaders/surfaces/freesurfer_labels.h"
 
 #include <stdlib.h>
 

@@ -4,7 +4,7 @@
 #include "atlas/deformation/deformation_facts.h"
 #include "atlas/deformation/deformation_find.h"
 #include "base/geometry/math3.h"
-#include "loaders/transform/field_header.h"
+#include "loaders/transform/field_file.h"
 #include "loaders/volumes/nifti.h"
 
 #include <stdlib.h>

@@ -4,7 +4,7 @@
 #ifndef CONUS_TESTS_FUZZ_FUZZ_FOREIGN_H
 #define CONUS_TESTS_FUZZ_FUZZ_FOREIGN_H
 
-#include "loaders/surfaces/foreign/foreign.h"
+#include "loaders/surfaces/foreign/foreign_mesh.h"
 
 #include <stdlib.h>
 

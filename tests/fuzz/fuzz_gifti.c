@@ -2,7 +2,6 @@
 /* GIFTI documents, and what becomes of their arrays. */
 #include "base/memory.h"
 #include "loaders/surfaces/gifti.h"
-#include "loaders/surfaces/gifti_mesh.h"
 
 #include <stdlib.h>
 

@@ -4,7 +4,7 @@
 
 #include "base/formats/zip.h"
 #include "base/memory.h"
-#include "loaders/tracts/trx.h"
+#include "loaders/tracts/tract_formats.h"
 
 #include <string.h>
 #include <zlib.h>

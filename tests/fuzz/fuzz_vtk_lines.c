@@ -2,7 +2,7 @@
 /* Polylines in VTK's formats. */
 #include "fuzz_tractogram.h"
 
-#include "loaders/tracts/vtk_lines.h"
+#include "loaders/tracts/tract_formats.h"
 
 enum { LIMIT = 1 << 22 };
 

@@ -2,9 +2,194 @@
 /* Collects vertices, faces and strips. */
 #include "loaders/surfaces/foreign/foreign_mesh.h"
 
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 
 #include <string.h>
+
+struct polygon_corner {
+    double at[3];
+    uint32_t vertex;
+    uint32_t previous, next; /* corners that are left */
+    double measure;          /* of the ear here; 0 = none */
+    size_t age;              /* when it was measured */
+};
+
+struct polygon {
+    struct polygon_corner corners[POLYGON_LIMIT];
+    size_t left;  /* corners */
+    size_t ears;  /* corners with a measure */
+    size_t clock; /* measurements so far */
+    double normal[3];
+};
+
+/* Newell's normal, whose length is twice the area. */
+static void find_normal(struct polygon *polygon)
+{
+    for (size_t i = 0; i < polygon->left; i++) {
+        double a[3];
+        double b[3];
+        double cross[3];
+        vec3_sub(a, polygon->corners[i].at, polygon->corners[0].at);
+        vec3_sub(b, polygon->corners[polygon->corners[i].next].at, polygon->corners[0].at);
+        vec3_cross(cross, a, b);
+        vec3_add_scaled(polygon->normal, polygon->normal, 1, cross);
+    }
+    double length = vec3_length(polygon->normal);
+    for (int k = 0; length > 0 && k < 3; k++) {
+        polygon->normal[k] /= length;
+    }
+}
+
+static void measure_ear(struct polygon *polygon, size_t i)
+{
+    struct polygon_corner *corner = &polygon->corners[i];
+    double a[3];
+    double b[3];
+    double c[3];
+    double cross[3];
+    vec3_sub(a, corner->at, polygon->corners[corner->previous].at);
+    vec3_sub(b, polygon->corners[corner->next].at, corner->at);
+    vec3_sub(c, polygon->corners[corner->previous].at, polygon->corners[corner->next].at);
+    vec3_cross(cross, a, b);
+    double area = vec3_dot(cross, polygon->normal);
+    double perimeter = vec3_length(a) + vec3_length(b) + vec3_length(c);
+    polygon->ears -= corner->measure > 0;
+    corner->measure = area > 0 ? perimeter * perimeter / area : 0;
+    corner->age = polygon->clock++;
+    polygon->ears += corner->measure > 0;
+}
+
+static void setup_polygon(struct polygon *out, const struct foreign_mesh *mesh, const uint32_t *vertices, size_t count)
+{
+    out->left = count;
+    out->ears = 0;
+    out->clock = 0;
+    memset(out->normal, 0, sizeof out->normal);
+    for (size_t i = 0; i < count; i++) {
+        struct polygon_corner *corner = &out->corners[i];
+        corner->vertex = vertices[i];
+        corner->previous = (uint32_t)(i ? i - 1 : count - 1);
+        corner->next = (uint32_t)(i + 1 < count ? i + 1 : 0);
+        corner->measure = 0;
+        for (int k = 0; k < 3; k++) {
+            corner->at[k] = (double)mesh->positions[3 * (size_t)vertices[i] + (size_t)k];
+        }
+    }
+    find_normal(out);
+    for (size_t i = 0; i < count; i++) {
+        measure_ear(out, i);
+    }
+}
+
+/* The corner with the best ear; `count` if there is none. */
+static size_t best_ear(const struct polygon *polygon, size_t count)
+{
+    size_t best = count;
+    for (size_t i = 0; i < count; i++) {
+        const struct polygon_corner *corner = &polygon->corners[i];
+        const struct polygon_corner *other = best < count ? &polygon->corners[best] : NULL;
+        if (corner->measure > 0 && (!other || corner->measure < other->measure ||
+                                    (!(corner->measure > other->measure) && corner->age < other->age))) {
+            best = i;
+        }
+    }
+    return best;
+}
+
+/* On the inner side of the line from a to b, or on it. */
+static bool is_inside(const struct polygon *polygon, const double a[3], const double b[3], const double p[3])
+{
+    double along[3];
+    double to[3];
+    double cross[3];
+    vec3_sub(along, b, a);
+    vec3_sub(to, p, a);
+    vec3_cross(cross, along, to);
+    return vec3_dot(cross, polygon->normal) >= 0;
+}
+
+static bool is_same(const double a[3], const double b[3])
+{
+    return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
+}
+
+/* Whether no other corner is in the ear, as seen along the normal. Those in the places of its own corners are not. */
+static bool is_empty(const struct polygon *polygon, size_t ear)
+{
+    const struct polygon_corner *tip = &polygon->corners[ear];
+    const struct polygon_corner *before = &polygon->corners[tip->previous];
+    const struct polygon_corner *after = &polygon->corners[tip->next];
+    for (size_t i = after->next; i != tip->previous; i = polygon->corners[i].next) {
+        const double *p = polygon->corners[i].at;
+        bool same = is_same(p, tip->at) || is_same(p, before->at) || is_same(p, after->at);
+        if (!same && is_inside(polygon, before->at, tip->at, p) && is_inside(polygon, tip->at, after->at, p) &&
+            is_inside(polygon, after->at, before->at, p)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static conus_status take_ear(struct foreign_mesh *mesh, struct polygon *polygon, size_t ear)
+{
+    struct polygon_corner *tip = &polygon->corners[ear];
+    struct polygon_corner *before = &polygon->corners[tip->previous];
+    struct polygon_corner *after = &polygon->corners[tip->next];
+    conus_status status = foreign_add_triangle(mesh, tip->vertex, after->vertex, before->vertex);
+    before->next = tip->next;
+    after->previous = tip->previous;
+    polygon->ears -= tip->measure > 0;
+    tip->measure = 0;
+    polygon->left--;
+    measure_ear(polygon, tip->previous);
+    measure_ear(polygon, tip->next);
+    return status;
+}
+
+/* What has no ear crosses itself or has no area: triangles from one corner, so that its edges stay where they are. */
+static conus_status fan_out(struct foreign_mesh *mesh, const struct polygon *polygon, size_t first)
+{
+    const struct polygon_corner *corners = polygon->corners;
+    conus_status status = CONUS_OK;
+    for (size_t i = corners[first].next; !status && corners[i].next != first; i = corners[i].next) {
+        status = foreign_add_triangle(mesh, corners[first].vertex, corners[i].vertex, corners[corners[i].next].vertex);
+    }
+    return status;
+}
+
+static conus_status cut(struct foreign_mesh *mesh, struct polygon *polygon, size_t count)
+{
+    conus_status status = CONUS_OK;
+    size_t first = 0;
+    while (!status && polygon->left > 2) {
+        size_t ear = best_ear(polygon, count);
+        if (ear == count) {
+            return fan_out(mesh, polygon, first);
+        }
+        if (polygon->ears == polygon->left || is_empty(polygon, ear)) {
+            first = polygon->corners[ear].next;
+            status = take_ear(mesh, polygon, ear);
+        } else {
+            polygon->ears--;
+            polygon->corners[ear].measure = 0; /* until one beside it goes */
+        }
+    }
+    return status;
+}
+
+/* Cuts a polygon of 4 corners or more into triangles and appends them. */
+static conus_status polygon_cut(struct foreign_mesh *mesh, const uint32_t *corners, size_t count)
+{
+    struct polygon *polygon = memory_raw(1, sizeof *polygon);
+    if (!polygon) {
+        return CONUS_ERROR_MEMORY;
+    }
+    setup_polygon(polygon, mesh, corners, count);
+    conus_status status = cut(mesh, polygon, count);
+    memory_free(polygon);
+    return status;
+}
 
 void foreign_mesh_finish(struct foreign_mesh *mesh)
 {
@@ -68,7 +253,8 @@ conus_status foreign_add_triangle(struct foreign_mesh *mesh, uint32_t a, uint32_
     return status;
 }
 
-void foreign_drop_face(struct foreign_mesh *mesh)
+/* Forgets the face: a line, or a point. */
+static void drop_face(struct foreign_mesh *mesh)
 {
     mesh->face.count = 0;
     mesh->face_count++;
@@ -88,7 +274,7 @@ conus_status foreign_end_polygon(struct foreign_mesh *mesh)
     } else if (count > 0) {
         status = foreign_add_triangle(mesh, at[0], at[count > 1], at[count - 1]);
     }
-    foreign_drop_face(mesh);
+    drop_face(mesh);
     return status;
 }
 
@@ -100,7 +286,7 @@ conus_status foreign_end_strip(struct foreign_mesh *mesh)
     for (size_t i = 0; !status && i + 2 < mesh->face.count; i++) {
         status = foreign_add_triangle(mesh, at[i + i % 2], at[i + 1 - i % 2], at[i + 2]);
     }
-    foreign_drop_face(mesh);
+    drop_face(mesh);
     return status;
 }
 
@@ -126,4 +312,100 @@ conus_status foreign_mesh_take(struct mesh *out, struct foreign_mesh *mesh)
         *out = taken;
     }
     return status;
+}
+
+void foreign_lines_finish(struct foreign_lines *lines)
+{
+    for (size_t i = 0; i < lines->array_count; i++) {
+        memory_free(lines->arrays[i].name);
+        memory_free(lines->arrays[i].values);
+    }
+    memory_free(lines->arrays);
+    memory_free(lines->corners.indices);
+    memory_free(lines->ends);
+    *lines = (struct foreign_lines){0};
+}
+
+conus_status foreign_end_line(struct foreign_mesh *mesh)
+{
+    struct foreign_lines *lines = mesh->lines;
+    const struct corners *face = &mesh->face;
+    if (lines) {
+        struct corners *all = &lines->corners;
+        if (!memory_reserve(&all->indices, &all->capacity, all->count + face->count, sizeof *all->indices) ||
+            !memory_reserve(&lines->ends, &lines->capacity, lines->count + 1, sizeof *lines->ends)) {
+            return CONUS_ERROR_MEMORY;
+        }
+        if (face->count) {
+            memcpy(&all->indices[all->count], face->indices, face->count * sizeof *face->indices);
+        }
+        all->count += face->count;
+        lines->ends[lines->count++] = all->count;
+    }
+    drop_face(mesh);
+    return CONUS_OK;
+}
+
+static struct foreign_array *find_array(const struct foreign_lines *lines, const char *name, bool per_point)
+{
+    for (size_t i = 0; i < lines->array_count; i++) {
+        if (lines->arrays[i].per_point == per_point && strcmp(lines->arrays[i].name, name) == 0) {
+            return &lines->arrays[i];
+        }
+    }
+    return NULL;
+}
+
+/* Takes @p name, or frees it. */
+static conus_status add_array(struct foreign_array **out, struct foreign_lines *lines, char *name, bool per_point,
+                              uint32_t components)
+{
+    conus_status status = lines->array_count < FOREIGN_ARRAY_LIMIT
+                              ? CONUS_OK
+                              : fail(CONUS_ERROR_DATA, "%s: allowed are up to %d arrays", name, FOREIGN_ARRAY_LIMIT);
+    if (!status &&
+        !memory_reserve(&lines->arrays, &lines->array_capacity, lines->array_count + 1, sizeof *lines->arrays)) {
+        status = CONUS_ERROR_MEMORY;
+    }
+    if (status) {
+        memory_free(name);
+        return status;
+    }
+    *out = &lines->arrays[lines->array_count++];
+    **out = (struct foreign_array){.name = name, .per_point = per_point, .components = components};
+    return CONUS_OK;
+}
+
+conus_status foreign_lines_array(struct foreign_array **out, struct foreign_lines *lines, struct text name,
+                                 bool per_point, uint64_t components)
+{
+    char *words = text_to_utf8(name);
+    if (!words) {
+        return CONUS_ERROR_MEMORY;
+    }
+    struct foreign_array *found = find_array(lines, words, per_point);
+    bool fits = components >= 1 && components <= FOREIGN_COMPONENT_LIMIT;
+    if (fits && !found) {
+        return add_array(out, lines, words, per_point, (uint32_t)components);
+    }
+    conus_status status = CONUS_OK;
+    if (!fits || found->components != components) {
+        status = fail(CONUS_ERROR_DATA, "%s: %llu numbers for each point or cell, allowed are 1 to %d, the same in all",
+                      words, (unsigned long long)components, FOREIGN_COMPONENT_LIMIT);
+    }
+    memory_free(words);
+    *out = found;
+    return status;
+}
+
+conus_status foreign_array_reserve(struct foreign_lines *lines, struct foreign_array *array, size_t more)
+{
+    if (more > lines->max_memory / sizeof *array->values) {
+        return fail(CONUS_ERROR_MEMORY, "%s: %zu numbers, allowed are %llu bytes more (--max-memory)", array->name,
+                    more, (unsigned long long)lines->max_memory);
+    }
+    lines->max_memory -= more * sizeof *array->values;
+    return memory_reserve(&array->values, &array->capacity, array->count + more, sizeof *array->values)
+               ? CONUS_OK
+               : CONUS_ERROR_MEMORY;
 }

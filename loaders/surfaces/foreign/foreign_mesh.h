@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What the parsers of this folder fill: vertices as the file has them, in their order, and triangles. */
+/** @file What the parsers of this folder fill: vertices as the file has them, in their order, and triangles. VTK's
+ * files also have lines of any number of corners, and numbers of points and cells; a reader that wants them points
+ * foreign_mesh.lines to a struct foreign_lines. */
 #ifndef CONUS_LOADERS_SURFACES_FOREIGN_FOREIGN_MESH_H
 #define CONUS_LOADERS_SURFACES_FOREIGN_FOREIGN_MESH_H
 
@@ -7,8 +9,11 @@
 #include "atlas/surface/mesh_space.h"
 #include "base/text.h"
 
-/** Cutting a polygon takes time that grows with the square of its corners. */
-enum { POLYGON_LIMIT = 1024 };
+enum {
+    POLYGON_LIMIT = 1024, /**< Corners: cutting a polygon takes time that grows with their square. */
+    FOREIGN_ARRAY_LIMIT = 4096,
+    FOREIGN_COMPONENT_LIMIT = 65536
+};
 
 /** Indices of vertices; owned. */
 struct corners {
@@ -16,7 +21,26 @@ struct corners {
     size_t count, capacity;
 };
 
-struct foreign_lines;
+/** Numbers by name, of all points or of all lines. */
+struct foreign_array {
+    char *name; /**< UTF-8; owned. */
+    bool per_point;
+    uint32_t components;
+    float *values; /**< [count], rounded once; owned. */
+    size_t count, capacity;
+};
+
+/** Zero but for max_memory is an empty one. */
+struct foreign_lines {
+    struct corners corners; /**< Of all lines, one behind the other; indices of vertices. */
+    size_t *ends;           /**< [count] Behind the last corner of each line; owned. */
+    size_t count, capacity;
+    size_t before; /**< Cells that VTK numbers before lines: single vertices. */
+    size_t behind; /**< Those behind: polygons and strips. */
+    struct foreign_array *arrays;
+    size_t array_count, array_capacity;
+    uint64_t max_memory; /**< Bytes that values of arrays may still take. */
+};
 
 /** Zero is an empty one. */
 struct foreign_mesh {
@@ -31,6 +55,7 @@ struct foreign_mesh {
 };
 
 void foreign_mesh_finish(struct foreign_mesh *mesh);
+void foreign_lines_finish(struct foreign_lines *lines);
 
 /** Makes place for @p count vertices. CONUS_ERROR_DATA for more than 4294967295 of them. */
 conus_status foreign_reserve_vertices(struct foreign_mesh *mesh, size_t count);
@@ -54,16 +79,73 @@ conus_status foreign_end_polygon(struct foreign_mesh *mesh);
 /** Ends the face as a strip of triangles. */
 conus_status foreign_end_strip(struct foreign_mesh *mesh);
 
-/** Forgets the face: a line, or a point. */
-void foreign_drop_face(struct foreign_mesh *mesh);
+/** Ends the face as a line; passes it over where nobody wants lines. */
+conus_status foreign_end_line(struct foreign_mesh *mesh);
 
 /** Appends a triangle of vertices that there are. */
 conus_status foreign_add_triangle(struct foreign_mesh *mesh, uint32_t a, uint32_t b, uint32_t c);
 
-/** Cuts a polygon of 4 corners or more into triangles and appends them (polygon.c). */
-conus_status polygon_cut(struct foreign_mesh *mesh, const uint32_t *corners, size_t count);
-
 /** Gives vertices and triangles to @p out, which is then the caller's to finish; not yet checked (mesh_check()). */
 conus_status foreign_mesh_take(struct mesh *out, struct foreign_mesh *mesh);
+
+/** The array @p name, which is added where there is none. CONUS_ERROR_DATA for one with other components, for too many
+ * of them, and for more than FOREIGN_ARRAY_LIMIT arrays. */
+conus_status foreign_lines_array(struct foreign_array **out, struct foreign_lines *lines, struct text name,
+                                 bool per_point, uint64_t components);
+
+/** Makes place for @p more values of @p array, one of @p lines. CONUS_ERROR_MEMORY above max_memory. */
+conus_status foreign_array_reserve(struct foreign_lines *lines, struct foreign_array *array, size_t more);
+
+enum foreign_format {
+    FOREIGN_NONE,
+    FOREIGN_OBJ,
+    FOREIGN_PLY,
+    FOREIGN_STL,
+    FOREIGN_OFF,
+    FOREIGN_MZ3,
+    FOREIGN_VTK,
+    FOREIGN_VTP
+};
+
+/** The format of the file @p path, of which @p head has the first bytes, unpacked. The content decides where a format
+ * has a signature, the name for STL, OBJ and OFF. */
+enum foreign_format foreign_format_of(const char *path, struct text head);
+
+/** The value behind "SPACE" in @p text: 3D Slicer writes "SPACE=RAS" or "SPACE=LPS". */
+enum mesh_space foreign_space_in(struct text text);
+
+/** The objects of an OBJ that have faces, in the order in which they come first. */
+struct obj_objects {
+    struct text *names; /**< [count] Inside the file's bytes; "" for what is in none. Owned. */
+    uint32_t *owners;   /**< [triangle_count] The object of each triangle; owned.             */
+    size_t count;
+};
+
+void obj_objects_finish(struct obj_objects *objects);
+
+/* Each parser takes the whole file, unpacked, and fills @p out, which is empty and the caller's to finish, also after a
+ * failure. CONUS_ERROR_DATA for what contradicts itself or is cut off, CONUS_ERROR_UNSUPPORTED for what is fine but not
+ * read. All vertices come in the file's order, triangles in that of the faces; positions as stored. */
+
+/** Wavefront OBJ. @p objects may be NULL; statements "o" of the same name are one object. */
+conus_status obj_parse(struct foreign_mesh *out, struct obj_objects *objects, const uint8_t *data, size_t size);
+
+/** PLY, ASCII or binary of either byte order. */
+conus_status ply_parse(struct foreign_mesh *out, const uint8_t *data, size_t size);
+
+/** STL, ASCII or binary. Corners at equal positions are one vertex, the first of them. */
+conus_status stl_parse(struct foreign_mesh *out, const uint8_t *data, size_t size);
+
+/** OFF, COFF, NOFF, STOFF and their mixtures, as text. */
+conus_status off_parse(struct foreign_mesh *out, const uint8_t *data, size_t size);
+
+/** MZ3 (Surf Ice, NiiVue), unpacked. */
+conus_status mz3_parse(struct foreign_mesh *out, const uint8_t *data, size_t size);
+
+/** Legacy VTK, POLYDATA, to version 5.1. */
+conus_status vtk_parse(struct foreign_mesh *out, const uint8_t *data, size_t size);
+
+/** VTP. An array may have @p limit bytes, unpacked. */
+conus_status vtp_parse(struct foreign_mesh *out, const uint8_t *data, size_t size, uint64_t limit);
 
 #endif

@@ -8,10 +8,61 @@
 #include "base/memory.h"
 #include "base/text.h"
 #include "loaders/file_kind.h"
-#include "loaders/surfaces/foreign/foreign.h"
+#include "loaders/surfaces/foreign/foreign_mesh.h"
 
 #include <stdio.h>
 #include <string.h>
+
+/* Whether `path` ends in `ending`, or in that and ".gz". */
+static bool is_named(const char *path, const char *ending)
+{
+    char packed[16];
+    snprintf(packed, sizeof packed, "%s.gz", ending);
+    return path_ends_in(path, ending) || path_ends_in(path, packed);
+}
+
+enum foreign_format foreign_format_of(const char *path, struct text head)
+{
+    if (text_starts(head, "# vtk DataFile")) {
+        return FOREIGN_VTK;
+    }
+    if (text_starts(head, "ply\n") || text_starts(head, "ply\r")) {
+        return FOREIGN_PLY;
+    }
+    if (text_starts(head, "MZ") && !is_named(path, ".obj") && !is_named(path, ".stl")) {
+        return FOREIGN_MZ3;
+    }
+    if (text_starts(text_trim(text_from_bytes((const uint8_t *)head.data, head.size)), "<") &&
+        text_mentions(head, "<VTKFile")) {
+        return FOREIGN_VTP;
+    }
+    return is_named(path, ".stl")   ? FOREIGN_STL
+           : is_named(path, ".off") ? FOREIGN_OFF
+           : is_named(path, ".obj") ? FOREIGN_OBJ
+                                    : FOREIGN_NONE;
+}
+
+enum mesh_space foreign_space_in(struct text text)
+{
+    static const char word[] = "SPACE";
+    enum { LENGTH = sizeof word - 1 };
+    while (text_mentions(text, word)) {
+        const char *at = memmem(text.data, text.size, word, LENGTH);
+        text.size -= (size_t)(at + LENGTH - text.data);
+        text.data = at + LENGTH;
+        struct text value = text;
+        while (value.size && strchr("= \t", *value.data) && *value.data) {
+            value = (struct text){value.data + 1, value.size - 1};
+        }
+        if (value.size < text.size && text_starts(value, "RAS")) {
+            return MESH_SPACE_RAS;
+        }
+        if (value.size < text.size && text_starts(value, "LPS")) {
+            return MESH_SPACE_LPS;
+        }
+    }
+    return MESH_SPACE_UNSTATED;
+}
 
 static const uint64_t default_memory = UINT64_C(8) << 30;
 static const struct mesh_foreign_options defaults;
@@ -27,7 +78,7 @@ bool mesh_foreign_is(const char *path)
 {
     static const char *const endings[] = {".vtk", ".vtp", ".ply", ".stl", ".obj", ".off", ".mz3"};
     for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
-        if (foreign_is_named(path, endings[i])) {
+        if (is_named(path, endings[i])) {
             return true;
         }
     }
@@ -90,20 +141,6 @@ static conus_status explain_failure(conus_status status, const struct bytes *byt
     return status;
 }
 
-/* The whole file, unpacked. */
-static conus_status read_bytes(struct bytes *out, const char *path, uint64_t limit)
-{
-    struct bytes stored = {0};
-    conus_status status = file_read_allowed(&stored, path, limit);
-    if (!status && gzip_is(stored.data, stored.size)) {
-        status = gzip_unpack_all(out, stored.data, stored.size, limit);
-        bytes_finish(&stored);
-        return status ? fail_in(status, path) : CONUS_OK;
-    }
-    *out = stored;
-    return status;
-}
-
 /* Turns the mesh of the file @p path into the world and checks it. */
 static conus_status settle_mesh(struct mesh *mesh, const struct reading *work, const char *path, enum mesh_space stated)
 {
@@ -154,7 +191,7 @@ static conus_status read_file(struct mesh *out, struct reading *work, const char
 {
     struct bytes bytes = {0};
     struct foreign_mesh foreign = {0};
-    conus_status status = read_bytes(&bytes, path, limit_of(work));
+    conus_status status = gzip_read(&bytes, path, limit_of(work), NULL);
     if (status) {
         return status;
     }
@@ -315,7 +352,7 @@ static conus_status read_objects(struct mesh_parts *parts, struct label_table *n
     struct bytes bytes = {0};
     struct foreign_mesh foreign = {0};
     struct obj_objects objects = {0};
-    conus_status status = read_bytes(&bytes, path, limit_of(work));
+    conus_status status = gzip_read(&bytes, path, limit_of(work), NULL);
     if (status) {
         return status;
     }

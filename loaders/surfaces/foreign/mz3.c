@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Parses the MZ3 of Surf Ice and NiiVue, once it is unpacked: little-endian, a header of 16 bytes and what it skips,
  * faces, vertices, colours and values of vertices. */
-#include "loaders/surfaces/foreign/foreign.h"
+#include "loaders/surfaces/foreign/foreign_mesh.h"
 
 #include "base/byte_order.h"
 

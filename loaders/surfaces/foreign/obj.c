@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Parses Wavefront's OBJ: vertices first, then faces, so that a face may come before its vertices. */
-#include "loaders/surfaces/foreign/foreign.h"
+#include "loaders/surfaces/foreign/foreign_mesh.h"
 
 #include "base/memory.h"
 #include "loaders/surfaces/foreign/words.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Parses PLY: a header that says what each element has, then the elements, as text or binary of either byte order. */
-#include "loaders/surfaces/foreign/foreign.h"
+#include "loaders/surfaces/foreign/foreign_mesh.h"
 
 #include "base/byte_order.h"
 #include "base/memory.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Parses STL, text and binary, and joins the corners that are at one place. */
-#include "loaders/surfaces/foreign/foreign.h"
+#include "loaders/surfaces/foreign/foreign_mesh.h"
 
 #include "atlas/surface/mesh_closed.h"
 #include "base/byte_order.h"

@@ -2,9 +2,291 @@
 /* Opens a file whole or by its index, and gives bytes of it. */
 #include "loaders/volumes/stored/stored_file.h"
 
+#include "base/files/file_trace.h"
 #include "base/memory.h"
 
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <nettle/sha2.h>
+#include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* The entry of `path`, whose name does not depend on how the file is called; without a path where nothing is kept. */
+static void find_store(struct cache_store *out, const char *real, const struct bytes *header)
+{
+    char sum[65] = "";
+    if (cache_store_begin(out, KEPT_INDEX_ENDING, real, false)) {
+        if (header) {
+            file_sha256(sum, header);
+        }
+        cache_key_append(&out->key, "gzip index");
+        cache_key_append(&out->key, header ? sum : NULL);
+        out->limit = out->limit < KEPT_INDEX_LIMIT ? out->limit : KEPT_INDEX_LIMIT;
+        cache_store_name(out);
+    }
+}
+
+/* Whether the entry is about this open file, and nothing else. */
+static bool is_about(const struct cache_entry *entry, const struct file_state *state)
+{
+    struct file_trace trace = {0};
+    bool same = file_trace_parse(&trace, entry->trace.data, entry->trace.size) && trace.count == 1 &&
+                trace.items[0].kind == TRACE_FILE && file_state_equal(&trace.items[0].state, state);
+    file_trace_finish(&trace);
+    return same;
+}
+
+static bool map_index(struct kept_index *out, const char *real, const struct bytes *header)
+{
+    struct cache_store store = {0};
+    find_store(&store, real, header);
+    bool found = cache_store_map(&out->mapping, &store);
+    const struct cache_entry *entry = &out->mapping.entry;
+    bool fits = found && is_about(entry, &out->before) &&
+                gzip_index_parse(&out->index, entry->packed.data, entry->packed.size) &&
+                out->index.packed == out->before.size && gzip_index_fits(&out->index, out->descriptor);
+    if (found && !fits) {
+        cache_mapping_finish(&out->mapping);
+    }
+    cache_store_finish(&store);
+    return fits;
+}
+
+bool kept_index_open(struct kept_index *out, const char *path, const struct bytes *header)
+{
+    char real[PATH_MAX];
+    struct stat info;
+    struct kept_index kept = {.descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK)};
+    bool found = kept.descriptor >= 0 && fstat(kept.descriptor, &info) == 0 && S_ISREG(info.st_mode);
+    if (found) {
+        file_state_take(&kept.before, &info);
+        found = realpath(path, real) && map_index(&kept, real, header);
+    }
+    if (!found) {
+        kept_index_finish(&kept);
+        return false;
+    }
+    file_trace_path(path, &info);
+    *out = kept;
+    return true;
+}
+
+/* Whether the open file is still as it was. */
+static bool is_unchanged(int descriptor, const struct file_state *before)
+{
+    struct file_state now;
+    return file_state_of(&now, descriptor) && file_state_equal(&now, before);
+}
+
+void kept_index_finish(struct kept_index *kept)
+{
+    cache_mapping_finish(&kept->mapping);
+    if (kept->descriptor >= 0) {
+        close(kept->descriptor);
+    }
+    *kept = (struct kept_index){.descriptor = -1};
+}
+
+void index_keeper_begin(struct index_keeper *out, const char *path, const struct bytes *header)
+{
+    char real[PATH_MAX];
+    struct stat info;
+    *out = (struct index_keeper){0};
+    struct traced *item = memory_zeroed(1, sizeof *item);
+    clock_gettime(CLOCK_REALTIME, &out->trace.begun);
+    if (!item || !realpath(path, real) || stat(real, &info) || !S_ISREG(info.st_mode)) {
+        memory_free(item);
+        return;
+    }
+    item->kind = TRACE_FILE;
+    item->path = memory_text(real, strlen(real));
+    file_state_take(&item->state, &info);
+    out->trace.items = item;
+    out->trace.count = out->trace.capacity = 1;
+    if (item->path) {
+        find_store(&out->store, real, header);
+    }
+}
+
+void index_keeper_finish(struct index_keeper *keeper)
+{
+    gzip_indexer_finish(&keeper->indexer);
+    cache_store_finish(&keeper->store);
+    file_trace_finish(&keeper->trace);
+}
+
+static bool write_index(void *user, int file, size_t at)
+{
+    const struct buffer *index = user;
+    return pwrite(file, index->data, index->size, (off_t)at) == (ssize_t)index->size;
+}
+
+static bool keep(struct index_keeper *keeper, struct buffer *index)
+{
+    struct buffer trace = {0};
+    file_trace_write(&trace, &keeper->trace);
+    struct cache_entry entry = {.trace = {(const uint8_t *)trace.data, trace.size}, .packed = {NULL, index->size}};
+    bool kept = !trace.failed && cache_store_keep(&keeper->store, &entry, write_index, index);
+    buffer_finish(&trace);
+    return kept;
+}
+
+/* Once all of the file is unpacked, where keeper->indexer was told, and verified: keeps the index, of whose parts
+ * `whole` has unpacked, junk and sha256. False where it is not kept, as of a file that changed just now. */
+static bool index_keeper_keep(struct index_keeper *keeper, struct gzip_index *whole)
+{
+    struct buffer index = {0};
+    bool may = keeper->store.path.size && file_trace_is_settled(&keeper->trace) && file_trace_holds(&keeper->trace);
+    if (may) {
+        whole->packed = keeper->trace.items[0].state.size;
+    }
+    bool kept = may && gzip_indexer_write(&index, &keeper->indexer, whole) && keep(keeper, &index);
+    buffer_finish(&index);
+    return kept;
+}
+
+/* A file that is not packed, read slab by slab: it is never in memory as a whole. */
+struct plain_file {
+    int descriptor;
+    struct file_state before; /* when it was opened */
+    char sha256[65];          /* once plain_file_range() has read it */
+};
+
+enum { TESTED = 540 };
+
+static size_t smaller_of(uint64_t a, uint64_t b)
+{
+    return (size_t)(a < b ? a : b);
+}
+
+/* Reads `size` bytes, which the file has. */
+static conus_status read_at(const struct plain_file *plain, uint8_t *out, size_t size, uint64_t at)
+{
+    while (size) {
+        ssize_t got = pread(plain->descriptor, out, size, (off_t)at);
+        if (got == 0 || (got < 0 && errno != EINTR)) {
+            file_trace_failed();
+            return got ? fail(CONUS_ERROR_IO, "cannot read: %s", strerror(errno)) : fail(CONUS_ERROR_IO, FILE_CHANGED);
+        }
+        out += got > 0 ? got : 0;
+        at += got > 0 ? (uint64_t)got : 0;
+        size -= got > 0 ? (size_t)got : 0;
+    }
+    return CONUS_OK;
+}
+
+static void plain_file_finish(struct plain_file *plain)
+{
+    if (plain->descriptor >= 0) {
+        close(plain->descriptor);
+    }
+    plain->descriptor = -1;
+}
+
+/* Opens `path` if it is a regular file of more than `least` bytes that passes the test. False where it is none, or
+ * cannot be opened; who reads it as a whole says why. */
+static bool plain_file_open(struct plain_file *out, const char *path, uint64_t least, plain_file_test *test)
+{
+    struct stat info;
+    struct plain_file plain = {.descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK)};
+    bool found = plain.descriptor >= 0 && fstat(plain.descriptor, &info) == 0 && S_ISREG(info.st_mode);
+    if (found) {
+        uint8_t head[TESTED];
+        file_state_take(&plain.before, &info);
+        size_t size = smaller_of(sizeof head, plain.before.size);
+        found = plain.before.size > least && !read_at(&plain, head, size, 0) && test(head, size);
+    }
+    if (!found) {
+        plain_file_finish(&plain);
+        return false;
+    }
+    file_trace_path(path, &info);
+    *out = plain;
+    return true;
+}
+
+/* The first `limit` bytes, or fewer. CONUS_ERROR_IO, CONUS_ERROR_MEMORY. */
+static conus_status plain_file_head(struct bytes *out, const struct plain_file *plain, size_t limit)
+{
+    size_t size = smaller_of(limit, plain->before.size);
+    uint8_t *head = memory_raw(size, 1);
+    conus_status status = head ? read_at(plain, head, size, 0) : CONUS_ERROR_MEMORY;
+    if (status) {
+        memory_free(head);
+        return status;
+    }
+    *out = (struct bytes){head, size};
+    return CONUS_OK;
+}
+
+/* What goes through the file. */
+struct reading {
+    const struct plain_file *plain;
+    const struct gzip_range *range;
+    struct sha256_ctx sum;
+    uint8_t *slab; /* [GZIP_SLAB] */
+    uint8_t *kept; /* of the range; NULL = it goes to the sink */
+};
+
+/* Reads the stretch [at, end), and gives it if it is `wanted`. */
+static conus_status read_stretch(struct reading *reading, uint64_t at, uint64_t end, bool wanted)
+{
+    conus_status status = CONUS_OK;
+    while (!status && at < end) {
+        size_t size = smaller_of(GZIP_SLAB, end - at);
+        uint8_t *to = wanted && reading->kept ? reading->kept + (at - reading->range->from) : reading->slab;
+        status = read_at(reading->plain, to, size, at);
+        if (!status) {
+            sha256_update(&reading->sum, size, to);
+        }
+        if (!status && wanted && reading->range->sink) {
+            status = reading->range->sink(reading->range->user, to, size);
+        }
+        at += size;
+    }
+    return status;
+}
+
+static conus_status read_all(struct reading *reading)
+{
+    const struct gzip_range *range = reading->range;
+    uint64_t end = range->from + range->count;
+    conus_status status = read_stretch(reading, 0, range->from, false);
+    status = status ? status : read_stretch(reading, range->from, end, true);
+    return status ? status : read_stretch(reading, end, reading->plain->before.size, false);
+}
+
+/* Reads all of the file once, for its sum, and gives the bytes of the range: kept, or to the sink slab by slab.
+ * CONUS_ERROR_DATA where the file has fewer bytes than range->total, CONUS_ERROR_IO where it changed meanwhile. */
+static conus_status plain_file_range(struct bytes *out, struct gzip_range *range, struct plain_file *plain)
+{
+    if (plain->before.size < range->total) {
+        return fail(CONUS_ERROR_DATA, "voxels: the file has %llu bytes, the header asks for %llu",
+                    (unsigned long long)plain->before.size, (unsigned long long)range->total);
+    }
+    struct reading reading = {.plain = plain, .range = range, .slab = memory_raw(GZIP_SLAB, 1)};
+    reading.kept = reading.slab && !range->sink ? memory_raw(range->count, 1) : NULL;
+    conus_status status = reading.slab && (reading.kept || range->sink) ? CONUS_OK : CONUS_ERROR_MEMORY;
+    sha256_init(&reading.sum);
+    status = status ? status : read_all(&reading);
+    if (!status && !is_unchanged(plain->descriptor, &plain->before)) {
+        file_trace_failed();
+        status = fail(CONUS_ERROR_IO, FILE_CHANGED);
+    }
+    memory_free(reading.slab);
+    if (status) {
+        memory_free(reading.kept);
+        return status;
+    }
+    file_sha256_end(plain->sha256, &reading.sum);
+    range->extra = plain->before.size - range->total;
+    range->junk = 0;
+    *out = (struct bytes){reading.kept, reading.kept ? range->count : 0};
+    return CONUS_OK;
+}
 
 void stored_finish(struct stored *stored)
 {
@@ -89,20 +371,15 @@ conus_status stored_open_slabs(struct stored *out, const char *path, uint64_t li
     return CONUS_OK;
 }
 
-/* What is ahead of the stream that the index is of, as it is stored. */
-static conus_status head_before_stream(struct bytes *out, const struct kept_index *kept, size_t limit)
-{
-    const struct plain_file plain = {.descriptor = kept->descriptor, .before = kept->before};
-    return plain_file_head(out, &plain, kept->index.begin < limit ? (size_t)kept->index.begin : limit);
-}
-
 conus_status stored_head(struct bytes *out, const struct stored *stored, size_t limit)
 {
-    if (stored->index && !stored->packed) {
-        return head_before_stream(out, stored->index, limit);
+    const struct kept_index *kept = stored->index;
+    if (kept && !stored->packed) { /* what is ahead of the stream that the index is of, as it is stored */
+        const struct plain_file plain = {.descriptor = kept->descriptor, .before = kept->before};
+        return plain_file_head(out, &plain, kept->index.begin < limit ? (size_t)kept->index.begin : limit);
     }
-    if (stored->index) {
-        return gzip_index_head(out, &stored->index->index, limit, stored->index->descriptor);
+    if (kept) {
+        return gzip_index_head(out, &kept->index, limit, kept->descriptor);
     }
     if (stored->plain) {
         return plain_file_head(out, stored->plain, limit);
@@ -132,7 +409,7 @@ bool stored_known_sum(char out[65], const struct stored *stored)
 static conus_status follow_index(struct bytes *out, struct gzip_range *range, const struct kept_index *kept)
 {
     conus_status status = gzip_index_unpack(out, range, &kept->index, kept->descriptor);
-    if (!status && !kept_index_holds(kept)) {
+    if (!status && !is_unchanged(kept->descriptor, &kept->before)) {
         bytes_finish(out);
         status = fail(CONUS_ERROR_IO, FILE_CHANGED);
     }

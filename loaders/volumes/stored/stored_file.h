@@ -1,17 +1,54 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file A file of which some bytes are wanted, packed or not. */
+/** @file A file of which some bytes are wanted, packed or not.
+ *
+ * Packed volumes have indexes in the user's cache folder, one file NAME.index each, under the rules of atlases: an
+ * entry is believed only if it is the user's alone, this build wrote it, its checksums hold, and the packed file is as
+ * it was, by device, inode, size and times of change. What it leads to is verified span by span beyond that. */
 #ifndef CONUS_LOADERS_VOLUMES_STORED_STORED_FILE_H
 #define CONUS_LOADERS_VOLUMES_STORED_STORED_FILE_H
 
-#include "loaders/volumes/stored/kept_index.h"
-#include "loaders/volumes/stored/plain_file.h"
+#include "base/cache/cache_store.h"
+#include "base/files/file_trace.h"
+#include "base/formats/gzip_index.h"
+
+#define KEPT_INDEX_ENDING ".index"
+
+/** The most that the indexes may have together, in bytes, unless $CONUS_CACHE is less. */
+#define KEPT_INDEX_LIMIT (UINT64_C(1) << 30)
+
+enum { STORED_LARGE = 1 << 24 }; /**< Bytes beyond which a file or a volume is not to be in memory twice. */
+
+/** An index that is there, and the file that it is of. */
+struct kept_index {
+    struct cache_mapping mapping; /**< memory NULL = there is none */
+    struct gzip_index index;
+    int descriptor;           /**< Of the packed file.  */
+    struct file_state before; /**< ... when it was opened. */
+};
+
+/** Opens the packed file @p path with the index that was kept of it, as the voxels of @p header: the bytes of the file
+ * that says how they are packed, NULL = none but @p path. False where there is none that may be believed. */
+bool kept_index_open(struct kept_index *out, const char *path, const struct bytes *header);
+void kept_index_finish(struct kept_index *kept);
+
+/** Makes an index, and keeps it. */
+struct index_keeper {
+    struct gzip_indexer indexer;
+    struct cache_store store; /**< Without a path nothing is kept. */
+    struct file_trace trace;  /**< Of the packed file, since before it was read; empty if nothing is to be kept. */
+};
+
+/** Before @p path is read, as for kept_index_open(). The indexer is the caller's to begin, once it is known how much
+ * there is to unpack. */
+void index_keeper_begin(struct index_keeper *out, const char *path, const struct bytes *header);
+void index_keeper_finish(struct index_keeper *keeper);
 
 struct stored {
     char *path;
     struct bytes bytes;          /**< As they are stored; none where there is an index or a plain file. */
     bool packed;                 /**< By gzip, as a whole. */
     struct kept_index *index;    /**< Owned; NULL = none. */
-    struct plain_file *plain;    /**< Owned: read when it is wanted; NULL = it is in memory. */
+    struct plain_file *plain;    /**< Owned: not packed, read slab by slab when it is wanted; NULL = it is in memory. */
     struct index_keeper *keeper; /**< Owned: of an index to be made; NULL = none. */
 };
 
@@ -27,7 +64,8 @@ enum stored_use {
 conus_status stored_open(struct stored *out, const char *path, uint64_t limit, enum stored_use use,
                          const struct bytes *header);
 
-enum { STORED_LARGE = 1 << 24 }; /**< Bytes beyond which a file or a volume is not to be in memory twice. */
+/** Whether the bytes with which a file begins, 540 or all, are those of a kind that can be read slab by slab. */
+typedef bool plain_file_test(const uint8_t *data, size_t size);
 
 /** The same without a header, but a file of more than STORED_LARGE bytes that is not packed and passes the test is not
  * read yet, however large it is. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* FreeSurfer's surfaces and annotations. */
-#include "loaders/surfaces/freesurfer_annot.h"
+#include "loaders/surfaces/freesurfer_labels.h"
 #include "loaders/surfaces/freesurfer_surface.h"
 
 #include "base/geometry/math3.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* FreeSurfer's labels: lists of vertices, and the areas that they cut from a surface. */
-#include "loaders/surfaces/freesurfer_label.h"
+#include "loaders/surfaces/freesurfer_labels.h"
 
 #include "base/buffer.h"
 #include "base/memory.h"

@@ -5,7 +5,6 @@
 #include "base/files/file.h"
 #include "base/memory.h"
 #include "builders/gifti_builder.h"
-#include "loaders/surfaces/gifti_mesh.h"
 #include "test.h"
 
 #include <math.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* TRX: archives and folders of every type, what header.json contradicts, memory. */
-#include "loaders/tracts/trx.h"
+#include "loaders/tracts/tract_formats.h"
 
 #include "base/memory.h"
 #include "builders/zip_builder.h"

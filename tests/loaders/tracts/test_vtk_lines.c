@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Polylines in VTK's formats: text and binary, both layouts of cells, pieces, numbers of points and lines. All samples
  * are two lines, of 3 points and of 2, of which one point is shared; beside them is a vertex, a triangle, or both. */
-#include "loaders/tracts/vtk_lines.h"
+#include "loaders/tracts/tract_formats.h"
 
 #include "base/memory.h"
 #include "builders/nifti_builder.h"

@@ -7,7 +7,6 @@
 #include "base/memory.h"
 #include "builders/nifti_builder.h"
 #include "loaders/transform/field_file.h"
-#include "loaders/transform/field_header.h"
 #include "mesh_scene.h"
 #include "scene.h"
 #include "test.h"

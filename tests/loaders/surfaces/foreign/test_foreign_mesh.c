@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What becomes of polygons, strips, pieces, objects and spaces of mesh files. */
 #include "base/buffer.h"
-#include "loaders/surfaces/foreign/foreign.h"
+#include "loaders/surfaces/foreign/foreign_mesh.h"
 #include "test.h"
 
 #include <stdio.h>

@@ -3,7 +3,7 @@
  * All samples are the tetrahedron with corners at 0 and at 3 on each axis, in this order, and the faces below; what is
  * wanted is written down from that, not read back. */
 #include "base/buffer.h"
-#include "loaders/surfaces/foreign/foreign.h"
+#include "loaders/surfaces/foreign/foreign_mesh.h"
 #include "test.h"
 
 #include <stdio.h>
