@@ -246,7 +246,7 @@ static void what_a_session_says_of_files_is_not_trusted(void **state)
     json_decref(window.files.opened);
 }
 
-int main(void)
+TEST_GROUP(additions)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_word_is_a_kind_and_a_file),

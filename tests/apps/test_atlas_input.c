@@ -235,7 +235,7 @@ static void notes_say_which_atlases_do_not_belong_together(void **state)
     free(first);
 }
 
-int main(void)
+TEST_GROUP(atlas_input)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(whoever_cancels_hears_no_more), cmocka_unit_test(atlases_have_different_names),

@@ -270,7 +270,7 @@ static void words_say_how(void **state)
     json_decref(words);
 }
 
-int main(void)
+TEST_GROUP(carry)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(halves_are_as_the_whole_was),

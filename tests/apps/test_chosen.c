@@ -219,7 +219,7 @@ static void an_outline_is_bright_within_and_dark_beside(void **state)
     assert_false(top.is_there);
 }
 
-int main(void)
+TEST_GROUP(chosen)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(cells_lie_at_the_surface),

@@ -329,7 +329,7 @@ static void no_key_does_two_things(void **state)
     }
 }
 
-int main(void)
+TEST_GROUP(controls)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(lists_are_sorted_as_tables_are),

@@ -343,7 +343,7 @@ static void a_spacemouse_moves_the_second_tool(void **state)
 
 #endif
 
-int main(void)
+TEST_GROUP(devices)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(sticks_move_and_turn),

@@ -160,7 +160,7 @@ static void nothing_is_written_over_without_a_question(void **state)
     dialog_finish(&dialog);
 }
 
-int main(void)
+TEST_GROUP(dialog)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_folder_lists_what_can_be_opened),

@@ -337,7 +337,7 @@ static void what_does_not_fit_is_not_written(void **state)
     assert_int_equal(igtl_write_start(bytes, 90, "STT_TDATA", 20), 0);
 }
 
-int main(void)
+TEST_GROUP(igtl)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_checksum_is_ecma_182),

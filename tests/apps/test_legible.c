@@ -268,7 +268,7 @@ static void what_is_cut_is_found(void **state)
     ui_destroy();
 }
 
-int main(void)
+TEST_GROUP(legible)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(contrast_is_that_of_wcag),       cmocka_unit_test(over_is_a_mix),

@@ -553,7 +553,7 @@ static void a_sheet_follows_from_its_settings(void **state)
     }
 }
 
-int main(void)
+TEST_GROUP(look)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(grey_values_move_by_their_own_width),

@@ -170,7 +170,7 @@ static int silence(void **state)
     return freopen("/dev/null", "w", stderr) ? 0 : -1;
 }
 
-int main(void)
+TEST_GROUP(options)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(only_decimal_numbers_are_numbers), cmocka_unit_test(only_digits_are_counts),

@@ -280,7 +280,7 @@ static void what_is_wrong_with_the_cone_is_said(void **state)
     }
 }
 
-int main(void)
+TEST_GROUP(pointing)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(without_a_context_the_atlas_is_the_surface),

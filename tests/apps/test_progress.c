@@ -59,7 +59,7 @@ static void redirected_progress_is_in_no_log(void **state)
     progress_redirect(-1);
 }
 
-int main(void)
+TEST_GROUP(progress)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_log_gets_a_line_now_and_then),

@@ -314,7 +314,7 @@ static void what_cannot_be_exported_is_said(void **state)
     viewer_finish(&viewer);
 }
 
-int main(void)
+TEST_GROUP(results)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(cells_are_those_of_conus_query),  cmocka_unit_test(cells_of_bundles_are_those_of_conus_query),

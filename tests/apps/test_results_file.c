@@ -138,7 +138,7 @@ static int silence(void **state)
     return freopen("/dev/null", "w", stderr) ? 0 : -1;
 }
 
-int main(void)
+TEST_GROUP(results_file)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rows_are_found_by_their_key),

@@ -80,7 +80,7 @@ static void nothing_fits_nothing(void **state)
     conus_atlas_destroy(atlas);
 }
 
-int main(void)
+TEST_GROUP(search)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(names_come_before_numbers),

@@ -503,7 +503,7 @@ static void a_script_does_what_its_words_say(void **state)
     close_window(&window);
 }
 
-int main(void)
+TEST_GROUP(second)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(each_tool_has_answers_of_its_own),

@@ -117,7 +117,7 @@ static void an_atlas_is_looked_for_in_this_order(void **state)
     assert_found(&file, paths[0], NULL, paths[4]);
 }
 
-int main(void)
+TEST_GROUP(session_file)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(no_prefix_of_a_session_is_one),

@@ -215,7 +215,7 @@ static void the_wheel_comes_nearer(void **state)
     assert_near(orbit.distance, 1e5, 0);
 }
 
-int main(void)
+TEST_GROUP(sight)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_drawn_is_hit_by_the_mouse),

@@ -508,7 +508,7 @@ static void a_bad_address_is_said(void **state)
     station_stop(NULL);
 }
 
-int main(void)
+TEST_GROUP(station)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_pose_arrives),

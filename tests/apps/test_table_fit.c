@@ -90,7 +90,7 @@ static void every_prefix_is_fitted(void **state)
     }
 }
 
-int main(void)
+TEST_GROUP(table_fit)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(columns_are_left_out_whole),

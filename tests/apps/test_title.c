@@ -88,7 +88,7 @@ static void the_title_says_what_is_open_and_hit(void **state)
     viewer_finish(&viewer);
 }
 
-int main(void)
+TEST_GROUP(title)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_title_says_what_is_open_and_hit),

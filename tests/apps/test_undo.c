@@ -298,7 +298,7 @@ static void a_state_that_is_not_reached_stays(void **state)
     close_window(&window);
 }
 
-int main(void)
+TEST_GROUP(undo)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_history_goes_back_and_forth),

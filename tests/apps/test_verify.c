@@ -497,7 +497,7 @@ static void only_what_follows_from_the_terms_may_differ(void **state)
     }
 }
 
-int main(void)
+TEST_GROUP(verify)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(command_lines_come_back_as_they_were),

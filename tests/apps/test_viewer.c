@@ -555,7 +555,7 @@ static void a_session_is_of_the_field_that_moved_the_atlas(void **state)
     viewer_finish(&viewer);
 }
 
-int main(void)
+TEST_GROUP(viewer)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_mouse_hits_what_is_shown),

@@ -571,7 +571,7 @@ static void a_session_of_one_atlas_is_that_of_the_first(void **state)
     viewer_finish(&two);
 }
 
-int main(void)
+TEST_GROUP(viewer_atlases)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(all_atlases_are_asked_the_same),

@@ -393,7 +393,7 @@ static void without_an_atlas_a_phantom_is_the_sample(void **state)
     start_finish(&start);
 }
 
-int main(void)
+TEST_GROUP(window_state)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_window_finds_its_place_again),

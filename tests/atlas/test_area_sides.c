@@ -121,7 +121,7 @@ static void aal_has_two_sides(void **state)
     conus_atlas_destroy(atlas);
 }
 
-int main(void)
+TEST_GROUP(area_sides)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(each_way_of_saying_it_counts),

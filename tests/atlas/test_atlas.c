@@ -317,7 +317,7 @@ static void latin1_names_become_utf8(void **state)
     memory_free(name);
 }
 
-int main(void)
+TEST_GROUP(atlas)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(areas_are_dense_and_keep_their_labels),

@@ -215,7 +215,7 @@ static void test_every_failing_allocation_is_reported(void **state)
     test_every_allocation(add_and_move, NULL);
 }
 
-int main(void)
+TEST_GROUP(bundles)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_without_groups_all_streamlines_are_one_bundle),

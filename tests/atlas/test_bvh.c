@@ -193,7 +193,7 @@ static void every_failing_allocation_is_reported(void **state)
     test_every_allocation(make_and_drop_tree, &scene);
 }
 
-int main(void)
+TEST_GROUP(bvh)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_box_on_the_ray_is_found_once),  cmocka_unit_test(boxes_that_are_points_are_found_too),

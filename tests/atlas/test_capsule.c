@@ -206,7 +206,7 @@ static void a_rigid_motion_changes_nothing(void **state)
     }
 }
 
-int main(void)
+TEST_GROUP(capsule)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(closed_forms),

@@ -306,7 +306,7 @@ static void warps_are_a_chain(void **state)
     free(last);
 }
 
-int main(void)
+TEST_GROUP(deformation)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_linear_field_is_exact_between_nodes),

@@ -353,7 +353,7 @@ static void every_failing_allocation_leaves_the_atlas(void **state)
     conus_atlas_destroy(atlas);
 }
 
-int main(void)
+TEST_GROUP(fit)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_skull_encloses_a_head),

@@ -245,7 +245,7 @@ static void spaces_have_names(void **state)
     assert_null(conus_space_unit((conus_space)4));
 }
 
-int main(void)
+TEST_GROUP(frame)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_layout_of_the_grid_is_one_place),

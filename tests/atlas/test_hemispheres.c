@@ -557,7 +557,7 @@ static void brodmann_is_split(void **state)
     conus_atlas_destroy(atlas);
 }
 
-int main(void)
+TEST_GROUP(hemispheres)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(names_of_pairs_have_a_common_part),

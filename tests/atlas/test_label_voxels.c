@@ -221,7 +221,7 @@ static void every_failing_allocation(void **state)
     memory_free(labels);
 }
 
-int main(void)
+TEST_GROUP(label_voxels)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(labels_come_back_in_two_or_four_bytes),

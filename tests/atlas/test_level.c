@@ -224,7 +224,7 @@ static void a_deep_tree_is_quick(void **state)
     conus_atlas_destroy(deep);
 }
 
-int main(void)
+TEST_GROUP(level)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_depth_cuts_the_tree),       cmocka_unit_test(a_list_takes_the_nearest),

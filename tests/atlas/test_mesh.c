@@ -395,7 +395,7 @@ static void every_failing_allocation_is_clean(void **state)
     test_every_allocation(check_box, NULL);
 }
 
-int main(void)
+TEST_GROUP(mesh)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_box_is_closed_and_measured),

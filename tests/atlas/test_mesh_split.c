@@ -167,7 +167,7 @@ static void every_failing_allocation(void **state)
     test_every_allocation(attempt, labels);
 }
 
-int main(void)
+TEST_GROUP(mesh_split)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(most_corners_decide),

@@ -133,7 +133,7 @@ static void every_failing_allocation_is_survived(void **state)
     mesh_finish(&mesh);
 }
 
-int main(void)
+TEST_GROUP(mesh_voxels)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(boxes_are_as_cut_polyhedra),

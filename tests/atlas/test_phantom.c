@@ -262,7 +262,7 @@ static void every_failing_allocation_is_clean(void **state)
     test_every_allocation(make_atlas, NULL);
 }
 
-int main(void)
+TEST_GROUP(phantom)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(voxels_fill_the_analytic_volume),      cmocka_unit_test(voxel_counts_are_the_known_ones),

@@ -142,7 +142,7 @@ static void the_files_are_one_scene(void **state)
                  CONUS_ERROR_ARGUMENT);
 }
 
-int main(void)
+TEST_GROUP(phantom_brain)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(surfaces_are_closed_and_as_many_triangles_as_stated),

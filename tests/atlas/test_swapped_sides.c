@@ -144,7 +144,7 @@ static void every_failing_allocation_is_clean(void **state)
     conus_atlas_destroy(atlas);
 }
 
-int main(void)
+TEST_GROUP(swapped_sides)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(three_quarters_of_three_pairs_are_told),

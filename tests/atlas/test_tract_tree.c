@@ -513,7 +513,7 @@ static void every_allocation_may_fail(void **state)
     test_every_allocation(grow, &tractogram);
 }
 
-int main(void)
+TEST_GROUP(tract_tree)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_walk_finds_what_a_loop_finds),

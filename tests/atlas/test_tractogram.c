@@ -212,7 +212,7 @@ static void it_ends_what_it_owns(void **state)
     tractogram_finish(&tractogram);
 }
 
-int main(void)
+TEST_GROUP(tractogram)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(all_halves_are_what_the_standard_says),

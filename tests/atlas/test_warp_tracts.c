@@ -234,7 +234,7 @@ static void a_failing_allocation_changes_nothing(void **state)
     conus_atlas_destroy(attempt.atlas);
 }
 
-int main(void)
+TEST_GROUP(warp_tracts)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(points_go_back_through_the_field),

@@ -530,7 +530,7 @@ static void the_clock_never_goes_back(void **state)
     assert_true(passed >= 0.002 && passed < 600);
 }
 
-int main(void)
+TEST_GROUP(base)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(lines_end_in_any_way),

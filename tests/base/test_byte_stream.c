@@ -218,7 +218,7 @@ static void every_failing_allocation(void **state)
     buffer_finish(&attempt.plain);
 }
 
-int main(void)
+TEST_GROUP(byte_stream)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(files_of_all_sizes),

@@ -131,7 +131,7 @@ static void every_failing_allocation_is_survived(void **state)
     test_every_allocation(cut_once, corner);
 }
 
-int main(void)
+TEST_GROUP(convex)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(boxes_stay_boxes),

@@ -299,7 +299,7 @@ static void every_failing_allocation(void **state)
     test_every_allocation(attempt, NULL);
 }
 
-int main(void)
+TEST_GROUP(file_trace)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_question_is_kept_once),

@@ -109,7 +109,7 @@ static void nothing_is_left_of_what_is_killed(void **state)
     bytes_finish(&bytes);
 }
 
-int main(void)
+TEST_GROUP(file_write)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_taken_name_is_passed_over),

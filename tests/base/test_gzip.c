@@ -330,7 +330,7 @@ static void a_whole_with_failing_allocations_and_prefixes(void **state)
     buffer_finish(&packed);
 }
 
-int main(void)
+TEST_GROUP(gzip)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_whole_of_unknown_size),

@@ -453,7 +453,7 @@ static void every_failing_allocation(void **state)
     finish(&indexed);
 }
 
-int main(void)
+TEST_GROUP(gzip_index)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(ranges_are_what_unpacking_gives),

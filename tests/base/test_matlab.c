@@ -333,7 +333,7 @@ static void every_failing_allocation_is_clean(void **state)
     }
 }
 
-int main(void)
+TEST_GROUP(matlab)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(numbers_of_every_type),

@@ -83,7 +83,7 @@ static void every_failing_allocation(void **state)
     test_every_allocation(add_ten, NULL);
 }
 
-int main(void)
+TEST_GROUP(name_set)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_was_added_is_found),

@@ -39,7 +39,7 @@ static void what_is_no_number_is_no_float(void **state)
     }
 }
 
-int main(void)
+TEST_GROUP(text_float)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(floats_are_rounded_once),

@@ -264,7 +264,7 @@ static void every_allocation(void **state)
     buffer_finish(&builder.bytes);
 }
 
-int main(void)
+TEST_GROUP(zip)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_kind_of_archive),

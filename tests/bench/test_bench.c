@@ -280,7 +280,7 @@ static void time_of_processes_is_theirs(void **state)
     finish_bench(&bench);
 }
 
-int main(void)
+TEST_GROUP(bench)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_round_runs_all_cold_and_warm),

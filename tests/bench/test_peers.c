@@ -176,7 +176,7 @@ static void a_tube_is_as_thick_as_its_sides_are_far(void **state)
     peer_tubes_destroy(tubes);
 }
 
-int main(void)
+TEST_GROUP(peers)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(conus_answers_with_the_first_contact),

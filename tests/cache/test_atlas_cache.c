@@ -425,7 +425,7 @@ static void every_failing_allocation(void **state)
     test_every_allocation(attempt, (void *)cached_atlas("memory.nii", 5));
 }
 
-int main(void)
+TEST_GROUP(atlas_cache)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_was_loaded_is_mapped_the_next_time),

@@ -404,7 +404,7 @@ static void two_writers_and_a_reader_see_whole_entries(void **state)
     conus_atlas_destroy(loaded);
 }
 
-int main(void)
+TEST_GROUP(cache_attacks)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(no_flipped_bit_is_passed_over),

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Runs a fuzz target over every file of a corpus folder, and over every prefix of the small ones, so that what the
- * fuzzer once found stays found with any compiler. */
+/* replay TARGET FOLDER: runs a fuzz target over every file of a corpus folder, and over every prefix of the small ones,
+ * so that what the fuzzer once found stays found with any compiler. */
 #include "base/files/file.h"
 
 #include <dirent.h>
@@ -8,45 +8,68 @@
 #include <stdlib.h>
 #include <string.h>
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+typedef int fuzz_target(const uint8_t *data, size_t size);
+
+#define GROUP(name) fuzz_target fuzz_##name;
+#include "groups.h"
+#undef GROUP
+
+static const struct {
+    const char *name;
+    fuzz_target *run;
+} targets[] = {
+#define GROUP(name) {#name, fuzz_##name},
+#include "groups.h"
+};
 
 enum { PREFIX_LIMIT = 4096 };
 
-static void run_prefixes(const struct bytes *bytes)
+static void run_prefixes(fuzz_target *run, const struct bytes *bytes)
 {
     for (size_t size = 0; size < bytes->size && size < PREFIX_LIMIT; size++) {
         uint8_t *exact = malloc(size ? size : 1); /* so that a sanitizer sees one byte too many */
         if (exact) {
             memcpy(exact, bytes->data, size);
-            LLVMFuzzerTestOneInput(exact, size);
+            run(exact, size);
         }
         free(exact);
     }
 }
 
-static bool run_file(const char *path)
+static bool run_file(fuzz_target *run, const char *path)
 {
     struct bytes bytes;
     if (file_read(&bytes, path, 1 << 26)) {
         fprintf(stderr, "%s\n", conus_message());
         return false;
     }
-    LLVMFuzzerTestOneInput(bytes.data, bytes.size);
-    run_prefixes(&bytes);
+    run(bytes.data, bytes.size);
+    run_prefixes(run, &bytes);
     bytes_finish(&bytes);
     return true;
+}
+
+static fuzz_target *find_target(const char *name)
+{
+    for (size_t i = 0; i < sizeof targets / sizeof targets[0]; i++) {
+        if (strcmp(targets[i].name, name) == 0) {
+            return targets[i].run;
+        }
+    }
+    return NULL;
 }
 
 int main(int argc, char **argv)
 {
     size_t count = 0;
-    DIR *folder = argc == 2 ? opendir(argv[1]) : NULL;
+    fuzz_target *run = argc == 3 ? find_target(argv[1]) : NULL;
+    DIR *folder = run ? opendir(argv[2]) : NULL;
     bool fine = folder != NULL;
     for (struct dirent *entry; fine && (entry = readdir(folder));) {
         char path[4096];
-        snprintf(path, sizeof path, "%s/%s", argv[1], entry->d_name);
+        snprintf(path, sizeof path, "%s/%s", argv[2], entry->d_name);
         if (file_exists(path)) {
-            fine = run_file(path);
+            fine = run_file(run, path);
             count++;
         }
     }

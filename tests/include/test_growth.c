@@ -86,7 +86,7 @@ static void initialisers_are_defaults(void **state)
     assert_memory_equal(&poses, options_of(conus_pose_options, NULL), sizeof poses);
 }
 
-int main(void)
+TEST_GROUP(growth)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(of_the_same_version),       cmocka_unit_test(without_options),

@@ -245,7 +245,7 @@ static void rows_of_vertices_are_no_volumes(void **state)
     conus_atlas_destroy(atlas);
 }
 
-int main(void)
+TEST_GROUP(file_kind)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_kind_is_detected_from_content_and_ending),

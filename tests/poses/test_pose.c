@@ -269,7 +269,7 @@ static void every_failing_allocation_is_clean(void **state)
     test_every_allocation(parse_table, text);
 }
 
-int main(void)
+TEST_GROUP(pose)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(frame_follows_the_direction),

@@ -73,7 +73,7 @@ static void fiducials_are_read_strictly(void **state)
     conus_pose_list_destroy(list);
 }
 
-int main(void)
+TEST_GROUP(pose_fcsv)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(fiducials_are_points),

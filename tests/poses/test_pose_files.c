@@ -570,7 +570,7 @@ static void every_failing_allocation_is_clean(void **state)
     test_every_allocation(load_sample, table);
 }
 
-int main(void)
+TEST_GROUP(pose_files)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(brainsight_targets_samples_electrodes),

@@ -387,7 +387,7 @@ static void every_failing_allocation_is_clean(void **state)
     }
 }
 
-int main(void)
+TEST_GROUP(pose_labs)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(formats_are_found),

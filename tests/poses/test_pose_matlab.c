@@ -249,7 +249,7 @@ static void lead_dbs_of_old(void **state)
     buffer_finish(&builder.bytes);
 }
 
-int main(void)
+TEST_GROUP(pose_matlab)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(simnibs_sessions),  cmocka_unit_test(simnibs_texts),

@@ -186,7 +186,7 @@ static void every_failing_allocation_is_clean(void **state)
     }
 }
 
-int main(void)
+TEST_GROUP(pose_spaces)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(ibl_picks_count_from_their_own_bregma),

@@ -464,7 +464,7 @@ static void every_failing_allocation_is_clean(void **state)
     test_every_allocation(read_through, copy);
 }
 
-int main(void)
+TEST_GROUP(pose_stream)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(blocks_join_without_a_seam),  cmocka_unit_test(rows_can_be_passed_over),

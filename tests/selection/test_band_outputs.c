@@ -161,7 +161,7 @@ static void a_packed_atlas_has_bands_and_probabilities(void **state)
     conus_atlas_destroy(atlas);
 }
 
-int main(void)
+TEST_GROUP(band_outputs)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(masks_and_voxels_of_a_band_are_its_own),

@@ -421,7 +421,7 @@ static void every_failing_allocation_is_reported(void **state)
     test_every_allocation(make_and_hide, NULL);
 }
 
-int main(void)
+TEST_GROUP(bands)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(bands_are_objects_of_one_volume),

@@ -142,7 +142,7 @@ static void impossible_cones_are_refused(void **state)
     assert_ok(cone_check(&cone));
 }
 
-int main(void)
+TEST_GROUP(cone)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(circle_has_208_of_256_pixels),   cmocka_unit_test(rays_leave_the_axis_by_their_radius),

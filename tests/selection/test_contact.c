@@ -140,7 +140,7 @@ static void the_gl_engine_meets_it_there_too(void **state)
     check_step(CONUS_ENGINE_GL);
 }
 
-int main(void)
+TEST_GROUP(contact)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_pixel_with_the_smallest_r_is_found),

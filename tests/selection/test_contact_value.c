@@ -211,7 +211,7 @@ static void labels_have_none(void **state)
     conus_atlas_destroy(atlas);
 }
 
-int main(void)
+TEST_GROUP(contact_value)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(it_is_that_of_the_voxel_hit),

@@ -280,7 +280,7 @@ static void both_engines_see_all_grids_alike(void **state)
     assert_true(hits > 20000 && intervals > 60000);
 }
 
-int main(void)
+TEST_GROUP(grids)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_nearest_of_all_grids_is_hit),  cmocka_unit_test(of_equals_the_earlier_grid_is_hit),

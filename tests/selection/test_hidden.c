@@ -483,7 +483,7 @@ static void every_failing_allocation_is_survived(void **state)
     conus_atlas_destroy(atlas);
 }
 
-int main(void)
+TEST_GROUP(hidden)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(hidden_is_as_if_never_loaded),

@@ -282,7 +282,7 @@ static void survives_every_failing_allocation(void **state)
     test_every_allocation(make_and_write, *state);
 }
 
-int main(void)
+TEST_GROUP(mask)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(grids_hold_what_is_in_the_cone, set_up, tear_down),

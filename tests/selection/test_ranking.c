@@ -335,7 +335,7 @@ static void nearness_in_aal(void **state)
     conus_atlas_destroy(atlas);
 }
 
-int main(void)
+TEST_GROUP(ranking)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(ties_go_by_share_distance_entry_and_number),

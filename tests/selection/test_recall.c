@@ -140,7 +140,7 @@ static void no_tube_in_the_cone_is_missing(void **state)
     }
 }
 
-int main(void)
+TEST_GROUP(recall)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(no_tube_in_the_cone_is_missing)};
     return cmocka_run_group_tests(tests, NULL, NULL);

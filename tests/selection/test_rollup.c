@@ -331,7 +331,7 @@ static void every_allocation_may_fail(void **state)
     conus_atlas_destroy(atlas);
 }
 
-int main(void)
+TEST_GROUP(rollup)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(first_hits_are_as_if_relabelled),

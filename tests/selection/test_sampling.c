@@ -252,7 +252,7 @@ static void a_fraction_is_of_slices_and_up_to_one(void **state)
     conus_atlas_destroy(atlas);
 }
 
-int main(void)
+TEST_GROUP(sampling)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(aal_on_planes),

@@ -318,7 +318,7 @@ static void nothing_has_no_results(void **state)
     assert_null(conus_score(1000));
 }
 
-int main(void)
+TEST_GROUP(selection)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(results_follow_from_the_pixels),

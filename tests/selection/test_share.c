@@ -126,7 +126,7 @@ static void gl_is_of_one_thread(void **state)
     conus_atlas_destroy(atlas);
 }
 
-int main(void)
+TEST_GROUP(share)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(threads_answer_as_one),

@@ -185,7 +185,7 @@ static void every_allocation_may_fail(void **state)
     scene_end(&scene);
 }
 
-int main(void)
+TEST_GROUP(streamline_list)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_comes_in_is_listed),          cmocka_unit_test(what_is_no_bundle_is_refused),

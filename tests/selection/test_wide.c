@@ -507,7 +507,7 @@ static void few_pixels_say_what_many_do(void **state)
     conus_atlas_destroy(atlas);
 }
 
-int main(void)
+TEST_GROUP(wide)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rays_are_evenly_spread_in_angle),

@@ -20,6 +20,11 @@
 #undef fail_msg
 #define fail_msg(...) (print_error(__VA_ARGS__), print_error("\n"), _fail(__FILE__, __LINE__))
 
+/** The head of the function that runs the tests of test_NAME.c, as the test NAME of CTest. */
+#define TEST_GROUP(name)                                                                                               \
+    int test_group_##name(void);                                                                                       \
+    int test_group_##name(void)
+
 /** Fails unless |got - wanted| <= tolerance (NaN never passes). */
 #define assert_near(got, wanted, tolerance)                                                                            \
     test_near((double)(got), (double)(wanted), (double)(tolerance), #got, __FILE__, __LINE__)

@@ -88,7 +88,7 @@ static void a_child_leaves_the_folder(void **state)
     test_folder("kept"); /* there already */
 }
 
-int main(void)
+TEST_GROUP(support)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_run_has_a_folder_of_its_own),

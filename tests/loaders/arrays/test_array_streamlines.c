@@ -319,7 +319,7 @@ static void what_lay_better_before_a_move_is_noted(void **state)
     }
 }
 
-int main(void)
+TEST_GROUP(array_streamlines)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_given_is_a_bundle),

@@ -425,7 +425,7 @@ static void every_failing_allocation(void **state)
     test_every_allocation(make_all, NULL);
 }
 
-int main(void)
+TEST_GROUP(arrays)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(plates_from_names),

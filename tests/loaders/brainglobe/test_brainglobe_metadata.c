@@ -91,7 +91,7 @@ static void metadata_is_taken_or_named(void **state)
     }
 }
 
-int main(void)
+TEST_GROUP(brainglobe_metadata)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(all_orientations_follow_the_letters),

@@ -241,7 +241,7 @@ static void survives_every_allocation(void **state)
     test_every_allocation(look_and_find, NULL);
 }
 
-int main(void)
+TEST_GROUP(catalogue)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(knows_sizes_and_kinds),     cmocka_unit_test(counts_nothing_of_null),

@@ -280,7 +280,7 @@ static void every_failing_allocation(void **state)
     test_every_allocation(attempt, NULL);
 }
 
-int main(void)
+TEST_GROUP(mesh_cache)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_kept_is_found),

@@ -263,7 +263,7 @@ static void every_failing_allocation(void **state)
     buffer_finish(&bytes);
 }
 
-int main(void)
+TEST_GROUP(mesh_child)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(frames_come_one_by_one),

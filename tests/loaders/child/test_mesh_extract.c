@@ -179,7 +179,7 @@ static void aal_areas_are_closed_and_keep_volume_and_place(void **state)
     conus_atlas_destroy(atlas);
 }
 
-int main(void)
+TEST_GROUP(mesh_extract)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_ball_is_one_wherever_the_voxels_point),

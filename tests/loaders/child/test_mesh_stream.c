@@ -123,7 +123,7 @@ static void every_failing_allocation(void **state)
     buffer_finish(&bytes);
 }
 
-int main(void)
+TEST_GROUP(mesh_stream)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(frames_come_as_they_were_written),

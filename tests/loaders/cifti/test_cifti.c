@@ -534,7 +534,7 @@ static void other_matrices_are_named(void **state)
     }
 }
 
-int main(void)
+TEST_GROUP(cifti)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(all_types_in_both_orders),          cmocka_unit_test(the_volume_lies_where_the_xml_says),

@@ -240,7 +240,7 @@ static void every_allocation_may_fail(void **state)
     test_every_allocation(load, NULL);
 }
 
-int main(void)
+TEST_GROUP(label_alike)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(names_are_cut_into_words),

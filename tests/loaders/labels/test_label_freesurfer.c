@@ -163,7 +163,7 @@ static void every_allocation_may_fail(void **state)
     unsetenv("FREESURFER_HOME");
 }
 
-int main(void)
+TEST_GROUP(label_freesurfer)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(volumes_of_freesurfer_find_its_table),

@@ -534,7 +534,7 @@ static void every_failing_allocation_is_clean(void **state)
     test_every_allocation(load, NULL);
 }
 
-int main(void)
+TEST_GROUP(label_sources)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(points_decide_between_index_and_the_next),

@@ -182,7 +182,7 @@ static void pathways_bear_these_names(void **state)
     assert_non_null(strstr(conus_message(), "volume 1 is \"cst\" in a.xml, \"AF\" in p.txt; name it"));
 }
 
-int main(void)
+TEST_GROUP(label_volumes)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(numbers_say_which_volume_it_is),  cmocka_unit_test(what_does_not_decide_names_nothing),

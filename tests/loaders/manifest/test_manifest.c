@@ -560,7 +560,7 @@ static void every_failing_allocation_of_a_scene_is_reported(void **state)
     }
 }
 
-int main(void)
+TEST_GROUP(manifest)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_key_of_areas_is_kept),

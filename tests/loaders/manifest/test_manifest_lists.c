@@ -46,7 +46,7 @@ static void long_lists_are_refused(void **state)
     }
 }
 
-int main(void)
+TEST_GROUP(manifest_lists)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(long_lists_are_refused)};
     return cmocka_run_group_tests(tests, NULL, NULL);

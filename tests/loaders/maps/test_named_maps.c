@@ -275,7 +275,7 @@ static void every_allocation_may_fail(void **state)
     test_every_allocation(load_maps, NULL);
 }
 
-int main(void)
+TEST_GROUP(named_maps)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_table_beside_the_file_names_its_volumes),

@@ -459,7 +459,7 @@ static void every_allocation_may_fail(void **state)
     test_every_allocation(load_any, "m.atlas.json");
 }
 
-int main(void)
+TEST_GROUP(probabilities)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_fsl_atlas_has_areas),

@@ -108,7 +108,7 @@ static int write_volumes(void **state)
     return status || conus_phantom_write("sphere", test_in(""), &(conus_phantom_options){.size = 16});
 }
 
-int main(void)
+TEST_GROUP(manifest_move)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_transform_moves_the_areas_and_what_is_said_to_move),

@@ -273,7 +273,7 @@ static void what_is_written_reads_back(void **state)
     }
 }
 
-int main(void)
+TEST_GROUP(phantom_write)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(labels_take_the_narrowest_type),    cmocka_unit_test(a_sheared_matrix_has_no_qform),

@@ -178,7 +178,7 @@ static void every_failing_allocation_is_reported(void **state)
     test_every_allocation(load_again, (void *)test_in("mouse"));
 }
 
-int main(void)
+TEST_GROUP(brainglobe)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_folder_is_its_voxels_and_its_reference),

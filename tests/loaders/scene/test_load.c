@@ -436,7 +436,7 @@ static void arguments_are_checked(void **state)
     assert_null(atlas);
 }
 
-int main(void)
+TEST_GROUP(load)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_aal_atlas_has_its_names_and_colours),

@@ -412,7 +412,7 @@ static void every_failing_allocation(void **state)
     test_every_allocation(attempt_manifest, path);
 }
 
-int main(void)
+TEST_GROUP(load_cifti)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(surfaces_and_voxels_are_one_atlas),

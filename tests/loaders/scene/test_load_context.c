@@ -341,7 +341,7 @@ static void every_failing_allocation_leaves_the_atlas(void **state)
     }
 }
 
-int main(void)
+TEST_GROUP(load_context)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(all_formats_of_surfaces_are_taken),

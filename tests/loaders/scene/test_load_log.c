@@ -409,7 +409,7 @@ static void every_failing_allocation(void **state)
     assert_int_equal(heard.count, OF_SCENE);
 }
 
-int main(void)
+TEST_GROUP(load_log)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_volume),

@@ -173,7 +173,7 @@ static void fsaverage_by_its_annotation(void **state)
     conus_atlas_destroy(atlas);
 }
 
-int main(void)
+TEST_GROUP(load_surface)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_surface_is_an_area),

@@ -470,7 +470,7 @@ static void every_failing_allocation_is_reported(void **state)
     test_every_allocation(load_again, (void *)test_in("test.atlas.json"));
 }
 
-int main(void)
+TEST_GROUP(manifest_areas)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(files_get_what_the_manifest_says),

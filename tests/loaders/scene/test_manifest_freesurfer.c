@@ -178,7 +178,7 @@ static void every_allocation_may_fail(void **state)
     test_every_allocation(load, NULL);
 }
 
-int main(void)
+TEST_GROUP(manifest_freesurfer)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(one_kind_of_surface_is_taken),

@@ -278,7 +278,7 @@ static void probabilities_stand_alone(void **state)
     conus_atlas_destroy(atlas);
 }
 
-int main(void)
+TEST_GROUP(manifest_write)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(volumes_are_detected_from_their_values),

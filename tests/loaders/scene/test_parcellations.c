@@ -568,7 +568,7 @@ static void every_failing_allocation_is_reported(void **state)
     test_every_allocation(load_again, (void *)test_in("test.atlas.json"));
 }
 
-int main(void)
+TEST_GROUP(parcellations)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(one_grid_makes_one_volume),

@@ -403,7 +403,7 @@ static void annotations_cut_or_without_memory(void **state)
     }
 }
 
-int main(void)
+TEST_GROUP(freesurfer)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(annotations_of_both_versions),

@@ -173,7 +173,7 @@ static void volumes_say_what_it_is_for(void **state)
                            "its surface as ATLAS; needed is a label table"));
 }
 
-int main(void)
+TEST_GROUP(freesurfer_label)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(vertices_of_the_list_are_labelled),

@@ -475,7 +475,7 @@ static void external_files_only_where_allowed(void **state)
     }
 }
 
-int main(void)
+TEST_GROUP(gifti)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_encoding_order_and_endian),

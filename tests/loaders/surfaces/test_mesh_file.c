@@ -313,7 +313,7 @@ static void labels_without_memory_or_sense(void **state)
     buffer_finish(&bytes);
 }
 
-int main(void)
+TEST_GROUP(mesh_file)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(labels_of_vertices),

@@ -250,7 +250,7 @@ static void every_failing_allocation(void **state)
     buffer_finish(&bytes);
 }
 
-int main(void)
+TEST_GROUP(mesh_write)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(each_area_gets_its_file),

@@ -334,7 +334,7 @@ static void a_lut_beside_an_override_colours_it(void **state)
     parsed_finish(&parsed);
 }
 
-int main(void)
+TEST_GROUP(labels)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(formats_are_detected_from_content),

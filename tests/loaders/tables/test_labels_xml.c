@@ -215,7 +215,7 @@ static void fsl_atlases_name_their_images(void **state)
     }
 }
 
-int main(void)
+TEST_GROUP(labels_xml)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(formats_are_detected_from_content),

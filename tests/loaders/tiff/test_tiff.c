@@ -520,7 +520,7 @@ static void memory_is_limited(void **state)
     buffer_finish(&b.bytes);
 }
 
-int main(void)
+TEST_GROUP(tiff)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_type_and_byte_order_is_read),

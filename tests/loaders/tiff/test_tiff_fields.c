@@ -154,7 +154,7 @@ static void three_compressions_are_read(void **state)
     }
 }
 
-int main(void)
+TEST_GROUP(tiff_fields)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(pages_must_be_alike),

@@ -54,7 +54,7 @@ static void lzw_codes_widen_until_the_table_is_full(void **state)
     memory_free(out);
 }
 
-int main(void)
+TEST_GROUP(tiff_lzw)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(lzw_codes_widen_until_the_table_is_full),

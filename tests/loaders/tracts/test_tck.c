@@ -355,7 +355,7 @@ static void every_failing_allocation(void **state)
     buffer_finish(&plain);
 }
 
-int main(void)
+TEST_GROUP(tck)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(numbers_of_both_sizes_and_orders),

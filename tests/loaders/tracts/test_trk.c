@@ -501,7 +501,7 @@ static void every_failing_allocation(void **state)
     buffer_finish(&trk.bytes);
 }
 
-int main(void)
+TEST_GROUP(trk)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_example_of_the_documents),

@@ -452,7 +452,7 @@ static void every_allocation(void **state)
     buffer_finish(&archive);
 }
 
-int main(void)
+TEST_GROUP(trx)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_archive),

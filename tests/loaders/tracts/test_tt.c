@@ -318,7 +318,7 @@ static void every_allocation(void **state)
     buffer_finish(&bytes);
 }
 
-int main(void)
+TEST_GROUP(tt)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(two_streamlines), cmocka_unit_test(several_tracks),   cmocka_unit_test(a_long_streamline),

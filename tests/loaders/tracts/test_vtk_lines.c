@@ -396,7 +396,7 @@ static void every_allocation(void **state)
     test_every_allocation(attempt, path);
 }
 
-int main(void)
+TEST_GROUP(vtk_lines)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(texts),

@@ -532,7 +532,7 @@ static void every_failing_allocation_is_survived(void **state)
     conus_atlas_destroy(attempt.atlas);
 }
 
-int main(void)
+TEST_GROUP(field)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(both_headers_and_byte_orders_are_read),

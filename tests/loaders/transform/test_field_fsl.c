@@ -56,7 +56,7 @@ static void fsl_images_are_compared_at_all_corners(void **state)
     }
 }
 
-int main(void)
+TEST_GROUP(field_fsl)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(fsl_images_are_compared_at_all_corners),

@@ -464,7 +464,7 @@ static void every_failing_allocation_is_survived(void **state)
     conus_atlas_destroy(attempt.atlas);
 }
 
-int main(void)
+TEST_GROUP(transform)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(itk_is_lps),

@@ -318,7 +318,7 @@ static void every_failing_allocation(void **state)
     buffer_finish(&more);
 }
 
-int main(void)
+TEST_GROUP(afni)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(plumb_axes_follow_their_codes),

@@ -500,7 +500,7 @@ static void shared_volumes_are_what_they_are(void **state)
     }
 }
 
-int main(void)
+TEST_GROUP(grey)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(areas_are_labels),

@@ -288,7 +288,7 @@ static void where_nothing_can_be_kept_it_is_no_error(void **state)
     free(cache);
 }
 
-int main(void)
+TEST_GROUP(index_attacks)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_index_that_lies_gives_nothing_wrong),

@@ -315,7 +315,7 @@ static void every_failing_allocation(void **state)
     test_every_allocation(attempt, (void *)series_path());
 }
 
-int main(void)
+TEST_GROUP(kept_index)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_volume_is_found_by_the_index),

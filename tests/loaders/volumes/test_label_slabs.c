@@ -207,7 +207,7 @@ static int write_plain(void **state)
     return 0;
 }
 
-int main(void)
+TEST_GROUP(label_slabs)
 {
     const struct CMUnitTest packed[] = {
         cmocka_unit_test(labels_and_notes_are_those_of_all_voxels_at_once),

@@ -391,7 +391,7 @@ static void every_failing_allocation(void **state)
     buffer_finish(&voxels);
 }
 
-int main(void)
+TEST_GROUP(metaimage)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(placement_is_itks),       cmocka_unit_test(truth_has_several_words),

@@ -236,7 +236,7 @@ static void every_failing_allocation(void **state)
     buffer_finish(&bytes);
 }
 
-int main(void)
+TEST_GROUP(mgh)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(placement_follows_the_closed_form),

@@ -418,7 +418,7 @@ static void every_prefix_is_survived(void **state)
     }
 }
 
-int main(void)
+TEST_GROUP(nifti)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(header_is_read_in_both_versions_and_orders),

@@ -520,7 +520,7 @@ static void every_failing_allocation(void **state)
     buffer_finish(&text);
 }
 
-int main(void)
+TEST_GROUP(nrrd)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(placement_follows_the_space),

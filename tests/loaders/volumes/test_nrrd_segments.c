@@ -166,7 +166,7 @@ static void every_failing_allocation(void **state)
     buffer_finish(&bytes);
 }
 
-int main(void)
+TEST_GROUP(nrrd_segments)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(each_layer_has_its_own_names),

@@ -557,7 +557,7 @@ static void reads_the_mricron_templates(void **state)
     }
 }
 
-int main(void)
+TEST_GROUP(volume_file)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_type_order_version_and_packing),

@@ -241,7 +241,7 @@ static void values_are_scaled(void **state)
     volume_file_finish(&file);
 }
 
-int main(void)
+TEST_GROUP(volume_values)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_largest_label_of_every_type),

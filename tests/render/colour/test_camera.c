@@ -104,7 +104,7 @@ static void what_is_behind_is_not_projected(void **state)
     assert_near(depth, 10, 1e-12);
 }
 
-int main(void)
+TEST_GROUP(camera)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(points_fill_the_free_part),

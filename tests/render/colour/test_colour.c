@@ -361,7 +361,7 @@ static void limits_are_kept(void **state)
     conus_atlas_destroy(atlas);
 }
 
-int main(void)
+TEST_GROUP(colour)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_slab_obeys_its_closed_form),

@@ -266,7 +266,7 @@ static void a_threshold_that_nothing_reaches_is_refused(void **state)
     conus_atlas_destroy(atlas);
 }
 
-int main(void)
+TEST_GROUP(context_blocks)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rays_are_stopped),

@@ -338,7 +338,7 @@ static void threads_make_the_same_texels(void **state)
     free(texels);
 }
 
-int main(void)
+TEST_GROUP(density)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(grey_values_are_densities),

@@ -281,7 +281,7 @@ static void rings_look_as_they_did(void **state)
     conus_image_destroy(got);
 }
 
-int main(void)
+TEST_GROUP(mesh_picture)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_mesh_ball_has_its_silhouette),

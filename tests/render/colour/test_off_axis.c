@@ -225,7 +225,7 @@ static void frusta_that_are_none_are_refused(void **state)
     conus_atlas_destroy(atlas);
 }
 
-int main(void)
+TEST_GROUP(off_axis)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_picture_is_what_the_window_shows), cmocka_unit_test(a_symmetric_eye_is_the_plain_camera),

@@ -284,7 +284,7 @@ static void every_failing_allocation_is_survived(void **state)
     conus_atlas_destroy(atlas);
 }
 
-int main(void)
+TEST_GROUP(renderer_changes)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(hidden_areas_are_gone_until_shown),

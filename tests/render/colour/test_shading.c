@@ -207,7 +207,7 @@ static void planes_reach_over_every_volume(void **state)
     }
 }
 
-int main(void)
+TEST_GROUP(shading)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(markers_are_lit),

@@ -220,7 +220,7 @@ static void unknown_names_list_the_presets(void **state)
     assert_non_null(strstr(conus_message(), path));
 }
 
-int main(void)
+TEST_GROUP(transfer)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(values_between_points_are_linear),

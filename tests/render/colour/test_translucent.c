@@ -510,7 +510,7 @@ static void pathways_and_areas_look_as_they_did(void **state)
     conus_atlas_destroy(atlas);
 }
 
-int main(void)
+TEST_GROUP(translucent)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(walls_are_composed_front_to_back),

@@ -437,7 +437,7 @@ static void pieces_make_the_whole_and_may_be_the_last(void **state)
     conus_atlas_destroy(atlas);
 }
 
-int main(void)
+TEST_GROUP(tubes)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_pixel_has_the_nearest_capsule),

@@ -503,7 +503,7 @@ static void every_failing_allocation_is_survived(void **state)
     conus_atlas_destroy(atlas);
 }
 
-int main(void)
+TEST_GROUP(cut)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(pixels_are_where_their_centres_are),

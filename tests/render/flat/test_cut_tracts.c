@@ -207,7 +207,7 @@ static void every_failing_allocation_is_reported(void **state)
     conus_atlas_destroy(atlas);
 }
 
-int main(void)
+TEST_GROUP(cut_tracts)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(tubes_have_the_area_of_their_section),

@@ -388,7 +388,7 @@ static void a_legend_that_fits_is_whole(void **state)
     font_destroy(font);
 }
 
-int main(void)
+TEST_GROUP(legend)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(shapes_cover_their_area),

@@ -266,7 +266,7 @@ static void textures_beyond_memory_or_driver_are_refused(void **state)
     test_gl_leave(&gl);
 }
 
-int main(void)
+TEST_GROUP(gl_context)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(old_gl_is_refused_in_words),

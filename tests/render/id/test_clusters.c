@@ -215,7 +215,7 @@ static void every_failing_allocation_is_reported(void **state)
     conus_atlas_destroy(scene.atlas);
 }
 
-int main(void)
+TEST_GROUP(clusters)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(clusters_hold_every_triangle_once),

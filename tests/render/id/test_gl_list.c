@@ -175,7 +175,7 @@ static void the_counter_cannot_run_over(void **state)
     drawing_finish(&drawing);
 }
 
-int main(void)
+TEST_GROUP(gl_list)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_list_grows_until_all_fits),

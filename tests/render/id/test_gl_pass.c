@@ -245,7 +245,7 @@ static void bricks_know_their_distance(void **state)
     }
 }
 
-int main(void)
+TEST_GROUP(gl_pass)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(identifiers_keep_every_bit),

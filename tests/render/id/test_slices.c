@@ -65,7 +65,7 @@ static void a_diagonal_view_covers_the_diagonal(void **state)
     assert_near(slices_depth(&slices, 0), 103.5 * sqrt(3), 1e-9);
 }
 
-int main(void)
+TEST_GROUP(slices)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(defaults_are_the_papers),

@@ -168,7 +168,7 @@ static void every_failing_allocation_is_survived(void **state)
     test_every_allocation(format_image, NULL);
 }
 
-int main(void)
+TEST_GROUP(deep_image)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(openexr_reads_what_was_written),       cmocka_unit_test(images_may_be_empty_or_one_pixel),

@@ -146,7 +146,7 @@ static void deep_counts_read_back(void **state)
     }
 }
 
-int main(void)
+TEST_GROUP(exr_written)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(flat_pictures_read_back),

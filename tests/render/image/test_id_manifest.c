@@ -143,7 +143,7 @@ static void every_failing_allocation_is_survived(void **state)
     test_every_allocation(format_manifest, &group);
 }
 
-int main(void)
+TEST_GROUP(id_manifest)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_few_names),

@@ -527,7 +527,7 @@ static void another_reader_sees_the_same(void **state)
     buffer_finish(&compare);
 }
 
-int main(void)
+TEST_GROUP(image)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(exr_keeps_every_bit),

@@ -409,7 +409,7 @@ static void both_survive_every_failing_allocation(void **state)
     block_drop(attempt.block);
 }
 
-int main(void)
+TEST_GROUP(atlas_pack)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_attached_is_what_was_packed),

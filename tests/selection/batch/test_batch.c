@@ -482,7 +482,7 @@ static void a_failure_ends_the_run(void **state)
     }
 }
 
-int main(void)
+TEST_GROUP(batch)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rows_do_not_depend_on_threads_or_blocks),

@@ -310,7 +310,7 @@ static void attaching_survives_every_failing_allocation(void **state)
     block_drop(block);
 }
 
-int main(void)
+TEST_GROUP(pack_tracts)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_attached_is_what_was_packed),

@@ -253,7 +253,7 @@ static void every_failing_allocation_is_clean(void **state)
     test_every_allocation(count_forty, *state);
 }
 
-int main(void)
+TEST_GROUP(select_many)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(answers_do_not_depend_on_threads_or_blocks),

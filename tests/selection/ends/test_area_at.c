@@ -164,7 +164,7 @@ static void test_random_scenes_as_a_search_of_all_cells(void **state)
     assert_true(in > 100 && near_by > 1000); /* both ways were taken */
 }
 
-int main(void)
+TEST_GROUP(area_at)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_the_nearest_cell_within_the_radius),

@@ -405,7 +405,7 @@ static void test_every_failing_allocation_is_reported(void **state)
     conus_atlas_destroy(atlas);
 }
 
-int main(void)
+TEST_GROUP(connectivity)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_lines_between_areas_in_closed_form),

@@ -311,7 +311,7 @@ static void every_allocation_may_fail(void **state)
     destroy_pair(&pair);
 }
 
-int main(void)
+TEST_GROUP(bundle_rays)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_nearest_of_voxels_triangles_and_streamlines_is_hit),

@@ -467,7 +467,7 @@ static void scores_rank_by_what_they_say(void **state)
     close_view(&view);
 }
 
-int main(void)
+TEST_GROUP(closed_forms)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_sphere_has_its_solid_angle),

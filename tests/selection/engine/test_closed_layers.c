@@ -223,7 +223,7 @@ static void entry_and_exit_are_the_outermost(void **state)
     }
 }
 
-int main(void)
+TEST_GROUP(closed_layers)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_ball_is_as_long_as_its_chords),

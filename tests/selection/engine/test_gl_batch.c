@@ -301,7 +301,7 @@ static void every_failing_allocation_is_clean(void **state)
     conus_atlas_destroy(atlas);
 }
 
-int main(void)
+TEST_GROUP(gl_batch)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(blocks_of_cones_give_the_rows_of_the_rays),

@@ -269,7 +269,7 @@ static void real_atlases_are_seen_alike(void **state)
     }
 }
 
-int main(void)
+TEST_GROUP(gl_id)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(exact_equals_rays),

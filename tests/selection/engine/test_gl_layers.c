@@ -215,7 +215,7 @@ static void every_failing_allocation_is_reported(void **state)
     conus_atlas_destroy(atlas);
 }
 
-int main(void)
+TEST_GROUP(gl_layers)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(intervals_of_volumes_are_those_of_rays),

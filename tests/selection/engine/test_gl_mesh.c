@@ -301,7 +301,7 @@ static void every_failing_allocation_is_reported(void **state)
     conus_atlas_destroy(atlas);
 }
 
-int main(void)
+TEST_GROUP(gl_mesh)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(one_sphere),

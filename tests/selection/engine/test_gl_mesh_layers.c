@@ -308,7 +308,7 @@ static void every_failing_allocation_is_reported(void **state)
     conus_atlas_destroy(atlas);
 }
 
-int main(void)
+TEST_GROUP(gl_mesh_layers)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(nested_spheres),

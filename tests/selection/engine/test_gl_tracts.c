@@ -202,7 +202,7 @@ static void every_failing_allocation_is_clean(void **state)
     conus_atlas_destroy(atlas);
 }
 
-int main(void)
+TEST_GROUP(gl_tracts)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_driver_proposes_all_that_is_hit),

@@ -282,7 +282,7 @@ static void a_range_of_everything_changes_nothing(void **state)
     }
 }
 
-int main(void)
+TEST_GROUP(layers)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(intervals_are_sorted_by_pixel_entry_and_object),

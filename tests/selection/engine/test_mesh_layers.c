@@ -362,7 +362,7 @@ static void an_open_hemisphere(void **state)
     conus_atlas_destroy(atlas);
 }
 
-int main(void)
+TEST_GROUP(mesh_layers)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(chords_converge_with_the_square_of_the_edges),

@@ -391,7 +391,7 @@ static void creation_survives_every_failing_allocation(void **state)
     conus_atlas_destroy(atlas);
 }
 
-int main(void)
+TEST_GROUP(rays)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_ray_equals_the_plain_traversal),

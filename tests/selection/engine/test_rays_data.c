@@ -70,7 +70,7 @@ static void kernels_equal_the_plain_traversal(void **state)
 
 #define ATLAS(file) cmocka_unit_test_prestate(kernels_equal_the_plain_traversal, file)
 
-int main(void)
+TEST_GROUP(rays_data)
 {
     const struct CMUnitTest tests[] = {
         ATLAS("aal.nii.gz"),

@@ -296,7 +296,7 @@ static void survives_every_failing_allocation(void **state)
         .atlas = fixture->atlas, .report = {.all_voxels = true}, .centre = {4, 4, 4}, .radius = 3});
 }
 
-int main(void)
+TEST_GROUP(ball)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(distances_are_those_of_cells),

@@ -438,7 +438,7 @@ static void test_bad_regions(void **unused)
     conus_atlas_destroy(atlas);
 }
 
-int main(void)
+TEST_GROUP(census)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_walk_is_predicate),

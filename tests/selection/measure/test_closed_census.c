@@ -202,7 +202,7 @@ static void cylinders_in_a_torus(void **state)
     check(&question);
 }
 
-int main(void)
+TEST_GROUP(closed_census)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(cones_in_a_ball),

@@ -159,7 +159,7 @@ static void every_prefix_is_read_or_refused(void **state)
     assert_true(read > 5);
 }
 
-int main(void)
+TEST_GROUP(formula)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(formulas_are_arithmetic),

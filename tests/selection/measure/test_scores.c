@@ -311,7 +311,7 @@ static void the_whole_table_works(void **state)
     close_view(&view);
 }
 
-int main(void)
+TEST_GROUP(scores)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(with_k_1_it_is_0_on_the_surface_of_the_cone),

@@ -329,7 +329,7 @@ static void answers_have_it(void **state)
     conus_atlas_destroy(atlas);
 }
 
-int main(void)
+TEST_GROUP(solids)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_cone_in_a_cube),

@@ -411,7 +411,7 @@ static void test_allocations(void **state)
     conus_atlas_destroy(atlas);
 }
 
-int main(void)
+TEST_GROUP(tract_census)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_tree_and_no_tree),

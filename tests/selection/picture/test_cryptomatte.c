@@ -86,7 +86,7 @@ static void pixels_lead_to_names(void **state)
     conus_atlas_destroy(atlas);
 }
 
-int main(void)
+TEST_GROUP(cryptomatte)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(hashes_are_murmur3),

@@ -255,7 +255,7 @@ static void every_allocation_may_fail(void **state)
     conus_atlas_destroy(atlas);
 }
 
-int main(void)
+TEST_GROUP(picture_cut_image)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(without_text_it_is_the_cut),     cmocka_unit_test(letters_stand_where_the_axes_are),

@@ -307,7 +307,7 @@ static void every_failing_allocation_is_survived(void **state)
     finish(&fixture);
 }
 
-int main(void)
+TEST_GROUP(picture_deep)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_interval_of_every_ray_is_a_sample),

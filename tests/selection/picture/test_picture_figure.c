@@ -462,7 +462,7 @@ static void allocations_may_fail(void **state)
     test_every_allocation(attempt, &scene);
 }
 
-int main(void)
+TEST_GROUP(picture_figure)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_legend_is_in_the_space_asked_for),

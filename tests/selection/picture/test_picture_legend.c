@@ -373,7 +373,7 @@ static void colours_of_a_number_have_a_heading(void **state)
     finish_scene(&scene);
 }
 
-int main(void)
+TEST_GROUP(picture_legend)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_last_rows_behind_are_counted_in_one),

@@ -176,7 +176,7 @@ static void every_failing_allocation_is_survived(void **state)
     finish(&fixture);
 }
 
-int main(void)
+TEST_GROUP(picture_selection)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(image_is_the_evidence_from_the_top),

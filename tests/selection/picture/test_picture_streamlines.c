@@ -82,7 +82,7 @@ static void those_in_the_cone_stand_out(void **state)
     conus_atlas_destroy(atlas);
 }
 
-int main(void)
+TEST_GROUP(picture_streamlines)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(those_in_the_cone_stand_out),

@@ -267,7 +267,7 @@ static void rolled_up_areas_look_like_one(void **state)
     conus_image_destroy(two);
 }
 
-int main(void)
+TEST_GROUP(picture_view)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rolled_up_areas_look_like_one),    cmocka_unit_test(pictures_have_their_size_and_are_opaque),

@@ -329,7 +329,7 @@ static void test_boxes(void **state)
     assert_true(needless < counts[TRACT_PERHAPS] / 2);
 }
 
-int main(void)
+TEST_GROUP(region_segment)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_cone_chords), cmocka_unit_test(test_parallel),        cmocka_unit_test(test_other_chords),

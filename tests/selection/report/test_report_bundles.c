@@ -353,7 +353,7 @@ static void every_allocation(void **state)
     conus_atlas_destroy(atlas);
 }
 
-int main(void)
+TEST_GROUP(report_bundles)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(tables_have_columns_for_bundles),

@@ -123,7 +123,7 @@ static void parts_join_without_a_seam(void **state)
     report_scene_destroy(&scene);
 }
 
-int main(void)
+TEST_GROUP(report_formats)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_failing_allocation_is_survived),

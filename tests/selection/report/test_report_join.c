@@ -346,7 +346,7 @@ static void every_failing_allocation_is_survived(void **state)
     destroy_scenes(&scenes);
 }
 
-int main(void)
+TEST_GROUP(report_join)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(rows_are_those_of_each_atlas_with_its_name),
                                        cmocka_unit_test(shares_of_a_pose_stay_together),

@@ -181,7 +181,7 @@ static void people_get_a_table(void **state)
     destroy(&made);
 }
 
-int main(void)
+TEST_GROUP(report_segments)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(of_areas_in_each_other_the_innermost_counts),

@@ -93,7 +93,7 @@ static void shares_are_a_table_by_angle(void **state)
     report_scene_destroy(&scene);
 }
 
-int main(void)
+TEST_GROUP(report_sweep)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(only_what_it_is_for_is_taken),

@@ -304,7 +304,7 @@ static void csv_quotes_what_needs_it(void **state)
     finish(&made);
 }
 
-int main(void)
+TEST_GROUP(report_values)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(summaries_tell_by_how_much),

@@ -430,7 +430,7 @@ static void a_reading_without_memory_is_an_error(void **state)
     conus_atlas_destroy(atlas);
 }
 
-int main(void)
+TEST_GROUP(aims)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_cone_misses_a_box_that_it_holds_no_point_of),

@@ -226,7 +226,7 @@ static void rates_differ_by_what_happens_between_frames(void **state)
     }
 }
 
-int main(void)
+TEST_GROUP(hand)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(histories_find_what_is_meant_more_often_than_a_ray),

@@ -245,7 +245,7 @@ static void every_failing_allocation_is_clean(void **state)
     test_every_allocation(remember, NULL);
 }
 
-int main(void)
+TEST_GROUP(history)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(filters_solve_their_equation),

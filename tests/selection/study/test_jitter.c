@@ -559,7 +559,7 @@ static void a_callback_ends_it(void **state)
     conus_atlas_destroy(atlas);
 }
 
-int main(void)
+TEST_GROUP(jitter)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(samples_are_standard_normal),

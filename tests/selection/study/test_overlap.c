@@ -372,7 +372,7 @@ static void rows_belong_into_a_report_of_theirs(void **state)
     conus_atlas_destroy(atlas);
 }
 
-int main(void)
+TEST_GROUP(overlap)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_in_nothing_comes_last),

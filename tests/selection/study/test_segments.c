@@ -566,7 +566,7 @@ static void every_failing_allocation_is_survived(void **state)
     conus_atlas_destroy(atlas);
 }
 
-int main(void)
+TEST_GROUP(segments)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(volumes_are_walked_cell_by_cell),

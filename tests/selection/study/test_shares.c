@@ -322,7 +322,7 @@ static void volumes_are_as_a_lattice_finds_them(void **state)
     }
 }
 
-int main(void)
+TEST_GROUP(shares)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(volumes_are_as_a_lattice_finds_them),

@@ -473,7 +473,7 @@ static void a_bundle_is_in_the_cone_with_a_line_of_it(void **state)
     conus_atlas_destroy(atlas);
 }
 
-int main(void)
+TEST_GROUP(sweep)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(voxels_are_admitted_by_their_centres),

@@ -474,7 +474,7 @@ static void steps_are_reported_as_they_come(void **state)
     close_track(&track);
 }
 
-int main(void)
+TEST_GROUP(tracker)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(one_row_is_a_beginning),

@@ -164,7 +164,7 @@ static void the_space_is_found(void **state)
     }
 }
 
-int main(void)
+TEST_GROUP(foreign_mesh)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(polygons_become_triangles),

@@ -461,7 +461,7 @@ static void bad_files_are_one_line(void **state)
            "cut off, or no base64");
 }
 
-int main(void)
+TEST_GROUP(foreign_parsers)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_format_is_read),     cmocka_unit_test(every_prefix_is_refused),

@@ -460,7 +460,7 @@ static void names_tell_what_is_foreign(void **state)
     assert_false(mesh_foreign_is(""));
 }
 
-int main(void)
+TEST_GROUP(mesh_foreign)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(good_files_are_read_and_their_space_is_honoured),

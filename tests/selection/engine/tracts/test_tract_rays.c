@@ -515,7 +515,7 @@ static void every_allocation_may_fail(void **state)
     tract_tree_finish(&scene.tractogram.tree);
 }
 
-int main(void)
+TEST_GROUP(tract_rays)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rays_find_what_a_loop_finds),     cmocka_unit_test(halves_are_hit_as_their_floats),

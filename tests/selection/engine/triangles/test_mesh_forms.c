@@ -98,7 +98,7 @@ static void a_torus_is_hit_where_its_closed_form_says(void **test)
     conus_atlas_destroy(atlas);
 }
 
-int main(void)
+TEST_GROUP(mesh_forms)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(contacts_of_a_sphere_lie_on_its_triangles),

@@ -213,7 +213,7 @@ static void crossings_may_come_in_any_order(void **state)
     conus_atlas_destroy(atlas);
 }
 
-int main(void)
+TEST_GROUP(mesh_intervals)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_interval_is_from_entry_to_exit),

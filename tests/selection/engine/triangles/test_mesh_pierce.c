@@ -501,7 +501,7 @@ static void every_failing_allocation_is_reported(void **state)
     conus_atlas_destroy(atlas);
 }
 
-int main(void)
+TEST_GROUP(mesh_pierce)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(intervals_are_those_of_all_triangles_in_double),

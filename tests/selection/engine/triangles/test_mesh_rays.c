@@ -558,7 +558,7 @@ static void a_surface_through_the_apex_is_hit_at_0(void **state)
     conus_atlas_destroy(atlas);
 }
 
-int main(void)
+TEST_GROUP(mesh_rays)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_surface_through_the_apex_is_hit_at_0),

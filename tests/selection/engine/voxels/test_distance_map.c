@@ -262,7 +262,7 @@ static void making_one_survives_every_failing_allocation(void **state)
     volume_finish(&volume);
 }
 
-int main(void)
+TEST_GROUP(distance_map)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(codes_tell_how_far_it_is_empty),

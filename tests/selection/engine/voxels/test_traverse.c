@@ -407,7 +407,7 @@ static void large_volumes_have_no_labelled_map(void **state)
     assert_int_equal(LABELLED_CODES, 1024 * 1024 * DISTANCE_LINE);
 }
 
-int main(void)
+TEST_GROUP(traverse)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(kernels_equal_the_plain_traversal),         cmocka_unit_test(voxels_of_any_size_do),

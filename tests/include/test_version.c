@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The headers, the library and CMake name one version. */
-#include <conus/conus.h>
+#include "test.h"
 
-#include <stdio.h>
-#include <string.h>
+#include <conus/conus.h>
 
 #if CONUS_VERSION_NUMBER != CONUS_VERSION_MAJOR * 1000000 + CONUS_VERSION_MINOR * 1000 + CONUS_VERSION_PATCH
 #error "CONUS_VERSION_NUMBER is not made of its parts"
@@ -13,11 +12,17 @@
 #error "CONUS_MAKE_VERSION() does not grow with the version"
 #endif
 
-int main(void)
+static void versions_agree(void **state)
 {
-    if (strcmp(CONUS_VERSION, PROJECT_VERSION) != 0 || strcmp(CONUS_VERSION, conus_version()) != 0) {
-        printf("headers: %s, library: %s, CMake: %s\n", CONUS_VERSION, conus_version(), PROJECT_VERSION);
-        return 1;
-    }
-    return 0;
+    (void)state;
+    assert_string_equal(CONUS_VERSION, PROJECT_VERSION);
+    assert_string_equal(CONUS_VERSION, conus_version());
+}
+
+TEST_GROUP(version)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(versions_agree),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
 }
