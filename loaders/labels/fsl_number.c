@@ -7,7 +7,6 @@
 #include "base/memory.h"
 #include "loaders/labels/fsl_find.h"
 #include "loaders/labels/label_cells.h"
-#include "loaders/volumes/volume_file.h"
 
 #include <math.h>
 
@@ -68,11 +67,11 @@ static conus_status from_first_image(double voxel_from_point[16], bool *found, c
     const struct fsl_image *image = atlas->images;
     conus_status status = CONUS_OK;
     *found = false;
-    if (use->path && atlas->image_count) {
+    if (use->path && use->header && atlas->image_count) {
         status = image->summary ? fsl_image_find(&path, use->path, image->summary) : CONUS_OK;
         status = status || path || !image->image ? status : fsl_image_find(&path, use->path, image->image);
     }
-    if (path && !volume_file_header(&first, path)) { /* a damaged one says nothing */
+    if (path && !use->header(&first, path)) { /* a damaged one says nothing */
         double voxel_from_world[16];
         *found = mat4_invert_affine(voxel_from_world, use->info->world_from_voxel);
         if (*found) {

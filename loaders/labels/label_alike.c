@@ -91,7 +91,7 @@ static conus_status judge(bool *taken, struct label_search *search, const struct
 {
     struct label_fit fit;
     const char *name = path_base(path);
-    const char *volume = path_base(search->volume->path);
+    const char *volume = path_base(search->volume->info->path);
     conus_status status = label_fit_find(&fit, table, &search->use);
     *taken = !status && label_fit_is_good(&fit, table);
     if (status) {
@@ -156,7 +156,7 @@ static conus_status consider(bool *tried, struct label_search *search, const str
 
 conus_status label_search_alike(struct label_search *search, const char *folder)
 {
-    const char *name = path_base(search->volume->path);
+    const char *name = path_base(search->volume->info->path);
     struct names names = {0};
     struct folder here = {.names = &names, .folder = folder, .stem = {name, volume_stem_length(name)}};
     size_t tries = 0;

@@ -4,7 +4,7 @@
 
 #include "base/files/folder.h"
 #include "base/memory.h"
-#include "loaders/file_kind.h"
+#include "loaders/formats/formats.h"
 #include "loaders/labels/label_bytes.h"
 #include "loaders/labels/label_rows.h"
 
@@ -114,8 +114,19 @@ conus_status label_path_split(char **path, struct text columns[2], const char *t
 static const struct file_kind *foreign_kind(const char *path, const struct bytes *bytes)
 {
     bool table = label_is_lut(bytes->data, bytes->size) || label_format_of(text_from_bytes(bytes->data, bytes->size));
-    const struct file_kind *kind = table || !bytes->size ? NULL : file_kind_of_stored(path, bytes);
-    return kind && !file_kind_is_vague(kind) ? kind : NULL;
+    static const struct file_kind packed_table = {.words = "a label table packed with gzip", .way = "unpack it"};
+    struct bytes head = {bytes->data, bytes->size < FILE_KIND_HEAD ? bytes->size : FILE_KIND_HEAD};
+    struct bytes unpacked = {0};
+    if (!table && format_unpack_head(&unpacked, bytes)) {
+        head = unpacked;
+    }
+    const struct file_kind *kind = table || !bytes->size ? NULL : format_find(path, &head);
+    if (unpacked.size && kind && kind->certainty != KIND_CERTAIN &&
+        label_format_of(text_from_bytes(unpacked.data, unpacked.size))) {
+        kind = &packed_table;
+    }
+    bytes_finish(&unpacked);
+    return kind && kind->certainty != KIND_VAGUE ? kind : NULL;
 }
 
 static conus_status read_table(struct label_table *out, const char **format, const char *path,
@@ -129,7 +140,7 @@ static conus_status read_table(struct label_table *out, const char **format, con
     }
     use.path = path;
     const struct file_kind *kind = foreign_kind(path, &bytes);
-    status = kind ? file_kind_fail(path, &bytes, "a label table")
+    status = kind ? format_fail(kind, &bytes, "a label table")
                   : label_bytes_parse(out, format, bytes.data, bytes.size, &use, notes);
     status = status || !use.read ? status : file_sums_add(use.read, path, &bytes);
     bytes_finish(&bytes);

@@ -8,60 +8,38 @@
 #include "loaders/labels/label_file.h"
 #include "loaders/labels/label_folder.h"
 #include "loaders/labels/label_search.h"
-#include "loaders/volumes/text/text_volume.h"
 
-enum { EXTENSION_AFNI = 4, EXTENSION_WORKBENCH = 30 };
-
-/* Workbench and AFNI also keep what is no label table in their extensions. */
-static conus_status search_extension(struct label_search *search, int code, const char *mark)
+void label_volume_finish(struct label_volume *volume)
 {
-    const struct volume_file *volume = search->volume;
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && i < volume->extension_count; i++) {
-        const struct volume_extension *extension = &volume->extensions[i];
-        struct text text = text_from_bytes(extension->data, extension->size);
-        if (extension->code == code && text_mentions(text, mark)) {
-            status = label_search_bytes(search, volume->path, NULL, text);
-        }
-    }
-    return status;
-}
-
-/* The labels of 3D Slicer's segments. */
-static conus_status search_segments(struct label_search *search)
-{
-    struct label_offer offer = {.path = search->volume->path};
-    const struct volume_file *volume = search->volume;
-    conus_status status =
-        volume->text ? text_volume_labels(&offer.table, volume->text, volume->info.volume, &offer.notes) : CONUS_OK;
-    if (status || !offer.table.count) {
-        notes_finish(&offer.notes);
-        label_table_finish(&offer.table);
-        return status;
-    }
-    buffer_format(&offer.source, "Slicer segments inside %s", path_base(volume->path));
-    return label_search_offer(search, &offer);
+    label_table_finish(&volume->segments);
+    notes_finish(&volume->notes);
+    memory_free(volume->texts);
+    *volume = (struct label_volume){0};
 }
 
 static conus_status search_inside(struct label_search *search)
 {
-    struct text text = search->volume->embedded;
-    text = text_from_bytes((const uint8_t *)text.data, text.size);
-    conus_status status = search_segments(search);
-    status = status ? status : search_extension(search, EXTENSION_WORKBENCH, "<LabelTable");
-    status = status ? status : search_extension(search, EXTENSION_AFNI, "LABEL_DTABLE");
-    status = status ? status : search_extension(search, EXTENSION_AFNI, "ATLAS_LABEL_TABLE");
-    if (status || !text.size) {
-        return status;
+    struct label_volume *volume = search->volume;
+    const char *path = volume->info->path;
+    conus_status status = CONUS_OK;
+    if (volume->segments.count) {
+        struct label_offer offer = {.path = path, .table = volume->segments, .notes = volume->notes};
+        volume->segments = (struct label_table){0};
+        volume->notes = (struct notes){0};
+        buffer_format(&offer.source, "Slicer segments inside %s", path_base(path));
+        status = label_search_offer(search, &offer);
     }
-    return label_search_bytes(search, search->volume->path, NULL, text);
+    for (size_t i = 0; !status && i < volume->count; i++) {
+        status = label_search_bytes(search, path, NULL, volume->texts[i]);
+    }
+    return status;
 }
 
 static conus_status search_beside(struct label_search *search)
 {
     static const char *const endings[] = {".nii.txt", ".txt",     ".tsv", ".json",    ".label",
                                           ".ctbl",    ".niml.lt", ".csv", ".nii.lut", ".lut"};
-    const char *path = search->volume->path;
+    const char *path = search->volume->info->path;
     conus_status status = CONUS_OK;
     for (size_t i = 0; !status && i < sizeof endings / sizeof endings[0]; i++) {
         char *beside = path_with_ending(path, volume_stem_length(path), endings[i]);
@@ -74,7 +52,7 @@ static conus_status search_beside(struct label_search *search)
 static conus_status colour_beside(struct label_search *search)
 {
     static const char *const endings[] = {".nii.lut", ".lut"};
-    const char *path = search->volume->path;
+    const char *path = search->volume->info->path;
     bool coloured = label_table_has_colours(&search->table);
     conus_status status = CONUS_OK;
     for (size_t i = 0; !status && !coloured && i < sizeof endings / sizeof endings[0]; i++) {
@@ -109,7 +87,7 @@ static conus_status settle_search(struct label_search *search)
     if (search->first_error.size) {
         return fail(CONUS_ERROR_DATA, "%s", search->first_error.data);
     }
-    const char *name = path_base(search->volume->path);
+    const char *name = path_base(search->volume->info->path);
     buffer_text(&search->source, "none found");
     int stem = (int)volume_stem_length(name);
     conus_status status = notes_warn(
@@ -121,12 +99,13 @@ static conus_status settle_search(struct label_search *search)
     return status ? status : number_entries(&search->table);
 }
 
-conus_status label_table_of_volume(struct label_table *out, char **source, const struct volume_file *volume,
+conus_status label_table_of_volume(struct label_table *out, char **source, struct label_volume *volume,
                                    const struct label_voxels *voxels, struct file_sums *read, struct notes *notes)
 {
-    struct label_search search = {.volume = volume,
-                                  .use = {.info = &volume->info, .voxels = voxels, .max_memory = volume->max_memory},
-                                  .notes = notes};
+    struct label_search search = {
+        .volume = volume,
+        .use = {.info = volume->info, .voxels = voxels, .max_memory = volume->max_memory, .header = volume->header},
+        .notes = notes};
     conus_status status = search_inside(&search);
     status = status ? status : search_beside(&search);
     status = status ? status : label_search_folder(&search);

@@ -34,7 +34,7 @@ static bool name_inherits(struct text table, struct text volume, size_t *entitie
 
 static conus_status search_inherited(struct label_search *search, const char *folder)
 {
-    const char *path = path_base(search->volume->path);
+    const char *path = path_base(search->volume->info->path);
     struct text volume = {path, volume_stem_length(path)};
     struct names names = {0};
     const char *best = NULL;
@@ -79,7 +79,7 @@ static conus_status search_fixed(struct label_search *search)
     static const char *const names[] = {"structures.json", "FreeSurferColorLUT.txt"};
     conus_status status = CONUS_OK;
     for (size_t i = 0; !status && !search->found && i < 2; i++) {
-        char *path = file_beside(search->volume->path, names[i]);
+        char *path = file_beside(search->volume->info->path, names[i]);
         search->judge = i == 1 ? label_judge_freesurfer : NULL;
         status = path ? label_search_file(search, path) : CONUS_ERROR_MEMORY;
         search->judge = NULL;
@@ -90,10 +90,10 @@ static conus_status search_fixed(struct label_search *search)
 
 conus_status label_search_folder(struct label_search *search)
 {
-    char *folder = path_folder(search->volume->path);
+    char *folder = path_folder(search->volume->info->path);
     conus_status status = folder ? CONUS_OK : CONUS_ERROR_MEMORY;
     status = status || search->found ? status : search_inherited(search, folder);
-    status = status ? status : fsl_atlas_each(search->volume->path, FSL_LABELS, offer_atlas, search);
+    status = status ? status : fsl_atlas_each(search->volume->info->path, FSL_LABELS, offer_atlas, search);
     status = status || search->found || search->first_error.size ? status : label_search_alike(search, folder);
     status = status || search->found ? status : search_fixed(search);
     status = status || search->found ? status : label_search_freesurfer(search, folder);

@@ -150,7 +150,7 @@ static conus_status take_table(bool *taken, struct label_search *search, const s
         search->notes,
         "%s: its name is one of FreeSurfer's, and its labels lie as FreeSurfer's do: named by %s; --labels "
         "chooses another table",
-        path_base(search->volume->path), path);
+        path_base(search->volume->info->path), path);
 }
 
 static conus_status try_table(struct label_search *search, enum kind kind, const char *path)
@@ -160,7 +160,7 @@ static conus_status try_table(struct label_search *search, enum kind kind, const
             search->notes,
             "%s: its name is one of FreeSurfer's, but its labels do not lie as FreeSurfer's do: %s is not "
             "taken; --labels uses it all the same",
-            path_base(search->volume->path), path);
+            path_base(search->volume->info->path), path);
     }
     search->judge = take_table;
     conus_status status = label_search_file(search, path);
@@ -170,7 +170,7 @@ static conus_status try_table(struct label_search *search, enum kind kind, const
 
 static enum kind kind_of_volume(const struct label_search *search)
 {
-    const char *name = path_base(search->volume->path);
+    const char *name = path_base(search->volume->info->path);
     return kind_of((struct text){name, volume_stem_length(name)});
 }
 
@@ -184,7 +184,7 @@ conus_status label_judge_freesurfer(bool *taken, struct label_search *search, co
                   : notes_warn(search->notes,
                                "%s is not taken for the label table: neither the name nor the labels of %s are "
                                "FreeSurfer's; --labels uses it all the same",
-                               path_base(path), path_base(search->volume->path));
+                               path_base(path), path_base(search->volume->info->path));
 }
 
 conus_status label_search_freesurfer(struct label_search *search, const char *folder)

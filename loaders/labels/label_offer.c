@@ -186,7 +186,7 @@ static conus_status settle_contradiction(struct label_search *search, struct lab
         return fail(CONUS_ERROR_DATA,
                     "%s: two label tables contradict each other: \"%s\" is label %u in %s, %u in %s; choose one with "
                     "--labels",
-                    search->volume->path, clash[0]->name, clash[0]->number, first, clash[1]->number, second);
+                    search->volume->info->path, clash[0]->name, clash[0]->number, first, clash[1]->number, second);
     }
     conus_status status = notes_warn(
         search->notes,

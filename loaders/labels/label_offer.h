@@ -5,8 +5,7 @@
 
 #include "atlas/labels/labels.h"
 #include "base/buffer.h"
-#include "loaders/labels/label_use.h"
-#include "loaders/volumes/volume_file.h"
+#include "loaders/labels/label_find.h"
 
 struct label_search;
 
@@ -15,7 +14,7 @@ typedef conus_status (*label_judge)(bool *taken, struct label_search *search, co
                                     const char *path);
 
 struct label_search {
-    const struct volume_file *volume;
+    struct label_volume *volume;
     struct label_use use; /**< path: of the table that is being read.                 */
     struct notes *notes;
     struct label_table table;

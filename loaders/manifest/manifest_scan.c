@@ -5,8 +5,8 @@
 #include "atlas/areas/sides.h"
 #include "base/buffer.h"
 #include "base/memory.h"
-#include "loaders/labels/label_find.h"
 #include "loaders/volumes/grey.h"
+#include "loaders/volumes/volume_table.h"
 #include "loaders/volumes/volume_values.h"
 
 #include <string.h>
@@ -20,7 +20,7 @@ static conus_status has_table(bool *out, struct label_table *table, const struct
     struct notes notes = {0};
     char *source = NULL;
     *out = false;
-    conus_status status = label_table_of_volume(table, &source, file, labels, NULL, &notes);
+    conus_status status = volume_label_table(table, &source, file, labels, NULL, &notes);
     for (size_t i = 0; !status && i < table->count; i++) {
         *out = *out || table->entries[i].name;
     }

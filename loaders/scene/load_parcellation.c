@@ -12,10 +12,10 @@
 #include "loaders/labels/fsl_find.h"
 #include "loaders/labels/fsl_number.h"
 #include "loaders/labels/label_file.h"
-#include "loaders/labels/label_find.h"
 #include "loaders/labels/label_offer.h"
 #include "loaders/scene/cifti_parcellation.h"
 #include "loaders/volumes/grey.h"
+#include "loaders/volumes/volume_table.h"
 #include "loaders/volumes/volume_values.h"
 
 void parcellation_finish(struct parcellation *parts)
@@ -48,6 +48,7 @@ static conus_status read_override(struct parcellation *parts, const char *path)
     struct label_table table = {0};
     const struct label_use use = {.info = &parts->file.info,
                                   .voxels = &parts->labels,
+                                  .header = volume_file_header,
                                   .max_memory = parts->file.max_memory,
                                   .read = &parts->read};
     conus_status status = label_file_read(&table, &format, path, &use, &parts->notes);
@@ -117,7 +118,7 @@ static conus_status compare_with_volume(struct parcellation *parts)
     struct label_table table = {0};
     char *source = NULL;
     struct notes silent = {0};
-    conus_status status = label_table_of_volume(&table, &source, &parts->file, &parts->labels, NULL, &silent);
+    conus_status status = volume_label_table(&table, &source, &parts->file, &parts->labels, NULL, &silent);
     if (status && status != CONUS_ERROR_MEMORY) {
         status = notes_warn(&parts->notes, "%s", conus_message());
     } else if (!status) {
@@ -145,8 +146,11 @@ static conus_status load_fsl(struct parcellation *parts, const char *path, struc
     status = status ? status : open_finest(parts, &atlas, path, max_memory);
     status = status ? status : volume_file_take_labels(&parts->labels, &parts->file);
     if (!status) {
-        const struct label_use use = {
-            .info = &parts->file.info, .voxels = &parts->labels, .path = path, .max_memory = max_memory};
+        const struct label_use use = {.info = &parts->file.info,
+                                      .voxels = &parts->labels,
+                                      .header = volume_file_header,
+                                      .path = path,
+                                      .max_memory = max_memory};
         status = fsl_atlas_number(&atlas, &use, &parts->notes);
     }
     status = status ? status : set_source(parts, atlas.is_spm ? "SPM atlas XML" : "FSL atlas XML", path_base(path));
@@ -179,8 +183,8 @@ static conus_status read_names(struct parcellation *parts, const char *override,
         return read_override(parts, override);
     }
     return markup ? CONUS_OK
-                  : label_table_of_volume(&parts->table, &parts->source, &parts->file, &parts->labels, &parts->read,
-                                          &parts->notes);
+                  : volume_label_table(&parts->table, &parts->source, &parts->file, &parts->labels, &parts->read,
+                                       &parts->notes);
 }
 
 conus_status parcellation_check_grey(const struct volume_file *file, const struct label_voxels *labels,

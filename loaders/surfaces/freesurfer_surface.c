@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Parses FreeSurfer surfaces. */
 #include "loaders/surfaces/freesurfer_surface.h"
+#include "loaders/formats/signatures.h"
 
 #include "base/byte_order.h"
 #include "base/geometry/math3.h"
@@ -39,19 +40,6 @@ static bool take_int(struct cursor *cursor, int32_t *out)
     bool there = take_bytes(cursor, 4, &data);
     *out = there ? order_i32(data, BIG_ENDIAN_IS_SWAPPED) : 0;
     return there;
-}
-
-bool freesurfer_is_surface(const uint8_t *data, size_t size)
-{
-    return size >= MAGIC_SIZE && data[0] == 0xff && data[1] == 0xff && data[2] >= 0xfd;
-}
-
-bool freesurfer_is_curvature(const uint8_t *data, size_t size)
-{
-    enum { PER_VERTEX = 11 }; /* behind the numbers of vertices and triangles; it is always 1 */
-    static const uint8_t one[4] = {0, 0, 0, 1};
-    return size >= PER_VERTEX + sizeof one && freesurfer_is_surface(data, size) && data[2] == 0xff &&
-           memcmp(data + PER_VERTEX, one, sizeof one) == 0;
 }
 
 /* The comment: a line, and mostly an empty one. */

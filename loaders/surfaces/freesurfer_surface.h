@@ -8,12 +8,6 @@
 #include "atlas/surface/mesh.h"
 #include "base/notes.h"
 
-/** True where @p data begins like a surface, of triangles or of quadrangles. */
-bool freesurfer_is_surface(const uint8_t *data, size_t size);
-
-/** True where @p data begins like values of vertices (lh.curv, lh.thickness), which share a mark with quadrangles. */
-bool freesurfer_is_curvature(const uint8_t *data, size_t size);
-
 /** Parses a surface of triangles into world mm, not yet checked by mesh_check(). @p as_stored: coordinates are taken as
  * they are. Surfaces of quadrangles are CONUS_ERROR_UNSUPPORTED. */
 conus_status freesurfer_surface_parse(struct mesh *out, const uint8_t *data, size_t size, bool as_stored,

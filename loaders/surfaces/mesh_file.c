@@ -14,6 +14,7 @@
 #include "loaders/cifti/cifti_file.h"
 #include "loaders/cifti/map_choice.h"
 #include "loaders/file_kind.h"
+#include "loaders/formats/signatures.h"
 #include "loaders/surfaces/foreign/mesh_foreign.h"
 #include "loaders/surfaces/freesurfer_labels.h"
 #include "loaders/surfaces/freesurfer_surface.h"

@@ -13,7 +13,7 @@
 
 #include <string.h>
 
-enum { NIFTI1_SIZE = 348, NAME_SIZE = 16 };
+enum { NAME_SIZE = 16 };
 
 /* nifti1.h: a vector at each voxel. */
 enum { INTENT_DISPLACEMENT = 1006, INTENT_VECTOR = 1007 };

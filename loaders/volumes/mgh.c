@@ -22,11 +22,6 @@ static void read_floats(double *out, size_t count, const uint8_t *data)
     }
 }
 
-bool mgh_is(const uint8_t *data, size_t size)
-{
-    return size >= 8 && read_int(data, 0) == 1 && data[4] == 0;
-}
-
 static conus_status read_type(struct volume_header *header, int type)
 {
     switch (type) {
@@ -42,13 +37,6 @@ static conus_status read_type(struct volume_header *header, int type)
         return fail(CONUS_ERROR_UNSUPPORTED, "type: found %d, allowed are 0 (uchar), 1 (int), 3 (float) and 4 (short)",
                     type);
     }
-}
-
-bool mgh_is_of_vertices(const uint8_t *data, size_t size)
-{
-    enum { LEAST = 642 }; /* of FreeSurfer's coarsest sphere; a volume is no such row */
-    return size >= HEADER_SIZE && mgh_is(data, size) && read_int(data, 4) >= LEAST && read_int(data, 8) == 1 &&
-           read_int(data, 12) == 1;
 }
 
 static conus_status read_dim(struct volume_header *header, const uint8_t *data)

@@ -7,6 +7,7 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/notes.h"
+#include "loaders/formats/formats.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -199,7 +200,7 @@ static conus_status nifti_place(conus_volume_info *info, const struct nifti_plac
     return space_describe(info, world, words);
 }
 
-enum { NIFTI1_SIZE = 348, NIFTI2_SIZE = 540, EXTENDER_SIZE = 4, EXTENSION_HEAD_SIZE = 8, EXTENSION_UNIT = 16 };
+enum { EXTENDER_SIZE = 4, EXTENSION_HEAD_SIZE = 8, EXTENSION_UNIT = 16 };
 
 /* The fields that matter, of either version. */
 struct fields {
@@ -212,36 +213,6 @@ struct fields {
     int datatype, bitpix, intent_code;
     struct nifti_placement placement;
 };
-
-bool nifti_is(const uint8_t *data, size_t size)
-{
-    if (size < 4) {
-        return false;
-    }
-    uint32_t size_field = order_u32(data, false);
-    uint32_t swapped = order_u32(data, true);
-    return size_field == NIFTI1_SIZE || size_field == NIFTI2_SIZE || swapped == NIFTI1_SIZE || swapped == NIFTI2_SIZE;
-}
-
-static bool is_version_1(const uint8_t *data)
-{
-    return order_u32(data, false) == NIFTI1_SIZE || order_u32(data, true) == NIFTI1_SIZE;
-}
-
-static bool magic_is(const uint8_t *data, size_t size, const char *name)
-{
-    static const uint8_t ending[4] = {'\r', '\n', 0x1a, '\n'};
-    if (is_version_1(data)) {
-        return size >= NIFTI1_SIZE && memcmp(data + 344, name, 2) == 0 && data[346] == '1' && data[347] == 0;
-    }
-    return size >= 12 && memcmp(data + 4, name, 2) == 0 && data[6] == '2' && data[7] == 0 &&
-           memcmp(data + 8, ending, sizeof ending) == 0;
-}
-
-bool nifti_has_magic(const uint8_t *data, size_t size)
-{
-    return nifti_is(data, size) && (magic_is(data, size, "n+") || magic_is(data, size, "ni"));
-}
 
 static void read_floats(double *out, size_t count, const uint8_t *data, bool swapped)
 {
@@ -307,13 +278,13 @@ static conus_status read_fields(struct fields *f, const uint8_t *data, size_t si
         return fail(CONUS_ERROR_DATA, "sizeof_hdr: found %d, allowed are 348 (NIfTI-1) and 540 (NIfTI-2)",
                     size < 4 ? 0 : order_i32(data, false));
     }
-    f->version = is_version_1(data) ? 1 : 2;
+    f->version = nifti_is_version_1(data) ? 1 : 2;
     size_t needed = f->version == 1 ? NIFTI1_SIZE : NIFTI2_SIZE;
     if (size < needed) {
         return fail(CONUS_ERROR_DATA, "header: found %zu bytes, NIfTI-%d needs %zu", size, f->version, needed);
     }
-    f->pair = magic_is(data, size, "ni");
-    if (!f->pair && !magic_is(data, size, "n+")) {
+    f->pair = nifti_magic_is(data, size, "ni");
+    if (!f->pair && !nifti_magic_is(data, size, "n+")) {
         const char *magic = (const char *)data + (f->version == 1 ? 344 : 4);
         return fail(
             CONUS_ERROR_DATA,
@@ -379,79 +350,19 @@ static conus_status check_bitpix(const struct volume_header *header, int bitpix)
                                    header->info.datatype, wanted);
 }
 
-#define SEPARATE "'wb_command -cifti-separate' writes its voxels as a volume"
-#define PARCELS "conus reads the .dlabel.nii of its parcels, as ATLAS"
-
-/* Matrices by vertices, voxels or parcels: nifti2.h has the codes. */
-static const struct {
-    int intent_code;
-    struct file_kind kind;
-} matrices[] = {
-    {3000, {"a CIFTI matrix without a kind (a .plabel.nii, say)", PARCELS}},
-    {3001, {"a CIFTI matrix of connections (.dconn.nii)", "conus has no use for connections"}},
-    {3002, {"a CIFTI matrix of time series (.dtseries.nii)", SEPARATE}},
-    {3003, {"a CIFTI matrix of connections of parcels (.pconn.nii)", PARCELS}},
-    {3004, {"a CIFTI matrix of time series of parcels (.ptseries.nii)", PARCELS}},
-    {3006, {"a CIFTI matrix of values (.dscalar.nii)", SEPARATE}},
-    {NIFTI_DENSE_LABELS,
-     {"a CIFTI matrix of labels (.dlabel.nii)",
-      "give it as ATLAS, as --labels of a surface, or in a manifest as parcellation or vertex_labels"}},
-    {3008, {"a CIFTI matrix of values of parcels (.pscalar.nii)", PARCELS}},
-    {3009, {"a CIFTI matrix of connections of parcels (.pdconn.nii)", PARCELS}},
-    {3010, {"a CIFTI matrix of connections of parcels (.dpconn.nii)", PARCELS}},
-    {3011, {"a CIFTI matrix of connections of parcels (.pconnseries.nii)", PARCELS}},
-    {3012, {"a CIFTI matrix of connections of parcels (.pconnscalar.nii)", PARCELS}},
-};
-static const struct file_kind first_version = {
-    "a CIFTI-1 file", "convert it to CIFTI-2: wb_command -file-convert -cifti-version-convert IN 2 OUT"};
-static const struct file_kind other_matrix = {"a CIFTI matrix of an unknown kind", PARCELS};
-
 static bool is_matrix(int version, int intent_code)
 {
     return version == 2 && intent_code >= 3000 && intent_code < 3100;
 }
 
-int nifti_matrix_intent(const uint8_t *data, size_t size)
-{
-    if (size < NIFTI2_SIZE || !nifti_has_magic(data, size) || is_version_1(data)) {
-        return 0;
-    }
-    int intent_code = order_i32(data + 504, order_u32(data, false) != NIFTI2_SIZE);
-    return is_matrix(2, intent_code) ? intent_code : 0;
-}
-
-/* CIFTI-1 calls labels by the code of connections; which version it is stands in the XML only. */
-static bool is_first_version(const uint8_t *data, size_t size)
-{
-    return text_mentions((struct text){(const char *)data, size}, "<CIFTI Version=\"1");
-}
-
-static const struct file_kind *kind_of_matrix(int intent_code, const uint8_t *data, size_t size)
-{
-    if (is_first_version(data, size)) {
-        return &first_version;
-    }
-    for (size_t i = 0; i < sizeof matrices / sizeof matrices[0]; i++) {
-        if (matrices[i].intent_code == intent_code) {
-            return &matrices[i].kind;
-        }
-    }
-    return &other_matrix;
-}
-
-const struct file_kind *nifti_matrix_kind(const uint8_t *data, size_t size)
-{
-    int intent_code = nifti_matrix_intent(data, size);
-    return intent_code ? kind_of_matrix(intent_code, data, size) : NULL;
-}
-
 static conus_status refuse_matrix(const struct fields *f, const uint8_t *data, size_t size)
 {
-    const struct file_kind *kind = kind_of_matrix(f->intent_code, data, size);
-    return is_matrix(f->version, f->intent_code)
-               ? fail(CONUS_ERROR_UNSUPPORTED, "intent_code: found %d, %s, allowed are volumes; %s", f->intent_code,
-                      kind->words, kind->way)
-               : CONUS_OK;
+    if (!is_matrix(f->version, f->intent_code)) {
+        return CONUS_OK;
+    }
+    const struct file_kind *kind = format_find_matrix(f->intent_code, &(struct bytes){(uint8_t *)data, size});
+    return fail(CONUS_ERROR_UNSUPPORTED, "intent_code: found %d, %s, allowed are volumes; %s", f->intent_code,
+                kind->words, kind->way);
 }
 
 static conus_status check_shape(const struct fields *f)

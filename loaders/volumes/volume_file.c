@@ -9,6 +9,7 @@
 #include "base/memory.h"
 #include "loaders/brainglobe/brainglobe_metadata.h"
 #include "loaders/file_kind.h"
+#include "loaders/formats/signatures.h"
 #include "loaders/tiff/tiff.h"
 #include "loaders/volumes/mgh.h"
 #include "loaders/volumes/nifti.h"

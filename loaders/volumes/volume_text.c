@@ -6,6 +6,7 @@
 #include "base/byte_order.h"
 #include "base/files/folder.h"
 #include "base/memory.h"
+#include "loaders/formats/signatures.h"
 #include "loaders/volumes/text/afni.h"
 #include "loaders/volumes/text/metaimage.h"
 #include "loaders/volumes/text/nrrd.h"
@@ -14,11 +15,6 @@
 #include <nettle/sha2.h>
 #include <stdio.h>
 #include <string.h>
-
-bool volume_text_is(const struct bytes *head)
-{
-    return nrrd_is(head->data, head->size) || metaimage_is(head->data, head->size) || afni_is(head->data, head->size);
-}
 
 void volume_text_finish(struct text_volume **text)
 {

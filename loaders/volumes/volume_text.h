@@ -14,9 +14,6 @@ enum {
     VOLUME_TEXT_HEAD = HEADER_TEXT_LIMIT
 }; /**< Bytes that volume_text_parse() wants to see, if there are as many. */
 
-/** True where @p head, the first bytes of a file, is a header of one of these formats. */
-bool volume_text_is(const struct bytes *head);
-
 /** Reads the header at the start of @p head. out->text is the caller's to finish. */
 conus_status volume_text_parse(struct volume_header *out, const struct bytes *head, struct notes *notes);
 

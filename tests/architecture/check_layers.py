@@ -73,21 +73,22 @@ LIBRARY = {
     "poses/rows": "base base/files base/geometry base",
     "poses/programs": "base base/files base/geometry base/formats poses/rows",
     "poses": "base base/geometry base/formats poses/rows poses/programs",
-    # file_kind.c asks the readers what a file is; they ask it for the words of their errors.
-    "loaders": "base base/files base/formats loaders/volumes loaders/labels loaders/surfaces",
+    "loaders/formats": "base base/files base/formats",
+    # file_kind.c asks the table of formats, and the readers of label tables.
+    "loaders": "base loaders/labels loaders/formats",
     "loaders/tiff": "base base/files base",
     "loaders/brainglobe": "base base/files base/geometry base/formats",
     "loaders/tracts": "base base/files base/geometry base/formats atlas/tracts loaders loaders/surfaces/foreign",
     "loaders/volumes/text": "base base/geometry base/formats atlas/labels atlas loaders/volumes/stored",
     "loaders/volumes/stored": "base base/files base/cache base/formats",
-    "loaders/volumes": "base base/files base/geometry base/formats atlas/labels atlas loaders/volumes/stored loaders loaders/tiff"
-    " loaders/brainglobe loaders/volumes/text",
+    "loaders/volumes": "base base/files base/geometry base/formats atlas/labels atlas loaders/volumes/stored"
+    " loaders loaders/tiff loaders/brainglobe loaders/volumes/text loaders/formats loaders/labels",
     "loaders/cifti": "base base/files base/geometry base/formats loaders/volumes loaders/labels atlas/labels",
-    "loaders/labels": "base base/files base/geometry base/formats loaders loaders/volumes loaders/volumes/text atlas/labels",
+    "loaders/labels": "base base/files base/geometry base/formats atlas/labels loaders/formats",
     "loaders/child": "base base/files base/cache atlas/surface atlas",
     "loaders/surfaces/foreign": "base base/files base/geometry base/formats atlas/labels atlas/surface loaders",
-    "loaders/surfaces": "base base/files base/geometry base/formats atlas/labels atlas/surface atlas loaders loaders/labels loaders/cifti"
-    " loaders/child loaders/surfaces/foreign",
+    "loaders/surfaces": "base base/files base/geometry base/formats atlas/labels atlas/surface atlas loaders"
+    " loaders/labels loaders/cifti loaders/child loaders/surfaces/foreign loaders/formats",
     "loaders/phantom": "base base/files base/geometry atlas/labels atlas atlas/phantom loaders/volumes loaders/surfaces",
     "loaders/manifest": "base base/files base/formats atlas/labels atlas/surface atlas/areas loaders/volumes loaders/labels",
     "loaders/transform": "base base/files base/geometry base/formats atlas/deformation loaders loaders/volumes",

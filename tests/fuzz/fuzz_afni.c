@@ -2,6 +2,7 @@
 /* AFNI's headers. The bytes are those of the voxels, too. */
 #include "fuzz_text_volume.h"
 
+#include "loaders/formats/signatures.h"
 #include "loaders/volumes/text/afni.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);

@@ -19,7 +19,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
             abort();
         }
     }
-    if (copy && file_kind_is_lines(&bytes) && file_kind_of(NULL, &bytes) == NULL) {
+    if (copy && format_is_lines(&bytes) && file_kind_of(NULL, &bytes) == NULL) {
         abort();
     }
     memory_free(copy);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* FreeSurfer surfaces. */
+#include "loaders/formats/signatures.h"
 #include "loaders/surfaces/freesurfer_surface.h"
 
 #include <stdlib.h>

@@ -2,6 +2,7 @@
 /* MetaImage headers and voxels. */
 #include "fuzz_text_volume.h"
 
+#include "loaders/formats/signatures.h"
 #include "loaders/volumes/text/metaimage.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);

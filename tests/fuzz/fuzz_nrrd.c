@@ -2,6 +2,7 @@
 /* NRRD headers, segments and voxels. */
 #include "fuzz_text_volume.h"
 
+#include "loaders/formats/signatures.h"
 #include "loaders/volumes/text/nrrd.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);

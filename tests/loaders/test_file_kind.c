@@ -137,7 +137,7 @@ static void lines_are_told_from_surfaces(void **state)
     };
     for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) {
         const struct bytes bytes = {(uint8_t *)files[i].text, strlen(files[i].text)};
-        assert_int_equal(file_kind_is_lines(&bytes), files[i].lines);
+        assert_int_equal(format_is_lines(&bytes), files[i].lines);
     }
 }
 

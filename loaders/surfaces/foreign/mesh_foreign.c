@@ -134,7 +134,7 @@ static conus_status parse(struct foreign_mesh *out, struct obj_objects *objects,
 /* Lines (streamlines) come in files of VTK's, too, and leave no triangle. */
 static conus_status explain_failure(conus_status status, const struct bytes *bytes)
 {
-    if (status == CONUS_ERROR_DATA && file_kind_is_lines(bytes)) {
+    if (status == CONUS_ERROR_DATA && format_is_lines(bytes)) {
         return fail(CONUS_ERROR_DATA, "this is a VTK file of lines (a tractogram), not a surface: give it as "
                                       "--streamlines, or a volume of its density as --pathway");
     }

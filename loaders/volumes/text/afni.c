@@ -66,13 +66,6 @@ static const char *name_of(int attribute)
     return keys[i].name;
 }
 
-bool afni_is(const uint8_t *data, size_t size)
-{
-    struct text rest = text_trim((struct text){(const char *)data, size});
-    struct text word;
-    return text_word(&rest, &word) && text_equal(word, "type") && text_starts(text_trim(rest), "=");
-}
-
 /* The value of the next line, which must be "NAME = value". */
 static conus_status read_assignment(struct text *value, struct text *rest, const char *name, size_t *lines)
 {

@@ -6,9 +6,6 @@
 #include "base/notes.h"
 #include "loaders/volumes/text/text_volume.h"
 
-/** True where @p data begins like a .HEAD: with "type = ". */
-bool afni_is(const uint8_t *data, size_t size);
-
 /** Reads the whole header @p data. @p out is the caller's to finish. Errors name the attribute. */
 conus_status afni_parse(struct text_volume *out, const uint8_t *data, size_t size, struct notes *notes);
 

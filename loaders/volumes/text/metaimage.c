@@ -87,26 +87,6 @@ static bool split_line(struct text line, struct text *name, struct text *value)
     return equals && name->size;
 }
 
-bool metaimage_is(const uint8_t *data, size_t size)
-{
-    enum { HEAD = 540 };
-    struct text rest = {(const char *)data, size < HEAD ? size : HEAD};
-    struct text line;
-    struct text name;
-    struct text value;
-    size_t lines = 0;
-    conus_status status = CONUS_OK;
-    while (header_line(&rest, &line, &lines, &status) && split_line(line, &name, &value)) {
-        if (text_equal(name, "ObjectType") || text_equal(name, "NDims")) {
-            return true;
-        }
-        if (!text_equal(name, "Comment") && !text_equal(name, "ObjectSubType")) {
-            return false;
-        }
-    }
-    return false;
-}
-
 /* The line of ElementDataFile ends the header. */
 static conus_status read_lines(struct header *header, struct text *rest)
 {

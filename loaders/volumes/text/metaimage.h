@@ -8,9 +8,6 @@
 #include "base/notes.h"
 #include "loaders/volumes/text/text_volume.h"
 
-/** True where @p data begins like a MetaImage header: with the key ObjectType or NDims, comments before it or not. */
-bool metaimage_is(const uint8_t *data, size_t size);
-
 /** Reads the header at the start of @p data. @p out is the caller's to finish. Errors name the field. */
 conus_status metaimage_parse(struct text_volume *out, const uint8_t *data, size_t size, struct notes *notes);
 

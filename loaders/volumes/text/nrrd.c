@@ -52,11 +52,6 @@ static const struct header_key keys[] = {
     {"sampleunits", NRRD_UNUSED + 14},
 };
 
-bool nrrd_is(const uint8_t *data, size_t size)
-{
-    return size >= 8 && text_starts((struct text){(const char *)data, size}, "NRRD00");
-}
-
 static conus_status read_magic(struct text *rest, size_t *lines)
 {
     struct text line = {0};

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* FreeSurfer's surfaces and annotations. */
+#include "loaders/formats/signatures.h"
 #include "loaders/surfaces/freesurfer_labels.h"
 #include "loaders/surfaces/freesurfer_surface.h"
 

@@ -1,0 +1,116 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The marks of the formats that more than a few fixed bytes tell apart. */
+#include "loaders/formats/signatures.h"
+
+#include "base/byte_order.h"
+#include "base/text.h"
+
+#include <string.h>
+
+bool nifti_is(const uint8_t *data, size_t size)
+{
+    if (size < 4) {
+        return false;
+    }
+    uint32_t size_field = order_u32(data, false);
+    uint32_t swapped = order_u32(data, true);
+    return size_field == NIFTI1_SIZE || size_field == NIFTI2_SIZE || swapped == NIFTI1_SIZE || swapped == NIFTI2_SIZE;
+}
+
+bool nifti_is_version_1(const uint8_t *data)
+{
+    return order_u32(data, false) == NIFTI1_SIZE || order_u32(data, true) == NIFTI1_SIZE;
+}
+
+bool nifti_magic_is(const uint8_t *data, size_t size, const char *name)
+{
+    static const uint8_t ending[4] = {'\r', '\n', 0x1a, '\n'};
+    if (nifti_is_version_1(data)) {
+        return size >= NIFTI1_SIZE && memcmp(data + 344, name, 2) == 0 && data[346] == '1' && data[347] == 0;
+    }
+    return size >= 12 && memcmp(data + 4, name, 2) == 0 && data[6] == '2' && data[7] == 0 &&
+           memcmp(data + 8, ending, sizeof ending) == 0;
+}
+
+bool nifti_has_magic(const uint8_t *data, size_t size)
+{
+    return nifti_is(data, size) && (nifti_magic_is(data, size, "n+") || nifti_magic_is(data, size, "ni"));
+}
+
+int nifti_matrix_intent(const uint8_t *data, size_t size)
+{
+    if (size < NIFTI2_SIZE || !nifti_has_magic(data, size) || nifti_is_version_1(data)) {
+        return 0;
+    }
+    int intent_code = order_i32(data + 504, order_u32(data, false) != NIFTI2_SIZE);
+    return intent_code >= 3000 && intent_code < 3100 ? intent_code : 0;
+}
+
+static int mgh_int(const uint8_t *data, size_t offset)
+{
+    return order_i32(data + offset, BIG_ENDIAN_IS_SWAPPED);
+}
+
+bool mgh_is(const uint8_t *data, size_t size)
+{
+    return size >= 8 && mgh_int(data, 0) == 1 && data[4] == 0;
+}
+
+bool mgh_is_of_vertices(const uint8_t *data, size_t size)
+{
+    enum { LEAST = 642 }; /* of FreeSurfer's coarsest sphere; a volume is no such row */
+    return size >= MGH_HEADER_SIZE && mgh_is(data, size) && mgh_int(data, 4) >= LEAST && mgh_int(data, 8) == 1 &&
+           mgh_int(data, 12) == 1;
+}
+
+bool nrrd_is(const uint8_t *data, size_t size)
+{
+    return size >= 8 && text_starts((struct text){(const char *)data, size}, "NRRD00");
+}
+
+/* Lines "key = value": the first one that is no comment says what it is, or how many axes it has. */
+bool metaimage_is(const uint8_t *data, size_t size)
+{
+    enum { HEAD = 540 };
+    struct text rest = {(const char *)data, size < HEAD ? size : HEAD};
+    while (rest.size) {
+        const char *end = memchr(rest.data, '\n', rest.size);
+        size_t length = end ? (size_t)(end - rest.data) : rest.size;
+        const char *equals = memchr(rest.data, '=', length);
+        struct text key = text_trim((struct text){rest.data, equals ? (size_t)(equals - rest.data) : 0});
+        if (text_equal(key, "ObjectType") || text_equal(key, "NDims")) {
+            return true;
+        }
+        if (!text_equal(key, "Comment") && !text_equal(key, "ObjectSubType")) {
+            return false;
+        }
+        length += end != NULL;
+        rest = (struct text){rest.data + length, rest.size - length};
+    }
+    return false;
+}
+
+bool afni_is(const uint8_t *data, size_t size)
+{
+    struct text rest = text_trim((struct text){(const char *)data, size});
+    struct text word;
+    return text_word(&rest, &word) && text_equal(word, "type") && text_starts(text_trim(rest), "=");
+}
+
+bool volume_text_is(const struct bytes *head)
+{
+    return nrrd_is(head->data, head->size) || metaimage_is(head->data, head->size) || afni_is(head->data, head->size);
+}
+
+bool freesurfer_is_surface(const uint8_t *data, size_t size)
+{
+    return size >= 3 && data[0] == 0xff && data[1] == 0xff && data[2] >= 0xfd;
+}
+
+bool freesurfer_is_curvature(const uint8_t *data, size_t size)
+{
+    enum { PER_VERTEX = 11 }; /* behind the numbers of vertices and triangles; it is always 1 */
+    static const uint8_t one[4] = {0, 0, 0, 1};
+    return size >= PER_VERTEX + sizeof one && freesurfer_is_surface(data, size) && data[2] == 0xff &&
+           memcmp(data + PER_VERTEX, one, sizeof one) == 0;
+}

@@ -1,0 +1,49 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file The marks by which readers know their formats: each function looks at the first bytes of a file, unpacked. */
+#ifndef CONUS_LOADERS_FORMATS_SIGNATURES_H
+#define CONUS_LOADERS_FORMATS_SIGNATURES_H
+
+#include "base/files/file.h"
+
+/** Bytes that the functions of NIfTI want to see, if there are as many: the header, and where CIFTI's XML begins. */
+enum { NIFTI_HEAD_SIZE = 1024 };
+enum { NIFTI1_SIZE = 348, NIFTI2_SIZE = 540, MGH_HEADER_SIZE = 284 };
+
+/** True where @p data begins with the size of a NIfTI (or ANALYZE) header in either byte order. */
+bool nifti_is(const uint8_t *data, size_t size);
+
+/** Whether a header, of which nifti_is(), is one of NIfTI-1. */
+bool nifti_is_version_1(const uint8_t *data);
+
+/** Whether a header, of which nifti_is(), has the magic bytes @p name, "n+" or "ni", of its version. */
+bool nifti_magic_is(const uint8_t *data, size_t size, const char *name);
+
+/** True where @p data is a NIfTI header with its magic bytes. */
+bool nifti_has_magic(const uint8_t *data, size_t size);
+
+enum { NIFTI_DENSE_LABELS = 3007 }; /**< Intent code of a .dlabel.nii. */
+
+/** Intent code of the CIFTI-2 file, a NIfTI-2 file without a grid, that begins with @p data; 0 if it is none. */
+int nifti_matrix_intent(const uint8_t *data, size_t size);
+
+/** True where @p data begins like an MGH header: version 1, then a width below 2^24. */
+bool mgh_is(const uint8_t *data, size_t size);
+
+/** True where @p data is the header of values of a surface's vertices: N x 1 x 1. */
+bool mgh_is_of_vertices(const uint8_t *data, size_t size);
+
+bool nrrd_is(const uint8_t *data, size_t size);
+bool metaimage_is(const uint8_t *data, size_t size);
+/** An AFNI data set's .HEAD. */
+bool afni_is(const uint8_t *data, size_t size);
+
+/** A volume whose header is text: one of these three. */
+bool volume_text_is(const struct bytes *head);
+
+/** True where @p data begins like a surface of FreeSurfer's, of triangles or of quadrangles. */
+bool freesurfer_is_surface(const uint8_t *data, size_t size);
+
+/** True where @p data begins like values of vertices (lh.curv, lh.thickness), which share a mark with quadrangles. */
+bool freesurfer_is_curvature(const uint8_t *data, size_t size);
+
+#endif
