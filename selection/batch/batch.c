@@ -1,11 +1,49 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Runs a batch: hands blocks of poses to the workers, and writes their answers in order. */
-#include "selection/batch/batch.h"
-#include "selection/batch/ring.h"
-#include "selection/report/report_text.h"
-
+/* A batch: blocks of poses are read from a stream, answered by threads as rows of text, and delivered in order. */
+#include "base/buffer.h"
 #include "base/memory.h"
 #include "base/options.h"
+#include "poses/pose_stream.h"
+#include "selection/batch/ring.h"
+#include "selection/batch/worker.h"
+#include "selection/report/report.h"
+#include "selection/report/report_text.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { ROWS_AT_ONCE = 64 };
+
+struct block {
+    struct batch_pose *poses; /* [capacity] */
+    struct pose_words {
+        size_t id;    /* where in the block's strings the pose's id begins, */
+        size_t error; /* and why it is no pose, if it is none */
+    } * words;        /* [capacity] */
+    size_t count, capacity;
+    uint64_t first;        /* number of the first one in the stream, from 0 */
+    struct buffer strings; /* with a NUL behind each */
+    struct buffer text;    /* the rows */
+    uint64_t errors;
+    uint64_t error_line; /* of the first of these, */
+    char error[512];     /* and why it has no answer */
+};
+
+/* What answers for one atlas. */
+struct batch_atlas {
+    struct batch_worker *workers; /* [threads] */
+    conus_report **reports;       /* [threads]; those of the first atlas join the others' */
+};
+
+struct conus_batch {
+    conus_batch_options options; /* defaults filled in */
+    conus_frame frame;           /* that of options.report, where it has one */
+    struct batch_atlas *atlases; /* [atlas_count] */
+    size_t atlas_count, atlas_capacity;
+    struct block *blocks; /* [block_count], the slots of the ring */
+    size_t block_count;
+    struct buffer header;
+};
 
 static conus_status fill_in(conus_batch_options *options, const conus_selector *selector)
 {
@@ -16,16 +54,6 @@ static conus_status fill_in(conus_batch_options *options, const conus_selector *
     if (report_is_of_probe(options->report.format)) {
         options->threads = 1;
         options->block = BATCH_BLOCK_LIMIT;
-    }
-    return status;
-}
-
-static conus_status add_report(conus_report **out, const struct batch_worker *worker,
-                               const conus_report_options *options)
-{
-    conus_status status = conus_report_create(out, worker->selector, options);
-    if (!status) {
-        (*out)->options.no_voxels = true;
     }
     return status;
 }
@@ -42,7 +70,7 @@ static void finish_atlas(struct batch_atlas *atlas, size_t threads)
     memory_free(atlas->workers);
 }
 
-/* Another atlas, behind those that are there. */
+/* Adds an atlas behind those that are there. */
 static conus_status add_atlas(conus_batch *batch, conus_selector *selector, const conus_report_options *report)
 {
     const conus_batch_options *options = &batch->options;
@@ -56,7 +84,10 @@ static conus_status add_atlas(conus_batch *batch, conus_selector *selector, cons
     status = status || !has_axes ? status : selector_prepare_axis(selector);
     for (uint32_t i = 0; i < options->threads && !status; i++) {
         status = batch_worker_init(&atlas.workers[i], selector, options->block, options->angle);
-        status = status ? status : add_report(&atlas.reports[i], &atlas.workers[i], report);
+        status = status ? status : conus_report_create(&atlas.reports[i], atlas.workers[i].selector, report);
+        if (!status) {
+            atlas.reports[i]->options.no_voxels = true;
+        }
     }
     for (uint32_t i = 0; i < options->threads && batch->atlas_count && !status; i++) {
         status = conus_report_join(batch->atlases[0].reports[i], atlas.reports[i]); /* all can, or the first cannot */
@@ -65,22 +96,6 @@ static conus_status add_atlas(conus_batch *batch, conus_selector *selector, cons
         finish_atlas(&atlas, options->threads);
     } else {
         batch->atlases[batch->atlas_count++] = atlas;
-    }
-    return status;
-}
-
-static conus_status build(conus_batch *batch, conus_selector *selector)
-{
-    const conus_batch_options *options = &batch->options;
-    batch->block_count = ring_slots(options->threads);
-    batch->blocks = memory_zeroed(batch->block_count, sizeof *batch->blocks);
-    conus_status status = batch->blocks ? add_atlas(batch, selector, &options->report) : CONUS_ERROR_MEMORY;
-    for (size_t i = 0; i < batch->block_count && !status; i++) {
-        status = batch_block_init(&batch->blocks[i], options->block);
-    }
-    if (!status) {
-        report_write_header(&batch->header, batch->atlases[0].reports[0]);
-        status = buffer_status(&batch->header);
     }
     return status;
 }
@@ -101,7 +116,20 @@ conus_status conus_batch_create(conus_batch **out, conus_selector *selector, con
         batch->frame = *filled.report.frame;
         batch->options.report.frame = &batch->frame;
     }
-    status = build(batch, selector);
+    batch->block_count = ring_slots(filled.threads);
+    batch->blocks = memory_zeroed(batch->block_count, sizeof *batch->blocks);
+    status = batch->blocks ? add_atlas(batch, selector, &batch->options.report) : CONUS_ERROR_MEMORY;
+    for (size_t i = 0; i < batch->block_count && !status; i++) {
+        struct block *block = &batch->blocks[i];
+        *block = (struct block){.poses = memory_raw(filled.block, sizeof *block->poses),
+                                .words = memory_raw(filled.block, sizeof *block->words),
+                                .capacity = filled.block};
+        status = block->poses && block->words ? CONUS_OK : CONUS_ERROR_MEMORY;
+    }
+    if (!status) {
+        report_write_header(&batch->header, batch->atlases[0].reports[0]);
+        status = buffer_status(&batch->header);
+    }
     if (status) {
         conus_batch_destroy(batch);
         return status;
@@ -131,7 +159,10 @@ void conus_batch_destroy(conus_batch *batch)
         finish_atlas(&batch->atlases[i], batch->options.threads);
     }
     for (size_t i = 0; batch->blocks && i < batch->block_count; i++) {
-        batch_block_finish(&batch->blocks[i]);
+        memory_free(batch->blocks[i].poses);
+        memory_free(batch->blocks[i].words);
+        buffer_finish(&batch->blocks[i].strings);
+        buffer_finish(&batch->blocks[i].text);
     }
     memory_free(batch->atlases);
     memory_free(batch->blocks);
@@ -174,49 +205,157 @@ struct run {
     uint64_t left; /* poses still to be read */
     conus_batch_sink sink;
     void *user;
-    const struct batch_block *last; /* delivered */
-    bool cancelled;
 };
 
-/* Whether the block is all that is in the stream, if it is a probe. */
-static conus_status check_whole(const struct run *run, const struct batch_block *block)
+static size_t keep_string(struct block *block, const char *string)
 {
+    size_t at = block->strings.size;
+    buffer_append(&block->strings, string, strlen(string) + 1);
+    return at;
+}
+
+/* Fills the block with the next poses, `limit` at most. */
+static conus_status read_poses(struct block *block, conus_pose_stream *poses, uint64_t limit)
+{
+    conus_pose_row rows[ROWS_AT_ONCE];
+    size_t wanted = limit < block->capacity ? (size_t)limit : block->capacity;
+    block->count = 0;
+    block->errors = 0;
+    block->first = pose_stream_position(poses);
+    buffer_clear(&block->strings);
+    buffer_clear(&block->text);
+    while (block->count < wanted) {
+        size_t missing = wanted - block->count;
+        size_t count = 0;
+        conus_status status =
+            conus_pose_stream_read(rows, &count, poses, missing < ROWS_AT_ONCE ? missing : ROWS_AT_ONCE);
+        if (status || count == 0) {
+            return status;
+        }
+        for (size_t i = 0; i < count; i++) {
+            const conus_pose_row *row = &rows[i];
+            struct batch_pose *pose = &block->poses[block->count];
+            struct pose_words *words = &block->words[block->count++];
+            *pose = (struct batch_pose){.line = row->line, .is_no_pose = row->error != NULL, .is_point = row->is_point};
+            words->id = keep_string(block, row->id);
+            if (row->error) {
+                words->error = keep_string(block, row->error);
+            } else {
+                pose->pose = row->pose;
+                pose->angle = row->angle;
+            }
+        }
+    }
+    return buffer_status(&block->strings);
+}
+
+static conus_status read_block(void *user, size_t slot, bool *may_follow)
+{
+    struct run *run = user;
+    struct block *block = &run->batch->blocks[slot];
+    conus_status status = read_poses(block, run->poses, run->left);
     bool is_all = block->first == 0 && block->count < block->capacity && block->count < run->left;
-    return is_all || !block->count || !report_is_of_probe(run->batch->options.report.format)
-               ? CONUS_OK
-               : fail(CONUS_ERROR_ARGUMENT,
+    if (!status && block->count && !is_all && report_is_of_probe(run->batch->options.report.format)) {
+        status = fail(CONUS_ERROR_ARGUMENT,
                       "format: a probe is one whole, but these are contacts %llu to %llu, and there may be more",
                       (unsigned long long)block->first + 1, (unsigned long long)block->first + block->count);
-}
-
-static bool read_block(void *user, size_t slot)
-{
-    struct run *run = user;
-    struct batch_block *block = &run->batch->blocks[slot];
-    batch_block_read(block, run->poses, run->left);
-    batch_block_set_status(block, check_whole(run, block));
+    }
     run->left -= block->count;
-    return !block->status && block->count == block->capacity;
+    *may_follow = block->count == block->capacity;
+    return status;
 }
 
-static void answer_block(void *user, size_t slot, size_t worker, const atomic_bool *stop)
+struct writing {
+    struct block *block;
+    conus_report *report;
+    bool counts; /* a pose without an answer is one error, however many atlases have none */
+};
+
+static const char *id_of(const struct writing *writing, size_t index)
+{
+    return writing->block->strings.data + writing->block->words[index].id;
+}
+
+static conus_status add_error(const struct writing *writing, size_t index)
+{
+    struct block *block = writing->block;
+    const struct batch_pose *pose = &block->poses[index];
+    const char *why = pose->is_no_pose ? block->strings.data + block->words[index].error : conus_message();
+    bool is_first = writing->counts && !block->errors;
+    block->errors += writing->counts;
+    if (is_first) {
+        block->error_line = pose->line;
+        snprintf(block->error, sizeof block->error, "%s", why);
+    }
+    return conus_report_add_error(writing->report, id_of(writing, index), pose->line, why);
+}
+
+static conus_status add_to_report(void *user, size_t index, const conus_selection *selection)
+{
+    const struct writing *writing = user;
+    return selection ? conus_report_add(writing->report, id_of(writing, index), selection) : add_error(writing, index);
+}
+
+static conus_status add_axis_to_report(void *user, size_t index, const conus_segments *segments)
+{
+    const struct writing *writing = user;
+    return segments ? conus_report_add_segments(writing->report, id_of(writing, index), segments)
+                    : add_error(writing, index);
+}
+
+/* Whether axes are asked about: of a probe, where its poses have one. */
+static conus_status find_axes(bool *out, const struct block *block, const conus_report *report)
+{
+    size_t with[2] = {0};
+    for (size_t i = 0; i < block->count && report_is_of_probe(report->options.format); i++) {
+        with[block->poses[i].is_point] += !block->poses[i].is_no_pose;
+    }
+    if (with[0] && with[1]) {
+        return fail(CONUS_ERROR_ARGUMENT,
+                    "format: of the poses %zu have a direction, as shanks do, and %zu are contacts", with[0], with[1]);
+    }
+    *out = with[0] || report->options.rows == CONUS_ROWS_SEGMENTS;
+    return CONUS_OK;
+}
+
+/* Answers the block's poses as text, by worker `worker` of each atlas. Gives up once `stop`. */
+static conus_status answer_block(void *user, size_t slot, size_t worker, const atomic_bool *stop)
 {
     conus_batch *batch = ((struct run *)user)->batch;
-    batch_block_answer(&batch->blocks[slot], batch->atlases, batch->atlas_count, worker, stop);
+    struct block *block = &batch->blocks[slot];
+    conus_report *first = batch->atlases[0].reports[worker];
+    bool of_axes = false;
+    conus_status status = find_axes(&of_axes, block, first);
+    for (size_t i = 0; i < batch->atlas_count && !status; i++) {
+        const struct batch_atlas *atlas = &batch->atlases[i];
+        struct writing writing = {block, atlas->reports[worker], i == 0};
+        struct batch_worker *asked = &atlas->workers[worker];
+        status = of_axes ? batch_worker_follow(asked, block->poses, block->count, stop, add_axis_to_report, &writing)
+                         : batch_worker_answer(asked, block->poses, block->count, stop, add_to_report, &writing);
+    }
+    if (!status) {
+        first->taken = (size_t)block->first;
+        status = report_write_part(&block->text, first);
+        status = status ? status : buffer_status(&block->text);
+    }
+    for (size_t i = 0; i < batch->atlas_count; i++) {
+        report_clear(batch->atlases[i].reports[worker]);
+    }
+    return status;
 }
 
-static bool deliver_block(void *user, size_t slot)
+static conus_status deliver_block(void *user, size_t slot)
 {
     struct run *run = user;
-    const struct batch_block *block = run->last = &run->batch->blocks[slot];
+    const struct block *block = &run->batch->blocks[slot];
     const conus_batch_block answers = {.text = block->text.data ? block->text.data : "",
                                        .size = block->text.size,
                                        .poses = block->count,
                                        .errors = block->errors,
                                        .line = block->errors ? block->error_line : 0,
                                        .why = block->errors ? block->error : NULL};
-    run->cancelled = !block->status && block->count && !run->sink(run->user, &answers);
-    return !block->status && !run->cancelled;
+    return !block->count || run->sink(run->user, &answers) ? CONUS_OK
+                                                           : fail(CONUS_ERROR_CANCELLED, "the sink ended the run");
 }
 
 static void stop_reading(void *user)
@@ -228,18 +367,11 @@ conus_status conus_batch_run(conus_batch *batch, conus_pose_stream *poses, uint6
                              void *user)
 {
     struct run run = {.batch = batch, .poses = poses, .left = limit, .sink = sink, .user = user};
-    const struct ring ring = {.user = &run,
-                              .workers = batch->options.threads,
-                              .slots = batch->block_count,
-                              .read = read_block,
-                              .answer = answer_block,
-                              .deliver = deliver_block,
-                              .interrupt = stop_reading};
-    conus_status status = ring_run(&ring);
-    if (status) {
-        return status;
-    }
-    return run.cancelled      ? fail(CONUS_ERROR_CANCELLED, "the sink ended the run")
-           : run.last->status ? fail(run.last->status, "%s", run.last->message)
-                              : CONUS_OK;
+    return ring_run(&(const struct ring){.user = &run,
+                                         .workers = batch->options.threads,
+                                         .slots = batch->block_count,
+                                         .read = read_block,
+                                         .answer = answer_block,
+                                         .deliver = deliver_block,
+                                         .interrupt = stop_reading});
 }

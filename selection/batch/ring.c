@@ -7,8 +7,15 @@
 
 #include <pthread.h>
 #include <signal.h>
+#include <stdio.h>
 
 enum { STACK = 1 << 20 }; /* bytes of a thread */
+
+struct slot {
+    bool is_answered;
+    conus_status status; /* of reading and answering */
+    char message[1024];  /* kept, since it belongs to a thread */
+};
 
 /* Block number n, counted from 0, lies in slot n modulo their count. Blocks below `delivered` are free to be read into;
  * of the others those are answered that is_answered marks. */
@@ -17,12 +24,21 @@ struct pool {
     pthread_mutex_t reading; /* held by the one thread that reads */
     pthread_mutex_t lock;    /* of what follows */
     pthread_cond_t answered, freed;
-    bool *is_answered; /* [slots] */
+    struct slot *slots; /* [ring->slots] */
     uint64_t taken, delivered;
     bool ended; /* no block follows those that are taken */
     atomic_bool stop;
-    size_t hired; /* workers that have been handed out to threads */
+    const struct slot *failed; /* why, once `stop` */
+    size_t hired;              /* workers that have been handed out to threads */
 };
+
+static void keep_status(struct slot *slot, conus_status status)
+{
+    slot->status = status;
+    if (status) {
+        snprintf(slot->message, sizeof slot->message, "%s", conus_message());
+    }
+}
 
 /* Waits for a free slot and reads a block into it; false when there is nothing more to do. Only one thread is here at a
  * time. */
@@ -36,16 +52,17 @@ static bool read_next(struct pool *pool, size_t *slot)
     bool go_on = !pool->ended && !pool->stop;
     if (go_on) {
         *slot = (size_t)(pool->taken % ring->slots);
-        pool->is_answered[*slot] = false;
+        pool->slots[*slot].is_answered = false;
     }
     pthread_mutex_unlock(&pool->lock);
     if (!go_on) {
         return false;
     }
-    bool may_follow = ring->read(ring->user, *slot);
+    bool may_follow = false;
+    keep_status(&pool->slots[*slot], ring->read(ring->user, *slot, &may_follow));
     pthread_mutex_lock(&pool->lock);
     pool->taken++;
-    pool->ended = !may_follow;
+    pool->ended = !may_follow || pool->slots[*slot].status;
     pthread_mutex_unlock(&pool->lock);
     return true;
 }
@@ -57,16 +74,19 @@ static void *work(void *data)
     size_t worker = pool->hired++;
     pthread_mutex_unlock(&pool->lock);
     for (;;) {
-        size_t slot;
+        size_t n;
         pthread_mutex_lock(&pool->reading);
-        bool is_read = read_next(pool, &slot);
+        bool is_read = read_next(pool, &n);
         pthread_mutex_unlock(&pool->reading);
         if (!is_read) {
             return NULL;
         }
-        pool->ring->answer(pool->ring->user, slot, worker, &pool->stop);
+        struct slot *slot = &pool->slots[n];
+        if (!slot->status) {
+            keep_status(slot, pool->ring->answer(pool->ring->user, n, worker, &pool->stop));
+        }
         pthread_mutex_lock(&pool->lock);
-        pool->is_answered[slot] = true;
+        slot->is_answered = true;
         pthread_cond_signal(&pool->answered);
         pthread_mutex_unlock(&pool->lock);
     }
@@ -93,27 +113,27 @@ static size_t start_threads(struct pool *pool, pthread_t *threads, size_t wanted
     return count;
 }
 
-/* Waits for the next block to be delivered; false where none comes. */
-static bool wait_for_answers(struct pool *pool, size_t *slot)
-{
-    *slot = (size_t)(pool->delivered % pool->ring->slots);
-    while (pool->delivered == pool->taken ? !pool->ended : !pool->is_answered[*slot]) {
-        pthread_cond_wait(&pool->answered, &pool->lock);
-    }
-    return pool->delivered != pool->taken;
-}
-
 static void deliver_all(struct pool *pool)
 {
     const struct ring *ring = pool->ring;
-    size_t slot;
     pthread_mutex_lock(&pool->lock);
-    while (!pool->stop && wait_for_answers(pool, &slot)) {
+    while (!pool->stop) {
+        size_t n = (size_t)(pool->delivered % ring->slots);
+        struct slot *slot = &pool->slots[n];
+        while (pool->delivered == pool->taken ? !pool->ended : !slot->is_answered) {
+            pthread_cond_wait(&pool->answered, &pool->lock);
+        }
+        if (pool->delivered == pool->taken) {
+            break;
+        }
         pthread_mutex_unlock(&pool->lock);
-        bool go_on = ring->deliver(ring->user, slot);
+        if (!slot->status) {
+            keep_status(slot, ring->deliver(ring->user, n));
+        }
         pthread_mutex_lock(&pool->lock);
+        pool->stop = slot->status != CONUS_OK;
+        pool->failed = pool->stop ? slot : NULL;
         pool->delivered++;
-        pool->stop = !go_on;
         if (pool->stop && !pool->ended && ring->interrupt) {
             ring->interrupt(ring->user);
         }
@@ -122,15 +142,18 @@ static void deliver_all(struct pool *pool)
     pthread_mutex_unlock(&pool->lock);
 }
 
-static void run_alone(const struct ring *ring)
+static conus_status run_alone(const struct ring *ring)
 {
     static const atomic_bool never = false;
-    bool go_on = true;
-    while (go_on) {
-        go_on = ring->read(ring->user, 0);
-        ring->answer(ring->user, 0, 0, &never);
-        go_on = ring->deliver(ring->user, 0) && go_on;
+    bool may_follow = true;
+    conus_status status = CONUS_OK;
+    while (may_follow && !status) {
+        may_follow = false;
+        status = ring->read(ring->user, 0, &may_follow);
+        status = status ? status : ring->answer(ring->user, 0, 0, &never);
+        status = status ? status : ring->deliver(ring->user, 0);
     }
+    return status;
 }
 
 static conus_status run_threads(struct pool *pool, pthread_t *threads)
@@ -150,19 +173,20 @@ static conus_status run_threads(struct pool *pool, pthread_t *threads)
     pthread_cond_destroy(&pool->answered);
     pthread_mutex_destroy(&pool->lock);
     pthread_mutex_destroy(&pool->reading);
-    return count ? CONUS_OK : fail(CONUS_ERROR_MEMORY, "threads: the system cannot start one");
+    return !count         ? fail(CONUS_ERROR_MEMORY, "threads: the system cannot start one")
+           : pool->failed ? fail(pool->failed->status, "%s", pool->failed->message)
+                          : CONUS_OK;
 }
 
 conus_status ring_run(const struct ring *ring)
 {
     if (ring->workers == 1) {
-        run_alone(ring);
-        return CONUS_OK;
+        return run_alone(ring);
     }
-    struct pool pool = {.ring = ring, .is_answered = memory_zeroed(ring->slots, sizeof *pool.is_answered)};
+    struct pool pool = {.ring = ring, .slots = memory_zeroed(ring->slots, sizeof *pool.slots)};
     pthread_t *threads = memory_zeroed(ring->workers, sizeof *threads);
-    conus_status status = pool.is_answered && threads ? run_threads(&pool, threads) : CONUS_ERROR_MEMORY;
-    memory_free(pool.is_answered);
+    conus_status status = pool.slots && threads ? run_threads(&pool, threads) : CONUS_ERROR_MEMORY;
+    memory_free(pool.slots);
     memory_free(threads);
     return status;
 }

@@ -15,14 +15,14 @@ struct ring {
     size_t workers; /**< 1 = the calling thread does all; else each is a thread. */
     size_t slots;   /**< ring_slots(workers) */
 
-    /** Fills the slot; whether another block may follow. One thread at a time. */
-    bool (*read)(void *user, size_t slot);
+    /** Fills the slot; @p may_follow: whether there may be another block. One thread at a time. */
+    conus_status (*read)(void *user, size_t slot, bool *may_follow);
 
     /** Answers what was read. May give up once @p stop. */
-    void (*answer)(void *user, size_t slot, size_t worker, const atomic_bool *stop);
+    conus_status (*answer)(void *user, size_t slot, size_t worker, const atomic_bool *stop);
 
-    /** Takes the answers, on the calling thread. False ends the run: read blocks that follow are not delivered. */
-    bool (*deliver)(void *user, size_t slot);
+    /** Takes the answers, on the calling thread. */
+    conus_status (*deliver)(void *user, size_t slot);
 
     /** Makes a read() that waits return, after deliver() has ended the run. NULL = it never waits. */
     void (*interrupt)(void *user);
@@ -34,8 +34,8 @@ static inline size_t ring_slots(size_t workers)
     return workers == 1 ? 1 : 2 * workers + 2;
 }
 
-/** Reads, answers and delivers until there is nothing more to read or deliver() ends the run. What fails there is the
- * user's to remember: the status is only of the threads. */
+/** Reads, answers and delivers until there is nothing more to read, or until a step fails. Then the blocks before the
+ * one that failed have been delivered; the status and its message are of that block. */
 conus_status ring_run(const struct ring *ring);
 
 #endif

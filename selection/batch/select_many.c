@@ -7,16 +7,12 @@
 #include "base/options.h"
 #include "base/status.h"
 
-#include <string.h>
-
 struct block {
     struct batch_pose *poses; /* [capacity] */
     size_t *starts;           /* [capacity + 1] */
     conus_status *statuses;   /* [capacity] */
     conus_result *results;    /* [room] */
     size_t first, count, room;
-    conus_status failure; /* of answering, with its message, since that belongs to a thread */
-    char message[1024];
 };
 
 struct run {
@@ -27,34 +23,9 @@ struct run {
     size_t block_count, next; /* pose to be read */
     conus_answer_sink sink;
     void *user;
-    const struct block *last; /* delivered */
-    bool cancelled;
 };
 
-static conus_status block_init(struct block *out, size_t capacity)
-{
-    *out = (struct block){.poses = memory_raw(capacity, sizeof *out->poses),
-                          .starts = memory_zeroed(capacity + 1, sizeof *out->starts),
-                          .statuses = memory_raw(capacity, sizeof *out->statuses)};
-    return out->poses && out->starts && out->statuses ? CONUS_OK : CONUS_ERROR_MEMORY;
-}
-
-static void block_finish(struct block *block)
-{
-    memory_free(block->poses);
-    memory_free(block->starts);
-    memory_free(block->statuses);
-    memory_free(block->results);
-}
-
-static conus_status pose_at(conus_pose *out, const conus_pose_array *poses, size_t i)
-{
-    return poses->matrix ? conus_pose_from_matrix(out, poses->matrix + 16 * i)
-                         : conus_pose_along(out, poses->origin + 3 * i, poses->direction + 3 * i,
-                                            poses->up ? poses->up + 3 * i : NULL);
-}
-
-static bool read_block(void *user, size_t slot)
+static conus_status read_block(void *user, size_t slot, bool *may_follow)
 {
     struct run *run = user;
     struct block *block = &run->blocks[slot];
@@ -65,10 +36,15 @@ static bool read_block(void *user, size_t slot)
         size_t n = block->first + i;
         struct batch_pose *pose = &block->poses[i];
         *pose = (struct batch_pose){.angle = poses->angle ? poses->angle[n] : 0, .line = n};
-        pose->is_no_pose = pose_at(&pose->pose, poses, n) != CONUS_OK;
+        conus_status status = poses->matrix
+                                  ? conus_pose_from_matrix(&pose->pose, poses->matrix + 16 * n)
+                                  : conus_pose_along(&pose->pose, poses->origin + 3 * n, poses->direction + 3 * n,
+                                                     poses->up ? poses->up + 3 * n : NULL);
+        pose->is_no_pose = status != CONUS_OK;
     }
     run->next += block->count;
-    return run->next < poses->count;
+    *may_follow = run->next < poses->count;
+    return CONUS_OK;
 }
 
 static conus_status keep_answer(void *user, size_t index, const conus_selection *selection)
@@ -86,31 +62,19 @@ static conus_status keep_answer(void *user, size_t index, const conus_selection 
     return CONUS_OK;
 }
 
-static void answer_block(void *user, size_t slot, size_t worker, const atomic_bool *stop)
+static conus_status answer_block(void *user, size_t slot, size_t worker, const atomic_bool *stop)
 {
     struct run *run = user;
     struct block *block = &run->blocks[slot];
-    block->failure = batch_worker_answer(&run->workers[worker], block->poses, block->count, stop, keep_answer, block);
-    if (block->failure) {
-        strncpy(block->message, conus_message(), sizeof block->message - 1);
-    }
+    return batch_worker_answer(&run->workers[worker], block->poses, block->count, stop, keep_answer, block);
 }
 
-static bool deliver_block(void *user, size_t slot)
+static conus_status deliver_block(void *user, size_t slot)
 {
     struct run *run = user;
-    const struct block *block = run->last = &run->blocks[slot];
+    const struct block *block = &run->blocks[slot];
     const conus_answers answers = {block->first, block->count, block->starts, block->results, block->statuses};
-    run->cancelled = !block->failure && !run->sink(run->user, &answers);
-    return !block->failure && !run->cancelled;
-}
-
-static conus_status check(const conus_pose_array *poses)
-{
-    bool is_whole =
-        poses->matrix ? !poses->origin && !poses->direction && !poses->up : poses->origin && poses->direction;
-    return is_whole || !poses->count ? CONUS_OK
-                                     : fail(CONUS_ERROR_ARGUMENT, "poses: either matrix or both origin and direction");
+    return run->sink(run->user, &answers) ? CONUS_OK : fail(CONUS_ERROR_CANCELLED, "the sink ended the run");
 }
 
 static conus_status build(struct run *run, conus_selector *selector)
@@ -124,7 +88,11 @@ static conus_status build(struct run *run, conus_selector *selector)
         status = batch_worker_init(&run->workers[i], selector, options->block, options->angle);
     }
     for (size_t i = 0; i < run->block_count && !status; i++) {
-        status = block_init(&run->blocks[i], options->block);
+        struct block *block = &run->blocks[i];
+        block->poses = memory_raw(options->block, sizeof *block->poses);
+        block->starts = memory_zeroed((size_t)options->block + 1, sizeof *block->starts);
+        block->statuses = memory_raw(options->block, sizeof *block->statuses);
+        status = block->poses && block->starts && block->statuses ? CONUS_OK : CONUS_ERROR_MEMORY;
     }
     return status;
 }
@@ -135,35 +103,13 @@ static void finish(struct run *run)
         batch_worker_finish(&run->workers[i]);
     }
     for (size_t i = 0; run->blocks && i < run->block_count; i++) {
-        block_finish(&run->blocks[i]);
+        memory_free(run->blocks[i].poses);
+        memory_free(run->blocks[i].starts);
+        memory_free(run->blocks[i].statuses);
+        memory_free(run->blocks[i].results);
     }
     memory_free(run->workers);
     memory_free(run->blocks);
-}
-
-static conus_status answer_all(struct run *run)
-{
-    const struct ring ring = {.user = run,
-                              .workers = run->options.threads,
-                              .slots = run->block_count,
-                              .read = read_block,
-                              .answer = answer_block,
-                              .deliver = deliver_block};
-    conus_status status = ring_run(&ring);
-    if (status) {
-        return status;
-    }
-    return run->cancelled       ? fail(CONUS_ERROR_CANCELLED, "the sink ended the run")
-           : run->last->failure ? fail(run->last->failure, "%s", run->last->message)
-                                : CONUS_OK;
-}
-
-static void sum_up(conus_astray *out, const struct run *run)
-{
-    *out = (conus_astray){0};
-    for (uint32_t i = 0; i < run->options.threads; i++) {
-        aims_merge(out, &run->workers[i].aims.found);
-    }
 }
 
 conus_status conus_select_many(conus_astray *astray, conus_selector *selector, const conus_pose_array *poses,
@@ -173,17 +119,31 @@ conus_status conus_select_many(conus_astray *astray, conus_selector *selector, c
                       .options = *options_of(conus_many_options, options),
                       .sink = sink,
                       .user = user};
-    conus_status status = check(&run.poses);
-    status = status ? status : batch_fill_in(&run.options.threads, &run.options.block, &run.options.angle, selector);
+    bool is_whole = run.poses.matrix ? !run.poses.origin && !run.poses.direction && !run.poses.up
+                                     : run.poses.origin && run.poses.direction;
+    if (!is_whole && run.poses.count) {
+        return fail(CONUS_ERROR_ARGUMENT, "poses: either matrix or both origin and direction");
+    }
+    conus_status status = batch_fill_in(&run.options.threads, &run.options.block, &run.options.angle, selector);
     if (status) {
         return status;
     }
     size_t blocks = (run.poses.count + run.options.block - 1) / run.options.block;
     run.options.threads = blocks < run.options.threads ? blocks ? (uint32_t)blocks : 1 : run.options.threads;
     status = build(&run, selector);
-    status = status ? status : answer_all(&run);
+    if (!status) {
+        status = ring_run(&(const struct ring){.user = &run,
+                                               .workers = run.options.threads,
+                                               .slots = run.block_count,
+                                               .read = read_block,
+                                               .answer = answer_block,
+                                               .deliver = deliver_block});
+    }
     if (!status && astray) {
-        sum_up(astray, &run);
+        *astray = (conus_astray){0};
+        for (uint32_t i = 0; i < run.options.threads; i++) {
+            aims_merge(astray, &run.workers[i].aims.found);
+        }
     }
     finish(&run);
     return status;
