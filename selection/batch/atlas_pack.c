@@ -1,42 +1,194 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* An atlas as one block of memory: a head, what is small, and from a cache line on what is large. One walk over the
- * atlas says where everything lies, whether the block is measured, written or read. It lies here and not in atlas/
- * because distance maps are packed, too. */
+/* An atlas as one block of memory: a head, the small things, and from a cache line on the large arrays. One walk over
+ * the atlas says where everything lies, whether the block is measured, filled, written to a file, or read. It lies here
+ * and not in atlas/ because distance maps are packed, too. */
 #include "selection/batch/atlas_pack.h"
 
+#include "atlas/bundles.h"
 #include "atlas/tracts/tract_node.h"
 #include "base/memory.h"
-#include "selection/batch/pack_tracts.h"
-#include "selection/batch/pack_walk.h"
+#include "base/status.h"
 #include "selection/engine/voxels/distance_map.h"
 
 #include <assert.h>
+#include <errno.h>
 #include <string.h>
+#include <unistd.h>
 #include <zlib.h>
 
-/* What must be the same for a block to be read. */
-struct head {
-    char magic[24];
-    uint64_t crc;    /* of what follows, up to the end of what is small */
-    uint64_t layout; /* of this build's structures */
-    uint64_t small_end, size;
+enum { PACK_LINE = 64, PACK_BEHIND = 64 }; /* where arrays begin, and bytes behind each that may be read */
+
+enum pack_mode { PACK_MEASURE, PACK_COPY, PACK_WRITE, PACK_ATTACH };
+
+/* A function that passes a part of an atlas serves all modes: it gives each number, text and array to one of the pack_
+ * functions below, which counts it, puts it into the block, or takes it from there. After a failure they do nothing. */
+struct pack_walk {
+    enum pack_mode mode;
+    uint8_t *memory; /* only read when attaching, NULL when measuring; when writing, only the small things */
+    int file;        /* when writing */
+    size_t file_at;  /* where the block begins in it */
+    size_t small, small_end;
+    size_t large, size;
+    conus_status status;
 };
 
-static const char magic[24] = "conus-atlas " CONUS_VERSION;
-static_assert(sizeof "conus-atlas " CONUS_VERSION <= sizeof magic, "name and version fit");
-
-static uint64_t layout_of_structures(void)
+static conus_status fail_damaged(void)
 {
-    const size_t sizes[] = {sizeof(struct head),         sizeof(conus_atlas),         sizeof(struct volume),
-                            sizeof(conus_object),        sizeof(struct object_place), sizeof(struct mesh),
-                            sizeof(struct distance_map), sizeof(struct hidden_run),   sizeof(struct warp),
-                            sizeof(struct tractogram),   sizeof(struct tract_scalar), sizeof(struct tract_node),
-                            sizeof(struct tract_leaf)};
-    uint64_t layout = 0;
-    for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
-        layout = 1000003 * layout + sizes[i];
+    return fail(CONUS_ERROR_DATA, "the memory holds no atlas that this version of conus has packed");
+}
+
+/* `size` small bytes at `data`, which are read, or written when attaching. */
+static void pack_bytes(struct pack_walk *walk, void *data, size_t size)
+{
+    if (walk->status) {
+        return;
     }
-    return layout;
+    if (walk->mode == PACK_ATTACH && size > walk->small_end - walk->small) {
+        walk->status = fail_damaged();
+        return;
+    }
+    if (walk->mode == PACK_COPY || walk->mode == PACK_WRITE) {
+        memcpy(walk->memory + walk->small, data, size);
+    } else if (walk->mode == PACK_ATTACH) {
+        memcpy(data, walk->memory + walk->small, size);
+    }
+    walk->small += size;
+}
+
+/* A text of its own, or none. */
+static void pack_text(struct pack_walk *walk, char **text)
+{
+    char *given = *text;
+    size_t size = walk->mode != PACK_ATTACH && given ? strlen(given) + 1 : 0;
+    if (walk->mode == PACK_ATTACH) {
+        *text = NULL;
+    }
+    pack_bytes(walk, &size, sizeof size);
+    if (walk->status || size == 0) {
+        return;
+    }
+    if (walk->mode == PACK_ATTACH) {
+        bool fits = size <= walk->small_end - walk->small;
+        *text = fits ? memory_text((const char *)walk->memory + walk->small, size - 1) : NULL;
+        walk->status = !fits ? fail_damaged() : *text ? CONUS_OK : CONUS_ERROR_MEMORY;
+        walk->small += size;
+    } else {
+        pack_bytes(walk, given, size);
+    }
+}
+
+/* Where the next `size` bytes of a large array lie; NULL when measuring or writing. */
+static uint8_t *pack_place(struct pack_walk *walk, size_t size)
+{
+    size_t at = walk->large;
+    bool in_memory = walk->mode == PACK_COPY || walk->mode == PACK_ATTACH;
+    bool fits = walk->mode == PACK_MEASURE || (at <= walk->size && size <= walk->size - at);
+    if (walk->status) {
+        return NULL;
+    }
+    if (!fits) {
+        walk->status = fail_damaged();
+        return NULL;
+    }
+    walk->large += (size + PACK_BEHIND + PACK_LINE - 1) / PACK_LINE * PACK_LINE;
+    return in_memory ? walk->memory + at : NULL;
+}
+
+/* Whether there is something. Not as a bool, which damage could make neither. */
+static bool pack_whether(struct pack_walk *walk, const void *thing)
+{
+    uint8_t is_there = thing ? 1 : 0;
+    pack_bytes(walk, &is_there, sizeof is_there);
+    return is_there;
+}
+
+/* Writes to the block's offset `at`. */
+static void pack_write_at(struct pack_walk *walk, size_t at, const uint8_t *data, size_t size)
+{
+    while (!walk->status && size) {
+        ssize_t n = pwrite(walk->file, data, size, (off_t)(walk->file_at + at));
+        if (n < 0 && errno != EINTR) {
+            walk->status = fail(CONUS_ERROR_IO, "cannot write a packed atlas: %s", strerror(errno));
+        }
+        size_t done = n > 0 ? (size_t)n : 0;
+        data += done;
+        at += done;
+        size -= done;
+    }
+}
+
+/* An array that stays in the block; `array` is the address of a pointer, which may be NULL. */
+static void pack_array(struct pack_walk *walk, void *array, size_t count, size_t size)
+{
+    void *given;
+    size_t bytes = 0;
+    memcpy(&given, array, sizeof given);
+    bool is_there = pack_whether(walk, given);
+    if (!walk->status && !memory_multiply(count, size, &bytes)) {
+        walk->status = fail_damaged();
+    }
+    size_t at = walk->large;
+    uint8_t *place = is_there && !walk->status ? pack_place(walk, bytes) : NULL;
+    if (place && walk->mode == PACK_COPY) {
+        memcpy(place, given, bytes);
+    } else if (is_there && walk->mode == PACK_WRITE) {
+        pack_write_at(walk, at, given, walk->status ? 0 : bytes);
+    } else if (walk->mode == PACK_ATTACH) {
+        memcpy(array, &place, sizeof place);
+    }
+}
+
+/* Reserves memory for things that the atlas owns, up to the next power of two, as it does. */
+static void *pack_reserve(struct pack_walk *walk, void *things, size_t count, size_t size)
+{
+    size_t capacity = 1;
+    if (walk->mode != PACK_ATTACH || walk->status) {
+        return things;
+    }
+    if (count > walk->small_end) { /* each takes a byte at least */
+        walk->status = fail_damaged();
+        return things;
+    }
+    while (capacity < count) {
+        capacity *= 2;
+    }
+    things = memory_zeroed(capacity, size);
+    walk->status = things ? CONUS_OK : CONUS_ERROR_MEMORY;
+    return things;
+}
+
+/* Passes one thing; `owner` is what has the list. */
+typedef void pass_item(struct pack_walk *walk, void *item, const void *owner);
+
+union item {
+    struct volume volume;
+    struct mesh mesh;
+    struct warp warp;
+    struct tractogram tractogram;
+    struct tract_scalar scalar;
+    struct tract_group group;
+};
+
+/* Passes `count` things of `size` bytes; `list` is the address of the pointer to them. Each is a copy, since the atlas
+ * is only read unless it is attached: then the things begin as zeros, and `counted` are there to be destroyed. */
+static void pass_list(struct pack_walk *walk, void *list, size_t *counted, size_t count, size_t size, pass_item *pass,
+                      const void *owner)
+{
+    bool attaches = walk->mode == PACK_ATTACH;
+    union item item;
+    void *things;
+    memcpy(&things, list, sizeof things);
+    things = pack_reserve(walk, things, count, size);
+    memcpy(list, &things, sizeof things);
+    for (size_t i = 0; i < count && !walk->status; i++) {
+        char *thing = (char *)things + i * size;
+        memcpy(&item, thing, size);
+        pass(walk, &item, owner);
+        if (attaches) {
+            memcpy(thing, &item, size);
+            *counted = i + 1;
+        }
+    }
 }
 
 /* Makes the distance map, and writes it to where the block has `at`. */
@@ -64,7 +216,7 @@ static void pass_distances(struct pack_walk *walk, struct volume *volume, const 
 }
 
 /* Each voxel has a value or an object of some bytes in the block. */
-static bool fits_block(const struct volume *volume, const struct pack_walk *walk)
+static bool volume_fits(const struct volume *volume, const struct pack_walk *walk)
 {
     const size_t *dim = volume->info.dim;
     size_t count;
@@ -76,7 +228,7 @@ static bool fits_block(const struct volume *volume, const struct pack_walk *walk
            memory_multiply(count, dim[2], &count) && count == volume->voxel_count && count <= walk->size;
 }
 
-/* Numbers, and of the rest nothing: what goes into the block, and all that is taken from it. So for each kind. */
+/* The numbers without the pointers: what goes into the block, and all that is taken from it. So for each kind. */
 static struct volume bare_volume(const struct volume *volume)
 {
     struct volume bare = *volume;
@@ -92,17 +244,18 @@ static struct volume bare_volume(const struct volume *volume)
     return bare;
 }
 
-/* Into a volume of zeros when attaching, else from a copy. */
-static void pass_volume(struct pack_walk *walk, struct volume *volume)
+static void pass_volume(struct pack_walk *walk, void *item, const void *owner)
 {
+    (void)owner;
+    struct volume *volume = item;
     struct volume source = *volume;
     if ((walk->mode == PACK_COPY || walk->mode == PACK_WRITE) && volume_can_be_hit(&source)) {
         volume_measure_centres(&source);
     }
     struct volume plain = bare_volume(&source);
     pack_bytes(walk, &plain, sizeof plain);
-    if (!walk->status && walk->mode == PACK_ATTACH && !fits_block(&plain, walk)) {
-        walk->status = pack_fail_damaged();
+    if (!walk->status && walk->mode == PACK_ATTACH && !volume_fits(&plain, walk)) {
+        walk->status = fail_damaged();
     }
     if (walk->status) {
         return;
@@ -129,8 +282,10 @@ static struct mesh bare_mesh(const struct mesh *mesh)
     return bare;
 }
 
-static void pass_mesh(struct pack_walk *walk, struct mesh *mesh)
+static void pass_mesh(struct pack_walk *walk, void *item, const void *owner)
 {
+    (void)owner;
+    struct mesh *mesh = item;
     struct mesh plain = bare_mesh(mesh);
     pack_bytes(walk, &plain, sizeof plain);
     if (walk->status) {
@@ -142,6 +297,120 @@ static void pass_mesh(struct pack_walk *walk, struct mesh *mesh)
     pack_text(walk, &mesh->path);
     pack_array(walk, &mesh->positions, mesh->vertex_count, 3 * sizeof *mesh->positions);
     pack_array(walk, &mesh->triangles, mesh->triangle_count, 3 * sizeof *mesh->triangles);
+}
+
+static struct tractogram bare_tractogram(const struct tractogram *tractogram)
+{
+    struct tractogram bare = *tractogram;
+    bare.path = NULL;
+    bare.files = (struct file_sums){0};
+    bare.points = NULL;
+    bare.halves = NULL;
+    bare.first = NULL;
+    bare.scalars = NULL;
+    bare.groups = NULL;
+    bare.tree.nodes = NULL;
+    bare.tree.leaves = NULL;
+    bare.tree.marks = NULL;
+    bare.has_borrowed_points = true;
+    bare.is_borrowed = true;
+    return bare;
+}
+
+/* Counts that arrays in the block can have, and texts that end. */
+static bool tractogram_fits(const struct tractogram *plain, const struct pack_walk *walk)
+{
+    return plain->point_count <= walk->size && plain->streamline_count < UINT32_MAX &&
+           plain->streamline_count <= walk->size && plain->tree.run_count <= walk->size &&
+           plain->tree.run_count <= UINT32_MAX && memchr(plain->format, 0, sizeof plain->format) &&
+           memchr(plain->sha256, 0, sizeof plain->sha256);
+}
+
+static void pass_scalar(struct pack_walk *walk, void *item, const void *owner)
+{
+    struct tract_scalar *scalar = item;
+    const struct tractogram *tractogram = owner;
+    struct tract_scalar plain = *scalar;
+    uint8_t per_point = scalar->per_point; /* not as a bool, which damage could make neither */
+    plain.name = NULL;
+    plain.values = NULL;
+    plain.per_point = false;
+    pack_bytes(walk, &plain, sizeof plain);
+    pack_bytes(walk, &per_point, sizeof per_point);
+    if (!walk->status && walk->mode == PACK_ATTACH) {
+        scalar->per_point = per_point;
+        scalar->components = plain.components;
+    }
+    size_t count = scalar->per_point ? tractogram->point_count : tractogram->streamline_count;
+    pack_text(walk, &scalar->name);
+    pack_array(walk, &scalar->values, count, scalar->components * sizeof *scalar->values);
+    if (!walk->status && (!scalar->name || (count && !scalar->values))) {
+        walk->status = fail_damaged();
+    }
+}
+
+static void pass_group(struct pack_walk *walk, void *item, const void *owner)
+{
+    (void)owner;
+    struct tract_group *group = item;
+    pack_bytes(walk, &group->count, sizeof group->count);
+    pack_text(walk, &group->name);
+    pack_array(walk, &group->members, group->count, sizeof *group->members);
+    if (!walk->status && (!group->name || (group->count && !group->members))) {
+        walk->status = fail_damaged();
+    }
+}
+
+static bool has_arrays(const struct tractogram *tractogram)
+{
+    const struct tract_tree *tree = &tractogram->tree;
+    return tractogram->first && (tree->leaves || !tree->run_count) && (tree->marks || !tractogram->point_count) &&
+           (tree->nodes || !tree->node_count) && (tractogram->points || tractogram->halves || !tractogram->point_count);
+}
+
+/* Into a tractogram of zeros when attaching, which has at every moment what tractogram_finish() may end. */
+static void pass_tractogram(struct pack_walk *walk, void *item, const void *owner)
+{
+    (void)owner;
+    struct tractogram *tractogram = item;
+    struct tract_tree *tree = &tractogram->tree;
+    struct tractogram plain = bare_tractogram(tractogram);
+    bool attaches = walk->mode == PACK_ATTACH;
+    pack_bytes(walk, &plain, sizeof plain);
+    if (!walk->status && attaches && !tractogram_fits(&plain, walk)) {
+        walk->status = fail_damaged();
+    }
+    if (walk->status) {
+        return;
+    }
+    if (attaches) {
+        *tractogram = bare_tractogram(&plain);
+        tractogram->scalar_count = tractogram->group_count = 0;
+    }
+    pack_text(walk, &tractogram->path);
+    pack_array(walk, &tractogram->points, tractogram->point_count, 3 * sizeof *tractogram->points);
+    pack_array(walk, &tractogram->halves, tractogram->point_count, 3 * sizeof *tractogram->halves);
+    pack_array(walk, &tractogram->first, tractogram->streamline_count + 1, sizeof *tractogram->first);
+    pack_array(walk, &tree->nodes, tree->node_count, sizeof *tree->nodes);
+    pack_array(walk, &tree->leaves, tract_leaf_count(tree->run_count), sizeof *tree->leaves);
+    pack_array(walk, &tree->marks, tract_mark_count(tractogram->point_count), sizeof *tree->marks);
+    pass_list(walk, &tractogram->scalars, &tractogram->scalar_count, plain.scalar_count, sizeof *tractogram->scalars,
+              pass_scalar, tractogram);
+    pass_list(walk, &tractogram->groups, &tractogram->group_count, plain.group_count, sizeof *tractogram->groups,
+              pass_group, tractogram);
+    bool sound = !attaches || walk->status ||
+                 (tractogram->path && has_arrays(tractogram) && tractogram_leads_nowhere_else(tractogram));
+    walk->status = sound ? walk->status : fail_damaged();
+}
+
+static bool bundle_is_sound(const conus_atlas *atlas, size_t object)
+{
+    const struct object_place *place = &atlas->places[object];
+    uint8_t is_bundle; /* not as a bool, which damage could make neither */
+    memcpy(&is_bundle, &place->is_bundle, sizeof is_bundle);
+    return !is_bundle ||
+           (is_bundle == 1 && place->index < atlas->tractogram_count &&
+            (place->group == BUNDLE_OF_ALL || place->group < atlas->tractograms[place->index].group_count));
 }
 
 static void pass_object(struct pack_walk *walk, conus_object *object, struct object_place *place)
@@ -161,7 +430,7 @@ static void pass_object(struct pack_walk *walk, conus_object *object, struct obj
 }
 
 /* A field has its vectors in the block. */
-static bool fits_field(const struct deformation *field, const struct pack_walk *walk)
+static bool field_fits(const struct deformation *field, const struct pack_walk *walk)
 {
     size_t count;
     uint8_t stays; /* not as a bool, which damage could make neither */
@@ -171,14 +440,16 @@ static bool fits_field(const struct deformation *field, const struct pack_walk *
            count <= walk->size;
 }
 
-static void pass_warp(struct pack_walk *walk, struct warp *warp)
+static void pass_warp(struct pack_walk *walk, void *item, const void *owner)
 {
+    (void)owner;
+    struct warp *warp = item;
     struct warp plain = *warp;
     plain.field.vectors = NULL;
     plain.field.is_borrowed = true;
     pack_bytes(walk, &plain, sizeof plain);
-    if (!walk->status && walk->mode == PACK_ATTACH && !fits_field(&plain.field, walk)) {
-        walk->status = pack_fail_damaged();
+    if (!walk->status && walk->mode == PACK_ATTACH && !field_fits(&plain.field, walk)) {
+        walk->status = fail_damaged();
     }
     if (walk->status) {
         return;
@@ -191,42 +462,7 @@ static void pass_warp(struct pack_walk *walk, struct warp *warp)
     const size_t *dim = plain.field.dim;
     pack_array(walk, &warp->field.vectors, dim[0] * dim[1] * dim[2], 3 * sizeof *warp->field.vectors);
     if (!walk->status && walk->mode == PACK_ATTACH && !warp->field.vectors) {
-        walk->status = pack_fail_damaged();
-    }
-}
-
-static void pass_warps(struct pack_walk *walk, conus_atlas *atlas, const conus_atlas *counts)
-{
-    atlas->warps = pack_reserve(walk, atlas->warps, counts->warp_count, sizeof *atlas->warps);
-    for (size_t i = 0; i < counts->warp_count && !walk->status; i++) {
-        struct warp warp = walk->mode == PACK_ATTACH ? (struct warp){0} : atlas->warps[i];
-        pass_warp(walk, &warp);
-        if (walk->mode == PACK_ATTACH) {
-            atlas->warps[i] = warp;
-            atlas->warp_count = i + 1;
-        }
-    }
-}
-
-static void pass_shapes(struct pack_walk *walk, conus_atlas *atlas, const conus_atlas *counts)
-{
-    atlas->volumes = pack_reserve(walk, atlas->volumes, counts->volume_count, sizeof *atlas->volumes);
-    for (size_t i = 0; i < counts->volume_count && !walk->status; i++) {
-        struct volume volume = walk->mode == PACK_ATTACH ? (struct volume){0} : atlas->volumes[i];
-        pass_volume(walk, &volume);
-        if (walk->mode == PACK_ATTACH) {
-            atlas->volumes[i] = volume;
-            atlas->volume_count = i + 1;
-        }
-    }
-    atlas->meshes = pack_reserve(walk, atlas->meshes, counts->mesh_count, sizeof *atlas->meshes);
-    for (size_t i = 0; i < counts->mesh_count && !walk->status; i++) {
-        struct mesh mesh = walk->mode == PACK_ATTACH ? (struct mesh){0} : atlas->meshes[i];
-        pass_mesh(walk, &mesh);
-        if (walk->mode == PACK_ATTACH) {
-            atlas->meshes[i] = mesh;
-            atlas->mesh_count = i + 1;
-        }
+        walk->status = fail_damaged();
     }
 }
 
@@ -244,7 +480,7 @@ static void pass_objects(struct pack_walk *walk, conus_atlas *atlas, const conus
     }
 }
 
-static void pass_lists(struct pack_walk *walk, conus_atlas *atlas, const conus_atlas *counts)
+static void pass_files_and_notes(struct pack_walk *walk, conus_atlas *atlas, const conus_atlas *counts)
 {
     atlas->files.items = pack_reserve(walk, atlas->files.items, counts->files.count, sizeof *atlas->files.items);
     for (size_t i = 0; i < counts->files.count && !walk->status; i++) {
@@ -299,13 +535,43 @@ static void pass_atlas(struct pack_walk *walk, conus_atlas *atlas)
     pack_text(walk, &atlas->label_source);
     pack_text(walk, &atlas->transfer);
     if (!walk->status) {
-        pass_warps(walk, atlas, &counts);
-        pass_shapes(walk, atlas, &counts);
-        pack_tractograms(walk, atlas, counts.tractogram_count);
+        pass_list(walk, &atlas->warps, &atlas->warp_count, counts.warp_count, sizeof *atlas->warps, pass_warp, atlas);
+        pass_list(walk, &atlas->volumes, &atlas->volume_count, counts.volume_count, sizeof *atlas->volumes, pass_volume,
+                  atlas);
+        pass_list(walk, &atlas->meshes, &atlas->mesh_count, counts.mesh_count, sizeof *atlas->meshes, pass_mesh, atlas);
+        pass_list(walk, &atlas->tractograms, &atlas->tractogram_count, counts.tractogram_count,
+                  sizeof *atlas->tractograms, pass_tractogram, atlas);
         pass_objects(walk, atlas, &counts);
-        pack_check_bundles(walk, atlas);
-        pass_lists(walk, atlas, &counts);
+        for (size_t i = 0; i < atlas->object_count && walk->mode == PACK_ATTACH && !walk->status; i++) {
+            walk->status = bundle_is_sound(atlas, i) ? CONUS_OK : fail_damaged();
+        }
+        pass_files_and_notes(walk, atlas, &counts);
     }
+}
+
+/* What must be the same for a block to be read. */
+struct head {
+    char magic[24];
+    uint64_t crc;    /* of what follows, up to the end of what is small */
+    uint64_t layout; /* of this build's structures */
+    uint64_t small_end, size;
+};
+
+static const char magic[24] = "conus-atlas " CONUS_VERSION;
+static_assert(sizeof "conus-atlas " CONUS_VERSION <= sizeof magic, "name and version fit");
+
+static uint64_t layout_of_structures(void)
+{
+    const size_t sizes[] = {sizeof(struct head),         sizeof(conus_atlas),         sizeof(struct volume),
+                            sizeof(conus_object),        sizeof(struct object_place), sizeof(struct mesh),
+                            sizeof(struct distance_map), sizeof(struct hidden_run),   sizeof(struct warp),
+                            sizeof(struct tractogram),   sizeof(struct tract_scalar), sizeof(struct tract_node),
+                            sizeof(struct tract_leaf)};
+    uint64_t layout = 0;
+    for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
+        layout = 1000003 * layout + sizes[i];
+    }
+    return layout;
 }
 
 static size_t round_up(size_t size)
@@ -400,7 +666,7 @@ conus_status conus_atlas_attach(conus_atlas **out, const void *memory, size_t si
     }
     memcpy(&head, memory, size < sizeof head ? 0 : sizeof head);
     if (size < sizeof head || !is_whole(&head, memory, size)) {
-        return pack_fail_damaged();
+        return fail_damaged();
     }
     conus_atlas *atlas = memory_zeroed(1, sizeof *atlas);
     struct pack_walk walk = {.mode = PACK_ATTACH,
