@@ -2,7 +2,6 @@
 /* Reports: makes them, and collects what they are to say. */
 #include "selection/report/report.h"
 
-#include "atlas/bundles.h"
 #include "base/memory.h"
 #include "base/options.h"
 #include "base/text.h"
@@ -108,14 +107,6 @@ conus_status conus_report_create(conus_report **out, const conus_selector *selec
     }
     *out = report;
     return CONUS_OK;
-}
-
-bool report_has_bundles(const conus_report *report)
-{
-    while (report && !atlas_has_bundles(report->atlas)) {
-        report = report->next;
-    }
-    return report;
 }
 
 void report_clear(conus_report *report)

@@ -89,9 +89,6 @@ conus_status report_append(struct report_row **rows, conus_report *report, const
 /** Drops all queries and rows, and keeps the memory. */
 void report_clear(conus_report *report);
 
-/** Whether the atlas of the report, or of one that is joined to it, has bundles. */
-bool report_has_bundles(const conus_report *report);
-
 /** Behind the last row of a query. */
 static inline size_t report_row_end(const conus_report *report, size_t query)
 {

@@ -2,6 +2,7 @@
 /* The tables of columns of all kinds of reports, and how a cell is read from a row. */
 #include "selection/report/report_columns.h"
 
+#include "atlas/bundles.h"
 #include "atlas/placement.h"
 #include "base/geometry/math3.h"
 
@@ -34,6 +35,28 @@ static const conus_object *object_of(const conus_report *report, const struct re
     return conus_atlas_object(report->atlas, row->result.object);
 }
 
+void report_point(const conus_report *report, double point[3])
+{
+    conus_frame_from_world(point, &report->frame, point);
+}
+
+const char *report_units(const conus_report *report, const struct report_column *column)
+{
+    bool is_place =
+        column->type == COLUMN_X || column->type == COLUMN_Y || column->type == COLUMN_Z || column->moved_only;
+    return is_place ? conus_space_unit(report->frame.space) : column->units;
+}
+
+unsigned report_needs_met(const conus_report *report, const struct report_row *row)
+{
+    bool of_ball = report->queries[row->query].ball > 0;
+    unsigned there = of_ball ? NEEDS_CENSUS : NEEDS_RAYS;
+    there |= report->selector.layers ? NEEDS_CENSUS : 0;
+    there |= row->result.object ? NEEDS_OBJECT : 0;
+    there |= row->result.kind == CONUS_KIND_BUNDLE ? NEEDS_BUNDLE : 0;
+    return there;
+}
+
 /* Entries of the tables: where a value lies, after its name, units and description. */
 #define OF_ROW(kind, member) .type = COLUMN_##kind, .offset = offsetof(struct report_row, member)
 #define OF_QUERY(kind, member) .type = COLUMN_##kind, .offset = offsetof(struct report_query, member), .of_query = true
@@ -49,7 +72,7 @@ static struct cell get_query(const conus_report *report, const struct report_row
 static struct cell get_kind(const conus_report *report, const struct report_row *row)
 {
     (void)report;
-    return text_cell(report_kind(row->result.kind));
+    return text_cell(atlas_kind_word(row->result.kind));
 }
 
 static struct cell get_index(const conus_report *report, const struct report_row *row)
@@ -408,10 +431,19 @@ static void list_column(struct report_columns *out, const struct report_column *
     out->at[out->count++] = column;
 }
 
+/* Whether the atlas of the report, or of one that is joined to it, has bundles. */
+static bool has_bundles(const conus_report *report)
+{
+    while (report && !atlas_has_bundles(report->atlas)) {
+        report = report->next;
+    }
+    return report;
+}
+
 static bool has_column(const conus_report *report, const struct report_column *column)
 {
     return (report->selector.layers || !column->layers_only) && (report->atlas->is_moved || !column->moved_only) &&
-           (!column->bundles_only || report_has_bundles(report));
+           (!column->bundles_only || has_bundles(report));
 }
 
 static void list_table(struct report_columns *out, const conus_report *report, const struct report_column *table,

@@ -70,9 +70,6 @@ unsigned report_needs_met(const conus_report *report, const struct report_row *r
 /** The value in a column; n/a in most columns of a query without an answer. */
 struct cell report_cell(const conus_report *report, const struct report_column *column, const struct report_row *row);
 
-/** "area", "pathway", "unassigned". */
-const char *report_kind(conus_kind kind);
-
 /** Turns a world point into the report's space. */
 void report_point(const conus_report *report, double point[3]);
 

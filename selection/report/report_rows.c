@@ -6,33 +6,6 @@
 #include <stdio.h>
 #include <string.h>
 
-const char *report_kind(conus_kind kind)
-{
-    return atlas_kind_word(kind);
-}
-
-void report_point(const conus_report *report, double point[3])
-{
-    conus_frame_from_world(point, &report->frame, point);
-}
-
-const char *report_units(const conus_report *report, const struct report_column *column)
-{
-    bool is_place =
-        column->type == COLUMN_X || column->type == COLUMN_Y || column->type == COLUMN_Z || column->moved_only;
-    return is_place ? conus_space_unit(report->frame.space) : column->units;
-}
-
-unsigned report_needs_met(const conus_report *report, const struct report_row *row)
-{
-    bool of_ball = report->queries[row->query].ball > 0;
-    unsigned there = of_ball ? NEEDS_CENSUS : NEEDS_RAYS;
-    there |= report->selector.layers ? NEEDS_CENSUS : 0;
-    there |= row->result.object ? NEEDS_OBJECT : 0;
-    there |= row->result.kind == CONUS_KIND_BUNDLE ? NEEDS_BUNDLE : 0;
-    return there;
-}
-
 void report_write_cell(struct buffer *out, struct cell cell)
 {
     switch (cell.type) {

@@ -86,7 +86,7 @@ static void end_row(conus_report *report, const conus_object *object, double poi
             buffer_number(&report->voxels, numbers[i]);
         }
     }
-    buffer_format(&report->voxels, "\t%s\t%u\n", report_kind(object->kind), object->label);
+    buffer_format(&report->voxels, "\t%s\t%u\n", atlas_kind_word(object->kind), object->label);
 }
 
 static void write_voxel(conus_report *report, const struct listed_voxel *voxel)

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The walk of one ray through the cells of a volume, and the choice of a kernel for bundles. */
+/* The walk of one ray through the cells of a volume: to the first object, or through all of them. */
 #include "selection/engine/voxels/traverse.h"
 
 #include "base/geometry/math3.h"
-#include "base/simd/processor.h"
 
 #include <math.h>
 
@@ -152,6 +151,40 @@ struct traverse_contact traverse_one(const struct distance_map *map, const struc
     return (struct traverse_contact){.t = INFINITY, .voxel = UINT64_MAX};
 }
 
+/* Ends the interval at t, where the ray comes into a cell of `object`, and begins that one's. */
+static conus_status change_object(struct layers *out, conus_interval *interval, uint32_t object, double t,
+                                  uint64_t voxel)
+{
+    conus_status status = CONUS_OK;
+    if (interval->object) {
+        interval->exit = t;
+        status = layers_add(out, interval);
+    }
+    interval->object = object;
+    interval->entry = t;
+    interval->voxel = voxel;
+    return status;
+}
+
+conus_status traverse_pierce(struct layers *out, const struct distance_map *map, const struct volume *volume,
+                             const struct traverse_ray *ray, uint32_t pixel)
+{
+    conus_status status = CONUS_OK;
+    conus_interval interval = {.pixel = pixel};
+    struct traverse_place at;
+    bool inside = traverse_enter(map, ray, &at);
+    while (inside && !status) {
+        int code = traverse_code(map, &at);
+        size_t voxel = traverse_voxel(map, &at);
+        uint32_t object = code ? 0 : volume_object(volume, voxel);
+        if (object != interval.object) {
+            status = change_object(out, &interval, object, at.t, voxel);
+        }
+        inside = traverse_skip(map, ray, code ? code - 1 : 0, &at);
+    }
+    return status ? status : change_object(out, &interval, 0, at.t, 0);
+}
+
 struct traverse_ray traverse_bundle_at(const struct traverse_bundle *bundle, size_t i)
 {
     struct traverse_ray ray;
@@ -168,121 +201,4 @@ void traverse_bundle_ray(const struct distance_map *map, struct traverse_bundle 
     bundle->t[i] = contact.t;
     bundle->voxel[i] = contact.voxel;
     bundle->object[i] = contact.object;
-}
-
-static void walk_one_by_one(const struct distance_map *map, struct traverse_bundle *bundle)
-{
-    for (size_t i = 0; i < bundle->count; i++) {
-        traverse_bundle_ray(map, bundle, i);
-    }
-}
-
-static bool everywhere(void)
-{
-    return true;
-}
-
-const struct traverse_kernel *traverse_kernel(size_t index)
-{
-    static const struct traverse_kernel kernels[] = {
-#if defined(__x86_64__)
-        {.name = "avx512",
-         .is_supported = processor_has_avx512,
-         .walk = traverse_walk_avx512,
-         .pierce = traverse_pierce_avx512},
-        {.name = "avx2",
-         .is_supported = processor_has_avx2,
-         .walk = traverse_walk_avx2,
-         .pierce = traverse_pierce_avx2},
-        {.name = "sse2", .is_supported = everywhere, .walk = traverse_walk_plain, .pierce = traverse_pierce_plain},
-#else
-        {.name = "vector", .is_supported = everywhere, .walk = traverse_walk_plain, .pierce = traverse_pierce_plain},
-#endif
-        {.name = "scalar", .is_supported = everywhere, .walk = walk_one_by_one},
-    };
-    return index < sizeof kernels / sizeof kernels[0] ? &kernels[index] : NULL;
-}
-
-const struct traverse_kernel *traverse_best_kernel(void)
-{
-    size_t i = 0;
-    while (!traverse_kernel(i)->is_supported()) {
-        i++;
-    }
-    return traverse_kernel(i);
-}
-
-/* Repeats the last ray. */
-static void pad(struct traverse_bundle *bundle)
-{
-    size_t last = bundle->count - 1;
-    for (; bundle->count % TRAVERSE_LANES; bundle->count++) {
-        for (int a = 0; a < 3; a++) {
-            bundle->direction[a][bundle->count] = bundle->direction[a][last];
-        }
-        bundle->limit[bundle->count] = bundle->limit[last];
-    }
-}
-
-/* Sets what follows from the volume; whether kernels can walk the rays. */
-static bool aim_at_volume(struct traverse_bundle *bundle, const struct distance_map *map, const struct volume *volume)
-{
-    bool is_near = bundle->count > 0 && distance_map_codes(map) <= TRAVERSE_CODES;
-    bundle->index_from_world = volume->voxel_from_world;
-    mat4_point(bundle->start, bundle->index_from_world, bundle->origin);
-    for (int a = 0; a < 3; a++) {
-        bundle->start_cell[a] = traverse_cell(bundle->start[a]);
-        is_near = is_near && fabs(bundle->start[a]) < TRAVERSE_FAR && map->dim[a] <= TRAVERSE_EDGE;
-    }
-    return is_near;
-}
-
-/* Sets what object each hit is. */
-static void find_objects(struct traverse_bundle *bundle, const struct volume *volume)
-{
-    for (size_t i = 0; i < bundle->count; i++) { /* or each would be waited for in turn */
-        volume_fetch(volume, bundle->voxel[i]);
-    }
-    for (size_t i = 0; i < bundle->count; i++) {
-        bundle->object[i] = bundle->voxel[i] == UINT64_MAX ? 0 : volume_object(volume, bundle->voxel[i]);
-    }
-}
-
-void traverse_bundle_walk(const struct traverse_kernel *kernel, const struct distance_map *map,
-                          const struct volume *volume, struct traverse_bundle *bundle)
-{
-    size_t count = bundle->count;
-    if (aim_at_volume(bundle, map, volume)) {
-        pad(bundle);
-        kernel->walk(map, bundle);
-    } else {
-        walk_one_by_one(map, bundle);
-    }
-    bundle->count = count;
-    if (!map->least) {
-        find_objects(bundle, volume);
-    }
-}
-
-conus_status traverse_bundle_pierce(const struct traverse_kernel *kernel, const struct distance_map *map,
-                                    struct traverse_piercing *piercing, struct traverse_bundle *bundle)
-{
-    conus_status status = CONUS_OK;
-    bool by_kernel = aim_at_volume(bundle, map, piercing->volume) && piercing->uniform && kernel->pierce;
-    piercing->count = bundle->count;
-    if (by_kernel) {
-        for (size_t i = 0; i < bundle->count; i++) {
-            bundle->limit[i] = INFINITY;
-        }
-        pad(bundle);
-        status = kernel->pierce(piercing, bundle);
-        bundle->count = piercing->count;
-    }
-    for (size_t i = 0; i < bundle->count && !status; i++) {
-        if (!by_kernel || piercing->again[i]) {
-            struct traverse_ray ray = traverse_bundle_at(bundle, i);
-            status = traverse_pierce(piercing->out, map, piercing->volume, &ray, (uint32_t)piercing->pixel[i]);
-        }
-    }
-    return status;
 }
