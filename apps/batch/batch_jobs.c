@@ -227,9 +227,7 @@ static int answer_table(const struct batch_settings *settings, const struct argu
 static bool check_operands(const struct batch_settings *settings, const struct arguments *arguments)
 {
     if (settings->jobs) {
-        return (!arguments->operand_count || (print_error_line("ATLAS and --jobs exclude each other"), false)) &&
-               options_exclude(arguments, "jobs", "poses") && options_exclude(arguments, "jobs", "output") &&
-               options_exclude(arguments, "jobs", "segments");
+        return !arguments->operand_count || (print_error_line("ATLAS and --jobs exclude each other"), false);
     }
     if (!arguments->operand_count) {
         const char *program = arguments->command->program;

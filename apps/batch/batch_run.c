@@ -38,17 +38,13 @@ static bool check_settings(conus_format *format, const struct batch_settings *se
         print_error_line("--summary: other programs' formats have none, tsv, csv and ndjson do");
         return false;
     }
-    if (!settings_check_slices(&settings->engine, arguments, "slices") ||
-        !settings_check_slices(&settings->engine, arguments, "slice-fraction")) {
-        return false;
-    }
     if ((settings->force || settings->resume) && output_is_stdout(settings->output)) {
         print_error_line("--%s has no effect without a file for --output", settings->force ? "force" : "resume");
         return false;
     }
     return settings_check_score(&settings->engine, false) &&
-           settings_check_shape(&settings->aim, &settings->engine, arguments) && settings_check_context(arguments) &&
-           settings_check_space(arguments, &settings->aim.space) && options_exclude(arguments, "force", "resume");
+           settings_check_shape(&settings->aim, &settings->engine, arguments) &&
+           settings_check_space(arguments, &settings->aim.space);
 }
 
 int batch_run_init(struct batch_run *out, const struct batch_settings *settings, const struct arguments *arguments)

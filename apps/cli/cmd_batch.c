@@ -115,6 +115,7 @@ const struct command cmd_batch = {
                 "  conus batch --jobs subjects.tsv --summary --resume\n",
     .see_also = "  conus merge     joins the outputs of --shard\n"
                 "  conus verify    answers a result again, and compares\n",
+    .answers = true,
     .family = commands,
     .groups = batch_groups,
     .settings_size = sizeof(struct batch_settings),

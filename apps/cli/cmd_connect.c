@@ -51,7 +51,7 @@ static int answer(struct connect *connect)
     struct provenance provenance = {0};
     int code = survey_load(survey);
     code = code ? code : survey_start(survey, &rows);
-    code = code ? code : survey_check_outputs(survey, connect->matrix.path);
+    code = code ? code : survey_check_outputs(survey);
     code = code || ends_check_atlases(&survey->atlases) ? code : EXIT_USAGE;
     for (size_t i = 0; !code && i < survey->atlases.count; i++) {
         code = add_answer(connect, i);
@@ -61,7 +61,7 @@ static int answer(struct connect *connect)
     }
     survey_describe(survey, &provenance);
     code = matrix_file_write(&connect->matrix, &provenance);
-    provenance_add_output(&provenance, "connectivity", connect->matrix.path, NULL, 0);
+    provenance_add_outputs(&provenance, survey->arguments);
     return code ? code : survey_write(survey, &provenance);
 }
 
@@ -90,6 +90,7 @@ const struct command cmd_connect = {
         "within --endpoint-radius. conus query --endpoints does so for the streamlines in a cone or ball.",
     .examples = "  conus connect aal --streamlines arcuate.trk\n"
                 "  conus connect aal --streamlines whole.tck -o rows.tsv --connectivity matrix.tsv\n",
+    .answers = true,
     .family = commands,
     .groups = groups,
     .settings_size = sizeof(struct connect_settings),

@@ -182,7 +182,7 @@ static int answer(struct overlap *overlap)
 {
     struct provenance provenance = {0};
     int code = start(overlap);
-    code = code ? code : survey_check_outputs(&overlap->survey, NULL);
+    code = code ? code : survey_check_outputs(&overlap->survey);
     for (size_t i = 0; !code && i < region_count(overlap); i++) {
         code = add_region(overlap, region_path(overlap, i));
     }
@@ -220,6 +220,7 @@ const struct command cmd_overlap = {
         "as a part of the area and of the region, and the region's peak there. Of several ROIs one after the other.",
     .examples = "  conus overlap aal lesion.nii.gz\n"
                 "  conus overlap aal zstat1.nii.gz --threshold 3.1 -o overlap.tsv\n",
+    .answers = true,
     .family = commands,
     .groups = groups,
     .settings_size = sizeof(struct overlap_settings),

@@ -1,13 +1,119 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus query: what is in a cone or ball, with the tables, pictures and masks that belong to it. */
+#include "cli/answers/ends.h"
+#include "cli/answers/mask.h"
+#include "cli/answers/streamlines_out.h"
 #include "cli/commands.h"
-#include "cli/query_settings.h"
+#include "cli/inquiry.h"
 #include "options/messages.h"
 #include "options/output.h"
 #include "settings/atlas_notes.h"
+#include "settings/axis_options.h"
 
 #include <stdio.h>
 #include <string.h>
+
+struct query_settings {
+    struct inquiry_settings inquiry; /* first */
+    const char *voxels;
+    size_t voxels_of;
+    const char *image, *deep;
+    struct mask_settings mask;
+    struct streamlines_out_settings streamlines;
+    struct axis_settings axis;
+    struct ends_settings ends;
+    double point[3];
+};
+
+static const char *const voxel_kinds[] = {"pathways", "all", NULL};
+
+static const struct option point_options[] = {
+    {.name = "point",
+     .type = OPTION_VECTOR,
+     .offset = offsetof(struct query_settings, point),
+     .value = "X,Y,Z",
+     .help = "instead of a cone, what is at this point, mm, and within --radius MM of it, or as far as the nearest "
+             "neighbour",
+     .words = "coordinate, whereami"},
+    {0},
+};
+
+static const struct option output_options[] = {
+    {.name = "voxels",
+     .type = OPTION_TEXT,
+     .offset = offsetof(struct query_settings, voxels),
+     .value = "FILE.tsv",
+     .help = "write the voxels hit first, or with --layers all or --point those in the cone or ball and the points of "
+             "streamlines there, with indices, positions and values",
+     .role = OPTION_WRITES},
+    {.name = "voxels-of",
+     .type = OPTION_CHOICE,
+     .offset = offsetof(struct query_settings, voxels_of),
+     .value = "KIND",
+     .help = "whose voxels:",
+     .choices = voxel_kinds,
+     .needs = "voxels"},
+    {.name = "image",
+     .type = OPTION_TEXT,
+     .offset = offsetof(struct query_settings, image),
+     .value = "FILE",
+     .help = "write the image seen from the device: .exr with id, X, Y, Z, t per pixel, or .png in the areas' colours",
+     .words = "figure, picture",
+     .role = OPTION_WRITES,
+     .flags = OPTION_OF_CONE | OPTION_OF_ONE_ATLAS | OPTION_OF_ONE_POSE | OPTION_IS_PICTURE,
+     .endings = ".exr .png"},
+    {.name = "deep",
+     .type = OPTION_TEXT,
+     .offset = offsetof(struct query_settings, deep),
+     .value = "FILE.exr",
+     .help = "with --layers all: write every interval of every ray inside an object, as a deep image with names",
+     .role = OPTION_WRITES,
+     .flags = OPTION_OF_CONE | OPTION_OF_ONE_ATLAS | OPTION_OF_ONE_POSE | OPTION_IS_PICTURE,
+     .endings = ".exr"},
+    {0},
+};
+
+static const struct option_group groups[] = {
+    INQUIRY_AIM_GROUPS,
+    {"", point_options, 0},
+    INQUIRY_ENGINE_GROUPS,
+    INQUIRY_ATLAS_GROUPS,
+    INQUIRY_MORE_ATLASES,
+    {"What is written", query_format_options, INQUIRY_FIELD(answer)},
+    {"", answer_output_options, INQUIRY_FIELD(answer)},
+    {"", axis_options, offsetof(struct query_settings, axis)},
+    {"", endpoints_options, offsetof(struct query_settings, ends)},
+    {"", connectivity_options, offsetof(struct query_settings, ends)},
+    {"", output_options, 0},
+    {"", mask_options, offsetof(struct query_settings, mask)},
+    {"", streamlines_out_options, offsetof(struct query_settings, streamlines)},
+    {"", quiet_options, INQUIRY_FIELD(common)},
+    {0},
+};
+
+static bool check_outputs(const struct query_settings *settings, const struct arguments *arguments)
+{
+    conus_format format;
+    if (settings->voxels && output_format(&format, settings->voxels) && format != CONUS_FORMAT_TSV &&
+        format != CONUS_FORMAT_TABLE) {
+        print_error_line("--voxels: %s ends as what it will not be: TSV is written", settings->voxels);
+        return false;
+    }
+    if (settings->deep && settings->inquiry.engine.layers != CONUS_LAYERS_ALL) {
+        print_error_line("--deep needs --layers all");
+        return false;
+    }
+    return ends_check(&settings->ends, arguments);
+}
+
+static bool check_settings(const struct query_settings *settings, const struct arguments *arguments)
+{
+    if (option_given(arguments, "point")) {
+        return settings_check_space(arguments, &settings->inquiry.aim.space) && check_outputs(settings, arguments);
+    }
+    return inquiry_check(&settings->inquiry, arguments, false) && settings_check_aim(arguments, true) &&
+           check_outputs(settings, arguments);
+}
 
 /** A query under way. */
 struct query {
@@ -61,14 +167,10 @@ static int check_poses(const struct query *query)
     const struct aim_settings *aim = &query->inquiry.settings->aim;
     const conus_pose_list *poses = query->inquiry.poses;
     size_t count = conus_pose_list_count(poses);
-    const char *of_one = query->settings->image               ? "image"
-                         : query->settings->deep              ? "deep"
-                         : query->settings->mask.path         ? "mask"
-                         : query->settings->streamlines.path  ? "streamlines-out"
-                         : query->settings->ends.connectivity ? "connectivity"
-                                                              : NULL;
+    const struct option *of_one = option_with(query->inquiry.arguments, OPTION_OF_ONE_POSE);
     if (of_one && count != 1) {
-        return print_usage_error("--%s shows one pose, %s has %zu", of_one, settings_poses_name(aim->pose), count);
+        return print_usage_error("--%s shows one pose, %s has %zu", of_one->name, settings_poses_name(aim->pose),
+                                 count);
     }
     for (size_t i = 0; i < count && aim->angle != 0; i++) {
         if (conus_pose_list_row(poses, i)->angle == 0) {
@@ -345,14 +447,7 @@ static int write_answer(struct query *query)
     struct provenance provenance = {0};
     inquiry_list_inputs(&provenance, inquiry);
     int code = mask_write(&query->mask, report, &provenance);
-    provenance_add_output(&provenance, "voxels", settings->voxels, NULL, 0);
-    provenance_add_output(&provenance, "image", settings->image, NULL, 0);
-    provenance_add_output(&provenance, "deep", settings->deep, NULL, 0);
-    provenance_add_output(&provenance, "mask", settings->mask.path, NULL, 0);
-    provenance_add_output(&provenance, "streamlines-out", settings->streamlines.path, NULL, 0);
-    provenance_add_output(&provenance, "segments", query->segments.path, NULL, 0);
-    provenance_add_output(&provenance, "endpoints", settings->ends.endpoints, NULL, 0);
-    provenance_add_output(&provenance, "connectivity", settings->ends.connectivity, NULL, 0);
+    provenance_add_outputs(&provenance, inquiry->arguments);
     return code || is_replaced(settings)
                ? code
                : answer_write(report, settings->inquiry.answer.output, inquiry->sidecar, &provenance);
@@ -448,21 +543,7 @@ static int start_segments(struct query *query)
     bool answer_has_format = !output_is_stdout(settings->inquiry.answer.output);
     int code = rows_file_init(&query->segments, "segments", CONUS_ROWS_SEGMENTS, path,
                               answer_has_format ? CONUS_FORMAT_TABLE : inquiry->format);
-    if (path) {
-        inquiry_add_output(inquiry, "--segments", output_is_stdout(path) ? NULL : path);
-        inquiry_add_sidecar(inquiry, "the .json beside --segments", query->segments.sidecar);
-    }
-    return code;
-}
-
-static int start_ends(struct query *query)
-{
-    struct inquiry *inquiry = &query->inquiry;
-    const struct ends_settings *settings = &query->settings->ends;
-    int code = ends_init(&query->ends, settings, inquiry->arguments);
-    inquiry_add_output(inquiry, "--endpoints", settings->endpoints);
-    inquiry_add_sidecar(inquiry, "the .json beside --endpoints", query->ends.rows.sidecar);
-    inquiry_add_output(inquiry, "--connectivity", settings->connectivity);
+    outputs_add_sidecar(&inquiry->outputs, "segments", query->segments.sidecar);
     return code;
 }
 
@@ -473,25 +554,21 @@ static int start_outputs(struct query *query)
     if (!mask_init(&query->mask, &settings->mask, inquiry->arguments)) {
         return EXIT_DATA;
     }
-    inquiry_add_output(inquiry, "--voxels", settings->voxels);
-    inquiry_add_output(inquiry, "--image", settings->image);
-    inquiry_add_output(inquiry, "--deep", settings->deep);
-    inquiry_add_output(inquiry, "--mask", settings->mask.path);
-    inquiry_add_sidecar(inquiry, "the .json beside --mask", query->mask.sidecar);
-    inquiry_add_output(inquiry, "--streamlines-out", settings->streamlines.path);
+    outputs_add_sidecar(&inquiry->outputs, "mask", query->mask.sidecar);
     int code = settings_contacts(&query->contacts, &settings->axis);
     code = code ? code : start_segments(query);
-    code = code ? code : start_ends(query);
+    code = code ? code : ends_init(&query->ends, &settings->ends, inquiry->arguments);
     if (code) {
         return code;
     }
-    return check_format(inquiry) && outputs_differ(inquiry->outputs, inquiry->output_count) ? EXIT_DONE : EXIT_USAGE;
+    outputs_add_sidecar(&inquiry->outputs, "endpoints", query->ends.rows.sidecar);
+    return check_format(inquiry) && outputs_differ(&inquiry->outputs) ? EXIT_DONE : EXIT_USAGE;
 }
 
 static int run_query(const void *given, const struct arguments *arguments)
 {
     const struct query_settings *settings = given;
-    if (!query_settings_check(settings, arguments)) {
+    if (!check_settings(settings, arguments)) {
         return EXIT_USAGE;
     }
     struct query query = {.settings = settings};
@@ -523,8 +600,9 @@ const struct command cmd_query = {
                 "  conus sweep     how certain an answer is (uncertain: --jitter), and from which angle on\n"
                 "  conus render    figures of the brain and the cone, in colour (color)\n"
                 "  conus overlap   how much of each area (region) a lesion or a mask covers\n",
+    .answers = true,
     .family = commands,
-    .groups = query_groups,
+    .groups = groups,
     .settings_size = sizeof(struct query_settings),
     .more_help = help_scores,
     .run = run_query,

@@ -44,28 +44,35 @@ static const struct option picture_options[] = {
              "its number",
      .required = true,
      .words = "save, export, figure, image",
-     .common = true},
+     .common = true,
+     .role = OPTION_WRITES_ANSWER,
+     .endings = ".png .exr"},
     {.name = "camera",
      .type = OPTION_TEXT,
      .offset = offsetof(struct render_settings, camera),
      .value = "FILE",
      .help = "camera at the one pose in this file (docs/formats.md)",
-     .words = "viewpoint"},
+     .words = "viewpoint",
+     .role = OPTION_READS,
+     .excludes = "camera-origin"},
     {.name = "camera-origin",
      .type = OPTION_VECTOR,
      .offset = offsetof(struct render_settings, camera_origin),
      .value = "X,Y,Z",
-     .help = "or position of the camera, mm (default: as --view says)"},
+     .help = "or position of the camera, mm (default: as --view says)",
+     .needs = "camera-toward"},
     {.name = "camera-toward",
      .type = OPTION_VECTOR,
      .offset = offsetof(struct render_settings, camera_toward),
      .value = "X,Y,Z",
-     .help = "point at which the camera points, mm"},
+     .help = "point at which the camera points, mm",
+     .needs = "camera-origin"},
     {.name = "camera-up",
      .type = OPTION_VECTOR,
      .offset = offsetof(struct render_settings, camera_up),
      .value = "X,Y,Z",
-     .help = "up direction of the camera"},
+     .help = "up direction of the camera",
+     .needs = "camera-origin"},
     {.name = "field-of-view",
      .type = OPTION_NUMBER,
      .offset = offsetof(struct render_settings, field_of_view),
@@ -81,7 +88,8 @@ static const struct option picture_options[] = {
      .help = "or edges of the camera's picture (left, right, bottom, top) at depth 1: off-axis, for a screen that "
              "the eye is not centred on",
      .low = -1000,
-     .high = 1000},
+     .high = 1000,
+     .excludes = "field-of-view"},
     {.name = "slices",
      .type = OPTION_COUNT,
      .offset = offsetof(struct render_settings, slices),
@@ -93,7 +101,8 @@ static const struct option picture_options[] = {
      .type = OPTION_TEXT,
      .offset = offsetof(struct render_settings, transfer),
      .value = "NAME|FILE",
-     .help = "colours and opacities of the context by its values: a preset or a file (docs/formats.md)"},
+     .help = "colours and opacities of the context by its values: a preset or a file (docs/formats.md)",
+     .needs = "context"},
     {.name = "no-skipping",
      .type = OPTION_FLAG,
      .offset = offsetof(struct render_settings, no_skipping),
@@ -106,19 +115,23 @@ static const struct option row_options[] = {
      .type = OPTION_TEXT,
      .offset = offsetof(struct render_settings, aim) + offsetof(struct aim_settings, pose),
      .value = "FILE",
-     .help = "the same as --pose"},
+     .help = "the same as --pose",
+     .role = OPTION_READS_POSES},
     {.name = "row",
      .type = OPTION_COUNT,
      .offset = offsetof(struct render_settings, choice) + offsetof(struct row_choice, number),
      .value = "N",
      .help = "only the file's N-th pose, from 1",
      .low = 1,
-     .high = UINT32_MAX},
+     .high = UINT32_MAX,
+     .needs = "poses|pose",
+     .excludes = "query-id"},
     {.name = "query-id",
      .type = OPTION_TEXT,
      .offset = offsetof(struct render_settings, choice) + offsetof(struct row_choice, id),
      .value = "NAME",
-     .help = "only the pose of that name (column query_id; of Brainsight target/M1, say)"},
+     .help = "only the pose of that name (column query_id; of Brainsight target/M1, say)",
+     .needs = "poses|pose"},
     {0},
 };
 
@@ -181,9 +194,7 @@ static bool has_file(const struct arguments *arguments)
 /* Options about the cone mean nothing without one. */
 static bool check_cone(const struct render_settings *settings, const struct arguments *arguments)
 {
-    static const char *const of_cone[] = {"angle",          "space",  "resolution", "aperture", "engine",
-                                          "layers",         "range",  "sampling",   "score",    "level",
-                                          "slice-fraction", "radius", NULL};
+    static const char *const more[] = {"angle", "space", "range", "level", "radius"};
     if (!settings_check_aim(arguments, false) || !settings_check_score(&settings->engine, false) ||
         !settings_check_shape(&settings->aim, &settings->engine, arguments)) {
         return false;
@@ -193,14 +204,16 @@ static bool check_cone(const struct render_settings *settings, const struct argu
         print_error_line("--hemispheres merged has no effect without a cone: --origin or --pose");
         return false;
     }
-    for (size_t i = 0; !cone && of_cone[i]; i++) {
-        bool used = has_camera(arguments) && strcmp(of_cone[i], "space") == 0;
-        if (option_given(arguments, of_cone[i]) && !used) {
-            print_error_line("--%s has no effect without a cone: --origin or --pose", of_cone[i]);
-            return false;
-        }
+    const struct option *of_rays = option_with(arguments, OPTION_OF_RAYS);
+    const char *unused = of_rays ? of_rays->name : NULL;
+    for (size_t i = 0; i < sizeof more / sizeof more[0] && !unused; i++) {
+        bool used = has_camera(arguments) && strcmp(more[i], "space") == 0;
+        unused = option_given(arguments, more[i]) && !used ? more[i] : NULL;
     }
-    return settings_check_slices(&settings->engine, arguments, "slice-fraction");
+    if (!cone && unused) {
+        print_error_line("--%s has no effect without a cone: --origin or --pose", unused);
+    }
+    return cone || !unused;
 }
 
 static bool check_frustum(const struct arguments *arguments)
@@ -212,44 +225,20 @@ static bool check_frustum(const struct arguments *arguments)
     return true;
 }
 
-static bool check_camera(const struct arguments *arguments)
-{
-    return option_needs(arguments, "camera-toward", "camera-origin") &&
-           option_needs(arguments, "camera-origin", "camera-toward") &&
-           option_needs(arguments, "camera-up", "camera-origin") &&
-           options_exclude(arguments, "camera", "camera-origin") && options_exclude(arguments, "view", "camera") &&
-           options_exclude(arguments, "view", "camera-origin") &&
-           options_exclude(arguments, "frustum", "field-of-view") && check_frustum(arguments);
-}
-
-/* What is about files of poses, and names that differ from picture to picture. */
+/* Names that differ from picture to picture. */
 static bool check_rows(const struct render_settings *settings, const struct arguments *arguments)
 {
-    static const char *const of_file[] = {"row", "query-id", NULL};
     bool file = has_file(arguments);
-    if (!options_exclude(arguments, "pose", "poses") || !options_exclude(arguments, "origin", "poses") ||
-        !options_exclude(arguments, "row", "query-id")) {
-        return false;
-    }
-    for (size_t i = 0; of_file[i]; i++) {
-        if (!file && !option_needs(arguments, of_file[i], "poses")) {
-            return false;
-        }
-    }
     if (!file && render_pattern_varies(settings->output)) {
         print_error_line("--output: {query} and {row} stand for poses of a file, --poses FILE");
         return false;
     }
-    return (!file || render_pattern_check(settings->output)) &&
-           (file || settings_check_pose_file(arguments, "pose", "camera"));
+    return !file || render_pattern_check(settings->output);
 }
 
 /* What is about the context needs one of its kind. */
-static bool check_context(const struct render_settings *settings, const struct arguments *arguments)
+static bool check_context(const struct render_settings *settings)
 {
-    if (!option_needs(arguments, "transfer", "context") || !option_needs(arguments, "context-opacity", "context")) {
-        return false;
-    }
     if (settings->transfer && !context_choice_has_volume(&settings->context)) {
         print_error_line("--transfer has no effect: %s is a surface (--context-opacity)",
                          settings->context.files.items[0]);
@@ -260,9 +249,8 @@ static bool check_context(const struct render_settings *settings, const struct a
 
 static bool check_picture(const struct render_settings *settings, const struct arguments *arguments)
 {
-    return path_check_ending("output", settings->output, ".png", ".exr") && check_cone(settings, arguments) &&
-           check_camera(arguments) && check_rows(settings, arguments) && figure_check(&settings->figure, arguments) &&
-           translucent_check(&settings->translucent) && check_context(settings, arguments) &&
+    return check_cone(settings, arguments) && check_frustum(arguments) && check_rows(settings, arguments) &&
+           figure_check(&settings->figure) && translucent_check(&settings->translucent) && check_context(settings) &&
            settings_check_space(arguments, &settings->aim.space);
 }
 

@@ -26,7 +26,9 @@ static const struct option sweep_options[] = {
      .value = "A,B,...|LOW:HIGH:STEP",
      .help = "report the shares at each of these full opening angles, degrees",
      .words = "widths",
-     .common = true},
+     .common = true,
+     .role = OPTION_ASKS,
+     .excludes = "jitter,angle"},
     {.name = "jitter",
      .type = OPTION_TEXT,
      .offset = FIELD(jitter),
@@ -35,14 +37,16 @@ static const struct option sweep_options[] = {
              "about two axes, and of the position along three; or --jitter columns: those of columns error_deg and "
              "error_mm of --pose FILE",
      .words = "uncertain, uncertainty, confidence",
-     .common = true},
+     .common = true,
+     .role = OPTION_ASKS},
     {.name = "samples",
      .type = OPTION_COUNT,
      .offset = FIELD(samples),
      .value = "N",
      .help = "with --jitter: number of random poses, a power of two from 16 to 1048576 (default 1024)",
      .low = 16,
-     .high = 1048576},
+     .high = 1048576,
+     .needs = "jitter"},
     {0},
 };
 
@@ -182,15 +186,11 @@ static bool read_jitter(struct sweep *sweep)
 /* Which angle admits what depends on no ray: round cones hold what is in them, hidden or not. */
 static bool check_admission(const struct arguments *arguments)
 {
-    static const char *const of_rays[] = {"layers",   "resolution", "aperture", "engine",
-                                          "sampling", "slices",     "score",    "context"};
-    for (size_t i = 0; i < sizeof of_rays / sizeof of_rays[0]; i++) {
-        if (option_given(arguments, of_rays[i])) {
-            print_error_line("--%s has no effect without --angles or --jitter", of_rays[i]);
-            return false;
-        }
+    const struct option *option = option_with(arguments, OPTION_OF_RAYS);
+    if (option) {
+        print_error_line("--%s has no effect without --angles or --jitter", option->name);
     }
-    return true;
+    return !option;
 }
 
 /* Options that would have no effect, or no meaning. */
@@ -212,9 +212,7 @@ static bool check_kind(const struct sweep *sweep, const struct arguments *argume
 static bool check_sweep(struct sweep *sweep, const struct arguments *arguments)
 {
     const struct sweep_settings *settings = sweep->settings;
-    return inquiry_check(&settings->inquiry, arguments, false) && options_exclude(arguments, "angles", "jitter") &&
-           options_exclude(arguments, "angles", "angle") && option_needs(arguments, "samples", "jitter") &&
-           settings_check_pose_file(arguments, "pose", NULL) && settings_check_aim(arguments, true) &&
+    return inquiry_check(&settings->inquiry, arguments, false) && settings_check_aim(arguments, true) &&
            check_kind(sweep, arguments) && (!settings->angles || read_angles(sweep)) &&
            (!settings->jitter || read_jitter(sweep));
 }
@@ -409,6 +407,7 @@ const struct command cmd_sweep = {
     .examples = "  conus sweep aal.nii.gz --origin -90,20,20 --toward 0,-10,10 --angle 40\n"
                 "  conus sweep aal.nii.gz --origin -90,20,20 --toward 0,-10,10 --angles 2:20:2\n"
                 "  conus sweep aal.nii.gz --origin -90,20,20 --toward 0,-10,10 --angle 5 --jitter 2,1.5\n",
+    .answers = true,
     .family = commands,
     .groups = groups,
     .settings_size = sizeof(struct sweep_settings),

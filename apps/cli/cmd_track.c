@@ -32,7 +32,8 @@ static const struct option pose_options[] = {
      .help = "poses of the device over time, for instance a table with columns time_s and, if wanted, trigger "
              "(docs/formats.md); - is standard input",
      .words = "input",
-     .common = true},
+     .common = true,
+     .role = OPTION_READS_POSES},
     {0},
 };
 
@@ -44,7 +45,9 @@ static const struct option live_options[] = {
      .help = "listen for this many seconds (default: until interrupted by Ctrl-C)",
      .low = 0,
      .high = 1e9,
-     .open = true},
+     .open = true,
+     .role = OPTION_LIVE,
+     .needs = "listen|connect"},
     {0},
 };
 
@@ -174,8 +177,7 @@ static bool check_source(const struct station_settings *settings, const struct a
                               : "no poses: --poses FILE, or a tracker by --listen or --connect");
         return false;
     }
-    return settings_check_station(settings, arguments) && settings_check_pose_file(arguments, "poses", NULL) &&
-           (live || !option_given(arguments, "seconds") || option_needs(arguments, "seconds", "listen"));
+    return settings_check_station(settings, arguments);
 }
 
 static bool check_track(const struct track_settings *settings, const struct arguments *arguments)
@@ -432,6 +434,7 @@ const struct command cmd_track = {
                 "  tracker | conus track aal.nii.gz --poses - --score 0.7*intenselect_plus+0.3*time --format ndjson\n"
                 "  conus track aal.nii.gz --poses hand.tsv --angle 5 -o steps.tsv\n"
                 "  conus track aal.nii.gz --listen 18944 --tool Pointer --reference Head --format ndjson\n",
+    .answers = true,
     .family = commands,
     .groups = groups,
     .settings_size = sizeof(struct track_settings),

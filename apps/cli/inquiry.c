@@ -12,30 +12,13 @@
 
 bool inquiry_check(const struct inquiry_settings *settings, const struct arguments *arguments, bool has_history)
 {
-    if (!settings_check_slices(&settings->engine, arguments, "slices") ||
-        !settings_check_slices(&settings->engine, arguments, "slice-fraction")) {
-        return false;
-    }
-    return settings_check_score(&settings->engine, has_history) && settings_check_context(arguments) &&
+    return settings_check_score(&settings->engine, has_history) &&
            settings_check_shape(&settings->aim, &settings->engine, arguments) &&
            settings_check_space(arguments, &settings->aim.space);
 }
 
-void inquiry_add_output(struct inquiry *inquiry, const char *what, const char *path)
-{
-    assert(inquiry->output_count < INQUIRY_OUTPUTS);
-    inquiry->outputs[inquiry->output_count++] = (struct output){.what = what, .path = path};
-}
-
-void inquiry_add_sidecar(struct inquiry *inquiry, const char *what, const char *path)
-{
-    inquiry_add_output(inquiry, what, path);
-    inquiry->outputs[inquiry->output_count - 1].is_sidecar = true;
-}
-
 int inquiry_init(struct inquiry *out, const struct inquiry_settings *settings, const struct arguments *arguments)
 {
-    const char *output = settings->answer.output;
     *out = (struct inquiry){.settings = settings, .arguments = arguments};
     if (!answer_format(&out->format, arguments, &settings->answer)) {
         return EXIT_USAGE;
@@ -46,8 +29,10 @@ int inquiry_init(struct inquiry *out, const struct inquiry_settings *settings, c
         return EXIT_DATA;
     }
     int code = answer_sidecar(&out->sidecar, out->format, &settings->answer);
-    inquiry_add_output(out, "--output", output_is_stdout(output) ? NULL : output);
-    inquiry_add_sidecar(out, settings->answer.sidecar ? "--sidecar" : "the .json beside --output", out->sidecar);
+    outputs_collect(&out->outputs, arguments);
+    if (!settings->answer.sidecar) {
+        outputs_add_sidecar(&out->outputs, "output", out->sidecar);
+    }
     return code;
 }
 
@@ -82,9 +67,9 @@ static bool check_inputs(const struct inquiry *inquiry, const char *matrix)
                                    {"the coordinate system", coordinates_of(inquiry)},
                                    {"the tracker's matrix", matrix},
                                    {0}};
-    for (size_t i = 0; i < inquiry->output_count; i++) {
-        const struct output *output = &inquiry->outputs[i];
-        const char *input = output->path ? atlases_input(&inquiry->atlases, inputs, output->path) : NULL;
+    for (size_t i = 0; i < inquiry->outputs.count; i++) {
+        const struct output *output = &inquiry->outputs.items[i];
+        const char *input = atlases_input(&inquiry->atlases, inputs, output->path);
         if (input) {
             print_error_line("%s would overwrite %s %s", output->what, input, output->path);
             return false;
@@ -95,12 +80,10 @@ static bool check_inputs(const struct inquiry *inquiry, const char *matrix)
 
 int inquiry_check_outputs(const struct inquiry *inquiry, const char *matrix)
 {
-    const struct arguments *arguments = inquiry->arguments;
-    bool fits = outputs_differ(inquiry->outputs, inquiry->output_count) && check_inputs(inquiry, matrix);
-    int code = fits ? answer_check_names(inquiry->format, inquiry->outputs, inquiry->output_count, arguments,
-                                         &inquiry->atlases)
+    bool fits = outputs_differ(&inquiry->outputs) && check_inputs(inquiry, matrix);
+    int code = fits ? answer_check_names(inquiry->format, &inquiry->outputs, inquiry->arguments, &inquiry->atlases)
                     : EXIT_USAGE;
-    return code ? code : outputs_check(inquiry->outputs, inquiry->output_count, inquiry->settings->answer.force);
+    return code ? code : outputs_check(&inquiry->outputs, inquiry->settings->answer.force);
 }
 
 void inquiry_list_inputs(struct provenance *out, const struct inquiry *inquiry)

@@ -43,8 +43,6 @@ struct inquiry_settings {
         "", more_atlas_options, INQUIRY_FIELD(atlas)                                                                   \
     }
 
-enum { INQUIRY_OUTPUTS = 13 };
-
 /** What answers for one atlas. */
 struct answerer {
     conus_selector *selector;
@@ -58,9 +56,8 @@ struct inquiry {
     const struct arguments *arguments;
     conus_format format;
     char *command_line;
-    char *sidecar;                          /**< Path; NULL if there is none to write. */
-    struct output outputs[INQUIRY_OUTPUTS]; /**< First --output and its sidecar. */
-    size_t output_count;
+    char *sidecar;          /**< Path; NULL if there is none to write. */
+    struct outputs outputs; /**< All files that are written. */
     struct atlases atlases;
     conus_frame frame;          /**< Of positions, once the atlases are loaded. */
     struct answerer *answerers; /**< [atlases.count] */
@@ -80,9 +77,6 @@ bool inquiry_check(const struct inquiry_settings *settings, const struct argumen
 int inquiry_init(struct inquiry *out, const struct inquiry_settings *settings, const struct arguments *arguments);
 void inquiry_finish(struct inquiry *inquiry);
 
-/** Adds an output to those that are checked. */
-void inquiry_add_output(struct inquiry *inquiry, const char *what, const char *path);
-void inquiry_add_sidecar(struct inquiry *inquiry, const char *what, const char *path);
 /** Checks that all outputs are different files, none is a file that is read, @p matrix (NULL = none) or the atlas's
  * among them, and none is there already, unless --force is given. */
 int inquiry_check_outputs(const struct inquiry *inquiry, const char *matrix);

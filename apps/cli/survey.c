@@ -14,7 +14,8 @@ const struct option survey_level_options[] = {
      .value = "LEVEL",
      .help = "report areas at this depth of the area tree (1 = its roots), or as these areas: names, @FILE",
      .words = "hierarchy, ontology",
-     .common = true},
+     .common = true,
+     .role = OPTION_READS},
     {0},
 };
 
@@ -83,28 +84,27 @@ int survey_start(struct survey *survey, const conus_report_options *rows)
     return status ? print_status(status) : EXIT_DONE;
 }
 
-int survey_check_outputs(const struct survey *survey, const char *matrix)
+int survey_check_outputs(const struct survey *survey)
 {
     const struct survey_settings *settings = survey->settings;
-    const char *output = settings->answer.output;
     const struct input inputs[] = {{"the label table", settings->atlas.labels},
                                    {"the list of areas", settings_level_file(&settings->engine)},
                                    {0}};
-    const struct output outputs[] = {
-        {"--output", output_is_stdout(output) ? NULL : output, false},
-        {settings->answer.sidecar ? "--sidecar" : "the .json beside --output", survey->sidecar, true},
-        {"--connectivity", matrix, false}};
-    enum { COUNT = sizeof outputs / sizeof outputs[0] };
-    for (size_t i = 0; i < COUNT; i++) {
-        const char *input = outputs[i].path ? atlases_input(&survey->atlases, inputs, outputs[i].path) : NULL;
+    struct outputs outputs;
+    outputs_collect(&outputs, survey->arguments);
+    if (!settings->answer.sidecar) {
+        outputs_add_sidecar(&outputs, "output", survey->sidecar);
+    }
+    for (size_t i = 0; i < outputs.count; i++) {
+        const char *input = atlases_input(&survey->atlases, inputs, outputs.items[i].path);
         if (input) {
-            return print_usage_error("%s would overwrite %s %s", outputs[i].what, input, outputs[i].path);
+            return print_usage_error("%s would overwrite %s %s", outputs.items[i].what, input, outputs.items[i].path);
         }
     }
-    int code = outputs_differ(outputs, COUNT)
-                   ? answer_check_names(survey->format, outputs, COUNT, survey->arguments, &survey->atlases)
+    int code = outputs_differ(&outputs)
+                   ? answer_check_names(survey->format, &outputs, survey->arguments, &survey->atlases)
                    : EXIT_USAGE;
-    return code ? code : outputs_check(outputs, COUNT, settings->answer.force);
+    return code ? code : outputs_check(&outputs, settings->answer.force);
 }
 
 void survey_describe(const struct survey *survey, struct provenance *provenance)

@@ -64,9 +64,9 @@ conus_report_options survey_report_options(const struct survey *survey, const co
 /** Makes selectors and reports; --level is of the first atlas. */
 int survey_start(struct survey *survey, const conus_report_options *rows);
 
-/** Checks that the outputs, @p matrix of --connectivity (NULL = none) among them, are different files, that none is a
- * file that is read of all atlases and settings, and none is there already, unless --force is given. */
-int survey_check_outputs(const struct survey *survey, const char *matrix);
+/** Checks that the outputs are different files, that none is a file that is read of all atlases and settings, and none
+ * is there already, unless --force is given. */
+int survey_check_outputs(const struct survey *survey);
 
 /** Says what there is to note about the atlases, and adds what settings read to @p provenance. */
 void survey_describe(const struct survey *survey, struct provenance *provenance);

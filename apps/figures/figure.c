@@ -25,7 +25,8 @@ const struct option figure_options[] = {
      .value = "WxH",
      .help = "pixels, each 1 to 16384 (default 1400x1050)",
      .low = 1,
-     .high = SIDE_LIMIT},
+     .high = SIDE_LIMIT,
+     .excludes = "width-mm"},
     {.name = "width-mm",
      .type = OPTION_NUMBER,
      .offset = FIELD(width_mm),
@@ -39,7 +40,8 @@ const struct option figure_options[] = {
      .value = "MM",
      .help = "with --width-mm: the height (default three quarters of the width)",
      .low = 1,
-     .high = 10000},
+     .high = 10000,
+     .needs = "width-mm"},
     {.name = "dpi",
      .type = OPTION_NUMBER,
      .offset = FIELD(dpi),
@@ -52,7 +54,8 @@ const struct option figure_options[] = {
      .offset = FIELD(side),
      .value = "SIDE",
      .help = "the whole atlas from the cone's side, or from this one:",
-     .choices = sides},
+     .choices = sides,
+     .excludes = "camera,camera-origin"},
     {.name = "background",
      .type = OPTION_TEXT,
      .offset = FIELD(background),
@@ -64,7 +67,8 @@ const struct option figure_options[] = {
      .offset = FIELD(legend),
      .value = "WHERE",
      .help = "where the legend is; right and below make the picture higher where it needs that:",
-     .choices = figure_legends},
+     .choices = figure_legends,
+     .excludes = "no-legend"},
     {.name = "no-legend",
      .type = OPTION_FLAG,
      .offset = FIELD(no_legend),
@@ -133,13 +137,9 @@ void figure_view(conus_view *view, const struct figure_settings *settings)
     parse_background(&view->background, view->background_rgb, settings->background);
 }
 
-bool figure_check(const struct figure_settings *settings, const struct arguments *arguments)
+bool figure_check(const struct figure_settings *settings)
 {
     conus_view view = {0};
-    if (!options_exclude(arguments, "size", "width-mm") || !option_needs(arguments, "height-mm", "width-mm") ||
-        !options_exclude(arguments, "legend", "no-legend")) {
-        return false;
-    }
     if (!parse_background(&view.background, view.background_rgb, settings->background)) {
         print_error_line("--background: \"%s\"; allowed are light, white, black, transparent and #RRGGBB",
                          settings->background);

@@ -23,7 +23,7 @@ extern const char *const figure_legends[];
 extern const struct option figure_options[];
 
 /** Whether the options go together, and the background is one; prints an error if not. */
-bool figure_check(const struct figure_settings *settings, const struct arguments *arguments);
+bool figure_check(const struct figure_settings *settings);
 
 /** Sets what of @p view these options are about; they have been checked. */
 void figure_view(conus_view *view, const struct figure_settings *settings);

@@ -4,6 +4,7 @@
 
 #include "options/help.h"
 #include "options/messages.h"
+#include "options/output.h"
 
 #include <assert.h>
 #include <errno.h>
@@ -30,7 +31,7 @@ struct cursor {
 };
 
 /* Option number `ordinal` of the command. */
-static struct found option_at(const struct command *command, void *settings, size_t ordinal)
+static struct found found_at(const struct command *command, void *settings, size_t ordinal)
 {
     size_t n = 0;
     for (const struct option_group *group = command->groups; group->title; group++) {
@@ -46,14 +47,14 @@ static struct found option_at(const struct command *command, void *settings, siz
 
 static const char *name_at(const void *command, size_t index)
 {
-    const struct option *option = option_at(command, NULL, index).option;
+    const struct option *option = found_at(command, NULL, index).option;
     return option ? option->name : NULL;
 }
 
 static struct found find_name(const struct command *command, void *settings, const char *name, size_t length)
 {
     struct found found;
-    for (size_t i = 0; (found = option_at(command, settings, i)).option; i++) {
+    for (size_t i = 0; (found = found_at(command, settings, i)).option; i++) {
         if (strlen(found.option->name) == length && memcmp(found.option->name, name, length) == 0) {
             break;
         }
@@ -64,7 +65,7 @@ static struct found find_name(const struct command *command, void *settings, con
 static struct found find_letter(const struct command *command, void *settings, char letter)
 {
     struct found found;
-    for (size_t i = 0; (found = option_at(command, settings, i)).option; i++) {
+    for (size_t i = 0; (found = found_at(command, settings, i)).option; i++) {
         if (found.option->letter == letter) {
             break;
         }
@@ -79,22 +80,34 @@ bool option_given(const struct arguments *arguments, const char *name)
     return arguments->given[found.ordinal];
 }
 
-bool option_needs(const struct arguments *arguments, const char *name, const char *needed)
+const struct option *option_at(const struct command *command, size_t index)
 {
-    if (option_given(arguments, name) && !option_given(arguments, needed)) {
-        print_error_line("--%s has no effect without --%s", name, needed);
-        return false;
-    }
-    return true;
+    return found_at(command, NULL, index).option;
 }
 
-bool options_exclude(const struct arguments *arguments, const char *a, const char *b)
+const struct option *option_find(const struct command *command, const char *name)
 {
-    if (option_given(arguments, a) && option_given(arguments, b)) {
-        print_error_line("--%s and --%s exclude each other", a, b);
-        return false;
+    return find_name(command, NULL, name, strlen(name)).option;
+}
+
+const char *option_text(const struct arguments *arguments, const char *name)
+{
+    const char *text = NULL;
+    for (size_t i = 0; i < arguments->use_count; i++) {
+        text = strcmp(arguments->uses[i].option->name, name) == 0 ? arguments->uses[i].value : text;
     }
-    return true;
+    return text;
+}
+
+const struct option *option_with(const struct arguments *arguments, unsigned flags)
+{
+    const struct option *option;
+    for (size_t i = 0; (option = option_at(arguments->command, i)); i++) {
+        if (arguments->given[i] && option->flags & flags) {
+            return option;
+        }
+    }
+    return NULL;
 }
 
 /* Takes the value of an option: what follows "=", or the next word. Vectors and numbers may begin with one dash. */
@@ -163,7 +176,7 @@ static bool is_among(const char *words, const char *name)
 static const struct option *find_word(const struct command *command, const char *name)
 {
     const struct option *option;
-    for (size_t i = 0; (option = option_at(command, NULL, i).option); i++) {
+    for (size_t i = 0; (option = found_at(command, NULL, i).option); i++) {
         if (is_among(option->words, name)) {
             return option;
         }
@@ -302,7 +315,7 @@ static int check_complete(const struct arguments *arguments)
         return print_usage_error("%s is missing; conus %s --help shows how",
                                  command->operands[arguments->operand_count], command->name);
     }
-    for (size_t i = 0; (found = option_at(command, NULL, i)).option; i++) {
+    for (size_t i = 0; (found = found_at(command, NULL, i)).option; i++) {
         if (found.option->required && !arguments->given[i]) {
             return print_usage_error("--%s %s is missing", found.option->name, found.option->value);
         }
@@ -310,10 +323,101 @@ static int check_complete(const struct arguments *arguments)
     return CONTINUE;
 }
 
+/* Whether one of the options that it needs, "pose|poses" or "sampling=slices", is given, or the command has none of
+ * them. The message names the first that it has. */
+static bool check_needs(const struct arguments *arguments, const struct option *option)
+{
+    char first[2 * OPTION_LIMIT] = "";
+    for (const char *at = option->needs; at && *at; at += *at == '|') {
+        char word[OPTION_LIMIT];
+        size_t size = strcspn(at, "|");
+        snprintf(word, sizeof word, "%.*s", (int)size, at);
+        at += size;
+        char *choice = strchr(word, '=');
+        if (choice) {
+            *choice++ = '\0';
+        }
+        if (!option_find(arguments->command, word)) {
+            continue;
+        }
+        const char *given = option_text(arguments, word);
+        if (choice ? given && strcasecmp(given, choice) == 0 : option_given(arguments, word)) {
+            return true;
+        }
+        if (!*first) {
+            snprintf(first, sizeof first, "%s%s%s", word, choice ? " " : "", choice ? choice : "");
+        }
+    }
+    if (*first) {
+        print_error_line("--%s has no effect without --%s", option->name, first);
+    }
+    return !*first;
+}
+
+static bool exclude(const struct arguments *arguments, const char *a, const char *b)
+{
+    if (option_find(arguments->command, a) && option_given(arguments, a) && option_find(arguments->command, b) &&
+        option_given(arguments, b)) {
+        print_error_line("--%s and --%s exclude each other", a, b);
+        return false;
+    }
+    return true;
+}
+
+static bool check_excludes(const struct arguments *arguments, const struct option *option)
+{
+    char name[OPTION_LIMIT];
+    for (const char *at = option->excludes; at && *at; at += *at == ',') {
+        size_t length = strcspn(at, ",");
+        snprintf(name, sizeof name, "%.*s", (int)length, at);
+        at += length;
+        if (!exclude(arguments, option->name, name)) {
+            return false;
+        }
+    }
+    return (!(option->flags & (OPTION_OF_CONE | OPTION_OF_RAYS)) || exclude(arguments, "point", option->name)) &&
+           (!(option->flags & OPTION_OF_ONE_ATLAS) || exclude(arguments, "atlas", option->name));
+}
+
+static bool check_ending(const struct arguments *arguments, const struct option *option)
+{
+    const char *path = option->endings ? option_text(arguments, option->name) : NULL;
+    char first[16];
+    if (!path) {
+        return true;
+    }
+    size_t size = strcspn(option->endings, " ");
+    const char *other = option->endings[size] ? option->endings + size + 1 : NULL;
+    snprintf(first, sizeof first, "%.*s", (int)size, option->endings);
+    if (path_ends(path, first) || (other && path_ends(path, other))) {
+        return true;
+    }
+    if (other) {
+        print_error_line("--%s: \"%s\" ends neither in %s nor in %s", option->name, path, first, other);
+    } else {
+        print_error_line("--%s: \"%s\" does not end in %s", option->name, path, first);
+    }
+    return false;
+}
+
+/* What the table says of options beside each other. Relations come before endings. */
+static int check_relations(const struct arguments *arguments)
+{
+    const struct option *option;
+    bool fits = true;
+    for (size_t i = 0; fits && (option = option_at(arguments->command, i)); i++) {
+        fits = !arguments->given[i] || (check_excludes(arguments, option) && check_needs(arguments, option));
+    }
+    for (size_t i = 0; fits && (option = option_at(arguments->command, i)); i++) {
+        fits = !arguments->given[i] || check_ending(arguments, option);
+    }
+    return fits ? CONTINUE : EXIT_USAGE;
+}
+
 int options_parse(struct arguments *out, void *settings, const struct command *command, int count, char **words,
                   int first)
 {
-    assert(!option_at(command, NULL, OPTION_LIMIT).option);
+    assert(!found_at(command, NULL, OPTION_LIMIT).option);
     *out = (struct arguments){.command = command, .count = count, .words = words};
     struct cursor cursor = {.arguments = out, .settings = settings, .next = first};
     while (cursor.next < count) {
@@ -322,14 +426,15 @@ int options_parse(struct arguments *out, void *settings, const struct command *c
             return code;
         }
     }
-    return check_complete(out);
+    int code = check_complete(out);
+    return code == CONTINUE ? check_relations(out) : code;
 }
 
 void options_finish(void *settings, struct arguments *arguments)
 {
     const struct command *command = arguments->command;
     struct found found;
-    for (size_t i = 0; (found = option_at(command, settings, i)).option; i++) {
+    for (size_t i = 0; (found = found_at(command, settings, i)).option; i++) {
         struct option_list *list = found.field;
         if (list && found.option->type == OPTION_LIST) {
             free(list->items);

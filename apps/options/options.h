@@ -29,6 +29,32 @@ struct option_list {
     size_t count;
 };
 
+/** What an option is to its command: the checks of files, the sidecar and `conus verify` follow from it. */
+enum option_role {
+    OPTION_PLAIN,          /**< A part of the question; but a text, which may be a path, is not asked again. */
+    OPTION_ASKS,           /**< A text that is a part of the question, and no path. */
+    OPTION_KEPT,           /**< No part of the question, but asked again: a limit, a format. */
+    OPTION_OF_RUN,         /**< Says how a run goes, and not what it answers. */
+    OPTION_LIVE,           /**< Poses come from a tracker, which cannot be asked again. */
+    OPTION_READS,          /**< A file that is read, perhaps with keys behind it. */
+    OPTION_READS_ATLAS,    /**< An atlas, by its file or name. */
+    OPTION_READS_POSES,    /**< A file of poses, or - for standard input. */
+    OPTION_WRITES_ANSWER,  /**< The file of the answer. */
+    OPTION_WRITES_SIDECAR, /**< The .json that describes it. */
+    OPTION_WRITES,         /**< Another file that belongs to the answer, */
+    OPTION_WRITES_ROWS,    /**< or one of rows, with a .json of its own. */
+    OPTION_ENDS,           /**< Ends the program: --help, --version. */
+};
+
+/** What an option is only of, or is. */
+enum option_flags {
+    OPTION_OF_CONE = 1 << 0,      /**< Means nothing beside --point. */
+    OPTION_OF_RAYS = 1 << 1,      /**< Likewise, nor where no rays are traced. */
+    OPTION_OF_ONE_ATLAS = 1 << 2, /**< Excludes --atlas. */
+    OPTION_OF_ONE_POSE = 1 << 3,
+    OPTION_IS_PICTURE = 1 << 4, /**< A file that has the command line in it, so that its bytes are not compared. */
+};
+
 struct option {
     const char *name; /**< Without dashes; NULL ends a table. */
     char letter;      /**< 0 if it has none. */
@@ -42,6 +68,13 @@ struct option {
     bool open;         /**< The range's ends are outside of it, */
     bool open_below;   /**< or only the low one. */
     bool required;
+    enum option_role role;
+    unsigned flags;       /**< enum option_flags */
+    const char *needs;    /**< Options without which it has no effect: one of "pose|poses", or "sampling=slices". Those
+                               that the command does not have do not count. */
+    const char *excludes; /**< "pose,poses": options that cannot stand beside it. */
+    const char *endings;  /**< Of a file: ".exr .png", one of which its name must have. */
+    const char *format;   /**< Of OPTION_WRITES_ANSWER: --format where no file's ending says one. */
     const char *const *choices;             /**< NULL-terminated, or: */
     const char *(*choice_at)(size_t index); /**< NULL past the last. */
 };
@@ -81,6 +114,7 @@ struct command {
     const char *summary;                 /**< One line, no final period. */
     const char *operands[OPERAND_LIMIT]; /**< "ATLAS"; NULL where there are fewer. */
     bool optional;                       /**< The operands may be missing. */
+    bool answers;                        /**< Its results can be verified: asked again by the command line. */
     bool repeats;                        /**< The last operand may stand any number of times. */
     const char *form;                    /**< What must follow the operands; NULL if nothing. */
     const char *description;             /**< Paragraphs for --help. */
@@ -105,10 +139,17 @@ void options_finish(void *settings, struct arguments *arguments);
 /** Whether the option @p name of the command was on the command line. */
 bool option_given(const struct arguments *arguments, const char *name);
 
-/** Prints an error and returns false when option @p name was given without option @p needed. */
-bool option_needs(const struct arguments *arguments, const char *name, const char *needed);
-/** Prints an error and returns false when both were given. */
-bool options_exclude(const struct arguments *arguments, const char *a, const char *b);
+/** What was given for the option @p name, the last time; NULL if it was not. */
+const char *option_text(const struct arguments *arguments, const char *name);
+
+/** The option of this name; NULL if the command has none. */
+const struct option *option_find(const struct command *command, const char *name);
+
+/** The command's option at @p index; NULL past the last. */
+const struct option *option_at(const struct command *command, size_t index);
+
+/** The first option that was given and has one of @p flags; NULL if there is none. */
+const struct option *option_with(const struct arguments *arguments, unsigned flags);
 
 /** The command line as a shell would take it, "conus" in front. NULL without memory; the caller frees it. */
 char *arguments_text(const struct arguments *arguments);

@@ -7,6 +7,7 @@
 #include "options/provenance.h"
 #include "options/table_fit.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -114,19 +115,6 @@ bool path_ends(const char *path, const char *ending)
     return length > tail && strcasecmp(path + length - tail, ending) == 0;
 }
 
-bool path_check_ending(const char *option, const char *path, const char *ending, const char *other)
-{
-    if (!path || path_ends(path, ending) || (other && path_ends(path, other))) {
-        return true;
-    }
-    if (other) {
-        print_error_line("--%s: \"%s\" ends neither in %s nor in %s", option, path, ending, other);
-    } else {
-        print_error_line("--%s: \"%s\" does not end in %s", option, path, ending);
-    }
-    return false;
-}
-
 bool output_is_no_file(const char *path)
 {
     struct stat info;
@@ -195,12 +183,42 @@ bool paths_equal(const char *a, const char *b)
 
 enum { SIDECAR_LIMIT = 1 << 26 };
 
-bool outputs_differ(const struct output *outputs, size_t count)
+static void add_output(struct outputs *out, const char *form, const char *option, const char *path, bool is_sidecar)
 {
-    for (size_t i = 0; i < count; i++) {
-        for (size_t j = 0; outputs[i].path && j < i; j++) {
-            if (outputs[j].path && paths_equal(outputs[i].path, outputs[j].path)) {
-                print_error_line("%s and %s are the same file %s", outputs[j].what, outputs[i].what, outputs[i].path);
+    assert(out->count < OUTPUT_LIMIT);
+    struct output *output = &out->items[out->count++];
+    *output = (struct output){.path = path, .is_sidecar = is_sidecar};
+    snprintf(output->what, sizeof output->what, form, option);
+}
+
+void outputs_collect(struct outputs *out, const struct arguments *arguments)
+{
+    const struct option *option;
+    *out = (struct outputs){0};
+    for (enum option_role role = OPTION_WRITES_ANSWER; role <= OPTION_WRITES_ROWS; role++) {
+        for (size_t i = 0; (option = option_at(arguments->command, i)); i++) {
+            const char *path = option->role == role ? option_text(arguments, option->name) : NULL;
+            if (!output_is_stdout(path)) {
+                add_output(out, "--%s", option->name, path, role == OPTION_WRITES_SIDECAR);
+            }
+        }
+    }
+}
+
+void outputs_add_sidecar(struct outputs *out, const char *option, const char *path)
+{
+    if (path) {
+        add_output(out, "the .json beside --%s", option, path, true);
+    }
+}
+
+bool outputs_differ(const struct outputs *outputs)
+{
+    for (size_t i = 0; i < outputs->count; i++) {
+        const struct output *output = &outputs->items[i];
+        for (size_t j = 0; j < i; j++) {
+            if (paths_equal(output->path, outputs->items[j].path)) {
+                print_error_line("%s and %s are the same file %s", outputs->items[j].what, output->what, output->path);
                 return false;
             }
         }
@@ -252,23 +270,22 @@ int outputs_check_sidecar(const char *path)
                : print_usage_error("%s: there is a file that is no sidecar, which a sidecar does not replace", path);
 }
 
-int outputs_check(const struct output *outputs, size_t count, bool force)
+int outputs_check(const struct outputs *outputs, bool force)
 {
-    bool any = false;
-    int code = EXIT_DONE;
-    for (size_t i = 0; i < count && !code; i++) {
-        const struct output *output = &outputs[i];
-        any = any || output->path;
-        code = output->path ? check_folder(output->path) : EXIT_DONE;
-        if (!code && output->path && is_there(output->path) && !force) {
+    for (size_t i = 0; i < outputs->count; i++) {
+        const struct output *output = &outputs->items[i];
+        int code = check_folder(output->path);
+        if (!code && is_there(output->path) && !force) {
             code =
                 print_usage_error("%s: there is a file already (%s); --force replaces it", output->path, output->what);
         }
-        code = !code && output->path && output->is_sidecar ? outputs_check_sidecar(output->path) : code;
+        code = !code && output->is_sidecar ? outputs_check_sidecar(output->path) : code;
+        if (code) {
+            return code;
+        }
     }
-    return code            ? code
-           : !any && force ? print_usage_error("--force has no effect without a file that is written")
-                           : EXIT_DONE;
+    return force && !outputs->count ? print_usage_error("--force has no effect without a file that is written")
+                                    : EXIT_DONE;
 }
 
 int outputs_check_name(const char *name)

@@ -5,6 +5,8 @@
 #ifndef CONUS_OPTIONS_OUTPUT_H
 #define CONUS_OPTIONS_OUTPUT_H
 
+#include "options/options.h"
+
 #include <conus/conus.h>
 
 #include <stdbool.h>
@@ -42,10 +44,6 @@ bool output_format(conus_format *out, const char *path);
 /** Whether @p path ends in @p ending (".png"), in any case. */
 bool path_ends(const char *path, const char *ending);
 
-/** Whether @p path, of option @p option, ends in @p ending or @p other (NULL = none); prints an error if not. No path
- * (NULL) is fine. */
-bool path_check_ending(const char *option, const char *path, const char *ending, const char *other);
-
 /** Where a path leads. Equal ones are one regular file, be it there already or not yet. */
 struct path_place {
     uint64_t device, inode; /**< Of the file, else of the folder that it would be in, else 0. */
@@ -63,18 +61,31 @@ bool paths_equal(const char *a, const char *b);
 
 /** A file that is written. */
 struct output {
-    const char *what; /**< "--output", for messages. */
-    const char *path; /**< NULL = none, or standard output. */
-    bool is_sidecar;  /**< It is beside another one. */
+    char what[64]; /**< "--output" or "the .json beside --output", for messages. */
+    const char *path;
+    bool is_sidecar; /**< It is beside another one. */
 };
 
+enum { OUTPUT_LIMIT = 16 };
+
+struct outputs {
+    struct output items[OUTPUT_LIMIT];
+    size_t count;
+};
+
+/** Lists the files that options of the command line name: the answer, the sidecar, those that belong to it, and rows.
+ * Their paths are the command line's. */
+void outputs_collect(struct outputs *out, const struct arguments *arguments);
+/** Adds the sidecar beside the file of @p option; no path (NULL) is fine. */
+void outputs_add_sidecar(struct outputs *out, const char *option, const char *path);
+
 /** Whether all are different files; prints an error if not. */
-bool outputs_differ(const struct output *outputs, size_t count);
+bool outputs_differ(const struct outputs *outputs);
 
 /** Whether they can be written: their folders are there, and no file is where one goes; with @p force only a sidecar
  * may be where a sidecar goes, and @p force without a file is an error. Devices, pipes and what is open already
  * (/dev/stdout) are written to, not replaced. Returns the exit code and prints an error unless it is 0. */
-int outputs_check(const struct output *outputs, size_t count, bool force);
+int outputs_check(const struct outputs *outputs, bool force);
 
 /** Whether a sidecar may be written to @p path, with --force: nothing is there, or a sidecar. Likewise. */
 int outputs_check_sidecar(const char *path);

@@ -97,6 +97,18 @@ void provenance_add_output(struct provenance *provenance, const char *option, co
     }
 }
 
+void provenance_add_outputs(struct provenance *provenance, const struct arguments *arguments)
+{
+    const struct option *option;
+    for (enum option_role role = OPTION_WRITES; role <= OPTION_WRITES_ROWS; role++) {
+        for (size_t i = 0; (option = option_at(arguments->command, i)); i++) {
+            if (option->role == role) {
+                provenance_add_output(provenance, option->name, option_text(arguments, option->name), NULL, 0);
+            }
+        }
+    }
+}
+
 bool provenance_is_sealed(const char *key)
 {
     bool is = false;

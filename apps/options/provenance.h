@@ -5,6 +5,8 @@
 #ifndef CONUS_OPTIONS_PROVENANCE_H
 #define CONUS_OPTIONS_PROVENANCE_H
 
+#include "options/options.h"
+
 #include <conus/conus.h>
 
 #include <jansson.h>
@@ -41,6 +43,9 @@ void provenance_add_input(struct provenance *provenance, const char *path);
 /** Adds a file that was written; without @p text, a NULL path is none. */
 void provenance_add_output(struct provenance *provenance, const char *option, const char *path, const char *text,
                            size_t size);
+
+/** Adds the files that options of the command line name, but the answer, its sidecar and those that are not given. */
+void provenance_add_outputs(struct provenance *provenance, const struct arguments *arguments);
 
 /** Makes *out of @p text, a JSON object of @p size bytes: with "Inputs", "Outputs", the "bytes" of every file that has
  * a SHA-256, and the "Checksum". Of a report in JSON the rows stay as they are. The caller frees *out. Returns the exit

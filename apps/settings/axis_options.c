@@ -17,7 +17,9 @@ const struct option axis_options[] = {
      .value = "FILE",
      .help = "write what the axis passes, in order of depth: a row for each stretch inside an area, pathway or "
              "bundle, or between them",
-     .words = "probe, shank, track"},
+     .words = "probe, shank, track",
+     .role = OPTION_WRITES_ROWS,
+     .flags = OPTION_OF_CONE},
     {.name = "order",
      .type = OPTION_CHOICE,
      .offset = offsetof(struct axis_settings, order),
@@ -31,7 +33,8 @@ const struct option axis_options[] = {
      .offset = offsetof(struct axis_settings, contacts),
      .value = "COUNT,COLUMNS,PITCH,TIP",
      .help = "for --format open-ephys of shanks: COUNT contacts, COLUMNS in a row, PITCH mm from row to row, the first "
-             "TIP mm from the tip"},
+             "TIP mm from the tip",
+     .role = OPTION_ASKS},
     {0},
 };
 

@@ -18,35 +18,28 @@ const struct option pose_file_options[] = {
      .offset = offsetof(struct pose_file_settings, format),
      .value = "FORMAT",
      .help = "format of the file of poses; auto detects it from the content:",
-     .choice_at = conus_pose_format_name},
+     .choice_at = conus_pose_format_name,
+     .needs = "pose|poses|camera|jobs"},
     {.name = "axis",
      .type = OPTION_CHOICE,
      .offset = offsetof(struct pose_file_settings, axis),
      .value = "AXIS",
      .help = "axis of the device, in the file's frame, along which it points; each format has its own, tables and "
              "matrices -z:",
-     .choices = axes},
+     .choices = axes,
+     .needs = "pose|poses|camera|jobs"},
     {.name = "along-shafts",
      .type = OPTION_FLAG,
      .offset = offsetof(struct pose_file_settings, along_shafts),
-     .help = "contacts of electrodes (BIDS) point along their shafts, each to the next"},
+     .help = "contacts of electrodes (BIDS) point along their shafts, each to the next",
+     .needs = "pose|poses|camera|jobs"},
     {.name = "any-space",
      .type = OPTION_FLAG,
      .offset = offsetof(struct pose_file_settings, any_space),
-     .help = "accept positions even if the file names another space than the atlas"},
+     .help = "accept positions even if the file names another space than the atlas",
+     .needs = "pose|poses|camera|jobs"},
     {0},
 };
-
-bool settings_check_pose_file(const struct arguments *arguments, const char *file, const char *other)
-{
-    bool given = option_given(arguments, file) || (other && option_given(arguments, other));
-    for (const struct option *option = pose_file_options; !given && option->name; option++) {
-        if (!option_needs(arguments, option->name, file)) {
-            return false;
-        }
-    }
-    return true;
-}
 
 conus_pose_options settings_pose_options(const struct pose_file_settings *settings, const conus_frame *frame,
                                          uint64_t max_memory)

@@ -14,10 +14,6 @@ struct pose_file_settings {
 
 extern const struct option pose_file_options[]; /**< pose_file_settings */
 
-/** Whether none of these options stands without one of the two options (@p other may be NULL) that name a file of
- * poses; prints an error if not. */
-bool settings_check_pose_file(const struct arguments *arguments, const char *file, const char *other);
-
 /** The options of the library for the file; @p frame must live until the file is opened, @p max_memory 0 is the
  * default.
  */

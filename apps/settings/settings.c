@@ -21,8 +21,13 @@ const struct option plain_options[] = {
      .letter = 'h',
      .type = OPTION_FLAG,
      .offset = FIELD(common_settings, help),
-     .help = "this text; -h is the short one"},
-    {.name = "version", .type = OPTION_FLAG, .offset = FIELD(common_settings, version), .help = "the version"},
+     .help = "this text; -h is the short one",
+     .role = OPTION_ENDS},
+    {.name = "version",
+     .type = OPTION_FLAG,
+     .offset = FIELD(common_settings, version),
+     .help = "the version",
+     .role = OPTION_ENDS},
     {0},
 };
 
@@ -31,18 +36,25 @@ const struct option quiet_options[] = {
      .letter = 'q',
      .type = OPTION_FLAG,
      .offset = FIELD(common_settings, quiet),
-     .help = "print only errors on stderr, no notes"},
+     .help = "print only errors on stderr, no notes",
+     .role = OPTION_OF_RUN},
     {.name = "verbose",
      .letter = 'v',
      .type = OPTION_FLAG,
      .offset = FIELD(common_settings, verbose),
-     .help = "print the engine's and the GL driver's messages, too, on stderr"},
+     .help = "print the engine's and the GL driver's messages, too, on stderr",
+     .role = OPTION_OF_RUN},
     {.name = "help",
      .letter = 'h',
      .type = OPTION_FLAG,
      .offset = FIELD(common_settings, help),
-     .help = "this text; -h is the short one"},
-    {.name = "version", .type = OPTION_FLAG, .offset = FIELD(common_settings, version), .help = "the version"},
+     .help = "this text; -h is the short one",
+     .role = OPTION_ENDS},
+    {.name = "version",
+     .type = OPTION_FLAG,
+     .offset = FIELD(common_settings, version),
+     .help = "the version",
+     .role = OPTION_ENDS},
     {0},
 };
 
@@ -53,7 +65,8 @@ const struct option atlas_options[] = {
      .value = "FILE[,label=COLUMN,name=COLUMN]",
      .help = "label table; replaces the one found beside or inside the atlas; columns of a header row that are not "
              "called as usual are given by their names",
-     .words = "lookup table, LUT, names"},
+     .words = "lookup table, LUT, names",
+     .role = OPTION_READS},
     {.name = "labels-anyway",
      .type = OPTION_FLAG,
      .offset = FIELD(atlas_settings, labels_anyway),
@@ -75,7 +88,8 @@ const struct option atlas_options[] = {
          "add a scalar map as a pathway; keys: threshold=T (voxels with values of at least T belong to it; default a "
          "quarter of the file's scale), name=S, volume=K (of a 4-D file, from 0); or as several, each a band of "
          "values: band=LOW:HIGH:NAME (from LOW to below HIGH; either may be left out), once for each; may be repeated",
-     .words = "tract, probability map"},
+     .words = "tract, probability map",
+     .role = OPTION_READS},
     {.name = "streamlines",
      .type = OPTION_LIST,
      .offset = FIELD(atlas_settings, streamlines),
@@ -84,7 +98,8 @@ const struct option atlas_options[] = {
          "add a tractogram as a bundle, or as one for each of its groups; keys: radius=R (a ray hits what is nearer "
          "than R mm to a streamline; default 0.5), name=S, moves (it lies where ATLAS's files do, and "
          "--atlas-transform moves it, too); may be repeated",
-     .words = "fibre, fiber, tractography, tractogram"},
+     .words = "fibre, fiber, tractography, tractogram",
+     .role = OPTION_READS},
     {.name = "hemispheres",
      .type = OPTION_CHOICE,
      .offset = FIELD(atlas_settings, hemispheres),
@@ -102,18 +117,21 @@ const struct option atlas_options[] = {
          "FSL) from their space to the atlas's; keys: from=IMAGE and to=IMAGE of FSL's, inverse (an affine from the "
          "atlas), relative or absolute (a field's vectors), grid=IMAGE (voxels for the labels); may be repeated, "
          "points go through the first one first",
-     .words = "warp, registration, normalise"},
+     .words = "warp, registration, normalise",
+     .role = OPTION_READS},
     {.name = "max-memory",
      .type = OPTION_BYTES,
      .offset = FIELD(atlas_settings, max_memory),
      .value = "SIZE",
      .help =
          "largest file or volume to accept, like 512M or 2G (default 8G; 1G for files of poses that are read whole)",
-     .words = "RAM"},
+     .words = "RAM",
+     .role = OPTION_KEPT},
     {.name = "no-cache",
      .type = OPTION_FLAG,
      .offset = FIELD(atlas_settings, no_cache),
-     .help = "read the atlas's files anew, and keep nothing for the next time (conus cache)"},
+     .help = "read the atlas's files anew, and keep nothing for the next time (conus cache)",
+     .role = OPTION_OF_RUN},
     {0},
 };
 
@@ -125,14 +143,16 @@ const struct option shown_options[] = {
      .help = "keep only these areas, pathways and bundles, by name, abbreviation or label, with all below them in the "
              "area tree; all others are as if never loaded; put a name with a comma in double quotes; @FILE is a file "
              "with one name per line; may be repeated",
-     .words = "region, ROI, filter, include"},
+     .words = "region, ROI, filter, include",
+     .role = OPTION_READS},
     {.name = "hide",
      .type = OPTION_LIST,
      .offset = FIELD(atlas_settings, hide),
      .value = "NAME,...",
      .help = "remove these areas, pathways and bundles, named as for --only: not hit, not drawn, not occluding; may be "
              "repeated",
-     .words = "exclude, remove"},
+     .words = "exclude, remove",
+     .role = OPTION_READS},
     {0},
 };
 
@@ -142,7 +162,8 @@ const struct option more_atlas_options[] = {
      .offset = FIELD(atlas_settings, more),
      .value = "ATLAS",
      .help = "another atlas in the same space, a file or a name, that gets the same question; --labels, --pathway, "
-             "--streamlines, --only, --hide and --level are of the first atlas only; may be repeated"},
+             "--streamlines, --only, --hide and --level are of the first atlas only; may be repeated",
+     .role = OPTION_READS_ATLAS},
     {0},
 };
 
@@ -151,7 +172,10 @@ const struct option context_options[] = {
      .type = OPTION_TEXT,
      .offset = FIELD(context_settings, path),
      .value = "FILE",
-     .help = "scalar map that blocks rays, such as a skull"},
+     .help = "scalar map that blocks rays, such as a skull",
+     .role = OPTION_READS,
+     .flags = OPTION_OF_RAYS,
+     .needs = "context-blocks"},
     {.name = "context-blocks",
      .type = OPTION_NUMBER,
      .offset = FIELD(context_settings, blocks),
@@ -159,7 +183,8 @@ const struct option context_options[] = {
      .help = "context voxels with values of at least T block rays",
      .low = 0,
      .high = FLT_MAX,
-     .open = true},
+     .open = true,
+     .needs = "context"},
     {0},
 };
 
@@ -169,7 +194,8 @@ const struct option context_choice_options[] = {
      .offset = FIELD(context_choice, files),
      .value = "FILE",
      .help = "scalar map, such as a T1, or surface, such as a scalp, to draw around the areas, in the place of a "
-             "manifest's volume; may be repeated for more surfaces"},
+             "manifest's volume; may be repeated for more surfaces",
+     .role = OPTION_READS},
     {.name = "context-opacity",
      .type = OPTION_NUMBER,
      .offset = FIELD(context_choice, opacity),
@@ -177,7 +203,8 @@ const struct option context_choice_options[] = {
      .help = "opacity of the context's surfaces, above 0 to 1 (default 0.25)",
      .low = 0,
      .high = 1,
-     .open_below = true},
+     .open_below = true,
+     .needs = "context"},
     {0},
 };
 
@@ -188,24 +215,33 @@ const struct option aim_options[] = {
      .value = "X,Y,Z",
      .help = "position of the device: the cone's apex, mm",
      .words = "position, apex, tip",
-     .common = true},
+     .common = true,
+     .flags = OPTION_OF_CONE,
+     .excludes = "pose,poses"},
     {.name = "toward",
      .type = OPTION_VECTOR,
      .offset = FIELD(aim_settings, toward),
      .value = "X,Y,Z",
      .help = "point at which the device points, mm",
      .words = "target",
-     .common = true},
+     .common = true,
+     .flags = OPTION_OF_CONE,
+     .needs = "origin",
+     .excludes = "direction"},
     {.name = "direction",
      .type = OPTION_VECTOR,
      .offset = FIELD(aim_settings, direction),
      .value = "X,Y,Z",
-     .help = "or direction of the axis, of any length but 0"},
+     .help = "or direction of the axis, of any length but 0",
+     .flags = OPTION_OF_CONE,
+     .needs = "origin"},
     {.name = "up",
      .type = OPTION_VECTOR,
      .offset = FIELD(aim_settings, up),
      .value = "X,Y,Z",
-     .help = "up direction of the device (default superior; anterior if it points up or down)"},
+     .help = "up direction of the device (default superior; anterior if it points up or down)",
+     .flags = OPTION_OF_CONE,
+     .needs = "origin"},
     {.name = "pose",
      .type = OPTION_TEXT,
      .offset = FIELD(aim_settings, pose),
@@ -214,7 +250,10 @@ const struct option aim_options[] = {
          "poses from a file instead, - for standard input: a table with a header, a 4x4 matrix, or what Brainsight, "
          "Localite, 3D Slicer, SimNIBS, InVesalius, Lead-DBS or BIDS write (docs/formats.md)",
      .words = "coil, trajectory, electrode",
-     .common = true},
+     .common = true,
+     .role = OPTION_READS_POSES,
+     .flags = OPTION_OF_CONE,
+     .excludes = "poses"},
     {0},
 };
 
@@ -225,7 +264,8 @@ const struct option angle_options[] = {
      .value = "DEGREES",
      .help = "full opening angle of the cone, more than 0 and less than 180 (default 10)",
      .words = "width, opening",
-     .common = true},
+     .common = true,
+     .flags = OPTION_OF_CONE},
     {0},
 };
 
@@ -237,31 +277,40 @@ const struct option engine_options[] = {
      .help = "trace N x N rays, one per pixel, N from 1 to 1024 (default 16)",
      .low = 1,
      .high = 1024,
-     .words = "rays"},
+     .words = "rays",
+     .flags = OPTION_OF_RAYS},
     {.name = "aperture",
      .type = OPTION_CHOICE,
      .offset = FIELD(engine_settings, aperture),
      .value = "SHAPE",
      .help = "pixels that count: those in the circle, or all:",
-     .choices = apertures},
+     .choices = apertures,
+     .flags = OPTION_OF_RAYS},
     {.name = "engine",
      .type = OPTION_CHOICE,
      .offset = FIELD(engine_settings, engine),
      .value = "NAME",
      .help = "rays on the CPU or an OpenGL pass, with the same hits; auto is rays in this program:",
-     .choices = engines},
+     .choices = engines,
+     .flags = OPTION_OF_RAYS},
     {.name = "sampling",
      .type = OPTION_CHOICE,
      .offset = FIELD(engine_settings, sampling),
      .value = "KIND",
      .help = "visit every voxel along a ray, or only planes across the view, which can miss thin objects:",
-     .choices = samplings},
+     .choices = samplings,
+     .flags = OPTION_OF_RAYS},
     {.name = "slice-fraction",
      .type = OPTION_NUMBER,
      .offset = FIELD(engine_settings, slice_fraction),
      .value = "F",
      .help = "with --sampling slices: part of the picture's slices that the selection takes, more than 0 to 1 "
-             "(default 0.2, the paper's fifth)"},
+             "(default 0.2, the paper's fifth)",
+     .low = 0,
+     .high = 1,
+     .open_below = true,
+     .flags = OPTION_OF_RAYS,
+     .needs = "sampling=slices"},
     {.name = "level",
      .type = OPTION_TEXT,
      .offset = FIELD(engine_settings, level),
@@ -269,13 +318,16 @@ const struct option engine_options[] = {
      .help =
          "report areas rolled up the area tree: to depth N (roots have 1), or to the nearest of these areas, by name, "
          "abbreviation or label; put a name with a comma in double quotes; @FILE is a file with one area per line",
-     .words = "hierarchy, ontology"},
+     .words = "hierarchy, ontology",
+     .role = OPTION_READS},
     {.name = "score",
      .type = OPTION_TEXT,
      .offset = FIELD(engine_settings, score),
      .value = "FORMULA",
      .help = "score that ranks the objects: a name below (default share), or a formula like 0.5*share+0.5*centre",
-     .words = "sort, rank"},
+     .words = "sort, rank",
+     .role = OPTION_ASKS,
+     .flags = OPTION_OF_RAYS},
     {0},
 };
 
@@ -286,7 +338,8 @@ const struct option shape_options[] = {
      .value = "WHICH",
      .help = "first hits only, or all hits in the cone with path lengths, volumes and values:",
      .choices = layers,
-     .words = "behind, occluded, depth"},
+     .words = "behind, occluded, depth",
+     .flags = OPTION_OF_RAYS},
     {.name = "range",
      .type = OPTION_RANGE,
      .offset = FIELD(engine_settings, range),
@@ -294,7 +347,8 @@ const struct option shape_options[] = {
      .help =
          "count only between these two depths along the axis, mm from the apex: a focal spot, the length of a probe",
      .low = 0,
-     .high = 1e9},
+     .high = 1e9,
+     .flags = OPTION_OF_CONE},
     {.name = "radius",
      .type = OPTION_NUMBER,
      .offset = FIELD(engine_settings, radius),
@@ -315,47 +369,24 @@ const struct option slices_options[] = {
      .help = "with --sampling slices: slices of the picture, of which the selection takes --slice-fraction "
              "(default sqrt(2) times the longest edge of the volume)",
      .low = 1,
-     .high = 65536},
+     .high = 65536,
+     .flags = OPTION_OF_RAYS,
+     .needs = "sampling=slices"},
     {0},
 };
 
-/* A cone comes from a file, or from an apex and one of two ways to say where it points. */
-static bool check_source(const struct arguments *arguments)
-{
-    if (!options_exclude(arguments, "toward", "direction")) {
-        return false;
-    }
-    if (option_given(arguments, "toward") || option_given(arguments, "direction")) {
-        return true;
-    }
-    print_error_line("--origin needs --toward X,Y,Z or --direction X,Y,Z with it");
-    return false;
-}
-
 bool settings_check_aim(const struct arguments *arguments, bool aim_needed)
 {
-    static const char *const of_origin[] = {"toward", "direction", "up"};
-    for (size_t i = 0; i < 3; i++) {
-        if (!option_needs(arguments, of_origin[i], "origin")) {
-            return false;
-        }
-    }
-    if (!options_exclude(arguments, "origin", "pose")) {
+    bool has_origin = option_given(arguments, "origin");
+    if (has_origin && !option_given(arguments, "toward") && !option_given(arguments, "direction")) {
+        print_error_line("--origin needs --toward X,Y,Z or --direction X,Y,Z with it");
         return false;
     }
-    if (option_given(arguments, "origin")) {
-        return check_source(arguments);
-    }
-    if (aim_needed && !option_given(arguments, "pose")) {
+    if (!has_origin && aim_needed && !option_given(arguments, "pose")) {
         print_error_line("no cone given: --origin X,Y,Z with --toward X,Y,Z or --direction X,Y,Z, or --pose FILE");
         return false;
     }
     return true;
-}
-
-bool settings_check_context(const struct arguments *arguments)
-{
-    return option_needs(arguments, "context", "context-blocks") && option_needs(arguments, "context-blocks", "context");
 }
 
 int settings_pose_toward(conus_pose *out, const double origin[3], const double toward[3], const double up[3],
@@ -428,20 +459,6 @@ bool settings_check_shape(const struct aim_settings *settings, const struct engi
     if (engine->radius == 0 && !(settings->angle > 0 && settings->angle < 180)) {
         print_error_line("--angle: %.10g is out of range, allowed is more than 0 and less than 180%s", settings->angle,
                          settings->angle == 0 ? "; 0 goes with --radius" : "");
-        return false;
-    }
-    return true;
-}
-
-bool settings_check_slices(const struct engine_settings *engine, const struct arguments *arguments, const char *name)
-{
-    double fraction = engine->slice_fraction;
-    if (option_given(arguments, name) && engine->sampling != CONUS_SAMPLING_SLICES) {
-        print_error_line("--%s has no effect without --sampling slices", name);
-        return false;
-    }
-    if (option_given(arguments, "slice-fraction") && !(fraction > 0 && fraction <= 1)) {
-        print_error_line("--slice-fraction: %.10g is out of range, allowed is more than 0 to 1", fraction);
         return false;
     }
     return true;

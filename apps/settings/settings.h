@@ -77,9 +77,6 @@ enum { DEFAULT_ANGLE = 10 };
 /** Message for a pose that is only a point where a cone is wanted. */
 #define POINT_HAS_NO_DIRECTION "a point, without the direction that a cone needs"
 
-/** Whether neither of the context's options stands without the other; prints an error if not. */
-bool settings_check_context(const struct arguments *arguments);
-
 /** Whether the options that aim a cone go together; prints an error if not. @p aim_needed: there must be a cone. */
 bool settings_check_aim(const struct arguments *arguments, bool aim_needed);
 
@@ -104,10 +101,6 @@ double settings_angle(const struct aim_settings *settings, const struct engine_s
 /** Whether angle and radius go together; prints an error if not. */
 bool settings_check_shape(const struct aim_settings *settings, const struct engine_settings *engine,
                           const struct arguments *arguments);
-
-/** Whether the option @p name, of slices, stands with --sampling slices, and the fraction of the slices is one; prints
- * an error if not. */
-bool settings_check_slices(const struct engine_settings *engine, const struct arguments *arguments, const char *name);
 
 /** Whether there is such a score, and what it needs; prints an error if not. */
 bool settings_check_score(const struct engine_settings *settings, bool has_history);

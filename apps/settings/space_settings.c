@@ -22,7 +22,8 @@ const struct option space_options[] = {
      .offset = offsetof(struct space_settings, bregma),
      .value = "AP,DV,ML",
      .help = "with --space bregma: where bregma lies in the Allen CCF, micrometres (default 5400,332,5739, the "
-             "International Brain Laboratory's)"},
+             "International Brain Laboratory's)",
+     .needs = "space=bregma"},
     {0},
 };
 
@@ -31,10 +32,6 @@ bool settings_check_space(const struct arguments *arguments, const struct space_
     const double *b = settings->bregma;
     if (!option_given(arguments, "bregma")) {
         return true;
-    }
-    if (settings->name != CONUS_SPACE_BREGMA) {
-        print_error_line("--bregma has no effect without --space bregma");
-        return false;
     }
     if (b[0] == 0 && b[1] == 0 && b[2] == 0) {
         print_error_line("--bregma: 0,0,0 is the corner of the CCF's grid, AP,DV,ML in micrometres are needed");

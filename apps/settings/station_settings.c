@@ -24,12 +24,15 @@ const struct option station_options_table[] = {
      .value = "[ADDRESS:]PORT",
      .help =
          "wait for a tracker that sends OpenIGTLink, as a server; its usual port is 18944, and without an address only "
-         "this machine may connect"},
+         "this machine may connect",
+     .role = OPTION_LIVE,
+     .excludes = "connect"},
     {.name = "connect",
      .type = OPTION_TEXT,
      .offset = FIELD(connect),
      .value = "HOST[:PORT]",
-     .help = "or connect to one as a client (default port 18944); tries again until the tracker answers"},
+     .help = "or connect to one as a client (default port 18944); tries again until the tracker answers",
+     .role = OPTION_LIVE},
     {.name = "tool",
      .type = OPTION_TEXT,
      .offset = FIELD(tool),
@@ -72,25 +75,29 @@ const struct option screen_options_table[] = {
      .type = OPTION_TEXT,
      .offset = FIELD(head),
      .value = "NAME",
-     .help = "the tool on the viewer's head: the 3-D pane shows what this eye sees through the screen"},
+     .help = "the tool on the viewer's head: the 3-D pane shows what this eye sees through the screen",
+     .needs = "screen-mm"},
     {.name = "screen-mm",
      .type = OPTION_SIZE,
      .offset = FIELD(screen_mm),
      .value = "WxH",
      .help = "size of the whole screen, mm",
      .low = 1,
-     .high = 1000000},
+     .high = 1000000,
+     .needs = "head"},
     {.name = "screen-pose",
      .type = OPTION_TEXT,
      .offset = FIELD(screen_pose),
      .value = "FILE",
      .help = "4x4 matrix from the screen's mm (origin in its middle, x right, y up, z to the viewer) to the "
-             "tracker's mm (default the identity)"},
+             "tracker's mm (default the identity)",
+     .needs = "head"},
     {.name = "eye",
      .type = OPTION_VECTOR,
      .offset = FIELD(eye),
      .value = "X,Y,Z",
-     .help = "position of the eye in the head tool's frame, mm (default 0,0,0)"},
+     .help = "position of the eye in the head tool's frame, mm (default 0,0,0)",
+     .needs = "head"},
     {0},
 };
 
@@ -105,7 +112,8 @@ const struct option second_options_table[] = {
      .type = OPTION_TEXT,
      .offset = FIELD(second_listen),
      .value = "[ADDRESS:]PORT",
-     .help = "wait for the second tool's own tracker, as with --listen"},
+     .help = "wait for the second tool's own tracker, as with --listen",
+     .excludes = "second-connect"},
     {.name = "second-connect",
      .type = OPTION_TEXT,
      .offset = FIELD(second_connect),
@@ -167,9 +175,6 @@ bool settings_check_station(const struct station_settings *settings, const struc
 {
     const struct end end = first_end(settings);
     bool given = option_given(arguments, "listen") || option_given(arguments, "connect");
-    if (!options_exclude(arguments, "listen", "connect")) {
-        return false;
-    }
     for (const struct option *option = station_options_table; !given && option->name; option++) {
         if (option_given(arguments, option->name)) {
             print_error_line("--%s needs --listen or --connect with it", option->name);
@@ -188,9 +193,7 @@ static bool check_alone(const struct station_settings *settings, const struct ar
         return false;
     }
     const struct end ends[] = {first_end(settings), second_end(settings)};
-    return options_exclude(arguments, "listen", "connect") &&
-           options_exclude(arguments, "second-listen", "second-connect") && check_address(&ends[0]) &&
-           check_address(&ends[1]);
+    return check_address(&ends[0]) && check_address(&ends[1]);
 }
 
 bool settings_check_stations(const struct station_settings *settings, const struct arguments *arguments)
@@ -232,8 +235,7 @@ bool settings_check_screen(const struct station_settings *settings, const struct
         print_error_line("--head needs --listen or --connect with it");
         return false;
     }
-    return option_needs(arguments, "head", "screen-mm") && option_needs(arguments, "screen-mm", "head") &&
-           option_needs(arguments, "screen-pose", "head") && option_needs(arguments, "eye", "head");
+    return true;
 }
 
 static int read_matrix(double out[16], const char *path)

@@ -54,7 +54,8 @@ static const struct option own_options[] = {
     {.name = "hidden",
      .type = OPTION_FLAG,
      .offset = offsetof(struct view_settings, hidden),
-     .help = "with --script: do not show the window (it still needs a display)"},
+     .help = "with --script: do not show the window (it still needs a display)",
+     .needs = "script"},
     {0},
 };
 
@@ -169,8 +170,7 @@ static int run_view(const void *given, const struct arguments *arguments)
     struct script *script = NULL;
     struct window window;
     struct window_options options;
-    if (!option_needs(arguments, "hidden", "script") || !option_needs(arguments, "context-opacity", "context") ||
-        !settings_check_stations(&settings->station, arguments) || !settings_check_space(arguments, &settings->space) ||
+    if (!settings_check_stations(&settings->station, arguments) || !settings_check_space(arguments, &settings->space) ||
         !settings_check_screen(&settings->station, arguments)) {
         return EXIT_USAGE;
     }

@@ -397,6 +397,12 @@ static void more_differences_than_are_listed_are_counted(void **state)
 
 static void the_setting_that_differs_is_named(void **state)
 {
+    static const struct option options[] = {{.name = "image", .type = OPTION_TEXT, .flags = OPTION_IS_PICTURE},
+                                            {.name = "output", .type = OPTION_TEXT},
+                                            {0}};
+    static const struct option_group groups[] = {{"", options, 0}, {0}};
+    static const struct command command = {.name = "query", .groups = groups};
+    const struct arguments arguments = {.command = &command};
     (void)state;
     static const struct {
         const char *a, *b, *said;
@@ -422,8 +428,10 @@ static void the_setting_that_differs_is_named(void **state)
          "{\"GeneratedBy\": [{\"Name\": \"conus\", \"Version\": \"2\", \"CommandLine\": \"b\"}]}", NULL},
         {"{\"GeneratedBy\": [{\"Name\": \"conus\", \"Host\": \"1\"}]}", "{\"GeneratedBy\": [{\"Name\": \"conus\"}]}",
          "GeneratedBy[0].Host is \"1\" there"},
-        {"{\"Outputs\": [{\"option\": \"image\", \"bytes\": 1}, {\"option\": \"output\", \"bytes\": 1}]}",
-         "{\"Outputs\": [{\"option\": \"image\", \"bytes\": 2}, {\"option\": \"output\", \"bytes\": 2}]}",
+        {"{\"Outputs\": [{\"option\": \"image\", \"path\": null, \"bytes\": 1},"
+         " {\"option\": \"output\", \"path\": null, \"bytes\": 1}]}",
+         "{\"Outputs\": [{\"option\": \"image\", \"path\": null, \"bytes\": 2},"
+         " {\"option\": \"output\", \"path\": null, \"bytes\": 2}]}",
          "Outputs[1].bytes is 1 there"},
         {"{}", "{\"Inputs\": []}", "Inputs is missing there"},
         {"{\"Queries\": [1]}", "{\"Queries\": [1, 2]}", "Queries[1] is missing there, and 2"},
@@ -435,7 +443,7 @@ static void the_setting_that_differs_is_named(void **state)
         json_t *a = json_loads(cases[i].a, 0, NULL);
         json_t *b = json_loads(cases[i].b, 0, NULL);
         char *said = NULL;
-        assert_true(sidecars_differ(&said, a, b, &(struct sidecar_terms){0}));
+        assert_true(sidecars_differ(&said, a, b, &(struct sidecar_terms){.arguments = &arguments}));
         assert_true((said == NULL) == (cases[i].said == NULL));
         assert_true(!said || strstr(said, cases[i].said));
         free(said);

@@ -197,7 +197,7 @@ END
     fails 2 '--slice-fraction has no effect without --sampling slices' track a.nii --poses p.tsv --slice-fraction 1
     fails 2 '--slice-fraction has no effect without --sampling slices' render a.nii -o p.png --origin 0,0,90 \
         --toward 0,0,0 --slice-fraction 1
-    fails 2 '--slice-fraction has no effect without a cone' render a.nii -o p.png --slice-fraction 1
+    fails 2 '--slice-fraction has no effect without --sampling slices' render a.nii -o p.png --slice-fraction 1
     for fraction in 0 -0.2 1.01 40; do
         fails 2 "--slice-fraction: $fraction is out of range, allowed is more than 0 to 1" $start --sampling slices \
             "--slice-fraction=$fraction"

@@ -17,7 +17,8 @@ const struct option format_options[] = {
      .value = "FORMAT",
      .help = "format of the answer; default by the ending of -o, else a table:",
      .choices = formats,
-     .words = "CSV, pandas"},
+     .words = "CSV, pandas",
+     .role = OPTION_KEPT},
     {0},
 };
 
@@ -32,7 +33,8 @@ const struct option query_format_options[] = {
      .help = "format of the answer; default by the ending of -o, else a table; the last four are for other "
              "programs (docs/formats.md):",
      .choices = query_formats,
-     .words = "CSV, pandas"},
+     .words = "CSV, pandas",
+     .role = OPTION_KEPT},
     {0},
 };
 
@@ -44,16 +46,20 @@ const struct option answer_output_options[] = {
      .value = "FILE",
      .help = "write the answer to FILE; a .json beside it describes its columns, settings and sources",
      .words = "save, export, Excel",
-     .common = true},
+     .common = true,
+     .role = OPTION_WRITES_ANSWER,
+     .format = "table"},
     {.name = "sidecar",
      .type = OPTION_TEXT,
      .offset = offsetof(struct answer_settings, sidecar),
      .value = "FILE.json",
-     .help = "write that .json to FILE.json, also of an answer on standard output"},
+     .help = "write that .json to FILE.json, also of an answer on standard output",
+     .role = OPTION_WRITES_SIDECAR},
     {.name = "force",
      .type = OPTION_FLAG,
      .offset = offsetof(struct answer_settings, force),
-     .help = "replace files that are there already"},
+     .help = "replace files that are there already",
+     .role = OPTION_OF_RUN},
     {0},
 };
 
@@ -93,13 +99,13 @@ int answer_sidecar(char **out, conus_format format, const struct answer_settings
     return EXIT_DONE;
 }
 
-int answer_check_names(conus_format format, const struct output *outputs, size_t count,
-                       const struct arguments *arguments, const struct atlases *atlases)
+int answer_check_names(conus_format format, const struct outputs *outputs, const struct arguments *arguments,
+                       const struct atlases *atlases)
 {
     bool is_recorded = false;
     int code = EXIT_DONE;
-    for (size_t i = 0; i < count; i++) {
-        is_recorded = is_recorded || (outputs[i].path && (outputs[i].is_sidecar || format == CONUS_FORMAT_JSON));
+    for (size_t i = 0; i < outputs->count; i++) {
+        is_recorded = is_recorded || outputs->items[i].is_sidecar || format == CONUS_FORMAT_JSON;
     }
     for (int i = 1; is_recorded && i < arguments->count && !code; i++) {
         code = outputs_check_name(arguments->words[i]);

@@ -30,7 +30,7 @@ int answer_sidecar(char **out, conus_format format, const struct answer_settings
 
 /** Checks the names of the atlases' files and the words of the command line, where they are recorded: in a sidecar or
  * a file in JSON. Likewise. */
-int answer_check_names(conus_format format, const struct output *outputs, size_t count,
-                       const struct arguments *arguments, const struct atlases *atlases);
+int answer_check_names(conus_format format, const struct outputs *outputs, const struct arguments *arguments,
+                       const struct atlases *atlases);
 
 #endif

@@ -11,7 +11,8 @@ const struct option endpoints_options[] = {
      .type = OPTION_TEXT,
      .offset = offsetof(struct ends_settings, endpoints),
      .value = "FILE",
-     .help = "write which areas the streamlines in the cone or ball connect: a row for each bundle and pair of areas"},
+     .help = "write which areas the streamlines in the cone or ball connect: a row for each bundle and pair of areas",
+     .role = OPTION_WRITES_ROWS},
     {0},
 };
 
@@ -21,7 +22,9 @@ const struct option connectivity_options[] = {
      .offset = offsetof(struct ends_settings, connectivity),
      .value = "FILE",
      .help = "write the table, area by area, of how many streamlines connect them: .tsv, .csv, or .json",
-     .words = "connectome, matrix"},
+     .words = "connectome, matrix",
+     .role = OPTION_WRITES_ROWS,
+     .flags = OPTION_OF_ONE_ATLAS | OPTION_OF_ONE_POSE},
     {.name = "endpoint-radius",
      .type = OPTION_NUMBER,
      .offset = offsetof(struct ends_settings, radius),
@@ -37,7 +40,7 @@ bool ends_check(const struct ends_settings *settings, const struct arguments *ar
         print_error_line("--endpoint-radius: %g mm, allowed are 0 to 100", settings->radius);
         return false;
     }
-    return options_exclude(arguments, "connectivity", "atlas");
+    return true;
 }
 
 conus_connectivity_options ends_options_of(const struct ends_settings *settings, const struct arguments *arguments)

@@ -21,19 +21,25 @@ const struct option mask_options[] = {
      .offset = offsetof(struct mask_settings, path),
      .value = "FILE.nii.gz",
      .help = "write the voxels in the cone as a volume on the atlas's grid, with a .json beside it",
-     .words = "NIfTI, volume"},
+     .words = "NIfTI, volume",
+     .role = OPTION_WRITES,
+     .flags = OPTION_OF_ONE_ATLAS | OPTION_OF_ONE_POSE,
+     .endings = ".nii.gz .nii"},
     {.name = "mask-of",
      .type = OPTION_CHOICE,
      .offset = offsetof(struct mask_settings, content),
      .value = "WHAT",
      .help = "content of the mask: 1 in voxels of areas, 1 in all voxels, labels of areas, or values of a pathway; "
              "without it a name that ends in _dseg means labels, one that ends in _probseg values:",
-     .choices = contents},
+     .choices = contents,
+     .needs = "mask"},
     {.name = "mask-object",
      .type = OPTION_TEXT,
      .offset = offsetof(struct mask_settings, object),
      .value = "NAME",
-     .help = "only this area with those below it in the tree, or this pathway: a name, abbreviation or label"},
+     .help = "only this area with those below it in the tree, or this pathway: a name, abbreviation or label",
+     .role = OPTION_ASKS,
+     .needs = "mask"},
     {0},
 };
 
@@ -44,14 +50,6 @@ static size_t stem_length(const char *path)
     return path_ends(path, ".nii.gz") ? length - strlen(".nii.gz")
            : path_ends(path, ".nii")  ? length - strlen(".nii")
                                       : 0;
-}
-
-bool mask_check(const struct mask_settings *settings, const struct arguments *arguments)
-{
-    if (!option_needs(arguments, "mask-of", "mask") || !option_needs(arguments, "mask-object", "mask")) {
-        return false;
-    }
-    return path_check_ending("mask", settings->path, ".nii.gz", ".nii");
 }
 
 static bool stem_ends(const char *path, const char *ending)

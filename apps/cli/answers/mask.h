@@ -24,9 +24,6 @@ struct mask {
     conus_grid *grid;
 };
 
-/** Whether the options go together; prints an error if not. */
-bool mask_check(const struct mask_settings *settings, const struct arguments *arguments);
-
 /** Names the sidecar. False (error printed) without memory. */
 bool mask_init(struct mask *out, const struct mask_settings *settings, const struct arguments *arguments);
 void mask_finish(struct mask *mask);

@@ -9,7 +9,10 @@ const struct option streamlines_out_options[] = {
      .type = OPTION_TEXT,
      .offset = offsetof(struct streamlines_out_settings, path),
      .value = "FILE.tck",
-     .help = "write the streamlines of bundles that come into the cone or ball, whole, as a tractogram of MRtrix"},
+     .help = "write the streamlines of bundles that come into the cone or ball, whole, as a tractogram of MRtrix",
+     .role = OPTION_WRITES,
+     .flags = OPTION_OF_ONE_ATLAS | OPTION_OF_ONE_POSE,
+     .endings = ".tck"},
     {0},
 };
 

@@ -17,62 +17,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-/* What becomes of an option. Of a type that is no text it is kept; a text that is not listed here is refused. */
-enum fate { KEPT, READ, WRITTEN, DROPPED, REFUSED };
-
-static const struct {
-    const char *option;
-    enum fate fate;
-} fates[] = {
-    {"angles", KEPT},
-    {"jitter", KEPT},
-    {"contacts", KEPT},
-    {"mask-object", KEPT},
-    {"score", KEPT},
-    {"atlas", READ},
-    {"context", READ},
-    {"atlas-transform", READ},
-    {"hide", READ},
-    {"labels", READ},
-    {"level", READ},
-    {"only", READ},
-    {"pathway", READ},
-    {"pose", READ},
-    {"poses", READ},
-    {"deep", WRITTEN},
-    {"image", WRITTEN},
-    {"mask", WRITTEN},
-    {"output", WRITTEN},
-    {"segments", WRITTEN},
-    {"voxels", WRITTEN},
-    {"force", DROPPED},
-    {"jobs", DROPPED},
-    {"progress", DROPPED},
-    {"quiet", DROPPED},
-    {"resume", DROPPED},
-    {"shard", DROPPED},
-    {"sidecar", DROPPED},
-    {"verbose", DROPPED},
-    {"help", REFUSED},
-    {"version", REFUSED},
-    {"seconds", REFUSED},
-    {"no-cache", DROPPED},
-    {"streamlines", READ},
-    {"streamlines-out", WRITTEN},
-    {"endpoints", WRITTEN},
-    {"connectivity", WRITTEN},
-};
-
-static enum fate fate_of(const struct option *option)
-{
-    for (size_t i = 0; i < sizeof fates / sizeof fates[0]; i++) {
-        if (strcmp(option->name, fates[i].option) == 0) {
-            return fates[i].fate;
-        }
-    }
-    return option->type == OPTION_TEXT || option->type == OPTION_LIST ? REFUSED : KEPT;
-}
-
 static bool fail_replay(struct replay *replay, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 static bool fail_replay(struct replay *replay, const char *format, ...)
@@ -86,15 +30,10 @@ static bool fail_replay(struct replay *replay, const char *format, ...)
 
 static const struct command *find_command(const struct command *const *commands, const char *name)
 {
-    static const char *const again[] = {"query", "batch", "sweep", "track", "overlap", "connect"};
-    bool may = false;
-    for (size_t i = 0; i < sizeof again / sizeof again[0]; i++) {
-        may = may || strcmp(name, again[i]) == 0;
-    }
-    while (may && *commands && strcmp((*commands)->name, name) != 0) {
+    while (*commands && !((*commands)->answers && strcmp((*commands)->name, name) == 0)) {
         commands++;
     }
-    return may ? *commands : NULL;
+    return *commands;
 }
 
 /* --help and --version would end the parser, and print. */
@@ -117,13 +56,15 @@ static bool check_uses(struct replay *out)
     for (size_t i = 0; i < arguments->use_count; i++) {
         const struct option_use *use = &arguments->uses[i];
         const char *name = use->option->name;
-        if (strcmp(name, "listen") == 0 || strcmp(name, "connect") == 0) {
+        enum option_role role = use->option->role;
+        bool is_text = use->option->type == OPTION_TEXT || use->option->type == OPTION_LIST;
+        if (role == OPTION_LIVE) {
             return fail_replay(out, "its poses came from a tracker (--%s), which cannot be asked again", name);
         }
-        if ((strcmp(name, "pose") == 0 || strcmp(name, "poses") == 0) && output_is_stdout(use->value)) {
+        if (role == OPTION_READS_POSES && output_is_stdout(use->value)) {
             return fail_replay(out, "its poses came from standard input, which cannot be read again");
         }
-        if (fate_of(use->option) == REFUSED) {
+        if (role == OPTION_ENDS || (role == OPTION_PLAIN && is_text)) {
             return fail_replay(out, "its command line has --%s, which is not asked again", name);
         }
     }
@@ -212,41 +153,52 @@ static char *atlas_word(const struct writing *out, const char *given, size_t ind
 }
 
 /* A file of the same name in a folder of its own. */
-static void put_output(struct writing *out, const char *option, const char *given)
+static void put_output(struct writing *out, const struct option *option, const char *given)
 {
     const char *slash = given ? strrchr(given, '/') : NULL;
     const char *name = !given || output_is_stdout(given) ? "rows" : slash ? slash + 1 : given;
     conus_format format;
-    char *path = stage_output(out->stage, option, name);
-    bool is_rows = strcmp(option, "output") == 0;
-    put_path(out, option, path);
-    if (is_rows && !out->has_format && path && !output_format(&format, path)) { /* it went to no file */
-        put_option(out, "format", strcmp(out->replay->command->name, "batch") == 0 ? "tsv" : "table");
+    char *path = stage_output(out->stage, option->name, name);
+    put_path(out, option->name, path);
+    if (option->role == OPTION_WRITES_ANSWER) {
+        if (!out->has_format && path && !output_format(&format, path)) { /* it went to no file */
+            put_option(out, "format", option->format);
+        }
+        out->has_output = true;
     }
-    out->has_output = out->has_output || is_rows;
     free(path);
 }
 
 static void put_use(struct writing *out, const struct option_use *use)
 {
     const char *name = use->option->name;
-    bool is_atlas = strcmp(name, "atlas") == 0;
     char *read = NULL;
-    switch (fate_of(use->option)) {
-    case KEPT:
+    switch (use->option->role) {
+    case OPTION_PLAIN:
+    case OPTION_ASKS:
+    case OPTION_KEPT:
         if (!out->replay->engine || strcmp(name, "engine") != 0) {
             put_option(out, name, use->value);
         }
         break;
-    case READ:
-        read = is_atlas ? atlas_word(out, use->value, ++out->atlases) : stage_word(out->stage, use->value);
+    case OPTION_READS:
+    case OPTION_READS_POSES:
+        read = stage_word(out->stage, use->value);
         put_path(out, name, read);
         break;
-    case WRITTEN:
-        put_output(out, name, use->value);
+    case OPTION_READS_ATLAS:
+        read = atlas_word(out, use->value, ++out->atlases);
+        put_path(out, name, read);
         break;
-    case DROPPED:
-    case REFUSED:
+    case OPTION_WRITES_ANSWER:
+    case OPTION_WRITES:
+    case OPTION_WRITES_ROWS:
+        put_output(out, use->option, use->value);
+        break;
+    case OPTION_WRITES_SIDECAR: /* it comes beside the answer */
+    case OPTION_OF_RUN:
+    case OPTION_LIVE:
+    case OPTION_ENDS:
         break;
     }
     free(read);
@@ -259,7 +211,7 @@ static void put_job(struct writing *out)
     const char *poses = json_string_value(json_object_get(json_object_get(record->root, "Batch"), "pose_file"));
     char *read = poses ? stage_word(out->stage, poses) : NULL;
     put_path(out, "poses", read);
-    put_output(out, "output", out->replay->result);
+    put_output(out, option_find(out->replay->command, "output"), out->replay->result);
     free(read);
 }
 
@@ -282,21 +234,18 @@ static void put_words(struct writing *out)
 {
     const struct replay *replay = out->replay;
     const struct arguments *arguments = &replay->arguments;
-    bool is_batch = strcmp(replay->command->name, "batch") == 0;
     char shard[64];
     put(out, strdup("conus"));
     put(out, strdup(replay->command->name));
     put_option(out, "quiet", NULL);
-    for (size_t i = 0; i < arguments->use_count; i++) {
-        out->has_format = out->has_format || strcmp(arguments->uses[i].option->name, "format") == 0;
-    }
+    out->has_format = option_given(arguments, "format");
     for (size_t i = 0; i < arguments->use_count; i++) {
         put_use(out, &arguments->uses[i]);
     }
-    if (replay->engine && strcmp(replay->command->name, "overlap") != 0) {
+    if (replay->engine && option_find(replay->command, "engine")) {
         put_option(out, "engine", replay->engine);
     }
-    if (is_batch) { /* always, since Slurm's environment may say another one */
+    if (option_find(replay->command, "shard")) { /* always, since Slurm's environment may say another one */
         snprintf(shard, sizeof shard, "%lld/%lld", (long long)replay->record->shard[0],
                  (long long)replay->record->shard[1]);
         put_option(out, "shard", shard);
@@ -304,7 +253,7 @@ static void put_words(struct writing *out)
     if (!arguments->operand_count) {
         put_job(out);
     } else if (!out->has_output) {
-        put_output(out, "output", NULL);
+        put_output(out, option_find(replay->command, "output"), NULL);
     }
     put_operands(out);
 }

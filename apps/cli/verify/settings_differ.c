@@ -77,10 +77,12 @@ static bool is_free(const struct comparing *comparing, const char *name, const j
 }
 
 /* Pictures have the command line in them, so that only the option and the path of one are known. */
-static bool is_picture(const json_t *output)
+static bool is_picture(const struct comparing *comparing, const json_t *output)
 {
-    const char *option = json_string_value(json_object_get(output, "option"));
-    return option && (strcmp(option, "image") == 0 || strcmp(option, "deep") == 0);
+    const char *name = json_string_value(json_object_get(output, "option"));
+    const struct arguments *arguments = comparing->terms->arguments;
+    const struct option *option = name && arguments ? option_find(arguments->command, name) : NULL;
+    return option && option->flags & OPTION_IS_PICTURE;
 }
 
 static char *text_of(const json_t *value)
@@ -184,10 +186,7 @@ static void compare_programs(struct comparing *out, const json_t *recorded, cons
 /* The path that the recorded command line gives for the output of `option`; null of standard output. */
 static json_t *path_of(const struct arguments *arguments, const char *option)
 {
-    const char *path = NULL;
-    for (size_t i = 0; i < arguments->use_count; i++) {
-        path = strcmp(arguments->uses[i].option->name, option) == 0 ? arguments->uses[i].value : path;
-    }
+    const char *path = option_text(arguments, option);
     return output_is_stdout(path) ? json_null() : json_string(path);
 }
 
@@ -204,7 +203,7 @@ static void compare_outputs(struct comparing *out, const json_t *recorded, const
         const char *option = json_string_value(json_object_get(output, "option"));
         json_t *path = option && out->terms->arguments ? path_of(out->terms->arguments, option) : NULL;
         out->failed = (path && json_object_set_new(output, "path", path)) || out->failed;
-        if (is_picture(output) && is_picture(own)) {
+        if (is_picture(out, output) && is_picture(out, own)) {
             json_object_set(output, "bytes", json_object_get(own, "bytes"));
             json_object_set(output, "sha256", json_object_get(own, "sha256"));
         }

@@ -416,29 +416,19 @@ static bool add_poses(struct replay *replay, struct record *record)
     const struct arguments *arguments = &replay->arguments;
     for (size_t i = 0; i < arguments->use_count; i++) {
         const struct option_use *use = &arguments->uses[i];
-        if ((strcmp(use->option->name, "pose") == 0 || strcmp(use->option->name, "poses") == 0) &&
-            !record_add_input(record, use->value)) {
+        if (use->option->role == OPTION_READS_POSES && !record_add_input(record, use->value)) {
             return false;
         }
     }
     return true;
 }
 
-static const char *written_as(const struct arguments *arguments)
-{
-    for (size_t i = 0; i < arguments->use_count; i++) {
-        if (strcmp(arguments->uses[i].option->name, "output") == 0) {
-            return arguments->uses[i].value;
-        }
-    }
-    return NULL;
-}
-
 static int answer(struct checking *checking, struct replay *replay)
 {
     struct verdict *verdict = checking->verdict;
     bool there = false;
-    int code = find_files(checking, checking->output && checking->output->path ? NULL : written_as(&replay->arguments),
+    int code = find_files(checking,
+                          checking->output && checking->output->path ? NULL : option_text(&replay->arguments, "output"),
                           &there);
     if (code || !there) {
         return code;

@@ -43,9 +43,7 @@ static bool check(const struct ask_settings *settings, const struct arguments *a
         print_error_line("ask: --segments and --contacts are of files, not of the window");
         return false;
     }
-    return settings_check_slices(&settings->engine, arguments, "slices") &&
-           settings_check_slices(&settings->engine, arguments, "slice-fraction") &&
-           settings_check_score(&settings->engine, false);
+    return settings_check_score(&settings->engine, false);
 }
 
 static bool use(struct viewer *viewer, const struct ask_settings *settings)
