@@ -1,17 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* conus_pose_stream: detects the format, then reads rows line by line or, of some formats, all at once. */
+/* conus_pose_stream: detects the format, then reads rows line by line or, of some formats, all at once. A list is all
+ * rows of a stream. */
 #include "poses/pose_stream.h"
 
 #include "base/formats/matlab.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/options.h"
-#include "poses/pose_bytes.h"
 #include "poses/pose_formats.h"
-#include "poses/pose_guess.h"
 #include "poses/pose_table.h"
-#include "poses/programs/pose_coordsystem.h"
-#include "poses/programs/pose_ibl.h"
-#include "poses/rows/pose_extent.h"
+#include "poses/programs/pose_programs.h"
 #include "poses/rows/pose_lines.h"
 #include "poses/rows/pose_list.h"
 #include "poses/rows/pose_row.h"
@@ -24,6 +22,49 @@
 #include <sys/eventfd.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+/* The box around positions. */
+struct extent {
+    size_t count;
+    double low[3], high[3]; /* mm. */
+    double farthest;        /* Largest distance from the origin, mm. */
+};
+
+static const double NEAR_ORIGIN = 1, NEAR_EACH_OTHER = 0.2; /* mm */
+enum { LEAST = 3 };                                         /* positions that say something by lying near each other */
+
+static void extent_add(struct extent *extent, const conus_pose_row *row)
+{
+    const double *p = row->pose.world_from_device + 12;
+    if (row->error) {
+        return;
+    }
+    for (int a = 0; a < 3; a++) {
+        extent->low[a] = extent->count ? fmin(extent->low[a], p[a]) : p[a];
+        extent->high[a] = extent->count ? fmax(extent->high[a], p[a]) : p[a];
+    }
+    extent->farthest = fmax(extent->farthest, vec3_length(p));
+    extent->count++;
+}
+
+/* Warns where a head in metres would be as small: all positions lie within 1 mm of the origin, but not at it, or three
+ * and more within 0.2 mm of each other. `source` is the file that says that they are in mm, "" if none does. */
+static conus_status extent_note(struct notes *notes, const struct extent *extent, const char *source)
+{
+    double side = 0;
+    for (int a = 0; a < 3; a++) {
+        side = fmax(side, extent->high[a] - extent->low[a]);
+    }
+    bool near_origin = extent->farthest > 0 && extent->farthest <= NEAR_ORIGIN;
+    bool near_each_other = extent->count >= LEAST && side > 0 && side <= NEAR_EACH_OTHER;
+    const char *slash = strrchr(source, '/');
+    source = slash ? slash + 1 : source;
+    return near_origin || near_each_other
+               ? notes_warn(notes, "all positions lie within %s, as if they were in metres; they are taken as mm%s%s%s",
+                            near_origin ? "1 mm of the origin" : "0.2 mm of each other", source[0] ? ", as " : "",
+                            source, source[0] ? " says" : "")
+               : CONUS_OK;
+}
 
 struct conus_pose_stream {
     conus_pose_options options; /* with a frame, this: */
@@ -41,7 +82,7 @@ struct conus_pose_stream {
     struct pose_strings strings; /* of the rows of the last block */
     conus_pose_list whole;       /* rows of a format that is read whole, and all notes */
     uint64_t taken;              /* rows read or passed over */
-    struct pose_extent extent;   /* of the rows read, */
+    struct extent extent;        /* of the rows read, */
     bool is_partial;             /* some of which were passed over */
 };
 
@@ -60,12 +101,12 @@ static conus_status find_format(conus_pose_stream *stream)
     while (!status && found == CONUS_POSE_FORMAT_AUTO) {
         bool all = lines->ended || lines->size >= POSE_LINE_LIMIT;
         size_t size = lines->size < POSE_LINE_LIMIT ? lines->size : POSE_LINE_LIMIT;
-        found = pose_guess_format((struct text){lines->data, size}, all, &used);
+        found = pose_format_guess((struct text){lines->data, size}, all, &used);
         if (found == CONUS_POSE_FORMAT_AUTO) {
             status = pose_lines_fill(lines, lines->size + 1);
         }
     }
-    const char *kind = status ? NULL : pose_bytes_kind((struct text){lines->data, lines->size});
+    const char *kind = status ? NULL : pose_format_refused((struct text){lines->data, lines->size});
     if (kind) {
         return fail(CONUS_ERROR_DATA, "%s", kind);
     }
@@ -157,11 +198,10 @@ static conus_status check_space(const conus_pose_stream *stream)
 static conus_status note_extent(conus_pose_stream *stream)
 {
     bool of_people = stream->options.space < CONUS_SPACE_CCF && stream->format != CONUS_POSE_FORMAT_IBL;
-    conus_status status =
-        of_people && !stream->is_partial
-            ? pose_extent_note(&stream->whole.notes, &stream->extent, conus_pose_list_coordsystem(&stream->whole))
-            : CONUS_OK;
-    stream->extent = (struct pose_extent){0};
+    conus_status status = of_people && !stream->is_partial ? extent_note(&stream->whole.notes, &stream->extent,
+                                                                         conus_pose_list_coordsystem(&stream->whole))
+                                                           : CONUS_OK;
+    stream->extent = (struct extent){0};
     return status;
 }
 
@@ -174,7 +214,7 @@ static conus_status read_whole(conus_pose_stream *stream)
     status = status ? status : pose_lines_rest(&bytes, &stream->lines, pose_memory(&stream->options));
     const struct text text = {(const char *)bytes.data, bytes.size};
     if (!status && stream->options.format == CONUS_POSE_FORMAT_AUTO) {
-        status = pose_bytes_program(&stream->format, text, &stream->options);
+        status = pose_format_of_matlab(&stream->format, text, &stream->options);
     }
     status = status ? status : choose_json(stream, text);
     status = status ? status : check_space(stream);
@@ -184,7 +224,7 @@ static conus_status read_whole(conus_pose_stream *stream)
     }
     bytes_finish(&bytes);
     for (size_t i = 0; !status && i < stream->whole.count; i++) {
-        pose_extent_add(&stream->extent, &stream->whole.rows[i]);
+        extent_add(&stream->extent, &stream->whole.rows[i]);
     }
     return status ? status : note_extent(stream);
 }
@@ -384,7 +424,7 @@ static conus_status read_row(conus_pose_row *out, conus_pose_stream *stream, boo
     conus_status bad = row_from_line(&row, &name, stream, &line);
     status = keep_strings(&row, stream, name.text, bad ? conus_message() : NULL);
     if (row.is_point) { /* of cones conus_aims_found() tells more */
-        pose_extent_add(&stream->extent, &row);
+        extent_add(&stream->extent, &row);
     }
     *out = row;
     return status;
@@ -575,13 +615,55 @@ const char *conus_pose_stream_note(const conus_pose_stream *stream, size_t index
     return stream && index < stream->whole.notes.count ? stream->whole.notes.lines[index] : NULL;
 }
 
-conus_status pose_stream_take_header(conus_pose_list *list, conus_pose_stream *stream)
+static conus_status read_all(conus_pose_list *list, conus_pose_stream *stream)
 {
-    list->space = stream->whole.space;
-    list->coordsystem = stream->whole.coordsystem;
-    stream->whole.coordsystem = NULL;
-    list->electrodes = stream->whole.electrodes;
-    stream->whole.electrodes = NULL;
-    conus_status status = pose_list_hear(list, &stream->whole.sink);
-    return status ? status : notes_move(&list->notes, &stream->whole.notes);
+    enum { BLOCK = 64 };
+    conus_pose_list *whole = &stream->whole;
+    conus_pose_row rows[BLOCK];
+    size_t count = 0;
+    conus_status status = CONUS_OK;
+    do {
+        status = conus_pose_stream_read(rows, &count, stream, BLOCK);
+        for (size_t i = 0; !status && i < count; i++) {
+            status = pose_list_add(list, &rows[i], text_from(rows[i].id), rows[i].error);
+        }
+    } while (!status && count);
+    if (status) {
+        return status;
+    }
+    list->space = whole->space;
+    list->coordsystem = whole->coordsystem;
+    whole->coordsystem = NULL;
+    list->electrodes = whole->electrodes;
+    whole->electrodes = NULL;
+    status = pose_list_hear(list, &whole->sink);
+    return status ? status : notes_move(&list->notes, &whole->notes);
+}
+
+/* All rows, with the space, notes and electrodes. Destroys the stream. */
+static conus_status list_from_stream(conus_pose_list **out, conus_pose_stream *stream)
+{
+    conus_pose_list *list = memory_zeroed(1, sizeof *list);
+    conus_status status = list ? read_all(list, stream) : CONUS_ERROR_MEMORY;
+    conus_pose_stream_destroy(stream);
+    if (status) {
+        conus_pose_list_destroy(list);
+        return status;
+    }
+    *out = list;
+    return CONUS_OK;
+}
+
+conus_status pose_list_parse(conus_pose_list **out, struct text text, const conus_pose_options *options)
+{
+    conus_pose_stream *stream = NULL;
+    conus_status status = pose_stream_parse(&stream, text, options);
+    return status ? status : list_from_stream(out, stream);
+}
+
+conus_status conus_pose_list_load(conus_pose_list **out, const char *path, const conus_pose_options *options)
+{
+    conus_pose_stream *stream = NULL;
+    conus_status status = conus_pose_stream_open(&stream, path, options);
+    return status ? status : list_from_stream(out, stream);
 }

@@ -13,8 +13,10 @@ conus_status pose_stream_parse(conus_pose_stream **out, struct text text, const 
 /** Rows that were read or passed over. */
 uint64_t pose_stream_position(const conus_pose_stream *stream);
 
-/** Lets @p list name the stream's space, and have its notes; the stream has none afterwards. */
-conus_status pose_stream_take_header(conus_pose_list *list, conus_pose_stream *stream);
+/** All poses of @p text (docs/formats.md). A row that is no pose is kept with its error; CONUS_ERROR_DATA is for a text
+ * in which no row can be read: an unknown or missing column, nothing at all, not text. @p options NULL = the default.
+ */
+conus_status pose_list_parse(conus_pose_list **out, struct text text, const conus_pose_options *options);
 
 /** What messages call the file @p path: itself, or "standard input". */
 const char *pose_path_name(const char *path);

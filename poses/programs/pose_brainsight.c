@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Parses Brainsight's export, section by section. */
-#include "poses/programs/pose_brainsight.h"
+#include "poses/programs/pose_programs.h"
 
 #include "base/geometry/math3.h"
 #include "poses/rows/pose_row.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Finds and parses the *_coordsystem.json of a table of electrodes, or of markers of NIBS-BIDS. */
-#include "poses/programs/pose_coordsystem.h"
+#include "poses/programs/pose_programs.h"
 
 #include "base/buffer.h"
 #include "base/files/file.h"

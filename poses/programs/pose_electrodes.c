@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Parses BIDS electrodes, and finds the direction of each contact along its shaft. */
-#include "poses/programs/pose_electrodes.h"
+#include "poses/programs/pose_programs.h"
 
 #include "base/geometry/math3.h"
 #include "base/memory.h"

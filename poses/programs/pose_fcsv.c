@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Parses 3D Slicer's lists of fiducials. */
-#include "poses/programs/pose_fcsv.h"
+#include "poses/programs/pose_programs.h"
 
 #include "poses/rows/pose_columns.h"
 #include "poses/rows/pose_row.h"

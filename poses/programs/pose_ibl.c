@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Parses JSON of the International Brain Laboratory's tools (iblapps, "Preparing data for ephys GUI"). */
-#include "poses/programs/pose_ibl.h"
+#include "poses/programs/pose_programs.h"
 
 #include "base/formats/json_text.h"
 #include "base/geometry/math3.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Parses InVesalius's table of markers. */
-#include "poses/programs/pose_invesalius.h"
+#include "poses/programs/pose_programs.h"
 
 #include "base/geometry/math3.h"
 #include "poses/rows/pose_columns.h"

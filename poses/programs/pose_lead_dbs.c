@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reads reco.SPACE.coords_mm: a cell for each lead with the positions of its contacts, the lowest first. */
-#include "poses/programs/pose_lead_dbs.h"
+#include "poses/programs/pose_programs.h"
 
 #include "base/formats/matlab.h"
 #include "poses/rows/pose_row.h"

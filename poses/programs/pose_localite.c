@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Parses Localite's XML. */
-#include "poses/programs/pose_localite.h"
+#include "poses/programs/pose_programs.h"
 
 #include "base/formats/xml.h"
 #include "base/geometry/math3.h"

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Parses 3D Slicer's JSON. */
-#include "poses/programs/pose_markups.h"
+#include "poses/programs/pose_programs.h"
 
 #include "base/formats/json_text.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "poses/programs/pose_fcsv.h"
 #include "poses/rows/pose_row.h"
 
 #include <stdio.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Parses NIBS-BIDS's markers. The proposal (versions 6.0 to 6.3) does not say which way a coil's normal or the axes of
  * its matrix point: a target decides, or the caller. */
-#include "poses/programs/pose_nibs.h"
+#include "poses/programs/pose_programs.h"
 
 #include "base/formats/json_text.h"
 #include "base/geometry/math3.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reads matsimnibs, SimNIBS's world_from_coil: the coil's x, y (along the handle), z (into the head) and centre. */
-#include "poses/programs/pose_simnibs.h"
+#include "poses/programs/pose_programs.h"
 
 #include "base/formats/matlab.h"
 #include "poses/rows/pose_row.h"

@@ -2,7 +2,7 @@
 /* The BIDS table of electrodes that was asked about, with columns added that say where each contact is. */
 #include "base/memory.h"
 #include "base/text.h"
-#include "poses/programs/pose_electrodes.h"
+#include "poses/programs/pose_programs.h"
 #include "selection/report/report_writers.h"
 
 /* Appends @p count fields of the line: missing ones as n/a, without what is too much. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A space that is read has a name and a scale. */
-#include "poses/programs/pose_coordsystem.h"
+#include "poses/programs/pose_programs.h"
 
 #include <stdlib.h>
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The matrices of a tracker: what is read is one rigid pose, or says why it is none. */
 #include "base/geometry/math3.h"
-#include "poses/pose_load.h"
+#include "poses/pose_stream.h"
 
 #include <stdlib.h>
 

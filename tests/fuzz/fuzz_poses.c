@@ -2,7 +2,6 @@
 /* A pose that is read without error is rigid, whatever the format, the axis and the space; and passing over rows counts
  * them as reading does. */
 #include "base/geometry/math3.h"
-#include "poses/pose_load.h"
 #include "poses/pose_stream.h"
 
 #include <stdlib.h>

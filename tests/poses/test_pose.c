@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Poses from directions, quaternions, matrices and rows; LPS and RAS. */
 #include "base/geometry/math3.h"
-#include "poses/pose_load.h"
+#include "poses/pose_stream.h"
 #include "test.h"
 
 #include <string.h>

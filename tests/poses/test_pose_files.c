@@ -4,9 +4,8 @@
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
 #include "pose_checks.h"
-#include "poses/pose_load.h"
 #include "poses/pose_stream.h"
-#include "poses/programs/pose_coordsystem.h"
+#include "poses/programs/pose_programs.h"
 #include "test.h"
 
 #include <stdio.h>

@@ -2,7 +2,7 @@
 /* Poses of InVesalius and NIBS-BIDS; and of these, SimNIBS and Lead-DBS: formats and spaces, prefixes, allocations. */
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
-#include "poses/pose_load.h"
+#include "poses/pose_stream.h"
 
 #include "pose_checks.h"
 #include "test.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Poses in MATLAB's files: of SimNIBS, also as text, and of Lead-DBS. scipy wrote the samples. */
 #include "base/geometry/math3.h"
-#include "poses/pose_load.h"
+#include "poses/pose_stream.h"
 
 #include "builders/matlab_builder.h"
 #include "pose_checks.h"

@@ -3,7 +3,7 @@
  * places follow from the frames below by hand. */
 #include "base/files/file.h"
 #include "pose_checks.h"
-#include "poses/pose_load.h"
+#include "poses/pose_stream.h"
 #include "test.h"
 
 #include <stdio.h>

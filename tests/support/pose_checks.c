@@ -3,7 +3,7 @@
 #include "pose_checks.h"
 
 #include "base/geometry/math3.h"
-#include "poses/pose_load.h"
+#include "poses/pose_stream.h"
 #include "test.h"
 
 #include <stdio.h>

@@ -1,0 +1,68 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Poses in the files of other programs: the parsers of pose_formats.c's table, and how each file is recognised.
+ * A parser adds the rows of the text, with notes and the space that it names, to the list; a bad pose is a row with its
+ * error. */
+#ifndef CONUS_POSES_PROGRAMS_POSE_PROGRAMS_H
+#define CONUS_POSES_PROGRAMS_POSE_PROGRAMS_H
+
+#include "poses/rows/pose_list.h"
+
+/** Brainsight's export: sections of targets, samples and electrodes; landmarks are passed over. */
+conus_status pose_brainsight_parse(conus_pose_list *list, struct text text, const conus_pose_options *options);
+/** Whether a line that begins with # is one of Brainsight's, not a comment. */
+bool pose_brainsight_line(struct text line);
+
+/** Electrodes of BIDS, *_electrodes.tsv, in units of list->space: points, or poses along their shafts. */
+conus_status pose_electrodes_parse(conus_pose_list *list, struct text text, const conus_pose_options *options);
+/** Whether @p line is the header of such a table. */
+bool pose_electrodes_header(struct text line);
+
+/** The *_markers.tsv of the proposal NIBS-BIDS (BEP037), in units of list->space: poses, or points where there is only
+ * a target. */
+conus_status pose_nibs_parse(conus_pose_list *list, struct text text, const conus_pose_options *options);
+/** Whether @p line is the header of such a table. */
+bool pose_nibs_header(struct text line);
+
+/** The space that a *_coordsystem.json of BIDS names: CONUS_ERROR_DATA for a space that is no image's world, and for
+ * units that are no lengths. */
+conus_status pose_coordsystem_parse(struct pose_space *out, struct text text);
+/** Sets list->space from the *_coordsystem.json beside the table @p path, and list->coordsystem to its path; without
+ * that file from the table's name, with a note. */
+conus_status pose_coordsystem_find(conus_pose_list *list, const char *path);
+
+/** The International Brain Laboratory's xyz_picks.json, points, or channel_locations.json, channels: micrometres ML,
+ * AP, DV from bregma, to the right, anterior, dorsal. They need a frame in CCF or from bregma. */
+conus_status pose_ibl_parse(conus_pose_list *list, struct text text, const conus_pose_options *options);
+/** Whether @p text is such JSON: it has the key xyz_picks or channel_0. CONUS_ERROR_MEMORY where that cannot be found
+ * out. */
+conus_status pose_ibl_is(bool *out, struct text text);
+
+/** InVesalius's markers, .mkss, by their world columns: poses of the coil, and points. */
+conus_status pose_invesalius_parse(conus_pose_list *list, struct text text, const conus_pose_options *options);
+/** Whether @p line is the first one of such a file. */
+bool pose_invesalius_line(struct text line);
+
+/** The contacts of Lead-DBS's reconstruction, ea_reconstruction.mat or *_desc-reconstruction.mat, as points in MNI
+ * space, or in the patient's own where it has no other. @p text is no longer than pose_memory(). */
+conus_status pose_lead_dbs_parse(conus_pose_list *list, struct text text, const conus_pose_options *options);
+/** The same in the patient's own space. */
+conus_status pose_lead_dbs_parse_native(conus_pose_list *list, struct text text, const conus_pose_options *options);
+/** Sets *found where the MAT-file @p text is a reconstruction. Errors are those of the file. */
+conus_status pose_lead_dbs_find(bool *found, struct text text, const conus_pose_options *options);
+
+/** Localite's markers, InstrumentMarker*.xml and TriggerMarkers*.xml. */
+conus_status pose_localite_parse(conus_pose_list *list, struct text text, const conus_pose_options *options);
+
+/** 3D Slicer's markups: .mrk.json, lines and points, or .fcsv, points. */
+conus_status pose_markups_parse(conus_pose_list *list, struct text text, const conus_pose_options *options);
+/** The points of an .fcsv, named by their labels; of Slicer 3 (label,x,y,z,sel,vis) and since 4 (id,x,y,z, …, label,
+ * …). */
+conus_status pose_fcsv_parse(conus_pose_list *list, struct text text, const conus_pose_options *options);
+/** Whether a line stands at the head of an .fcsv and of no other file. */
+bool pose_fcsv_line(struct text line);
+
+/** SimNIBS's matsimnibs: in a MAT-file of a SESSION, a TMSLIST or a POSITION, or as a text of 16 numbers each. @p text
+ * is no longer than pose_memory(). */
+conus_status pose_simnibs_parse(conus_pose_list *list, struct text text, const conus_pose_options *options);
+
+#endif
