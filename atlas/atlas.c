@@ -2,7 +2,7 @@
 /* Builds an atlas step by step, and answers what the public header asks of it. */
 #include "atlas/atlas.h"
 
-#include "atlas/labels/palette.h"
+#include "atlas/labels/labels.h"
 #include "atlas/space.h"
 #include "atlas/volume_sample.h"
 #include "base/geometry/math3.h"

@@ -2,7 +2,7 @@
 /* From a tractogram to the bundles of an atlas. */
 #include "atlas/bundles.h"
 
-#include "atlas/labels/palette.h"
+#include "atlas/labels/labels.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 

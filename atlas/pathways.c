@@ -2,7 +2,7 @@
 /* What the values of a volume make (Eq. 6): pathways, by a threshold or by bands, and a context that blocks. And other
  * areas before them. */
 #include "atlas/atlas.h"
-#include "atlas/labels/palette.h"
+#include "atlas/labels/labels.h"
 #include "atlas/space.h"
 #include "base/memory.h"
 

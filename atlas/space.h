@@ -29,4 +29,14 @@ bool space_is_guess(const conus_volume_info *info);
 /** Name of a NIfTI xform code, "unknown" outside 0..5. */
 const char *space_code_name(int code);
 
+struct conus_grid {
+    conus_grid_view view; /**< data and description are owned.                                            */
+    void *data;           /**< What view.data is: size bytes a voxel, in this machine's byte order.          */
+    size_t size;          /**< Bytes of a number.                                                            */
+    bool labels;          /**< The numbers are labels.                                                       */
+};
+
+/** Zeros on the grid of @p info. @p description is copied. */
+conus_status grid_create(conus_grid **out, const conus_volume_info *info, conus_number number, const char *description);
+
 #endif

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus_selection_grid(): the voxels of a selection's region on their own grid. */
-#include "atlas/grid.h"
 #include "atlas/space.h"
 #include "base/memory.h"
 #include "base/options.h"

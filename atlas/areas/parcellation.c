@@ -2,7 +2,7 @@
 /* atlas_create_of(): from labels of any size and a label table to areas with dense numbers. */
 #include "atlas/atlas.h"
 #include "atlas/labels/label_voxels.h"
-#include "atlas/labels/palette.h"
+#include "atlas/labels/labels.h"
 #include "atlas/space.h"
 #include "base/buffer.h"
 #include "base/memory.h"

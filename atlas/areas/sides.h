@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What a name says about the hemisphere of its area: Precentral_L, Left-Thalamus, ctx-rh-insula. */
+/** @file Left and right: what names such as Precentral_L, Left-Thalamus or ctx-rh-insula say, and which areas pair. */
 #ifndef CONUS_ATLAS_AREAS_SIDES_H
 #define CONUS_ATLAS_AREAS_SIDES_H
 
+#include "atlas/atlas.h"
 #include "base/buffer.h"
 #include "base/text.h"
 
@@ -27,5 +28,30 @@ void side_word_swap(struct buffer *out, struct text name, const struct side_word
 /** Appends @p name without the word, its brackets and what joins it to the rest: "Precentral", "Thalamus",
  * "ctx-insula". May append nothing. */
 void side_word_drop(struct buffer *out, struct text name, const struct side_word *word);
+
+/** Finds the areas that are left and right of one. Two are a pair if their names differ in nothing but a word for the
+ * side, or are equal and the table gives L for one and R for the other; if no other area could
+ * take the place of either; if what the table says of their hemispheres does not contradict; and if they have the same
+ * parent, or their parents are a pair. @p out is [area_count + 1]: of a left area the number of the right one, else 0.
+ * memory_free() it. */
+conus_status hemispheres_pair(uint32_t **out, const conus_atlas *atlas);
+
+/** Appends what the names of a left and a right area have in common: without the word for the side, or the whole name
+ * if they are equal. Nothing if they differ otherwise. */
+void hemispheres_common_name(struct buffer *out, const char *left, const char *right);
+
+/** The power of ten above all labels of areas, with room for three before it; CONUS_ERROR_UNSUPPORTED if there is none.
+ */
+conus_status hemispheres_label_step(uint32_t *out, const conus_atlas *atlas);
+
+/** Writes 'L', 'R', 'B' or 0 of each area by itself, by number, to @p out of [area_count + 1], which is zeroed: what
+ * the table says, or which one of a pair it is (hemispheres_pair()), or else a word in its name such as "left" or
+ * "rh". On failure @p out may have been written to. */
+conus_status area_sides_find(char *out, const conus_atlas *atlas);
+
+/** Warns where at least three quarters of the pairs of a left and a right area (hemispheres_pair()), and three of them
+ * or more, lie the other way round: the left one at the larger mean x of voxels or vertices. Where the midline is does
+ * not matter. Of large grids every so many-th row is looked at. CONUS_ERROR_MEMORY. */
+conus_status swapped_sides_note(conus_atlas *atlas);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Where a deformation field takes points. */
+/* Where a deformation field takes points, the way back, and what a careful user should know of it. */
 #include "atlas/deformation/deformation.h"
 
 #include "base/geometry/math3.h"
@@ -148,4 +148,305 @@ void deformation_finish(struct deformation *field)
         memory_free(field->vectors);
     }
     *field = (struct deformation){0};
+}
+
+/* Where the nodes of two layers go, of which `far` is the second. */
+struct layers {
+    const struct deformation *field;
+    double (*near)[3]; /* [dim[0] dim[1]] */
+    double (*far)[3];
+};
+
+static void visit_layer(struct deformation_facts *out, struct layers *layers, size_t k)
+{
+    const struct deformation *field = layers->field;
+    for (size_t n = 0; n < field->dim[0] * field->dim[1]; n++) {
+        const size_t node[3] = {n % field->dim[0], n / field->dim[0], k};
+        const double q[3] = {(double)node[0], (double)node[1], (double)node[2]};
+        double way[3];
+        deformation_node(layers->far[n], field, node);
+        mat4_point(way, field->world_from_voxel, q);
+        vec3_sub(way, layers->far[n], way);
+        out->nodes++;
+        out->unstated += !vec3_is_finite(way);
+        out->farthest = fmax(out->farthest, vec3_length(way)); /* NaN is passed over */
+    }
+}
+
+/* Whether the map turns over at one of the corners of the cell that begins at node n of the near layer. `turn` is 1 or
+ * -1. */
+static bool folds_at(const struct layers *layers, size_t n, double turn)
+{
+    const double *x[8];
+    for (unsigned c = 0; c < 8; c++) {
+        x[c] = (c & 4 ? layers->far : layers->near)[n + (c & 1) + (c >> 1 & 1) * layers->field->dim[0]];
+    }
+    for (unsigned c = 0; c < 8; c++) {
+        double edges[3][3];
+        double across[3];
+        for (unsigned a = 0; a < 3; a++) { /* along axis a through corner c */
+            vec3_sub(edges[a], x[c | 1U << a], x[c & ~(1U << a)]);
+        }
+        vec3_cross(across, edges[1], edges[2]);
+        if (turn * vec3_dot(edges[0], across) <= 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static void find_directions(struct deformation_facts *out, const struct deformation *field)
+{
+    double x_from_voxel[16];
+    double turned[16];
+    if (mat4_invert_affine(x_from_voxel, field->start)) { /* as deformation_measure() has found */
+        mat4_multiply(turned, x_from_voxel, field->voxel_from_world);
+        out->growth = fabs(mat4_determinant3(turned));
+        out->mirrors = mat4_determinant3(turned) < 0;
+        out->half_turn = turned[0] < 0 && turned[5] < 0 && turned[10] > 0;
+    }
+}
+
+conus_status deformation_facts_find(struct deformation_facts *out, const struct deformation *field)
+{
+    struct deformation_facts facts = {0};
+    double turn = mat4_determinant3(field->start) < 0 ? -1 : 1;
+    size_t nodes = field->dim[0] * field->dim[1];
+    struct layers layers = {field, memory_raw(nodes, sizeof *layers.near), memory_raw(nodes, sizeof *layers.far)};
+    bool enough = layers.near && layers.far;
+    for (size_t k = 0; enough && k < field->dim[2]; k++) {
+        double(*last)[3] = layers.near;
+        layers.near = layers.far;
+        layers.far = last;
+        visit_layer(&facts, &layers, k);
+        if (k > 0) {
+            const size_t *dim = layers.field->dim;
+            for (size_t j = 0; j + 1 < dim[1]; j++) {
+                for (size_t i = 0; i + 1 < dim[0]; i++) {
+                    facts.cells++;
+                    facts.folds += folds_at(&layers, i + dim[0] * j, turn);
+                }
+            }
+        }
+    }
+    if (enough) {
+        find_directions(&facts, field);
+        *out = facts;
+    }
+    memory_free(layers.near);
+    memory_free(layers.far);
+    return enough ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
+enum { STEPS = 100, HALVINGS = 20, LATTICE = 10 }; /* LATTICE: nodes along an axis that are tried as a start */
+
+static const double inside = 0.5 - 1e-9; /* half a step beyond the last node, less rounding */
+
+static void hold_inside(double q[3], const struct deformation *field)
+{
+    for (int a = 0; a < 3; a++) {
+        q[a] = fmin(fmax(q[a], -inside), (double)(field->dim[a] - 1) + inside);
+    }
+}
+
+/* Newton's step, from the residual in mm to indices; false where the map turns flat. */
+static bool newton_step(double out[3], double columns[3][3], const double residual[3])
+{
+    double m[16] = {[15] = 1};
+    double inverse[16];
+    for (int a = 0; a < 3; a++) {
+        memcpy(m + (ptrdiff_t)4 * a, columns[a], sizeof columns[a]);
+    }
+    if (!mat4_invert_affine(inverse, m)) {
+        return false;
+    }
+    mat4_direction(out, inverse, residual);
+    return true;
+}
+
+/* Goes along `step`, or a part of it, to where the residual is less. */
+static bool go_along(double q[3], double residual[3], const struct deformation *field, const double target[3],
+                     const double step[3])
+{
+    double length = vec3_length(residual);
+    for (int i = 0; i < HALVINGS; i++) {
+        double part = ldexp(1, -i);
+        double next[3];
+        double left[3];
+        vec3_add_scaled(next, q, part, step);
+        hold_inside(next, field);
+        deformation_at(left, field, next);
+        vec3_sub(left, target, left);
+        if (vec3_length(left) <= length * (1 - part / 1000)) { /* false for NaN */
+            memcpy(q, next, sizeof next);
+            memcpy(residual, left, sizeof left);
+            return true;
+        }
+    }
+    return false;
+}
+
+/* From the indices q to those of the point; false where it comes to an end before. */
+static bool search(double q[3], const struct deformation *field, const double target[3])
+{
+    double residual[3];
+    hold_inside(q, field);
+    deformation_at(residual, field, q);
+    vec3_sub(residual, target, residual);
+    for (int i = 0; i < STEPS && vec3_length(residual) > DEFORMATION_TOLERANCE; i++) {
+        double at[3];
+        double step[3];
+        double columns[3][3];
+        deformation_slope(at, columns, field, q);
+        bool goes = newton_step(step, columns, residual) && go_along(q, residual, field, target, step);
+        if (!goes) { /* the field as a whole knows a way */
+            mat4_direction(step, field->start, residual);
+            goes = go_along(q, residual, field, target, step);
+        }
+        if (!goes) {
+            break;
+        }
+    }
+    return vec3_length(residual) <= DEFORMATION_TOLERANCE;
+}
+
+/* Of some nodes the one that goes nearest to the target; false where none goes anywhere. */
+static bool nearest_node(double out[3], const struct deformation *field, const double target[3])
+{
+    double best = INFINITY;
+    double step[3];
+    for (int a = 0; a < 3; a++) {
+        step[a] = (double)(field->dim[a] - 1) / (LATTICE - 1);
+    }
+    for (int n = 0; n < LATTICE * LATTICE * LATTICE; n++) {
+        const int at[3] = {n % LATTICE, n / LATTICE % LATTICE, n / LATTICE / LATTICE};
+        const double q[3] = {floor(at[0] * step[0]), floor(at[1] * step[1]), floor(at[2] * step[2])};
+        double x[3];
+        deformation_at(x, field, q);
+        vec3_sub(x, target, x);
+        if (vec3_length(x) < best) {
+            best = vec3_length(x);
+            memcpy(out, q, sizeof q);
+        }
+    }
+    return best < INFINITY;
+}
+
+static bool is_at_border(const double q[3], const struct deformation *field)
+{
+    for (int a = 0; a < 3; a++) {
+        if (!(q[a] > -inside && q[a] < (double)(field->dim[a] - 1) + inside)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Where nodes go, and as far beyond as the border's half steps may reach. */
+static bool is_within_reach(const struct deformation *field, const double target[3])
+{
+    for (int a = 0; a < 3; a++) {
+        double more = (field->high[a] - field->low[a]) / 2;
+        if (!(target[a] >= field->low[a] - more && target[a] <= field->high[a] + more)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static enum deformation_found outside(double out[3], const struct deformation *field, const double target[3])
+{
+    double q[3];
+    mat4_point(q, field->voxel_from_world, target);
+    bool stays = field->stays_outside && !deformation_holds(field, q);
+    for (int a = 0; a < 3; a++) {
+        out[a] = stays ? target[a] : NAN;
+    }
+    return DEFORMATION_OUTSIDE;
+}
+
+enum deformation_found deformation_find(double out[3], const struct deformation *field, const double target[3])
+{
+    double q[3];
+    double goal[3];
+    memcpy(goal, target, sizeof goal);
+    if (!is_within_reach(field, goal)) {
+        return outside(out, field, goal);
+    }
+    mat4_point(q, field->start, goal);
+    if (search(q, field, goal) || (nearest_node(q, field, goal) && search(q, field, goal))) {
+        mat4_point(out, field->world_from_voxel, q);
+        return DEFORMATION_FOUND;
+    }
+    return is_at_border(q, field) ? outside(out, field, goal) : DEFORMATION_LOST;
+}
+
+enum { MEASURED = 64 }; /* nodes along an axis that are enough */
+
+/* Sums over nodes. */
+struct sums {
+    double count;
+    double q[3], qq[3]; /* of indices and their squares */
+    double x[3];        /* of where nodes go */
+    double xq[3][3];    /* [axis of q][axis of x] */
+};
+
+static void add_node(struct sums *sums, struct deformation *field, const size_t node[3])
+{
+    const double q[3] = {(double)node[0], (double)node[1], (double)node[2]};
+    double x[3];
+    deformation_node(x, field, node);
+    if (!vec3_is_finite(x)) {
+        return;
+    }
+    sums->count++;
+    for (int a = 0; a < 3; a++) {
+        field->low[a] = fmin(field->low[a], x[a]);
+        field->high[a] = fmax(field->high[a], x[a]);
+        sums->q[a] += q[a];
+        sums->qq[a] += q[a] * q[a];
+        sums->x[a] += x[a];
+        vec3_add_scaled(sums->xq[a], sums->xq[a], q[a], x);
+    }
+}
+
+/* By each axis of indices alone: on a whole grid they do not go together, and a start needs no more. */
+static void fit(double out[16], const struct sums *sums)
+{
+    mat4_identity(out);
+    for (int b = 0; b < 3; b++) {
+        out[12 + b] = sums->x[b] / sums->count;
+    }
+    for (int a = 0; a < 3; a++) {
+        double mean = sums->q[a] / sums->count;
+        double spread = sums->qq[a] - sums->count * mean * mean;
+        for (int b = 0; b < 3; b++) {
+            out[4 * a + b] = (sums->xq[a][b] - mean * sums->x[b]) / spread;
+            out[12 + b] -= out[4 * a + b] * mean;
+        }
+    }
+}
+
+conus_status deformation_measure(struct deformation *field)
+{
+    struct sums sums = {0};
+    double near[16];
+    size_t node[3];
+    size_t step[3];
+    for (int a = 0; a < 3; a++) {
+        step[a] = field->dim[a] / MEASURED + 1;
+        field->low[a] = INFINITY;
+        field->high[a] = -INFINITY;
+    }
+    for (node[2] = 0; node[2] < field->dim[2]; node[2] += step[2]) {
+        for (node[1] = 0; node[1] < field->dim[1]; node[1] += step[1]) {
+            for (node[0] = 0; node[0] < field->dim[0]; node[0] += step[0]) {
+                add_node(&sums, field, node);
+            }
+        }
+    }
+    fit(near, &sums);
+    return mat4_invert_affine(field->start, near)
+               ? CONUS_OK
+               : fail(CONUS_ERROR_DATA, "the field takes all points to a plane, or nowhere");
 }

@@ -51,4 +51,31 @@ struct warp {
 /** Where a point goes through all of @p warps, the last one first; as deformation_point(). */
 bool warps_point(double out[3], const struct warp *warps, size_t count, const double p[3]);
 
+struct deformation_facts {
+    double farthest;        /**< Longest way of a node, mm.                                             */
+    size_t nodes, unstated; /**< Nodes, and those of which the field says nothing.                       */
+    size_t cells, folds;    /**< Cells between eight nodes, and those in which the map turns over at a corner (its
+                               Jacobian has another sign than the field as a whole, or is 0).             */
+    double growth;          /**< What becomes of 1 mm^3, by the affine next to the field.                */
+    bool mirrors;           /**< The field as a whole does.                                             */
+    bool half_turn;         /**< It turns the whole by about half a circle about z.                      */
+};
+
+/** Finds the facts of a measured field. */
+conus_status deformation_facts_find(struct deformation_facts *out, const struct deformation *field);
+
+#define DEFORMATION_TOLERANCE 1e-6 /**< mm by which the found point may miss, when it goes through the field. */
+
+enum deformation_found {
+    DEFORMATION_FOUND,
+    DEFORMATION_OUTSIDE, /**< Nothing on the grid goes there.                                                  */
+    DEFORMATION_LOST,    /**< The search ended inside of the grid: the field folds there, or it has no values. */
+};
+
+/** Finds the world point that goes to @p target: Newton's steps, halved as long as they do not come nearer, from the
+ * affine next to the field, then from the nearest of some nodes. @p out is set with DEFORMATION_FOUND; with
+ * DEFORMATION_OUTSIDE and stays_outside it is @p target if that lies outside of the grid, and NaN otherwise. Of several
+ * points one is found. */
+enum deformation_found deformation_find(double out[3], const struct deformation *field, const double target[3]);
+
 #endif

@@ -2,7 +2,7 @@
 /* The table of phantoms, and how their shapes are drawn on a grid. */
 #include "atlas/phantom/phantom.h"
 
-#include "atlas/labels/palette.h"
+#include "atlas/labels/labels.h"
 #include "atlas/space.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"

@@ -3,7 +3,6 @@
 #include "atlas/surface/mesh.h"
 
 #include "atlas/surface/mesh_closed.h"
-#include "atlas/surface/mesh_winding.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 

@@ -14,4 +14,12 @@ conus_status mesh_is_closed(bool *out, const struct mesh *mesh);
  * are looked at. */
 conus_status mesh_find_first(uint32_t *first, const struct mesh *mesh);
 
+/** Whether the closed @p mesh winds once, everywhere in the same way, around what it encloses. It does not where two
+ * parts overlap, or where one faces outwards and another inwards (a mirrored half, say): the signed volume then counts
+ * some of the inside twice, or takes it away. Parts that face inwards are fine as cavities of others.
+ *
+ * Looked at along 64 x 64 lines through the bounds of @p shape. They may disagree on a hundredth of the inside, as
+ * surfaces with small folds do. Also false for a mesh with more than 2^26 pairs of a line and a triangle near it. */
+conus_status mesh_winds_once(bool *out, const struct mesh *mesh, const struct mesh_shape *shape);
+
 #endif

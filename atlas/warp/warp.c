@@ -3,7 +3,7 @@
 #include "atlas/warp/warp.h"
 
 #include "atlas/bundles.h"
-#include "atlas/deformation/deformation_facts.h"
+#include "atlas/deformation/deformation.h"
 #include "atlas/placement.h"
 #include "atlas/warp/warp_parts.h"
 #include "base/geometry/math3.h"

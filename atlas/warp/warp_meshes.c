@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Surfaces whose vertices go back through a field. */
-#include "atlas/deformation/deformation_find.h"
+#include "atlas/deformation/deformation.h"
 #include "atlas/warp/warp_parts.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"

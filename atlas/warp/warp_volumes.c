@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Volumes on another grid, each voxel as the nearest of the atlas's own. */
-#include "atlas/deformation/deformation_find.h"
+#include "atlas/deformation/deformation.h"
 #include "atlas/space.h"
 #include "atlas/warp/warp_parts.h"
 #include "base/geometry/math3.h"

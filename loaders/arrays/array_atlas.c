@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Atlases, surfaces, pathways, contexts and regions of interest from arrays. */
-#include "atlas/areas/swapped_sides.h"
+#include "atlas/areas/sides.h"
 #include "atlas/atlas.h"
 #include "base/memory.h"
 #include "base/options.h"

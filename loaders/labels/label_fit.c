@@ -2,7 +2,7 @@
 /* How well the numbers of a table match those of a volume. */
 #include "loaders/labels/label_fit.h"
 
-#include "atlas/labels/label_map.h"
+#include "atlas/labels/label_voxels.h"
 #include "base/memory.h"
 #include "loaders/labels/label_cells.h"
 

@@ -2,7 +2,7 @@
 /* The brain phantom as files: surfaces, two volumes and the manifest that joins them. */
 #include "loaders/phantom/phantom_brain_write.h"
 
-#include "atlas/labels/palette.h"
+#include "atlas/labels/labels.h"
 #include "atlas/phantom/phantom_brain.h"
 #include "atlas/space.h"
 #include "base/buffer.h"

@@ -2,7 +2,7 @@
 /* A volume, an FSL atlas XML, a manifest, a surface, CIFTI labels or a folder becomes an atlas. */
 #include "loaders/scene/load.h"
 
-#include "atlas/areas/swapped_sides.h"
+#include "atlas/areas/sides.h"
 #include "atlas/atlas.h"
 #include "base/buffer.h"
 #include "base/formats/xml.h"

@@ -3,7 +3,7 @@
 #include "loaders/scene/load_areas.h"
 
 #include "atlas/fit/box_fit.h"
-#include "atlas/labels/label_map.h"
+#include "atlas/labels/label_voxels.h"
 #include "atlas/surface/mesh_split.h"
 #include "base/buffer.h"
 #include "base/files/folder.h"

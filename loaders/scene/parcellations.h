@@ -3,7 +3,7 @@
 #ifndef CONUS_LOADERS_PLAN_PARCELLATIONS_H
 #define CONUS_LOADERS_PLAN_PARCELLATIONS_H
 
-#include "atlas/labels/label_map.h"
+#include "atlas/labels/label_voxels.h"
 #include "base/buffer.h"
 #include "loaders/scene/load_parcellation.h"
 

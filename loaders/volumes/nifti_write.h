@@ -3,7 +3,7 @@
 #ifndef CONUS_LOADERS_VOLUMES_NIFTI_WRITE_H
 #define CONUS_LOADERS_VOLUMES_NIFTI_WRITE_H
 
-#include "atlas/grid.h"
+#include "atlas/space.h"
 #include "base/files/file.h"
 
 /** Writes @p labels (one per voxel of @p info, i fastest) as a little-endian single file in the narrowest of uint8,

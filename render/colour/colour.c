@@ -2,14 +2,411 @@
 /* The colour pass's programs, its life, its changes and its draw call. */
 #include "render/colour/colour.h"
 
+#include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "render/colour/colour_upload.h"
 #include "render/colour/colour_view.h"
+#include "render/colour/field.h"
 #include "render/colour/pathways.h"
 #include "render/gl/context.h"
 #include "render/gl/shaders.h"
+#include "render/gl/volume_texture.h"
+#include "render/image/image_srgb.h"
 
 #include <string.h>
+
+enum {
+    TABLE_PER_LEVEL = 4, /**< Entries of the transfer table for each step between neighbouring densities. */
+    COLOUR_TABLE_ENTRIES = (FIELD_LEVELS - 1) * TABLE_PER_LEVEL + 1
+};
+
+enum { MESH_POINTS = 100000, SLAB_VOXELS = 1 << 17 };
+
+/* The box of `size` voxels from `first` on. */
+static void place_volume(struct colour_volume *out, const struct volume *volume, const size_t first[3],
+                         const size_t size[3])
+{
+    double texture_from_voxel[16];
+    mat4_identity(texture_from_voxel);
+    for (int a = 0; a < 3; a++) {
+        out->dim[a] = volume->info.dim[a];
+        out->first[a] = first[a];
+        out->size[a] = size[a];
+        texture_from_voxel[5 * a] = 1.0 / (double)size[a];
+        texture_from_voxel[12 + a] = (0.5 - (double)first[a]) / (double)size[a];
+    }
+    mat4_multiply(out->texture_from_world, texture_from_voxel, volume->voxel_from_world);
+    memcpy(out->world_from_voxel, volume->info.world_from_voxel, sizeof out->world_from_voxel);
+}
+
+/* Whether one of the up to eight bricks round a corner shows. */
+static bool corner_shows(const struct bricks *bricks, const size_t corner[3])
+{
+    bool shows = false;
+    for (size_t n = 0; n < 8 && !shows; n++) {
+        size_t at[3];
+        bool exists = true;
+        for (size_t a = 0; a < 3; a++) {
+            at[a] = corner[a] - (n >> a & 1); /* before the first it wraps around */
+            exists = exists && at[a] < bricks->dim[a];
+        }
+        shows = exists && !bricks->distance[at[0] + bricks->dim[0] * (at[1] + bricks->dim[1] * at[2])];
+    }
+    return shows;
+}
+
+/* Appends the corners of all bricks that show, each once. */
+static conus_status add_content(struct colour_pass *pass, const struct bricks *bricks,
+                                const struct colour_volume *volume)
+{
+    const size_t dim[3] = {bricks->dim[0] + 1, bricks->dim[1] + 1, bricks->dim[2] + 1};
+    size_t count = dim[0] * dim[1] * dim[2];
+    double(*points)[3] = memory_resize(pass->content, pass->content_count + count + 1, sizeof *points);
+    if (!points) {
+        return CONUS_ERROR_MEMORY;
+    }
+    pass->content = points;
+    for (size_t c = 0; c < count; c++) {
+        const size_t corner[3] = {c % dim[0], c / dim[0] % dim[1], c / dim[0] / dim[1]};
+        if (corner_shows(bricks, corner)) {
+            double voxel[3];
+            for (int a = 0; a < 3; a++) {
+                size_t edge = volume->first[a] + corner[a] * BRICKS_EDGE;
+                voxel[a] = (double)(edge < volume->dim[a] ? edge : volume->dim[a]) - 0.5;
+            }
+            mat4_point(points[pass->content_count++], volume->world_from_voxel, voxel);
+        }
+    }
+    return CONUS_OK;
+}
+
+/* Appends the corners of the whole grid: for an atlas in which nothing shows. */
+static conus_status colour_add_corners(struct colour_pass *pass, const struct colour_volume *volume)
+{
+    double(*points)[3] = memory_resize(pass->content, pass->content_count + 8, sizeof *points);
+    if (!points) {
+        return CONUS_ERROR_MEMORY;
+    }
+    pass->content = points;
+    for (int n = 0; n < 8; n++) {
+        double corner[3];
+        for (int a = 0; a < 3; a++) {
+            corner[a] = n >> a & 1 ? (double)volume->dim[a] - 0.5 : -0.5;
+        }
+        mat4_point(points[pass->content_count++], volume->world_from_voxel, corner);
+    }
+    return CONUS_OK;
+}
+
+/* Uploads the texels of `volume` as `task` makes them, which ends with them; none where it is of nothing. */
+static conus_status colour_upload_texels(const struct colour_volume *volume, struct field_task *task)
+{
+    struct field_slab slab;
+    while (task->volume && field_task_next(&slab, task)) {
+        volume_texture_fill(volume->field, VOLUME_TEXTURE_BYTE4, volume->size, slab.first, slab.count, slab.texels);
+    }
+    field_task_end(task);
+    return gl_check("texels of a volume");
+}
+
+/* The object numbers of a box, each of so many bytes. */
+struct numbers {
+    const struct volume *volume;
+    const struct colour_volume *box;
+    size_t bytes;
+};
+
+static void copy_numbers(void *out, const struct numbers *numbers, size_t at, size_t count)
+{
+    const struct volume *volume = numbers->volume;
+    if (numbers->bytes == 1) {
+        for (size_t i = 0; i < count; i++) {
+            ((uint8_t *)out)[i] = (uint8_t)volume->objects16[at + i];
+        }
+    } else {
+        const void *from = volume->objects16 ? (const void *)(volume->objects16 + at) : volume->objects32 + at;
+        memcpy(out, from, count * numbers->bytes);
+    }
+}
+
+/* As narrow as their highest, `last`, allows; a few slices at a time, as well. */
+static conus_status upload_numbers(GLuint *out, const struct colour_volume *box, const struct volume *volume,
+                                   size_t last, uint64_t *memory_left)
+{
+    static const enum volume_texture_kind kinds[] = {
+        [1] = VOLUME_TEXTURE_UINT8, [2] = VOLUME_TEXTURE_UINT16, [4] = VOLUME_TEXTURE_UINT32};
+    const size_t bytes = !volume->objects16 ? 4 : last > UINT8_MAX ? 2 : 1;
+    const struct numbers numbers = {volume, box, bytes};
+    const size_t *dim = box->size;
+    size_t step = SLAB_VOXELS / (dim[0] * dim[1]) + 1;
+    uint8_t *some = memory_raw(step * dim[0] * dim[1], bytes);
+    conus_status status = some ? volume_texture_create(out, kinds[bytes], dim, NULL, memory_left) : CONUS_ERROR_MEMORY;
+    for (size_t first = 0; first < dim[2] && !status; first += step) {
+        size_t count = dim[2] - first < step ? dim[2] - first : step;
+        uint8_t *row = some;
+        for (size_t k = first; k < first + count; k++) {
+            for (size_t j = 0; j < box->size[1]; j++, row += box->size[0] * numbers.bytes) {
+                size_t at = box->first[0] + box->dim[0] * (box->first[1] + j + box->dim[1] * (box->first[2] + k));
+                copy_numbers(row, &numbers, at, box->size[0]);
+            }
+        }
+        volume_texture_fill(*out, kinds[bytes], dim, first, count, some);
+    }
+    memory_free(some);
+    return status ? status : gl_check("volume texture");
+}
+
+/* Makes the texture of the field that `task` makes, and uploads the distances to the bricks with densities that
+ * `visible` names. */
+static conus_status begin_field(struct colour_pass *pass, struct colour_volume *out, struct field_task *task,
+                                const bool *visible, uint64_t *memory_left)
+{
+    const struct field *field = NULL;
+    struct bricks bricks = {0};
+    conus_status status = field_task_wait(&field, task);
+    status = status ? status : field_bricks(&bricks, field, visible, TABLE_PER_LEVEL);
+    if (!status) {
+        place_volume(out, task->volume, field->first, field->dim);
+        status = add_content(pass, &bricks, out);
+    }
+    status = status ? status : volume_texture_create(&out->field, VOLUME_TEXTURE_BYTE4, field->dim, NULL, memory_left);
+    if (!status) {
+        status = volume_texture_create(&out->empty, VOLUME_TEXTURE_UINT8, bricks.dim, bricks.distance, memory_left);
+    }
+    bricks_finish(&bricks);
+    return status;
+}
+
+/* `task` is of the volume, in which `last` is the highest number. */
+static conus_status begin_areas(struct colour_pass *pass, struct field_task *task, size_t last, uint64_t *memory_left)
+{
+    bool visible[COLOUR_TABLE_ENTRIES];
+    for (size_t i = 0; i < COLOUR_TABLE_ENTRIES; i++) {
+        visible[i] = i > (FIELD_SURFACE - 1) * TABLE_PER_LEVEL;
+    }
+    conus_status status = begin_field(pass, &pass->areas, task, visible, memory_left);
+    if (!status) {
+        status = upload_numbers(&pass->objects, &pass->areas, task->volume, last, memory_left);
+    }
+    pass->has_areas = true;
+    return status;
+}
+
+static conus_status upload_haze(struct colour_pass *pass, const conus_atlas *atlas, const struct haze_choice *hazy,
+                                uint64_t *memory_left)
+{
+    struct haze_field field = {0};
+    struct volume grid = {0};
+    conus_status status = hazy->transfers ? haze_fill(&field, atlas, hazy, *memory_left) : CONUS_OK;
+    if (!status && field.texels) {
+        status = volume_init(&grid, &field.info);
+        status = status ? status
+                        : volume_texture_create(&pass->haze.field, VOLUME_TEXTURE_HALF4, field.info.dim, field.texels,
+                                                memory_left);
+        if (!status) {
+            place_volume(&pass->haze, &grid, (const size_t[3]){0, 0, 0}, grid.info.dim);
+            pass->has_haze = true;
+            status = colour_add_corners(pass, &pass->haze);
+        }
+        volume_finish(&grid);
+    }
+    haze_field_finish(&field);
+    return status;
+}
+
+/* All opaque areas would hide pathways and bundles: where there are any, they are drawn with only some areas. */
+static bool is_joint(const conus_atlas *atlas)
+{
+    return pathways_first(atlas) || atlas_parcellation_count(atlas) > 1 ||
+           (atlas_parcellation_count(atlas) && pathways_shown(atlas));
+}
+
+/* The field that colour_upload_objects() needs; of nothing, where that depends on what is drawn. */
+static struct field_task colour_objects_task(const conus_atlas *atlas)
+{
+    bool one = atlas_parcellation_count(atlas) && !is_joint(atlas);
+    return (struct field_task){.volume = one ? &atlas->volumes[0] : NULL};
+}
+
+static conus_status colour_upload_objects(struct colour_pass *pass, const conus_atlas *atlas,
+                                          const struct haze_choice *hazy, struct field_task *task,
+                                          uint64_t *memory_left)
+{
+    if (!is_joint(atlas)) {
+        return task->volume ? begin_areas(pass, task, atlas->object_count, memory_left) : CONUS_OK;
+    }
+    struct volume joint = {0};
+    conus_status status = pathways_join(&joint, atlas, pass->drawn, hazy);
+    struct field_task own = {.volume = &joint};
+    status = status ? status : begin_areas(pass, &own, atlas->object_count, memory_left);
+    status = status ? status : colour_upload_texels(&pass->areas, &own);
+    field_task_end(&own);
+    volume_finish(&joint);
+    return status ? status : upload_haze(pass, atlas, hazy, memory_left);
+}
+
+/* The mesh of an object that is shown, or behind these of a surface around them; NULL if there is none. */
+static const struct mesh *shown_mesh(const conus_atlas *atlas, size_t number)
+{
+    return number <= atlas->object_count ? atlas_object_mesh(atlas, (uint32_t)number)
+                                         : &atlas->context_surfaces[number - atlas->object_count - 1].mesh;
+}
+
+/* Vertices, about MESH_POINTS of them, for the camera to frame. */
+static conus_status add_mesh_content(struct colour_pass *pass, const conus_atlas *atlas)
+{
+    size_t vertices = 0;
+    size_t last = atlas->object_count + atlas->context_surface_count;
+    for (size_t number = 1; number <= last; number++) {
+        const struct mesh *mesh = shown_mesh(atlas, number);
+        vertices += mesh ? mesh->vertex_count : 0;
+    }
+    size_t step = vertices / MESH_POINTS + 1;
+    double(*points)[3] = memory_resize(pass->content, pass->content_count + vertices / step + last + 1, sizeof *points);
+    if (!points) {
+        return CONUS_ERROR_MEMORY;
+    }
+    pass->content = points;
+    for (size_t number = 1; number <= last; number++) {
+        const struct mesh *mesh = shown_mesh(atlas, number);
+        for (size_t v = 0; mesh && v < mesh->vertex_count; v += step) {
+            for (size_t a = 0; a < 3; a++) {
+                points[pass->content_count][a] = (double)mesh->positions[3 * v + a];
+            }
+            pass->content_count++;
+        }
+    }
+    return CONUS_OK;
+}
+
+/* The same of the points of streamlines. */
+static conus_status add_bundle_content(struct colour_pass *pass, const conus_atlas *atlas)
+{
+    uint64_t total = 0;
+    for (size_t i = 0; i < atlas->tractogram_count; i++) {
+        total += atlas->tractograms[i].point_count;
+    }
+    uint64_t step = total / MESH_POINTS + 1;
+    double(*points)[3] =
+        memory_resize(pass->content, pass->content_count + total / step + atlas->tractogram_count + 1, sizeof *points);
+    if (!points) {
+        return CONUS_ERROR_MEMORY;
+    }
+    pass->content = points;
+    for (size_t i = 0; i < atlas->tractogram_count; i++) {
+        for (uint64_t at = 0; at < atlas->tractograms[i].point_count; at += step) {
+            tractogram_point(points[pass->content_count++], &atlas->tractograms[i], at);
+        }
+    }
+    return CONUS_OK;
+}
+
+static conus_status colour_upload_meshes(struct colour_pass *pass, const conus_atlas *atlas, uint64_t *memory_left)
+{
+    if (!atlas->mesh_count && !atlas->context_surface_count && !atlas->tractogram_count) {
+        return CONUS_OK;
+    }
+    conus_status status = mesh_layer_create(&pass->meshes, atlas, memory_left);
+    status = status ? status : add_mesh_content(pass, atlas);
+    return status ? status : add_bundle_content(pass, atlas);
+}
+
+/* Which entries of its table show. */
+static void find_visible(bool visible[COLOUR_TABLE_ENTRIES], float table[COLOUR_TABLE_ENTRIES * 4],
+                         const struct transfer *transfer)
+{
+    transfer_table(table, COLOUR_TABLE_ENTRIES, transfer);
+    for (size_t i = 0; i < COLOUR_TABLE_ENTRIES; i++) {
+        visible[i] = table[4 * i + 3] > 0;
+    }
+}
+
+/* The density up to which nothing shows, -1 where the lowest does. */
+static int find_unseen(const struct transfer *transfer)
+{
+    float table[COLOUR_TABLE_ENTRIES * 4];
+    bool visible[COLOUR_TABLE_ENTRIES];
+    int entry = 0;
+    find_visible(visible, table, transfer);
+    while (entry < COLOUR_TABLE_ENTRIES && !visible[entry]) {
+        entry++;
+    }
+    return entry ? (entry - 1) / TABLE_PER_LEVEL : -1;
+}
+
+/* The one that colour_upload_context() needs; `volume` may be NULL. CONUS_ERROR_MEMORY. */
+static conus_status colour_context_task(struct field_task *out, const struct volume *volume,
+                                        const struct transfer *transfer)
+{
+    struct field_task task = {.volume = volume, .is_values = true};
+    conus_status status = volume ? transfer_span(&task.scale.low, &task.scale.high, transfer, volume) : CONUS_OK;
+    if (!status && volume) {
+        task.scale.unseen = find_unseen(transfer);
+    }
+    if (!status) {
+        *out = task;
+    }
+    return status;
+}
+
+static conus_status colour_upload_context(struct colour_pass *pass, struct field_task *task,
+                                          const struct transfer *transfer, uint64_t *memory_left)
+{
+    float table[COLOUR_TABLE_ENTRIES * 4];
+    bool visible[COLOUR_TABLE_ENTRIES];
+    find_visible(visible, table, transfer);
+    conus_status status = begin_field(pass, &pass->context, task, visible, memory_left);
+    if (!status) {
+        glCreateTextures(GL_TEXTURE_2D, 1, &pass->transfer);
+        glTextureStorage2D(pass->transfer, 1, GL_RGBA32F, COLOUR_TABLE_ENTRIES, 1);
+        glTextureSubImage2D(pass->transfer, 0, 0, 0, COLOUR_TABLE_ENTRIES, 1, GL_RGBA, GL_FLOAT, table);
+        glTextureParameteri(pass->transfer, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+        glTextureParameteri(pass->transfer, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+        status = gl_check("transfer function");
+    }
+    pass->has_context = true;
+    return status;
+}
+
+/* Bone: what it is around has the colours. */
+static const double around_srgb[3] = {0.86, 0.83, 0.78};
+
+static void fill_colours(struct colour_pass *pass, const conus_atlas *atlas)
+{
+    for (size_t number = 1; number <= atlas->object_count + atlas->context_surface_count; number++) {
+        for (size_t c = 0; c < 3; c++) {
+            double srgb = number <= atlas->object_count ? atlas->objects[number - 1].rgb[c] / 255.0 : around_srgb[c];
+            pass->colours[4 * number + c] = (float)linear_from_srgb(srgb);
+        }
+    }
+    for (size_t i = 0; i < atlas->context_surface_count; i++) {
+        pass->around[i] = (float)atlas->context_surfaces[i].opacity;
+    }
+}
+
+/* Creates the buffers and the tables by object number. */
+static conus_status colour_upload_palette(struct colour_pass *pass, const conus_atlas *atlas)
+{
+    size_t count = 1 + atlas->object_count + atlas->context_surface_count;
+    pass->object_count = atlas->object_count;
+    pass->around_count = atlas->context_surface_count;
+    pass->colours = memory_zeroed(count, 4 * sizeof *pass->colours);
+    pass->shown = memory_zeroed(count, 4 * sizeof *pass->shown);
+    pass->opacity = memory_zeroed(count, sizeof *pass->opacity);
+    pass->around = memory_zeroed(pass->around_count, sizeof *pass->around);
+    pass->drawn = memory_zeroed(atlas->object_count + 1, sizeof *pass->drawn);
+    if (!pass->colours || !pass->shown || !pass->opacity || !pass->around || !pass->drawn) {
+        return CONUS_ERROR_MEMORY;
+    }
+    fill_colours(pass, atlas);
+    glCreateBuffers(1, &pass->palette);
+    glNamedBufferData(pass->palette, (GLsizeiptr)(count * 4 * sizeof *pass->colours), NULL, GL_DYNAMIC_DRAW);
+    glCreateBuffers(1, &pass->opacities);
+    glNamedBufferData(pass->opacities, (GLsizeiptr)(count * sizeof(float)), NULL, GL_DYNAMIC_DRAW);
+    glCreateBuffers(1, &pass->view);
+    glNamedBufferData(pass->view, sizeof(struct colour_view_block), NULL, GL_DYNAMIC_DRAW);
+    glCreateVertexArrays(1, &pass->vertices);
+    return gl_check("colour pass");
+}
 
 conus_status colour_program_create(GLuint *out, const struct program_shader *vertex, enum colour_program kind)
 {

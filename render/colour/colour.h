@@ -9,7 +9,7 @@
 
 #include "atlas/atlas.h"
 #include "render/colour/emphasis.h"
-#include "render/colour/field_task.h"
+#include "render/colour/field.h"
 #include "render/colour/haze.h"
 #include "render/colour/transfer.h"
 #include "render/gl/camera.h"

@@ -3,7 +3,7 @@
 #include "render/colour/colour_view.h"
 
 #include "base/geometry/math3.h"
-#include "render/colour/bricks.h"
+#include "render/colour/field.h"
 #include "render/image/image_srgb.h"
 
 struct slices colour_pass_slices(const struct colour_pass *pass, const struct camera *camera, uint32_t count)

@@ -6,7 +6,22 @@
 #ifndef CONUS_RENDER_COLOUR_FIELD_H
 #define CONUS_RENDER_COLOUR_FIELD_H
 
-#include "render/colour/bricks.h"
+#include "atlas/volume.h"
+
+#include <pthread.h>
+
+enum { BRICKS_EDGE = 4 };
+
+struct bricks {
+    size_t dim[3];     /**< Bricks along i, j, k; the last may reach beyond the grid.                    */
+    uint8_t *distance; /**< [dim[0] dim[1] dim[2]], i fastest. 0 where the brick is occupied; else d: bricks that
+                          differ by less than d in every index are not (255 at most).                  */
+};
+
+void bricks_finish(struct bricks *bricks);
+
+/** Sets the distances, where occupied bricks are 0 and all others 255. */
+void bricks_spread(struct bricks *bricks);
 
 enum {
     FIELD_LEVELS = 256,  /**< Densities are bytes.                         */
@@ -50,5 +65,41 @@ void field_texels(uint8_t *out, const struct field *field, size_t first, size_t 
  * each step between densities and one for the last: entry i is density i / per_level. @p out is the caller's to finish.
  */
 conus_status field_bricks(struct bricks *out, const struct field *field, const bool *visible, size_t per_level);
+
+/** Some slices of texels (field_texels()). */
+struct field_slab {
+    const uint8_t *texels;
+    size_t first, count; /**< Slices. */
+};
+
+/** One field. Zeroed, it is of nothing. */
+struct field_task {
+    const struct volume *volume; /**< NULL = of nothing. */
+    bool is_values;              /**< Of grey values, by `scale`; else of objects. */
+    struct field_scale scale;
+    size_t taken; /**< Slabs; the caller's thread's own. */
+    bool has_thread;
+    pthread_t thread;
+    pthread_mutex_t lock;   /**< Where there is a thread: guards what follows. */
+    pthread_cond_t changed; /**< Some of it did. */
+    bool is_made, stop;
+    conus_status status;
+    struct field field;
+    uint8_t *texels;        /**< Those of some slabs. */
+    size_t ready, released; /**< Slabs that have been made, and of these, that may be written over. */
+};
+
+/** Begins to make the field of @p task, whose volume is read until field_task_end(). */
+void field_task_start(struct field_task *task);
+
+/** Waits for the field, which is the task's; made here where nothing began. CONUS_ERROR_MEMORY. */
+conus_status field_task_wait(const struct field **out, struct field_task *task);
+
+/** After field_task_wait(): the next slices, from the first on, which stay until the next call; false behind the last.
+ */
+bool field_task_next(struct field_slab *out, struct field_task *task);
+
+/** Ends what is under way, and drops it. */
+void field_task_end(struct field_task *task);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * Which clusters of triangles, or of streamlines' runs (tract_clusters.h), an n x n buffer can show, nearest first, in
+ * Which clusters of triangles, or of streamlines' runs (tract_pass.c), an n x n buffer can show, nearest first, in
  * batches: meshes outside the buffer's pyramid (the square one around the cone; a cylinder's prism), clusters that
  * touch no pixel's centre, and whatever lies behind what earlier batches have shown, are left out. Conservative: what
  * is left out cannot be seen. */

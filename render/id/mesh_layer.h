@@ -8,7 +8,7 @@
 #include "atlas/atlas.h"
 #include "render/gl/camera.h"
 #include "render/gl/target.h"
-#include "render/tubes/tube_layer.h"
+#include "render/id/tube_layer.h"
 
 enum { MESH_LAYER_PEELS = 8 };
 

@@ -44,7 +44,7 @@ layout(location = 0) flat in float slice; // number of the plane that is drawn
 #endif
 layout(location = 0) out vec4 colour; // linear radiance times opacity, opacity
 
-const uint TUBE_OWN_COLOUR = 0x80000000u; // as in tube_colour.h
+const uint TUBE_OWN_COLOUR = 0x80000000u; // as in tube_layer.h
 const uint TUBE_PALE = 0x40000000u;
 const float OPAQUE = 0.995;
 const float GHOST = 0.3; // how much the cone, its axis and the markers show through areas before them
@@ -189,7 +189,7 @@ vec3 lit(vec3 albedo, vec3 normal, vec3 view)
     return albedo * (0.30 + 0.75 * diffuse(normal)) + 0.06 * highlight;
 }
 
-// Colour and emphasis of an object or, of a streamline, what tube_colour.h says: a colour of its own, or pale.
+// Colour and emphasis of an object or, of a streamline, what tube_layer.h says: a colour of its own, or pale.
 vec4 entry_of(uint number)
 {
     bool own = (number & TUBE_OWN_COLOUR) != 0u;

@@ -3,7 +3,7 @@
  * Cuts rows of voxels to a region, half of LANES at a time: the body of one instruction set's kernel. Its source
  * defines LANES and KERNEL (the function's name), includes this once, and is compiled with that set's flags. Every
  * kernel gives the same bits. */
-#include "base/simd/lanes_numbers.h"
+#include "base/simd/lanes.h"
 #include "selection/region/region_rows.h"
 
 /* The rows under way at t = 0. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* JSON: the whole report with its provenance, and the sidecars of tables and grids. */
-#include "atlas/grid.h"
+#include "atlas/space.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/text.h"

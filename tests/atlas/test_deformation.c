@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Deformation fields whose map is known in closed form. tests/oracles/compare_warps.py compares them with numpy. */
 #include "atlas/deformation/deformation.h"
-#include "atlas/deformation/deformation_facts.h"
-#include "atlas/deformation/deformation_find.h"
 #include "base/geometry/math3.h"
 #include "test.h"
 

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Left and right areas: what names say, pairs, merging and splitting (Eq. 10). */
 #include "atlas/areas/level.h"
-#include "atlas/areas/pairs.h"
 #include "atlas/areas/sides.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Names of left and right areas, and where these lie. */
-#include "atlas/areas/swapped_sides.h"
+#include "atlas/areas/sides.h"
 #include "atlas/placement.h"
 #include "base/memory.h"
 #include "builders/area_rows.h"

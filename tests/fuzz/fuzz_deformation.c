@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Deformation fields: headers of their files, and small fields of any numbers. What is found on the way back goes where
  * it should. */
-#include "atlas/deformation/deformation_facts.h"
-#include "atlas/deformation/deformation_find.h"
+#include "atlas/deformation/deformation.h"
 #include "base/geometry/math3.h"
 #include "loaders/transform/field_file.h"
 #include "loaders/volumes/nifti.h"

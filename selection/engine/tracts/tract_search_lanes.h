@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file A kernel of the search: the including file says how many LANES there are, 4 or 8, and what the KERNEL is
  * called. */
-#include "base/simd/lanes_numbers.h"
+#include "base/simd/lanes.h"
 #include "selection/engine/tracts/tract_search.h"
 
 /* The search's ray in all lanes. */

@@ -8,7 +8,7 @@
  * counted from where the first ray may come into the box, which is found in double. The contact's t follows from its
  * cell alone, in double, with the same expressions as there. All packets of LANES rays take a turn after each other, so
  * that one's waiting for memory is another's time. */
-#include "base/simd/lanes_numbers.h"
+#include "base/simd/lanes.h"
 #include "selection/engine/voxels/traverse.h"
 
 #include <math.h>
