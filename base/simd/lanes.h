@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
  * Numbers and truths side by side: LANES singles, which the including file defines, or half as many doubles. Arithmetic
- * is the compiler's vector extension; here is what that lacks or does badly: truths (mask registers on AVX-512), choice,
- * minimum, roots, rounding, bytes from anywhere, single from double. */
+ * is the compiler's vector extension; here is what that lacks or does badly: truths (mask registers on AVX-512),
+ * choice, minimum, roots, rounding, bytes from anywhere, single from double. */
 #ifndef CONUS_BASE_LANES_H
 #define CONUS_BASE_LANES_H
 
