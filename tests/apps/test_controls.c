@@ -283,7 +283,7 @@ static void a_session_has_the_study(void **state)
 {
     struct viewer viewer;
     struct window window = {.screen.enlarged = -1, .viewer = &viewer};
-    char why[SESSION_REASON];
+    char why[PROPERTY_REASON];
     (void)state;
     load(&viewer);
     char *before = session_text(&window);

@@ -231,7 +231,7 @@ static void the_window_draws_haze_and_presets_as_render_does(void **state)
  * changes. */
 static void assert_refused(struct window *window, const char *from, const char *to, const char *why)
 {
-    char reason[SESSION_REASON] = "";
+    char reason[PROPERTY_REASON] = "";
     char *text = session_text(window);
     char *at = strstr(text, from);
     char changed[1 << 14];
@@ -504,7 +504,7 @@ static void sheets_of_sessions_are_checked(void **state)
     open_window(&window, &viewer, false);
     window.sheet = (struct sheet){.in_mm = true, .mm = {85, 60}, .dpi = 300, .legend = CONUS_LEGEND_BELOW};
     assert_refused(&window, "\"dpi\": 300.0", "\"dpi\": 5", "dpi");
-    assert_refused(&window, "\"legend\": 2", "\"legend\": 4", "legend");
+    assert_refused(&window, "\"legend\": \"below\"", "\"legend\": 4", "legend");
     assert_refused(&window, "\"dpi\": 300.0", "\"dpi\": true", "dpi");
     assert_refused(&window, "85.0", "1e9", "mm");
     viewer.version++;

@@ -267,7 +267,7 @@ static void sessions_keep_the_list(void **state)
 {
     struct viewer viewer;
     struct window window = {.viewer = &viewer, .screen.enlarged = -1};
-    char why[SESSION_REASON];
+    char why[PROPERTY_REASON];
     (void)state;
     load(&viewer, "nested", NULL, NULL);
     result_show(&viewer, RESULT_MAX, true);

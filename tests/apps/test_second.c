@@ -431,7 +431,7 @@ static void sessions_keep_it_and_changes_are_taken_back(void **state)
 {
     struct viewer viewer;
     struct window window;
-    char why[SESSION_REASON];
+    char why[PROPERTY_REASON];
     (void)state;
     open_window(&window, &viewer);
     aim(&window, (double[]){60, 1, 2}, (double[]){-1, 0, 0});

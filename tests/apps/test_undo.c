@@ -136,7 +136,7 @@ static void borders_are_put_back(void **state)
 {
     struct viewer viewer;
     struct window window;
-    char why[SESSION_REASON];
+    char why[PROPERTY_REASON];
     const struct layout first = {.panels = {0, 320}};
     const struct layout moved = {.panels = {310.5, 320}, .division = {0.25, 0.7}};
     (void)state;

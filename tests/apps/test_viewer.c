@@ -487,7 +487,7 @@ static void a_session_is_of_where_the_atlas_lay(void **state)
     struct viewer viewer;
     struct window window = {.screen.enlarged = -1, .viewer = &viewer};
     const double right[16] = {[0] = 1, [5] = 1, [10] = 1, [12] = 7, [15] = 1};
-    char why[SESSION_REASON];
+    char why[PROPERTY_REASON];
     (void)state;
     load(&viewer, "nested", "nested.nii.gz");
     char *before = session_text(&window);
@@ -537,7 +537,7 @@ static void a_session_is_of_the_field_that_moved_the_atlas(void **state)
 {
     struct viewer viewer;
     struct window window = {.screen.enlarged = -1, .viewer = &viewer};
-    char why[SESSION_REASON];
+    char why[PROPERTY_REASON];
     (void)state;
     load(&viewer, "nested", "nested.nii.gz");
     char *plain = session_text(&window);

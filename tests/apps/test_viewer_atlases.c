@@ -422,7 +422,7 @@ static void a_session_has_all_atlases(void **state)
 {
     struct viewer viewer;
     struct window window = {.screen.enlarged = -1, .viewer = &viewer};
-    char why[SESSION_REASON];
+    char why[PROPERTY_REASON];
     (void)state;
     load_three(&viewer);
     viewer_aim_along(&viewer, eye, back);
@@ -484,7 +484,7 @@ static void a_session_that_does_not_fit_changes_no_atlas(void **state)
     };
     struct viewer viewer;
     struct window window = {.screen.enlarged = -1, .viewer = &viewer};
-    char why[SESSION_REASON];
+    char why[PROPERTY_REASON];
     (void)state;
     load_three(&viewer);
     char *before = session_text(&window);
@@ -549,7 +549,7 @@ static void a_session_of_one_atlas_is_that_of_the_first(void **state)
     struct viewer two;
     struct window window = {.screen.enlarged = -1, .viewer = &one};
     const struct view_source source = {load("nested"), "nested.nii.gz", NULL};
-    char why[SESSION_REASON];
+    char why[PROPERTY_REASON];
     (void)state;
     assert_ok(viewer_create(&one, &source, 1, NULL, NULL, NULL));
     viewer_aim_along(&one, eye, back);

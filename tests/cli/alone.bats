@@ -123,9 +123,9 @@ seen() {
     xdotool mousemove --window "$window" 550 200
     pass
     xdotool key --window "$window" z
-    look '.enlarged == 0'
+    look '.enlarged == "axial"'
     xdotool key --window "$window" z
-    look '.enlarged == -1'
+    look '.enlarged == "none"'
     leave
 }
 

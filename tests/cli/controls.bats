@@ -114,7 +114,7 @@ END
     diff first.tsv back.tsv
     diff asked.tsv opened.tsv
     diff asked.json opened.json
-    jq -e '.level == "2" and .range_mm == [1, 50] and .order == 1' asked.json
+    jq -e '.level == "2" and .range_mm == [1, 50] and .order == "depth"' asked.json
 }
 
 @test "the keys of the wand move it, and change nothing of what is asked" {
@@ -230,8 +230,8 @@ save jitter.json
 key ctrl+z
 save sweep.json
 END
-    jq -e '.study == 2' jitter.json
-    jq -e '.study == 1' sweep.json
+    jq -e '.study == "jitter"' jitter.json
+    jq -e '.study == "sweep"' sweep.json
     local saved=(conus-*.tsv)
     [ ${#saved[@]} -eq 2 ]
     conus sweep nested.nii.gz --labels tree.tsv --origin=60,3,2 --toward=0,0,0 --angles 2:40:2 --format tsv -q >sweep.tsv

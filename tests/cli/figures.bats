@@ -52,7 +52,7 @@ figure below.png 3d
 figure axial.png axial
 save s.json
 END
-    [ "$(jq .enlarged s.json)" = 3 ] # the pane is wide, so its height is 0.5 radians
+    [ "$(jq -r .enlarged s.json)" = 3d ] # the pane is wide, so its height is 0.5 radians
     # shellcheck disable=SC2046 # several words
     set -- $(of_session s.json)
     cone=(--origin=60,10,6 --toward=0,0,0 --angle 20 --opacity 0.7 --opacity 'Shell outer=0.4')

@@ -44,7 +44,7 @@ is_query() {
     leave
     jq -e '.second.angle_deg > 6.04 and .second.angle_deg < 6.06 and .angle_deg == 5' wide.json # 5 times 1.1 squared
     jq -e '.second.held' held.json
-    jq -e '.second.pointer == 4 and (.second.held | not)' other.json
+    jq -e '.second.pointer == "spacemouse" and (.second.held | not)' other.json
     is_query right.tsv 9 2 90 --angle 5
     is_query left.tsv -4 5 80 --angle 6.05
 }
@@ -60,7 +60,7 @@ is_query() {
         runs "$child"
     done
     tell 'second results second.tsv'
-    look '.pointer == 0 and .has_pose == 0 and .second.pointer == 3 and .second.world_from_device[12:15] == [-4, 4, 80]'
+    look '.pointer == "mouse" and .has_pose == 0 and .second.pointer == "tracker" and .second.world_from_device[12:15] == [-4, 4, 80]'
     is_query second.tsv -4 4 80 --angle 5
     leave
 }

@@ -104,7 +104,7 @@ static conus_atlas *make_atlas(void)
 
 static void check_again(struct window *window, const char *text)
 {
-    char why[SESSION_REASON];
+    char why[PROPERTY_REASON];
     check(session_parse(window, text, strlen(text), why));
     char *again = session_text(window);
     check(again && strcmp(text, again) == 0);
@@ -115,7 +115,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     static struct viewer viewer;
     static struct window window = {.screen.enlarged = -1, .viewer = &viewer};
-    char why[SESSION_REASON];
+    char why[PROPERTY_REASON];
     if (!viewer.atlases) {
         const struct view_source sources[] = {{make_atlas(), "sphere.nii.gz", "sphere"},
                                               {make_atlas(), "again.nii.gz", "again"}};

@@ -286,7 +286,7 @@ static bool do_picture(struct call *call)
 
 static bool do_save(struct call *call)
 {
-    char why[SESSION_REASON];
+    char why[PROPERTY_REASON];
     bool fine = session_save(call->window, call->words[1], why);
     if (!fine) {
         print_error_line("%s", why);
@@ -296,7 +296,7 @@ static bool do_save(struct call *call)
 
 static bool do_open(struct call *call)
 {
-    char why[SESSION_REASON];
+    char why[PROPERTY_REASON];
     bool fine = session_load(call->window, call->words[1], why);
     if (!fine) {
         print_error_line("%s", why);

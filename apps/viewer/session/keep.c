@@ -39,7 +39,7 @@ static void make_name(char name[NAME_SIZE], const char *ending)
 }
 
 /* False: *why says why not. */
-static bool write_file(struct window *window, enum keep what, const char *path, char why[SESSION_REASON])
+static bool write_file(struct window *window, enum keep what, const char *path, char why[PROPERTY_REASON])
 {
     switch (what) {
     case KEEP_PICTURE:
@@ -53,7 +53,7 @@ static bool write_file(struct window *window, enum keep what, const char *path, 
 
 void keep_as(struct window *window)
 {
-    char why[SESSION_REASON] = "";
+    char why[PROPERTY_REASON] = "";
     char *path = window->files.saves_as;
     window->files.saves_as = NULL;
     if (session_save(window, path, why)) {
@@ -87,7 +87,7 @@ void keep(struct window *window, enum keep what)
     }
     char name[NAME_SIZE];
     char ending[16];
-    char why[SESSION_REASON] = "";
+    char why[PROPERTY_REASON] = "";
     snprintf(ending, sizeof ending, "%s%s", what == KEEP_RESULTS ? "-hits" : "",
              what == KEEP_PICTURE   ? ".png"
              : what == KEEP_RESULTS ? result_ending(window->viewer->list.format)

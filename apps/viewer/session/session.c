@@ -1,221 +1,73 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Writes the state of the window as JSON, and reads and checks it. */
+/* A session: the rows of properties[], then what no row can say: the score, the level, columns, confirmed results, the
+ * context's colours, and what each atlas shows. */
 #include "viewer/session/session.h"
 
+#include "viewer/model/columns.h"
 #include "viewer/session/session_atlases.h"
 #include "viewer/session/session_fit.h"
-#include "viewer/session/session_list.h"
-#include "viewer/session/session_look.h"
-#include "viewer/session/session_second.h"
 
 #include <errno.h>
 #include <float.h>
 #include <jansson.h>
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum { SESSION_VERSION = 1, SESSION_LIMIT = 64 << 20 /* bytes of a file */ };
 
-/* A number of the session and where it lives, with what is allowed. */
-struct field {
-    const char *key;
-    double *value;
-    size_t count;
-    double low, high;
+/* What a session says, checked before any of it is used. */
+struct session {
+    double values[PROPERTY_COUNT][PROPERTY_NUMBERS];
+    uint32_t columns;
+    const char *score, *level; /* the level is the session's */
+    struct atlas_edits edits;
+    struct session_atlases atlases;
 };
 
-/* What a session holds, apart from the viewer; scores are names, not pointers. */
-struct state {
-    double pose[16], angle, radius, range[2], resolution, layers, aperture, sampling, engine, pointer, has_pose, frozen;
-    double slice_fraction; /* only with slices; 0 = default */
-    double apex_at_eye, one_ray, follow, order, slices;
-    double study, sweep[3], jitter[3]; /* kind; degrees; degrees, mm and samples */
-    double fade, fill, outlines, radiological;
-    double orbit[6]; /* centre, distance, azimuth, elevation */
-    double crosshair[3], magnification, enlarged;
-    double by_head, eye[3], screen[16], screen_mm[2];
-};
-
-enum { FIELD_LIMIT = 28, HEAD_FIELDS = 4 /* the last ones: only where a head moves the view */ };
-
-static size_t list_fields(struct field fields[FIELD_LIMIT], struct state *state)
-{
-    const struct field all[] = {
-        {"world_from_device", state->pose, 16, -1e6, 1e6},
-        {"has_pose", &state->has_pose, 1, 0, 1},
-        {"frozen", &state->frozen, 1, 0, 1},
-        {"pointer", &state->pointer, 1, 0, POINTER_COUNT - 1},
-        {"angle_deg", &state->angle, 1, 0.01, 179.99},
-        {"radius_mm", &state->radius, 1, 0, 1e6},
-        {"range_mm", state->range, 2, 0, 1e6},
-        {"resolution", &state->resolution, 1, 1, 1024},
-        {"layers", &state->layers, 1, 0, 1},
-        {"aperture", &state->aperture, 1, 0, 1},
-        {"sampling", &state->sampling, 1, 0, 1},
-        {"engine", &state->engine, 1, 0, 2},
-        {"fade", &state->fade, 1, 0, 1},
-        {"fill", &state->fill, 1, 0, 1},
-        {"outlines", &state->outlines, 1, 0, 1},
-        {"radiological", &state->radiological, 1, 0, 1},
-        {"orbit", state->orbit, 6, -1e6, 1e6},
-        {"crosshair", state->crosshair, 3, -1e6, 1e6},
-        {"magnification", &state->magnification, 1, 0.2, 50},
-        {"enlarged", &state->enlarged, 1, -1, PANE_COUNT - 1},
-        {"by_head", &state->by_head, 1, 0, 1},
-        {"eye", state->eye, 3, -1e6, 1e6},
-        {"world_from_screen", state->screen, 16, -1e6, 1e6},
-        {"screen_mm", state->screen_mm, 2, 0, 1e6},
-    };
-    memcpy(fields, all, sizeof all);
-    return sizeof all / sizeof all[0];
-}
-
-enum { OPTIONAL_FIELDS = 9 };
-
-/* Those that a session may lack; then they stay as they are. */
-static void list_optional(struct field fields[OPTIONAL_FIELDS], struct state *state)
-{
-    fields[0] = (struct field){"slice_fraction", &state->slice_fraction, 1, 0, 1};
-    fields[1] = (struct field){"apex_at_eye", &state->apex_at_eye, 1, 0, 1};
-    fields[2] = (struct field){"one_ray", &state->one_ray, 1, 0, 1};
-    fields[3] = (struct field){"follow", &state->follow, 1, 0, FOLLOW_COUNT - 1};
-    fields[4] = (struct field){"order", &state->order, 1, 0, CONUS_ORDER_DEPTH};
-    fields[5] = (struct field){"slices", &state->slices, 1, 0, 65536};
-    fields[6] = (struct field){"study", &state->study, 1, 0, STUDY_COUNT - 1};
-    fields[7] = (struct field){"sweep_deg", state->sweep, 3, 0, 180};
-    fields[8] = (struct field){"jitter", state->jitter, 3, 0, 1048576};
-}
-
-bool session_refuse(char why[SESSION_REASON], const char *format, ...)
-{
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(why, SESSION_REASON, format, arguments);
-    va_end(arguments);
-    return false;
-}
-
-static void take_study(struct state *out, const struct study_settings *study)
-{
-    out->study = (double)study->kind;
-    memcpy(out->sweep, study->angles, sizeof out->sweep);
-    out->jitter[0] = study->tilt_deg;
-    out->jitter[1] = study->shift_mm;
-    out->jitter[2] = study->samples;
-}
-
-static struct study_settings study_of(const struct state *state)
-{
-    return (struct study_settings){.kind = (enum study_kind)state->study,
-                                   .angles = {state->sweep[0], state->sweep[1], state->sweep[2]},
-                                   .tilt_deg = state->jitter[0],
-                                   .shift_mm = state->jitter[1],
-                                   .samples = state->jitter[2]};
-}
-
-static void take_state(struct state *out, const struct window *window)
+/* The window's values; one that was never set is its default. */
+static void take_values(double values[PROPERTY_COUNT][PROPERTY_NUMBERS], const struct window *window)
 {
     const struct viewer *viewer = window->viewer;
-    const conus_selector_options *options = &viewer->cone.options;
-    *out = (struct state){.angle = viewer->cone.angle,
-                          .radius = options->radius,
-                          .range = {options->range[0], options->range[1]},
-                          .resolution = options->resolution ? options->resolution : 16,
-                          .layers = (double)options->layers,
-                          .aperture = (double)options->aperture,
-                          .sampling = (double)options->sampling,
-                          .slice_fraction = options->slice_fraction,
-                          .engine = (double)options->engine,
-                          .pointer = (double)viewer->cone.pointer,
-                          .has_pose = viewer->cone.has_pose,
-                          .frozen = viewer->cone.frozen,
-                          .apex_at_eye = viewer->cone.apex_at_eye,
-                          .one_ray = viewer->cone.one_ray,
-                          .follow = (double)viewer->cone.follow,
-                          .order = (double)viewer->cone.order,
-                          .slices = options->slices,
-                          .fade = viewer->display.fade,
-                          .fill = viewer->display.fill,
-                          .outlines = !viewer->display.no_outlines,
-                          .radiological = viewer->display.radiological,
-                          .magnification = viewer->magnification,
-                          .enlarged = window->screen.enlarged};
-    take_study(out, &viewer->study.settings);
-    memcpy(out->pose, viewer->cone.pose.world_from_device, sizeof out->pose);
-    memcpy(out->orbit, viewer->orbit.centre, sizeof viewer->orbit.centre);
-    out->orbit[3] = viewer->orbit.distance;
-    out->orbit[4] = viewer->orbit.azimuth;
-    out->orbit[5] = viewer->orbit.elevation;
-    memcpy(out->crosshair, viewer->crosshair, sizeof out->crosshair);
-    out->by_head = viewer->head.on && viewer->head.known;
-    memcpy(out->eye, viewer->head.eye, sizeof out->eye);
-    memcpy(out->screen, viewer->head.screen.world_from_device, sizeof out->screen);
-    memcpy(out->screen_mm, viewer->head.size, sizeof out->screen_mm);
+    for (size_t i = 0; i < PROPERTY_COUNT; i++) {
+        property_get(values[i], &properties[i], window);
+    }
+    values[PROPERTY_RESOLUTION][0] = viewer->cone.options.resolution ? viewer->cone.options.resolution : 16;
+    values[PROPERTY_BY_HEAD][0] = viewer->head.on && viewer->head.known;
+    values[PROPERTY_SECOND_ANGLE][0] = second_angle(&window->second);
+    values[PROPERTY_SPEED][0] = devices_speed(&window->inputs.devices);
 }
 
-/* A view that the mouse turns is no reason to leave a head that is tracked now. */
-static void put_head(struct head *head, const struct state *state)
+static void add_values(json_t *root, const struct window *window)
 {
-    conus_pose screen;
-    memcpy(screen.world_from_device, state->screen, sizeof state->screen);
-    head->on = state->by_head > 0 || head->named;
-    if (state->by_head > 0 && state->screen_mm[0] > 0 && state->screen_mm[1] > 0) {
-        memcpy(head->size, state->screen_mm, sizeof head->size);
-        head->known = false;
-        head_move(head, state->eye, &screen);
+    double values[PROPERTY_COUNT][PROPERTY_NUMBERS];
+    take_values(values, window);
+    for (size_t i = 0; i < PROPERTY_COUNT; i++) {
+        const struct property *property = &properties[i];
+        bool is_left_out = (property->presence == PROPERTY_OF_HEAD && values[PROPERTY_BY_HEAD][0] == 0) ||
+                           (property->presence == PROPERTY_ZERO && values[i][0] == 0);
+        if (is_left_out) {
+            continue;
+        }
+        if (property->object && !json_object_get(root, property->object)) {
+            json_object_set_new(root, property->object, json_object());
+        }
+        json_object_set_new(property->object ? json_object_get(root, property->object) : root, property->name,
+                            property_json(property, values[i]));
     }
 }
 
-static void put_state(struct window *window, const struct state *state)
+/* By name, in their order; null where none were chosen. */
+static json_t *columns_of(const struct result_list *list)
 {
-    struct viewer *viewer = window->viewer;
-    conus_selector_options *options = &viewer->cone.options;
-    memcpy(viewer->cone.pose.world_from_device, state->pose, sizeof state->pose);
-    viewer->cone.has_pose = state->has_pose > 0;
-    viewer->cone.frozen = state->frozen > 0;
-    viewer->cone.apex_at_eye = state->apex_at_eye > 0;
-    viewer->cone.one_ray = state->one_ray > 0;
-    viewer->cone.follow = (enum follow)state->follow;
-    viewer->cone.order = (conus_order)state->order;
-    viewer->study.settings = study_of(state);
-    viewer->cone.pointer = (enum pointer)state->pointer;
-    viewer->cone.angle = state->angle;
-    options->radius = state->radius;
-    memcpy(options->range, state->range, sizeof state->range);
-    options->resolution = (uint32_t)state->resolution;
-    options->layers = (conus_layers)state->layers;
-    options->aperture = (conus_aperture)state->aperture;
-    options->sampling = (conus_sampling)state->sampling;
-    options->slice_fraction = options->sampling == CONUS_SAMPLING_SLICES ? state->slice_fraction : 0;
-    options->slices = options->sampling == CONUS_SAMPLING_SLICES ? (uint32_t)state->slices : 0;
-    options->engine = (conus_engine)state->engine;
-    viewer->display.fade = state->fade;
-    viewer->display.fill = state->fill;
-    viewer->display.no_outlines = !(state->outlines > 0);
-    viewer->display.radiological = state->radiological > 0;
-    memcpy(viewer->orbit.centre, state->orbit, sizeof viewer->orbit.centre);
-    viewer->orbit.distance = fmax(state->orbit[3], 1);
-    viewer->orbit.azimuth = state->orbit[4];
-    viewer->orbit.elevation = state->orbit[5];
-    memcpy(viewer->crosshair, state->crosshair, sizeof viewer->crosshair);
-    viewer->magnification = state->magnification;
-    window->screen.enlarged = (int)state->enlarged;
-    put_head(&viewer->head, state);
-}
-
-static json_t *numbers(const struct field *field)
-{
-    if (field->count == 1) {
-        return json_real(*field->value);
+    json_t *names = list->columns ? json_array() : json_null();
+    for (size_t i = 0; list->columns && i < RESULT_COLUMNS; i++) {
+        if (list->columns >> i & 1) {
+            json_array_append_new(names, json_string(result_key(i)));
+        }
     }
-    json_t *array = json_array();
-    for (size_t i = 0; i < field->count; i++) {
-        json_array_append_new(array, json_real(field->value[i]));
-    }
-    return array;
+    return names;
 }
 
 /* A hidden result that was confirmed has no contact and no distance; one of a session may have no share either. */
@@ -254,90 +106,99 @@ static json_t *transfer_of(const struct transfer_editor *editor)
     return list;
 }
 
-char *session_text(const struct window *window)
+json_t *session_json(const struct window *window)
 {
     const struct viewer *viewer = window->viewer;
-    struct field fields[FIELD_LIMIT];
-    struct state state;
-    take_state(&state, window);
-    size_t count = list_fields(fields, &state) - (state.by_head > 0 ? 0 : HEAD_FIELDS);
-    json_t *root = json_pack("{s: i, s: s, s: i, s: s}", "conus_session", SESSION_VERSION, "atlas",
-                             viewer->atlases->path, "objects", (int)viewer->atlases->object_count, "score",
-                             viewer->cone.options.score ? viewer->cone.options.score : "share");
-    for (size_t i = 0; root && i < count; i++) {
-        json_object_set_new(root, fields[i].key, numbers(&fields[i]));
+    const struct view_atlas *first = viewer->atlases;
+    json_t *root =
+        json_pack("{s: i, s: s, s: i, s: s}", "conus_session", SESSION_VERSION, "atlas", first->path, "objects",
+                  (int)first->object_count, "score", viewer->cone.options.score ? viewer->cone.options.score : "share");
+    if (!root) {
+        return NULL;
     }
-    list_optional(fields, &state);
-    for (size_t i = state.slice_fraction > 0 ? 0 : 1; root && i < OPTIONAL_FIELDS; i++) {
-        json_object_set_new(root, fields[i].key, numbers(&fields[i]));
-    }
+    add_values(root, window);
+    json_object_set_new(json_object_get(root, "results"), "columns", columns_of(&viewer->list));
     if (window->files.opened) {
         json_object_set(root, "opened", window->files.opened);
     }
     json_object_set_new(root, "level", json_string(viewer->cone.level));
-    json_object_set_new(root, "place", session_place(viewer->atlases));
-    json_object_set_new(root, "hidden", session_hidden(viewer->atlases));
+    json_object_set_new(root, "place", session_place(first));
+    json_object_set_new(root, "hidden", session_hidden(first));
     json_object_set_new(root, "confirmed", pins_of(viewer));
-    json_object_set_new(root, "thresholds", session_thresholds(viewer->atlases));
+    json_object_set_new(root, "thresholds", session_thresholds(first));
     json_object_set_new(root, "transfer", transfer_of(&viewer->transfer_editor));
-    session_second_add(root, window);
     json_object_set_new(root, "preset", viewer->preset ? json_string(viewer->preset) : json_null());
-    json_object_set_new(root, "look", session_look(viewer->atlases));
-    json_object_set_new(root, "background", json_string(backdrop_names[viewer->display.backdrop]));
-    json_object_set_new(root, "figure", session_sheet(&window->sheet));
-    json_object_set_new(root, "layout", session_layout(&window->screen.layout));
-    json_object_set_new(root, "safe_colours", json_boolean(viewer->display.safe_colours));
-    json_object_set_new(root, "results", session_list(&viewer->list));
-    if (root && viewer->atlas_count > 1) {
+    json_object_set_new(root, "look", session_look(first));
+    if (viewer->atlas_count > 1) {
         json_object_set_new(root, "drawn", json_integer(viewer->drawn - viewer->atlases + 1));
         if (json_object_set_new(root, "further_atlases", session_further(viewer))) {
             json_decref(root);
             root = NULL;
         }
     }
+    return root;
+}
+
+char *session_text(const struct window *window)
+{
+    json_t *root = session_json(window);
     char *text = root ? json_dumps(root, JSON_INDENT(1)) : NULL;
     json_decref(root);
     return text;
 }
 
-/* Where Ctrl+S saves. */
-static void note_path(struct window *window, const char *path)
+static struct study_settings study_of(double values[PROPERTY_COUNT][PROPERTY_NUMBERS])
 {
-    char *copy = strdup(path);
-    if (copy) {
-        free(window->history.session_path);
-        window->history.session_path = copy;
-    }
+    const double *sweep = values[PROPERTY_SWEEP];
+    const double *jitter = values[PROPERTY_JITTER];
+    return (struct study_settings){.kind = (enum study_kind)values[PROPERTY_STUDY][0],
+                                   .angles = {sweep[0], sweep[1], sweep[2]},
+                                   .tilt_deg = jitter[0],
+                                   .shift_mm = jitter[1],
+                                   .samples = jitter[2]};
 }
 
-bool session_save(struct window *window, const char *path, char why[SESSION_REASON])
+/* What no row alone can check. */
+static bool check_values(double values[PROPERTY_COUNT][PROPERTY_NUMBERS], char why[PROPERTY_REASON])
 {
-    char *text = session_text(window);
-    conus_status status = text ? conus_write_file(path, text, strlen(text)) : CONUS_ERROR_MEMORY;
-    free(text);
-    if (!status) {
-        note_path(window, path);
+    const struct study_settings study = study_of(values);
+    const double *panels = values[PROPERTY_PANELS];
+    const double *division = values[PROPERTY_DIVISION];
+    const struct layout layout = {.panels = {panels[0], panels[1]}, .division = {division[0], division[1]}};
+    double dpi = values[PROPERTY_FIGURE_DPI][0];
+    const char *fault = study_fault(&study);
+    if (fault) {
+        return session_refuse(why, "session: %s", fault);
     }
-    return !status ||
-           session_refuse(why, "%s",
-                          text ? conus_message() : "session: not enough memory, or a name that is not UTF-8");
+    if (!layout_is_fine(&layout)) {
+        return session_refuse(why, "session: layout: panels, 0 or two widths in pixels, and division, two parts from "
+                                   "0.1 to 0.9 or 0, are needed");
+    }
+    return dpi == 0 || dpi >= SHEET_DPI_LEAST ||
+           session_refuse(why, "session: figure: dpi: 0 or a number from %d to %d is needed", SHEET_DPI_LEAST,
+                          SHEET_DPI_LIMIT);
 }
 
-static bool read_number(double *out, const json_t *value, const struct field *field)
+/* @p values are the window's, and stay so where the session says nothing. */
+static bool read_values(double values[PROPERTY_COUNT][PROPERTY_NUMBERS], const json_t *root, char why[PROPERTY_REASON])
 {
-    *out = json_number_value(value);
-    return json_is_number(value) && *out >= field->low && *out <= field->high;
-}
-
-static bool read_field(const json_t *root, const struct field *field, char why[SESSION_REASON])
-{
-    const json_t *value = json_object_get(root, field->key);
-    bool fine = field->count == 1 || (json_is_array(value) && json_array_size(value) == field->count);
-    for (size_t i = 0; fine && i < field->count; i++) {
-        fine = read_number(&field->value[i], field->count == 1 ? value : json_array_get(value, i), field);
+    bool has_head = json_object_get(root, "by_head");
+    values[PROPERTY_BY_HEAD][0] = values[PROPERTY_SLICE_FRACTION][0] = 0;
+    for (size_t i = 0; i < PROPERTY_COUNT; i++) {
+        const struct property *property = &properties[i];
+        const json_t *of = property->object ? json_object_get(root, property->object) : root;
+        const json_t *value = json_object_get(of, property->name);
+        bool is_said =
+            property->presence == PROPERTY_OF_HEAD ? has_head : value || (property->presence == PROPERTY_NEEDED && of);
+        if (is_said && !property_read(values[i], property, value, why)) {
+            return false;
+        }
     }
-    return fine || session_refuse(why, "session: %s: %zu numbers from %g to %g are needed", field->key, field->count,
-                                  field->low, field->high);
+    values[PROPERTY_ORBIT][3] = fmax(values[PROPERTY_ORBIT][3], 1);
+    if (values[PROPERTY_SAMPLING][0] != CONUS_SAMPLING_SLICES) {
+        values[PROPERTY_SLICE_FRACTION][0] = values[PROPERTY_SLICES][0] = 0;
+    }
+    return check_values(values, why);
 }
 
 static const char *known_score(const char *name)
@@ -378,20 +239,35 @@ static void read_pins(struct viewer *viewer, const json_t *root)
     }
 }
 
+static bool read_columns(uint32_t *out, const json_t *results, char why[PROPERTY_REASON])
+{
+    const json_t *names = json_object_get(results, "columns");
+    bool fine = !results || json_is_null(names) || json_array_size(names) > 0;
+    *out = results ? 0 : *out;
+    for (size_t i = 0; fine && i < json_array_size(names); i++) {
+        const char *key = json_string_value(json_array_get(names, i));
+        size_t column = key ? result_find(key) : RESULT_COLUMNS;
+        fine = column < RESULT_COLUMNS;
+        *out |= fine ? UINT32_C(1) << column : 0;
+    }
+    return fine || session_refuse(why, "session: results: columns: names of columns are needed, or null");
+}
+
+/* Five numbers: a grey value not below @p least, red, green, blue and opacity. */
 static bool read_point(conus_transfer_point *out, const json_t *entry, double least)
 {
     bool fine = json_is_array(entry) && json_array_size(entry) == 5;
-    const struct field value = {.low = least, .high = FLT_MAX};
-    const struct field part = {.low = 0, .high = 1};
-    fine = fine && read_number(&out->value, json_array_get(entry, 0), &value);
-    for (size_t i = 0; fine && i < 4; i++) {
-        fine = read_number(&out->rgba[i], json_array_get(entry, i + 1), &part);
+    for (size_t i = 0; fine && i < 5; i++) {
+        const json_t *value = json_array_get(entry, i);
+        double number = json_number_value(value);
+        *(i ? &out->rgba[i - 1] : &out->value) = number;
+        fine = json_is_number(value) && number >= (i ? 0 : least) && number <= (i ? 1 : FLT_MAX);
     }
     return fine;
 }
 
 static bool read_transfer(struct atlas_edits *out, const struct view_atlas *on, const json_t *list,
-                          char why[SESSION_REASON])
+                          char why[PROPERTY_REASON])
 {
     size_t count = json_array_size(list);
     out->sets_transfer = true;
@@ -413,49 +289,39 @@ static bool read_transfer(struct atlas_edits *out, const struct view_atlas *on, 
                           EDITOR_POINTS);
 }
 
-/* What the session does not say stays as it is. */
-static bool read_atlas_edits(struct atlas_edits *out, struct session_atlases *atlases, const struct viewer *viewer,
-                             const json_t *root, char why[SESSION_REASON])
+static bool read_preset(const char **preset, const struct view_atlas *on, const json_t *name, char why[PROPERTY_REASON])
 {
-    const json_t *transfer = json_object_get(root, "transfer");
-    const json_t *safe = json_object_get(root, "safe_colours");
-    if (!session_atlases_read(atlases, viewer, root, why)) {
-        return false;
+    const char *text = json_string_value(name);
+    const char *found = NULL;
+    *preset = NULL;
+    if (!name || json_is_null(name)) {
+        return true;
     }
-    *out = (struct atlas_edits){.thresholds = atlases->thresholds,
-                                .safe_colours = safe ? json_is_true(safe) : viewer->display.safe_colours};
-    if (safe && !json_is_boolean(safe)) {
-        return session_refuse(why, "session: safe_colours: true or false is needed");
+    if (view_atlas_context(on) == conus_atlas_volume_count(on->atlas)) {
+        return session_refuse(why, "session: preset: there is no context here, open it with --context");
     }
-    const struct view_atlas *drawn = &viewer->atlases[atlases->drawn];
-    return !transfer || (read_transfer(out, drawn, transfer, why) &&
-                         session_preset_read(&out->preset, drawn, json_object_get(root, "preset"), why));
+    for (size_t i = 0; text && !*preset && (found = conus_transfer_preset(i)); i++) {
+        *preset = strcmp(found, text) == 0 ? found : NULL;
+    }
+    return *preset || session_refuse(why, "session: preset: the name of a transfer function is needed, or null");
 }
 
-static bool read_state(struct state *out, const json_t *root, char why[SESSION_REASON])
+/* Colours and thresholds; what the session does not say stays as it is. */
+static bool read_edits(struct session *out, const struct viewer *viewer, const json_t *root, char why[PROPERTY_REASON])
 {
-    struct field fields[FIELD_LIMIT];
-    size_t count = list_fields(fields, out) - (json_object_get(root, "by_head") ? 0 : HEAD_FIELDS);
-    if (json_integer_value(json_object_get(root, "conus_session")) != SESSION_VERSION) {
-        return session_refuse(why, "no session of this version of conus view");
+    const json_t *transfer = json_object_get(root, "transfer");
+    if (!session_atlases_read(&out->atlases, viewer, root, why)) {
+        return false;
     }
-    for (size_t i = 0; i < count; i++) {
-        if (!read_field(root, &fields[i], why)) {
-            return false;
-        }
-    }
-    bool fine = true;
-    list_optional(fields, out);
-    for (size_t i = 0; i < OPTIONAL_FIELDS && fine; i++) {
-        fine = !json_object_get(root, fields[i].key) || read_field(root, &fields[i], why);
-    }
-    const struct study_settings study = study_of(out);
-    const char *fault = fine ? study_fault(&study) : NULL;
-    return fine && (!fault || session_refuse(why, "session: %s", fault));
+    out->edits = (struct atlas_edits){.thresholds = out->atlases.thresholds,
+                                      .safe_colours = out->values[PROPERTY_SAFE_COLOURS][0] > 0};
+    const struct view_atlas *drawn = &viewer->atlases[out->atlases.drawn];
+    return !transfer || (read_transfer(&out->edits, drawn, transfer, why) &&
+                         read_preset(&out->edits.preset, drawn, json_object_get(root, "preset"), why));
 }
 
 /* What --level would say, of the first atlas. Sessions of before there were levels do not say. */
-static bool read_level(const char **out, const struct viewer *viewer, const json_t *root, char why[SESSION_REASON])
+static bool read_level(const char **out, const struct viewer *viewer, const json_t *root, char why[PROPERTY_REASON])
 {
     const json_t *level = json_object_get(root, "level");
     *out = level ? json_string_value(level) : viewer->cone.level;
@@ -472,7 +338,7 @@ static bool read_level(const char **out, const struct viewer *viewer, const json
 }
 
 /* The atlases first, since that may fail. */
-static bool set_up(struct viewer *viewer, size_t drawn, const struct atlas_edits *settings, char why[SESSION_REASON])
+static bool set_up(struct viewer *viewer, size_t drawn, const struct atlas_edits *settings, char why[PROPERTY_REASON])
 {
     size_t before = (size_t)(viewer->drawn - viewer->atlases);
     viewer_draw(viewer, drawn);
@@ -483,64 +349,95 @@ static bool set_up(struct viewer *viewer, size_t drawn, const struct atlas_edits
     return true;
 }
 
-static bool read_session(struct window *window, const json_t *root, char why[SESSION_REASON])
+static void put_head(struct head *head, double values[PROPERTY_COUNT][PROPERTY_NUMBERS])
+{
+    const double *size = values[PROPERTY_SCREEN_MM];
+    bool by_head = values[PROPERTY_BY_HEAD][0] > 0;
+    conus_pose screen;
+    memcpy(screen.world_from_device, values[PROPERTY_SCREEN], sizeof screen.world_from_device);
+    head->on = by_head || head->named; /* a view that the mouse turns is no reason to leave a head that is tracked */
+    if (by_head && size[0] > 0 && size[1] > 0) {
+        memcpy(head->size, size, sizeof head->size);
+        head->known = false;
+        head_move(head, values[PROPERTY_EYE], &screen);
+    }
+}
+
+static void put_session(struct window *window, struct session *session, const json_t *root)
 {
     struct viewer *viewer = window->viewer;
-    struct state state = {.apex_at_eye = viewer->cone.apex_at_eye,
-                          .one_ray = viewer->cone.one_ray,
-                          .follow = (double)viewer->cone.follow,
-                          .order = (double)viewer->cone.order,
-                          .slices = viewer->cone.options.slices};
-    take_study(&state, &viewer->study.settings);
-    struct atlas_edits settings;
-    struct session_atlases atlases = {0};
-    struct session_tools tools;
-    struct result_list list = viewer->list;
-    enum backdrop backdrop = viewer->display.backdrop;
-    struct sheet sheet = window->sheet;
-    struct layout layout = window->screen.layout;
-    const char *score = known_score(json_string_value(json_object_get(root, "score")));
-    const char *level = NULL;
-    bool fine = read_state(&state, root, why) && session_list_read(&list, root, why) &&
-                (score || session_refuse(why, "session: score: unknown")) &&
-                session_second_read(&tools, window, root, why) && read_level(&level, viewer, root, why) &&
-                read_atlas_edits(&settings, &atlases, viewer, root, why) &&
-                session_backdrop_read(&backdrop, json_object_get(root, "background"), why) &&
-                session_sheet_read(&sheet, json_object_get(root, "figure"), why) &&
-                session_layout_read(&layout, json_object_get(root, "layout"), why) &&
-                set_up(viewer, atlases.drawn, &settings, why);
-    if (fine) {
-        put_state(window, &state);
-        viewer->cone.options.score = score;
-        viewer->list = list;
-        viewer->display.backdrop = backdrop;
-        window->sheet = sheet;
-        window->screen.layout = layout;
-        memmove(viewer->cone.level, level, strlen(level) + 1); /* of itself, where the session says nothing */
-        session_atlases_show(&atlases, viewer);
-        read_pins(viewer, root);
-        viewer_reselect(viewer);
-        session_second_put(window, &tools);
+    struct second *second = &window->second;
+    for (size_t i = 0; i < PROPERTY_COUNT; i++) {
+        if (!properties[i].is_set_apart) {
+            property_put(window, &properties[i], session->values[i]);
+        }
     }
-    session_atlases_finish(&atlases);
+    put_head(&viewer->head, session->values);
+    devices_set_speed(&window->inputs.devices, session->values[PROPERTY_SPEED][0]);
+    viewer->list.columns = session->columns;
+    viewer->cone.options.score = session->score;
+    memmove(viewer->cone.level, session->level, strlen(session->level) + 1); /* maybe itself */
+    session_atlases_show(&session->atlases, viewer);
+    read_pins(viewer, root);
+    viewer_reselect(viewer);
+    enum pointer pointer = second->pointer;
+    second_use(second, viewer, session->values[PROPERTY_SECOND_ON][0] > 0);
+    second->pointer = pointer; /* whatever moves the first */
+}
+
+bool session_read(struct window *window, json_t *root, char why[PROPERTY_REASON])
+{
+    struct viewer *viewer = window->viewer;
+    struct session session = {.columns = viewer->list.columns,
+                              .score = known_score(json_string_value(json_object_get(root, "score")))};
+    session_fit(root, window);
+    if (json_integer_value(json_object_get(root, "conus_session")) != SESSION_VERSION) {
+        return session_refuse(why, "no session of this version of conus view");
+    }
+    take_values(session.values, window);
+    bool fine = read_values(session.values, root, why) &&
+                read_columns(&session.columns, json_object_get(root, "results"), why) &&
+                (session.score || session_refuse(why, "session: score: unknown")) &&
+                read_level(&session.level, viewer, root, why) && read_edits(&session, viewer, root, why) &&
+                set_up(viewer, session.atlases.drawn, &session.edits, why);
+    if (fine) {
+        put_session(window, &session, root);
+    }
+    session_atlases_finish(&session.atlases);
     return fine;
 }
 
-static bool use_session(struct window *window, json_t *root, const char *path, const json_error_t *error,
-                        char why[SESSION_REASON])
+bool session_parse(struct window *window, const char *text, size_t size, char why[PROPERTY_REASON])
 {
-    session_fit(root, window);
+    json_error_t error;
+    json_t *root = json_loadb(text, size, JSON_REJECT_DUPLICATES, &error);
     bool fine =
-        root ? read_session(window, root, why) : session_refuse(why, "%s: line %d: %s", path, error->line, error->text);
+        root ? session_read(window, root, why) : session_refuse(why, "session: line %d: %s", error.line, error.text);
     json_decref(root);
     return fine;
 }
 
-bool session_parse(struct window *window, const char *text, size_t size, char why[SESSION_REASON])
+/* Where Ctrl+S saves. */
+static void note_path(struct window *window, const char *path)
 {
-    json_error_t error;
-    json_t *root = json_loadb(text, size, JSON_REJECT_DUPLICATES, &error);
-    return use_session(window, root, "session", &error, why);
+    char *copy = strdup(path);
+    if (copy) {
+        free(window->history.session_path);
+        window->history.session_path = copy;
+    }
+}
+
+bool session_save(struct window *window, const char *path, char why[PROPERTY_REASON])
+{
+    char *text = session_text(window);
+    conus_status status = text ? conus_write_file(path, text, strlen(text)) : CONUS_ERROR_MEMORY;
+    free(text);
+    if (!status) {
+        note_path(window, path);
+    }
+    return !status ||
+           session_refuse(why, "%s",
+                          text ? conus_message() : "session: not enough memory, or a name that is not UTF-8");
 }
 
 /* A file that is read up to a limit. */
@@ -560,7 +457,7 @@ static size_t read_capped(void *buffer, size_t size, void *user)
     return from->is_larger || ferror(from->file) ? (size_t)-1 : got;
 }
 
-bool session_load(struct window *window, const char *path, char why[SESSION_REASON])
+bool session_load(struct window *window, const char *path, char why[PROPERTY_REASON])
 {
     struct capped from = {.file = fopen(path, "re"), .left = SESSION_LIMIT};
     json_error_t error;
@@ -573,7 +470,9 @@ bool session_load(struct window *window, const char *path, char why[SESSION_REAS
         json_decref(root);
         return session_refuse(why, "%s: more than the %d bytes that are read", path, SESSION_LIMIT);
     }
-    bool fine = use_session(window, root, path, &error, why);
+    bool fine =
+        root ? session_read(window, root, why) : session_refuse(why, "%s: line %d: %s", path, error.line, error.text);
+    json_decref(root);
     if (fine) {
         note_path(window, path);
     }

@@ -4,21 +4,21 @@
 #ifndef CONUS_VIEWER_SESSION_SESSION_H
 #define CONUS_VIEWER_SESSION_SESSION_H
 
-#include "viewer/window/window.h"
+#include "viewer/session/property.h"
 
-enum { SESSION_REASON = 256 };
+/** The session as JSON; NULL without memory, or where a name is not UTF-8. */
+struct json_t *session_json(const struct window *window);
+/** Opens what session_json() gave, which may be changed; false, and @p why says why not, in one line; the window stays
+ * as it was then. */
+bool session_read(struct window *window, struct json_t *root, char why[PROPERTY_REASON]);
 
-/** The session as text, to be freed; NULL without memory, or where a name is not UTF-8. */
+/** The same as text, to be freed. */
 char *session_text(const struct window *window);
-/** Opens what session_text() gave; false, and @p why says why not, in one line; the window stays as it was then. */
-bool session_parse(struct window *window, const char *text, size_t size, char why[SESSION_REASON]);
-
-/** Says why not, in one line; false. */
-bool session_refuse(char why[SESSION_REASON], const char *format, ...) __attribute__((format(printf, 2, 3)));
+bool session_parse(struct window *window, const char *text, size_t size, char why[PROPERTY_REASON]);
 
 /** False: @p why says why not, in one line. The window knows the path of the session from then on. */
-bool session_save(struct window *window, const char *path, char why[SESSION_REASON]);
+bool session_save(struct window *window, const char *path, char why[PROPERTY_REASON]);
 /** Likewise; the window stays as it was unless the whole file fits. A session of another atlas is refused. */
-bool session_load(struct window *window, const char *path, char why[SESSION_REASON]);
+bool session_load(struct window *window, const char *path, char why[PROPERTY_REASON]);
 
 #endif

@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Hidden objects and thresholds of each atlas, and which of them is drawn: written, read and checked. */
+/* What a session says of each atlas: where it lies, hidden objects, thresholds and looks; and which of them is drawn.
+ */
 #include "viewer/session/session_atlases.h"
-
-#include "viewer/session/session.h"
-#include "viewer/session/session_look.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -61,6 +59,49 @@ json_t *session_place(const struct view_atlas *on)
     return list;
 }
 
+/* Grey values are floats; a window of them that a mouse makes is some times wider. */
+static const double grey_limit = 1e30;
+
+static json_t *grey_of(const struct look *look)
+{
+    bool set = look->grey[0] != 0 || look->grey[1] != 0;
+    return set ? json_pack("[f, f]", look->grey[0], look->grey[1]) : json_null();
+}
+
+static json_t *opacities_of(const struct look *look)
+{
+    json_t *list = json_array();
+    for (size_t number = 1; number <= look->object_count; number++) {
+        if (!isnan(look->opacity[number])) {
+            json_array_append_new(list, json_pack("[i, f]", (int)number, look->opacity[number]));
+        }
+    }
+    return list;
+}
+
+static json_t *haze_of(const struct view_atlas *on)
+{
+    json_t *list = json_array();
+    for (size_t number = 1; number <= on->look.object_count; number++) {
+        if (on->look.haze[number] != HAZE_NONE) {
+            json_array_append_new(list, json_pack("[i, s]", (int)number, haze_name(on->look.haze[number])));
+        }
+    }
+    return list;
+}
+
+json_t *session_look(const struct view_atlas *on)
+{
+    const char *streamlines = tract_colour_name(on->atlas, on->look.streamlines);
+    json_t *look =
+        json_pack("{s: o, s: o, s: f, s: o}", "grey", grey_of(&on->look), "opacities", opacities_of(&on->look),
+                  "opacity_of_the_rest", on->look.opacity[0], "pathways", haze_of(on));
+    if (look && streamlines) {
+        json_object_set_new(look, "streamline_colour", json_string(streamlines));
+    }
+    return look;
+}
+
 json_t *session_further(const struct viewer *viewer)
 {
     json_t *list = json_array();
@@ -79,7 +120,7 @@ json_t *session_further(const struct viewer *viewer)
 }
 
 /* Fills [object_count + 1], zeroed. */
-static bool read_hidden(bool *hidden, const json_t *root, size_t object_count, char why[SESSION_REASON])
+static bool read_hidden(bool *hidden, const json_t *root, size_t object_count, char why[PROPERTY_REASON])
 {
     const json_t *list = json_object_get(root, "hidden");
     for (size_t i = 0; i < json_array_size(list); i++) {
@@ -93,7 +134,7 @@ static bool read_hidden(bool *hidden, const json_t *root, size_t object_count, c
 }
 
 static bool read_threshold(double *out, const json_t *entry, const char *wanted, const conus_volume_info *info,
-                           char why[SESSION_REASON])
+                           char why[PROPERTY_REASON])
 {
     const char *name = json_string_value(json_object_get(entry, "pathway"));
     const json_t *value = json_object_get(entry, "threshold");
@@ -109,7 +150,7 @@ static bool read_threshold(double *out, const json_t *entry, const char *wanted,
 }
 
 /* One for each pathway, in the atlas's order. Fills [object_count + 1]. */
-static bool read_thresholds(double *out, const struct view_atlas *on, const json_t *list, char why[SESSION_REASON])
+static bool read_thresholds(double *out, const struct view_atlas *on, const json_t *list, char why[PROPERTY_REASON])
 {
     size_t count = 0;
     for (uint32_t number = 1; number <= on->object_count; number++) {
@@ -124,7 +165,7 @@ static bool read_thresholds(double *out, const struct view_atlas *on, const json
 }
 
 /* Whether the atlas lies where it lay. Sessions of before there were transforms do not say. */
-static bool check_place(const struct view_atlas *on, const json_t *list, char why[SESSION_REASON])
+static bool check_place(const struct view_atlas *on, const json_t *list, char why[PROPERTY_REASON])
 {
     double place[3 * PLACES];
     size_t count = json_array_size(list);
@@ -142,9 +183,106 @@ static bool check_place(const struct view_atlas *on, const json_t *list, char wh
     return true;
 }
 
+static bool read_grey(struct look *out, const json_t *value, char why[PROPERTY_REASON])
+{
+    if (!value || json_is_null(value)) {
+        return true;
+    }
+    for (size_t i = 0; i < 2; i++) {
+        out->grey[i] = json_number_value(json_array_get(value, i));
+    }
+    bool fine = json_is_array(value) && json_array_size(value) == 2 && json_is_number(json_array_get(value, 0)) &&
+                json_is_number(json_array_get(value, 1)) && out->grey[0] >= -grey_limit && out->grey[1] <= grey_limit &&
+                out->grey[0] < out->grey[1];
+    return fine || session_refuse(why, "session: grey: two numbers are needed, black less than white, or null");
+}
+
+/* An object's number in an entry of a list; 0 = none that is allowed. */
+static size_t number_of(const json_t *entry, const struct look *look)
+{
+    json_int_t number = json_integer_value(json_array_get(entry, 0));
+    bool fine = json_array_size(entry) == 2 && number >= 1 && (uint64_t)number <= look->object_count;
+    return fine ? (size_t)number : 0;
+}
+
+static bool read_opacities(struct look *out, const json_t *list, char why[PROPERTY_REASON])
+{
+    bool fine = !list || json_is_array(list);
+    for (size_t i = 0; fine && i < json_array_size(list); i++) {
+        const json_t *entry = json_array_get(list, i);
+        const json_t *opacity = json_array_get(entry, 1);
+        size_t number = number_of(entry, out);
+        fine = number && json_is_number(opacity) && json_number_value(opacity) >= 0 && json_number_value(opacity) <= 1;
+        out->opacity[fine ? number : 0] = json_number_value(opacity);
+    }
+    return fine || session_refuse(why,
+                                  "session: opacities: a list of pairs is needed, each a number from 1 to %zu and an "
+                                  "opacity from 0 to 1",
+                                  out->object_count);
+}
+
+static bool read_rest(struct look *out, const json_t *value, char why[PROPERTY_REASON])
+{
+    out->opacity[0] = value ? json_number_value(value) : 1;
+    return (out->opacity[0] > 0 && out->opacity[0] <= 1) ||
+           session_refuse(why, "session: opacity_of_the_rest: a number above 0 and up to 1 is needed");
+}
+
+static bool read_haze(struct look *out, const struct view_atlas *on, const json_t *list, char why[PROPERTY_REASON])
+{
+    bool fine = !list || json_is_array(list);
+    for (size_t i = 0; fine && i < json_array_size(list); i++) {
+        const json_t *entry = json_array_get(list, i);
+        const char *name = json_string_value(json_array_get(entry, 1));
+        size_t number = number_of(entry, out);
+        size_t haze = name ? haze_find(name) : HAZE_LIMIT;
+        fine = number && haze < HAZE_LIMIT && conus_atlas_object(on->atlas, number)->kind == CONUS_KIND_PATHWAY;
+        out->haze[fine ? number : 0] = (uint8_t)(fine ? haze : HAZE_NONE);
+    }
+    return fine || session_refuse(why, "session: pathways: a list of pairs is needed, each a pathway's number and "
+                                       "\"solid\", \"own\" or the name of a preset");
+}
+
+static bool read_streamlines(struct look *out, const struct view_atlas *on, const json_t *value,
+                             char why[PROPERTY_REASON])
+{
+    const char *name = json_string_value(value);
+    size_t colour = name ? tract_colour_find(on->atlas, name) : TRACT_COLOUR_LIMIT;
+    if (!value) {
+        return true;
+    }
+    if (colour == TRACT_COLOUR_LIMIT) {
+        return session_refuse(why,
+                              "session: streamline_colour: \"bundle\", \"direction\" or the name of a number that the "
+                              "streamlines have is needed");
+    }
+    look_colour_streamlines(out, on->atlas, colour);
+    return true;
+}
+
+static bool read_look(struct look *out, const struct view_atlas *on, const json_t *entry, char why[PROPERTY_REASON])
+{
+    struct look look;
+    if (!look_init(&look, on->object_count)) {
+        return session_refuse(why, "session: not enough memory");
+    }
+    bool fine = (json_is_object(entry) || session_refuse(why, "session: look: an object is needed")) &&
+                read_grey(&look, json_object_get(entry, "grey"), why) &&
+                read_opacities(&look, json_object_get(entry, "opacities"), why) &&
+                read_rest(&look, json_object_get(entry, "opacity_of_the_rest"), why) &&
+                read_haze(&look, on, json_object_get(entry, "pathways"), why) &&
+                read_streamlines(&look, on, json_object_get(entry, "streamline_colour"), why);
+    if (fine) {
+        *out = look;
+    } else {
+        look_finish(&look);
+    }
+    return fine;
+}
+
 /* What `entry` says of one atlas. */
 static bool read_atlas(struct session_atlases *out, size_t index, const struct view_atlas *on, const json_t *entry,
-                       char why[SESSION_REASON])
+                       char why[PROPERTY_REASON])
 {
     const json_t *list = json_object_get(entry, "thresholds");
     const json_t *look = json_object_get(entry, "look");
@@ -163,11 +301,11 @@ static bool read_atlas(struct session_atlases *out, size_t index, const struct v
     }
     return read_hidden(out->hidden[index], entry, on->object_count, why) &&
            (!list || read_thresholds(out->thresholds[index], on, list, why)) &&
-           (!look || session_look_read(&out->looks[index], on, look, why));
+           (!look || read_look(&out->looks[index], on, look, why));
 }
 
 static bool read_further(struct session_atlases *out, const struct viewer *viewer, const json_t *list,
-                         char why[SESSION_REASON])
+                         char why[PROPERTY_REASON])
 {
     bool fine = json_is_array(list) && json_array_size(list) == viewer->atlas_count - 1;
     if (!fine) {
@@ -181,7 +319,7 @@ static bool read_further(struct session_atlases *out, const struct viewer *viewe
 }
 
 static bool read_drawn(struct session_atlases *out, const struct viewer *viewer, const json_t *value,
-                       char why[SESSION_REASON])
+                       char why[PROPERTY_REASON])
 {
     json_int_t number = json_integer_value(value);
     bool fine = number >= 1 && (uint64_t)number <= viewer->atlas_count;
@@ -190,7 +328,7 @@ static bool read_drawn(struct session_atlases *out, const struct viewer *viewer,
 }
 
 bool session_atlases_read(struct session_atlases *out, const struct viewer *viewer, const json_t *root,
-                          char why[SESSION_REASON])
+                          char why[PROPERTY_REASON])
 {
     const json_t *further = json_object_get(root, "further_atlases");
     const json_t *drawn = json_object_get(root, "drawn");

@@ -4,13 +4,14 @@
 #ifndef CONUS_VIEWER_SESSION_SESSION_ATLASES_H
 #define CONUS_VIEWER_SESSION_SESSION_ATLASES_H
 
-#include "viewer/session/session.h"
+#include "viewer/session/property.h"
 
 #include <jansson.h>
 
 json_t *session_hidden(const struct view_atlas *on);
 json_t *session_thresholds(const struct view_atlas *on);
 json_t *session_place(const struct view_atlas *on);
+json_t *session_look(const struct view_atlas *on);
 /** Of the atlases behind the first; NULL without memory, or where a path is not UTF-8. */
 json_t *session_further(const struct viewer *viewer);
 
@@ -24,7 +25,7 @@ struct session_atlases {
 
 /** Reads them; false where they do not fit the viewer's atlases. The caller's to finish in any case. */
 bool session_atlases_read(struct session_atlases *out, const struct viewer *viewer, const json_t *root,
-                          char why[SESSION_REASON]);
+                          char why[PROPERTY_REASON]);
 /** Hides what they say, and makes the atlases look so. */
 void session_atlases_show(struct session_atlases *from, struct viewer *viewer);
 void session_atlases_finish(struct session_atlases *from);

@@ -20,33 +20,32 @@ static bool second_moves_by_itself(const struct second *second)
     return second->pointer != POINT_BY_WAND && !second->held;
 }
 
-static void leave_out(json_t *root, const char *const *keys, size_t count)
+static bool is_left_out(const struct property *property, const struct window *window)
 {
-    for (size_t i = 0; i < count; i++) {
-        json_object_del(root, keys[i]);
+    switch (property->undo) {
+    case UNDO_LEAVES:
+        return true;
+    case UNDO_LEAVES_MOVING:
+        return property->object ? second_moves_by_itself(&window->second) : moves_by_itself(&window->viewer->cone);
+    case UNDO_LEAVES_REPLAY:
+        return window->viewer->cone.pointer == POINT_BY_REPLAY;
+    default:
+        return false;
     }
 }
 
 /* NULL without memory, or where a name is not UTF-8. */
 static char *text_of(const struct window *window)
 {
-    static const char *const views[] = {"orbit", "crosshair", "magnification",     "enlarged",
-                                        "eye",   "by_head",   "world_from_screen", "screen_mm"};
-    static const char *const poses[] = {"world_from_device", "has_pose"};
-    const struct cone_state *cone = &window->viewer->cone;
-    char *session = session_text(window);
-    json_t *root = session ? json_loads(session, 0, NULL) : NULL;
-    leave_out(root, views, sizeof views / sizeof views[0]);
-    leave_out(root, poses, moves_by_itself(cone) ? sizeof poses / sizeof poses[0] : 0);
-    if (second_moves_by_itself(&window->second)) {
-        leave_out(json_object_get(root, "second"), poses, sizeof poses / sizeof poses[0]);
-    }
-    if (cone->pointer == POINT_BY_REPLAY) { /* rows have angles */
-        json_object_del(root, "angle_deg");
+    json_t *root = session_json(window);
+    for (size_t i = 0; i < PROPERTY_COUNT; i++) {
+        const struct property *property = &properties[i];
+        if (is_left_out(property, window)) {
+            json_object_del(property->object ? json_object_get(root, property->object) : root, property->name);
+        }
     }
     char *text = root ? json_dumps(root, JSON_COMPACT) : NULL;
     json_decref(root);
-    free(session);
     return text;
 }
 
@@ -83,18 +82,15 @@ void undo_note(struct window *window)
 }
 
 /* What the state does not say stays as it is. */
-static bool use(struct window *window, const char *state, char why[SESSION_REASON])
+static bool use(struct window *window, const char *state, char why[PROPERTY_REASON])
 {
-    char *session = session_text(window);
-    json_t *root = session ? json_loads(session, 0, NULL) : NULL;
+    json_t *root = session_json(window);
     json_t *before = json_loads(state, 0, NULL);
-    json_object_update_recursive(root, before);
-    char *text = root && before ? json_dumps(root, JSON_COMPACT) : NULL;
-    bool fine = text ? session_parse(window, text, strlen(text), why) : session_refuse(why, "not enough memory");
-    free(text);
+    bool fine = root && before && !json_object_update_recursive(root, before)
+                    ? session_read(window, root, why)
+                    : session_refuse(why, "not enough memory");
     json_decref(before);
     json_decref(root);
-    free(session);
     return fine;
 }
 
@@ -110,7 +106,7 @@ static bool needs_others(conus_hemispheres *how, const struct window *window, co
 
 static void use_aloud(struct window *window, const char *state, int by)
 {
-    char why[SESSION_REASON];
+    char why[PROPERTY_REASON];
     bool fine = use(window, state, why);
     viewer_say(window->viewer, "%s", !fine ? why : by < 0 ? "undone" : "done again");
     if (fine) { /* other files may be added now than then, or options be in another order, which is no change */

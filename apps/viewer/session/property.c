@@ -1,0 +1,431 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The table of the window's state, and how a row is read from the window, from JSON and from words. */
+#include "viewer/session/property.h"
+
+#include "viewer/model/columns.h"
+
+#include <jansson.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char *const pointer_names[] = {"mouse", "wand", "replay", "tracker", "spacemouse", "gamepad"};
+static const char *const second_pointer_names[] = {"mouse", "wand", NULL, "tracker", "spacemouse", "gamepad"};
+static const char *const layer_names[] = {"visible", "all"};
+static const char *const aperture_names[] = {"circle", "square"};
+static const char *const sampling_names[] = {"exact", "slices"};
+static const char *const engine_names[] = {"auto", "rays", "gl"};
+static const char *const pane_names[] = {"none", "axial", "coronal", "sagittal", "3d"};
+static const char *const follow_names[] = {"nothing", "tip", "contact"};
+static const char *const order_names[] = {"rank", "depth"};
+static const char *const study_names[] = {"none", "sweep", "jitter"};
+static const char *const legend_names[] = {"inside", "right", "below", "none"};
+
+static const char *const eye_says[] = {"the mouse's cone begins at the surface: of the context, or of the atlas",
+                                       "the mouse's cone begins at your eye"};
+static const char *const ray_says[] = {"all areas in the cone",
+                                       "one area: the one that a ray along the axis hits first"};
+static const char *const follow_says[] = {"the cuts stay where they are", "the cuts follow the cone's tip",
+                                          "the cuts follow the contact of the best hit"};
+static const char *const order_says[] = {"the best first", "the nearest first"};
+static const char *const study_says[] = {"no study", "sweep: the shares over the angle",
+                                         "jitter: the chances under errors of the pose"};
+
+/* Where a value lies, and what it may be. */
+#define OF_VIEWER(member) .offset = offsetof(struct viewer, member), .size = sizeof(((struct viewer *)0)->member)
+#define OF_WINDOW(member)                                                                                              \
+    .of_window = true, .offset = offsetof(struct window, member), .size = sizeof(((struct window *)0)->member)
+#define REALS(how_many, least, most) .type = PROPERTY_REAL, .count = (how_many), .low = (least), .high = (most)
+#define FLAG .type = PROPERTY_FLAG, .high = 1
+#define TRUTH .type = PROPERTY_TRUTH, .high = 1
+#define ENUM(array) .type = PROPERTY_NAME_OR_NUMBER, .names = (array), .high = sizeof(array) / sizeof(array)[0] - 1
+#define FAR 1e6 /* mm */
+
+_Static_assert(offsetof(struct orbit, elevation) == offsetof(struct orbit, centre) + 5 * sizeof(double),
+               "centre, distance, azimuth and elevation are six numbers");
+_Static_assert(offsetof(struct study_settings, samples) ==
+                   offsetof(struct study_settings, tilt_deg) + 2 * sizeof(double),
+               "tilt, shift and samples are three numbers");
+
+const struct property properties[PROPERTY_COUNT] = {
+    [PROPERTY_POSE] = {NULL, "world_from_device", "the pose of the first tool: a 4 x 4 matrix, column by column, mm",
+                       OF_VIEWER(cone.pose), REALS(16, -FAR, FAR), .undo = UNDO_LEAVES_MOVING},
+    [PROPERTY_HAS_POSE] = {NULL, "has_pose", "whether it has one", OF_VIEWER(cone.has_pose), FLAG,
+                           .undo = UNDO_LEAVES_MOVING},
+    [PROPERTY_FROZEN] = {NULL, "frozen", "whether the cone is held", OF_VIEWER(cone.frozen), FLAG},
+    [PROPERTY_POINTER] = {NULL, "pointer", "what moves the first tool", OF_VIEWER(cone.pointer), ENUM(pointer_names)},
+    [PROPERTY_ANGLE] = {NULL, "angle_deg", "full opening angle of the cone, degrees", OF_VIEWER(cone.angle),
+                        REALS(1, 0.01, 179.99), .undo = UNDO_LEAVES_REPLAY, .change = CHANGES_ANSWER,
+                        .command = "angle"},
+    [PROPERTY_RADIUS] = {NULL, "radius_mm", "radius of the cylinder, mm; 0 = a cone", OF_VIEWER(cone.options.radius),
+                         REALS(1, 0, FAR)},
+    [PROPERTY_RANGE] = {NULL, "range_mm", "the depths that count, mm from the apex; 0, 0 = all",
+                        OF_VIEWER(cone.options.range), REALS(2, 0, FAR)},
+    [PROPERTY_RESOLUTION] = {NULL, "resolution", "N, of N x N rays", OF_VIEWER(cone.options.resolution),
+                             .type = PROPERTY_WHOLE, .low = 1, .high = 1024},
+    [PROPERTY_LAYERS] = {NULL, "layers", "first hits only, or all hits in the cone, occluded ones too",
+                         OF_VIEWER(cone.options.layers), ENUM(layer_names), .change = CHANGES_ANSWER},
+    [PROPERTY_APERTURE] = {NULL, "aperture", "which pixels count: those in the circle, or all of the square",
+                           OF_VIEWER(cone.options.aperture), ENUM(aperture_names)},
+    [PROPERTY_SAMPLING] = {NULL, "sampling", "every voxel along a ray, or planes across the view only",
+                           OF_VIEWER(cone.options.sampling), ENUM(sampling_names)},
+    [PROPERTY_ENGINE] = {NULL, "engine", "what traces the rays", OF_VIEWER(cone.options.engine), ENUM(engine_names)},
+    [PROPERTY_FADE] = {NULL, "fade", "how much the context is thinned in 3-D", OF_VIEWER(display.fade), REALS(1, 0, 1),
+                       .command = "fade",
+                       .tip = "how much the context is thinned in 3-D: 0 as its transfer function says, 1 not at all "
+                              "there"},
+    [PROPERTY_FILL] = {NULL, "fill", "opacity of the areas in the cuts, 0 to 1", OF_VIEWER(display.fill),
+                       REALS(1, 0, 1)},
+    [PROPERTY_OUTLINES] = {NULL, "outlines", "lines around the areas in the cuts", OF_VIEWER(display.no_outlines), FLAG,
+                           .is_negated = true},
+    [PROPERTY_RADIOLOGICAL] = {NULL, "radiological", "the head's left on the right of the cuts",
+                               OF_VIEWER(display.radiological), FLAG},
+    [PROPERTY_ORBIT] = {NULL, "orbit",
+                        "where 3-D looks: its centre and the eye's distance, mm; azimuth and elevation, radians",
+                        OF_VIEWER(orbit.centre), REALS(6, -FAR, FAR), .undo = UNDO_LEAVES},
+    [PROPERTY_CROSSHAIR] = {NULL, "crosshair", "where the cuts are, mm", OF_VIEWER(crosshair), REALS(3, -FAR, FAR),
+                            .undo = UNDO_LEAVES},
+    [PROPERTY_MAGNIFICATION] = {NULL, "magnification", "of the cuts", OF_VIEWER(magnification), REALS(1, 0.2, 50),
+                                .undo = UNDO_LEAVES},
+    [PROPERTY_ENLARGED] = {NULL, "enlarged", "the pane that fills the middle", OF_WINDOW(screen.enlarged),
+                           .type = PROPERTY_NAME_OR_NUMBER, .low = -1, .high = PANE_COUNT - 1, .names = pane_names,
+                           .undo = UNDO_LEAVES},
+    [PROPERTY_BY_HEAD] = {NULL, "by_head", "whether a tracked head moves the view; only then there are the next three",
+                          OF_VIEWER(head.on), FLAG, .presence = PROPERTY_OF_HEAD, .undo = UNDO_LEAVES,
+                          .is_set_apart = true},
+    [PROPERTY_EYE] = {NULL, "eye", "where its eye is, mm", OF_VIEWER(head.eye), REALS(3, -FAR, FAR),
+                      .presence = PROPERTY_OF_HEAD, .undo = UNDO_LEAVES, .is_set_apart = true},
+    [PROPERTY_SCREEN] = {NULL, "world_from_screen", "the pose of the screen's middle, a matrix as above",
+                         OF_VIEWER(head.screen), REALS(16, -FAR, FAR), .presence = PROPERTY_OF_HEAD,
+                         .undo = UNDO_LEAVES, .is_set_apart = true},
+    [PROPERTY_SCREEN_MM] = {NULL, "screen_mm", "width and height of the screen, mm; 0 = not known",
+                            OF_VIEWER(head.size), REALS(2, 0, FAR), .presence = PROPERTY_OF_HEAD, .undo = UNDO_LEAVES,
+                            .is_set_apart = true},
+    [PROPERTY_SLICE_FRACTION] = {NULL, "slice_fraction",
+                                 "which part of the picture's slices are sampled; only where it is not 0, the default",
+                                 OF_VIEWER(cone.options.slice_fraction), REALS(1, 0, 1), .presence = PROPERTY_ZERO},
+    [PROPERTY_APEX_AT_EYE] = {NULL, "apex_at_eye", "whether the mouse's cone begins at the eye, not at the surface",
+                              OF_VIEWER(cone.apex_at_eye), FLAG, .presence = PROPERTY_KEPT, .says = eye_says,
+                              .tip = "where the mouse's cone has its apex: at the first surface under the mouse, of "
+                                     "the context or of an\narea, or at the eye that looks at the 3-D pane"},
+    [PROPERTY_ONE_RAY] = {NULL, "one_ray", "whether a single ray is asked in place of the cone",
+                          OF_VIEWER(cone.one_ray), FLAG, .presence = PROPERTY_KEPT, .says = ray_says,
+                          .change = CHANGES_ANSWER,
+                          .tip = "in place of the cone a single ray along its axis, which names the area that it hits "
+                                 "first"},
+    [PROPERTY_FOLLOW] = {NULL, "follow", "what the cuts go along with", OF_VIEWER(cone.follow), ENUM(follow_names),
+                         .presence = PROPERTY_KEPT, .says = follow_says, .change = CHANGES_ANSWER,
+                         .tip = "what the crosshair, and with it the three cuts, go along with"},
+    [PROPERTY_ORDER] = {NULL, "order", "the order of the lists", OF_VIEWER(cone.order), ENUM(order_names),
+                        .presence = PROPERTY_KEPT, .says = order_says,
+                        .tip = "the order of the lists and their tables (--order): by rank, or by depth, mm from the "
+                               "apex: with all\nlayers that of the entry, else that of the nearest hit"},
+    [PROPERTY_SLICES] = {NULL, "slices", "how many slices the picture has; 0 = the default",
+                         OF_VIEWER(cone.options.slices), .type = PROPERTY_WHOLE, .high = 65536,
+                         .presence = PROPERTY_KEPT},
+    [PROPERTY_STUDY] = {NULL, "study", "the study of the cone", OF_VIEWER(study.settings.kind), ENUM(study_names),
+                        .presence = PROPERTY_KEPT, .says = study_says},
+    [PROPERTY_SWEEP] = {NULL, "sweep_deg", "its angles: from, to, by, degrees", OF_VIEWER(study.settings.angles),
+                        REALS(3, 0, 180), .presence = PROPERTY_KEPT},
+    [PROPERTY_JITTER] = {NULL, "jitter",
+                         "its errors: tilt in degrees, shift in mm, and the number of poses, a power of two from 16",
+                         OF_VIEWER(study.settings.tilt_deg), REALS(3, 0, 1048576), .presence = PROPERTY_KEPT},
+    [PROPERTY_SECOND_ON] = {"second", "on", "whether there is a second tool", OF_WINDOW(second.on), TRUTH,
+                            .is_set_apart = true},
+    [PROPERTY_SECOND_POINTER] = {"second", "pointer", "what moves it", OF_WINDOW(second.pointer),
+                                 ENUM(second_pointer_names)},
+    [PROPERTY_SECOND_HAS_POSE] = {"second", "has_pose", "whether it has a pose", OF_WINDOW(second.has_pose), TRUTH,
+                                  .undo = UNDO_LEAVES_MOVING},
+    [PROPERTY_SECOND_HELD] = {"second", "held", "whether it is held", OF_WINDOW(second.held), TRUTH},
+    [PROPERTY_SECOND_ANGLE] = {"second", "angle_deg", "full opening of the second cone, degrees",
+                               OF_WINDOW(second.angle), REALS(1, 0.01, 179.99), .change = CHANGES_SECOND},
+    [PROPERTY_SECOND_POSE] = {"second", "world_from_device", "its pose, a matrix as above", OF_WINDOW(second.pose),
+                              REALS(16, -FAR, FAR), .undo = UNDO_LEAVES_MOVING},
+    [PROPERTY_SPEED] = {NULL, "device_speed", "of a SpaceMouse or gamepad at full deflection, mm and degrees a second",
+                        OF_WINDOW(inputs.devices.gamepad.source.speed), REALS(1, SOURCE_LEAST_SPEED, SOURCE_MOST_SPEED),
+                        .presence = PROPERTY_KEPT, .is_set_apart = true, .change = CHANGES_SPEED, .command = "speed"},
+    [PROPERTY_BACKGROUND] = {NULL, "background", "behind the brain in 3-D and in figures", OF_VIEWER(display.backdrop),
+                             .type = PROPERTY_NAME, .high = BACKDROP_COUNT - 1, .names = backdrop_names,
+                             .presence = PROPERTY_KEPT, .command = "background",
+                             .tip = "behind the brain in 3-D and in figures; transparent is of figures, the window "
+                                    "shows it white"},
+    [PROPERTY_SAFE_COLOURS] = {NULL, "safe_colours", "colours for any colour vision in place of the atlas's own",
+                               OF_VIEWER(display.safe_colours), TRUTH, .presence = PROPERTY_KEPT,
+                               .change = CHANGES_COLOURS, .tip = "in place of the atlas's own"},
+    [PROPERTY_FIGURE_IN_MM] = {"figure", "in_mm", "whether the size of figures is that on paper",
+                               OF_WINDOW(sheet.in_mm), TRUTH},
+    [PROPERTY_FIGURE_PIXELS] = {"figure", "pixels", "their width and height; 0 = the default", OF_WINDOW(sheet.pixels),
+                                .type = PROPERTY_INTEGER, .count = 2, .high = SHEET_SIDE_LIMIT},
+    [PROPERTY_FIGURE_MM] = {"figure", "mm", "likewise on paper", OF_WINDOW(sheet.mm), REALS(2, 0, SHEET_MM_LIMIT)},
+    [PROPERTY_FIGURE_DPI] = {"figure", "dpi", "pixels per inch, from 10; 0 = the default", OF_WINDOW(sheet.dpi),
+                             REALS(1, 0, SHEET_DPI_LIMIT)},
+    [PROPERTY_FIGURE_LEGEND] = {"figure", "legend", "where the areas that the cone hits are listed",
+                                OF_WINDOW(sheet.legend), ENUM(legend_names)},
+    [PROPERTY_FIGURE_TEXT] = {"figure", "text", "whether there are letters and a legend", OF_WINDOW(sheet.no_text),
+                              TRUTH, .is_negated = true},
+    [PROPERTY_PANELS] = {"layout", "panels",
+                         "widths of the left and the right panel, pixels at scale 1, from 240 to 4000; 0 = as at first",
+                         OF_WINDOW(screen.layout.panels), REALS(2, 0, FAR)},
+    [PROPERTY_DIVISION] =
+        {"layout", "division",
+         "parts of the middle's width and height for the first column and row, 0.1 to 0.9; 0 = as at first",
+         OF_WINDOW(screen.layout.division), REALS(2, 0, FAR)},
+    [PROPERTY_RESULT_ORDER] =
+        {"results", "order",
+         "the column by which the list of hits is ordered, by its name in the tables of conus query",
+         OF_VIEWER(list.order), .type = PROPERTY_NAME, .high = RESULT_COLUMNS - 1, .name_of = result_key},
+    [PROPERTY_RESULT_REVERSED] = {"results", "reversed", "whether the other way round", OF_VIEWER(list.reversed),
+                                  TRUTH},
+    [PROPERTY_EXPORT] = {"results", "export", "the format of exported lists", OF_VIEWER(list.format),
+                         .type = PROPERTY_NAME, .high = RESULT_FORMATS - 1, .names = result_formats},
+};
+
+static const char *name_of(const struct property *property, int value)
+{
+    size_t index = (size_t)(value - (int)property->low);
+    return property->name_of ? property->name_of(index) : property->names[index];
+}
+
+static bool is_bool(const struct property *property)
+{
+    return property->type == PROPERTY_FLAG || property->type == PROPERTY_TRUTH;
+}
+
+static bool is_enum(const struct property *property)
+{
+    return property->type == PROPERTY_NAME || property->type == PROPERTY_NAME_OR_NUMBER;
+}
+
+/* Its bytes in the window. */
+static void *place_of(const struct property *property, const struct window *window)
+{
+    return (char *)(property->of_window ? (void *)window : (void *)window->viewer) + property->offset;
+}
+
+void property_get(double out[PROPERTY_NUMBERS], const struct property *property, const struct window *window)
+{
+    const void *place = place_of(property, window);
+    for (size_t i = 0; i < property_count(property); i++) {
+        switch (property->type) {
+        case PROPERTY_REAL:
+            out[i] = ((const double *)place)[i];
+            break;
+        case PROPERTY_WHOLE:
+        case PROPERTY_INTEGER:
+            out[i] = ((const uint32_t *)place)[i];
+            break;
+        case PROPERTY_FLAG:
+        case PROPERTY_TRUTH:
+            out[i] = *(const bool *)place != property->is_negated;
+            break;
+        default: /* a size_t is never negative, an int may be */
+            out[i] = property->size == sizeof(size_t) ? (double)*(const size_t *)place : *(const int *)place;
+        }
+    }
+}
+
+void property_put(struct window *window, const struct property *property, const double numbers[PROPERTY_NUMBERS])
+{
+    void *place = place_of(property, window);
+    for (size_t i = 0; i < property_count(property); i++) {
+        switch (property->type) {
+        case PROPERTY_REAL:
+            ((double *)place)[i] = numbers[i];
+            break;
+        case PROPERTY_WHOLE:
+        case PROPERTY_INTEGER:
+            ((uint32_t *)place)[i] = (uint32_t)numbers[i];
+            break;
+        case PROPERTY_FLAG:
+        case PROPERTY_TRUTH:
+            *(bool *)place = (numbers[i] > 0) != property->is_negated;
+            break;
+        default:
+            if (property->size == sizeof(size_t)) {
+                *(size_t *)place = (size_t)numbers[i];
+            } else {
+                *(int *)place = (int)numbers[i];
+            }
+        }
+    }
+}
+
+static json_t *number_json(const struct property *property, double number)
+{
+    return is_enum(property)                    ? json_string(name_of(property, (int)number))
+           : property->type == PROPERTY_TRUTH   ? json_boolean(number > 0)
+           : property->type == PROPERTY_INTEGER ? json_integer((json_int_t)number)
+                                                : json_real(number);
+}
+
+json_t *property_json(const struct property *property, const double numbers[PROPERTY_NUMBERS])
+{
+    if (property_count(property) == 1) {
+        return number_json(property, numbers[0]);
+    }
+    json_t *array = json_array();
+    for (size_t i = 0; i < property->count; i++) {
+        json_array_append_new(array, number_json(property, numbers[i]));
+    }
+    return array;
+}
+
+/* False where no value has this name. */
+static bool find_name(double *out, const struct property *property, const char *text)
+{
+    for (int value = (int)property->low; text && value <= (int)property->high; value++) {
+        const char *name = name_of(property, value);
+        if (name && strcmp(name, text) == 0) {
+            *out = value;
+            return true;
+        }
+    }
+    return false;
+}
+
+static bool read_number(double *out, const struct property *property, const json_t *value)
+{
+    if (property->type == PROPERTY_TRUTH) {
+        *out = json_is_true(value);
+        return json_is_boolean(value);
+    }
+    if (is_enum(property) && !(property->type == PROPERTY_NAME_OR_NUMBER && json_is_number(value))) {
+        return find_name(out, property, json_string_value(value));
+    }
+    *out = json_number_value(value);
+    bool is_number = property->type == PROPERTY_INTEGER ? json_is_integer(value) : json_is_number(value);
+    return is_number && *out >= property->low && *out <= property->high &&
+           (!is_enum(property) || (floor(*out) == *out && name_of(property, (int)*out)));
+}
+
+bool session_refuse(char why[PROPERTY_REASON], const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(why, PROPERTY_REASON, format, arguments);
+    va_end(arguments);
+    return false;
+}
+
+/* "exact or slices", "light, white, black or transparent". */
+static void list_names(char *out, size_t size, const struct property *property)
+{
+    size_t used = 0;
+    out[0] = '\0';
+    for (int value = (int)property->low; value <= (int)property->high && used < size; value++) {
+        const char *name = name_of(property, value);
+        const char *before = !used ? "" : value == (int)property->high ? " or " : ", ";
+        used += name ? (size_t)snprintf(out + used, size - used, "%s%s", before, name) : 0;
+    }
+}
+
+void property_allowed(char out[PROPERTY_REASON], const struct property *property)
+{
+    if (property->name_of) {
+        snprintf(out, PROPERTY_REASON, "the name of a column");
+    } else if (is_enum(property)) {
+        list_names(out, PROPERTY_REASON, property);
+    } else if (property->type == PROPERTY_TRUTH) {
+        snprintf(out, PROPERTY_REASON, "true or false");
+    } else if (property->type == PROPERTY_FLAG) {
+        snprintf(out, PROPERTY_REASON, "0 or 1");
+    } else if (property_count(property) > 1) {
+        snprintf(out, PROPERTY_REASON, "%zu numbers from %.7g to %.7g", property->count, property->low, property->high);
+    } else {
+        snprintf(out, PROPERTY_REASON, "a number from %.7g to %.7g", property->low, property->high);
+    }
+}
+
+bool property_read(double out[PROPERTY_NUMBERS], const struct property *property, const json_t *value,
+                   char why[PROPERTY_REASON])
+{
+    size_t count = property_count(property);
+    bool fine = count == 1 || (json_is_array(value) && json_array_size(value) == count);
+    for (size_t i = 0; fine && i < count; i++) {
+        fine = read_number(&out[i], property, count == 1 ? value : json_array_get(value, i));
+    }
+    if (!fine) {
+        char allowed[PROPERTY_REASON];
+        property_allowed(allowed, property);
+        session_refuse(why, "session: %s%s%s: %s %s needed", property->object ? property->object : "",
+                       property->object ? ": " : "", property->name, allowed, count > 1 ? "are" : "is");
+    }
+    return fine;
+}
+
+double property_value(const struct window *window, enum property_id id)
+{
+    double numbers[PROPERTY_NUMBERS];
+    property_get(numbers, &properties[id], window);
+    return numbers[0];
+}
+
+static void set(struct window *window, const struct property *property, const double numbers[PROPERTY_NUMBERS])
+{
+    struct viewer *viewer = window->viewer;
+    if (property->change == CHANGES_COLOURS) {
+        viewer_use_safe_colours(viewer, numbers[0] > 0);
+        return;
+    }
+    property_put(window, property, numbers);
+    if (property->says) {
+        viewer_say(viewer, "%s", property->says[(int)(numbers[0] - property->low)]);
+    }
+    switch (property->change) {
+    case CHANGES_ANSWER:
+        viewer_reselect(viewer);
+        break;
+    case CHANGES_SECOND:
+        second_touch(&window->second);
+        break;
+    case CHANGES_SPEED:
+        devices_set_speed(&window->inputs.devices, numbers[0]);
+        viewer->version++;
+        break;
+    default:
+        viewer->version++;
+    }
+}
+
+void property_set(struct window *window, enum property_id id, double value)
+{
+    double numbers[PROPERTY_NUMBERS] = {value};
+    set(window, &properties[id], numbers);
+}
+
+void property_next(struct window *window, enum property_id id)
+{
+    const struct property *property = &properties[id];
+    double now = property_value(window, id);
+    property_set(window, id, now < property->high ? now + 1 : property->low);
+}
+
+static bool read_word(double *out, const struct property *property, const char *word)
+{
+    char *end;
+    if (is_enum(property)) {
+        return find_name(out, property, word);
+    }
+    if (is_bool(property)) {
+        *out = strcmp(word, "on") == 0;
+        return *out > 0 || strcmp(word, "off") == 0;
+    }
+    *out = strtod(word, &end);
+    return *word && !*end && *out >= property->low && *out <= property->high;
+}
+
+bool property_set_words(struct window *window, enum property_id id, char *const *words, size_t count)
+{
+    const struct property *property = &properties[id];
+    double numbers[PROPERTY_NUMBERS];
+    bool fine = count == property_count(property);
+    for (size_t i = 0; i < count && fine; i++) {
+        fine = read_word(&numbers[i], property, words[i]);
+    }
+    if (fine) {
+        set(window, property, numbers);
+    }
+    return fine;
+}

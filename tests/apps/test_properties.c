@@ -1,0 +1,195 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The table of the window's state, row by row: sessions have each value, older sessions have numbers for names, and the
+ * documents list what is there. */
+#include "viewer/session/session.h"
+
+#include "test.h"
+#include "window_scene.h"
+
+#include <jansson.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static bool is_enum(const struct property *property)
+{
+    return property->type == PROPERTY_NAME || property->type == PROPERTY_NAME_OR_NUMBER;
+}
+
+/* The row's value in a session. */
+static json_t *find(json_t *root, const struct property *property)
+{
+    json_t *of = property->object ? json_object_get(root, property->object) : root;
+    return json_object_get(of, property->name);
+}
+
+static void replace(json_t *root, const struct property *property, json_t *value)
+{
+    json_object_set_new(property->object ? json_object_get(root, property->object) : root, property->name, value);
+}
+
+/* The session of the window as it is, with another value there. */
+static bool opens_with(struct window *window, const struct property *property, json_t *value)
+{
+    char why[PROPERTY_REASON] = "";
+    json_t *root = session_json(window);
+    assert_non_null(root);
+    replace(root, property, value);
+    bool fine = session_read(window, root, why);
+    if (!fine) {
+        assert_non_null(strstr(why, property->name));
+        assert_non_null(strstr(why, " needed"));
+    }
+    json_decref(root);
+    return fine;
+}
+
+static void enums_are_written_by_name_and_read_by_number(void **state)
+{
+    struct viewer viewer;
+    struct window window;
+    (void)state;
+    window_scene_open(&window, &viewer);
+    for (enum property_id id = 0; id < PROPERTY_COUNT; id++) {
+        const struct property *property = &properties[id];
+        bool has_numbers = property->type == PROPERTY_NAME_OR_NUMBER;
+        for (int value = (int)property->low; is_enum(property) && value <= (int)property->high; value++) {
+            double was = property_value(&window, id);
+            if (property->names && !property->names[value - (int)property->low]) {
+                assert_false(opens_with(&window, property, json_integer(value)));
+                continue;
+            }
+            property_put(&window, property, (double[PROPERTY_NUMBERS]){value});
+            json_t *root = session_json(&window);
+            json_t *name = json_incref(find(root, property));
+            assert_true(json_is_string(name));
+            json_decref(root);
+            property_put(&window, property, (double[PROPERTY_NUMBERS]){was});
+            assert_true(opens_with(&window, property, name));
+            assert_near(property_value(&window, id), value, 0);
+            property_put(&window, property, (double[PROPERTY_NUMBERS]){was});
+            assert_int_equal(opens_with(&window, property, json_integer(value)), has_numbers);
+            assert_int_equal(opens_with(&window, property, json_real(value)), has_numbers);
+            assert_near(property_value(&window, id), has_numbers ? value : was, 0);
+        }
+    }
+    viewer_finish(&viewer);
+}
+
+static void what_no_row_allows_is_refused(void **state)
+{
+    struct viewer viewer;
+    struct window window;
+    (void)state;
+    window_scene_open(&window, &viewer);
+    viewer.head = (struct head){.on = true, .known = true, .eye = {0, 0, 500}, .size = {500, 300}};
+    for (int i = 0; i < 16; i += 5) {
+        viewer.head.screen.world_from_device[i] = 1;
+    }
+    char *before = session_text(&window);
+    for (enum property_id id = 0; id < PROPERTY_COUNT; id++) {
+        const struct property *property = &properties[id];
+        size_t count = property_count(property);
+        json_t *list = json_array();
+        for (size_t i = 0; i < count; i++) {
+            json_array_append_new(list, json_real(property->high * 1.01 + 1));
+        }
+        assert_false(opens_with(&window, property, count > 1 ? json_incref(list) : json_real(property->high + 1)));
+        assert_false(opens_with(&window, property, json_real(property->low - 1)));
+        assert_false(is_enum(property) && opens_with(&window, property, json_real(0.5)));
+        assert_false(opens_with(&window, property, json_string("nonsense")));
+        assert_false(opens_with(&window, property, json_null()));
+        assert_false(opens_with(&window, property, json_array()));
+        json_decref(list);
+    }
+    char *after = session_text(&window);
+    assert_string_equal(before, after);
+    free(after);
+    free(before);
+    viewer_finish(&viewer);
+}
+
+/* Those that the session has to say are missed, the others stay as they are. */
+static void what_a_session_does_not_say(void **state)
+{
+    struct viewer viewer;
+    struct window window;
+    (void)state;
+    window_scene_open(&window, &viewer);
+    for (enum property_id id = 0; id < PROPERTY_COUNT; id++) {
+        const struct property *property = &properties[id];
+        char why[PROPERTY_REASON] = "";
+        json_t *root = session_json(&window);
+        assert_true(find(root, property) || property->presence >= PROPERTY_ZERO);
+        json_object_del(property->object ? json_object_get(root, property->object) : root, property->name);
+        assert_int_equal(session_read(&window, root, why), property->presence != PROPERTY_NEEDED);
+        json_decref(root);
+    }
+    viewer_finish(&viewer);
+}
+
+/* docs/viewer.md, as it is and with a space for each line's end and indent */
+static char document[1 << 18], flowing[1 << 18];
+
+static void read_document(void)
+{
+    FILE *file = fopen(CONUS_SOURCE_DIR "/docs/viewer.md", "r");
+    assert_non_null(file);
+    size_t size = fread(document, 1, sizeof document - 1, file);
+    fclose(file);
+    assert_in_range(size, 1, sizeof document - 2);
+    document[size] = '\0';
+    size_t used = 0;
+    for (size_t i = 0; i < size; i++) {
+        bool is_space = document[i] == ' ' || document[i] == '\n';
+        if (!is_space || (used && flowing[used - 1] != ' ')) {
+            flowing[used++] = document[i] == '\n' ? ' ' : document[i];
+        }
+    }
+    flowing[used] = '\0';
+}
+
+/* How many lines of a section, up to the next heading, begin with this. */
+static size_t count_lines(const char *heading, const char *beginning)
+{
+    size_t count = 0;
+    bool is_inside = false;
+    for (const char *line = document; line; line = strchr(line, '\n')) {
+        line += *line == '\n';
+        is_inside = strncmp(line, "## ", 3) == 0 ? strncmp(line, heading, strlen(heading)) == 0 : is_inside;
+        count += is_inside && strncmp(line, beginning, strlen(beginning)) == 0;
+    }
+    return count;
+}
+
+static void the_document_lists_the_values_of_a_session(void **state)
+{
+    bool fine = true;
+    (void)state;
+    read_document();
+    for (enum property_id id = 0; id < PROPERTY_COUNT; id++) {
+        const struct property *property = &properties[id];
+        char allowed[PROPERTY_REASON];
+        char line[600];
+        property_allowed(allowed, property);
+        snprintf(line, sizeof line, "* `%s%s%s` (%s): %s.", property->object ? property->object : "",
+                 property->object ? "." : "", property->name, allowed, property->help);
+        if (!strstr(flowing, line)) {
+            print_error("docs/viewer.md lacks: %s\n", line);
+            fine = false;
+        }
+    }
+    assert_true(fine);
+    assert_int_equal(count_lines("## Values of a session", "* `"), PROPERTY_COUNT);
+}
+
+TEST_GROUP(properties)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(enums_are_written_by_name_and_read_by_number),
+        cmocka_unit_test(what_no_row_allows_is_refused),
+        cmocka_unit_test(what_a_session_does_not_say),
+        cmocka_unit_test(the_document_lists_the_values_of_a_session),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
