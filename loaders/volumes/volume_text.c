@@ -7,9 +7,7 @@
 #include "base/files/folder.h"
 #include "base/memory.h"
 #include "loaders/formats/signatures.h"
-#include "loaders/volumes/text/afni.h"
-#include "loaders/volumes/text/metaimage.h"
-#include "loaders/volumes/text/nrrd.h"
+#include "loaders/volumes/text/text_volume.h"
 #include "loaders/volumes/text/text_voxels.h"
 
 #include <nettle/sha2.h>

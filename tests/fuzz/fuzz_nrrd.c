@@ -3,7 +3,7 @@
 #include "fuzz_text_volume.h"
 
 #include "loaders/formats/signatures.h"
-#include "loaders/volumes/text/nrrd.h"
+#include "loaders/volumes/text/text_volume.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 

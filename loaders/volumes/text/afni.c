@@ -1,69 +1,55 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Reads and checks AFNI's headers. */
-#include "loaders/volumes/text/afni.h"
-
+/* Reads and checks AFNI's headers, by a table of their attributes. */
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "loaders/volumes/text/header_text.h"
+#include "loaders/volumes/text/text_volume.h"
 
 #include <stdio.h>
 #include <string.h>
 
-enum attribute {
-    DIMENSIONS,
-    RANK,
-    TYPES,
-    FACTORS,
-    BYTE_ORDER_OF,
-    ORIENT,
-    ORIGIN,
-    DELTA,
-    MATRIX,
-    LABEL_TABLE,
-    ATLAS_TABLE,
-    TITLES,
-    SCENE,
-    TEMPLATE,
-    ATTRIBUTE_COUNT,
-    VOLUME_LIMIT = 1 << 20
-};
-
-static const struct header_key keys[] = {
-    {"DATASET_DIMENSIONS", DIMENSIONS},
-    {"DATASET_RANK", RANK},
-    {"BRICK_TYPES", TYPES},
-    {"BRICK_FLOAT_FACS", FACTORS},
-    {"BYTEORDER_STRING", BYTE_ORDER_OF},
-    {"ORIENT_SPECIFIC", ORIENT},
-    {"ORIGIN", ORIGIN},
-    {"DELTA", DELTA},
-    {"IJK_TO_DICOM_REAL", MATRIX},
-    {"VALUE_LABEL_DTABLE", LABEL_TABLE},
-    {"ATLAS_LABEL_TABLE", ATLAS_TABLE},
-    {"BRICK_LABS", TITLES},
-    {"SCENE_DATA", SCENE},
-    {"TEMPLATE_SPACE", TEMPLATE},
-};
+enum { VOLUME_LIMIT = 1 << 20 };
 
 /* An attribute: the text of its numbers, or its string, and how many of them it says it has. */
 struct value {
-    struct text text;
+    const char *name;
+    struct text text; /* data is NULL where it is missing */
     size_t count;
     bool is_string;
 };
 
+/* The attributes that are used. */
 struct header {
-    struct value values[ATTRIBUTE_COUNT];
+    struct value dimensions, rank, types, factors, byte_order, orient, origin, delta, matrix, label_table, atlas_table,
+        titles, scene, template;
     size_t volumes;
 };
 
-static const char *name_of(int attribute)
+#define AT(member) offsetof(struct header, member)
+static const struct {
+    const char *name;
+    size_t place;
+} rows[] = {
+    {"DATASET_DIMENSIONS", AT(dimensions)},
+    {"DATASET_RANK", AT(rank)},
+    {"BRICK_TYPES", AT(types)},
+    {"BRICK_FLOAT_FACS", AT(factors)},
+    {"BYTEORDER_STRING", AT(byte_order)},
+    {"ORIENT_SPECIFIC", AT(orient)},
+    {"ORIGIN", AT(origin)},
+    {"DELTA", AT(delta)},
+    {"IJK_TO_DICOM_REAL", AT(matrix)},
+    {"VALUE_LABEL_DTABLE", AT(label_table)},
+    {"ATLAS_LABEL_TABLE", AT(atlas_table)},
+    {"BRICK_LABS", AT(titles)},
+    {"SCENE_DATA", AT(scene)},
+    {"TEMPLATE_SPACE", AT(template)},
+};
+enum { ROWS = sizeof rows / sizeof rows[0] };
+
+static struct value *value_of(struct header *header, size_t row)
 {
-    size_t i = 0;
-    while (keys[i].field != attribute) {
-        i++;
-    }
-    return keys[i].name;
+    return (struct value *)(void *)((char *)header + rows[row].place);
 }
 
 /* The value of the next line, which must be "NAME = value". */
@@ -92,7 +78,7 @@ static conus_status read_string(struct value *out, struct text *rest, size_t cou
     if (!rest->size || rest->data[0] != '\'' || rest->size - 1 < count) {
         return fail(CONUS_ERROR_DATA, "%.*s: found no string of %zu characters", HEADER_SHOW(name), count);
     }
-    *out = (struct value){{rest->data + 1, count}, count, true};
+    *out = (struct value){.text = {rest->data + 1, count}, .count = count, .is_string = true};
     *rest = (struct text){rest->data + 1 + count, rest->size - 1 - count};
     return CONUS_OK;
 }
@@ -101,7 +87,7 @@ static conus_status read_string(struct value *out, struct text *rest, size_t cou
 static conus_status read_numbers(struct value *out, struct text *rest, size_t count, struct text name)
 {
     struct text word;
-    *out = (struct value){{rest->data, 0}, count, false};
+    *out = (struct value){.text = {rest->data, 0}, .count = count};
     for (size_t i = 0; i < count; i++) {
         double number;
         if (!text_word(rest, &word) || !text_to_double(word, &number)) {
@@ -134,32 +120,24 @@ static conus_status read_attribute(struct header *header, struct text *rest, siz
     if (!status) {
         status = (string ? read_string : read_numbers)(&value, rest, (size_t)count, name);
     }
-    int attribute = status ? -1 : header_find(keys, sizeof keys / sizeof keys[0], name);
-    status = attribute < 0 ? status : header_keep(&header->values[attribute].text, value.text, name);
-    if (!status && attribute >= 0) {
-        header->values[attribute] = value;
-    }
-    return status;
-}
-
-static conus_status read_all(struct header *header, struct text rest)
-{
-    size_t lines = 0;
-    conus_status status = CONUS_OK;
-    while (!status && (rest = text_trim(rest)).size) {
-        status = read_attribute(header, &rest, &lines);
+    for (size_t i = 0; !status && i < ROWS; i++) {
+        if (text_equal_ignoring_case(name, rows[i].name)) {
+            struct value *slot = value_of(header, i);
+            value.name = slot->name;
+            status = header_once(&slot->text, value.text, name);
+            *slot = status ? *slot : value;
+        }
     }
     return status;
 }
 
 /* The first `count` numbers; more may follow. */
-static conus_status take_numbers(double *out, size_t count, const struct header *header, int attribute)
+static conus_status take_numbers(double *out, size_t count, const struct value *value)
 {
-    const struct value *value = &header->values[attribute];
     struct text rest = value->text;
     struct text word;
     if (!value->text.data || value->is_string || value->count < count) {
-        return fail(CONUS_ERROR_DATA, "%s: %s, %zu numbers are needed", name_of(attribute),
+        return fail(CONUS_ERROR_DATA, "%s: %s, %zu numbers are needed", value->name,
                     value->text.data ? "found fewer or a string" : "missing", count);
     }
     for (size_t i = 0; i < count && text_word(&rest, &word); i++) {
@@ -168,15 +146,14 @@ static conus_status take_numbers(double *out, size_t count, const struct header 
     return CONUS_OK;
 }
 
-static conus_status take_whole(int64_t *out, size_t count, const struct header *header, int attribute, int64_t least,
-                               int64_t most)
+static conus_status take_whole(int64_t *out, size_t count, const struct value *value, int64_t least, int64_t most)
 {
     double numbers[8] = {0};
-    conus_status status = take_numbers(numbers, count, header, attribute);
+    conus_status status = take_numbers(numbers, count, value);
     for (size_t i = 0; !status && i < count; i++) {
         if (!(numbers[i] >= (double)least && numbers[i] <= (double)most && numbers[i] == floor(numbers[i]))) {
-            return fail(CONUS_ERROR_DATA, "%s: found %g, allowed are whole numbers from %lld to %lld",
-                        name_of(attribute), numbers[i], (long long)least, (long long)most);
+            return fail(CONUS_ERROR_DATA, "%s: found %g, allowed are whole numbers from %lld to %lld", value->name,
+                        numbers[i], (long long)least, (long long)most);
         }
         out[i] = (int64_t)numbers[i];
     }
@@ -184,20 +161,20 @@ static conus_status take_whole(int64_t *out, size_t count, const struct header *
 }
 
 /* A string without the '~' that stands for its end. */
-static struct text string_of(const struct header *header, int attribute)
+static struct text string_of(const struct value *value)
 {
-    struct text text = header->values[attribute].text;
+    struct text text = value->text;
     while (text.size && (text.data[text.size - 1] == '~' || text.data[text.size - 1] == '\0')) {
         text.size--;
     }
-    return header->values[attribute].is_string ? text : (struct text){0};
+    return value->is_string ? text : (struct text){0};
 }
 
 static conus_status read_sizes(struct text_volume *out, struct header *header)
 {
     int64_t rank[2] = {0};
-    conus_status status = take_whole(out->dim, 3, header, DIMENSIONS, 1, INT32_MAX);
-    status = status ? status : take_whole(rank, 2, header, RANK, 1, VOLUME_LIMIT);
+    conus_status status = take_whole(out->dim, 3, &header->dimensions, 1, INT32_MAX);
+    status = status ? status : take_whole(rank, 2, &header->rank, 1, VOLUME_LIMIT);
     if (!status && rank[0] != 3) {
         return fail(CONUS_ERROR_UNSUPPORTED, "DATASET_RANK: found %lld, allowed is 3", (long long)rank[0]);
     }
@@ -210,7 +187,7 @@ static conus_status read_type(struct text_volume *out, const struct header *head
 {
     static const struct text_type types[] = {{'u', 1}, {'i', 2}, {'i', 4}, {'f', 4}, {'f', 8}};
     double *codes = memory_zeroed(header->volumes, sizeof *codes);
-    conus_status status = codes ? take_numbers(codes, header->volumes, header, TYPES) : CONUS_ERROR_MEMORY;
+    conus_status status = codes ? take_numbers(codes, header->volumes, &header->types) : CONUS_ERROR_MEMORY;
     for (size_t i = 0; !status && i < header->volumes; i++) {
         if (codes[i] != 0 && codes[i] != 1 && codes[i] != 2 && codes[i] != 3 && codes[i] != 4) {
             status = fail(CONUS_ERROR_UNSUPPORTED,
@@ -230,7 +207,7 @@ static conus_status read_type(struct text_volume *out, const struct header *head
 
 static conus_status read_byte_order(struct text_volume *out, const struct header *header)
 {
-    struct text order = string_of(header, BYTE_ORDER_OF);
+    struct text order = string_of(&header->byte_order);
     out->big_endian = text_equal(order, "MSB_FIRST");
     return out->big_endian || text_equal(order, "LSB_FIRST") || (!order.data && out->type.size == 1)
                ? CONUS_OK
@@ -241,12 +218,12 @@ static conus_status read_byte_order(struct text_volume *out, const struct header
 /* 0 means: not scaled. */
 static conus_status read_factors(struct text_volume *out, const struct header *header)
 {
-    if (!header->values[FACTORS].text.data) {
+    if (!header->factors.text.data) {
         return CONUS_OK;
     }
     out->slopes = memory_zeroed(header->volumes, sizeof *out->slopes);
     conus_status status =
-        out->slopes ? take_numbers(out->slopes, header->volumes, header, FACTORS) : CONUS_ERROR_MEMORY;
+        out->slopes ? take_numbers(out->slopes, header->volumes, &header->factors) : CONUS_ERROR_MEMORY;
     for (size_t i = 0; !status && i < header->volumes; i++) {
         if (!isfinite(out->slopes[i])) {
             return fail(CONUS_ERROR_DATA, "BRICK_FLOAT_FACS: found %g, allowed are finite numbers", out->slopes[i]);
@@ -264,9 +241,9 @@ static conus_status read_plumb(double lps[16], const struct header *header)
     int64_t codes[3];
     double origin[3];
     double delta[3];
-    conus_status status = take_whole(codes, 3, header, ORIENT, 0, 5);
-    status = status ? status : take_numbers(origin, 3, header, ORIGIN);
-    status = status ? status : take_numbers(delta, 3, header, DELTA);
+    conus_status status = take_whole(codes, 3, &header->orient, 0, 5);
+    status = status ? status : take_numbers(origin, 3, &header->origin);
+    status = status ? status : take_numbers(delta, 3, &header->delta);
     if (status) {
         return status;
     }
@@ -306,11 +283,11 @@ static double corner_gap(const double a[16], const double b[16], const int64_t d
 static conus_status place(struct text_volume *out, const struct header *header, struct notes *notes)
 {
     static const double tolerance = 1;
-    double rows[12] = {0};
+    double matrix[12] = {0};
     double plumb[16];
-    bool real = header->values[MATRIX].text.data;
+    bool real = header->matrix.text.data;
     conus_status other = read_plumb(plumb, header);
-    conus_status status = real ? take_numbers(rows, 12, header, MATRIX) : other;
+    conus_status status = real ? take_numbers(matrix, 12, &header->matrix) : other;
     if (status) {
         return status;
     }
@@ -318,7 +295,7 @@ static conus_status place(struct text_volume *out, const struct header *header, 
     mat4_identity(lps);
     for (size_t i = 0; i < 12; i++) {
         size_t at = 4 * (i % 4) + i / 4;
-        lps[at] = real ? rows[i] : plumb[at];
+        lps[at] = real ? matrix[i] : plumb[at];
     }
     double gap = other ? 0 : corner_gap(lps, plumb, out->dim);
     header_turn_lps(out->world_from_voxel);
@@ -336,9 +313,8 @@ static conus_status place(struct text_volume *out, const struct header *header, 
 static conus_status read_space(struct text_volume *out, const struct header *header)
 {
     int64_t view = 0;
-    struct text space = string_of(header, TEMPLATE);
-    conus_status status =
-        header->values[SCENE].text.data ? take_whole(&view, 1, header, SCENE, 0, INT32_MAX) : CONUS_OK;
+    struct text space = string_of(&header->template);
+    conus_status status = header->scene.text.data ? take_whole(&view, 1, &header->scene, 0, INT32_MAX) : CONUS_OK;
     bool mni = text_starts(space, "MNI");
     bool talairach = !space.data || text_starts(space, "TLRC") || text_starts(space, "TT");
     out->space_code = view == 0 ? 1 : view == 1 ? 2 : mni ? 4 : talairach ? 3 : 5;
@@ -348,7 +324,7 @@ static conus_status read_space(struct text_volume *out, const struct header *hea
 /* Names of the volumes, each ended by '~'. */
 static conus_status read_titles(struct text_volume *out, const struct header *header)
 {
-    struct text rest = string_of(header, TITLES);
+    struct text rest = string_of(&header->titles);
     struct text field;
     bool more = true;
     if (!rest.size) {
@@ -365,8 +341,8 @@ static conus_status read_titles(struct text_volume *out, const struct header *he
 /* The atlas's table is the richer one where both are there. */
 static conus_status read_table(struct text_volume *out, const struct header *header)
 {
-    struct text table = string_of(header, ATLAS_TABLE);
-    table = table.size ? table : string_of(header, LABEL_TABLE);
+    struct text table = string_of(&header->atlas_table);
+    table = table.size ? table : string_of(&header->label_table);
     out->labels = table.size ? memory_text(table.data, table.size) : NULL;
     return table.size && !out->labels ? CONUS_ERROR_MEMORY : CONUS_OK;
 }
@@ -374,10 +350,19 @@ static conus_status read_table(struct text_volume *out, const struct header *hea
 conus_status afni_parse(struct text_volume *out, const uint8_t *data, size_t size, struct notes *notes)
 {
     struct header header = {0};
-    struct text_volume volume = {.format = "AFNI", .brik = true};
+    struct text rest = text_trim((struct text){(const char *)data, size});
+    struct text_volume volume = {.format = "AFNI", .brik = true, .header_size = size};
+    size_t lines = 0;
     conus_status status = size < HEADER_TEXT_LIMIT
-                              ? read_all(&header, (struct text){(const char *)data, size})
+                              ? CONUS_OK
                               : fail(CONUS_ERROR_DATA, "header: found %zu bytes or more, allowed are fewer", size);
+    for (size_t i = 0; i < ROWS; i++) {
+        value_of(&header, i)->name = rows[i].name;
+    }
+    while (!status && rest.size) {
+        status = read_attribute(&header, &rest, &lines);
+        rest = text_trim(rest);
+    }
     status = status ? status : read_sizes(&volume, &header);
     status = status ? status : read_type(&volume, &header);
     status = status ? status : read_byte_order(&volume, &header);
@@ -386,7 +371,6 @@ conus_status afni_parse(struct text_volume *out, const uint8_t *data, size_t siz
     status = status ? status : read_space(&volume, &header);
     status = status ? status : read_titles(&volume, &header);
     status = status ? status : read_table(&volume, &header);
-    volume.header_size = size;
     if (status) {
         text_volume_finish(&volume);
     } else {

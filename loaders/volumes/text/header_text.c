@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Lines, fields and numbers of headers of text. */
+/* Lines, keys and values of headers of text. */
 #include "loaders/volumes/text/header_text.h"
 
 #include "base/memory.h"
+#include "loaders/volumes/text/text_volume.h"
 
+#include <stdio.h>
 #include <string.h>
 
 bool header_line(struct text *rest, struct text *line, size_t *count, conus_status *status)
@@ -24,23 +26,57 @@ bool header_line(struct text *rest, struct text *line, size_t *count, conus_stat
     return true;
 }
 
-int header_find(const struct header_key *keys, size_t count, struct text name)
+/* Whether `text` is one of `names`, which have '/' between them. */
+static bool is_named(const char *names, struct text text, bool exact)
 {
-    for (size_t i = 0; i < count; i++) {
-        if (text_equal_ignoring_case(name, keys[i].name)) {
-            return keys[i].field;
+    struct text rest = text_from(names);
+    struct text name;
+    for (bool more = true; text_field(&rest, '/', &more, &name);) {
+        if (name.size == text.size && (exact ? text_compare(name, text) == 0 : text_contains(name, text))) {
+            return true;
+        }
+    }
+    return false;
+}
+
+int header_word(const struct header_word *words, struct text text, bool exact)
+{
+    for (; words->names; words++) {
+        if (is_named(words->names, text, exact)) {
+            return words->value;
         }
     }
     return -1;
 }
 
-conus_status header_keep(struct text *slot, struct text value, struct text name)
+conus_status header_once(struct text *slot, struct text value, struct text name)
 {
     if (slot->data) {
         return fail(CONUS_ERROR_DATA, "%.*s: found twice, allowed is once", HEADER_SHOW(name));
     }
     *slot = value;
     return CONUS_OK;
+}
+
+conus_status header_keep(struct header_values *values, bool *known, const struct header_table *table, struct text name,
+                         struct text value)
+{
+    for (size_t i = 0; i < table->count; i++) {
+        *known = is_named(table->rows[i].names, name, table->exact);
+        if (*known) {
+            return header_once(&values->of[i], value, name);
+        }
+    }
+    return CONUS_OK;
+}
+
+bool header_has(const struct header_values *values, const struct header_table *table, const char *name)
+{
+    size_t i = 0;
+    while (strncmp(table->rows[i].names, name, strlen(name)) != 0) {
+        i++;
+    }
+    return values->of[i].data;
 }
 
 conus_status header_need(struct text value, const char *name, const char *allowed)
@@ -64,8 +100,9 @@ conus_status header_numbers(double *out, size_t count, struct text value, const 
                : fail(CONUS_ERROR_DATA, "%s: found \"%.*s\", %zu numbers are needed", name, HEADER_SHOW(value), count);
 }
 
-conus_status header_integers(int64_t *out, size_t most, size_t *count, struct text value, int64_t least,
-                             const char *name)
+/* Whole numbers from `least` to 2^62, at most `most` of them; *count says how many there are. */
+static conus_status read_integers(int64_t *out, size_t most, size_t *count, struct text value, int64_t least,
+                                  const char *name)
 {
     struct text rest = value;
     struct text word;
@@ -87,8 +124,50 @@ conus_status header_integers(int64_t *out, size_t most, size_t *count, struct te
 conus_status header_integer(int64_t *out, struct text value, int64_t least, const char *name)
 {
     size_t count;
-    conus_status status = header_integers(out, 1, &count, value, least, name);
+    conus_status status = read_integers(out, 1, &count, value, least, name);
     return status || count ? status : fail(CONUS_ERROR_DATA, "%s: empty, a whole number is needed", name);
+}
+
+static conus_status take_value(void *out, const struct header_row *row, struct text value, const char *name)
+{
+    struct header_list *list = out;
+    switch (row->kind) {
+    case HEADER_TEXT:
+        *(struct text *)out = value;
+        return CONUS_OK;
+    case HEADER_WORD:
+        *(int *)out = header_word(row->words, value, row->exact);
+        return *(int *)out >= 0 ? CONUS_OK
+                                : fail(row->refused ? row->refused : CONUS_ERROR_DATA, "%s: found \"%.*s\", %s", name,
+                                       HEADER_SHOW(value), row->allowed);
+    case HEADER_INTEGER:
+        return header_integer(out, value, row->least, name);
+    case HEADER_INTEGERS:
+        return read_integers(list->values, HEADER_LIST_LIMIT, &list->count, value, row->least, name);
+    case HEADER_NUMBER:
+        return header_numbers(out, 1, value, name);
+    case HEADER_UNUSED:
+        break;
+    }
+    return CONUS_OK;
+}
+
+conus_status header_take(void *header, const struct header_table *table, const struct header_values *values)
+{
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < table->count; i++) {
+        const struct header_row *row = &table->rows[i];
+        struct text value = values->of[i];
+        char name[HEADER_SHOWN];
+        snprintf(name, sizeof name, "%.*s", (int)strcspn(row->names, "/"), row->names);
+        if (value.data) {
+            status = take_value((char *)header + row->place, row, value, name);
+        } else if (row->missing) {
+            status = header_need(value, name, row->missing);
+        }
+        status = status || !row->check ? status : row->check(header, value);
+    }
+    return status;
 }
 
 /* Whether some part between two '/' is "..". */
@@ -103,8 +182,15 @@ static bool climbs(struct text path)
     return found;
 }
 
-conus_status header_file(char **out, struct text value, const char *name)
+conus_status header_file(char **out, struct text value, const char *name, const char *allowed, bool exact)
 {
+    struct text rest = value;
+    struct text word;
+    bool list = text_word(&rest, &word) && (exact ? text_equal : text_equal_ignoring_case)(word, "LIST");
+    bool pattern = value.size && memchr(value.data, '%', value.size) && text_trim(rest).size;
+    if (list || pattern) {
+        return fail(CONUS_ERROR_UNSUPPORTED, "%s: found \"%.*s\", %s", name, HEADER_SHOW(value), allowed);
+    }
     bool whole = value.size && !memchr(value.data, '\0', value.size);
     if (!whole || value.data[0] == '/' || climbs(value)) {
         return fail(CONUS_ERROR_DATA,
@@ -138,4 +224,53 @@ void header_turn_lps(double m[16])
         m[4 * column] = -m[4 * column];
         m[4 * column + 1] = -m[4 * column + 1];
     }
+}
+
+void text_volume_finish(struct text_volume *volume)
+{
+    if (!volume) {
+        return;
+    }
+    for (size_t i = 0; i < volume->segment_count; i++) {
+        label_finish(&volume->segments[i].label);
+    }
+    for (int64_t i = 0; volume->titles && i < volume->count; i++) {
+        memory_free(volume->titles[i]);
+    }
+    memory_free(volume->segments);
+    memory_free(volume->titles);
+    memory_free(volume->slopes);
+    memory_free(volume->labels);
+    memory_free(volume->file);
+    *volume = (struct text_volume){0};
+}
+
+static conus_status add_copy(struct label_table *table, const struct label *label)
+{
+    struct label *entry = label_table_add(table, label->number);
+    if (!entry) {
+        return CONUS_ERROR_MEMORY;
+    }
+    entry->has_rgb = label->has_rgb;
+    memcpy(entry->rgb, label->rgb, sizeof entry->rgb);
+    entry->name = label->name ? memory_text(label->name, strlen(label->name)) : NULL;
+    return label->name && !entry->name ? CONUS_ERROR_MEMORY : CONUS_OK;
+}
+
+conus_status text_volume_labels(struct label_table *out, const struct text_volume *volume, size_t index,
+                                struct notes *notes)
+{
+    struct label_table table = {0};
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < volume->segment_count; i++) {
+        const struct text_segment *segment = &volume->segments[i];
+        status = segment->volume == index ? add_copy(&table, &segment->label) : CONUS_OK;
+    }
+    status = status ? status : label_table_sort(&table, notes);
+    if (status) {
+        label_table_finish(&table);
+    } else {
+        *out = table;
+    }
+    return status;
 }

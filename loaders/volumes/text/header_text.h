@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What headers of text share: lines, fields that stand once, numbers, the file of the voxels. */
+/** @file Headers of text, by tables: a row says how a key is written, how its value is, and where in the format's own
+ * struct that goes. */
 #ifndef CONUS_LOADERS_VOLUMES_TEXT_HEADER_TEXT_H
 #define CONUS_LOADERS_VOLUMES_TEXT_HEADER_TEXT_H
 
@@ -10,26 +11,78 @@ enum {
     HEADER_TEXT_LIMIT = 1 << 24, /**< Bytes of a header of text. */
     HEADER_LINE_LIMIT = 1 << 16, /**< Lines of it.               */
     HEADER_SHOWN = 60,           /**< Bytes of a value in a message. */
+    HEADER_ROW_LIMIT = 40,       /**< Rows of a table. */
+    HEADER_LIST_LIMIT = 4        /**< Numbers of a list. */
 };
 
 /** Arguments for "%.*s": the beginning of the text @p t. */
 #define HEADER_SHOW(t) (int)((t).size < HEADER_SHOWN ? (t).size : HEADER_SHOWN), (t).data
 
-/** A way to write a field. */
-struct header_key {
-    const char *name;
-    int field;
+/** What a value is, and what it becomes. */
+enum header_kind {
+    HEADER_TEXT,     /**< struct text, inside the header's bytes. */
+    HEADER_WORD,     /**< int: the value of one of row.words. */
+    HEADER_INTEGER,  /**< int64_t, row.least or more. */
+    HEADER_INTEGERS, /**< struct header_list of such. */
+    HEADER_NUMBER,   /**< double */
+    HEADER_UNUSED    /**< Not looked at. */
+};
+
+struct header_word {
+    const char *names; /**< With '/' between them; NULL ends the list. */
+    int value;
+};
+
+struct header_list {
+    int64_t values[HEADER_LIST_LIMIT];
+    size_t count;
+};
+
+/** A key, which may stand only once. What a header does not say stays as it is in the struct. */
+struct header_row {
+    const char *names; /**< With '/' between them; messages use the first. */
+    enum header_kind kind;
+    size_t place;        /**< Offset in the struct. */
+    const char *missing; /**< What the message says where the key is missing; NULL: it may be. */
+    const struct header_word *words;
+    const char *allowed;  /**< "allowed are ...": of words. */
+    conus_status refused; /**< Of another word; 0 = CONUS_ERROR_DATA. */
+    bool exact;           /**< Upper and lower case of words differ. */
+    int64_t least;
+    /** Called after the value is taken, also where the key is missing (value.data NULL); NULL = nothing to do. */
+    conus_status (*check)(void *header, struct text value);
+};
+
+struct header_table {
+    const struct header_row *rows;
+    size_t count;
+    bool exact; /**< Upper and lower case of keys differ. */
+};
+
+/** The value of each row, inside the header's bytes; data is NULL where it is missing. */
+struct header_values {
+    struct text of[HEADER_ROW_LIMIT];
 };
 
 /** Takes the next line off @p rest, without its LF and a CR before that. False at the end. @p count counts the lines;
  * more than HEADER_LINE_LIMIT make @p status an error. */
 bool header_line(struct text *rest, struct text *line, size_t *count, conus_status *status);
 
-/** The field that @p keys, [count], call @p name, whatever the case; -1 if none. */
-int header_find(const struct header_key *keys, size_t count, struct text name);
+/** Puts @p value into the row of the key @p name; *known is false where there is none. */
+conus_status header_keep(struct header_values *values, bool *known, const struct header_table *table, struct text name,
+                         struct text value);
 
-/** Puts @p value into @p slot, which must be empty (data NULL): a field may stand only once. */
-conus_status header_keep(struct text *slot, struct text value, struct text name);
+/** Whether there is a value of the row whose first name is @p name. */
+bool header_has(const struct header_values *values, const struct header_table *table, const char *name);
+
+/** Reads the values into the format's struct @p header, row by row. */
+conus_status header_take(void *header, const struct header_table *table, const struct header_values *values);
+
+/** The value of the word that is @p text; -1 if none is. */
+int header_word(const struct header_word *words, struct text text, bool exact);
+
+/** Puts @p value into @p slot, which must be empty (data NULL): a key may stand only once. */
+conus_status header_once(struct text *slot, struct text value, struct text name);
 
 /** CONUS_ERROR_DATA if @p value has no data: "type: missing, ALLOWED". */
 conus_status header_need(struct text value, const char *name, const char *allowed);
@@ -37,15 +90,13 @@ conus_status header_need(struct text value, const char *name, const char *allowe
 /** Exactly @p count numbers with white space between them. */
 conus_status header_numbers(double *out, size_t count, struct text value, const char *name);
 
-/** Whole numbers from @p least to 2^62, at most @p most of them; *count says how many there are. */
-conus_status header_integers(int64_t *out, size_t most, size_t *count, struct text value, int64_t least,
-                             const char *name);
-
-/** One of them. */
+/** A whole number from @p least to 2^62. */
 conus_status header_integer(int64_t *out, struct text value, int64_t least, const char *name);
 
-/** Copies the name of the voxels' file, which must lie in the header's folder or below it. */
-conus_status header_file(char **out, struct text value, const char *name);
+/** Copies the name of the voxels' file, which must lie in the header's folder or below it. A list or pattern of files,
+ * as "LIST" (with @p exact in capitals only) and "%03d.raw 1 9 1" are, is CONUS_ERROR_UNSUPPORTED: "@p name: found ...,
+ * @p allowed". */
+conus_status header_file(char **out, struct text value, const char *name, const char *allowed, bool exact);
 
 /** Millimetres in a unit ("mm", "um", "micron"), 0 if it is not known. */
 double header_unit(struct text unit);

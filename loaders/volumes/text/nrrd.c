@@ -1,237 +1,575 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Reads and checks NRRD headers. */
-#include "loaders/volumes/text/nrrd.h"
-
+/* Reads and checks NRRD headers: a table of their keys, the axes (which are space, which one is the list of volumes,
+ * and where they lie), and 3D Slicer's segments (Segment0_Name:=..., _LabelValue, _Layer, _Color). */
+#include "atlas/frame.h"
+#include "base/buffer.h"
+#include "base/geometry/math3.h"
+#include "base/memory.h"
 #include "loaders/volumes/text/header_text.h"
-#include "loaders/volumes/text/nrrd_axes.h"
-#include "loaders/volumes/text/nrrd_segments.h"
+#include "loaders/volumes/text/text_volume.h"
 
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
-static const struct header_key keys[] = {
-    {"dimension", NRRD_DIMENSION},
-    {"type", NRRD_TYPE},
-    {"sizes", NRRD_SIZES},
-    {"space", NRRD_SPACE},
-    {"space dimension", NRRD_SPACE_DIMENSION},
-    {"space directions", NRRD_DIRECTIONS},
-    {"space origin", NRRD_ORIGIN},
-    {"space units", NRRD_SPACE_UNITS},
-    {"kinds", NRRD_KINDS},
-    {"spacings", NRRD_SPACINGS},
-    {"endian", NRRD_ENDIAN},
-    {"encoding", NRRD_ENCODING},
-    {"line skip", NRRD_LINE_SKIP},
-    {"lineskip", NRRD_LINE_SKIP},
-    {"byte skip", NRRD_BYTE_SKIP},
-    {"byteskip", NRRD_BYTE_SKIP},
-    {"data file", NRRD_DATA_FILE},
-    {"datafile", NRRD_DATA_FILE},
-    /* Not used, but each may stand only once, too. The measurement frame turns vectors, not places. */
-    {"measurement frame", NRRD_UNUSED},
-    {"block size", NRRD_UNUSED + 1},
-    {"blocksize", NRRD_UNUSED + 1},
-    {"thicknesses", NRRD_UNUSED + 2},
-    {"axis mins", NRRD_UNUSED + 3},
-    {"axismins", NRRD_UNUSED + 3},
-    {"axis maxs", NRRD_UNUSED + 4},
-    {"axismaxs", NRRD_UNUSED + 4},
-    {"centers", NRRD_UNUSED + 5},
-    {"centerings", NRRD_UNUSED + 5},
-    {"labels", NRRD_UNUSED + 6},
-    {"units", NRRD_UNUSED + 7},
-    {"min", NRRD_UNUSED + 8},
-    {"max", NRRD_UNUSED + 9},
-    {"old min", NRRD_UNUSED + 10},
-    {"oldmin", NRRD_UNUSED + 10},
-    {"old max", NRRD_UNUSED + 11},
-    {"oldmax", NRRD_UNUSED + 11},
-    {"content", NRRD_UNUSED + 12},
-    {"number", NRRD_UNUSED + 13},
-    {"sample units", NRRD_UNUSED + 14},
-    {"sampleunits", NRRD_UNUSED + 14},
+enum { AXES = 4, SEGMENT_LIMIT = 1 << 12 };
+
+enum segment_field { SEGMENT_NAME, SEGMENT_ID, SEGMENT_VALUE, SEGMENT_LAYER, SEGMENT_COLOUR, SEGMENT_FIELDS };
+
+struct segment {
+    struct text fields[SEGMENT_FIELDS]; /* inside the header's bytes */
 };
 
-static conus_status read_magic(struct text *rest, size_t *lines)
+/* What a header says. */
+struct nrrd {
+    struct text_volume *out;
+    int type, encoding; /* type: kind << 8 | bytes */
+    int big_endian;     /* -1 = not said */
+    int space;          /* RAS, LAS, LPS */
+    struct text space_word, space_dimension;
+    int64_t line_skip, byte_skip, dimension;
+    struct header_list sizes;
+    double directions[AXES][3];
+    bool is_space[AXES]; /* it has a direction, not "none" */
+    size_t list;         /* the axis of the volumes; AXES if there is none */
+    double origin[3];
+    double mm; /* of a unit */
+    bool has_units;
+    struct segment *segments;
+    size_t segment_count, segment_capacity;
+};
+
+/* "none" or "(x,y,z)", which `rest` begins with. */
+static bool read_vector(double out[3], bool *none, struct text *rest)
 {
-    struct text line = {0};
-    conus_status status = CONUS_OK;
-    bool known = header_line(rest, &line, lines, &status) && line.size == 8 && line.data[6] == '0' &&
-                 line.data[7] >= '1' && line.data[7] <= '5';
-    return known ? CONUS_OK
-                 : fail(CONUS_ERROR_DATA, "magic: found \"%.*s\", allowed are NRRD0001 to NRRD0005", HEADER_SHOW(line));
+    *rest = text_trim(*rest);
+    *none = text_starts(*rest, "none");
+    if (*none) {
+        *rest = (struct text){rest->data + 4, rest->size - 4};
+        return true;
+    }
+    const char *end = rest->size && rest->data[0] == '(' ? memchr(rest->data, ')', rest->size) : NULL;
+    if (!end) {
+        return false;
+    }
+    struct text inner = {rest->data + 1, (size_t)(end - rest->data) - 1};
+    struct text field;
+    bool more = true;
+    int count = 0;
+    while (text_field(&inner, ',', &more, &field)) {
+        if (count == 3 || !text_to_double(text_trim(field), &out[count])) {
+            return false;
+        }
+        count++;
+    }
+    *rest = (struct text){end + 1, rest->size - (size_t)(end + 1 - rest->data)};
+    return count == 3;
+}
+
+static conus_status check_dimension(void *header, struct text value)
+{
+    int64_t dimension = ((const struct nrrd *)header)->dimension;
+    (void)value;
+    return dimension == 3 || dimension == AXES
+               ? CONUS_OK
+               : fail(CONUS_ERROR_UNSUPPORTED, "dimension: found %lld, allowed are 3 and 4", (long long)dimension);
+}
+
+static conus_status check_sizes(void *header, struct text value)
+{
+    const struct nrrd *nrrd = header;
+    (void)value;
+    return nrrd->sizes.count == (size_t)nrrd->dimension
+               ? CONUS_OK
+               : fail(CONUS_ERROR_DATA, "sizes: found %zu numbers, the dimension is %lld", nrrd->sizes.count,
+                      (long long)nrrd->dimension);
+}
+
+static conus_status keep_space_word(void *header, struct text value)
+{
+    ((struct nrrd *)header)->space_word = value;
+    return CONUS_OK;
+}
+
+static conus_status read_directions(void *header, struct text value)
+{
+    struct nrrd *nrrd = header;
+    struct text rest = value;
+    size_t axes = (size_t)nrrd->dimension;
+    size_t spaces = 0;
+    nrrd->list = AXES;
+    for (size_t i = 0; i < axes; i++) {
+        bool none = false;
+        if (!read_vector(nrrd->directions[i], &none, &rest)) {
+            return fail(CONUS_ERROR_DATA, "space directions: found \"%.*s\", for each axis (x,y,z) or none is needed",
+                        HEADER_SHOW(value));
+        }
+        nrrd->is_space[i] = !none;
+        nrrd->list = none ? i : nrrd->list;
+        spaces += !none;
+    }
+    if (text_trim(rest).size) {
+        return fail(CONUS_ERROR_DATA, "space directions: found more than the %zu axes have", axes);
+    }
+    bool middle = axes == AXES && nrrd->list != 0 && nrrd->list != AXES - 1;
+    return spaces == 3 && !middle
+               ? CONUS_OK
+               : fail(CONUS_ERROR_UNSUPPORTED,
+                      "space directions: found \"%.*s\", needed are three directions, and none of the first or the "
+                      "last axis where there are four",
+                      HEADER_SHOW(value));
+}
+
+/* Kinds of one number per voxel and volume; colours and matrices are read as no values. */
+static conus_status check_kinds(void *header, struct text value)
+{
+    static const struct header_word known[] = {
+        {"domain/space/none/???", 1},
+        {"list/time/vector/point/stub/scalar/2-vector/3-vector/4-vector/covariant-vector/normal/3-normal/3-gradient",
+         0},
+        {NULL, 0}};
+    const struct nrrd *nrrd = header;
+    size_t axes = (size_t)nrrd->dimension;
+    struct text word;
+    size_t count = 0;
+    for (struct text rest = value; value.data && text_word(&rest, &word); count++) {
+        int kind = header_word(known, word, false);
+        if (kind < 0 || (kind == 0 && count < axes && nrrd->is_space[count])) {
+            return fail(CONUS_ERROR_UNSUPPORTED,
+                        "kinds: found \"%.*s\", allowed are domain and space of an axis with "
+                        "a direction, list, time and vectors of another",
+                        HEADER_SHOW(word));
+        }
+    }
+    return !value.data || count == axes ? CONUS_OK
+                                        : fail(CONUS_ERROR_DATA, "kinds: found %zu, the dimension is %zu", count, axes);
+}
+
+/* Spacings beside directions say the same twice, or are nan. */
+static conus_status check_spacings(void *header, struct text value)
+{
+    const struct nrrd *nrrd = header;
+    double spacings[AXES];
+    size_t axes = value.data ? (size_t)nrrd->dimension : 0;
+    conus_status status = value.data ? header_numbers(spacings, axes, value, "spacings") : CONUS_OK;
+    for (size_t i = 0; !status && i < axes; i++) {
+        double length = vec3_length(nrrd->directions[i]);
+        bool same = isnan(spacings[i]) || !nrrd->is_space[i] || fabs(spacings[i] - length) <= 1e-3 * length;
+        if (!same) {
+            return fail(CONUS_ERROR_DATA, "spacings: found %g of axis %zu, whose space direction has length %g",
+                        spacings[i], i, length);
+        }
+    }
+    return status;
+}
+
+/* "mm" "mm" "mm": one unit. */
+static conus_status read_units(void *header, struct text value)
+{
+    struct nrrd *nrrd = header;
+    nrrd->has_units = value.data;
+    nrrd->mm = 1;
+    for (int i = 0; value.data && i < 3; i++) {
+        struct text unit;
+        struct text before;
+        bool more = true;
+        bool found = text_field(&value, '"', &more, &before) && more && text_field(&value, '"', &more, &unit) && more;
+        bool unknown = found && (!unit.size || text_equal(unit, "???"));
+        double factor = unknown ? 1 : found ? header_unit(unit) : 0;
+        if (factor == 0 || text_trim(before).size || (i && factor != nrrd->mm)) {
+            return fail(CONUS_ERROR_UNSUPPORTED,
+                        "space units: needed are three times the same, of \"mm\", \"um\", \"cm\" and \"m\"");
+        }
+        nrrd->mm = factor;
+    }
+    return CONUS_OK;
+}
+
+static conus_status read_origin(void *header, struct text value)
+{
+    bool none = false;
+    struct text rest = value;
+    return read_vector(((struct nrrd *)header)->origin, &none, &rest) && !none && !text_trim(rest).size
+               ? CONUS_OK
+               : fail(CONUS_ERROR_DATA, "space origin: found \"%.*s\", a point (x,y,z) is needed", HEADER_SHOW(value));
+}
+
+/* One file; a list or pattern of files is of slices. */
+static conus_status read_file(void *header, struct text value)
+{
+    return value.data
+               ? header_file(&((struct nrrd *)header)->out->file, value, "data file", "allowed is one file", true)
+               : CONUS_OK;
+}
+
+#define TYPE(kind, size) ((kind) << 8 | (size))
+#define ALLOWED_TYPES "allowed are int8 to uint64, float and double"
+#define ALLOWED_ENCODINGS "allowed are raw, gzip, text and hex"
+#define ALLOWED_SPACES "allowed are RAS, LAS and LPS"
+
+static const struct header_word types[] = {
+    {"signed char/int8/int8_t", TYPE('i', 1)},
+    {"uchar/unsigned char/uint8/uint8_t", TYPE('u', 1)},
+    {"short/short int/signed short/signed short int/int16/int16_t", TYPE('i', 2)},
+    {"ushort/unsigned short/unsigned short int/uint16/uint16_t", TYPE('u', 2)},
+    {"int/signed int/int32/int32_t", TYPE('i', 4)},
+    {"uint/unsigned int/uint32/uint32_t", TYPE('u', 4)},
+    {"longlong/long long/long long int/signed long long/int64/int64_t/signed long long int", TYPE('i', 8)},
+    {"ulonglong/unsigned long long/uint64/uint64_t/unsigned long long int", TYPE('u', 8)},
+    {"float", TYPE('f', 4)},
+    {"double", TYPE('f', 8)},
+    {NULL, 0}};
+static const struct header_word encodings[] = {
+    {"raw", TEXT_RAW}, {"gzip/gz", TEXT_GZIP}, {"text/txt/ascii", TEXT_NUMBERS}, {"hex", TEXT_HEX}, {NULL, 0}};
+static const struct header_word endians[] = {{"little", 0}, {"big", 1}, {NULL, 0}};
+static const struct header_word spaces[] = {{"RAS/right-anterior-superior", 0},
+                                            {"LAS/left-anterior-superior", 1},
+                                            {"LPS/left-posterior-superior", 2},
+                                            {NULL, 0}};
+
+/* In the order in which they are read: a check may look at what stands above it. */
+#define AT(member) .place = offsetof(struct nrrd, member)
+static const struct header_row rows[] = {
+    {"type", HEADER_WORD, AT(type), ALLOWED_TYPES, types, ALLOWED_TYPES},
+    {"encoding", HEADER_WORD, AT(encoding), ALLOWED_ENCODINGS, encodings, ALLOWED_ENCODINGS, CONUS_ERROR_UNSUPPORTED},
+    {"endian", HEADER_WORD, AT(big_endian), NULL, endians, "allowed are little and big"},
+    {"line skip/lineskip", HEADER_INTEGER, AT(line_skip)},
+    {"byte skip/byteskip", HEADER_INTEGER, AT(byte_skip), .least = -1},
+    {"dimension", HEADER_INTEGER, AT(dimension), "allowed are 3 and 4", .least = 1, .check = check_dimension},
+    {"sizes", HEADER_INTEGERS, AT(sizes), "a number of each axis is needed", .least = 1, .check = check_sizes},
+    {"space", HEADER_WORD, AT(space), "so it is not known which side is left; " ALLOWED_SPACES, spaces, ALLOWED_SPACES,
+     CONUS_ERROR_UNSUPPORTED, .check = keep_space_word},
+    {"space dimension", HEADER_TEXT, AT(space_dimension)},
+    {"space directions", HEADER_UNUSED, .missing = "a direction of each axis, or none, is needed",
+     .check = read_directions},
+    {"kinds", HEADER_UNUSED, .check = check_kinds},
+    {"spacings", HEADER_UNUSED, .check = check_spacings},
+    {"space units", HEADER_UNUSED, .check = read_units},
+    {"space origin", HEADER_UNUSED, .missing = "a point (x,y,z) is needed", .check = read_origin},
+    {"data file/datafile", HEADER_UNUSED, .check = read_file},
+    {"measurement frame", .kind = HEADER_UNUSED}, /* which turns vectors, not places */
+    {"block size/blocksize", .kind = HEADER_UNUSED},
+    {"thicknesses", .kind = HEADER_UNUSED},
+    {"axis mins/axismins", .kind = HEADER_UNUSED},
+    {"axis maxs/axismaxs", .kind = HEADER_UNUSED},
+    {"centers/centerings", .kind = HEADER_UNUSED},
+    {"labels", .kind = HEADER_UNUSED},
+    {"units", .kind = HEADER_UNUSED},
+    {"min", .kind = HEADER_UNUSED},
+    {"max", .kind = HEADER_UNUSED},
+    {"old min/oldmin", .kind = HEADER_UNUSED},
+    {"old max/oldmax", .kind = HEADER_UNUSED},
+    {"content", .kind = HEADER_UNUSED},
+    {"number", .kind = HEADER_UNUSED},
+    {"sample units/sampleunits", .kind = HEADER_UNUSED},
+};
+static const struct header_table table = {rows, sizeof rows / sizeof rows[0], .exact = false};
+
+/* The Allen Institute's volumes count micrometres and call AP, DV and ML x, y and z: "space directions" of 25, 0, 0 and
+ * so on. No other brain is that large, and they are placed as they are meant: from the corner backward, downward and to
+ * the right. *done is false for others. */
+static conus_status place_ccf(struct text_volume *out, bool *done, struct notes *notes)
+{
+    double *m = out->world_from_voxel;
+    double size[3];
+    double inverse[16];
+    bool plain = m[12] == 0 && m[13] == 0 && m[14] == 0 && mat4_invert_affine(inverse, m);
+    for (size_t i = 0; i < 3; i++) {
+        const double *step = m + 4 * i;
+        double length = vec3_length(step);
+        plain = plain && (fabs(step[0]) == length || fabs(step[1]) == length || fabs(step[2]) == length);
+        size[i] = length * (double)out->dim[i];
+    }
+    *done = plain && frame_is_ccf_size(size);
+    if (!*done) {
+        return CONUS_OK;
+    }
+    double steps[3];
+    for (size_t i = 0; i < 3; i++) {
+        steps[i] = size[i] / (double)out->dim[i] / 1000;
+    }
+    const double placed[16] = {
+        0, -steps[0], 0, 0, 0, 0, -steps[1], 0, steps[2], 0, 0, 0, steps[2] / 2, -steps[0] / 2, -steps[1] / 2, 1};
+    memcpy(m, placed, sizeof placed);
+    snprintf(out->transform, sizeof out->transform, "the Allen CCF's grid");
+    return notes_add(notes,
+                     "space directions: the grid is the Allen CCF's in micrometres, and is placed as that one: x = "
+                     "ML, y = -AP, z = -DV from its corner, in mm");
+}
+
+/* A brain is not larger than a metre: such a file means something else by its numbers. */
+static conus_status note_size(const struct text_volume *out, struct notes *notes)
+{
+    static const double most = 1000;
+    double largest = 0;
+    for (int i = 0; i < 3; i++) {
+        largest = fmax(largest, vec3_length(out->world_from_voxel + 4 * (size_t)i) * (double)out->dim[i]);
+    }
+    return largest > most ? notes_warn(notes,
+                                       "space directions: the grid is %g mm long: are they micrometres? The header "
+                                       "has no \"space units\", so they were taken as millimetres",
+                                       largest)
+                          : CONUS_OK;
+}
+
+static conus_status place(struct text_volume *out, const struct nrrd *nrrd, struct notes *notes)
+{
+    const double signs[3] = {nrrd->space > 0 ? -1 : 1, nrrd->space > 1 ? -1 : 1, 1}; /* of x and y that lead to RAS */
+    size_t axis = nrrd->list == 0;
+    bool done = false;
+    mat4_identity(out->world_from_voxel);
+    for (size_t column = 0; column < 4; column++, axis++) {
+        for (size_t row = 0; row < 3; row++) {
+            out->world_from_voxel[4 * column + row] =
+                (column < 3 ? nrrd->directions[axis][row] : nrrd->origin[row]) * signs[row] * nrrd->mm;
+        }
+    }
+    snprintf(out->transform, sizeof out->transform, "space directions, %.*s", HEADER_SHOW(nrrd->space_word));
+    conus_status status = nrrd->has_units ? CONUS_OK : place_ccf(out, &done, notes);
+    return status || done || nrrd->has_units ? status : note_size(out, notes);
+}
+
+/* Splits "Segment12_Name". False for any other key. */
+static bool split_key(struct text key, uint64_t *number, struct text *field)
+{
+    static const char prefix[] = "Segment";
+    size_t start = sizeof prefix - 1;
+    const char *line = text_starts(key, prefix) ? memchr(key.data, '_', key.size) : NULL;
+    size_t end = line ? (size_t)(line - key.data) : 0;
+    if (end <= start || !text_to_uint((struct text){key.data + start, end - start}, UINT32_MAX, number)) {
+        return false;
+    }
+    *field = (struct text){line + 1, key.size - end - 1};
+    return true;
+}
+
+/* "\n" and "\\" stand for what no line can hold. */
+static conus_status set_name(char **out, struct text value)
+{
+    struct buffer plain = {0};
+    for (size_t i = 0; i < value.size; i++) {
+        bool escaped =
+            value.data[i] == '\\' && i + 1 < value.size && (value.data[i + 1] == 'n' || value.data[i + 1] == '\\');
+        i += escaped;
+        char c = escaped && value.data[i] == 'n' ? ' ' : value.data[i];
+        buffer_append(&plain, &c, 1);
+    }
+    conus_status status = buffer_status(&plain);
+    status = status || !plain.size ? status : label_set_text(out, (struct text){plain.data, plain.size});
+    buffer_finish(&plain);
+    return status;
+}
+
+static conus_status set_colour(struct label *label, struct text value, const char *name)
+{
+    double rgb[3];
+    conus_status status = header_numbers(rgb, 3, value, name);
+    for (int i = 0; !status && i < 3; i++) {
+        if (!(rgb[i] >= 0 && rgb[i] <= 1)) {
+            return fail(CONUS_ERROR_DATA, "%s: found %g, allowed are 0 to 1", name, rgb[i]);
+        }
+        label->rgb[i] = (uint8_t)(rgb[i] * 255 + 0.5);
+    }
+    label->has_rgb = !status;
+    return status;
+}
+
+/* One segment. `legacy`: it is label 1 of a volume of its own. */
+static conus_status take_segment(struct text_segment *out, const struct text fields[SEGMENT_FIELDS], size_t number,
+                                 int64_t volumes, bool legacy)
+{
+    char name[40];
+    int64_t value = 1;
+    int64_t layer = legacy ? (int64_t)number : 0;
+    struct text title = fields[SEGMENT_NAME].size ? fields[SEGMENT_NAME] : fields[SEGMENT_ID];
+    snprintf(name, sizeof name, "Segment%zu_LabelValue", number);
+    conus_status status = legacy ? CONUS_OK : header_need(fields[SEGMENT_VALUE], name, "a label is needed");
+    status = status || legacy ? status : header_integer(&value, fields[SEGMENT_VALUE], 1, name);
+    if (!status && value > UINT32_MAX) {
+        return fail(CONUS_ERROR_DATA, "%s: found %lld, allowed are 1 to 4294967295", name, (long long)value);
+    }
+    snprintf(name, sizeof name, "Segment%zu_Layer", number);
+    bool told = fields[SEGMENT_LAYER].data;
+    status =
+        status || told || legacy || volumes == 1 ? status : header_need((struct text){0}, name, "a layer is needed");
+    status = status || !told ? status : header_integer(&layer, fields[SEGMENT_LAYER], 0, name);
+    if (!status && layer >= volumes) {
+        return fail(CONUS_ERROR_DATA, "%s: found %lld, allowed are 0 to %lld", name, (long long)layer,
+                    (long long)volumes - 1);
+    }
+    snprintf(name, sizeof name, "Segment%zu_Color", number);
+    status = status ? status : set_name(&out->label.name, title);
+    status = status || !fields[SEGMENT_COLOUR].data ? status : set_colour(&out->label, fields[SEGMENT_COLOUR], name);
+    out->label.number = (uint32_t)value;
+    out->volume = (size_t)layer;
+    return status;
+}
+
+static int compare_segments(const void *a, const void *b)
+{
+    const struct text_segment *left = a;
+    const struct text_segment *right = b;
+    int order = (left->volume > right->volume) - (left->volume < right->volume);
+    return order ? order : (left->label.number > right->label.number) - (left->label.number < right->label.number);
+}
+
+static conus_status refuse_twins(struct text_volume *out)
+{
+    qsort(out->segments, out->segment_count, sizeof *out->segments, compare_segments);
+    for (size_t i = 1; i < out->segment_count; i++) {
+        const struct label *label = &out->segments[i].label;
+        if (compare_segments(&out->segments[i - 1], &out->segments[i]) == 0) {
+            return fail(CONUS_ERROR_DATA, "segments: label %u of layer %zu is both \"%s\" and \"%s\"", label->number,
+                        out->segments[i].volume, out->segments[i - 1].label.name ? out->segments[i - 1].label.name : "",
+                        label->name ? label->name : "");
+        }
+    }
+    return CONUS_OK;
+}
+
+/* Whether no segment has a value or a layer, and each has a volume, as before Slicer had layers. */
+static bool is_legacy(const struct nrrd *nrrd, int64_t volumes)
+{
+    bool bare = (int64_t)nrrd->segment_count == volumes;
+    for (size_t i = 0; i < nrrd->segment_count; i++) {
+        const struct text *fields = nrrd->segments[i].fields;
+        bare = bare && !fields[SEGMENT_VALUE].data && !fields[SEGMENT_LAYER].data;
+    }
+    return bare;
+}
+
+/* Turns the segments into out->segments; out->count is known. Segments that contradict each other or the volumes are
+ * CONUS_ERROR_DATA: names would be wrong. */
+static conus_status take_segments(struct text_volume *out, const struct nrrd *nrrd)
+{
+    bool legacy = is_legacy(nrrd, out->count);
+    if (!nrrd->segment_count) {
+        return CONUS_OK;
+    }
+    out->segments = memory_zeroed(nrrd->segment_count, sizeof *out->segments);
+    conus_status status = out->segments ? CONUS_OK : CONUS_ERROR_MEMORY;
+    for (size_t i = 0; !status && i < nrrd->segment_count; i++) {
+        const struct text *fields = nrrd->segments[i].fields;
+        bool there = false;
+        for (int k = 0; k < SEGMENT_FIELDS; k++) {
+            there = there || fields[k].data;
+        }
+        if (there) {
+            status = take_segment(&out->segments[out->segment_count++], fields, i, out->count, legacy);
+        }
+    }
+    return status ? status : refuse_twins(out);
+}
+
+/* Keeps a line "key:=value" if it is one of a segment. */
+static conus_status keep_segment(struct nrrd *nrrd, struct text key, struct text value)
+{
+    static const struct header_word known[] = {{"Name", SEGMENT_NAME},        {"ID", SEGMENT_ID},
+                                               {"LabelValue", SEGMENT_VALUE}, {"Layer", SEGMENT_LAYER},
+                                               {"Color", SEGMENT_COLOUR},     {NULL, 0}};
+    uint64_t number;
+    struct text name;
+    if (!split_key(key, &number, &name)) {
+        return CONUS_OK;
+    }
+    if (number >= SEGMENT_LIMIT) {
+        return fail(CONUS_ERROR_DATA, "%.*s: allowed are segments 0 to %d", HEADER_SHOW(key), SEGMENT_LIMIT - 1);
+    }
+    int field = header_word(known, name, false);
+    if (field < 0) {
+        return CONUS_OK;
+    }
+    if (!memory_reserve(&nrrd->segments, &nrrd->segment_capacity, (size_t)number + 1, sizeof *nrrd->segments)) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (; nrrd->segment_count <= number; nrrd->segment_count++) {
+        nrrd->segments[nrrd->segment_count] = (struct segment){0};
+    }
+    return header_once(&nrrd->segments[number].fields[field], value, key);
 }
 
 /* "field: value" or "key:=value". */
-static conus_status read_line(struct nrrd_header *header, struct text line)
+static conus_status read_line(struct header_values *values, struct nrrd *nrrd, struct text line)
 {
     const char *colon = memchr(line.data, ':', line.size);
     size_t length = colon ? (size_t)(colon - line.data) : 0;
     bool spaced = colon && line.size >= length + 2;
+    bool known = false;
     struct text name = {line.data, length};
     struct text value = spaced ? (struct text){colon + 2, line.size - length - 2} : line;
     if (spaced && colon[1] == '=') {
-        return nrrd_segments_read(&header->segments, name, value);
+        return keep_segment(nrrd, name, value);
     }
     if (!spaced || colon[1] != ' ') {
         return fail(CONUS_ERROR_DATA, "header: found the line \"%.*s\", allowed are \"field: value\", \"key:=value\"",
                     HEADER_SHOW(line));
     }
-    int field = header_find(keys, sizeof keys / sizeof keys[0], name);
-    return field < 0
-               ? fail(CONUS_ERROR_DATA, "header: found the field \"%.*s\", which NRRD does not have", HEADER_SHOW(name))
-               : header_keep(&header->fields[field], text_trim(value), name);
+    conus_status status = header_keep(values, &known, &table, name, text_trim(value));
+    return known ? status
+                 : fail(CONUS_ERROR_DATA, "header: found the field \"%.*s\", which NRRD does not have",
+                        HEADER_SHOW(name));
 }
 
 /* Up to the empty line, or to the end where the voxels lie in another file. */
-static conus_status read_lines(struct nrrd_header *header, struct text *rest)
+static conus_status read_lines(struct header_values *values, struct nrrd *nrrd, struct text *rest)
 {
-    struct text line;
+    struct text line = {0};
     size_t lines = 0;
     bool ended = false;
-    conus_status status = read_magic(rest, &lines);
+    conus_status status = CONUS_OK;
+    bool known = header_line(rest, &line, &lines, &status) && line.size == 8 && line.data[6] == '0' &&
+                 line.data[7] >= '1' && line.data[7] <= '5';
+    if (!known) {
+        return fail(CONUS_ERROR_DATA, "magic: found \"%.*s\", allowed are NRRD0001 to NRRD0005", HEADER_SHOW(line));
+    }
     while (!ended && header_line(rest, &line, &lines, &status)) {
         ended = line.size == 0;
-        status = ended || line.data[0] == '#' ? CONUS_OK : read_line(header, line);
+        status = ended || line.data[0] == '#' ? CONUS_OK : read_line(values, nrrd, line);
     }
-    if (!status && !ended && !header->fields[NRRD_DATA_FILE].data) {
-        return fail(CONUS_ERROR_DATA, "header: found no empty line at its end, and no \"data file\"");
-    }
-    return status;
+    return status || ended || header_has(values, &table, "data file")
+               ? status
+               : fail(CONUS_ERROR_DATA, "header: found no empty line at its end, and no \"data file\"");
 }
 
-static conus_status read_type(struct text_volume *out, struct text value)
+/* What rows say together. */
+static conus_status check_nrrd(const struct nrrd *nrrd)
 {
-    static const struct {
-        const char *name;
-        struct text_type type;
-    } types[] = {{"signed char", {'i', 1}},
-                 {"int8", {'i', 1}},
-                 {"int8_t", {'i', 1}},
-                 {"uchar", {'u', 1}},
-                 {"unsigned char", {'u', 1}},
-                 {"uint8", {'u', 1}},
-                 {"uint8_t", {'u', 1}},
-                 {"short", {'i', 2}},
-                 {"short int", {'i', 2}},
-                 {"signed short", {'i', 2}},
-                 {"signed short int", {'i', 2}},
-                 {"int16", {'i', 2}},
-                 {"int16_t", {'i', 2}},
-                 {"ushort", {'u', 2}},
-                 {"unsigned short", {'u', 2}},
-                 {"unsigned short int", {'u', 2}},
-                 {"uint16", {'u', 2}},
-                 {"uint16_t", {'u', 2}},
-                 {"int", {'i', 4}},
-                 {"signed int", {'i', 4}},
-                 {"int32", {'i', 4}},
-                 {"int32_t", {'i', 4}},
-                 {"uint", {'u', 4}},
-                 {"unsigned int", {'u', 4}},
-                 {"uint32", {'u', 4}},
-                 {"uint32_t", {'u', 4}},
-                 {"longlong", {'i', 8}},
-                 {"long long", {'i', 8}},
-                 {"long long int", {'i', 8}},
-                 {"signed long long", {'i', 8}},
-                 {"int64", {'i', 8}},
-                 {"int64_t", {'i', 8}},
-                 {"signed long long int", {'i', 8}},
-                 {"ulonglong", {'u', 8}},
-                 {"unsigned long long", {'u', 8}},
-                 {"uint64", {'u', 8}},
-                 {"uint64_t", {'u', 8}},
-                 {"unsigned long long int", {'u', 8}},
-                 {"float", {'f', 4}},
-                 {"double", {'f', 8}}};
-    for (size_t i = 0; i < sizeof types / sizeof types[0]; i++) {
-        if (text_equal_ignoring_case(value, types[i].name)) {
-            out->type = types[i].type;
-            return CONUS_OK;
-        }
+    if (nrrd->big_endian < 0 && (nrrd->type & 0xff) > 1 && nrrd->encoding != TEXT_NUMBERS) {
+        return fail(CONUS_ERROR_DATA, "endian: missing, allowed are little and big");
     }
-    return fail(CONUS_ERROR_DATA, "type: found \"%.*s\", allowed are int8 to uint64, float and double",
-                HEADER_SHOW(value));
-}
-
-static conus_status read_encoding(struct text_volume *out, struct text value)
-{
-    static const struct header_key names[] = {{"raw", TEXT_RAW},      {"gzip", TEXT_GZIP},   {"gz", TEXT_GZIP},
-                                              {"text", TEXT_NUMBERS}, {"txt", TEXT_NUMBERS}, {"ascii", TEXT_NUMBERS},
-                                              {"hex", TEXT_HEX}};
-    int encoding = header_find(names, sizeof names / sizeof names[0], value);
-    out->encoding = (enum text_encoding)encoding;
-    return encoding < 0 ? fail(CONUS_ERROR_UNSUPPORTED, "encoding: found \"%.*s\", allowed are raw, gzip, text and hex",
-                               HEADER_SHOW(value))
-                        : CONUS_OK;
-}
-
-static conus_status read_endian(struct text_volume *out, struct text value)
-{
-    bool little = text_equal_ignoring_case(value, "little");
-    out->big_endian = text_equal_ignoring_case(value, "big");
-    if (little || out->big_endian || (!value.data && (out->type.size == 1 || out->encoding == TEXT_NUMBERS))) {
-        return CONUS_OK;
-    }
-    return value.data ? fail(CONUS_ERROR_DATA, "endian: found \"%.*s\", allowed are little and big", HEADER_SHOW(value))
-                      : header_need(value, "endian", "allowed are little and big");
-}
-
-static conus_status read_skips(struct text_volume *out, const struct nrrd_header *header)
-{
-    int64_t lines = 0;
-    int64_t bytes = 0;
-    struct text line_skip = header->fields[NRRD_LINE_SKIP];
-    struct text byte_skip = header->fields[NRRD_BYTE_SKIP];
-    conus_status status = line_skip.data ? header_integer(&lines, line_skip, 0, "line skip") : CONUS_OK;
-    status = status || !byte_skip.data ? status : header_integer(&bytes, byte_skip, -1, "byte skip");
-    if (!status && bytes < 0 && out->encoding != TEXT_RAW) {
+    if (nrrd->byte_skip < 0 && nrrd->encoding != TEXT_RAW) {
         return fail(CONUS_ERROR_DATA, "byte skip: found -1, which only the encoding raw allows");
     }
-    out->line_skip = (uint64_t)lines;
-    out->at_end = bytes < 0;
-    out->byte_skip = bytes < 0 ? 0 : (uint64_t)bytes;
-    return status;
-}
-
-/* "name", but no list or pattern of files: these are slices. */
-static conus_status read_file(struct text_volume *out, struct text value)
-{
-    struct text rest = value;
-    struct text word;
-    bool list = text_word(&rest, &word) && text_equal(word, "LIST");
-    bool pattern = value.data && memchr(value.data, '%', value.size) && text_trim(rest).size;
-    if (list || pattern) {
-        return fail(CONUS_ERROR_UNSUPPORTED, "data file: found \"%.*s\", allowed is one file", HEADER_SHOW(value));
-    }
-    return value.data ? header_file(&out->file, value, "data file") : CONUS_OK;
-}
-
-static conus_status interpret(struct text_volume *out, struct nrrd_header *header, struct notes *notes)
-{
-    static const char type_needed[] = "allowed are int8 to uint64, float and double";
-    const struct text *fields = header->fields;
-    conus_status status = header_need(fields[NRRD_TYPE], "type", type_needed);
-    status = status ? status : read_type(out, fields[NRRD_TYPE]);
-    status = status ? status : header_need(fields[NRRD_ENCODING], "encoding", "allowed are raw, gzip, text and hex");
-    status = status ? status : read_encoding(out, fields[NRRD_ENCODING]);
-    status = status ? status : read_endian(out, fields[NRRD_ENDIAN]);
-    status = status ? status : read_skips(out, header);
-    status = status ? status : nrrd_axes_read(out, header, notes);
-    status = status ? status : read_file(out, fields[NRRD_DATA_FILE]);
-    return status ? status : nrrd_segments_take(out, &header->segments);
+    return nrrd->space_dimension.data
+               ? fail(CONUS_ERROR_DATA, "space dimension: found beside \"space\", allowed is one of them")
+               : CONUS_OK;
 }
 
 conus_status nrrd_parse(struct text_volume *out, const uint8_t *data, size_t size, struct notes *notes)
 {
     struct text rest = {(const char *)data, size < HEADER_TEXT_LIMIT ? size : HEADER_TEXT_LIMIT};
-    struct nrrd_header header = {0};
+    struct header_values values = {0};
     struct text_volume volume = {.format = "NRRD"};
-    conus_status status = read_lines(&header, &rest);
-    volume.header_size = status ? 0 : (uint64_t)(rest.data - (const char *)data);
-    status = status ? status : interpret(&volume, &header, notes);
-    nrrd_segments_finish(&header.segments);
+    struct nrrd nrrd = {.out = &volume, .big_endian = -1};
+    conus_status status = read_lines(&values, &nrrd, &rest);
+    status = status ? status : header_take(&nrrd, &table, &values);
+    status = status ? status : check_nrrd(&nrrd);
+    if (!status) {
+        size_t first = nrrd.list == 0;
+        volume.header_size = (uint64_t)(rest.data - (const char *)data);
+        volume.type = (struct text_type){(char)(nrrd.type >> 8), (size_t)nrrd.type & 0xff};
+        volume.encoding = (enum text_encoding)nrrd.encoding;
+        volume.big_endian = nrrd.big_endian > 0;
+        volume.line_skip = (uint64_t)nrrd.line_skip;
+        volume.at_end = nrrd.byte_skip < 0;
+        volume.byte_skip = volume.at_end ? 0 : (uint64_t)nrrd.byte_skip;
+        memcpy(volume.dim, nrrd.sizes.values + first, sizeof volume.dim);
+        volume.count = nrrd.list < AXES ? nrrd.sizes.values[nrrd.list] : 1;
+        volume.interleaved = first && volume.count > 1;
+        status = place(&volume, &nrrd, notes);
+    }
+    status = status ? status : take_segments(&volume, &nrrd);
+    memory_free(nrrd.segments);
     if (status) {
         text_volume_finish(&volume);
     } else {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* AFNI's data sets against the closed form of their placement, and headers bent in every attribute. */
-#include "loaders/volumes/text/afni.h"
+#include "loaders/volumes/text/text_volume.h"
 
 #include "base/memory.h"
 #include "builders/bent_text.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* MetaImage volumes against the closed form of ITK's placement, and files bent in every field. */
-#include "loaders/volumes/text/metaimage.h"
+#include "loaders/volumes/text/text_volume.h"
 
 #include "base/memory.h"
 #include "builders/bent_text.h"

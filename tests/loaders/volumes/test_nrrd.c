@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* NRRD volumes against the closed form of their placement, and files of every encoding, bent in every field. */
-#include "loaders/volumes/text/nrrd.h"
+#include "loaders/volumes/text/text_volume.h"
 
 #include "base/memory.h"
 #include "builders/bent_text.h"

@@ -2,7 +2,7 @@
 /* The segments of 3D Slicer in NRRD files: each layer has its own names, and none are wrong. */
 #include "builders/bent_text.h"
 #include "builders/nifti_builder.h"
-#include "loaders/volumes/text/nrrd.h"
+#include "loaders/volumes/text/text_volume.h"
 #include "loaders/volumes/volume_file.h"
 #include "test.h"
 
