@@ -162,8 +162,8 @@ check_message() {
 
 # answers ARGUMENT...: conus succeeds and says nothing on stderr.
 answers() {
-    run -0 --separate-stderr "$CONUS" "$@"
-    [ -z "$stderr" ] || { echo "said: $stderr"; return 1; }
+    run --separate-stderr "$CONUS" "$@"
+    [ "$status" -eq 0 ] && [ -z "$stderr" ] || { echo "exit code $status, said: $stderr"; return 1; }
 }
 
 # gl ARGUMENT...: answers, or the test is skipped where there is no OpenGL.
