@@ -7,7 +7,6 @@
 #include "selection/batch/ring.h"
 #include "selection/batch/worker.h"
 #include "selection/report/report.h"
-#include "selection/report/report_text.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -3,8 +3,7 @@
 #ifndef CONUS_SELECTION_BATCH_WORKER_H
 #define CONUS_SELECTION_BATCH_WORKER_H
 
-#include "selection/study/aims.h"
-#include "selection/study/segments.h"
+#include "selection/study/study.h"
 
 #include <stdatomic.h>
 

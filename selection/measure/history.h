@@ -82,4 +82,13 @@ double history_time(const struct history *history, const struct memory *memory);
 /** SenseShapes' stability: 1 - entries and exits in the window / (window x HISTORY_RESTLESS), at least 0. */
 double history_stability(const struct history *history, const struct memory *memory);
 
+/* The temporal filters of Eq. 12, exact in time: their input is taken as linear between two samples, and the
+ * differential equation is solved over the step, so that how often the device is read hardly matters. */
+/** The state of s' = @p rate (u - s) after @p dt seconds (0 or more), s being @p state at first and u going linearly
+ * from @p from to @p to. */
+double filter_linear(double state, double rate, double from, double to, double dt);
+
+/** The same with the rate @p growth where u > s, and @p decay where u < s. */
+double filter_asymmetric(double state, double growth, double decay, double from, double to, double dt);
+
 #endif

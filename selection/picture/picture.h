@@ -75,9 +75,6 @@ static inline bool picture_lists(const conus_result *result)
  * freed. @p chosen (0 = none) and what is below it in the area tree are never pale. NULL without memory. */
 uint8_t *picture_emphasis(const conus_selection *selection, uint32_t chosen);
 
-/** Lets @p renderer draw palely the streamlines that do not come into the cone of @p selection; NULL = none. */
-conus_status picture_mark_streamlines(conus_renderer *renderer, const conus_selection *selection);
-
 /** Adds paths and SHA-256 of the atlas's files to the image's header; those of the context only if @p context. */
 conus_status picture_add_volumes(conus_image *image, const conus_atlas *atlas, bool context);
 

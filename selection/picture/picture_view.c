@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus_render(): the picture of the atlas from a camera, with the cone in it. */
-#include "selection/picture/picture.h"
-
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/options.h"
@@ -9,8 +7,11 @@
 #include "render/colour/pathways.h"
 #include "render/image/image.h"
 #include "render/image/image_srgb.h"
+#include "selection/measure/tract_census.h"
+#include "selection/picture/picture.h"
 
 #include <stdio.h>
+#include <string.h>
 
 enum { DEFAULT_WIDTH = 1400, DEFAULT_HEIGHT = 1050, SIDE_LIMIT = 16384, SLICE_LIMIT = 65536, DPI_LIMIT = 100000 };
 
@@ -466,6 +467,53 @@ static uint8_t area_of(const struct picture *picture, size_t number)
     return opacity < 1 ? PATHWAYS_AREA_UNDER : stands_out || is_given ? PATHWAYS_AREA_OVER : PATHWAYS_AREA_LEFT_OUT;
 }
 
+static void mark_run(void *user, const struct tract_run *run, const struct tract_part *part)
+{
+    (void)part;
+    bool *is_pale = user;
+    is_pale[run->streamline] = false;
+}
+
+/* One after the other, [streamline_count] of each tractogram, in one block. */
+static conus_status find_pale(bool **block, const bool **is_pale, const conus_atlas *atlas, const struct region *region)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < atlas->tractogram_count; i++) {
+        count += atlas->tractograms[i].streamline_count;
+    }
+    bool *next = *block = memory_raw(count, sizeof **block);
+    if (!next) {
+        return CONUS_ERROR_MEMORY;
+    }
+    memset(next, true, count);
+    for (size_t i = 0; i < atlas->tractogram_count; i++) {
+        tract_census_walk(&atlas->tractograms[i], region, mark_run, next);
+        is_pale[i] = next;
+        next += atlas->tractograms[i].streamline_count;
+    }
+    return CONUS_OK;
+}
+
+/* Lets the renderer draw palely the streamlines that do not come into the cone of the selection (Eq. 19); NULL = none.
+ */
+static conus_status mark_streamlines(conus_renderer *renderer, const conus_selection *selection)
+{
+    const conus_atlas *atlas = renderer->atlas;
+    if (!atlas->tractogram_count) {
+        return CONUS_OK;
+    }
+    bool *block = NULL;
+    const bool **is_pale = memory_zeroed(atlas->tractogram_count, sizeof(void *));
+    conus_status status = is_pale ? CONUS_OK : CONUS_ERROR_MEMORY;
+    if (!status && selection) {
+        status = find_pale(&block, is_pale, atlas, &selection->region);
+    }
+    status = status ? status : renderer_paint_streamlines(renderer, is_pale);
+    memory_free(is_pale);
+    memory_free(block);
+    return status;
+}
+
 static conus_status find_opacities(struct picture *picture)
 {
     size_t count = picture->atlas->object_count;
@@ -504,7 +552,7 @@ conus_status conus_render(conus_image **out, conus_renderer *renderer, const con
     if (!status && !picture.options.draft) {
         status = renderer_include(renderer, picture.areas);
     }
-    status = status ? status : picture_mark_streamlines(renderer, picture.options.selection);
+    status = status ? status : mark_streamlines(renderer, picture.options.selection);
     if (!status) {
         find_ball(&picture, &renderer->colour);
     }
@@ -522,4 +570,43 @@ conus_status conus_render(conus_image **out, conus_renderer *renderer, const con
     memory_free(picture.areas);
     memory_free(picture.rgba);
     return status;
+}
+
+static conus_status check_window(const double size[2], const double eye[3])
+{
+    for (int a = 0; a < 2; a++) {
+        if (!(size[a] > 0 && isfinite(size[a]))) {
+            return fail(CONUS_ERROR_ARGUMENT, "size: %g x %g mm, allowed is more than 0", size[0], size[1]);
+        }
+    }
+    return vec3_is_finite(eye)
+               ? CONUS_OK
+               : fail(CONUS_ERROR_ARGUMENT, "eye: %g,%g,%g, allowed are finite numbers", eye[0], eye[1], eye[2]);
+}
+
+conus_status conus_window_camera(conus_pose *camera, double frustum[4], const conus_pose *window, const double size[2],
+                                 const double eye[3])
+{
+    conus_pose exact;
+    double offset[3];
+    double edges[4];
+    conus_status status = check_window(size, eye);
+    status = status ? status : conus_pose_from_matrix(&exact, window->world_from_device);
+    if (status) {
+        return fail_in(status, "window");
+    }
+    const double *m = exact.world_from_device;
+    vec3_sub(offset, eye, m + 12);
+    double before = vec3_dot(m + 8, offset); /* Eq. 1 */
+    for (int k = 0; k < 4; k++) {
+        edges[k] = ((k % 2 ? 0.5 : -0.5) * size[k / 2] - vec3_dot(m + 4 * (k / 2), offset)) / before;
+        if (!(before > 0 && fabs(edges[k]) <= PICTURE_FRUSTUM_LIMIT)) {
+            return fail(CONUS_ERROR_ARGUMENT, "eye: %g mm before the window, which is not far enough to see through it",
+                        before);
+        }
+    }
+    memcpy(exact.world_from_device + 12, eye, 3 * sizeof *eye);
+    memcpy(frustum, edges, sizeof edges);
+    *camera = exact;
+    return CONUS_OK;
 }

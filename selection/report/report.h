@@ -7,10 +7,7 @@
 #include "base/text.h"
 #include "selection/ends/connectivity.h"
 #include "selection/selector.h"
-#include "selection/study/jitter.h"
-#include "selection/study/overlap.h"
-#include "selection/study/segments.h"
-#include "selection/study/sweep.h"
+#include "selection/study/study.h"
 
 /** The region of interest of a query. */
 struct report_roi {
@@ -117,5 +114,12 @@ static inline bool report_is_confirmed(const conus_report *report, const struct 
 {
     return row->result.object && row->result.object == report->queries[row->query].step.confirmed;
 }
+
+/* report_text.c */
+/** Appends the header row, where the format has one. */
+void report_write_header(struct buffer *out, const conus_report *report);
+
+/** Appends the text of the queries that are there, without a header row: of every format but JSON. */
+conus_status report_write_part(struct buffer *out, const conus_report *report);
 
 #endif

@@ -5,7 +5,7 @@
 #include "base/memory.h"
 #include "base/text.h"
 #include "selection/report/report_writers.h"
-#include "selection/study/tracker.h"
+#include "selection/study/study.h"
 
 #include <jansson.h>
 #include <math.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Hands out the text of a report: calls the writer of its format, and keeps the text. */
-#include "selection/report/report_text.h"
+#include "selection/report/report.h"
 
 #include "selection/report/report_writers.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Where cones begin, and whether they can hold anything of the atlas. */
-#include "selection/study/aims.h"
+#include "selection/study/study.h"
 
 #include "base/geometry/math3.h"
 #include "base/memory.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Answers many poses around one, and estimates the probability of each object. */
-#include "selection/study/jitter.h"
 #include "selection/selector.h"
+#include "selection/study/study.h"
 
 #include "base/geometry/math3.h"
 #include "base/memory.h"

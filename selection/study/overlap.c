@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Adds up the shares of a region's voxels in each object (Eq. 16). */
-#include "selection/study/overlap.h"
+#include "selection/study/study.h"
 
 #include "atlas/roi.h"
 #include "atlas/space.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Follows the axis of a device through all objects, and fills the gaps between them (Eq. 17). */
-#include "selection/study/segments.h"
+#include "selection/study/study.h"
 
 #include "base/geometry/math3.h"
 #include "base/memory.h"

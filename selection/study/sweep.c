@@ -1,14 +1,264 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Finds the angle at which each object is admitted, and sorts the objects by it. */
-#include "selection/study/sweep.h"
+#include "selection/study/study.h"
 
 #include "atlas/bundles.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "selection/measure/census.h"
 #include "selection/selector.h"
-#include "selection/study/admission.h"
 
 #include <stdlib.h>
+
+/* The narrowest round cone about an axis that holds some of an object (Eq. 13): of a voxel's the angle of its centre,
+ * of a surface's or streamline's that of its nearest point to the axis, exact but for rounding. */
+struct admission {
+    double slope;    /* Tangent of the half-angle; infinite where none has been found.               */
+    double depth;    /* Along the axis, mm, of what is admitted first; of several such, the nearest. */
+    double point[3]; /* And where it is, world.                                                      */
+    bool is_surface; /* It is a mesh's; else a voxel's centre or of a streamline.                    */
+};
+
+/* World coordinates along the region's right, up and axis. */
+static void to_device(double out[3], const struct region *region, const double point[3])
+{
+    double v[3];
+    vec3_sub(v, point, region->origin);
+    out[0] = vec3_dot(v, region->right);
+    out[1] = vec3_dot(v, region->up);
+    out[2] = vec3_dot(v, region->axis);
+}
+
+static void to_world(double out[3], const struct region *region, const double p[3])
+{
+    memcpy(out, region->origin, 3 * sizeof *out);
+    vec3_add_scaled(out, out, p[0], region->right);
+    vec3_add_scaled(out, out, p[1], region->up);
+    vec3_add_scaled(out, out, p[2], region->axis);
+}
+
+/* What the axis passes through is this near to it, for all that was rounded on the way. */
+static const double ON_AXIS = 1e-12;
+
+/* Tangent of the angle to the axis; infinite beside and behind the apex. */
+static double slope_of(const double p[3])
+{
+    double across = sqrt(p[0] * p[0] + p[1] * p[1]);
+    if (p[2] >= 0 && across <= ON_AXIS * p[2]) {
+        return 0;
+    }
+    return p[2] > 0 ? across / p[2] : INFINITY;
+}
+
+static bool is_sooner(const struct admission *admission, double slope, double depth)
+{
+    return slope != admission->slope ? slope < admission->slope : isfinite(slope) && depth < admission->depth;
+}
+
+struct voxels {
+    struct admission *admissions;
+    const struct region *region;
+    const uint32_t *as;
+};
+
+static void admit_row(void *user, const struct volume *volume, const size_t at[3], size_t count)
+{
+    const struct voxels *voxels = user;
+    const size_t *dim = volume->info.dim;
+    size_t first = at[0] + dim[0] * (at[1] + dim[1] * at[2]);
+    for (size_t i = 0; i < count; i++) {
+        uint32_t object = volume_object(volume, first + i);
+        if (object == 0 || object == VOLUME_BLOCKER) {
+            continue;
+        }
+        double world[3] = {(double)(at[0] + i), (double)at[1], (double)at[2]};
+        double p[3];
+        mat4_point(world, volume->info.world_from_voxel, world);
+        to_device(p, voxels->region, world);
+        struct admission *admission = &voxels->admissions[voxels->as ? voxels->as[object] : object];
+        double slope = slope_of(p);
+        if (is_sooner(admission, slope, p[2])) {
+            admission->slope = slope;
+            admission->depth = p[2];
+            admission->is_surface = false;
+            memcpy(admission->point, world, sizeof world);
+        }
+    }
+}
+
+/* Lowers admissions[as[k]] for each object k of the volume to what its voxels in the region give; as NULL: each object
+ * is itself. */
+static void admission_of_volume(struct admission *admissions, const struct region *region, const struct volume *volume,
+                                const uint32_t *as)
+{
+    struct voxels voxels = {admissions, region, as};
+    census_walk(region, volume, admit_row, &voxels);
+}
+
+enum { CORNERS = 5 }; /* a triangle cut by two planes */
+
+struct polygon {
+    double corners[CORNERS][3]; /* in the device's coordinates */
+    size_t count;
+};
+
+static void append_corner(struct polygon *polygon, const double a[3], const double b[3], double t)
+{
+    double *corner = polygon->corners[polygon->count++];
+    for (int i = 0; i < 3; i++) {
+        corner[i] = a[i] + t * (b[i] - a[i]);
+    }
+}
+
+/* What is left of `polygon` where sign * (depth - limit) >= 0. */
+static void cut(struct polygon *polygon, double sign, double limit)
+{
+    struct polygon rest = {.count = 0};
+    for (size_t i = 0; i < polygon->count; i++) {
+        const double *a = polygon->corners[i];
+        const double *b = polygon->corners[(i + 1) % polygon->count];
+        double at_a = sign * (a[2] - limit);
+        double at_b = sign * (b[2] - limit);
+        if (at_a >= 0) {
+            append_corner(&rest, a, b, 0);
+        }
+        if ((at_a >= 0) != (at_b >= 0)) {
+            append_corner(&rest, a, b, at_a / (at_a - at_b));
+            rest.corners[rest.count - 1][2] = limit;
+        }
+    }
+    *polygon = rest;
+}
+
+static void admit_point(struct admission *admission, const struct region *region, const double p[3])
+{
+    double slope = slope_of(p);
+    if (is_sooner(admission, slope, p[2])) {
+        admission->slope = slope;
+        admission->depth = p[2];
+        admission->is_surface = true;
+        to_world(admission->point, region, p);
+    }
+}
+
+/* The ends of an edge, and where between them the tangent is stationary: that is one place, as it is linear there. */
+static void admit_edge(struct admission *admission, const struct region *region, const double a[3], const double b[3])
+{
+    const double e[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+    double square = a[0] * a[0] + a[1] * a[1];
+    double mixed = a[0] * e[0] + a[1] * e[1];
+    double t = (square * e[2] - mixed * a[2]) / ((e[0] * e[0] + e[1] * e[1]) * a[2] - mixed * e[2]);
+    admit_point(admission, region, a);
+    if (t > 0 && t < 1) {
+        const double p[3] = {a[0] + t * e[0], a[1] + t * e[1], a[2] + t * e[2]};
+        admit_point(admission, region, p);
+    }
+}
+
+/* On which side of the line from a to b the axis is, seen along it. From b to a it is the other one even where the axis
+ * meets the line, so that it passes exactly one of two triangles that share an edge. */
+static bool is_left(const double a[3], const double b[3])
+{
+    double cross = a[0] * b[1] - b[0] * a[1];
+    return cross != 0 ? cross > 0 : a[1] != b[1] ? a[1] > b[1] : a[0] > b[0];
+}
+
+/* Whether the axis's line passes the triangle, at which depth, and from which side. */
+static bool hits_axis(double *depth, bool *faces, const struct polygon *triangle)
+{
+    const double(*p)[3] = triangle->corners;
+    bool left = is_left(p[0], p[1]);
+    if (is_left(p[1], p[2]) != left || is_left(p[2], p[0]) != left) {
+        return false;
+    }
+    *faces = left;
+    double weight[3];
+    double sum = 0;
+    double total = 0;
+    for (int i = 0; i < 3; i++) { /* the areas opposite the corners */
+        const double *a = p[(i + 1) % 3];
+        const double *b = p[(i + 2) % 3];
+        weight[i] = a[0] * b[1] - b[0] * a[1];
+        sum += weight[i] * p[i][2];
+        total += weight[i];
+    }
+    *depth = total != 0 ? sum / total : p[0][2];
+    return true;
+}
+
+static void read_triangle(struct polygon *out, const struct region *region, const struct mesh *mesh, size_t triangle)
+{
+    double corners[3][3];
+    mesh_corners(corners, mesh, triangle);
+    out->count = 3;
+    for (int i = 0; i < 3; i++) {
+        to_device(out->corners[i], region, corners[i]);
+    }
+}
+
+static void admit_outline(struct admission *admission, const struct region *region, struct polygon *polygon)
+{
+    cut(polygon, 1, region->near);
+    if (isfinite(region->far)) {
+        cut(polygon, -1, region->far);
+    }
+    for (size_t i = 0; i < polygon->count; i++) {
+        admit_edge(admission, region, polygon->corners[i], polygon->corners[(i + 1) % polygon->count]);
+    }
+}
+
+/* Lowers the admission to what the mesh gives, as far as it lies in the depths of the region. `closed`: what is inside
+ * belongs to it. */
+static void admission_of_mesh(struct admission *admission, const struct region *region, const struct mesh *mesh,
+                              bool closed)
+{
+    int64_t inside = 0; /* how often the axis is, where the region begins: its ways out from there, less its ways in */
+    for (size_t i = 0; i < mesh->triangle_count; i++) {
+        struct polygon polygon;
+        double depth;
+        bool faces;
+        read_triangle(&polygon, region, mesh, i);
+        if (hits_axis(&depth, &faces, &polygon)) {
+            if (depth >= region->near && depth <= region->far) {
+                admit_point(admission, region, (const double[]){0, 0, depth});
+            }
+            inside += depth > region->near ? (faces ? 1 : -1) : 0;
+        }
+        admit_outline(admission, region, &polygon);
+    }
+    if (closed && inside != 0) {
+        admit_point(admission, region, (const double[]){0, 0, region->near});
+    }
+}
+
+static void admit_streamline(struct admission *admission, const struct region *region,
+                             const struct tractogram *tractogram, const uint64_t ends[2])
+{
+    for (uint64_t i = ends[0]; i < ends[1]; i++) {
+        struct polygon segment = {.count = i + 1 < ends[1] ? 2 : 1};
+        for (uint64_t k = 0; k < segment.count; k++) {
+            double point[3];
+            tractogram_point(point, tractogram, i + k);
+            to_device(segment.corners[k], region, point);
+        }
+        if (segment.count == 2 || i == ends[0]) { /* the last point was the end of a segment, unless it is alone */
+            admit_outline(admission, region, &segment);
+        }
+    }
+}
+
+/* The same of a tractogram's streamlines, lines without a radius: those of the group, or all if it is NULL. */
+static void admission_of_bundle(struct admission *admission, const struct region *region,
+                                const struct tractogram *tractogram, const struct tract_group *group)
+{
+    struct admission found = *admission;
+    size_t count = tract_group_count(group, tractogram);
+    for (size_t i = 0; i < count; i++) {
+        admit_streamline(&found, region, tractogram, &tractogram->first[tract_group_member(group, i)]);
+    }
+    found.is_surface = false;
+    *admission = found;
+}
 
 /* Of the cone that is searched, so that the next object beyond the widest is found. */
 static const double WIDEST = MATH3_PI * (1 - 1e-9);

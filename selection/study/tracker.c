@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Follows a device: ranks with a history, and confirms what the trigger selects. */
-#include "selection/study/tracker.h"
 #include "base/memory.h"
 #include "base/options.h"
 #include "selection/rank.h"
 #include "selection/selection.h"
 #include "selection/selector.h"
+#include "selection/study/study.h"
 
 #include <math.h>
 #include <string.h>

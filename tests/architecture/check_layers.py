@@ -113,7 +113,7 @@ LIBRARY = {
     "selection/region": "base/simd base/geometry atlas/tracts atlas selection/cone",
     "selection/measure": "base base/geometry atlas/surface atlas selection/cone selection/evidence selection/region",
     "selection": "base base/geometry atlas atlas/areas selection/region selection/evidence selection/engine selection/measure",
-    "selection/study": "base base/geometry atlas/surface atlas selection/region selection/cone selection/measure selection",
+    "selection/study": "base base/geometry atlas/surface atlas selection/measure selection",
     "selection/ends": "base base/geometry atlas/surface atlas selection/cone selection/measure selection",
     "selection/picture": "base base/geometry render/image render/colour render/flat selection/measure selection",
     "selection/report": "base base/geometry atlas poses/programs selection selection/ends selection/study",

@@ -3,7 +3,7 @@
 #include "base/geometry/math3.h"
 #include "mesh_scene.h"
 #include "scene.h"
-#include "selection/study/aims.h"
+#include "selection/study/study.h"
 #include "test.h"
 
 #include <string.h>

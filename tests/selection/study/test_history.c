@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What a track remembers (Eq. 12): filters that are exact in time, and a window of entries and exits. */
 #include "base/geometry/math3.h"
-#include "selection/measure/filter.h"
 #include "selection/measure/history.h"
 #include "test.h"
 

@@ -4,7 +4,7 @@
 #include "base/memory.h"
 #include "mesh_scene.h"
 #include "scene.h"
-#include "selection/study/jitter.h"
+#include "selection/study/study.h"
 #include "test.h"
 
 #include <math.h>

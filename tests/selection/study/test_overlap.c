@@ -8,7 +8,7 @@
 #include "mesh_scene.h"
 #include "region_scene.h"
 #include "scene.h"
-#include "selection/study/overlap.h"
+#include "selection/study/study.h"
 #include "test.h"
 
 #include <math.h>

@@ -5,7 +5,7 @@
 #include "mesh_scene.h"
 #include "scene.h"
 #include "selection/selector.h"
-#include "selection/study/segments.h"
+#include "selection/study/study.h"
 #include "test.h"
 
 #include <math.h>

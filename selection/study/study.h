@@ -1,0 +1,74 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file The answers of studies from inside, for reports and batches, and what tests ask of their parts. */
+#ifndef CONUS_SELECTION_STUDY_STUDY_H
+#define CONUS_SELECTION_STUDY_STUDY_H
+
+#include "selection/selection.h"
+
+/* sweep.c: over the angle (Eq. 13). */
+struct conus_sweep {
+    const conus_atlas *atlas;
+    struct cone cone; /**< The widest. */
+    conus_admission *rows;
+    size_t count;
+};
+
+/* jitter.c: errors of the pose (Eq. 14). */
+/** Errors have five dimensions; samples are counted in so many sets, one after the other. */
+enum { JITTER_DIMENSIONS = 5, JITTER_SETS = 16 };
+
+struct conus_jitter {
+    conus_jitter_options options; /**< Defaults filled in. */
+    struct cone cone;             /**< Without an error.   */
+    conus_chance *rows;
+    size_t count;
+};
+
+/** Standard normal errors of sample @p index: tilts about the device's x and y, shifts along x, y and z. */
+void jitter_sample(double out[JITTER_DIMENSIONS], uint32_t index);
+
+/** The pose with these errors, times the options' standard deviations. */
+void jitter_pose(conus_pose *out, const conus_pose *pose, const conus_jitter_options *options,
+                 const double errors[JITTER_DIMENSIONS]);
+
+/* overlap.c: what a region of interest covers (Eq. 16). */
+struct conus_overlap {
+    conus_coverage *rows;
+    size_t count;
+    char *path; /**< Of the region's volume; owned. */
+    char sha256[65];
+    size_t volume;     /**< Of a 4-D file, from 0.          */
+    double threshold;  /**< 0 of a mask.                    */
+    double volume_mm3; /**< Of the region.                  */
+};
+
+/* segments.c: what an axis passes (Eq. 17). */
+struct conus_segments {
+    struct cone cone; /**< One ray, along the axis; with the selector's range. */
+    conus_segment *rows;
+    size_t count;
+};
+
+/* aims.c: where cones begin and whether they point at the atlas at all: geometry, before any ray is traced. */
+struct conus_aims {
+    const conus_selector *selector;
+    double low[3], high[3]; /**< Around all areas and pathways. */
+    bool has_box;
+    conus_astray found;
+};
+
+/** Sets up a zeroed one for the atlas and options of @p selector, which must outlive it. */
+void aims_init(struct conus_aims *out, const conus_selector *selector);
+
+/** Adds what @p from has found to @p aims. */
+void aims_merge(conus_astray *aims, const conus_astray *from);
+
+/** Whether the cone or cylinder surely hits nothing of the box from @p low to @p high. A pyramid or prism counts as
+ * the cone or cylinder around it. */
+bool aims_past(const struct cone *cone, const double low[3], const double high[3]);
+
+/* tracker.c */
+/** The tracker's options with defaults filled in. */
+const conus_tracker_options *tracker_options(const conus_tracker *tracker);
+
+#endif
