@@ -69,7 +69,7 @@ static void note_shown(struct window *window)
     if (window->viewer) {
         window->frame.shown_version = window->viewer->version;
         window->frame.shown_said = window->viewer->said;
-        window->frame.shown_second = window->second.version;
+        window->frame.shown_second = window->viewer->tools[SECOND_TOOL].version;
         window->frame.shown_head = window->viewer->head.number;
     }
 }

@@ -9,7 +9,6 @@
 #include "viewer/session/keep.h"
 #include "viewer/session/undo.h"
 #include "viewer/window/figure_form.h"
-#include "viewer/window/hands.h"
 #include "viewer/window/title.h"
 
 #include <GLFW/glfw3.h>
@@ -38,9 +37,11 @@ static void hear_devices(struct window *window)
     if (window->inputs.station) {
         station_hear(window->inputs.station, window->viewer, &window->inputs.news);
     }
-    bool aimed = hands_step(window, 1e-3 * clock_ms());
-    if (aimed && window->viewer->cone.pointer == POINT_BY_TRACKER && window->inputs.news.number != before) {
-        times_add(&window->times, TIMED_LATENCY, 1e3 * window->inputs.news.age_s + window->viewer->cone.select_ms);
+    bool aimed = inputs_step(&window->inputs, window->viewer, 1e-3 * clock_ms());
+    if (aimed && window->viewer->tools[FIRST_TOOL].pointer == POINT_BY_TRACKER &&
+        window->inputs.news.number != before) {
+        times_add(&window->times, TIMED_LATENCY,
+                  1e3 * window->inputs.news.age_s + window->viewer->tools[FIRST_TOOL].select_ms);
     }
 }
 
@@ -49,10 +50,11 @@ static void send_answer(struct window *window)
 {
     const struct viewer *viewer = window->viewer;
     const struct view_atlas *first = viewer->atlases;
-    if (window->inputs.news.clients && first->answer && first->selector &&
-        window->frame.sent_answer != viewer->cone.answer_number) {
-        station_send_selection(window->inputs.station, first->selector, first->atlas, view_atlas_selection(first));
-        window->frame.sent_answer = viewer->cone.answer_number;
+    if (window->inputs.news.clients && first->answers[FIRST_TOOL] && first->selector &&
+        window->frame.sent_answer != viewer->tools[FIRST_TOOL].answer_number) {
+        station_send_selection(window->inputs.station, first->selector, first->atlas,
+                               view_atlas_selection(first, FIRST_TOOL));
+        window->frame.sent_answer = viewer->tools[FIRST_TOOL].answer_number;
     }
 }
 
@@ -77,8 +79,8 @@ static void note_times(struct window *window, unsigned answer)
 {
     struct times *times = &window->times;
     times->first_frame = times->first_frame > 0 ? times->first_frame : clock_ms() - times->started;
-    if (window->viewer->cone.answer_number != answer) {
-        times_add(times, TIMED_SELECTION, window->viewer->cone.select_ms);
+    if (window->viewer->tools[FIRST_TOOL].answer_number != answer) {
+        times_add(times, TIMED_SELECTION, window->viewer->tools[FIRST_TOOL].select_ms);
     }
 }
 
@@ -101,7 +103,7 @@ static double rest(const struct window *window, const struct script *script)
         seconds = least(seconds, blink_s);
     }
     if (window->viewer) {
-        seconds = least(seconds, hands_rest(window));
+        seconds = least(seconds, inputs_rest(&window->inputs, window->viewer));
         seconds = least(seconds, replay_rest(&window->inputs.replay, window->viewer, glfwGetTime()));
     }
     return least(seconds, longest_s);
@@ -124,7 +126,7 @@ static void note_changes(struct window *window)
 {
     struct ui_mouse mouse = ui_mouse_now();
     bool widens =
-        window->inputs.devices.heard[FIRST_HAND].widen > 0 || window->inputs.devices.heard[SECOND_HAND].widen > 0;
+        window->inputs.devices.heard[FIRST_TOOL].widen > 0 || window->inputs.devices.heard[SECOND_TOOL].widen > 0;
     if (window->viewer && !widens && !mouse.down[0] && !mouse.down[1] && !mouse.down[2] && !ui_wants_keys()) {
         undo_note(window);
     }
@@ -162,7 +164,7 @@ static void serve_viewer(struct window *window)
 static bool go_round(struct window *window, struct script *script, int *code)
 {
     bool acts = script && !script_waits(script, window);
-    unsigned answer = window->viewer ? window->viewer->cone.answer_number : 0;
+    unsigned answer = window->viewer ? window->viewer->tools[FIRST_TOOL].answer_number : 0;
     wait_for_events(window, acts ? 0 : rest(window, script));
     if (window->viewer) {
         serve_viewer(window);

@@ -165,8 +165,8 @@ static void the_rest_goes_on(void **state)
     double threshold = info->threshold + 0.5 * (info->maximum - info->threshold) + 0.01;
     viewer_set_threshold(&viewer, tract, threshold);
     viewer_use_safe_colours(&viewer, true);
-    viewer_aim_along(&viewer, (double[]){-2, -60, 0}, (double[]){0, 1, 0});
-    unsigned before = viewer.cone.answer_number;
+    tool_aim_along(&viewer, FIRST_TOOL, (double[]){-2, -60, 0}, (double[]){0, 1, 0});
+    unsigned before = viewer.tools[FIRST_TOOL].answer_number;
     change(&viewer, CONUS_HEMISPHERES_AS_IS, CONUS_HEMISPHERES_SPLIT);
     uint8_t rgb[3];
     conus_atlas *other = make(rows, CONUS_HEMISPHERES_SPLIT);
@@ -175,7 +175,7 @@ static void the_rest_goes_on(void **state)
     assert_memory_equal(rgb, conus_atlas_object(other, 1)->rgb, 3);
     conus_atlas_destroy(other);
     assert_near(view_atlas_pathway(viewer.drawn, number_of(&viewer, "Tract"))->threshold, threshold, 0);
-    assert_true(viewer.cone.answer_number > before);
+    assert_true(viewer.tools[FIRST_TOOL].answer_number > before);
     const conus_selection *selection = viewer_selection(&viewer);
     uint32_t best = conus_selection_result(selection, 0)->object;
     const char *name = conus_atlas_object(viewer.drawn->atlas, best)->name;

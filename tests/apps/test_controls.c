@@ -55,9 +55,9 @@ static void lists_are_sorted_as_tables_are(void **state)
     struct viewer viewer;
     (void)state;
     load(&viewer);
-    viewer.cone.angle = 30;
+    viewer.tools[FIRST_TOOL].angle = 30;
     viewer.cone.options.score = "-proximity";
-    viewer_aim_along(&viewer, eye, back);
+    tool_aim_along(&viewer, FIRST_TOOL, eye, back);
     for (int way = 0; way < 4; way++) {
         viewer.cone.options.layers = way & 1 ? CONUS_LAYERS_ALL : CONUS_LAYERS_VISIBLE;
         viewer.cone.order = way & 2 ? CONUS_ORDER_DEPTH : CONUS_ORDER_RANK;
@@ -86,7 +86,7 @@ static void levels_go_round(void **state)
     assert_ok(conus_phantom_write("nested", test_in(""), NULL));
     assert_ok(conus_atlas_load(&atlas, test_in("nested.nii.gz"), &(conus_load_options){.labels = labels}));
     assert_ok(viewer_create(&viewer, &(struct view_source){.atlas = atlas}, 1, NULL, NULL, NULL));
-    viewer_aim_along(&viewer, eye, back);
+    tool_aim_along(&viewer, FIRST_TOOL, eye, back);
     assert_int_equal(question_deepest(&viewer), 3);
     for (unsigned depth = 1; depth <= 4; depth++) {
         question_next_level(&viewer);
@@ -104,7 +104,7 @@ static void what_cannot_be_asked_changes_nothing(void **state)
     struct viewer viewer;
     (void)state;
     load(&viewer);
-    viewer_aim_along(&viewer, eye, back);
+    tool_aim_along(&viewer, FIRST_TOOL, eye, back);
     assert_true(question_set_range(&viewer, 10, 80));
     size_t count = conus_selection_count(viewer_selection(&viewer));
     assert_false(question_set_range(&viewer, 80, 10));
@@ -145,7 +145,7 @@ static void studies_answer_as_the_library_does(void **state)
     conus_jitter *jitter = NULL;
     (void)state;
     load(&viewer);
-    viewer_aim_along(&viewer, eye, back);
+    tool_aim_along(&viewer, FIRST_TOOL, eye, back);
     assert_true(studies_use(&viewer, &two_angles));
     assert_null(studies_text(&viewer));
     assert_string_equal(viewer.message, "the study is not done yet");
@@ -153,7 +153,7 @@ static void studies_answer_as_the_library_does(void **state)
     const struct study_answer *answer = viewer.study.answer;
     assert_int_equal(answer->angle_count, 2);
     for (size_t angle = 0; angle < 2; angle++) {
-        viewer.cone.angle = answer->angles[angle];
+        viewer.tools[FIRST_TOOL].angle = answer->angles[angle];
         viewer_reselect(&viewer);
         for (size_t i = 0; i < answer->tables[0].curve_count; i++) {
             const struct study_curve *curve = &answer->tables[0].curves[i];
@@ -170,7 +170,8 @@ static void studies_answer_as_the_library_does(void **state)
     await_study(&viewer);
     const struct study_table *table = viewer.study.answer->tables;
     const conus_jitter_options options = {.tilt = 2 * (M_PI / 180), .shift = 1.5, .samples = 64};
-    assert_ok(conus_jitter_create(&jitter, viewer.drawn->selector, &viewer.cone.pose, 40 * (M_PI / 180), &options));
+    assert_ok(conus_jitter_create(&jitter, viewer.drawn->selector, &viewer.tools[FIRST_TOOL].pose, 40 * (M_PI / 180),
+                                  &options));
     assert_int_equal(table->chance_count, conus_jitter_count(jitter));
     for (size_t i = 0; i < table->chance_count; i++) {
         assert_true(table->chances[i].hit == conus_jitter_chance(jitter, i)->hit);
@@ -188,13 +189,13 @@ static void what_changes_makes_a_study_old(void **state)
     load(&viewer);
     assert_null(studies_text(&viewer));
     assert_string_equal(viewer.message, "there is no cone to study");
-    viewer_aim_along(&viewer, eye, back);
+    tool_aim_along(&viewer, FIRST_TOOL, eye, back);
     for (int change = 0; change < 6; change++) {
         assert_true(studies_use(&viewer, change % 2 ? &two_angles : &shaken));
         await_study(&viewer);
         assert_non_null(studies_text(&viewer));
         if (change < 2) {
-            viewer_aim_along(&viewer, (double[]){change, 80, 3}, back);
+            tool_aim_along(&viewer, FIRST_TOOL, (double[]){change, 80, 3}, back);
         } else if (change < 4) {
             question_set_range(&viewer, change, 100);
         } else {
@@ -224,7 +225,7 @@ static void the_atlas_does_not_wait_for_a_long_study(void **state)
     longest.samples = 1048576;
     load(&viewer);
     viewer.cone.options.layers = CONUS_LAYERS_ALL;
-    viewer_aim_along(&viewer, eye, back);
+    tool_aim_along(&viewer, FIRST_TOOL, eye, back);
     assert_true(studies_use(&viewer, &longest));
     studies_step(&viewer);
     viewer_hide(&viewer, 1, true);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A SpaceMouse behind a fake spacenavd, and a fake gamepad, as sources and as what moves a tool. */
 #include "viewer/devices/devices.h"
-#include "viewer/window/hands.h"
+#include "viewer/tools/inputs.h"
 
 #include "test.h"
 #include "window_scene.h"
@@ -120,7 +120,6 @@ static void open_window(struct window *out, struct viewer *viewer)
 
 static void close_window(struct window *window)
 {
-    second_forget(&window->second);
     devices_finish(&window->inputs.devices);
     viewer_finish(window->viewer);
 }
@@ -133,42 +132,42 @@ static void a_gamepad_moves_the_first_tool(void **state)
     (void)state;
     open_window(&window, &viewer);
     reading = (struct gamepad_reading){.presence = GAMEPAD_THERE};
-    assert_true(isinf(hands_rest(&window))); /* nobody is asked whom nobody chose */
-    hands_choose(&window, FIRST_HAND, POINT_BY_GAMEPAD);
-    hands_step(&window, 1);
-    assert_near(hands_rest(&window), 0.02, 1e-12);
-    assert_false(viewer.cone.has_pose);
-    hands_notice(&notice, &window, FIRST_HAND);
+    assert_true(isinf(inputs_rest(&window.inputs, window.viewer))); /* nobody is asked whom nobody chose */
+    tool_choose(window.viewer, FIRST_TOOL, POINT_BY_GAMEPAD);
+    inputs_step(&window.inputs, window.viewer, 1);
+    assert_near(inputs_rest(&window.inputs, window.viewer), 0.02, 1e-12);
+    assert_false(viewer.tools[FIRST_TOOL].has_pose);
+    inputs_notice(&notice, &window.inputs, window.viewer, FIRST_TOOL);
     assert_non_null(strstr(notice.text, "move it"));
     reading.left[1] = -1;
-    hands_step(&window, 1.01); /* puts it there */
-    assert_true(viewer.cone.has_pose);
-    double y = viewer.cone.pose.world_from_device[13];
-    hands_step(&window, 1.03);
-    assert_near(viewer.cone.pose.world_from_device[13], y - 0.8, 1e-9); /* it looks along -y */
+    inputs_step(&window.inputs, window.viewer, 1.01); /* puts it there */
+    assert_true(viewer.tools[FIRST_TOOL].has_pose);
+    double y = viewer.tools[FIRST_TOOL].pose.world_from_device[13];
+    inputs_step(&window.inputs, window.viewer, 1.03);
+    assert_near(viewer.tools[FIRST_TOOL].pose.world_from_device[13], y - 0.8, 1e-9); /* it looks along -y */
     assert_int_equal(conus_selection_result(viewer_selection(&viewer), 0)->object, 1);
     devices_set_speed(&window.inputs.devices, 100);
-    hands_step(&window, 1.05);
-    assert_near(viewer.cone.pose.world_from_device[13], y - 2.8, 1e-9);
+    inputs_step(&window.inputs, window.viewer, 1.05);
+    assert_near(viewer.tools[FIRST_TOOL].pose.world_from_device[13], y - 2.8, 1e-9);
     reading.pressed = SOURCE_HOLD;
-    hands_step(&window, 1.07); /* the move comes before the button */
-    assert_true(viewer.cone.frozen);
-    hands_step(&window, 1.09);
-    assert_near(viewer.cone.pose.world_from_device[13], y - 4.8, 1e-9);
-    hands_notice(&notice, &window, FIRST_HAND);
+    inputs_step(&window.inputs, window.viewer, 1.07); /* the move comes before the button */
+    assert_true(viewer.tools[FIRST_TOOL].held);
+    inputs_step(&window.inputs, window.viewer, 1.09);
+    assert_near(viewer.tools[FIRST_TOOL].pose.world_from_device[13], y - 4.8, 1e-9);
+    inputs_notice(&notice, &window.inputs, window.viewer, FIRST_TOOL);
     assert_non_null(strstr(notice.text, "held"));
     reading.pressed = SOURCE_RESET;
-    hands_step(&window, 1.11);
-    assert_near(viewer.cone.pose.world_from_device[13], y, 1e-9);
+    inputs_step(&window.inputs, window.viewer, 1.11);
+    assert_near(viewer.tools[FIRST_TOOL].pose.world_from_device[13], y, 1e-9);
     reading = (struct gamepad_reading){.presence = GAMEPAD_THERE, .triggers = {1, 0}};
-    hands_step(&window, 1.13);
-    assert_near(viewer.cone.angle, 5 * exp2(-0.02), 1e-9);
+    inputs_step(&window.inputs, window.viewer, 1.13);
+    assert_near(viewer.tools[FIRST_TOOL].angle, 5 * exp2(-0.02), 1e-9);
     reading = (struct gamepad_reading){.presence = GAMEPAD_NONE};
-    hands_step(&window, 1.15);
-    hands_notice(&notice, &window, FIRST_HAND);
+    inputs_step(&window.inputs, window.viewer, 1.15);
+    inputs_notice(&notice, &window.inputs, window.viewer, FIRST_TOOL);
     assert_true(notice.is_trouble && !notice.is_old); /* its answer is that of its pose still */
     assert_non_null(strstr(notice.text, "unplugged"));
-    assert_near(hands_rest(&window), 0.5, 1e-12);
+    assert_near(inputs_rest(&window.inputs, window.viewer), 0.5, 1e-12);
     close_window(&window);
 }
 
@@ -311,32 +310,32 @@ static void a_spacemouse_moves_the_second_tool(void **state)
     (void)state;
     start_daemon(&daemon);
     open_window(&window, &viewer);
-    second_use(&window.second, &viewer, true);
-    hands_choose(&window, SECOND_HAND, POINT_BY_SPACEMOUSE);
-    hands_step(&window, 1);
-    if (window.inputs.devices.heard[SECOND_HAND].state != SOURCE_SILENT) {
+    tool_use_second(&viewer, true);
+    tool_choose(window.viewer, SECOND_TOOL, POINT_BY_SPACEMOUSE);
+    inputs_step(&window.inputs, window.viewer, 1);
+    if (window.inputs.devices.heard[SECOND_TOOL].state != SOURCE_SILENT) {
         skip();
     }
     welcome(&daemon);
-    hands_notice(&notice, &window, SECOND_HAND);
+    inputs_notice(&notice, &window.inputs, window.viewer, SECOND_TOOL);
     assert_non_null(strstr(notice.text, "move the SpaceMouse's cap"));
     const int away[7] = {0, 0, 350, 0, 0, 0, 10};
     say(&daemon, MOTION, away);
-    hands_step(&window, 1.01);
-    double x = window.second.pose.world_from_device[12]; /* to the right, looking left */
+    inputs_step(&window.inputs, window.viewer, 1.01);
+    double x = window.viewer->tools[SECOND_TOOL].pose.world_from_device[12]; /* to the right, looking left */
     for (int i = 1; i <= 60; i++) {
         say(&daemon, MOTION, away);
-        hands_step(&window, 1.01 + 0.1 * i);
+        inputs_step(&window.inputs, window.viewer, 1.01 + 0.1 * i);
     }
-    double moved = x - window.second.pose.world_from_device[12];
+    double moved = x - window.viewer->tools[SECOND_TOOL].pose.world_from_device[12];
     assert_near(moved, 49 * 40 * 0.05, 2.1); /* 50 ms at most count of each 100; up to 5 s after it began */
-    hands_notice(&notice, &window, SECOND_HAND);
+    inputs_notice(&notice, &window.inputs, window.viewer, SECOND_TOOL);
     assert_true(notice.is_trouble);
     assert_non_null(strstr(notice.text, "frozen"));
-    assert_false(viewer.cone.has_pose);
+    assert_false(viewer.tools[FIRST_TOOL].has_pose);
     say(&daemon, PRESS, (const int[7]){1});
-    hands_step(&window, 8);
-    assert_near(window.second.pose.world_from_device[12], x, 1e-9);
+    inputs_step(&window.inputs, window.viewer, 8);
+    assert_near(window.viewer->tools[SECOND_TOOL].pose.world_from_device[12], x, 1e-9);
     stop_daemon(&daemon);
     close_window(&window);
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The mouse's cone without a window: where it begins, when it stays, what is said of it. */
 #include "viewer/model/picker.h"
-#include "viewer/tools/notice.h"
+#include "viewer/tools/inputs.h"
 #include "viewer/tools/point.h"
 
 #include "test.h"
@@ -130,21 +130,21 @@ static void the_nearest_atlas_is_the_surface(void **state)
 static void the_mouse_puts_the_apex_there(void **state)
 {
     struct viewer viewer;
-    const double *m = viewer.cone.pose.world_from_device;
+    const double *m = viewer.tools[FIRST_TOOL].pose.world_from_device;
     (void)state;
     open_atlases(&viewer, make_blocks(20), NULL);
-    assert_near(viewer.cone.angle, 5, 0);
+    assert_near(viewer.tools[FIRST_TOOL].angle, 5, 0);
     assert_false(point_through(&viewer, eye, (double[]){0, 1, 0}));
-    assert_false(viewer.cone.has_pose);
+    assert_false(viewer.tools[FIRST_TOOL].has_pose);
     assert_true(point_through(&viewer, eye, back));
     assert_near(m[12], 0, 1e-9);
     assert_near(m[13], 20.5, 1e-9);
     assert_near(m[9], 1, 1e-9); /* it looks along -z, its third column is +y */
     assert_near(conus_selection_result(viewer_selection(&viewer), 0)->distance, 0, 1e-6);
-    unsigned number = viewer.cone.answer_number;
+    unsigned number = viewer.tools[FIRST_TOOL].answer_number;
     assert_false(point_through(&viewer, eye, (double[]){0, 1, 0})); /* beside the brain it stays */
     assert_near(m[13], 20.5, 1e-9);
-    assert_int_equal(viewer.cone.answer_number, number);
+    assert_int_equal(viewer.tools[FIRST_TOOL].answer_number, number);
     point_use_eye(&viewer, true);
     assert_true(point_through(&viewer, eye, (double[]){0, 1, 0}));
     assert_near(m[13], 90, 1e-9);
@@ -157,23 +157,23 @@ static void it_is_held_and_freed_and_cleared(void **state)
     struct viewer viewer;
     (void)state;
     open_atlases(&viewer, make_blocks(20), make_blocks(50));
-    point_hold(&viewer);
-    assert_false(viewer.cone.frozen); /* there is nothing to hold */
+    tool_hold(&viewer, FIRST_TOOL);
+    assert_false(viewer.tools[FIRST_TOOL].held); /* there is nothing to hold */
     point_through(&viewer, eye, back);
-    point_hold(&viewer);
-    assert_true(viewer.cone.frozen);
-    assert_true(viewer.cone.has_pose);
-    point_hold(&viewer);
-    assert_false(viewer.cone.frozen);
-    point_hold(&viewer);
+    tool_hold(&viewer, FIRST_TOOL);
+    assert_true(viewer.tools[FIRST_TOOL].held);
+    assert_true(viewer.tools[FIRST_TOOL].has_pose);
+    tool_hold(&viewer, FIRST_TOOL);
+    assert_false(viewer.tools[FIRST_TOOL].held);
+    tool_hold(&viewer, FIRST_TOOL);
     unsigned version = viewer.version;
-    unsigned number = viewer.cone.answer_number;
+    unsigned number = viewer.tools[FIRST_TOOL].answer_number;
     viewer_clear(&viewer);
-    assert_false(viewer.cone.frozen);
-    assert_false(viewer.cone.has_pose);
+    assert_false(viewer.tools[FIRST_TOOL].held);
+    assert_false(viewer.tools[FIRST_TOOL].has_pose);
     assert_null(viewer_selection(&viewer));
-    assert_null(view_atlas_selection(&viewer.atlases[1]));
-    assert_true(viewer.version > version && viewer.cone.answer_number > number);
+    assert_null(view_atlas_selection(&viewer.atlases[1], FIRST_TOOL));
+    assert_true(viewer.version > version && viewer.tools[FIRST_TOOL].answer_number > number);
     viewer_hide(&viewer, 1, true); /* asks again only where there is a cone */
     assert_null(viewer_selection(&viewer));
     viewer_finish(&viewer);
@@ -186,9 +186,9 @@ static void one_ray_names_one_area(void **state)
     const double from[3] = {-1, 90.5, 0};
     (void)state;
     open_atlases(&viewer, make_blocks(20), NULL);
-    viewer.cone.angle = 30;
+    viewer.tools[FIRST_TOOL].angle = 30;
     viewer.cone.options.layers = CONUS_LAYERS_ALL;
-    viewer_aim_along(&viewer, from, back);
+    tool_aim_along(&viewer, FIRST_TOOL, from, back);
     assert_int_equal(conus_selection_count(viewer_selection(&viewer)), 3); /* with what is unassigned */
     point_use_ray(&viewer, true);
     const conus_selection *selection = viewer_selection(&viewer);
@@ -214,7 +214,7 @@ static void the_cuts_follow_what_they_are_told_to(void **state)
     (void)state;
     open_atlases(&viewer, make_blocks(20), NULL);
     viewer_cross(&viewer, (double[]){1, 2, 3});
-    viewer_aim_along(&viewer, (double[]){-3, 35, 7}, back);
+    tool_aim_along(&viewer, FIRST_TOOL, (double[]){-3, 35, 7}, back);
     assert_near(at[1], 2, 0);
     point_follow(&viewer, FOLLOW_TIP);
     assert_near(at[0], -3, 1e-9);
@@ -223,12 +223,12 @@ static void the_cuts_follow_what_they_are_told_to(void **state)
     point_follow(&viewer, FOLLOW_CONTACT);
     assert_near(at[1], 20.5, 1e-6);
     assert_near(at[2], 7, 0.5);
-    viewer_aim_along(&viewer, (double[]){10, 35, -5}, back);
+    tool_aim_along(&viewer, FIRST_TOOL, (double[]){10, 35, -5}, back);
     assert_near(at[2], -5, 0.5);
-    viewer_aim_along(&viewer, (double[]){10, 35, 9}, (double[]){0, 1, 0});
+    tool_aim_along(&viewer, FIRST_TOOL, (double[]){10, 35, 9}, (double[]){0, 1, 0});
     assert_near(at[2], -5, 0.5);
     point_follow(&viewer, FOLLOW_NOTHING);
-    viewer_aim_along(&viewer, (double[]){-3, 35, 7}, back);
+    tool_aim_along(&viewer, FIRST_TOOL, (double[]){-3, 35, 7}, back);
     assert_near(at[2], -5, 0.5);
     viewer_finish(&viewer);
 }
@@ -266,10 +266,12 @@ static void what_is_wrong_with_the_cone_is_said(void **state)
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         const struct viewer viewer = {
-            .cone = {.pointer = cases[i].pointer, .has_pose = cases[i].has_pose, .frozen = cases[i].frozen}};
-        const struct station_news news = {.state = cases[i].state};
+            .tools = {{.pointer = cases[i].pointer, .has_pose = cases[i].has_pose, .held = cases[i].frozen}}};
+        struct inputs inputs = {.news.state = cases[i].state};
+        inputs.station = cases[i].has_source ? (struct station *)&inputs : NULL; /* only whether it is there counts */
+        inputs.replay.poses = cases[i].has_source ? (conus_pose_list *)&inputs : NULL;
         struct notice notice;
-        notice_find(&notice, &viewer, cases[i].has_source, &news, cases[i].has_source);
+        inputs_notice(&notice, &inputs, &viewer, FIRST_TOOL);
         if (!cases[i].part) {
             assert_null(notice.text);
         } else if (!notice.text || !strstr(notice.text, cases[i].part)) {

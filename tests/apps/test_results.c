@@ -49,7 +49,7 @@ static void aim_anywhere(struct viewer *viewer, unsigned *seed)
         along[a] = 20 * ((double)rand_r(seed) / RAND_MAX - 0.5) - from[a];
         from[a] += viewer->centre[a];
     }
-    viewer_aim_along(viewer, from, along);
+    tool_aim_along(viewer, FIRST_TOOL, from, along);
 }
 
 enum { CELLS = 64 };
@@ -145,7 +145,7 @@ static void cells_are_those_of_conus_query(void **state)
     for (int i = 0; i < 50; i++) {
         bool layers = i >= 25; /* one selector for each half */
         viewer.frame.space = i % 3 ? CONUS_SPACE_RAS : CONUS_SPACE_LPS;
-        viewer.cone.angle = 5 + i;
+        viewer.tools[FIRST_TOOL].angle = 5 + i;
         viewer.cone.options.layers = layers ? CONUS_LAYERS_ALL : CONUS_LAYERS_VISIBLE;
         aim_anywhere(&viewer, &seed);
         check_against_tsv(&viewer);
@@ -172,7 +172,7 @@ static void cells_of_bundles_are_those_of_conus_query(void **state)
     viewer_finish(&viewer);
     load(&viewer, "slabs", NULL, &lines);
     for (int i = 0; i < 10; i++) {
-        viewer.cone.angle = 10;
+        viewer.tools[FIRST_TOOL].angle = 10;
         viewer.cone.options.layers = CONUS_LAYERS_ALL;
         aim_anywhere(&viewer, &seed);
         check_against_tsv(&viewer);
@@ -186,7 +186,7 @@ static void cells_of_bundles_are_those_of_conus_query(void **state)
 
 static const conus_result *row_at(const struct viewer *viewer, size_t place)
 {
-    size_t *order = result_order(viewer, viewer->drawn, view_atlas_selection(viewer->drawn));
+    size_t *order = result_order(viewer, viewer->drawn, view_atlas_selection(viewer->drawn, FIRST_TOOL));
     const conus_result *result = conus_selection_result(viewer_selection(viewer), order[place]);
     free(order);
     return result;
@@ -199,8 +199,8 @@ static void rows_have_the_order_of_a_column(void **state)
     (void)state;
     load(&viewer, "nested", NULL, NULL);
     viewer.cone.options.layers = CONUS_LAYERS_ALL;
-    viewer.cone.angle = 30;
-    viewer_aim_along(&viewer, (double[]){0, 90, 0}, (double[]){0, -1, 0});
+    viewer.tools[FIRST_TOOL].angle = 30;
+    tool_aim_along(&viewer, FIRST_TOOL, (double[]){0, 90, 0}, (double[]){0, -1, 0});
     assert_int_equal(conus_selection_count(viewer_selection(&viewer)), 4);
     result_order_by(&viewer, RESULT_PATH); /* the longest way inside is the outermost shell's: 2 (24 - 16) mm */
     assert_int_equal(row_at(&viewer, 3)->object, 0);

@@ -4,8 +4,8 @@
 #include "viewer/commands/script_second.h"
 #include "viewer/session/session.h"
 #include "viewer/session/undo.h"
+#include "viewer/tools/inputs.h"
 #include "viewer/tools/shell.h"
-#include "viewer/window/hands.h"
 
 #include "test.h"
 #include "window_scene.h"
@@ -30,7 +30,6 @@ static void open_window(struct window *out, struct viewer *viewer)
 
 static void close_window(struct window *window)
 {
-    second_forget(&window->second);
     changes_finish(&window->history.changes);
     free(window->history.session_path);
     viewer_finish(window->viewer);
@@ -40,7 +39,7 @@ static void aim(struct window *window, const double origin[3], const double dire
 {
     conus_pose pose;
     assert_ok(conus_pose_along(&pose, origin, direction, NULL));
-    second_aim(&window->second, &pose);
+    tool_aim(window->viewer, SECOND_TOOL, &pose);
 }
 
 /* As a selector of its own answers, which knows nothing of the first tool. */
@@ -48,11 +47,11 @@ static void check_answer(struct window *window)
 {
     conus_selector *selector = NULL;
     conus_selection *wanted = NULL;
-    struct second *second = &window->second;
-    second_update(second, window->viewer);
+    const struct tool *second = &window->viewer->tools[SECOND_TOOL];
+    tool_update_second(window->viewer);
     assert_ok(conus_selector_create(&selector, window->viewer->drawn->atlas, &window->viewer->cone.options));
-    assert_ok(conus_select(&wanted, selector, &second->pose, second_angle(second) * M_PI / 180));
-    const conus_selection *got = second_selection(second, 0);
+    assert_ok(conus_select(&wanted, selector, &second->pose, second->angle * M_PI / 180));
+    const conus_selection *got = view_atlas_selection(window->viewer->atlases, SECOND_TOOL);
     assert_int_equal(conus_selection_count(got), conus_selection_count(wanted));
     for (size_t i = 0; i < conus_selection_count(wanted); i++) {
         const conus_result *a = conus_selection_result(got, i);
@@ -71,27 +70,27 @@ static void each_tool_has_answers_of_its_own(void **state)
     struct window window;
     (void)state;
     open_window(&window, &viewer);
-    viewer_aim_along(&viewer, eye, back);
+    tool_aim_along(&viewer, FIRST_TOOL, eye, back);
     aim(&window, (double[]){70, 5, 3}, (double[]){-1, 0, 0});
-    second_update(&window.second, &viewer);
-    assert_null(second_selection(&window.second, 0)); /* it is off */
-    second_use(&window.second, &viewer, true);
-    window.second.angle = 40;
-    second_touch(&window.second);
+    tool_update_second(&viewer);
+    assert_null(view_atlas_selection(&viewer.atlases[0], SECOND_TOOL)); /* it is off */
+    tool_use_second(&viewer, true);
+    window.viewer->tools[SECOND_TOOL].angle = 40;
+    tool_changed(window.viewer, SECOND_TOOL);
     check_answer(&window);
-    assert_near(viewer.cone.angle, 5, 0);
-    unsigned number = window.second.answer_number;
-    second_update(&window.second, &viewer);
-    assert_int_equal(window.second.answer_number, number); /* nothing to ask */
+    assert_near(viewer.tools[FIRST_TOOL].angle, 5, 0);
+    unsigned number = window.viewer->tools[SECOND_TOOL].answer_number;
+    tool_update_second(&viewer);
+    assert_int_equal(window.viewer->tools[SECOND_TOOL].answer_number, number); /* nothing to ask */
     viewer.cone.options.layers = CONUS_LAYERS_ALL;
     viewer.cone.options.resolution = 24;
     viewer_reselect(&viewer);
     check_answer(&window);
     viewer_hide(&viewer, 1, true);
     check_answer(&window);
-    assert_int_equal(conus_selection_result(second_selection(&window.second, 0), 0)->object, 2);
-    second_use(&window.second, &viewer, false);
-    assert_null(second_selection(&window.second, 0));
+    assert_int_equal(conus_selection_result(view_atlas_selection(&viewer.atlases[0], SECOND_TOOL), 0)->object, 2);
+    tool_use_second(&viewer, false);
+    assert_null(view_atlas_selection(&viewer.atlases[0], SECOND_TOOL));
     assert_non_null(viewer_selection(&viewer));
     close_window(&window);
 }
@@ -106,9 +105,9 @@ static void its_table_is_that_of_its_answers(void **state)
     open_window(&window, &viewer);
     snprintf(path, sizeof path, "%s", test_scratch("second.tsv"));
     const char *const words[] = {"results", path};
-    viewer_aim_along(&viewer, (double[]){0, 90, 0}, (double[]){0, 1, 0}); /* the first hits nothing */
+    tool_aim_along(&viewer, FIRST_TOOL, (double[]){0, 90, 0}, (double[]){0, 1, 0}); /* the first hits nothing */
     aim(&window, eye, back);
-    second_use(&window.second, &viewer, true);
+    tool_use_second(&viewer, true);
     assert_true(script_second(&window, words, 2));
     FILE *file = fopen(path, "r");
     assert_non_null(file);
@@ -116,7 +115,7 @@ static void its_table_is_that_of_its_answers(void **state)
     fclose(file);
     assert_true(size > 0);
     assert_non_null(strstr(got, "Shell outer"));
-    viewer_aim_along(&viewer, eye, back);
+    tool_aim_along(&viewer, FIRST_TOOL, eye, back);
     char *first = viewer_results_text(&viewer); /* of the same pose and angle */
     assert_string_equal(got, first);
     free(first);
@@ -131,12 +130,12 @@ static void shapes_are_shared(void **state)
     conus_selector_options options;
     (void)state;
     open_window(&window, &viewer);
-    window.second.angle = 30;
-    assert_near(second_question(&options, &window.second, &viewer, 0), M_PI / 6, 1e-12);
+    window.viewer->tools[SECOND_TOOL].angle = 30;
+    assert_near(viewer_question(&options, &viewer, SECOND_TOOL, 0), M_PI / 6, 1e-12);
     viewer.cone.options.radius = 3;
-    assert_near(second_question(&options, &window.second, &viewer, 0), 0, 0);
+    assert_near(viewer_question(&options, &viewer, SECOND_TOOL, 0), 0, 0);
     viewer.cone.one_ray = true;
-    assert_true(second_question(&options, &window.second, &viewer, 0) < 0.01);
+    assert_true(viewer_question(&options, &viewer, SECOND_TOOL, 0) < 0.01);
     assert_int_equal(options.resolution, 1);
     close_window(&window);
 }
@@ -148,28 +147,27 @@ static void a_device_moves_one_tool(void **state)
     struct notice notice;
     (void)state;
     open_window(&window, &viewer);
-    second_use(&window.second, &viewer, true);
-    assert_int_equal(window.second.pointer, POINT_BY_WAND); /* the first has the mouse */
-    hands_choose(&window, SECOND_HAND, POINT_BY_MOUSE);
-    hands_notice(&notice, &window, SECOND_HAND);
+    tool_use_second(&viewer, true);
+    assert_int_equal(window.viewer->tools[SECOND_TOOL].pointer, POINT_BY_WAND); /* the first has the mouse */
+    tool_choose(window.viewer, SECOND_TOOL, POINT_BY_MOUSE);
+    inputs_notice(&notice, &window.inputs, window.viewer, SECOND_TOOL);
     assert_true(notice.is_trouble);
-    assert_null(hands_moved_by(&window, POINT_BY_MOUSE).second);
-    hands_choose(&window, FIRST_HAND, POINT_BY_WAND);
-    assert_ptr_equal(hands_moved_by(&window, POINT_BY_MOUSE).second, &window.second);
-    hands_point(&window, eye, back);
-    assert_false(viewer.cone.has_pose);
-    assert_near(window.second.pose.world_from_device[13], 24, 1); /* the outermost ball's surface */
-    assert_int_equal(conus_selection_result(second_selection(&window.second, 0), 0)->object, 1);
-    struct tool tool = hands_tool(&window, SECOND_HAND);
-    tool_hold(&tool);
-    hands_point(&window, (double[]){0, -90, 0}, (double[]){0, 1, 0});
-    assert_near(window.second.pose.world_from_device[13], 24, 1);
-    hands_notice(&notice, &window, SECOND_HAND);
+    assert_int_equal(tool_moved_by(&viewer, POINT_BY_MOUSE), FIRST_TOOL);
+    tool_choose(window.viewer, FIRST_TOOL, POINT_BY_WAND);
+    assert_int_equal(tool_moved_by(&viewer, POINT_BY_MOUSE), SECOND_TOOL);
+    inputs_point(&window.inputs, window.viewer, eye, back);
+    assert_false(viewer.tools[FIRST_TOOL].has_pose);
+    assert_near(window.viewer->tools[SECOND_TOOL].pose.world_from_device[13], 24, 1); /* the outermost ball's surface */
+    assert_int_equal(conus_selection_result(view_atlas_selection(&viewer.atlases[0], SECOND_TOOL), 0)->object, 1);
+    tool_hold(&viewer, SECOND_TOOL);
+    inputs_point(&window.inputs, window.viewer, (double[]){0, -90, 0}, (double[]){0, 1, 0});
+    assert_near(window.viewer->tools[SECOND_TOOL].pose.world_from_device[13], 24, 1);
+    inputs_notice(&notice, &window.inputs, window.viewer, SECOND_TOOL);
     assert_non_null(strstr(notice.text, "held"));
-    tool_hold(&tool);
-    hands_point(&window, (double[]){0, -90, 0}, (double[]){0, 1, 0});
-    assert_near(window.second.pose.world_from_device[13], -24, 1);
-    tool_confirm(&tool);
+    tool_hold(&viewer, SECOND_TOOL);
+    inputs_point(&window.inputs, window.viewer, (double[]){0, -90, 0}, (double[]){0, 1, 0});
+    assert_near(window.viewer->tools[SECOND_TOOL].pose.world_from_device[13], -24, 1);
+    tool_confirm(&viewer, SECOND_TOOL);
     assert_int_equal(viewer.pin_count, 1);
     assert_int_equal(viewer.pins[0].object, 1);
     close_window(&window);
@@ -198,7 +196,7 @@ static void step(struct window *window)
     if (window->inputs.station) {
         station_hear(window->inputs.station, window->viewer, &window->inputs.news);
     }
-    hands_step(window, 0);
+    inputs_step(&window->inputs, window->viewer, 0);
 }
 
 /* Until the second tool is so; a test that waits for ever is ended from outside. */
@@ -206,13 +204,13 @@ static void step_until(struct window *window, enum station_state wanted)
 {
     do {
         step(window);
-    } while (window->inputs.devices.trackers[SECOND_HAND].tool.state != wanted);
+    } while (window->inputs.devices.trackers[SECOND_TOOL].tool.state != wanted);
 }
 
 /* Sends it until it has arrived and is seen: on a busy machine half a second may pass in between. */
 static void send_until_seen(struct window *window, int peer, const char *name, double y)
 {
-    const struct station_tool *tool = &window->inputs.devices.trackers[SECOND_HAND].tool;
+    const struct station_tool *tool = &window->inputs.devices.trackers[SECOND_TOOL].tool;
     do {
         send_pose(peer, name, y);
         step(window);
@@ -238,41 +236,39 @@ static void one_tracker_moves_two_tools(void **state)
     open_window(&window, &viewer);
     window.inputs.station = start(NULL, "Left"); /* the first tool is any other */
     window.inputs.has_second_tool = true;
-    second_use(&window.second, &viewer, true);
-    hands_choose(&window, FIRST_HAND, POINT_BY_TRACKER);
-    hands_choose(&window, SECOND_HAND, POINT_BY_TRACKER);
+    tool_use_second(&viewer, true);
+    tool_choose(window.viewer, FIRST_TOOL, POINT_BY_TRACKER);
+    tool_choose(window.viewer, SECOND_TOOL, POINT_BY_TRACKER);
     int peer = connect_to(window.inputs.station);
-    while (!viewer.cone.has_pose) {
+    while (!viewer.tools[FIRST_TOOL].has_pose) {
         send_pose(peer, "RightToTracker", 50);
         step(&window);
     }
     send_until_seen(&window, peer, "LeftToTracker", 70);
-    assert_near(viewer.cone.pose.world_from_device[13], 50, 1e-5);
-    assert_near(window.second.pose.world_from_device[13], 70, 1e-5);
+    assert_near(viewer.tools[FIRST_TOOL].pose.world_from_device[13], 50, 1e-5);
+    assert_near(window.viewer->tools[SECOND_TOOL].pose.world_from_device[13], 70, 1e-5);
     check_answer(&window);
     send_until_seen(&window, peer, "LeftToTracker", 60);
-    assert_near(viewer.cone.pose.world_from_device[13], 50, 1e-5);
-    assert_near(window.second.pose.world_from_device[13], 60, 1e-5);
+    assert_near(viewer.tools[FIRST_TOOL].pose.world_from_device[13], 50, 1e-5);
+    assert_near(window.viewer->tools[SECOND_TOOL].pose.world_from_device[13], 60, 1e-5);
     assert_true(send(peer, lost, igtl_write_transform(lost, sizeof lost, "LeftToTracker", 2, identity), 0) > 0);
     step_until(&window, STATION_LOST);
-    hands_notice(&notice, &window, SECOND_HAND);
+    inputs_notice(&notice, &window.inputs, window.viewer, SECOND_TOOL);
     assert_true(notice.is_old);
     assert_non_null(strstr(notice.text, "OLD ANSWER: the tool is lost"));
-    assert_near(window.second.pose.world_from_device[13], 60, 1e-5);
-    struct tool tool = hands_tool(&window, SECOND_HAND);
-    struct tool first = hands_tool(&window, FIRST_HAND);
-    tool_hold(&tool);
-    tool_hold(&first);
+    assert_near(window.viewer->tools[SECOND_TOOL].pose.world_from_device[13], 60, 1e-5);
+    tool_hold(&viewer, SECOND_TOOL);
+    tool_hold(&viewer, FIRST_TOOL);
     do {
         send_pose(peer, "RightToTracker", 30);
         send_until_seen(&window, peer, "LeftToTracker", 40);
-    } while (fabs(window.inputs.devices.trackers[FIRST_HAND].tool.pose.world_from_device[13] - 30) > 1e-5);
-    assert_near(window.second.pose.world_from_device[13], 60, 1e-5);
-    assert_near(viewer.cone.pose.world_from_device[13], 50, 1e-5); /* the first one is held, too */
-    hands_notice(&notice, &window, FIRST_HAND);
+    } while (fabs(window.inputs.devices.trackers[FIRST_TOOL].tool.pose.world_from_device[13] - 30) > 1e-5);
+    assert_near(window.viewer->tools[SECOND_TOOL].pose.world_from_device[13], 60, 1e-5);
+    assert_near(viewer.tools[FIRST_TOOL].pose.world_from_device[13], 50, 1e-5); /* the first one is held, too */
+    inputs_notice(&notice, &window.inputs, window.viewer, FIRST_TOOL);
     assert_non_null(strstr(notice.text, "held"));
-    tool_hold(&first);
-    while (fabs(viewer.cone.pose.world_from_device[13] - 30) > 1e-5) {
+    tool_hold(&viewer, FIRST_TOOL);
+    while (fabs(viewer.tools[FIRST_TOOL].pose.world_from_device[13] - 30) > 1e-5) {
         send_pose(peer, "RightToTracker", 30);
         step(&window);
     }
@@ -290,18 +286,18 @@ static void the_second_tool_has_a_tracker_of_its_own(void **state)
     (void)state;
     open_window(&window, &viewer);
     window.inputs.second_station = start(NULL, NULL);
-    second_use(&window.second, &viewer, true);
-    hands_choose(&window, SECOND_HAND, POINT_BY_TRACKER);
-    assert_true(isfinite(hands_rest(&window)));
+    tool_use_second(&viewer, true);
+    tool_choose(window.viewer, SECOND_TOOL, POINT_BY_TRACKER);
+    assert_true(isfinite(inputs_rest(&window.inputs, window.viewer)));
     int peer = connect_to(window.inputs.second_station);
     send_until_seen(&window, peer, "Any", 45);
-    assert_near(window.second.pose.world_from_device[13], 45, 1e-5);
-    assert_false(viewer.cone.has_pose);
-    hands_notice(&notice, &window, SECOND_HAND);
+    assert_near(window.viewer->tools[SECOND_TOOL].pose.world_from_device[13], 45, 1e-5);
+    assert_false(viewer.tools[FIRST_TOOL].has_pose);
+    inputs_notice(&notice, &window.inputs, window.viewer, SECOND_TOOL);
     assert_null(notice.text);
     close(peer);
     step_until(&window, STATION_WAITING);
-    hands_notice(&notice, &window, SECOND_HAND);
+    inputs_notice(&notice, &window.inputs, window.viewer, SECOND_TOOL);
     assert_non_null(strstr(notice.text, "OLD ANSWER: the tracker is gone"));
     station_stop(window.inputs.second_station);
     close_window(&window);
@@ -312,7 +308,7 @@ static void values_that_never_change_and_no_numbers_are_said(void **state)
     struct viewer viewer;
     struct window window;
     struct notice notice;
-    struct tracker *tracker = &window.inputs.devices.trackers[SECOND_HAND];
+    struct tracker *tracker = &window.inputs.devices.trackers[SECOND_TOOL];
     struct station_tool tool = {.state = STATION_SEEN, .number = 1};
     struct source_news news;
     (void)state;
@@ -327,10 +323,10 @@ static void values_that_never_change_and_no_numbers_are_said(void **state)
     assert_false(news.has_pose); /* each pose once */
     source_ask(&tracker->source, 15, &news);
     assert_int_equal(news.state, SOURCE_FROZEN);
-    window.inputs.devices.heard[SECOND_HAND] = news;
-    window.second.pointer = POINT_BY_TRACKER;
-    window.second.has_pose = true;
-    hands_notice(&notice, &window, SECOND_HAND);
+    window.inputs.devices.heard[SECOND_TOOL] = news;
+    window.viewer->tools[SECOND_TOOL].pointer = POINT_BY_TRACKER;
+    window.viewer->tools[SECOND_TOOL].has_pose = true;
+    inputs_notice(&notice, &window.inputs, window.viewer, SECOND_TOOL);
     assert_true(notice.is_trouble && !notice.is_old);
     assert_non_null(strstr(notice.text, "frozen"));
     tool.pose.world_from_device[12] += 1e-9;
@@ -400,22 +396,22 @@ static void a_tool_is_steered_along_its_own_axes(void **state)
     const double none[3] = {0, 0, 0};
     (void)state;
     open_window(&window, &viewer);
-    struct tool tool = hands_tool(&window, SECOND_HAND);
-    tool_steer(&tool, none, none); /* the first time it is put there: to the right, looking left */
-    assert_near(window.second.pose.world_from_device[12], viewer.centre[0] + 1.6 * viewer.radius, 1e-9);
-    assert_near(-window.second.pose.world_from_device[8], -1, 1e-12);
+    tool_steer(&viewer, SECOND_TOOL, none, none); /* the first time it is put there: to the right, looking left */
+    assert_near(window.viewer->tools[SECOND_TOOL].pose.world_from_device[12], viewer.centre[0] + 1.6 * viewer.radius,
+                1e-9);
+    assert_near(-window.viewer->tools[SECOND_TOOL].pose.world_from_device[8], -1, 1e-12);
     conus_pose pose = {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}};
-    second_aim(&window.second, &pose);
-    tool_steer(&tool, (double[]){1, 2, -3}, (double[]){0, M_PI / 2, 0});
-    const double *m = window.second.pose.world_from_device;
+    tool_aim(window.viewer, SECOND_TOOL, &pose);
+    tool_steer(&viewer, SECOND_TOOL, (double[]){1, 2, -3}, (double[]){0, M_PI / 2, 0});
+    const double *m = window.viewer->tools[SECOND_TOOL].pose.world_from_device;
     assert_near(m[12], 1, 1e-12);
     assert_near(m[13], 2, 1e-12);
     assert_near(m[14], -3, 1e-12);
     assert_near(-m[8], -1, 1e-12);
-    tool_steer(&tool, (double[]){0, 0, -5}, none); /* forward, which is -x now */
+    tool_steer(&viewer, SECOND_TOOL, (double[]){0, 0, -5}, none); /* forward, which is -x now */
     assert_near(m[12], -4, 1e-9);
     for (int i = 0; i < 2000; i++) { /* it stays a rotation, and near the brain */
-        tool_steer(&tool, (double[]){3, 0, -5}, (double[]){0.0001, 0.0002, 0.0003});
+        tool_steer(&viewer, SECOND_TOOL, (double[]){3, 0, -5}, (double[]){0.0001, 0.0002, 0.0003});
     }
     conus_pose exact;
     assert_ok(conus_pose_from_matrix(&exact, m));
@@ -435,34 +431,34 @@ static void sessions_keep_it_and_changes_are_taken_back(void **state)
     (void)state;
     open_window(&window, &viewer);
     aim(&window, (double[]){60, 1, 2}, (double[]){-1, 0, 0});
-    second_use(&window.second, &viewer, true);
-    window.second.angle = 33;
-    window.second.held = true;
-    hands_choose(&window, SECOND_HAND, POINT_BY_WAND);
+    tool_use_second(&viewer, true);
+    window.viewer->tools[SECOND_TOOL].angle = 33;
+    window.viewer->tools[SECOND_TOOL].held = true;
+    tool_choose(window.viewer, SECOND_TOOL, POINT_BY_WAND);
     undo_note(&window);
     char *text = session_text(&window);
     assert_non_null(text);
     aim(&window, (double[]){0, 60, 0}, back);
     undo_note(&window);
-    window.second.angle = 12;
-    second_touch(&window.second);
+    window.viewer->tools[SECOND_TOOL].angle = 12;
+    tool_changed(window.viewer, SECOND_TOOL);
     undo_step(&window, -1);
-    assert_near(window.second.angle, 33, 0);
-    assert_near(window.second.pose.world_from_device[13], 60, 0);
+    assert_near(window.viewer->tools[SECOND_TOOL].angle, 33, 0);
+    assert_near(window.viewer->tools[SECOND_TOOL].pose.world_from_device[13], 60, 0);
     undo_step(&window, -1);
-    assert_near(window.second.pose.world_from_device[12], 60, 0);
+    assert_near(window.viewer->tools[SECOND_TOOL].pose.world_from_device[12], 60, 0);
     undo_step(&window, -1);
-    assert_false(window.second.on);
+    assert_false(window.viewer->tools[SECOND_TOOL].on);
     assert_true(session_parse(&window, text, strlen(text), why));
-    assert_true(window.second.on && window.second.held);
-    assert_near(window.second.angle, 33, 0);
-    assert_near(window.second.pose.world_from_device[12], 60, 0);
+    assert_true(window.viewer->tools[SECOND_TOOL].on && window.viewer->tools[SECOND_TOOL].held);
+    assert_near(window.viewer->tools[SECOND_TOOL].angle, 33, 0);
+    assert_near(window.viewer->tools[SECOND_TOOL].pose.world_from_device[12], 60, 0);
     char *place = strstr(text, "\"angle_deg\": 33");
     assert_non_null(place);
     memcpy(strstr(place, "33"), "-3", 2);
     assert_false(session_parse(&window, text, strlen(text), why));
     assert_non_null(strstr(why, "second: "));
-    assert_near(window.second.angle, 33, 0);
+    assert_near(window.viewer->tools[SECOND_TOOL].angle, 33, 0);
     free(text);
     close_window(&window);
 }
@@ -496,10 +492,10 @@ static void a_script_does_what_its_words_say(void **state)
             fail_msg("case %zu", i);
         }
     }
-    assert_true(window.second.on && window.second.held);
-    assert_near(window.second.pose.world_from_device[13], 90, 0);
-    assert_near(window.second.angle, 7, 0);
-    assert_int_equal(window.second.pointer, POINT_BY_TRACKER);
+    assert_true(window.viewer->tools[SECOND_TOOL].on && window.viewer->tools[SECOND_TOOL].held);
+    assert_near(window.viewer->tools[SECOND_TOOL].pose.world_from_device[13], 90, 0);
+    assert_near(window.viewer->tools[SECOND_TOOL].angle, 7, 0);
+    assert_int_equal(window.viewer->tools[SECOND_TOOL].pointer, POINT_BY_TRACKER);
     close_window(&window);
 }
 

@@ -46,9 +46,9 @@ static void names_of_two_kinds_are_told_apart(void **state)
     assert_titled(&window, "conus - nested.nii.gz - Core (chosen)");
     viewer_choose(&viewer, (uint32_t)conus_atlas_object_count(atlas));
     assert_titled(&window, "conus - nested.nii.gz - pathway Shell outer (chosen)");
-    viewer_aim_along(&viewer, (const double[]){0, 90, 0}, (const double[]){0, -1, 0});
+    tool_aim_along(&viewer, FIRST_TOOL, (const double[]){0, 90, 0}, (const double[]){0, -1, 0});
     assert_titled(&window, "conus - nested.nii.gz - area Shell outer (hit)");
-    viewer_confirm(&viewer);
+    tool_confirm(&viewer, FIRST_TOOL);
     assert_memory_equal(viewer.message, "confirmed: area Shell outer, ", 29);
     assert_pinned(&viewer, "area Shell outer");
     viewer.pins[0].object = 0; /* the atlas has it no longer */
@@ -75,11 +75,11 @@ static void the_title_says_what_is_open_and_hit(void **state)
     assert_titled(&window, "conus - nested.nii.gz");
     viewer_choose(&viewer, 3);
     assert_titled(&window, "conus - nested.nii.gz - Core (chosen)");
-    viewer_aim_along(&viewer, (const double[]){0, 90, 0}, (const double[]){0, -1, 0});
+    tool_aim_along(&viewer, FIRST_TOOL, (const double[]){0, 90, 0}, (const double[]){0, -1, 0});
     assert_titled(&window, "conus - nested.nii.gz - Shell outer (hit)");
-    viewer_confirm(&viewer);
+    tool_confirm(&viewer, FIRST_TOOL);
     assert_pinned(&viewer, "Shell outer");
-    viewer.cone.frozen = true;
+    viewer.tools[FIRST_TOOL].held = true;
     window.history.session_path = strdup("/a/my\n.json");
     assert_titled(&window, "conus - nested.nii.gz [my .json] - Shell outer (held)");
     window.start.on = true;

@@ -78,7 +78,7 @@ static void close_window(struct window *window)
 
 static void set_angle(struct window *window, double angle)
 {
-    window->viewer->cone.angle = angle;
+    window->viewer->tools[FIRST_TOOL].angle = angle;
     viewer_reselect(window->viewer);
     undo_note(window);
 }
@@ -90,19 +90,19 @@ static void each_change_is_taken_back(void **state)
     struct window window;
     (void)state;
     open_window(&window, &viewer);
-    viewer.cone.pointer = POINT_BY_WAND;
-    viewer_aim_along(&viewer, eye, back);
+    viewer.tools[FIRST_TOOL].pointer = POINT_BY_WAND;
+    tool_aim_along(&viewer, FIRST_TOOL, eye, back);
     undo_note(&window);
     set_angle(&window, 12);
     viewer_hide(&viewer, 1, true);
     undo_note(&window);
-    viewer_confirm(&viewer);
+    tool_confirm(&viewer, FIRST_TOOL);
     undo_note(&window);
     viewer_use_safe_colours(&viewer, true);
     undo_note(&window);
-    viewer_aim_along(&viewer, (double[]){0, 0, 80}, (double[]){0, 0, -1});
+    tool_aim_along(&viewer, FIRST_TOOL, (double[]){0, 0, 80}, (double[]){0, 0, -1});
     undo_step(&window, -1); /* notes that itself */
-    assert_near(viewer.cone.pose.world_from_device[13], 90, 1e-12);
+    assert_near(viewer.tools[FIRST_TOOL].pose.world_from_device[13], 90, 1e-12);
     assert_true(viewer.display.safe_colours);
     undo_step(&window, -1);
     assert_false(viewer.display.safe_colours);
@@ -113,17 +113,17 @@ static void each_change_is_taken_back(void **state)
     undo_step(&window, -1);
     assert_false(viewer.drawn->shown.hidden[1]);
     assert_int_equal(conus_selection_result(viewer_selection(&viewer), 0)->object, 1); /* the outermost ball */
-    assert_near(viewer.cone.angle, 12, 1e-12);
+    assert_near(viewer.tools[FIRST_TOOL].angle, 12, 1e-12);
     undo_step(&window, -1);
-    assert_near(viewer.cone.angle, 5, 1e-12);
+    assert_near(viewer.tools[FIRST_TOOL].angle, 5, 1e-12);
     undo_step(&window, -1);
-    assert_int_equal(viewer.cone.pointer, POINT_BY_MOUSE); /* whose cone is where the mouse is */
+    assert_int_equal(viewer.tools[FIRST_TOOL].pointer, POINT_BY_MOUSE); /* whose cone is where the mouse is */
     undo_step(&window, -1);
     assert_string_equal(viewer.message, "nothing to undo");
     for (int i = 0; i < 6; i++) {
         undo_step(&window, 1);
     }
-    assert_near(viewer.cone.pose.world_from_device[14], 80, 1e-12);
+    assert_near(viewer.tools[FIRST_TOOL].pose.world_from_device[14], 80, 1e-12);
     assert_int_equal(viewer.pin_count, 1);
     assert_true(viewer.drawn->shown.hidden[1] && viewer.display.safe_colours);
     undo_step(&window, 1);
@@ -151,7 +151,7 @@ static void borders_are_put_back(void **state)
     assert_int_equal(window.history.changes.count, count + 1);
     set_angle(&window, 12);
     undo_step(&window, -1);
-    assert_near(viewer.cone.angle, 5, 1e-12);
+    assert_near(viewer.tools[FIRST_TOOL].angle, 5, 1e-12);
     assert_true(layout_is_same(&window.screen.layout, &moved));
     undo_step(&window, -1);
     assert_true(layout_is_same(&window.screen.layout, &first));
@@ -185,13 +185,13 @@ static void without_a_device_there_is_no_answer(void **state)
     struct window window;
     (void)state;
     open_window(&window, &viewer);
-    viewer.cone.pointer = POINT_BY_WAND;
+    viewer.tools[FIRST_TOOL].pointer = POINT_BY_WAND;
     viewer.version++;
     undo_note(&window);
-    viewer_aim_along(&viewer, eye, back);
+    tool_aim_along(&viewer, FIRST_TOOL, eye, back);
     undo_note(&window);
     undo_step(&window, -1);
-    assert_false(viewer.cone.has_pose);
+    assert_false(viewer.tools[FIRST_TOOL].has_pose);
     assert_null(viewer_selection(&viewer));
     undo_step(&window, 1);
     assert_int_equal(conus_selection_result(viewer_selection(&viewer), 0)->object, 1);
@@ -207,27 +207,27 @@ static void views_and_what_moves_by_itself_stay(void **state)
     set_angle(&window, 12);
     viewer.orbit.azimuth = 1;
     viewer_cross(&viewer, (double[]){1, 2, 3});
-    viewer_aim_along(&viewer, eye, back); /* as the mouse does */
+    tool_aim_along(&viewer, FIRST_TOOL, eye, back); /* as the mouse does */
     undo_note(&window);
     undo_step(&window, -1);
-    assert_near(viewer.cone.angle, 5, 1e-12);
+    assert_near(viewer.tools[FIRST_TOOL].angle, 5, 1e-12);
     assert_near(viewer.orbit.azimuth, 1, 1e-12);
     assert_near(viewer.crosshair[2], 3, 1e-12);
-    assert_true(viewer.cone.has_pose);
+    assert_true(viewer.tools[FIRST_TOOL].has_pose);
     undo_step(&window, 1);
-    viewer.cone.frozen = true; /* a cone that is held is the user's */
+    viewer.tools[FIRST_TOOL].held = true; /* a cone that is held is the user's */
     viewer.version++;
     undo_note(&window);
-    viewer.cone.frozen = false;
-    viewer_aim_along(&viewer, (double[]){0, 0, 80}, (double[]){0, 0, -1});
+    viewer.tools[FIRST_TOOL].held = false;
+    tool_aim_along(&viewer, FIRST_TOOL, (double[]){0, 0, 80}, (double[]){0, 0, -1});
     undo_step(&window, -1);
-    assert_true(viewer.cone.frozen);
-    assert_near(viewer.cone.pose.world_from_device[13], 90, 1e-12);
-    viewer.cone.pointer = POINT_BY_TRACKER;
+    assert_true(viewer.tools[FIRST_TOOL].held);
+    assert_near(viewer.tools[FIRST_TOOL].pose.world_from_device[13], 90, 1e-12);
+    viewer.tools[FIRST_TOOL].pointer = POINT_BY_TRACKER;
     viewer.version++;
     undo_note(&window);
     size_t count = window.history.changes.count;
-    viewer_aim_along(&viewer, (double[]){0, 0, 80}, (double[]){0, 0, -1});
+    tool_aim_along(&viewer, FIRST_TOOL, (double[]){0, 0, 80}, (double[]){0, 0, -1});
     undo_note(&window);
     assert_int_equal(window.history.changes.count, count);
     close_window(&window);
@@ -259,14 +259,14 @@ static void changes_before_a_file_was_added_are_all_taken_back(void **state)
     add_file(&window);
     for (int i = 0; i < 3; i++) {
         undo_step(&window, -1);
-        assert_near(viewer.cone.angle, i == 2 ? 5 : 13 - i, 1e-12);
+        assert_near(viewer.tools[FIRST_TOOL].angle, i == 2 ? 5 : 13 - i, 1e-12);
         undo_note(&window); /* as after each frame */
     }
     undo_step(&window, -1);
     assert_string_equal(viewer.message, "nothing to undo");
     for (int i = 0; i < 3; i++) {
         undo_step(&window, 1);
-        assert_near(viewer.cone.angle, 12 + i, 1e-12);
+        assert_near(viewer.tools[FIRST_TOOL].angle, 12 + i, 1e-12);
         undo_note(&window);
     }
     json_decref(window.files.opened);

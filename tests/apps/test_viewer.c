@@ -78,8 +78,8 @@ static void what_is_hidden_is_not_selected(void **state)
     struct viewer viewer;
     (void)state;
     load(&viewer, "nested", "nested.nii.gz");
-    viewer.cone.angle = 2;
-    viewer_aim_along(&viewer, eye, back);
+    viewer.tools[FIRST_TOOL].angle = 2;
+    tool_aim_along(&viewer, FIRST_TOOL, eye, back);
     assert_int_equal(best_of(&viewer), 1);
     viewer_hide(&viewer, 1, true);
     assert_int_equal(best_of(&viewer), 2);
@@ -110,7 +110,7 @@ static void what_comes_hidden_can_be_shown(void **state)
     assert_ok(conus_atlas_show(atlas, NULL, "1"));
     assert_ok(viewer_create(&viewer, &(struct view_source){.atlas = atlas, .path = path}, 1, NULL, NULL, NULL));
     assert_int_equal(viewer_shown(&viewer, 1), SHOWN_NOT);
-    viewer_aim_along(&viewer, eye, back);
+    tool_aim_along(&viewer, FIRST_TOOL, eye, back);
     assert_int_equal(best_of(&viewer), 2);
     viewer_hide(&viewer, 1, false);
     assert_int_equal(best_of(&viewer), 1);
@@ -188,24 +188,26 @@ static void a_long_atlas_is_in_its_cuts(void **state)
     viewer_finish(&viewer);
 }
 
-/* In front of the face, looking back through the middle; a pose that is there stays. */
-static void a_device_without_a_pose_is_put_in_front(void **state)
+/* In front of the face, looking back through the middle, wherever it was. */
+static void a_device_is_put_in_front(void **state)
 {
     struct viewer viewer;
     (void)state;
     load(&viewer, "sphere", "sphere.nii.gz");
-    assert_false(viewer.cone.has_pose);
-    viewer_place(&viewer);
-    assert_true(viewer.cone.has_pose);
-    const double *m = viewer.cone.pose.world_from_device;
+    assert_false(viewer.tools[FIRST_TOOL].has_pose);
+    tool_place(&viewer, FIRST_TOOL);
+    assert_true(viewer.tools[FIRST_TOOL].has_pose);
+    const double *m = viewer.tools[FIRST_TOOL].pose.world_from_device;
     assert_near(m[8], 0, 1e-12);
     assert_near(m[9], 1, 1e-12);
     assert_near(m[12], viewer.centre[0], 1e-12);
     assert_true(m[13] > viewer.centre[1] + viewer.radius);
     assert_int_equal(conus_selection_result(viewer_selection(&viewer), 0)->object, 1);
-    viewer_aim_along(&viewer, (double[]){1, 2, 80}, (double[]){0, 0, -1});
-    viewer_place(&viewer);
+    tool_aim_along(&viewer, FIRST_TOOL, (double[]){1, 2, 80}, (double[]){0, 0, -1});
     assert_near(m[14], 80, 1e-12);
+    tool_place(&viewer, FIRST_TOOL);
+    assert_near(m[14], viewer.centre[2], 1e-12);
+    assert_near(m[9], 1, 1e-12);
     viewer_finish(&viewer);
 }
 
@@ -216,7 +218,7 @@ static void colours_go_and_come_back(void **state)
     (void)state;
     load(&viewer, "slabs", "slabs.nii.gz");
     unsigned scene = viewer.scene_number;
-    viewer_aim_along(&viewer, eye, back);
+    tool_aim_along(&viewer, FIRST_TOOL, eye, back);
     viewer_colour(own, &viewer, 1);
     viewer_use_safe_colours(&viewer, true);
     viewer_use_safe_colours(&viewer, true);
@@ -285,9 +287,9 @@ static void what_was_selected_is_a_table(void **state)
     char text[4096] = "";
     (void)state;
     load(&viewer, "slabs", "slabs.nii.gz");
-    viewer_aim_along(&viewer, eye, back);
+    tool_aim_along(&viewer, FIRST_TOOL, eye, back);
     snprintf(path, sizeof path, "%s", test_scratch("results.tsv"));
-    assert_ok(viewer_write_results(&viewer, path));
+    assert_ok(viewer_write_results(&viewer, FIRST_TOOL, path));
     FILE *file = fopen(path, "r");
     assert_non_null(file);
     size_t size = fread(text, 1, sizeof text - 1, file);
@@ -425,15 +427,15 @@ static void a_question_follows_from_the_cone(void **state)
     viewer.cone.options.layers = CONUS_LAYERS_ALL;
     viewer.cone.options.radius = 2;
     viewer.cone.options.resolution = 32;
-    viewer.cone.angle = 30;
+    viewer.tools[FIRST_TOOL].angle = 30;
     snprintf(viewer.cone.level, sizeof viewer.cone.level, "2");
-    assert_near(viewer_question(&options, &viewer, 0), 0, 0);
+    assert_near(viewer_question(&options, &viewer, FIRST_TOOL, 0), 0, 0);
     assert_int_equal(options.layers, CONUS_LAYERS_ALL);
     assert_string_equal(options.level, "2");
-    assert_near(viewer_question(&options, &viewer, 1), 0, 0);
+    assert_near(viewer_question(&options, &viewer, FIRST_TOOL, 1), 0, 0);
     assert_null(options.level);
     viewer.cone.one_ray = true;
-    assert_near(viewer_question(&options, &viewer, 0), 0.1 * M_PI / 180, 1e-15);
+    assert_near(viewer_question(&options, &viewer, FIRST_TOOL, 0), 0.1 * M_PI / 180, 1e-15);
     assert_int_equal(options.layers, CONUS_LAYERS_VISIBLE);
     assert_int_equal(options.resolution, 1);
     assert_near(options.radius, 0, 0);
@@ -570,7 +572,7 @@ TEST_GROUP(viewer)
         cmocka_unit_test(colours_go_and_come_back),
         cmocka_unit_test(settings_of_the_atlas_are_all_set_or_none),
         cmocka_unit_test(edited_points_outlive_other_changes),
-        cmocka_unit_test(a_device_without_a_pose_is_put_in_front),
+        cmocka_unit_test(a_device_is_put_in_front),
         cmocka_unit_test(a_long_atlas_is_in_its_cuts),
         cmocka_unit_test(places_are_written_in_their_space),
         cmocka_unit_test(a_question_follows_from_the_cone),

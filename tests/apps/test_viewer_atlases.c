@@ -18,7 +18,7 @@ static const double back[3] = {0, -1, 0};
 
 static uint32_t best_of(const struct view_atlas *on)
 {
-    return conus_selection_result(view_atlas_selection(on), 0)->object;
+    return conus_selection_result(view_atlas_selection(on, FIRST_TOOL), 0)->object;
 }
 
 static conus_atlas *load(const char *kind)
@@ -64,10 +64,10 @@ static void assert_answers(const struct viewer *viewer, size_t index)
     conus_selector *selector = NULL;
     conus_selection *answer = NULL;
     assert_ok(conus_selector_create(&selector, on->atlas, &viewer->cone.options));
-    assert_ok(conus_select(&answer, selector, &viewer->cone.pose,
-                           viewer->cone.options.radius > 0 ? 0 : viewer->cone.angle * (M_PI / 180)));
+    assert_ok(conus_select(&answer, selector, &viewer->tools[FIRST_TOOL].pose,
+                           viewer->cone.options.radius > 0 ? 0 : viewer->tools[FIRST_TOOL].angle * (M_PI / 180)));
     char *wanted = table_of(selector, answer);
-    char *shown = table_of(on->selector, view_atlas_selection(on));
+    char *shown = table_of(on->selector, view_atlas_selection(on, FIRST_TOOL));
     assert_string_equal(shown, wanted);
     free(wanted);
     free(shown);
@@ -88,18 +88,18 @@ static void all_atlases_are_asked_the_same(void **state)
     struct viewer viewer;
     (void)state;
     load_two(&viewer);
-    assert_null(view_atlas_selection(&viewer.atlases[1]));
+    assert_null(view_atlas_selection(&viewer.atlases[1], FIRST_TOOL));
     for (int i = 0; i < 8; i++) {
         const double from[3] = {70 * cos(i), 70 * sin(i), 9 * i - 30};
         const double to[3] = {-from[0] + i, -from[1], -from[2]};
-        viewer.cone.angle = 4 + 3 * i;
+        viewer.tools[FIRST_TOOL].angle = 4 + 3 * i;
         viewer.cone.options.layers = i % 2 ? CONUS_LAYERS_ALL : CONUS_LAYERS_VISIBLE;
         viewer.cone.options.score = i % 3 ? NULL : "nearness";
-        viewer_aim_along(&viewer, from, to);
+        tool_aim_along(&viewer, FIRST_TOOL, from, to);
         assert_all_answer(&viewer);
         viewer_draw(&viewer, (size_t)i / 4);
-        assert_ptr_equal(viewer_selection(&viewer), view_atlas_selection(&viewer.atlases[i / 4]));
-        viewer.cone.angle *= 2;
+        assert_ptr_equal(viewer_selection(&viewer), view_atlas_selection(&viewer.atlases[i / 4], FIRST_TOOL));
+        viewer.tools[FIRST_TOOL].angle *= 2;
         viewer_reselect(&viewer);
         assert_all_answer(&viewer);
     }
@@ -128,8 +128,8 @@ static void each_option_alone_changes_the_answers(void **state)
     char *before = NULL;
     (void)state;
     load_two(&viewer);
-    viewer.cone.angle = 30;
-    viewer_aim_along(&viewer, (double[]){3, 90, 20}, (double[]){0, -1, -0.1});
+    viewer.tools[FIRST_TOOL].angle = 30;
+    tool_aim_along(&viewer, FIRST_TOOL, (double[]){3, 90, 20}, (double[]){0, -1, -0.1});
     for (size_t i = 0; i < sizeof changes / sizeof changes[0]; i++) {
         viewer.cone.options = changes[i];
         viewer_reselect(&viewer);
@@ -149,20 +149,21 @@ static void what_is_drawn_is_what_is_hidden_and_confirmed(void **state)
     struct viewer viewer;
     (void)state;
     load_two(&viewer);
-    viewer.cone.angle = 2;
-    viewer_aim_along(&viewer, eye, back);
+    viewer.tools[FIRST_TOOL].angle = 2;
+    tool_aim_along(&viewer, FIRST_TOOL, eye, back);
     const uint32_t slab = best_of(&viewer.atlases[1]);
     viewer_hide(&viewer, 1, true);
-    viewer_confirm(&viewer);
-    unsigned answer = viewer.cone.answer_number;
+    tool_confirm(&viewer, FIRST_TOOL);
+    unsigned answer = viewer.tools[FIRST_TOOL].answer_number;
     unsigned scene = viewer.scene_number;
     unsigned atlas = viewer.atlas_number;
     viewer_draw(&viewer, 1);
-    assert_true(viewer.cone.answer_number != answer && viewer.scene_number != scene && viewer.atlas_number != atlas);
+    assert_true(viewer.tools[FIRST_TOOL].answer_number != answer && viewer.scene_number != scene &&
+                viewer.atlas_number != atlas);
     assert_ptr_equal(viewer.drawn, &viewer.atlases[1]);
     assert_int_equal(best_of(viewer.drawn), slab);
     assert_int_equal(viewer_shown(&viewer, slab), SHOWN);
-    viewer_confirm(&viewer);
+    tool_confirm(&viewer, FIRST_TOOL);
     viewer_hide(&viewer, slab, true);
     assert_true(best_of(viewer.drawn) != slab);
     assert_int_equal(best_of(&viewer.atlases[0]), 2);
@@ -206,15 +207,15 @@ static void no_answer_outlives_its_question(void **state)
     struct viewer viewer;
     (void)state;
     load_two(&viewer);
-    viewer_aim_along(&viewer, eye, back);
-    unsigned before = viewer.cone.answer_number;
-    viewer.cone.angle = 180;
+    tool_aim_along(&viewer, FIRST_TOOL, eye, back);
+    unsigned before = viewer.tools[FIRST_TOOL].answer_number;
+    viewer.tools[FIRST_TOOL].angle = 180;
     viewer_reselect(&viewer);
-    assert_null(view_atlas_selection(&viewer.atlases[0]));
-    assert_null(view_atlas_selection(&viewer.atlases[1]));
-    assert_true(viewer.cone.answer_number != before);
+    assert_null(view_atlas_selection(&viewer.atlases[0], FIRST_TOOL));
+    assert_null(view_atlas_selection(&viewer.atlases[1], FIRST_TOOL));
+    assert_true(viewer.tools[FIRST_TOOL].answer_number != before);
     assert_memory_equal(viewer.message, "slabs: ", 7); /* the last that was asked */
-    viewer.cone.angle = 10;
+    viewer.tools[FIRST_TOOL].angle = 10;
     viewer_reselect(&viewer);
     assert_all_answer(&viewer);
     viewer_finish(&viewer);
@@ -294,8 +295,8 @@ static void all_answers_are_one_table(void **state)
     char *text = viewer_results_text(&viewer);
     assert_ptr_equal(strchr(text, '\n'), text + strlen(text) - 1); /* the header */
     free(text);
-    viewer.cone.angle = 30;
-    viewer_aim_along(&viewer, eye, back);
+    viewer.tools[FIRST_TOOL].angle = 30;
+    tool_aim_along(&viewer, FIRST_TOOL, eye, back);
     text = viewer_results_text(&viewer);
     assert_memory_equal(text, "query\tatlas\tkind\t", 17);
     const char *first = strstr(text, "\n1\tnested\tarea\t1\tShell outer\t");
@@ -303,7 +304,7 @@ static void all_answers_are_one_table(void **state)
     assert_true(first && second && first < second);
     char *path = strdup(test_scratch("all.tsv"));
     char written[8192] = "";
-    assert_ok(viewer_write_results(&viewer, path));
+    assert_ok(viewer_write_results(&viewer, FIRST_TOOL, path));
     FILE *file = fopen(path, "r");
     assert_non_null(file);
     assert_int_equal(fread(written, 1, sizeof written, file), strlen(text));
@@ -311,7 +312,7 @@ static void all_answers_are_one_table(void **state)
     assert_string_equal(written, text);
     free(path);
     free(text);
-    view_atlas_forget(&viewer.atlases[0]);
+    view_atlas_forget(&viewer.atlases[0], FIRST_TOOL);
     text = viewer_results_text(&viewer);
     assert_non_null(strstr(text, "\n1\tnested\terror\tn/a\tthere is no answer\t"));
     assert_non_null(strstr(text, "\n1\tslabs\tarea\t1\tSlab anterior\t"));
@@ -414,7 +415,7 @@ static void load_three(struct viewer *out)
 static void confirm_and_hide(struct viewer *viewer, size_t atlas)
 {
     viewer_draw(viewer, atlas);
-    viewer_confirm(viewer);
+    tool_confirm(viewer, FIRST_TOOL);
     viewer_hide(viewer, 1, true);
 }
 
@@ -425,7 +426,7 @@ static void a_session_has_all_atlases(void **state)
     char why[PROPERTY_REASON];
     (void)state;
     load_three(&viewer);
-    viewer_aim_along(&viewer, eye, back);
+    tool_aim_along(&viewer, FIRST_TOOL, eye, back);
     char *fresh = session_text(&window);
     confirm_and_hide(&viewer, 0);
     confirm_and_hide(&viewer, 2);
@@ -516,7 +517,7 @@ static void thresholds_of_all_atlases_are_set_or_none(void **state)
     const struct atlas_edits edits = {.thresholds = (double *[]){NULL, second, third}};
     (void)state;
     load_three(&viewer);
-    viewer_aim_along(&viewer, eye, back);
+    tool_aim_along(&viewer, FIRST_TOOL, eye, back);
     assert_fails(viewer_set_up(&viewer, &edits), CONUS_ERROR_ARGUMENT);
     assert_true(view_atlas_pathway(&viewer.atlases[1], 2)->threshold == 0.5);
     assert_true(view_atlas_pathway(&viewer.atlases[2], 2)->threshold == 0.5);
@@ -552,7 +553,7 @@ static void a_session_of_one_atlas_is_that_of_the_first(void **state)
     char why[PROPERTY_REASON];
     (void)state;
     assert_ok(viewer_create(&one, &source, 1, NULL, NULL, NULL));
-    viewer_aim_along(&one, eye, back);
+    tool_aim_along(&one, FIRST_TOOL, eye, back);
     confirm_and_hide(&one, 0);
     char *text = session_text(&window);
     assert_null(strstr(text, "drawn"));

@@ -42,8 +42,8 @@ APPS = {
     "apps/viewer/model": "apps/link apps/options apps/settings apps/viewer/pictures",
     "apps/viewer/tools": "apps/link apps/viewer/devices apps/viewer/model",
     "apps/viewer/ui": "",
-    "apps/viewer/window": "apps/link apps/options apps/figures apps/viewer/pictures apps/viewer/devices"
-    " apps/viewer/model apps/viewer/tools apps/viewer/ui",
+    "apps/viewer/window": "apps/options apps/figures apps/viewer/pictures apps/viewer/model apps/viewer/tools"
+    " apps/viewer/ui",
     "apps/viewer/panes": "apps/settings apps/viewer/pictures apps/viewer/model apps/viewer/tools apps/viewer/ui"
     " apps/viewer/window",
     "apps/viewer/session": "apps/options apps/viewer/model apps/viewer/window",

@@ -10,11 +10,11 @@
 #include "viewer/model/studies.h"
 #include "viewer/session/keep.h"
 #include "viewer/session/undo.h"
+#include "viewer/tools/inputs.h"
 #include "viewer/tools/point.h"
 #include "viewer/ui/ui_list.h"
 #include "viewer/ui/ui_navigate.h"
 #include "viewer/window/figure_form.h"
-#include "viewer/window/hands.h"
 #include "viewer/window/screen.h"
 
 #include <GLFW/glfw3.h>
@@ -29,7 +29,7 @@ static void toggle_help(struct window *window)
 
 static void confirm(struct window *window)
 {
-    viewer_confirm(window->viewer);
+    tool_confirm(window->viewer, FIRST_TOOL);
 }
 
 static void undo(struct window *window)
@@ -64,7 +64,7 @@ static void isolate_chosen(struct window *window)
 
 static void hold(struct window *window)
 {
-    point_hold(window->viewer);
+    tool_hold(window->viewer, FIRST_TOOL);
 }
 
 /* First what covers the brain, then the cone. */
@@ -110,23 +110,21 @@ static void use_ray(struct window *window)
 
 static void use_second(struct window *window)
 {
-    second_use(&window->second, window->viewer, !window->second.on);
-    viewer_say(window->viewer, "the second tool is %s", window->second.on ? "on" : "off");
+    tool_use_second(window->viewer, !window->viewer->tools[SECOND_TOOL].on);
+    viewer_say(window->viewer, "the second tool is %s", window->viewer->tools[SECOND_TOOL].on ? "on" : "off");
 }
 
 static void hold_second(struct window *window)
 {
-    struct tool tool = hands_tool(window, SECOND_HAND);
-    if (window->second.on) {
-        tool_hold(&tool);
+    if (window->viewer->tools[SECOND_TOOL].on) {
+        tool_hold(window->viewer, SECOND_TOOL);
     }
 }
 
 static void scale_second(struct window *window, double factor)
 {
-    struct tool tool = hands_tool(window, SECOND_HAND);
-    if (window->second.on) {
-        tool_widen(&tool, factor);
+    if (window->viewer->tools[SECOND_TOOL].on) {
+        tool_widen(window->viewer, SECOND_TOOL, factor);
     }
 }
 
@@ -160,18 +158,18 @@ static void slow_down(struct window *window)
 
 static void move_by_next(struct window *window)
 {
-    hands_choose_next(window, FIRST_HAND);
+    tool_choose_next(window->viewer, FIRST_TOOL);
 }
 
 static void move_second_by_next(struct window *window)
 {
-    hands_choose_next(window, SECOND_HAND);
+    tool_choose_next(window->viewer, SECOND_TOOL);
 }
 
 static void scale_angle(struct window *window, double factor)
 {
     struct viewer *viewer = window->viewer;
-    viewer->cone.angle = fmin(fmax(viewer->cone.angle * factor, 0.1), 179);
+    viewer->tools[FIRST_TOOL].angle = fmin(fmax(viewer->tools[FIRST_TOOL].angle * factor, 0.1), 179);
     viewer_reselect(viewer);
 }
 

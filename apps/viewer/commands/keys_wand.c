@@ -2,7 +2,7 @@
 /* The wand, moved by keys. */
 #include "viewer/commands/keys_wand.h"
 
-#include "viewer/window/hands.h"
+#include "viewer/tools/inputs.h"
 
 #include <strings.h>
 
@@ -21,13 +21,13 @@ enum { WAND_KEYS = sizeof wand_keys / sizeof wand_keys[0] };
 
 bool keys_wand_press(struct window *window, const char *key)
 {
-    struct tool tool = hands_moved_by(window, POINT_BY_WAND);
-    for (size_t i = 0; tool.viewer && i < WAND_KEYS; i++) {
+    enum tool_number tool = tool_moved_by(window->viewer, POINT_BY_WAND);
+    for (size_t i = 0; tool < TOOL_COUNT && i < WAND_KEYS; i++) {
         const struct wand_key *wand = &wand_keys[i];
         if (strcasecmp(wand->key, key) == 0) {
             double by[6] = {0}; /* moves along its axes, turns about them */
             by[wand->axis] = wand->by;
-            tool_steer(&tool, by, by + 3);
+            tool_steer(window->viewer, tool, by, by + 3);
             return true;
         }
     }

@@ -16,8 +16,8 @@
 #include "viewer/model/export.h"
 #include "viewer/model/search.h"
 #include "viewer/session/session.h"
+#include "viewer/tools/inputs.h"
 #include "viewer/tools/point.h"
-#include "viewer/window/hands.h"
 #include "viewer/window/screen.h"
 
 #include <math.h>
@@ -89,7 +89,7 @@ static bool do_aim(struct call *call)
     for (int a = 0; a < 3; a++) {
         direction[a] = given[3 + a] - given[a];
     }
-    viewer_aim_along(viewer, given, direction);
+    tool_aim_along(viewer, FIRST_TOOL, given, direction);
     return true;
 }
 
@@ -135,8 +135,8 @@ static bool do_point(struct call *call)
     }
     window_sight(call->window, &sight);
     sight_ray(direction, &sight, (double[]){1, 1}, part);
-    if (hands_moved_by(call->window, POINT_BY_MOUSE).second) {
-        hands_point(call->window, sight.camera.world_from_device + 12, direction);
+    if (tool_moved_by(call->window->viewer, POINT_BY_MOUSE) == SECOND_TOOL) {
+        inputs_point(&call->window->inputs, call->window->viewer, sight.camera.world_from_device + 12, direction);
     } else {
         point_through(call->window->viewer, sight.camera.world_from_device + 12, direction);
     }
@@ -163,7 +163,7 @@ static bool do_angle(struct call *call)
     double angle;
     bool fine = numbers(&angle, call, 0, 1) && angle > 0 && angle < 180;
     if (fine) {
-        call->window->viewer->cone.angle = angle;
+        call->window->viewer->tools[FIRST_TOOL].angle = angle;
         viewer_reselect(call->window->viewer);
     }
     return fine;
@@ -206,8 +206,8 @@ static bool do_choose(struct call *call)
 static bool do_pointer(struct call *call)
 {
     for (int i = 0; i < POINTER_COUNT; i++) {
-        if (strcmp(hands_pointers[i], call->words[1]) == 0) {
-            hands_choose(call->window, FIRST_HAND, (enum pointer)i);
+        if (strcmp(pointer_names[i], call->words[1]) == 0) {
+            tool_choose(call->window->viewer, FIRST_TOOL, (enum pointer)i);
             return true;
         }
     }
@@ -336,7 +336,7 @@ static bool do_panes(struct call *call)
 /* What the list shows, as conus query would write it. */
 static bool do_results(struct call *call)
 {
-    return is_done(viewer_write_results(call->window->viewer, call->words[1]));
+    return is_done(viewer_write_results(call->window->viewer, FIRST_TOOL, call->words[1]));
 }
 
 static bool do_export(struct call *call)

@@ -4,7 +4,6 @@
 
 #include "options/messages.h"
 #include "viewer/commands/script_words.h"
-#include "viewer/window/hands.h"
 
 #include <string.h>
 
@@ -27,7 +26,7 @@ static bool aim(struct window *window, const double given[6])
     if (status) {
         print_status(status);
     } else {
-        second_aim(&window->second, &pose);
+        tool_aim(window->viewer, SECOND_TOOL, &pose);
     }
     return !status;
 }
@@ -36,8 +35,8 @@ static bool set_angle(struct window *window, double angle)
 {
     bool fine = angle > 0 && angle < 180;
     if (fine) {
-        window->second.angle = angle;
-        second_touch(&window->second);
+        window->viewer->tools[SECOND_TOOL].angle = angle;
+        tool_changed(window->viewer, SECOND_TOOL);
     }
     return fine;
 }
@@ -45,8 +44,8 @@ static bool set_angle(struct window *window, double angle)
 static bool set_pointer(struct window *window, const char *name)
 {
     for (int i = 0; i < POINTER_COUNT; i++) {
-        if (i != POINT_BY_REPLAY && strcmp(hands_pointers[i], name) == 0) {
-            hands_choose(window, SECOND_HAND, (enum pointer)i);
+        if (i != POINT_BY_REPLAY && strcmp(pointer_names[i], name) == 0) {
+            tool_choose(window->viewer, SECOND_TOOL, (enum pointer)i);
             return true;
         }
     }
@@ -55,9 +54,8 @@ static bool set_pointer(struct window *window, const char *name)
 
 static bool write_results(struct window *window, const char *path)
 {
-    struct second *second = &window->second;
-    second_update(second, window->viewer);
-    conus_status status = viewer_write_answers(window->viewer, (struct answer *const *)second->answers, path);
+    tool_update_second(window->viewer);
+    conus_status status = viewer_write_results(window->viewer, SECOND_TOOL, path);
     if (status) {
         print_status(status);
     }
@@ -66,13 +64,12 @@ static bool write_results(struct window *window, const char *path)
 
 static bool do_word(struct window *window, const char *word)
 {
-    struct tool tool = hands_tool(window, SECOND_HAND);
     if (strcmp(word, "on") == 0 || strcmp(word, "off") == 0) {
-        second_use(&window->second, window->viewer, word[1] == 'n');
+        tool_use_second(window->viewer, word[1] == 'n');
     } else if (strcmp(word, "hold") == 0) {
-        tool_hold(&tool);
+        tool_hold(window->viewer, SECOND_TOOL);
     } else if (strcmp(word, "confirm") == 0) {
-        tool_confirm(&tool);
+        tool_confirm(window->viewer, SECOND_TOOL);
     } else {
         return false;
     }

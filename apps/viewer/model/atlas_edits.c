@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What of atlases can be changed while they are shown: thresholds, colours, the context's transfer function, and which
- * of them is drawn. */
+/* What of atlases can be changed while they are shown: which objects are hidden, thresholds, colours, the context's
+ * transfer function, and which of them is drawn. */
 #include "viewer/model/viewer.h"
 
 #include <math.h>
@@ -15,10 +15,10 @@ static void rest(struct viewer *viewer)
     studier_hold(viewer->study.studier);
     for (size_t i = 0; i < viewer->atlas_count; i++) {
         view_atlas_rest(&viewer->atlases[i]);
-        view_atlas_forget(&viewer->atlases[i]);
+        view_atlas_forget(&viewer->atlases[i], FIRST_TOOL);
     }
     viewer->atlas_number++;
-    viewer->cone.answer_number++;
+    viewer->tools[FIRST_TOOL].answer_number++;
 }
 
 /* What was edited of the transfer function outlives the painter. */
@@ -71,7 +71,7 @@ void viewer_draw(struct viewer *viewer, size_t index)
     forget_transfer(viewer, before, next);
     start_painter(viewer);
     viewer->atlas_number++;
-    viewer->cone.answer_number++;
+    viewer->tools[FIRST_TOOL].answer_number++;
     viewer->version++;
 }
 
@@ -312,4 +312,79 @@ conus_status viewer_set_up(struct viewer *viewer, const struct atlas_edits *sett
         viewer_use_transfer(viewer);
     }
     return status;
+}
+
+/* What is hidden is not in the atlas: it is not hit, not drawn, and blocks nothing. */
+static void hide_in_atlas(struct viewer *viewer, struct view_atlas *on)
+{
+    if (viewer->painter) {
+        painter_hold(viewer->painter);
+    }
+    studier_hold(viewer->study.studier);
+    view_atlas_rest(on);
+    viewer->atlas_number++;
+    if (conus_atlas_set_hidden(on->atlas, on->shown.hidden)) {
+        viewer_say(viewer, "%s", conus_message());
+        for (size_t number = 1; number <= on->object_count; number++) {
+            on->shown.hidden[number] = conus_atlas_is_hidden(on->atlas, number);
+        }
+    }
+    if (viewer->painter) {
+        painter_resume(viewer->painter);
+    }
+    studier_resume(viewer->study.studier);
+    viewer->scene_number++;
+    viewer_reselect(viewer);
+}
+
+bool viewer_is_below(const struct viewer *viewer, uint32_t object, uint32_t ancestor)
+{
+    while (object && object != ancestor) {
+        object = conus_atlas_object(viewer->drawn->atlas, object)->parent;
+    }
+    return object;
+}
+
+enum shown viewer_shown(const struct viewer *viewer, uint32_t object)
+{
+    bool any = false;
+    bool all = true;
+    for (uint32_t number = 1; number <= viewer->drawn->object_count; number++) {
+        if (viewer_is_below(viewer, number, object)) {
+            any = any || !viewer->drawn->shown.hidden[number];
+            all = all && !viewer->drawn->shown.hidden[number];
+        }
+    }
+    return all ? SHOWN : any ? SHOWN_IN_PART : SHOWN_NOT;
+}
+
+void viewer_hide(struct viewer *viewer, uint32_t object, bool hide)
+{
+    for (uint32_t number = 1; number <= viewer->drawn->object_count; number++) {
+        if (viewer_is_below(viewer, number, object)) {
+            viewer->drawn->shown.hidden[number] = hide;
+        }
+    }
+    hide_in_atlas(viewer, viewer->drawn);
+}
+
+void viewer_isolate(struct viewer *viewer, uint32_t object)
+{
+    for (uint32_t number = 1; number <= viewer->drawn->object_count; number++) {
+        viewer->drawn->shown.hidden[number] = !viewer_is_below(viewer, number, object);
+    }
+    hide_in_atlas(viewer, viewer->drawn);
+}
+
+void viewer_show_all(struct viewer *viewer)
+{
+    memset(viewer->drawn->shown.hidden, 0, (viewer->drawn->object_count + 1) * sizeof *viewer->drawn->shown.hidden);
+    hide_in_atlas(viewer, viewer->drawn);
+}
+
+void viewer_set_hidden(struct viewer *viewer, struct view_atlas *on, bool *hidden)
+{
+    free(on->shown.hidden);
+    on->shown.hidden = hidden;
+    hide_in_atlas(viewer, on);
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Changes of the atlases themselves while they are shown: which of them is drawn, thresholds, colours, the
+/** @file Changes of the atlases themselves while they are shown: which of them is drawn, which of their objects are
+ * shown, thresholds, colours, the
  * context's transfer function, and of how they look. */
 #ifndef CONUS_VIEWER_MODEL_ATLAS_EDITS_H
 #define CONUS_VIEWER_MODEL_ATLAS_EDITS_H
@@ -22,6 +23,8 @@ struct transfer_editor {
     bool counted;                  /**< And the grey values, which are when they are first shown. */
     bool edited;                   /**< The points are drawn with instead of the function that the context came with. */
 };
+
+enum shown { SHOWN_NOT = 0, SHOWN_IN_PART, SHOWN };
 
 /** What a session says of the atlases themselves. */
 struct atlas_edits {
@@ -74,5 +77,17 @@ void viewer_use_transfer(struct viewer *viewer);
 
 /** Colours for any colour vision, or the atlases' own. */
 void viewer_use_safe_colours(struct viewer *viewer, bool safe);
+
+/** Hides or shows an object and all below it in the tree. What is hidden is not selected either. */
+void viewer_hide(struct viewer *viewer, uint32_t object, bool hide);
+/** Hides all but an object and what is below it. */
+void viewer_isolate(struct viewer *viewer, uint32_t object);
+void viewer_show_all(struct viewer *viewer);
+/** Hides in @p on, one of the viewer's atlases, what @p hidden says, [object_count + 1], which is taken over. */
+void viewer_set_hidden(struct viewer *viewer, struct view_atlas *on, bool *hidden);
+/** Whether @p object is @p ancestor or below it. */
+bool viewer_is_below(const struct viewer *viewer, uint32_t object, uint32_t ancestor);
+/** What is shown of an object and all below it. */
+enum shown viewer_shown(const struct viewer *viewer, uint32_t object);
 
 #endif

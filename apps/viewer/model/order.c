@@ -37,7 +37,7 @@ size_t *question_order(const struct viewer *viewer, const conus_selection *selec
     bool by_depth = viewer->cone.order == CONUS_ORDER_DEPTH && count;
     conus_selector_options asked;
     size_t *order = by_depth ? malloc(count * sizeof *order) : NULL;
-    viewer_question(&asked, viewer, 0);
+    viewer_question(&asked, viewer, FIRST_TOOL, 0);
     if (order) {
         sort(order, count, selection, asked.layers == CONUS_LAYERS_ALL);
     }

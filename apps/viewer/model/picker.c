@@ -88,7 +88,7 @@ static bool has_pathways(const struct view_atlas *on)
 
 static bool is_hit(const struct view_atlas *on, uint32_t number)
 {
-    const conus_selection *selection = view_atlas_selection(on);
+    const conus_selection *selection = view_atlas_selection(on, FIRST_TOOL);
     for (size_t i = 0; i < conus_selection_count(selection); i++) {
         const conus_result *result = conus_selection_result(selection, i);
         if (result->object == number && result->pixels + result->pierced > 0) {

@@ -25,7 +25,7 @@ bool question_use(struct viewer *viewer, const conus_selector_options *options, 
     }
     cone->options = *options;
     memmove(cone->level, level, strlen(level) + 1); /* it may be this one */
-    viewer_question(&asked, viewer, 0);
+    viewer_question(&asked, viewer, FIRST_TOOL, 0);
     conus_status status = view_atlas_prepare(viewer->atlases, &asked);
     if (status) {
         say_reason(viewer, status);

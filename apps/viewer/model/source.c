@@ -22,11 +22,11 @@ void replay_show(struct replay *replay, struct viewer *viewer, size_t index)
         return;
     }
     if (row->angle > 0 && viewer->cone.options.radius == 0) {
-        viewer->cone.angle = row->angle * 180 / M_PI;
+        viewer->tools[FIRST_TOOL].angle = row->angle * 180 / M_PI;
     }
-    viewer_aim(viewer, &row->pose);
+    tool_aim(viewer, FIRST_TOOL, &row->pose);
     if (row->trigger) {
-        viewer_confirm(viewer);
+        tool_confirm(viewer, FIRST_TOOL);
     }
 }
 
@@ -41,7 +41,7 @@ void replay_toggle(struct replay *replay, double clock)
 
 double replay_rest(const struct replay *replay, const struct viewer *viewer, double clock)
 {
-    if (!replay->playing || viewer->cone.pointer != POINT_BY_REPLAY ||
+    if (!replay->playing || viewer->tools[FIRST_TOOL].pointer != POINT_BY_REPLAY ||
         replay->at + 1 >= conus_pose_list_count(replay->poses)) {
         return INFINITY;
     }
@@ -53,7 +53,7 @@ bool replay_step(struct replay *replay, struct viewer *viewer, double clock)
 {
     size_t count = conus_pose_list_count(replay->poses);
     size_t at = replay->at;
-    if (!replay->playing || viewer->cone.pointer != POINT_BY_REPLAY) {
+    if (!replay->playing || viewer->tools[FIRST_TOOL].pointer != POINT_BY_REPLAY) {
         return false;
     }
     double time = replay_time(replay, replay->from) + clock - replay->started;

@@ -32,16 +32,16 @@ void studies_next(struct viewer *viewer)
 
 bool studies_is_on(const struct viewer *viewer)
 {
-    return viewer->study.settings.kind != STUDY_NONE && viewer->cone.has_pose;
+    return viewer->study.settings.kind != STUDY_NONE && viewer->tools[FIRST_TOOL].has_pose;
 }
 
 static void find_question(struct study_question *out, const struct viewer *viewer)
 {
     out->settings = viewer->study.settings;
-    out->pose = viewer->cone.pose;
+    out->pose = viewer->tools[FIRST_TOOL].pose;
     out->frame = viewer->frame;
     out->atlas_number = viewer->atlas_number;
-    out->angle = viewer_question(&out->options, viewer, 0);
+    out->angle = viewer_question(&out->options, viewer, FIRST_TOOL, 0);
     out->options.level = NULL;
     memcpy(out->level, viewer->cone.level, sizeof out->level);
 }
@@ -101,7 +101,8 @@ const char *studies_text(struct viewer *viewer)
 {
     const struct study_answer *answer = viewer->study.answer;
     if (!studies_is_on(viewer)) {
-        viewer_say(viewer, viewer->cone.has_pose ? "there is no study: J begins one" : "there is no cone to study");
+        viewer_say(viewer, viewer->tools[FIRST_TOOL].has_pose ? "there is no study: J begins one"
+                                                              : "there is no cone to study");
         return NULL;
     }
     if (studies_is_old(viewer)) {

@@ -5,6 +5,7 @@
 #include "options/angles.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <string.h>
 
 const struct study_settings study_defaults = {.angles = {2, 40, 2}, .tilt_deg = 2, .shift_mm = 1.5, .samples = 1024};
@@ -37,19 +38,23 @@ const char *study_fault(const struct study_settings *settings)
     return is_power_of_two(settings->samples) ? NULL : "jitter: samples: a power of two from 16 to 1048576 is needed";
 }
 
-bool study_has_same_selectors(const struct study_question *a, const struct study_question *b)
+bool selector_options_are_same(const conus_selector_options *a, const conus_selector_options *b)
 {
-    const conus_selector_options *one = &a->options;
-    const conus_selector_options *other = &b->options;
-    return a->atlas_number == b->atlas_number && strcmp(a->level, b->level) == 0 && one->engine == other->engine &&
-           one->aperture == other->aperture && one->sampling == other->sampling &&
-           one->resolution == other->resolution && one->slices == other->slices &&
-           one->slice_fraction == other->slice_fraction && one->layers == other->layers &&
-           one->range[0] == other->range[0] && one->range[1] == other->range[1] && one->radius == other->radius &&
-           one->score == other->score;
+    _Static_assert(offsetof(conus_selector_options, slice_fraction) + sizeof a->slice_fraction == sizeof *a,
+                   "a new option is compared here, too");
+    return a->engine == b->engine && a->aperture == b->aperture && a->sampling == b->sampling &&
+           a->resolution == b->resolution && a->slices == b->slices && a->layers == b->layers &&
+           a->range[0] == b->range[0] && a->range[1] == b->range[1] && a->radius == b->radius && a->score == b->score &&
+           a->slice_fraction == b->slice_fraction && strcmp(a->level ? a->level : "", b->level ? b->level : "") == 0;
 }
 
-/* Of those settings that the kind has. */
+bool study_has_same_selectors(const struct study_question *a, const struct study_question *b)
+{
+    return a->atlas_number == b->atlas_number && strcmp(a->level, b->level) == 0 &&
+           selector_options_are_same(&a->options, &b->options);
+}
+
+/* The settings that the kind has. */
 static bool ask_same(const struct study_settings *a, const struct study_settings *b)
 {
     bool same_angles = a->angles[0] == b->angles[0] && a->angles[1] == b->angles[1] && a->angles[2] == b->angles[2];

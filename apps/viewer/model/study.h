@@ -9,6 +9,9 @@
 enum { LEVEL_LIMIT = 1024, STUDY_ERROR = 256 };
 enum study_kind { STUDY_NONE = 0, STUDY_SWEEP, STUDY_JITTER, STUDY_COUNT };
 
+/** Whether both make the same selector. Scores are compared by their address: they are names of conus_score(). */
+bool selector_options_are_same(const conus_selector_options *a, const conus_selector_options *b);
+
 /** What the user sets. */
 struct study_settings {
     enum study_kind kind;

@@ -2,6 +2,8 @@
 /* An atlas of the window: its making, its question and its end. */
 #include "viewer/model/view_atlas.h"
 
+#include "viewer/model/study.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -39,9 +41,12 @@ bool view_atlas_init(struct view_atlas *out, const struct view_source *source)
                             .path = strdup(source->path ? source->path : ""),
                             .name = strdup(source->name ? source->name : ""),
                             .object_count = conus_atlas_object_count(source->atlas)};
-    bool has_shown = shown_init(&on.shown, on.atlas);
+    on.shown.hidden = calloc(on.object_count + 1, sizeof *on.shown.hidden);
+    for (size_t number = 1; on.shown.hidden && number <= on.object_count; number++) {
+        on.shown.hidden[number] = conus_atlas_is_hidden(on.atlas, number);
+    }
     bool has_look = look_init(&on.look, on.object_count);
-    if (!has_shown || !has_look || !on.path || !on.name) {
+    if (!on.shown.hidden || !has_look || !on.path || !on.name) {
         view_atlas_finish(&on);
         return false;
     }
@@ -55,9 +60,11 @@ bool view_atlas_init(struct view_atlas *out, const struct view_source *source)
 
 void view_atlas_finish(struct view_atlas *on)
 {
-    view_atlas_forget(on);
+    for (enum tool_number tool = FIRST_TOOL; tool < TOOL_COUNT; tool++) {
+        view_atlas_forget(on, tool);
+    }
     view_atlas_rest(on);
-    shown_finish(&on->shown);
+    free(on->shown.hidden);
     look_finish(&on->look);
     watch_destroy(on->watch);
     free(on->sides);
@@ -67,19 +74,9 @@ void view_atlas_finish(struct view_atlas *on)
     free(on->path);
 }
 
-/* Of those that the window can change. */
-static bool are_same(const conus_selector_options *a, const conus_selector_options *b)
-{
-    return a->engine == b->engine && a->aperture == b->aperture && a->sampling == b->sampling &&
-           a->resolution == b->resolution && a->slices == b->slices && a->slice_fraction == b->slice_fraction &&
-           a->layers == b->layers && a->range[0] == b->range[0] && a->range[1] == b->range[1] &&
-           a->radius == b->radius && a->score == b->score &&
-           strcmp(a->level ? a->level : "", b->level ? b->level : "") == 0;
-}
-
 conus_status view_atlas_prepare(struct view_atlas *on, const conus_selector_options *options)
 {
-    if (on->selector && are_same(options, &on->made_with)) {
+    if (on->selector && selector_options_are_same(options, &on->made_with)) {
         return CONUS_OK;
     }
     char *level = options->level ? strdup(options->level) : NULL;
@@ -95,8 +92,8 @@ conus_status view_atlas_prepare(struct view_atlas *on, const conus_selector_opti
     return conus_selector_create(&on->selector, on->atlas, options);
 }
 
-conus_status view_atlas_select(struct view_atlas *on, const conus_selector_options *options, const conus_pose *pose,
-                               double angle)
+conus_status view_atlas_select(struct view_atlas *on, enum tool_number tool, const conus_selector_options *options,
+                               const conus_pose *pose, double angle)
 {
     conus_selection *selection = NULL;
     conus_status status = view_atlas_prepare(on, options);
@@ -106,8 +103,8 @@ conus_status view_atlas_select(struct view_atlas *on, const conus_selector_optio
         conus_selection_destroy(selection);
         status = CONUS_ERROR_MEMORY;
     }
-    answer_drop(on->answer);
-    on->answer = answer;
+    answer_drop(on->answers[tool]);
+    on->answers[tool] = answer;
     return status;
 }
 
@@ -120,15 +117,15 @@ void view_atlas_rest(struct view_atlas *on)
     on->probe = NULL;
 }
 
-void view_atlas_forget(struct view_atlas *on)
+void view_atlas_forget(struct view_atlas *on, enum tool_number tool)
 {
-    answer_drop(on->answer);
-    on->answer = NULL;
+    answer_drop(on->answers[tool]);
+    on->answers[tool] = NULL;
 }
 
-const conus_selection *view_atlas_selection(const struct view_atlas *on)
+const conus_selection *view_atlas_selection(const struct view_atlas *on, enum tool_number tool)
 {
-    return answer_selection(on->answer);
+    return answer_selection(on->answers[tool]);
 }
 
 const char *view_atlas_title(char out[VIEW_ATLAS_TITLE], const struct view_atlas *on, size_t number)

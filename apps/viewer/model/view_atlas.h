@@ -4,10 +4,19 @@
 #ifndef CONUS_VIEWER_MODEL_VIEW_ATLAS_H
 #define CONUS_VIEWER_MODEL_VIEW_ATLAS_H
 
-#include "viewer/model/shown.h"
+#include "viewer/model/tool.h"
 #include "viewer/model/watch.h"
 #include "viewer/pictures/answer.h"
 #include "viewer/pictures/look.h"
+
+enum { SEARCH_SIZE = 64 };
+
+/** Which areas and pathways of an atlas are shown. */
+struct shown_objects {
+    bool *hidden;    /**< [object_count + 1] */
+    uint32_t chosen; /**< The object that was clicked in the list of areas; 0 = none. */
+    char search[SEARCH_SIZE];
+};
 
 struct view_atlas {
     conus_atlas *atlas;
@@ -20,13 +29,13 @@ struct view_atlas {
                            others: what air and bright tissue have; both 0 without one. */
     struct look look;
     struct shown_objects shown;
-    struct watch *watch;              /**< NULL without memory. */
-    conus_selector *selector;         /**< Made when needed; NULL after the atlas changed. */
-    conus_selector_options made_with; /**< The selector. */
-    char *made_level;                 /**< Its level; NULL = none. */
-    struct answer *answer;            /**< To the newest question; NULL = none. */
-    conus_selector *picker;           /**< Of picker.c; made when needed. */
-    conus_cutter *probe;              /**< Likewise. */
+    struct watch *watch;                /**< NULL without memory. */
+    conus_selector *selector;           /**< Made when needed; NULL after the atlas changed. */
+    conus_selector_options made_with;   /**< The selector. */
+    char *made_level;                   /**< Its level; NULL = none. */
+    struct answer *answers[TOOL_COUNT]; /**< To the newest question, for each tool; NULL = none. */
+    conus_selector *picker;             /**< Of picker.c; made when needed. */
+    conus_cutter *probe;                /**< Likewise. */
 };
 
 /** What a view_atlas is made of. */
@@ -40,18 +49,18 @@ bool view_atlas_init(struct view_atlas *out, const struct view_source *source);
 /** Ends all but the atlas itself. */
 void view_atlas_finish(struct view_atlas *on);
 
-/** Asks for what is in the cone of full opening @p angle, radians. Where that fails, there is no answer. */
-conus_status view_atlas_select(struct view_atlas *on, const conus_selector_options *options, const conus_pose *pose,
-                               double angle);
+/** Asks for what is in the cone of a tool, of full opening @p angle, radians. Where that fails, there is no answer. */
+conus_status view_atlas_select(struct view_atlas *on, enum tool_number tool, const conus_selector_options *options,
+                               const conus_pose *pose, double angle);
 /** Makes the selector, unless there is one of these options. */
 conus_status view_atlas_prepare(struct view_atlas *on, const conus_selector_options *options);
 /** Ends what was made for the atlas and would have to be made anew after a change; the answer stays. */
 void view_atlas_rest(struct view_atlas *on);
-/** Ends the answer. */
-void view_atlas_forget(struct view_atlas *on);
+/** Ends the answer for a tool. */
+void view_atlas_forget(struct view_atlas *on, enum tool_number tool);
 
-/** The answer; NULL = none. */
-const conus_selection *view_atlas_selection(const struct view_atlas *on);
+/** The answer for a tool; NULL = none. */
+const conus_selection *view_atlas_selection(const struct view_atlas *on, enum tool_number tool);
 /** Index of the context volume, or the number of volumes where there is none. */
 size_t view_atlas_context(const struct view_atlas *on);
 /** Grey values that the cuts show as black and white now. */

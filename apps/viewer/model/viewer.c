@@ -2,8 +2,6 @@
 /* The viewer: creation, the cone, confirmed results, crosshair. */
 #include "viewer/model/viewer.h"
 
-#include "link/clock.h"
-
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -71,8 +69,9 @@ static bool init_atlases(struct viewer *viewer, const struct view_source *source
 conus_status viewer_create(struct viewer *out, const struct view_source *sources, size_t count, const char *transfer,
                            conus_log log, void (*wake)(void))
 {
-    struct viewer viewer = {
-        .transfer = transfer ? strdup(transfer) : NULL, .cone = {.angle = default_angle}, .wake = wake};
+    struct viewer viewer = {.transfer = transfer ? strdup(transfer) : NULL,
+                            .tools = {{.on = true, .angle = default_angle}, {.angle = default_angle}},
+                            .wake = wake};
     viewer.display.fill = 0.45;
     viewer.study.settings = study_defaults;
     viewer.cone.options.log = log;
@@ -102,16 +101,11 @@ void viewer_finish(struct viewer *viewer)
 
 const conus_selection *viewer_selection(const struct viewer *viewer)
 {
-    return view_atlas_selection(viewer->drawn);
+    return view_atlas_selection(viewer->drawn, FIRST_TOOL);
 }
 
-static void say_failure(struct viewer *viewer, const struct view_atlas *on, conus_status status)
-{
-    viewer_say(viewer, "%s%s%s", on->name, on->name[0] ? ": " : "",
-               status == CONUS_ERROR_MEMORY ? "not enough memory" : conus_message());
-}
-
-double viewer_question(conus_selector_options *options, const struct viewer *viewer, size_t index)
+double viewer_question(conus_selector_options *options, const struct viewer *viewer, enum tool_number tool,
+                       size_t index)
 {
     const struct cone_state *cone = &viewer->cone;
     *options = cone->options;
@@ -121,38 +115,8 @@ double viewer_question(conus_selector_options *options, const struct viewer *vie
         options->radius = 0;
         options->layers = CONUS_LAYERS_VISIBLE;
     }
-    double angle = cone->one_ray ? ray_angle : cone->angle;
+    double angle = cone->one_ray ? ray_angle : viewer->tools[tool].angle;
     return options->radius > 0 ? 0 : angle * (M_PI / 180); /* as conus query has it, to the last bit */
-}
-
-/* Where nothing is hit, there is no contact to go to. */
-static void follow_cone(struct viewer *viewer)
-{
-    const conus_result *best = conus_selection_result(viewer_selection(viewer), 0);
-    if (viewer->cone.follow == FOLLOW_TIP) {
-        viewer_cross(viewer, viewer->cone.pose.world_from_device + 12);
-    } else if (viewer->cone.follow == FOLLOW_CONTACT && best && best->object && best->pixels) {
-        viewer_cross(viewer, best->contact);
-    }
-}
-
-/* Of an atlas that cannot answer nothing is left of its answer before. */
-static void select_now(struct viewer *viewer)
-{
-    conus_selector_options options;
-    double begun = clock_ms();
-    for (size_t i = 0; i < viewer->atlas_count; i++) {
-        struct view_atlas *on = &viewer->atlases[i];
-        double angle = viewer_question(&options, viewer, i);
-        conus_status status = view_atlas_select(on, &options, &viewer->cone.pose, angle);
-        if (status) {
-            say_failure(viewer, on, status);
-        }
-    }
-    viewer->cone.select_ms = clock_ms() - begun;
-    viewer->cone.answer_number++;
-    viewer->version++;
-    follow_cone(viewer);
 }
 
 bool viewer_to_world(double world[3], struct viewer *viewer, const double given[3])
@@ -196,51 +160,6 @@ const char *viewer_place_text(char out[VIEWER_PLACE_TEXT], const struct viewer *
     return out;
 }
 
-void viewer_aim(struct viewer *viewer, const conus_pose *pose)
-{
-    viewer->cone.pose = *pose;
-    viewer->cone.has_pose = true;
-    select_now(viewer);
-}
-
-void viewer_aim_along(struct viewer *viewer, const double origin[3], const double direction[3])
-{
-    conus_pose pose;
-    if (conus_pose_along(&pose, origin, direction, NULL)) {
-        viewer_say(viewer, "%s", conus_message());
-    } else {
-        viewer_aim(viewer, &pose);
-    }
-}
-
-void viewer_clear(struct viewer *viewer)
-{
-    viewer->cone.has_pose = viewer->cone.frozen = false;
-    viewer_reselect(viewer);
-}
-
-void viewer_place(struct viewer *viewer)
-{
-    static const double in_front = 1.6; /* radii from the middle, towards the face (+y) */
-    const double *c = viewer->centre;
-    if (!viewer->cone.has_pose) {
-        viewer_aim_along(viewer, (double[]){c[0], c[1] + in_front * viewer->radius, c[2]}, (double[]){0, -1, 0});
-    }
-}
-
-void viewer_reselect(struct viewer *viewer)
-{
-    viewer->version++;
-    if (viewer->cone.has_pose) {
-        select_now(viewer);
-        return;
-    }
-    for (size_t i = 0; i < viewer->atlas_count; i++) {
-        view_atlas_forget(&viewer->atlases[i]);
-    }
-    viewer->cone.answer_number++;
-}
-
 static double distance_between(const double a[3], const double b[3])
 {
     double square = 0;
@@ -264,20 +183,6 @@ void viewer_pin(struct viewer *viewer, size_t atlas, uint32_t object, const char
     memcpy(pin.contact, contact, sizeof pin.contact);
     pin.apart = last ? distance_between(last->contact, pin.contact) : NAN;
     viewer->pins[viewer->pin_count++] = pin;
-}
-
-void viewer_confirm(struct viewer *viewer)
-{
-    const conus_result *best = conus_selection_result(viewer_selection(viewer), 0);
-    if (!best || !best->object) {
-        viewer_say(viewer, "nothing in the cone to confirm");
-        return;
-    }
-    viewer_pin(viewer, (size_t)(viewer->drawn - viewer->atlases), best->object, NULL, best->share, best->distance,
-               best->contact);
-    char title[VIEW_ATLAS_TITLE];
-    viewer_say(viewer, "confirmed: %s, %.1f mm from the device",
-               viewer_pin_title(title, viewer, &viewer->pins[viewer->pin_count - 1]), best->distance);
 }
 
 const char *viewer_pin_title(char out[VIEW_ATLAS_TITLE], const struct viewer *viewer, const struct pin *pin)
@@ -310,8 +215,8 @@ char *viewer_pins_text(const struct viewer *viewer)
 }
 
 /* The answer of atlas @p index, or why there is none, behind those of the atlases before it. */
-static conus_status add_report(conus_report **reports, struct viewer *viewer, struct answer *const *answers,
-                               size_t index, conus_format format, const char *command)
+static conus_status add_report(conus_report **reports, struct viewer *viewer, enum tool_number tool, size_t index,
+                               conus_format format, const char *command)
 {
     struct view_atlas *on = &viewer->atlases[index];
     const conus_report_options options = {.format = format,
@@ -320,58 +225,46 @@ static conus_status add_report(conus_report **reports, struct viewer *viewer, st
                                           .command = command,
                                           .order = viewer->cone.order,
                                           .no_voxels = true};
+    const conus_selection *selection = view_atlas_selection(on, tool);
     conus_selector_options asked;
     bool was_asked = false;
     for (size_t i = 0; i < viewer->atlas_count; i++) {
-        was_asked = was_asked || (answers && answers[i]);
+        was_asked = was_asked || view_atlas_selection(&viewer->atlases[i], tool);
     }
-    viewer_question(&asked, viewer, index);
+    viewer_question(&asked, viewer, tool, index);
     conus_status status = view_atlas_prepare(on, &asked);
     status = status ? status : conus_report_create(&reports[index], on->selector, &options);
-    if (!status && answers && answers[index]) {
-        status = conus_report_add(reports[index], "1", answer_selection(answers[index]));
+    if (!status && selection) {
+        status = conus_report_add(reports[index], "1", selection);
     } else if (!status && was_asked) {
         status = conus_report_add_error(reports[index], "1", 0, "there is no answer");
     }
     return status || !index ? status : conus_report_join(reports[0], reports[index]);
 }
 
-static conus_status report_answers(conus_report **reports, struct viewer *viewer, struct answer *const *answers,
-                                   conus_format format, const char *command)
+static conus_status report_tool(conus_report **reports, struct viewer *viewer, enum tool_number tool,
+                                conus_format format, const char *command)
 {
     conus_status status = CONUS_OK;
     for (size_t i = 0; i < viewer->atlas_count && !status; i++) {
-        status = add_report(reports, viewer, answers, i, format, command);
+        status = add_report(reports, viewer, tool, i, format, command);
     }
     return status;
-}
-
-/* The answers of the atlases; the array is to be freed. */
-static struct answer **answers_of(const struct viewer *viewer)
-{
-    struct answer **answers = calloc(viewer->atlas_count, sizeof(struct answer *));
-    for (size_t i = 0; answers && i < viewer->atlas_count; i++) {
-        answers[i] = viewer->atlases[i].answer;
-    }
-    return answers;
 }
 
 conus_status viewer_report(conus_report **reports, struct viewer *viewer, conus_format format, const char *command)
 {
-    struct answer **answers = answers_of(viewer);
-    conus_status status = answers ? report_answers(reports, viewer, answers, format, command) : CONUS_ERROR_MEMORY;
-    free((void *)answers);
-    return status;
+    return report_tool(reports, viewer, FIRST_TOOL, format, command);
 }
 
-/* These answers as a table; to be freed. */
-static conus_status tabulate(char **out, struct viewer *viewer, struct answer *const *answers)
+/* What a tool selected in all atlases, as a table; to be freed. */
+static conus_status tabulate(char **out, struct viewer *viewer, enum tool_number tool)
 {
     conus_report **reports = calloc(viewer->atlas_count, sizeof(conus_report *));
     conus_status status = reports ? CONUS_OK : CONUS_ERROR_MEMORY;
     const char *text;
     size_t size;
-    status = status ? status : report_answers(reports, viewer, answers, CONUS_FORMAT_TSV, NULL);
+    status = status ? status : report_tool(reports, viewer, tool, CONUS_FORMAT_TSV, NULL);
     status = status ? status : conus_report_text(&text, &size, reports[0]);
     *out = status ? NULL : strdup(text);
     for (size_t i = 0; reports && i < viewer->atlas_count; i++) {
@@ -381,34 +274,16 @@ static conus_status tabulate(char **out, struct viewer *viewer, struct answer *c
     return status || *out ? status : CONUS_ERROR_MEMORY;
 }
 
-/* What was selected in all atlases. */
-static conus_status make_table(char **out, struct viewer *viewer)
-{
-    struct answer **answers = answers_of(viewer);
-    conus_status status = answers ? tabulate(out, viewer, answers) : CONUS_ERROR_MEMORY;
-    free((void *)answers);
-    return status;
-}
-
 char *viewer_results_text(struct viewer *viewer)
 {
     char *text;
-    return make_table(&text, viewer) ? NULL : text;
+    return tabulate(&text, viewer, FIRST_TOOL) ? NULL : text;
 }
 
-conus_status viewer_write_answers(struct viewer *viewer, struct answer *const *answers, const char *path)
+conus_status viewer_write_results(struct viewer *viewer, enum tool_number tool, const char *path)
 {
     char *text = NULL;
-    conus_status status = tabulate(&text, viewer, answers);
-    status = status ? status : conus_write_file(path, text, strlen(text));
-    free(text);
-    return status;
-}
-
-conus_status viewer_write_results(struct viewer *viewer, const char *path)
-{
-    char *text = NULL;
-    conus_status status = make_table(&text, viewer);
+    conus_status status = tabulate(&text, viewer, tool);
     status = status ? status : conus_write_file(path, text, strlen(text));
     free(text);
     return status;

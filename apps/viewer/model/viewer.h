@@ -8,20 +8,12 @@
 
 #include "viewer/model/atlas_edits.h"
 #include "viewer/model/studier.h"
+#include "viewer/model/tool.h"
 #include "viewer/model/view_atlas.h"
 #include "viewer/pictures/head.h"
 #include "viewer/pictures/orbit.h"
 #include "viewer/pictures/painter.h"
 
-enum pointer {
-    POINT_BY_MOUSE = 0,
-    POINT_BY_WAND,
-    POINT_BY_REPLAY,
-    POINT_BY_TRACKER,
-    POINT_BY_SPACEMOUSE,
-    POINT_BY_GAMEPAD,
-    POINTER_COUNT
-};
 /** What the crosshair, and so the cuts, go along with. */
 enum follow { FOLLOW_NOTHING = 0, FOLLOW_TIP, FOLLOW_CONTACT, FOLLOW_COUNT };
 enum plane { AXIAL = 0, CORONAL, SAGITTAL, PLANE_COUNT };
@@ -37,20 +29,14 @@ struct pin {
     double apart;           /**< mm from the pin before it; NaN of the first. */
 };
 
-/** Where the cone is, what moves it, and how all atlases are asked. */
+/** How all atlases are asked, for both tools, and what the first one's cone does besides. */
 struct cone_state {
-    enum pointer pointer;
-    conus_pose pose;
-    bool has_pose, frozen;          /**< Frozen: the mouse does not move the cone. */
     bool apex_at_eye;               /**< Of the mouse's cones: not at the surface that the mouse is over. */
     bool one_ray;                   /**< In place of the cone there is one ray along its axis, first hits only. */
     enum follow follow;             /**< The cone's tip, or the contact of its best hit in the drawn atlas. */
-    double angle;                   /**< Full opening, degrees. */
     conus_selector_options options; /**< Without a level. */
     char level[LEVEL_LIMIT];        /**< Of the first atlas, as conus_selector_options has it; "" = none. */
     conus_order order;              /**< Of the lists. */
-    unsigned answer_number;         /**< Tells answers apart, whose addresses may come again. */
-    double select_ms;               /**< Of all atlases. */
 };
 
 /** How the panes draw. */
@@ -87,6 +73,7 @@ struct viewer {
     double centre[3], radius; /**< A ball around all atlases, world mm. */
     conus_frame frame;        /**< The space in which positions are typed, shown and written. */
 
+    struct tool tools[TOOL_COUNT];
     struct cone_state cone;
     struct display display;
     struct result_list list;
@@ -121,8 +108,6 @@ void viewer_find_ball(struct viewer *viewer);
 /** Puts one line into the status line. */
 void viewer_say(struct viewer *viewer, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
-/** Moves the cone and selects. */
-void viewer_aim(struct viewer *viewer, const conus_pose *pose);
 /** A position of the viewer's space, in the world; false with a line in the status line. */
 bool viewer_to_world(double world[3], struct viewer *viewer, const double given[3]);
 enum { VIEWER_PLACE_TEXT = 96 };
@@ -131,23 +116,14 @@ const char *viewer_place_text(char out[VIEWER_PLACE_TEXT], const struct viewer *
 /** How a coordinate is printed, and written so, without a "-0.0". Returns the characters. */
 const char *viewer_place_format(const struct viewer *viewer);
 size_t viewer_put_coordinate(char *out, size_t size, const struct viewer *viewer, double value);
-/** Aims from @p origin along @p direction. */
-void viewer_aim_along(struct viewer *viewer, const double origin[3], const double direction[3]);
-/** There is no cone any more, and no answer; the mouse is free to make another one. */
-void viewer_clear(struct viewer *viewer);
-/** How atlas @p index is asked: the cone's options and its full opening, radians; with one_ray those of that ray. The
- * level is borrowed from the viewer. */
-double viewer_question(conus_selector_options *options, const struct viewer *viewer, size_t index);
-/** Puts the device in front of the brain, looking at its middle, unless it has a pose already. */
-void viewer_place(struct viewer *viewer);
-/** To be called after options, angle or score changed, or whether there is a pose: without one there is no answer. */
-void viewer_reselect(struct viewer *viewer);
-/** Pins the best result in the drawn atlas, or else nothing. */
-void viewer_confirm(struct viewer *viewer);
+/** How atlas @p index is asked for a tool: the options and its full opening, radians, 0 of a cylinder; with one_ray
+ * those of that ray. The level is borrowed from the viewer. */
+double viewer_question(conus_selector_options *options, const struct viewer *viewer, enum tool_number tool,
+                       size_t index);
 /** Pins a result in atlas @p atlas that was confirmed before. @p name: of object 0; else NULL. */
 void viewer_pin(struct viewer *viewer, size_t atlas, uint32_t object, const char *name, double share, double distance,
                 const double contact[3]);
-/** The answer in the drawn atlas; NULL = none. */
+/** The first tool's answer in the drawn atlas; NULL = none. */
 const conus_selection *viewer_selection(const struct viewer *viewer);
 /** How lists call the object of a pin, one of the viewer's: as view_atlas_title() does, by the name that it had then.
  */
@@ -161,11 +137,8 @@ char *viewer_results_text(struct viewer *viewer);
  * [atlas_count], zeroed, and the caller's to end in any case. @p command: the command line that they say, or NULL. */
 conus_status viewer_report(conus_report **reports, struct viewer *viewer, conus_format format, const char *command);
 
-/** The same, as conus query -o FILE.tsv writes it. */
-conus_status viewer_write_results(struct viewer *viewer, const char *path);
-/** Likewise of other answers, [atlas_count] in the viewer's atlases, to the same question but for pose and angle; NULL,
- * or of one NULL, = there is none. */
-conus_status viewer_write_answers(struct viewer *viewer, struct answer *const *answers, const char *path);
+/** Writes what a tool selected in all atlases as conus query -o FILE.tsv does. */
+conus_status viewer_write_results(struct viewer *viewer, enum tool_number tool, const char *path);
 
 /** Puts the crosshair there, but not far from the atlas. */
 void viewer_cross(struct viewer *viewer, const double at[3]);

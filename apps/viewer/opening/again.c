@@ -67,7 +67,6 @@ static bool is_doubtful(struct window *window, const conus_atlas *now, const jso
 /* Nothing that was made of the atlases before may outlive them. */
 static void forget_pictures(struct window *window)
 {
-    second_forget(&window->second);
     window->frame.hover.object = 0;
     window->frame.listed = 0;
     for (int p = 0; p < PLANE_COUNT; p++) {

@@ -12,7 +12,6 @@
 #include "viewer/opening/reopen.h"
 #include "viewer/opening/waiting.h"
 #include "viewer/session/session.h"
-#include "viewer/window/hands.h"
 #include "viewer/window/screen.h"
 
 #include <GLFW/glfw3.h>
@@ -97,12 +96,12 @@ static bool find_frame(conus_frame *frame, struct window *window, const struct a
 static bool show(struct window *window, struct viewer *viewer, const struct view_settings *settings, char *why)
 {
     window_show(window, viewer);
-    viewer->cone.pointer = window->inputs.station        ? POINT_BY_TRACKER
-                           : window->inputs.replay.poses ? POINT_BY_REPLAY
-                                                         : POINT_BY_MOUSE;
+    viewer->tools[FIRST_TOOL].pointer = window->inputs.station        ? POINT_BY_TRACKER
+                                        : window->inputs.replay.poses ? POINT_BY_REPLAY
+                                                                      : POINT_BY_MOUSE;
     if (window->inputs.second_station || window->inputs.has_second_tool) {
-        hands_choose(window, SECOND_HAND, POINT_BY_TRACKER);
-        second_use(&window->second, viewer, true);
+        tool_choose(window->viewer, SECOND_TOOL, POINT_BY_TRACKER);
+        tool_use_second(viewer, true);
     }
     if (window->inputs.replay.poses) {
         replay_show(&window->inputs.replay, viewer, 0);

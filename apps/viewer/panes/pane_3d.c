@@ -3,8 +3,8 @@
 #include "viewer/panes/panes.h"
 
 #include "viewer/model/picker.h"
+#include "viewer/tools/inputs.h"
 #include "viewer/tools/point.h"
-#include "viewer/window/hands.h"
 #include "viewer/window/hover.h"
 #include "viewer/window/screen.h"
 
@@ -35,8 +35,8 @@ static void ask_painter(struct window *window, bool moving)
                             .fade = viewer->display.fade,
                             .backdrop = viewer->display.backdrop,
                             .chosen = viewer->drawn->shown.chosen,
-                            .answer = viewer->drawn->answer,
-                            .answer_number = viewer->cone.answer_number,
+                            .answer = viewer->drawn->answers[FIRST_TOOL],
+                            .answer_number = viewer->tools[FIRST_TOOL].answer_number,
                             .scene_number = viewer->scene_number,
                             .moving = moving};
     bool same = painting_shows_same(&what, &window->pictures.asked);
@@ -199,8 +199,8 @@ static void draw_second_notice(const struct window *window, const float at[2])
 {
     struct notice notice;
     char text[128];
-    hands_notice(&notice, window, SECOND_HAND);
-    if (window->second.on && notice.text) {
+    inputs_notice(&notice, &window->inputs, window->viewer, SECOND_TOOL);
+    if (window->viewer->tools[SECOND_TOOL].on && notice.text) {
         snprintf(text, sizeof text, "tool 2: %s", notice.text);
         ui_draw_text(at, notice.is_trouble ? theme_texts[THEME_ORANGE] : light, text);
     }
@@ -219,7 +219,7 @@ static void draw_notices(const struct window *window)
         ui_draw_text(at, is_well ? light : theme_texts[THEME_ORANGE], text);
         at[1] -= 1.4F * ui_line();
     }
-    hands_notice(&notice, window, FIRST_HAND);
+    inputs_notice(&notice, &window->inputs, window->viewer, FIRST_TOOL);
     if (notice.text) {
         ui_draw_text(at, notice.is_trouble ? theme_texts[THEME_ORANGE] : light, notice.text);
         at[1] -= 1.4F * ui_line();
@@ -243,7 +243,7 @@ static void point(struct window *window)
     double eye[3];
     double direction[3];
     find_ray(eye, direction, window);
-    hands_point(window, eye, direction);
+    inputs_point(&window->inputs, window->viewer, eye, direction);
 }
 
 /* Names what is under the mouse; where the cone follows the mouse, it has its name there already. */
@@ -259,8 +259,8 @@ static void hover(struct window *window)
     if (window->frame.hover.object) {
         window->frame.hover.value = view_atlas_value(viewer->drawn, window->frame.hover.object, window->frame.hover.at);
     }
-    struct tool follows = hands_moved_by(window, POINT_BY_MOUSE);
-    if (window->frame.hover.object && (!follows.viewer || tool_is_held(&follows))) {
+    enum tool_number follows = tool_moved_by(viewer, POINT_BY_MOUSE);
+    if (window->frame.hover.object && (follows == TOOL_COUNT || viewer->tools[follows].held)) {
         hover_tip(window);
     }
 }
@@ -280,9 +280,9 @@ static void use_click(struct window *window, const struct ui_mouse *mouse)
     if (!is_click) {
         return;
     }
-    struct tool tool = hands_moved_by(window, POINT_BY_MOUSE);
-    if (tool.viewer && tool_pose(&tool)) {
-        tool_hold(&tool);
+    enum tool_number tool = tool_moved_by(viewer, POINT_BY_MOUSE);
+    if (tool < TOOL_COUNT && viewer->tools[tool].has_pose) {
+        tool_hold(viewer, tool);
     }
     find_ray(eye, direction, window);
     if (viewer_pick(&object, at, viewer, eye, direction)) {
@@ -315,7 +315,7 @@ static bool use_mouse(struct window *window)
     }
     use_click(window, &mouse);
     if (mouse.doubled) {
-        viewer_confirm(viewer);
+        tool_confirm(viewer, FIRST_TOOL);
     }
     return moved || mouse.wheel != 0;
 }
@@ -325,15 +325,15 @@ static void note_moves(struct window *window, bool by_mouse)
 {
     const struct viewer *viewer = window->viewer;
     double now = clock_ms();
-    bool carried = viewer->cone.pointer >= POINT_BY_REPLAY; /* or a tracker, a SpaceMouse, a gamepad */
+    bool carried = viewer->tools[FIRST_TOOL].pointer >= POINT_BY_REPLAY; /* or a tracker, a SpaceMouse, a gamepad */
     if (by_mouse) {
         window->pictures.moving_until = now + view_rest_ms;
     }
-    if ((carried && window->pictures.carried_answer != viewer->cone.answer_number) ||
+    if ((carried && window->pictures.carried_answer != viewer->tools[FIRST_TOOL].answer_number) ||
         (viewer->head.on && window->pictures.carried_head != viewer->head.number)) {
         window->pictures.moving_until = now + others_rest_ms;
     }
-    window->pictures.carried_answer = viewer->cone.answer_number;
+    window->pictures.carried_answer = viewer->tools[FIRST_TOOL].answer_number;
     window->pictures.carried_head = viewer->head.number;
     window->pictures.moving = now < window->pictures.moving_until;
 }

@@ -31,7 +31,7 @@ void pane_compass(const struct window *window)
     const struct ui_box *box = &window->screen.panes[PANE_3D];
     float reach = 2.9F * ui_line();
     bool is_well;
-    bool has_text = head_text(&window->viewer->head, &is_well) || !window->viewer->cone.has_pose;
+    bool has_text = head_text(&window->viewer->head, &is_well) || !window->viewer->tools[FIRST_TOOL].has_pose;
     float below = has_text ? 1.6F * ui_line() : 0; /* where it stands */
     const float centre[2] = {box->x + box->width - reach, box->y + box->height - reach - below};
     if (box->width > 3 * reach && box->height > 4 * reach) {

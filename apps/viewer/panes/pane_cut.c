@@ -4,7 +4,7 @@
 
 #include "viewer/model/cut_view.h"
 #include "viewer/model/picker.h"
-#include "viewer/window/hands.h"
+#include "viewer/tools/inputs.h"
 #include "viewer/window/hover.h"
 
 #include <math.h>
@@ -208,59 +208,37 @@ static void draw_chosen(const struct window *window, const struct cut_pane *pane
     }
 }
 
-static void aim_along(const struct tool *tool, const double origin[3], const double direction[3])
-{
-    conus_pose pose;
-    if (conus_pose_along(&pose, origin, direction, NULL)) {
-        viewer_say(tool->viewer, "%s", conus_message());
-    } else {
-        tool_aim(tool, &pose);
-    }
-}
-
-/* The first time it looks at the brain's middle, unless it is put there. */
-static void place_wand(const struct tool *tool, const double at[3])
+/* The wand: the first time it looks at the brain's middle, then it moves there, or with Shift turns to it. */
+static void use_wand(struct viewer *viewer, enum tool_number tool, bool shift, const double at[3])
 {
     double direction[3];
+    if (!viewer->tools[tool].has_pose && !shift) {
+        for (int a = 0; a < 3; a++) {
+            direction[a] = viewer->centre[a] - at[a];
+        }
+        if (dot(direction, direction) > 1) {
+            tool_aim_along(viewer, tool, at, direction);
+        } else {
+            tool_place(viewer, tool);
+        }
+        return;
+    }
+    if (!viewer->tools[tool].has_pose) {
+        tool_place(viewer, tool);
+    }
+    const double *m = viewer->tools[tool].pose.world_from_device;
+    const double origin[3] = {m[12], m[13], m[14]};
     for (int a = 0; a < 3; a++) {
-        direction[a] = tool->viewer->centre[a] - at[a];
+        direction[a] = shift ? at[a] - origin[a] : -m[8 + a];
     }
-    if (dot(direction, direction) > 1) {
-        aim_along(tool, at, direction);
-    } else {
-        tool_place(tool);
-    }
-}
-
-static void move_wand(const struct tool *tool, const struct ui_mouse *mouse, const double at[3])
-{
-    const double *m = tool_pose(tool)->world_from_device;
-    double direction[3] = {-m[8], -m[9], -m[10]};
-    double origin[3] = {m[12], m[13], m[14]};
-    for (int a = 0; a < 3; a++) {
-        direction[a] = mouse->shift ? at[a] - origin[a] : direction[a];
-        origin[a] = mouse->shift ? origin[a] : at[a];
-    }
-    aim_along(tool, origin, direction);
-}
-
-static void use_wand(const struct tool *tool, const struct ui_mouse *mouse, const double at[3])
-{
-    if (!tool_pose(tool) && mouse->shift) {
-        tool_place(tool);
-    }
-    if (tool_pose(tool)) {
-        move_wand(tool, mouse, at);
-    } else {
-        place_wand(tool, at);
-    }
+    tool_aim_along(viewer, tool, shift ? origin : at, direction);
 }
 
 static void use_mouse(struct window *window, const struct frame *frame, enum plane plane)
 {
     struct viewer *viewer = window->viewer;
     struct ui_mouse mouse = ui_mouse_now();
-    struct tool wand = hands_moved_by(window, POINT_BY_WAND);
+    enum tool_number wand = tool_moved_by(viewer, POINT_BY_WAND);
     double at[3];
     world_at(at, frame, mouse.x, mouse.y);
     window->frame.hover.object = object_at(frame->pane, mouse.x, mouse.y);
@@ -284,8 +262,8 @@ static void use_mouse(struct window *window, const struct frame *frame, enum pla
         viewer_cross(viewer, at);
         viewer->drawn->shown.chosen =
             window->frame.hover.object ? window->frame.hover.object : viewer->drawn->shown.chosen;
-    } else if (ui_surface_held() && mouse.down[1] && wand.viewer) {
-        use_wand(&wand, &mouse, at);
+    } else if (ui_surface_held() && mouse.down[1] && wand < TOOL_COUNT) {
+        use_wand(viewer, wand, mouse.shift, at);
     }
 }
 

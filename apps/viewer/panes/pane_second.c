@@ -15,34 +15,35 @@ static double distance(const double a[3], const double b[3])
 }
 
 /* To the far side of all atlases. */
-static double whole_length(const struct viewer *viewer, const struct second *second)
+static double whole_length(const struct viewer *viewer)
 {
-    return distance(second->pose.world_from_device + 12, viewer->centre) + viewer->radius;
+    return distance(viewer->tools[SECOND_TOOL].pose.world_from_device + 12, viewer->centre) + viewer->radius;
 }
 
 /* To the farthest contact, so that the cone ends on what it hits; else the whole. */
 static double seen_length(const struct window *window)
 {
     const struct viewer *viewer = window->viewer;
-    const conus_selection *selection = second_selection(&window->second, (size_t)(viewer->drawn - viewer->atlases));
+    const conus_selection *selection = view_atlas_selection(viewer->drawn, SECOND_TOOL);
     double most = 0;
     for (size_t i = 0; i < conus_selection_count(selection); i++) {
         const conus_result *result = conus_selection_result(selection, i);
         if (result->object && result->pixels) {
-            most = fmax(most, distance(result->contact, window->second.pose.world_from_device + 12));
+            most =
+                fmax(most, distance(result->contact, window->viewer->tools[SECOND_TOOL].pose.world_from_device + 12));
         }
     }
-    return most > 0 ? most : whole_length(viewer, &window->second);
+    return most > 0 ? most : whole_length(viewer);
 }
 
 static void find_shell(struct shell *out, const struct window *window, double length)
 {
     conus_selector_options options;
-    double angle = second_question(&options, &window->second, window->viewer, 0);
+    double angle = viewer_question(&options, window->viewer, SECOND_TOOL, 0);
     if (options.radius > 0) { /* a cylinder ends there, too */
         options.range[1] = options.range[1] > 0 ? options.range[1] : length;
     }
-    shell_find(out, &window->second.pose, &options, angle, length);
+    shell_find(out, &window->viewer->tools[SECOND_TOOL].pose, &options, angle, length);
 }
 
 static void draw_line(const float from[2], const float to[2])
@@ -53,7 +54,7 @@ static void draw_line(const float from[2], const float to[2])
 
 static bool shows(const struct window *window)
 {
-    return window->second.on && window->second.has_pose;
+    return window->viewer->tools[SECOND_TOOL].on && window->viewer->tools[SECOND_TOOL].has_pose;
 }
 
 static double dot(const double a[3], const double b[3])
@@ -76,13 +77,13 @@ void pane_second_cut(struct window *window, const struct pane_plane *plane)
     if (!shows(window)) {
         return;
     }
-    second_update(&window->second, window->viewer); /* a panel may have changed the atlas in this frame */
+    tool_update_second(window->viewer); /* a panel may have changed the atlas in this frame */
     for (int a = 0; a < 3; a++) {
         int b = (a + 1) % 3;
         int c = (a + 2) % 3;
         normal[a] = plane->right[b] * plane->up[c] - plane->right[c] * plane->up[b];
     }
-    find_shell(&shell, window, whole_length(window->viewer, &window->second));
+    find_shell(&shell, window, whole_length(window->viewer));
     size_t count = shell_cut(pieces, &shell, plane->centre, normal);
     for (size_t i = 0; i < count; i++) {
         float from[2];
@@ -104,7 +105,7 @@ static void draw_between(const struct window *window, const double from[3], cons
 static void draw_best(const struct window *window)
 {
     const struct viewer *viewer = window->viewer;
-    const conus_selection *selection = second_selection(&window->second, (size_t)(viewer->drawn - viewer->atlases));
+    const conus_selection *selection = view_atlas_selection(viewer->drawn, SECOND_TOOL);
     const conus_result *best = conus_selection_result(selection, 0);
     float at[2];
     if (best && best->object && best->pixels && pane_3d_place(at, window, best->contact)) {
@@ -127,7 +128,7 @@ void pane_second_3d(struct window *window)
     if (!shows(window)) {
         return;
     }
-    second_update(&window->second, window->viewer); /* a panel may have changed the atlas in this frame */
+    tool_update_second(window->viewer); /* a panel may have changed the atlas in this frame */
     find_shell(&shell, window, seen_length(window));
     for (size_t i = 0; i < SHELL_POINTS; i++) {
         size_t next = (i + 1) % SHELL_POINTS;
@@ -137,7 +138,7 @@ void pane_second_3d(struct window *window)
             draw_between(window, shell.near[i], shell.far[i]);
         }
     }
-    if (pane_3d_place(apex, window, window->second.pose.world_from_device + 12)) {
+    if (pane_3d_place(apex, window, window->viewer->tools[SECOND_TOOL].pose.world_from_device + 12)) {
         ui_draw_circle(apex, 4, second_colour, 0);
     }
     draw_best(window);

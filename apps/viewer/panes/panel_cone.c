@@ -3,7 +3,6 @@
 #include "viewer/panes/panels.h"
 
 #include "viewer/tools/point.h"
-#include "viewer/window/hands.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -69,7 +68,7 @@ static bool choose_ray(struct viewer *viewer)
 
 static bool choose_shape(struct viewer *viewer)
 {
-    bool changed = ui_slider("angle", &viewer->cone.angle, 0.1, 179, "%.1f\u00b0", true);
+    bool changed = ui_slider("angle", &viewer->tools[FIRST_TOOL].angle, 0.1, 179, "%.1f\u00b0", true);
     ui_tip("full opening angle of the cone, degrees; + and - change it");
     bool cylinder = viewer->cone.options.radius > 0;
     if (ui_check("cylinder instead", &cylinder)) {
@@ -131,10 +130,10 @@ static bool choose_look(struct viewer *viewer)
 
 static void show_pose(struct viewer *viewer)
 {
-    const double *m = viewer->cone.pose.world_from_device;
+    const double *m = viewer->tools[FIRST_TOOL].pose.world_from_device;
     double origin[3] = {m[12], m[13], m[14]};
     double along[3] = {-m[8], -m[9], -m[10]};
-    if (!viewer->cone.has_pose) {
+    if (!viewer->tools[FIRST_TOOL].has_pose) {
         ui_text("no pose yet");
         return;
     }
@@ -152,23 +151,23 @@ static void show_pose(struct viewer *viewer)
     ui_tip("the direction of the cone's axis, of any length; type numbers and press Enter");
     if ((moved || turned) && viewer_to_world(origin, viewer, origin)) {
         conus_frame_direction_to_world(along, &viewer->frame, along);
-        viewer_aim_along(viewer, origin, along);
+        tool_aim_along(viewer, FIRST_TOOL, origin, along);
     }
 }
 
 void panel_cone(struct window *window)
 {
     struct viewer *viewer = window->viewer;
-    size_t pointer = (size_t)viewer->cone.pointer;
+    size_t pointer = (size_t)viewer->tools[FIRST_TOOL].pointer;
     if (!ui_section("Cone", true)) {
         return;
     }
-    if (ui_choose("points", &pointer, hands_pointers, POINTER_COUNT)) {
-        hands_choose(window, FIRST_HAND, (enum pointer)pointer);
+    if (ui_choose("points", &pointer, pointer_names, POINTER_COUNT)) {
+        tool_choose(window->viewer, FIRST_TOOL, (enum pointer)pointer);
     }
     ui_tip("what moves the cone: the mouse, keys, a file of poses, or a tracked tool");
     panel_source(window);
-    if (viewer->cone.pointer == POINT_BY_MOUSE) {
+    if (viewer->tools[FIRST_TOOL].pointer == POINT_BY_MOUSE) {
         choose_apex(viewer);
     }
     show_pose(viewer);

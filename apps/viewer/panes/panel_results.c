@@ -3,9 +3,7 @@
 #include "viewer/panes/panels.h"
 
 #include "viewer/model/columns.h"
-#include "viewer/tools/notice.h"
 #include "viewer/ui/ui_list.h"
-#include "viewer/window/hands.h"
 
 #include <math.h>
 
@@ -23,7 +21,7 @@ static void draw_number(const char *format, double value)
 static void draw_all_results(struct window *window)
 {
     struct viewer *viewer = window->viewer;
-    float lines = fmaxf((window->second.on ? 8.0F : 16.0F) / (float)viewer->atlas_count, 5);
+    float lines = fmaxf((window->viewer->tools[SECOND_TOOL].on ? 8.0F : 16.0F) / (float)viewer->atlas_count, 5);
     for (size_t i = 0; i < viewer->atlas_count; i++) {
         const struct view_atlas *on = &viewer->atlases[i];
         ui_id((uint32_t)i);
@@ -38,7 +36,7 @@ static void draw_all_results(struct window *window)
                 viewer_draw(viewer, i);
             }
         }
-        panel_list(window, on, view_atlas_selection(on), lines);
+        panel_list(window, on, view_atlas_selection(on, FIRST_TOOL), lines);
         ui_id_end();
     }
 }
@@ -96,7 +94,7 @@ static void draw_export(struct window *window)
 static void draw_buttons(struct window *window)
 {
     if (ui_button("confirm")) {
-        viewer_confirm(window->viewer);
+        tool_confirm(window->viewer, FIRST_TOOL);
     }
     ui_tip("pins the best hit in a list; or Enter, or a double click on the brain");
     draw_copy(window, "copy list", "copies the hits of the cone as a table (Ctrl+C)", COPY_RESULTS);
@@ -127,7 +125,7 @@ void panel_results(struct window *window)
 {
     struct viewer *viewer = window->viewer;
     struct notice notice;
-    hands_notice(&notice, window, FIRST_HAND);
+    inputs_notice(&notice, &window->inputs, window->viewer, FIRST_TOOL);
     ui_panel("Hits of the cone", window->screen.right, 0);
     if (notice.is_trouble || notice.is_old) { /* then what follows is pale */
         ui_text_coloured(theme_texts[THEME_ORANGE], "%s", notice.text);
@@ -137,8 +135,8 @@ void panel_results(struct window *window)
     if (viewer->atlas_count > 1) {
         draw_all_results(window);
     } else {
-        bool shares_room = window->second.on || viewer->study.settings.kind;
-        panel_list(window, viewer->drawn, view_atlas_selection(viewer->drawn), shares_room ? 8 : 14);
+        bool shares_room = window->viewer->tools[SECOND_TOOL].on || viewer->study.settings.kind;
+        panel_list(window, viewer->drawn, view_atlas_selection(viewer->drawn, FIRST_TOOL), shares_room ? 8 : 14);
     }
     ui_dim_end();
     draw_buttons(window);
@@ -146,7 +144,7 @@ void panel_results(struct window *window)
         draw_pins(window);
     }
     panel_study(window, notice.is_old);
-    bool two = window->second.on; /* then its list stands below the first one's */
+    bool two = window->viewer->tools[SECOND_TOOL].on; /* then its list stands below the first one's */
     if (two) {
         panel_second(window);
     }

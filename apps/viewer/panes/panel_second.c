@@ -2,8 +2,6 @@
 /* The second tool: what moves it, its angle, and the list of what its cone hits. */
 #include "viewer/panes/panels.h"
 
-#include "viewer/window/hands.h"
-
 #include <math.h>
 
 /* All but the replay. */
@@ -15,11 +13,11 @@ static void choose_pointer(struct window *window)
     const char *names[PLACES];
     size_t chosen = 0;
     for (size_t i = 0; i < PLACES; i++) {
-        names[i] = hands_pointers[places[i]];
-        chosen = places[i] == window->second.pointer ? i : chosen;
+        names[i] = pointer_names[places[i]];
+        chosen = places[i] == window->viewer->tools[SECOND_TOOL].pointer ? i : chosen;
     }
     if (ui_choose("points", &chosen, names, PLACES)) {
-        hands_choose(window, SECOND_HAND, places[chosen]);
+        tool_choose(window->viewer, SECOND_TOOL, places[chosen]);
     }
     ui_tip(
         "what moves the second tool: another device than the first one's, or another tool of a tracker; 3: the next");
@@ -27,24 +25,22 @@ static void choose_pointer(struct window *window)
 
 static void choose_settings(struct window *window)
 {
-    struct second *second = &window->second;
-    struct tool tool = hands_tool(window, SECOND_HAND);
+    struct viewer *viewer = window->viewer;
+    struct tool *second = &viewer->tools[SECOND_TOOL];
     choose_pointer(window);
     panel_speed(window, second->pointer);
-    double angle = second_angle(second);
-    if (ui_slider("angle", &angle, 0.1, 179, "%.1f\u00b0", true)) {
-        second->angle = angle;
-        second_touch(second);
+    if (ui_slider("angle", &second->angle, 0.1, 179, "%.1f\u00b0", true)) {
+        tool_changed(viewer, SECOND_TOOL);
     }
     ui_tip("full opening of the second cone, degrees; 5 and 6 change it");
     bool held = second->held;
     if (ui_check("hold", &held)) {
-        tool_hold(&tool);
+        tool_hold(viewer, SECOND_TOOL);
     }
     ui_tip("nothing moves the second tool; 4 changes it");
     ui_same_line();
     if (ui_button("confirm 2")) {
-        tool_confirm(&tool);
+        tool_confirm(viewer, SECOND_TOOL);
     }
     ui_tip("pins the best hit of the second cone");
 }
@@ -58,7 +54,7 @@ static void draw_lists(struct window *window)
         if (viewer->atlas_count > 1) {
             ui_text_coloured(theme_texts[THEME_AMBER], "%s", viewer->atlases[i].name);
         }
-        panel_list(window, &viewer->atlases[i], second_selection(&window->second, i), lines);
+        panel_list(window, &viewer->atlases[i], view_atlas_selection(&viewer->atlases[i], SECOND_TOOL), lines);
         ui_id_end();
     }
 }
@@ -66,16 +62,15 @@ static void draw_lists(struct window *window)
 void panel_second(struct window *window)
 {
     struct notice notice;
-    bool on = window->second.on;
+    bool on = window->viewer->tools[SECOND_TOOL].on;
     ui_id(2); /* widgets have the names of the first tool's */
     if (ui_check("second tool", &on)) {
-        second_use(&window->second, window->viewer, on);
+        tool_use_second(window->viewer, on);
     }
     ui_tip("another cone, of another device, with a list of its own; 2 switches it on and off");
-    if (window->second.on) {
-        second_update(&window->second,
-                      window->viewer); /* the panel of areas may have changed the atlas in this frame */
-        hands_notice(&notice, window, SECOND_HAND);
+    if (window->viewer->tools[SECOND_TOOL].on) {
+        tool_update_second(window->viewer); /* the panel of areas may have changed the atlas in this frame */
+        inputs_notice(&notice, &window->inputs, window->viewer, SECOND_TOOL);
         ui_same_line();
         ui_chip("colour of its cone", ((ui_colour){SECOND_RGB, 255}));
         if (notice.text) {

@@ -44,12 +44,12 @@ static void show_tracker(struct window *window)
 
 void panel_source(struct window *window)
 {
-    if (window->viewer->cone.pointer == POINT_BY_REPLAY) {
+    if (window->viewer->tools[FIRST_TOOL].pointer == POINT_BY_REPLAY) {
         show_replay(window);
-    } else if (window->viewer->cone.pointer == POINT_BY_TRACKER) {
+    } else if (window->viewer->tools[FIRST_TOOL].pointer == POINT_BY_TRACKER) {
         show_tracker(window);
     }
-    panel_speed(window, window->viewer->cone.pointer);
+    panel_speed(window, window->viewer->tools[FIRST_TOOL].pointer);
 }
 
 void panel_speed(struct window *window, enum pointer pointer)

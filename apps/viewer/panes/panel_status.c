@@ -41,7 +41,7 @@ static void write_times(char out[STATUS_TEXT], const struct window *window, bool
         painter_device(viewer->painter, device, sizeof device);
     }
     snprintf(out, STATUS_TEXT, "frame %.1f ms, picture %.0f ms, selection %.3f ms%s%s", window->frame.ms,
-             window->pictures.painted_ms, viewer->cone.select_ms, device[0] ? ", " : "", device);
+             window->pictures.painted_ms, viewer->tools[FIRST_TOOL].select_ms, device[0] ? ", " : "", device);
 }
 
 /* Where there is room, with what draws or without. */

@@ -175,7 +175,8 @@ static size_t draw_plot(const struct window *window, const struct study_answer *
     struct ui_box box = {area.x + left, area.y + ui_line() / 2, fmaxf(area.width - left - 8, 1),
                          fmaxf(area.height - 2 * ui_line(), 1)};
     bool hovered = ui_hovered();
-    size_t angle = nearest_angle(answer, hovered ? angle_under(answer, box, ui_mouse_now().x) : viewer->cone.angle);
+    size_t angle =
+        nearest_angle(answer, hovered ? angle_under(answer, box, ui_mouse_now().x) : viewer->tools[FIRST_TOOL].angle);
     if (hovered) {
         tip_of_angle(viewer, answer, table, angle);
     }

@@ -11,7 +11,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const pointer_names[] = {"mouse", "wand", "replay", "tracker", "spacemouse", "gamepad"};
 static const char *const second_pointer_names[] = {"mouse", "wand", NULL, "tracker", "spacemouse", "gamepad"};
 static const char *const layer_names[] = {"visible", "all"};
 static const char *const aperture_names[] = {"circle", "square"};
@@ -51,14 +50,15 @@ _Static_assert(offsetof(struct study_settings, samples) ==
 
 const struct property properties[PROPERTY_COUNT] = {
     [PROPERTY_POSE] = {NULL, "world_from_device", "the pose of the first tool: a 4 x 4 matrix, column by column, mm",
-                       OF_VIEWER(cone.pose), REALS(16, -FAR, FAR), .undo = UNDO_LEAVES_MOVING},
-    [PROPERTY_HAS_POSE] = {NULL, "has_pose", "whether it has one", OF_VIEWER(cone.has_pose), FLAG,
+                       OF_VIEWER(tools[FIRST_TOOL].pose), REALS(16, -FAR, FAR), .undo = UNDO_LEAVES_MOVING},
+    [PROPERTY_HAS_POSE] = {NULL, "has_pose", "whether it has one", OF_VIEWER(tools[FIRST_TOOL].has_pose), FLAG,
                            .undo = UNDO_LEAVES_MOVING},
-    [PROPERTY_FROZEN] = {NULL, "frozen", "whether the cone is held", OF_VIEWER(cone.frozen), FLAG},
-    [PROPERTY_POINTER] = {NULL, "pointer", "what moves the first tool", OF_VIEWER(cone.pointer), ENUM(pointer_names)},
-    [PROPERTY_ANGLE] = {NULL, "angle_deg", "full opening angle of the cone, degrees", OF_VIEWER(cone.angle),
-                        REALS(1, 0.01, 179.99), .undo = UNDO_LEAVES_REPLAY, .change = CHANGES_ANSWER,
-                        .command = "angle"},
+    [PROPERTY_FROZEN] = {NULL, "frozen", "whether the cone is held", OF_VIEWER(tools[FIRST_TOOL].held), FLAG},
+    [PROPERTY_POINTER] = {NULL, "pointer", "what moves the first tool", OF_VIEWER(tools[FIRST_TOOL].pointer),
+                          ENUM(pointer_names)},
+    [PROPERTY_ANGLE] = {NULL, "angle_deg", "full opening angle of the cone, degrees",
+                        OF_VIEWER(tools[FIRST_TOOL].angle), REALS(1, 0.01, 179.99), .undo = UNDO_LEAVES_REPLAY,
+                        .change = CHANGES_ANSWER, .command = "angle"},
     [PROPERTY_RADIUS] = {NULL, "radius_mm", "radius of the cylinder, mm; 0 = a cone", OF_VIEWER(cone.options.radius),
                          REALS(1, 0, FAR)},
     [PROPERTY_RANGE] = {NULL, "range_mm", "the depths that count, mm from the apex; 0, 0 = all",
@@ -132,17 +132,17 @@ const struct property properties[PROPERTY_COUNT] = {
     [PROPERTY_JITTER] = {NULL, "jitter",
                          "its errors: tilt in degrees, shift in mm, and the number of poses, a power of two from 16",
                          OF_VIEWER(study.settings.tilt_deg), REALS(3, 0, 1048576), .presence = PROPERTY_KEPT},
-    [PROPERTY_SECOND_ON] = {"second", "on", "whether there is a second tool", OF_WINDOW(second.on), TRUTH,
+    [PROPERTY_SECOND_ON] = {"second", "on", "whether there is a second tool", OF_VIEWER(tools[SECOND_TOOL].on), TRUTH,
                             .is_set_apart = true},
-    [PROPERTY_SECOND_POINTER] = {"second", "pointer", "what moves it", OF_WINDOW(second.pointer),
+    [PROPERTY_SECOND_POINTER] = {"second", "pointer", "what moves it", OF_VIEWER(tools[SECOND_TOOL].pointer),
                                  ENUM(second_pointer_names)},
-    [PROPERTY_SECOND_HAS_POSE] = {"second", "has_pose", "whether it has a pose", OF_WINDOW(second.has_pose), TRUTH,
-                                  .undo = UNDO_LEAVES_MOVING},
-    [PROPERTY_SECOND_HELD] = {"second", "held", "whether it is held", OF_WINDOW(second.held), TRUTH},
+    [PROPERTY_SECOND_HAS_POSE] = {"second", "has_pose", "whether it has a pose", OF_VIEWER(tools[SECOND_TOOL].has_pose),
+                                  TRUTH, .undo = UNDO_LEAVES_MOVING},
+    [PROPERTY_SECOND_HELD] = {"second", "held", "whether it is held", OF_VIEWER(tools[SECOND_TOOL].held), TRUTH},
     [PROPERTY_SECOND_ANGLE] = {"second", "angle_deg", "full opening of the second cone, degrees",
-                               OF_WINDOW(second.angle), REALS(1, 0.01, 179.99), .change = CHANGES_SECOND},
-    [PROPERTY_SECOND_POSE] = {"second", "world_from_device", "its pose, a matrix as above", OF_WINDOW(second.pose),
-                              REALS(16, -FAR, FAR), .undo = UNDO_LEAVES_MOVING},
+                               OF_VIEWER(tools[SECOND_TOOL].angle), REALS(1, 0.01, 179.99), .change = CHANGES_SECOND},
+    [PROPERTY_SECOND_POSE] = {"second", "world_from_device", "its pose, a matrix as above",
+                              OF_VIEWER(tools[SECOND_TOOL].pose), REALS(16, -FAR, FAR), .undo = UNDO_LEAVES_MOVING},
     [PROPERTY_SPEED] = {NULL, "device_speed", "of a SpaceMouse or gamepad at full deflection, mm and degrees a second",
                         OF_WINDOW(inputs.devices.gamepad.source.speed), REALS(1, SOURCE_LEAST_SPEED, SOURCE_MOST_SPEED),
                         .presence = PROPERTY_KEPT, .is_set_apart = true, .change = CHANGES_SPEED, .command = "speed"},
@@ -378,7 +378,7 @@ static void set(struct window *window, const struct property *property, const do
         viewer_reselect(viewer);
         break;
     case CHANGES_SECOND:
-        second_touch(&window->second);
+        tool_changed(window->viewer, SECOND_TOOL);
         break;
     case CHANGES_SPEED:
         devices_set_speed(&window->inputs.devices, numbers[0]);

@@ -35,7 +35,6 @@ static void take_values(double values[PROPERTY_COUNT][PROPERTY_NUMBERS], const s
     }
     values[PROPERTY_RESOLUTION][0] = viewer->cone.options.resolution ? viewer->cone.options.resolution : 16;
     values[PROPERTY_BY_HEAD][0] = viewer->head.on && viewer->head.known;
-    values[PROPERTY_SECOND_ANGLE][0] = second_angle(&window->second);
     values[PROPERTY_SPEED][0] = devices_speed(&window->inputs.devices);
 }
 
@@ -366,7 +365,7 @@ static void put_head(struct head *head, double values[PROPERTY_COUNT][PROPERTY_N
 static void put_session(struct window *window, struct session *session, const json_t *root)
 {
     struct viewer *viewer = window->viewer;
-    struct second *second = &window->second;
+    struct tool *second = &window->viewer->tools[SECOND_TOOL];
     for (size_t i = 0; i < PROPERTY_COUNT; i++) {
         if (!properties[i].is_set_apart) {
             property_put(window, &properties[i], session->values[i]);
@@ -381,7 +380,7 @@ static void put_session(struct window *window, struct session *session, const js
     read_pins(viewer, root);
     viewer_reselect(viewer);
     enum pointer pointer = second->pointer;
-    second_use(second, viewer, session->values[PROPERTY_SECOND_ON][0] > 0);
+    tool_use_second(viewer, session->values[PROPERTY_SECOND_ON][0] > 0);
     second->pointer = pointer; /* whatever moves the first */
 }
 

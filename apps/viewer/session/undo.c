@@ -9,13 +9,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-static bool moves_by_itself(const struct cone_state *cone)
+static bool moves_by_itself(const struct tool *tool)
 {
-    bool is_driven = cone->pointer >= POINT_BY_SPACEMOUSE || cone->pointer == POINT_BY_MOUSE;
-    return cone->pointer == POINT_BY_REPLAY || cone->pointer == POINT_BY_TRACKER || (is_driven && !cone->frozen);
+    bool is_driven = tool->pointer >= POINT_BY_SPACEMOUSE || tool->pointer == POINT_BY_MOUSE;
+    return tool->pointer == POINT_BY_REPLAY || tool->pointer == POINT_BY_TRACKER || (is_driven && !tool->held);
 }
 
-static bool second_moves_by_itself(const struct second *second)
+static bool second_moves_by_itself(const struct tool *second)
 {
     return second->pointer != POINT_BY_WAND && !second->held;
 }
@@ -26,9 +26,10 @@ static bool is_left_out(const struct property *property, const struct window *wi
     case UNDO_LEAVES:
         return true;
     case UNDO_LEAVES_MOVING:
-        return property->object ? second_moves_by_itself(&window->second) : moves_by_itself(&window->viewer->cone);
+        return property->object ? second_moves_by_itself(&window->viewer->tools[SECOND_TOOL])
+                                : moves_by_itself(&window->viewer->tools[FIRST_TOOL]);
     case UNDO_LEAVES_REPLAY:
-        return window->viewer->cone.pointer == POINT_BY_REPLAY;
+        return window->viewer->tools[FIRST_TOOL].pointer == POINT_BY_REPLAY;
     default:
         return false;
     }
@@ -53,7 +54,7 @@ static void note_versions(struct window *window)
 {
     window->history.noted_version = window->viewer->version;
     window->history.noted_said = window->viewer->said;
-    window->history.noted_second = window->second.version;
+    window->history.noted_second = window->viewer->tools[SECOND_TOOL].version;
     window->history.noted_layout = window->screen.layout;
 }
 
@@ -70,7 +71,8 @@ void undo_note(struct window *window)
 {
     const struct viewer *viewer = window->viewer;
     bool is_new = window->history.noted_version != viewer->version || window->history.noted_said != viewer->said ||
-                  window->history.noted_second != window->second.version || !window->history.changes.count ||
+                  window->history.noted_second != window->viewer->tools[SECOND_TOOL].version ||
+                  !window->history.changes.count ||
                   !layout_is_same(&window->history.noted_layout, &window->screen.layout);
     if (is_new) {
         char *text = text_of(window);

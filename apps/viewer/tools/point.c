@@ -102,20 +102,9 @@ bool point_through(struct viewer *viewer, const double eye[3], const double dire
     conus_pose pose;
     bool found = point_find(&pose, viewer, eye, direction);
     if (found) {
-        viewer_aim(viewer, &pose);
+        tool_aim(viewer, FIRST_TOOL, &pose);
     }
     return found;
-}
-
-void point_hold(struct viewer *viewer)
-{
-    viewer->cone.frozen = !viewer->cone.frozen && viewer->cone.has_pose;
-    viewer->version++;
-    viewer_say(viewer, "%s",
-               viewer->cone.frozen                      ? "the cone stays where it is"
-               : !viewer->cone.has_pose                 ? "there is no cone to hold"
-               : viewer->cone.pointer == POINT_BY_MOUSE ? "the cone follows the mouse"
-                                                        : "the cone moves again");
 }
 
 void point_use_eye(struct viewer *viewer, bool at_eye)

@@ -16,9 +16,6 @@ bool point_find(conus_pose *out, struct viewer *viewer, const double eye[3], con
  * the cone has its apex there. False where the ray passes beside all surfaces: the cone stays as it is. */
 bool point_through(struct viewer *viewer, const double eye[3], const double direction[3]);
 
-/** Holds the cone where it is, or lets it follow the mouse again; without a cone there is nothing to hold. */
-void point_hold(struct viewer *viewer);
-
 /** Puts the apex of the mouse's cones to the eye, or to the surface; the cone that is there stays. */
 void point_use_eye(struct viewer *viewer, bool at_eye);
 

@@ -25,7 +25,7 @@ void window_copy(struct window *window, enum copied what)
     char *text = what == COPY_PINS ? viewer_pins_text(viewer) : viewer_results_text(viewer);
     size_t rows = what == COPY_PINS ? viewer->pin_count : 0;
     for (size_t i = 0; i < viewer->atlas_count && what == COPY_RESULTS; i++) {
-        rows += conus_selection_count(view_atlas_selection(&viewer->atlases[i]));
+        rows += conus_selection_count(view_atlas_selection(&viewer->atlases[i], FIRST_TOOL));
     }
     if (text) {
         glfwSetClipboardString(window->handle, text);

@@ -20,7 +20,7 @@ static uint32_t find_object(const char **how, const struct viewer *viewer)
     const conus_selection *selection = viewer_selection(viewer);
     const conus_result *best = conus_selection_count(selection) ? conus_selection_result(selection, 0) : NULL;
     bool is_hit = best && best->object && best->pixels;
-    *how = !is_hit ? "chosen" : viewer->cone.frozen ? "held" : "hit";
+    *how = !is_hit ? "chosen" : viewer->tools[FIRST_TOOL].held ? "held" : "hit";
     return is_hit ? best->object : viewer->drawn->shown.chosen;
 }
 

@@ -332,10 +332,8 @@ void window_close(struct window *window)
 void window_show(struct window *window, struct viewer *viewer)
 {
     pictures_drop(&window->pictures);
-    second_forget(&window->second);
     history_finish(&window->history);
     window->viewer = viewer;
-    window->second = (struct second){0};
     window->pictures = (struct pictures){0};
     window->frame = (struct frame_state){.frames_wanted = 1};
     window->history = (struct history){0};
@@ -441,7 +439,7 @@ static bool is_behind(const struct window *window)
     }
     return window->frame.frames_wanted || window->frame.shown_version != viewer->version ||
            window->frame.shown_said != viewer->said || window->frame.shown_head != viewer->head.number ||
-           window->frame.shown_second != window->second.version;
+           window->frame.shown_second != window->viewer->tools[SECOND_TOOL].version;
 }
 
 bool window_wants_frame(struct window *window)

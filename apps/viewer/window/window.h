@@ -4,16 +4,14 @@
 #ifndef CONUS_VIEWER_WINDOW_WINDOW_H
 #define CONUS_VIEWER_WINDOW_WINDOW_H
 
-#include "viewer/devices/devices.h"
 #include "viewer/model/additions.h"
 #include "viewer/model/hemisphere_words.h"
 #include "viewer/model/outline.h"
-#include "viewer/model/source.h"
 #include "viewer/model/times.h"
 #include "viewer/model/viewer.h"
 #include "viewer/pictures/cells.h"
 #include "viewer/pictures/sheet.h"
-#include "viewer/tools/second.h"
+#include "viewer/tools/inputs.h"
 #include "viewer/ui/ui.h"
 #include "viewer/window/changes.h"
 #include "viewer/window/dialog.h"
@@ -111,16 +109,6 @@ struct window_files {
     char *saves_as;      /**< Where the session is to be written after the next frame; NULL = nowhere. */
 };
 
-/** What moves the tools and a head from outside of the window. */
-struct inputs {
-    struct replay replay;
-    struct station *station; /**< NULL = none. */
-    struct station_news news;
-    struct station *second_station; /**< Of the second tool; NULL = the first one's. */
-    bool has_second_tool;           /**< The first one's station hears of it. */
-    struct devices devices;
-};
-
 /** How the window is divided, and how large its texts are. */
 struct screen {
     int width, height; /**< Pixels. */
@@ -204,7 +192,6 @@ struct window {
 
     /* as long as the viewer is shown: window_show() begins anew */
     struct viewer *viewer; /**< NULL = there is no atlas. */
-    struct second second;
     struct pictures pictures;
     struct frame_state frame;
     struct history history;

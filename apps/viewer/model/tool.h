@@ -1,0 +1,84 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * The two tools of the window: what moves, holds and confirms them is the same. All atlases of the viewer are asked
+ * what each one's cone hits, with the same question but for the angle. World RAS+, mm. */
+#ifndef CONUS_VIEWER_MODEL_TOOL_H
+#define CONUS_VIEWER_MODEL_TOOL_H
+
+#include <conus/conus.h>
+
+struct viewer;
+
+enum pointer {
+    POINT_BY_MOUSE = 0,
+    POINT_BY_WAND,
+    POINT_BY_REPLAY,
+    POINT_BY_TRACKER,
+    POINT_BY_SPACEMOUSE,
+    POINT_BY_GAMEPAD,
+    POINTER_COUNT
+};
+/** What can move a tool, as panels, scripts and messages call it. */
+extern const char *const pointer_names[POINTER_COUNT];
+
+enum tool_number { FIRST_TOOL = 0, SECOND_TOOL, TOOL_COUNT };
+
+/** sRGB of the second tool's cone. */
+#define SECOND_RGB 0, 190, 255
+
+struct tool {
+    bool on; /**< The first one is always; the second one is off at first. */
+    enum pointer
+        pointer; /**< What moves it: nothing moves both tools but the tracker. The second one never a replay. */
+    conus_pose pose;
+    bool has_pose, held;    /**< Held: neither mouse nor device moves it. */
+    double angle;           /**< Full opening, degrees. */
+    unsigned answer_number; /**< Tells answers apart, whose addresses may come again. */
+    double select_ms;       /**< Of all atlases. */
+    /* of the second tool, which is asked when its answer is needed: */
+    unsigned version;     /**< Grows with every change that shows; the viewer's does not: its cuts stay as they are. */
+    unsigned asked_after; /**< The first one's answer_number when it was asked: whatever changes the question gives that
+                               another one. */
+    bool is_asked;        /**< Its answers are to the pose and angle that are now. */
+};
+
+/** To be called after options, score or the first tool's angle changed, or whether it has a pose: without one there is
+ * no answer. */
+void viewer_reselect(struct viewer *viewer);
+/** The first tool has no pose any more, and no answer; the mouse is free to give it another one. */
+void viewer_clear(struct viewer *viewer);
+
+/** To be called when its pose or angle was changed. */
+void tool_changed(struct viewer *viewer, enum tool_number number);
+/** Moves it, held or not. */
+void tool_aim(struct viewer *viewer, enum tool_number number, const conus_pose *pose);
+/** Aims it from @p origin along @p direction; where that is no direction, the status line says so. */
+void tool_aim_along(struct viewer *viewer, enum tool_number number, const double origin[3], const double direction[3]);
+/** Puts it where it is to start, looking at the brain's middle: the first before the face, the second to the right. */
+void tool_place(struct viewer *viewer, enum tool_number number);
+/** Holds it where it is, or lets it go; without a pose there is nothing to hold. */
+void tool_hold(struct viewer *viewer, enum tool_number number);
+/** Its angle times @p factor, from 0.1 to 179 degrees. */
+void tool_widen(struct viewer *viewer, enum tool_number number, double factor);
+/** Pins the best hit of its cone in the drawn atlas. */
+void tool_confirm(struct viewer *viewer, enum tool_number number);
+/** Has it moved by @p pointer from now on; then nothing holds it. */
+void tool_choose(struct viewer *viewer, enum tool_number number, enum pointer pointer);
+/** Has it moved by the next of all that can move it, and says so. */
+void tool_choose_next(struct viewer *viewer, enum tool_number number);
+
+/** Switches the second tool on or off; a pose stays. What moves the first tool does not move one that is switched on.
+ */
+void tool_use_second(struct viewer *viewer, bool on);
+/** Whether the first tool has the device that shall move the second one. */
+bool tool_second_is_taken(const struct viewer *viewer);
+/** Has the atlases asked about the second tool if its answers are not those to what is set now; costs nothing
+ * otherwise, or while it is off. */
+void tool_update_second(struct viewer *viewer);
+
+/** Whether its pointer moves it: the second one only while it is on and the first has another pointer. */
+bool tool_is_moved(const struct viewer *viewer, enum tool_number number);
+/** The tool that @p pointer moves; TOOL_COUNT = none. */
+enum tool_number tool_moved_by(const struct viewer *viewer, enum pointer pointer);
+
+#endif

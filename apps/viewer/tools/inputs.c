@@ -1,0 +1,220 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Asks the device of each tool, lets it move the tool, and finds what is to be said of it. */
+#include "viewer/tools/inputs.h"
+
+#include "link/clock.h"
+#include "viewer/devices/steer.h"
+#include "viewer/tools/point.h"
+
+#include <math.h>
+
+static const double farthest_radii = 3; /* from the brain's middle: a tool cannot be steered farther away */
+
+static double distance(const double a[3], const double b[3])
+{
+    return hypot(hypot(a[0] - b[0], a[1] - b[1]), a[2] - b[2]);
+}
+
+void tool_steer(struct viewer *viewer, enum tool_number number, const double move[3], const double turn[3])
+{
+    if (!viewer->tools[number].has_pose) {
+        tool_place(viewer, number);
+        return;
+    }
+    conus_pose pose = viewer->tools[number].pose;
+    double before = distance(pose.world_from_device + 12, viewer->centre);
+    steer_pose(&pose, move, turn);
+    steer_within(&pose, viewer->centre, fmax(before, farthest_radii * viewer->radius));
+    tool_aim(viewer, number, &pose);
+}
+
+static bool any(const double v[3])
+{
+    return v[0] != 0 || v[1] != 0 || v[2] != 0;
+}
+
+/* Does what a source has said. Returns whether there was a pose, or a move. */
+static bool take_news(struct viewer *viewer, enum tool_number number, const struct source_news *news)
+{
+    bool moves = !viewer->tools[number].held && (news->has_pose || any(news->move) || any(news->turn));
+    if (moves && news->has_pose) {
+        tool_aim(viewer, number, &news->pose);
+    } else if (moves) {
+        tool_steer(viewer, number, news->move, news->turn);
+    }
+    if (news->widen > 0) {
+        tool_widen(viewer, number, news->widen);
+    }
+    if (news->pressed & SOURCE_RESET) {
+        tool_place(viewer, number);
+    }
+    if (news->pressed & SOURCE_HOLD) {
+        tool_hold(viewer, number);
+    }
+    if (news->pressed & SOURCE_CONFIRM) {
+        tool_confirm(viewer, number);
+    }
+    return moves;
+}
+
+static void hear_trackers(struct inputs *inputs)
+{
+    struct tracker *trackers = inputs->devices.trackers;
+    const struct station_news *news = &inputs->news;
+    const struct station_tool first = {.state = news->state, .pose = news->pose, .number = news->number};
+    tracker_hear(&trackers[FIRST_TOOL], inputs->station ? &first : NULL);
+    if (inputs->second_station) {
+        struct station_news other;
+        station_ask(inputs->second_station, &other);
+        const struct station_tool second = {.state = other.state, .pose = other.pose, .number = other.number};
+        tracker_hear(&trackers[SECOND_TOOL], &second);
+    } else {
+        tracker_hear(&trackers[SECOND_TOOL], inputs->station && inputs->has_second_tool ? &news->second : NULL);
+    }
+}
+
+/* NULL where keys or a replay move it, or nothing. */
+static struct source *source_of(struct inputs *inputs, const struct viewer *viewer, enum tool_number number)
+{
+    struct devices *devices = &inputs->devices;
+    if (!tool_is_moved(viewer, number)) {
+        return NULL;
+    }
+    switch (viewer->tools[number].pointer) {
+    case POINT_BY_TRACKER:
+        return &devices->trackers[number].source;
+    case POINT_BY_MOUSE:
+        return &devices->mouse.source;
+    case POINT_BY_SPACEMOUSE:
+        return &devices->spacemouse.source;
+    case POINT_BY_GAMEPAD:
+        return &devices->gamepad.source;
+    default:
+        return NULL;
+    }
+}
+
+/* Returns whether it got a pose, or a move. */
+static bool serve(struct inputs *inputs, struct viewer *viewer, enum tool_number number, double now_s)
+{
+    struct source_news *heard = &inputs->devices.heard[number];
+    enum source_state was = heard->state;
+    source_ask(source_of(inputs, viewer, number), now_s, heard);
+    viewer->version += heard->state != was; /* what is said of the tool is another now */
+    return take_news(viewer, number, heard);
+}
+
+bool inputs_step(struct inputs *inputs, struct viewer *viewer, double now_s)
+{
+    hear_trackers(inputs);
+    bool moved = serve(inputs, viewer, FIRST_TOOL, now_s);
+    serve(inputs, viewer, SECOND_TOOL, now_s);
+    tool_update_second(viewer);
+    return moved;
+}
+
+double inputs_rest(const struct inputs *inputs, const struct viewer *viewer)
+{
+    static const double watch_s = 0.2; /* how often a tracker that says nothing is looked at, */
+    static const double look_s = 0.02; /* what moves by hand, */
+    static const double seek_s = 0.5;  /* and what may be plugged in */
+    double seconds = inputs->second_station ? watch_s : INFINITY;
+    for (enum tool_number number = FIRST_TOOL; number < TOOL_COUNT; number++) {
+        if (viewer->tools[number].pointer >= POINT_BY_SPACEMOUSE && tool_is_moved(viewer, number)) {
+            bool is_there = inputs->devices.heard[number].state > SOURCE_ABSENT;
+            seconds = fmin(seconds, is_there ? look_s : seek_s);
+        }
+    }
+    return seconds;
+}
+
+void inputs_point(struct inputs *inputs, struct viewer *viewer, const double eye[3], const double direction[3])
+{
+    enum tool_number number = tool_moved_by(viewer, POINT_BY_MOUSE);
+    conus_pose pose;
+    if (number < TOOL_COUNT && !viewer->tools[number].held && point_find(&pose, viewer, eye, direction)) {
+        pushed_put(&inputs->devices.mouse, &pose);
+        serve(inputs, viewer, number, 1e-3 * clock_ms());
+        tool_update_second(viewer);
+    }
+}
+
+static struct notice notice_of_tracker(bool has_pose, bool has_station, enum station_state state)
+{
+    static const char *const none[] = {"no tracker is connected yet", "no pose of the tool yet",
+                                       "the tracker does not see the tool", "no pose of the tool for half a second",
+                                       "tracking"};
+    static const char *const old[] = {"OLD ANSWER: the tracker is gone", "OLD ANSWER: no pose of the tool",
+                                      "OLD ANSWER: the tool is lost", "OLD ANSWER: the tool is silent", NULL};
+    if (!has_station) {
+        return (struct notice){has_pose ? "OLD ANSWER: there is no tracker" : "no tracker: see --listen, --connect",
+                               true, has_pose};
+    }
+    if (state == STATION_SEEN && has_pose) {
+        return (struct notice){0};
+    }
+    return (struct notice){(has_pose ? old : none)[state], state != STATION_SEEN, has_pose};
+}
+
+static struct notice notice_of_first(const struct inputs *inputs, const struct tool *tool)
+{
+    struct notice notice = {0};
+    if (tool->pointer == POINT_BY_TRACKER) {
+        notice = notice_of_tracker(tool->has_pose, inputs->station, inputs->news.state);
+    } else if (tool->pointer == POINT_BY_REPLAY && !inputs->replay.poses) {
+        notice = (struct notice){"no poses: see --poses", true, false};
+    } else if (tool->pointer == POINT_BY_MOUSE) {
+        notice.text = !tool->has_pose ? "move the mouse over the brain"
+                      : tool->held    ? "held: click again to follow"
+                                      : NULL;
+    } else if (!tool->has_pose && tool->pointer < POINT_BY_SPACEMOUSE) {
+        notice.text = tool->pointer == POINT_BY_WAND ? "press W to put the device there" : "choose a row to be shown";
+    }
+    return notice;
+}
+
+static struct notice notice_of_second(const struct inputs *inputs, const struct viewer *viewer)
+{
+    const struct tool *tool = &viewer->tools[SECOND_TOOL];
+    const struct tracker *tracker = &inputs->devices.trackers[SECOND_TOOL];
+    struct notice notice = {0};
+    if (tool_second_is_taken(viewer)) {
+        notice = (struct notice){"the first tool has this device", true, false};
+    } else if (tool->pointer == POINT_BY_TRACKER) {
+        notice = notice_of_tracker(tool->has_pose, tracker->is_there, tracker->tool.state);
+    } else if (tool->pointer == POINT_BY_REPLAY) {
+        notice = (struct notice){"a replay moves the first tool only", true, false};
+    } else if (!tool->has_pose && tool->pointer < POINT_BY_SPACEMOUSE) {
+        notice.text = tool->pointer == POINT_BY_MOUSE ? "move the mouse over the brain" : "press W to put it there";
+    }
+    return notice;
+}
+
+/* What is wrong with a device, or what is to be done with it. */
+static void find_trouble(struct notice *out, const struct source_news *heard, const struct tool *tool)
+{
+    bool is_steered = tool->pointer >= POINT_BY_SPACEMOUSE;
+    if (heard->state == SOURCE_FROZEN) {
+        *out = (struct notice){"the same for 5 s: is it frozen?", true, false};
+    } else if (heard->state == SOURCE_BROKEN) {
+        *out = (struct notice){is_steered ? "its values are no numbers" : "OLD ANSWER: the values are no numbers", true,
+                               !is_steered};
+    } else if (heard->text) {
+        *out = (struct notice){heard->text, heard->state <= SOURCE_ABSENT, false};
+    } else if (is_steered && !tool->has_pose) {
+        out->text = "move it to put the tool there";
+    }
+}
+
+void inputs_notice(struct notice *out, const struct inputs *inputs, const struct viewer *viewer,
+                   enum tool_number number)
+{
+    const struct tool *tool = &viewer->tools[number];
+    *out = number == SECOND_TOOL ? notice_of_second(inputs, viewer) : notice_of_first(inputs, tool);
+    if (!out->is_trouble) {
+        find_trouble(out, &inputs->devices.heard[number], tool);
+    }
+    if (!out->text && tool->held && (number == SECOND_TOOL || tool->pointer >= POINT_BY_TRACKER)) {
+        out->text = number == SECOND_TOOL ? "held: 4 lets it move again" : "held: Space lets it move again";
+    }
+}
