@@ -20,7 +20,7 @@ struct object_place {
     bool is_bundle; /**< Then the index is that of the tractogram. */
     bool is_hidden; /**< conus_atlas_set_hidden() says so. */
     size_t index;
-    size_t group;       /**< Of a bundle: which of the tractogram's groups, or BUNDLE_OF_ALL. */
+    size_t group;       /**< A bundle's group of the tractogram, or BUNDLE_OF_ALL. */
     uint8_t own_rgb[3]; /**< The object's colour while the atlas has safe ones. */
 };
 
@@ -32,7 +32,7 @@ struct context_surface {
 };
 
 struct conus_atlas {
-    struct volume *volumes; /**< Those of labels, one for each grid, then pathways and context as added. Pathways that
+    struct volume *volumes; /**< Volumes of labels, one for each grid, then pathways and context as added. Pathways that
                                are bands of values share a volume. */
     size_t volume_count;
     struct mesh *meshes; /**< One per object that is a mesh.                                            */
@@ -46,11 +46,11 @@ struct conus_atlas {
     size_t area_count;     /**< The first so many objects are areas.                                   */
     uint32_t first_pair;   /**< Areas from this number on stand for pairs of left and right ones, which have them as
                               parents (atlas/areas/hemispheres.c); 0 = none do. */
-    conus_hemispheres hemispheres; /**< What has been done to them.                                   */
+    conus_hemispheres hemispheres; /**< As conus_atlas_set_hemispheres() left them.                   */
     uint32_t half_step; /**< The labels of left halves are their areas' and this, those of right ones twice it;
                            0 = no area is cut in halves.                                       */
     bool has_safe_colours;
-    bool is_moved;             /**< By atlas_move() or atlas_warp().                                  */
+    bool is_moved;             /**< atlas_move() or atlas_warp() moved it.                             */
     double own_from_world[16]; /**< Then: from where it is to where its files have it; with warps to their input. */
     struct warp *warps;        /**< Fields behind own_from_world: points go through the last one first. */
     size_t warp_count;
@@ -58,7 +58,7 @@ struct conus_atlas {
     double own_from_ccf[16]; /**< Then: from AP, DV, ML in micrometres to where its files have it.    */
     char *path;              /**< As it was asked for; NULL = it was not loaded. */
     char *label_source;
-    struct file_sums files; /**< Of which it is made, other than those of its volumes: a manifest first.   */
+    struct file_sums files; /**< Its source files other than those of its volumes: a manifest first.       */
     char *transfer; /**< Transfer function of the context: a preset's name or a file; NULL = the default.       */
     struct notes notes;
     struct context_surface *context_surfaces; /**< [context_surface_count] */

@@ -80,7 +80,7 @@ bool atlas_has_bundles(const conus_atlas *atlas)
     return found;
 }
 
-/* What the streamlines of a group, or all, amount to. */
+/* Counts the streamlines of a group, or all, and their length. */
 static void measure_bundle(conus_object *bundle, const struct tractogram *tractogram, const struct tract_group *group)
 {
     size_t count = tract_group_count(group, tractogram);
@@ -151,7 +151,7 @@ static conus_status check_name(conus_atlas *atlas, const char *name, const char 
                    : CONUS_OK;
 }
 
-/* Of the tractogram that comes next. */
+/* A bundle of the tractogram that is appended next. */
 static conus_status append_bundle(conus_atlas *atlas, const struct tractogram *tractogram, const char *name,
                                   size_t group)
 {

@@ -5,7 +5,7 @@
 
 #include "atlas/atlas.h"
 
-/** Of object_place.group: all streamlines of the tractogram. */
+/** object_place.group of a bundle of all streamlines of its tractogram. */
 #define BUNDLE_OF_ALL SIZE_MAX
 
 /** Grows the tree of the checked @p tractogram and appends it to @p atlas, with one bundle called @p name for all of
@@ -17,14 +17,14 @@ conus_status atlas_add_tractogram(conus_atlas *atlas, struct tractogram *tractog
 /** The tractogram of object @p number, hidden or not; NULL if that is no bundle. */
 const struct tractogram *atlas_bundle_tractogram(const conus_atlas *atlas, uint32_t number);
 
-/** Which of its tractogram's streamlines the bundle @p number is; NULL = all. */
+/** The group of streamlines of its tractogram that the bundle @p number is; NULL = all. */
 const struct tract_group *atlas_bundle_group(const conus_atlas *atlas, uint32_t number);
 
 /** Whether there is a bundle that is not hidden. */
 bool atlas_has_bundles(const conus_atlas *atlas);
 
-/** As which object each streamline of @p tractogram, one of the atlas's, is shown: the first bundle that has it and is
- * not hidden. @p objects [streamline_count] is all 0 before, and stays so where there is none. */
+/** The object as which each streamline of @p tractogram, one of the atlas's, is shown: the first bundle that has it and
+ * is not hidden. @p objects [streamline_count] is all 0 before, and stays so where there is none. */
 void bundles_find_objects(uint32_t *objects, const conus_atlas *atlas, const struct tractogram *tractogram);
 
 /** Moves all points of @p atlas's tractograms by @p world_from_atlas: new tractograms in @p out, [tractogram_count],

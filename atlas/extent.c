@@ -103,7 +103,7 @@ void volume_measure_centres(struct volume *volume)
     memcpy(volume->centres.high, box.high, sizeof box.high);
 }
 
-/* Its cells: each reaches half a voxel along every index from its centre. */
+/* Adds the volume's cells: each reaches half a voxel along every index from its centre. */
 static void add_volume(struct box *box, const struct volume *volume, const double m[16])
 {
     struct box centres = centres_of(volume, m);
@@ -114,7 +114,7 @@ static void add_volume(struct box *box, const struct volume *volume, const doubl
     }
 }
 
-/* Its points and a radius around them; nothing where the object is no bundle. */
+/* Adds the bundle's points and a radius around them; nothing where the object is no bundle. */
 static void add_bundle(struct box *box, const conus_atlas *atlas, uint32_t number)
 {
     const struct tractogram *tractogram = atlas_bundle_tractogram(atlas, number);
@@ -215,7 +215,7 @@ static void add_voxels(struct moment *moment, const conus_atlas *atlas, const st
     }
 }
 
-/* By the triangles' areas. */
+/* Weighted by the triangles' areas. */
 static void add_triangles(struct moment *moment, const struct mesh *mesh)
 {
     for (size_t t = 0; t < mesh->triangle_count; t++) {
@@ -235,7 +235,7 @@ static void add_triangles(struct moment *moment, const struct mesh *mesh)
     }
 }
 
-/* By their number. */
+/* Each point of a bundle counts 1. */
 static void add_points(struct moment *moment, const conus_atlas *atlas, uint32_t number)
 {
     const struct tractogram *tractogram = atlas_bundle_tractogram(atlas, number);

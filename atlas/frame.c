@@ -76,7 +76,7 @@ static bool find_axes(size_t axes[3], const conus_volume_info *info, const doubl
     return true;
 }
 
-/* Which world axis a direction is nearest to. */
+/* The world axis that a direction is nearest to. */
 static size_t main_axis(const double direction[3])
 {
     size_t most = fabs(direction[1]) > fabs(direction[0]) ? 1 : 0;
@@ -268,7 +268,7 @@ conus_status conus_frame_to_world(double world[3], const conus_frame *frame, con
     return CONUS_OK;
 }
 
-/* With `linear` a direction, else a position. */
+/* Maps a direction if `linear`, else a position. */
 static void from_world(double out[3], const conus_frame *frame, const double world[3], bool linear)
 {
     double space_from_world[16];

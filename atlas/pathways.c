@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What the values of a volume make (Eq. 6): pathways, by a threshold or by bands, and a context that blocks. And other
- * areas before them. */
+/* Objects from the values of a volume (Eq. 6): pathways, by a threshold or by bands, and a context that blocks. Also
+ * other areas before them. */
 #include "atlas/atlas.h"
 #include "atlas/labels/labels.h"
 #include "atlas/space.h"
@@ -17,7 +17,7 @@ struct step {
     uint64_t voxels; /* counted */
 };
 
-/* Of steps by their lower ends, none of which overlap; NULL = the value is in none, as NaN is. */
+/* The step that holds the value. Steps are sorted by their lower ends and do not overlap. NULL = none, as for NaN. */
 static struct step *step_of(struct step *steps, size_t count, float value)
 {
     size_t first = 0; /* of those that begin above the value */

@@ -10,7 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* What an atlas has in its new place, made before anything is changed. */
+/* The parts of an atlas in its new place, made before anything is changed. */
 struct moved {
     struct volume *volumes; /* of which only info and voxel_from_world count */
     struct mesh *meshes;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Which voxels of a volume are the region of interest. */
+/* Regions of interest: voxels of a volume. */
 #include "atlas/roi.h"
 
 #include "base/memory.h"

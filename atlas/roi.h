@@ -7,7 +7,7 @@
 
 struct conus_roi {
     struct volume volume;   /**< Without objects. */
-    uint64_t voxels;        /**< Of the region. */
+    uint64_t voxels;        /**< How many the region has. */
     size_t low[3], high[3]; /**< Bounds of the region, both ends in it. */
 };
 

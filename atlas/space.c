@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Of the pairs (voxel axis, world axis) that are both still free, the most aligned one. */
+/* The most aligned pair (voxel axis, world axis) of those that are both still free. */
 static void find_closest_pair(int *voxel, int *world, const double m[16], const bool voxel_done[3],
                               const bool world_done[3])
 {

@@ -31,7 +31,7 @@ const char *space_code_name(int code);
 
 struct conus_grid {
     conus_grid_view view; /**< data and description are owned.                                            */
-    void *data;           /**< What view.data is: size bytes a voxel, in this machine's byte order.          */
+    void *data;           /**< The numbers: size bytes a voxel, in this machine's byte order; view.data.     */
     size_t size;          /**< Bytes of a number.                                                            */
     bool labels;          /**< The numbers are labels.                                                       */
 };

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What an atlas tells about its tractograms. */
+/* Public facts about an atlas's tractograms. */
 #include "atlas/atlas.h"
 #include "conus/streamlines.h"
 
 #include <math.h>
 #include <string.h>
 
-/* As much of @p whole as the caller knows. */
+/* Copies as much of `whole` as the caller's struct has. */
 static void fill(void *out, size_t known, const void *whole, size_t size)
 {
     memcpy(out, whole, known && known < size ? known : size);

@@ -41,12 +41,12 @@ struct volume {
     uint32_t *objects32;            /**< objects; a context volume that blocks nothing has neither.                */
     float *values;                  /**< Scaled value per voxel; NULL for a parcellation.                          */
     bool is_hidden;                 /**< It is a pathway that is hidden.                                           */
-    struct hidden_run *hidden_runs; /**< What the objects of a parcellation do not say any more, since it is hidden. */
+    struct hidden_run *hidden_runs; /**< Voxels of a parcellation that hidden objects had. */
     size_t hidden_run_count;
     bool is_joined;               /**< Its labels come from several files, of which info.path is the first.     */
     bool is_borrowed;             /**< The arrays are not the volume's own, and not to be written.               */
     struct volume_source *source; /**< Owned; NULL = it was never resampled. An attached atlas has none. */
-    struct volume_box centres;    /**< Of borrowed objects, where they have distances; info.world_from_voxel may have
+    struct volume_box centres;    /**< The box of borrowed objects with distances; info.world_from_voxel may have
                                        changed since. */
     const void *distances; /**< The distance map of borrowed objects (selection/engine/voxels/distance_map.h), in their
                                 memory; NULL = none. */

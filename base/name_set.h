@@ -12,7 +12,7 @@
 
 struct known_name {
     const char *name; /**< Borrowed. */
-    size_t value;     /**< What the caller knows it by. */
+    size_t value;     /**< The caller's number for it. */
 };
 
 /** Begins as all 0. The items are runs, each sorted: for each bit of `count` one of so many, the longest first. */

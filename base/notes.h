@@ -5,7 +5,7 @@
 
 #include "base/status.h"
 
-/** Who hears notes when they are made. */
+/** The caller's log for notes, as they are made. */
 struct note_sink {
     conus_log log; /**< NULL = nobody. */
     void *user;

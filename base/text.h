@@ -55,7 +55,7 @@ bool text_starts(struct text text, const char *prefix);
 /** True when @p part stands somewhere in @p text. */
 bool text_mentions(struct text text, const char *part);
 
-/** By bytes; of two texts of which one begins with the other, the shorter is the smaller. */
+/** Compares by bytes; a text that the other begins with is the smaller one. */
 int text_compare(struct text a, struct text b);
 
 /** True when @p part stands somewhere in @p text; upper and lower case (of ASCII) are the same. */

@@ -79,7 +79,7 @@ static void write_digits(char out[DIGITS], uint64_t digits)
     out[0] = (char)('0' + digits);
 }
 
-/* What %.9g gives, without its needless generality, for values from 1.01e-4 to below 999999999. */
+/* The same as %.9g, faster, for values from 1.01e-4 to below 999999999. */
 static size_t write_fixed(char *out, double value)
 {
     int decimals = DIGITS - 1 - (decade_of(value) - 4);

@@ -7,7 +7,7 @@
 #include "base/name_set.h"
 #include "base/text.h"
 
-/** What the objects of an atlas are called, to find many of them: each of the functions below looks at all. */
+/** The names of all objects of an atlas, to find many of them: each of the functions below looks at all objects. */
 struct object_index {
     struct name_set names; /* value: the number of the object, 0 of several */
     char *digits;          /* labels as text */

@@ -9,7 +9,7 @@
 
 enum { FILE_LIMIT = 64 << 20 };
 
-/** Who takes the entries. */
+/** The caller's functions for entries and files. */
 struct reading {
     area_list_take take;
     area_list_file file; /* may be NULL */

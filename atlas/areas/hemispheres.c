@@ -11,8 +11,8 @@
 
 enum { LEFT = 0, RIGHT, SIDES };
 
-/** What becomes of an area. */
-struct fate {
+/** How an area is cut. */
+struct split_area {
     char side;              /* it has by pair, table or name; 0 = none */
     uint64_t voxels[SIDES]; /* of its own, by their centres */
     bool reaches[SIDES];    /* itself or what is below it, on that side */
@@ -22,8 +22,8 @@ struct fate {
 
 struct splitting {
     const conus_atlas *atlas;
-    conus_atlas *areas; /* what the atlas is to have */
-    struct fate *fates; /* [area_count + 1] */
+    conus_atlas *areas;       /* what the atlas is to have */
+    struct split_area *split; /* [area_count + 1] */
     uint16_t *objects16;
     uint32_t *objects32; /* one of them: the parcellation's new object numbers */
     size_t cut_count;
@@ -36,7 +36,7 @@ static conus_status find_sides(struct splitting *splitting)
     char *sides = memory_zeroed(count + 1, 1);
     conus_status status = sides ? area_sides_find(sides, splitting->atlas) : CONUS_ERROR_MEMORY;
     for (size_t number = 1; !status && number <= count; number++) {
-        splitting->fates[number].side = (char)(sides[number] == 'B' ? 0 : sides[number]);
+        splitting->split[number].side = (char)(sides[number] == 'B' ? 0 : sides[number]);
     }
     memory_free(sides);
     return status;
@@ -73,29 +73,29 @@ static void each_voxel(struct splitting *splitting, voxel_act act)
 
 static void count_voxel(struct splitting *splitting, size_t voxel, int side)
 {
-    splitting->fates[volume_object(atlas_parcellation(splitting->atlas), voxel)].voxels[side]++;
+    splitting->split[volume_object(atlas_parcellation(splitting->atlas), voxel)].voxels[side]++;
 }
 
-static void decide_fates(struct splitting *splitting)
+static void decide_cuts(struct splitting *splitting)
 {
     size_t count = splitting->atlas->area_count;
     for (uint32_t number = 1; number <= count; number++) {
-        const struct fate *fate = &splitting->fates[number];
+        const struct split_area *area = &splitting->split[number];
         for (int side = LEFT; side < SIDES; side++) {
-            bool here = fate->side ? fate->side == "LR"[side] : fate->voxels[side] > 0;
-            if (here && (fate->voxels[LEFT] || fate->voxels[RIGHT])) {
+            bool here = area->side ? area->side == "LR"[side] : area->voxels[side] > 0;
+            if (here && (area->voxels[LEFT] || area->voxels[RIGHT])) {
                 uint32_t above = number;
-                while (above && !splitting->fates[above].reaches[side]) {
-                    splitting->fates[above].reaches[side] = true;
+                while (above && !splitting->split[above].reaches[side]) {
+                    splitting->split[above].reaches[side] = true;
                     above = splitting->atlas->objects[above - 1].parent;
                 }
             }
         }
     }
     for (uint32_t number = 1; number <= count; number++) {
-        struct fate *fate = &splitting->fates[number];
-        fate->is_cut = !fate->side && fate->reaches[LEFT] && fate->reaches[RIGHT];
-        splitting->cut_count += fate->is_cut;
+        struct split_area *area = &splitting->split[number];
+        area->is_cut = !area->side && area->reaches[LEFT] && area->reaches[RIGHT];
+        splitting->cut_count += area->is_cut;
     }
 }
 
@@ -105,16 +105,16 @@ static void number_areas(struct splitting *splitting)
     size_t count = splitting->atlas->area_count;
     uint32_t number = 0;
     for (uint32_t old = 1; old <= count; old++) {
-        struct fate *fate = &splitting->fates[old];
-        if (!fate->is_cut) {
-            fate->number[LEFT] = fate->number[RIGHT] = ++number;
+        struct split_area *area = &splitting->split[old];
+        if (!area->is_cut) {
+            area->number[LEFT] = area->number[RIGHT] = ++number;
         }
     }
     for (int side = LEFT; side < SIDES; side++) {
         for (uint32_t old = 1; old <= count; old++) {
-            struct fate *fate = &splitting->fates[old];
-            if (fate->is_cut) {
-                fate->number[side] = ++number;
+            struct split_area *area = &splitting->split[old];
+            if (area->is_cut) {
+                area->number[side] = ++number;
             }
         }
     }
@@ -123,16 +123,16 @@ static void number_areas(struct splitting *splitting)
 /* The new parent of what lies on `side` below area `old`; on no side, the nearest whole one. */
 static uint32_t parent_on(const struct splitting *splitting, uint32_t old, int side)
 {
-    while (old && side == SIDES && splitting->fates[old].is_cut) {
+    while (old && side == SIDES && splitting->split[old].is_cut) {
         old = splitting->atlas->objects[old - 1].parent;
     }
-    return old ? splitting->fates[old].number[side == SIDES ? LEFT : side] : 0;
+    return old ? splitting->split[old].number[side == SIDES ? LEFT : side] : 0;
 }
 
-static int side_of(const struct fate *fate)
+static int side_of(const struct split_area *area)
 {
-    bool left = fate->side ? fate->side == 'L' : fate->reaches[LEFT] && !fate->reaches[RIGHT];
-    bool right = fate->side ? fate->side == 'R' : fate->reaches[RIGHT] && !fate->reaches[LEFT];
+    bool left = area->side ? area->side == 'L' : area->reaches[LEFT] && !area->reaches[RIGHT];
+    bool right = area->side ? area->side == 'R' : area->reaches[RIGHT] && !area->reaches[LEFT];
     return left ? LEFT : right ? RIGHT : SIDES;
 }
 
@@ -140,7 +140,7 @@ static conus_status add_whole(struct splitting *splitting, uint32_t old)
 {
     const conus_atlas *atlas = splitting->atlas;
     conus_object area = atlas->objects[old - 1];
-    area.parent = parent_on(splitting, area.parent, side_of(&splitting->fates[old]));
+    area.parent = parent_on(splitting, area.parent, side_of(&splitting->split[old]));
     return atlas_append_object(splitting->areas, &area, atlas->places[old - 1]);
 }
 
@@ -160,7 +160,7 @@ static conus_status add_half(struct splitting *splitting, uint32_t old, int side
         area.hemisphere = "LR"[side];
         area.label += splitting->label_step * (uint32_t)(side == LEFT ? 1 : 2);
         area.parent = parent_on(splitting, area.parent, side);
-        area.voxels = splitting->fates[old].voxels[side];
+        area.voxels = splitting->split[old].voxels[side];
         area.volume_mm3 = (double)area.voxels * space_voxel_mm3(&atlas_parcellation(atlas)->info);
         status = atlas_append_object(splitting->areas, &area, atlas->places[old - 1]);
     }
@@ -174,11 +174,11 @@ static conus_status add_areas(struct splitting *splitting)
     size_t count = splitting->atlas->area_count;
     conus_status status = atlas_create_empty(&splitting->areas, "");
     for (uint32_t old = 1; !status && old <= count; old++) {
-        status = splitting->fates[old].is_cut ? CONUS_OK : add_whole(splitting, old);
+        status = splitting->split[old].is_cut ? CONUS_OK : add_whole(splitting, old);
     }
     for (int side = LEFT; side < SIDES; side++) {
         for (uint32_t old = 1; !status && old <= count; old++) {
-            status = splitting->fates[old].is_cut ? add_half(splitting, old, side) : CONUS_OK;
+            status = splitting->split[old].is_cut ? add_half(splitting, old, side) : CONUS_OK;
         }
     }
     return status;
@@ -187,7 +187,7 @@ static conus_status add_areas(struct splitting *splitting)
 static void number_voxel(struct splitting *splitting, size_t voxel, int side)
 {
     uint32_t old = volume_object(atlas_parcellation(splitting->atlas), voxel);
-    uint32_t number = splitting->fates[old].number[side];
+    uint32_t number = splitting->split[old].number[side];
     if (splitting->objects16) {
         splitting->objects16[voxel] = (uint16_t)number;
     } else {
@@ -215,8 +215,8 @@ static void count_sides(uint64_t out[SIDES], const struct splitting *splitting)
 {
     out[LEFT] = out[RIGHT] = 0;
     for (size_t number = 1; number <= splitting->atlas->area_count; number++) {
-        out[LEFT] += splitting->fates[number].voxels[LEFT];
-        out[RIGHT] += splitting->fates[number].voxels[RIGHT];
+        out[LEFT] += splitting->split[number].voxels[LEFT];
+        out[RIGHT] += splitting->split[number].voxels[RIGHT];
     }
 }
 
@@ -237,12 +237,12 @@ static conus_status prepare_halves(struct splitting *splitting)
     if (status) {
         return status;
     }
-    splitting->fates = memory_zeroed(splitting->atlas->area_count + 1, sizeof *splitting->fates);
-    status = splitting->fates ? find_sides(splitting) : CONUS_ERROR_MEMORY;
+    splitting->split = memory_zeroed(splitting->atlas->area_count + 1, sizeof *splitting->split);
+    status = splitting->split ? find_sides(splitting) : CONUS_ERROR_MEMORY;
     status = status ? status : hemispheres_label_step(&splitting->label_step, splitting->atlas);
     if (!status) {
         each_voxel(splitting, count_voxel);
-        decide_fates(splitting);
+        decide_cuts(splitting);
         status = splitting->cut_count ? CONUS_OK : refuse_uncut(splitting);
     }
     if (!status) {
@@ -298,7 +298,7 @@ static conus_status hemispheres_split(conus_atlas *atlas)
         atlas->half_step = splitting.label_step;
     }
     conus_atlas_destroy(splitting.areas);
-    memory_free(splitting.fates);
+    memory_free(splitting.split);
     memory_free(splitting.objects16);
     memory_free(splitting.objects32);
     return status;
@@ -402,7 +402,7 @@ static void write_name(struct buffer *out, const struct merging *merging, const 
     }
 }
 
-/* Of abbreviations, too, that end in the side and nothing between: AntL and AntR. Their names give the sides. */
+/* Abbreviations may end in the side without a separator: AntL and AntR. Their names give the sides. */
 static void write_abbreviation(struct buffer *out, const char *left, const char *right)
 {
     size_t length = strlen(left);

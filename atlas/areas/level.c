@@ -14,7 +14,7 @@ struct level {
     bool is_identity;
 };
 
-/** What a level is made with. */
+/** State while a level is made. */
 struct climb {
     const conus_atlas *atlas;
     uint32_t *group;  /* [object_count + 1] as what each is reported */

@@ -67,7 +67,7 @@ static conus_status plan_voxels(struct runs *runs, struct volume *volume, const 
     return status;
 }
 
-/* Of the objects in a volume's voxels. */
+/* How many objects a volume's voxels have, and how many of these are hidden. */
 struct in_volume {
     size_t count, hidden;
     bool changes; /* one would be hidden that is not, or the other way */
@@ -193,7 +193,7 @@ static conus_status name_object(void *user, struct text name)
     return status;
 }
 
-/* What is below what was named is named, too. */
+/* An area below a named one is named, too. */
 static bool is_named(const struct naming *naming, uint32_t number)
 {
     while (number && !naming->named[number]) {
@@ -265,7 +265,7 @@ static bool is_listed(const conus_atlas *atlas, size_t number, conus_kind kind)
     return atlas->places[number - 1].is_hidden && object->kind == kind && has_shape(object);
 }
 
-/* Those of one kind, which `words` names. */
+/* Lists the labels of one kind, which `words` names. */
 static void list_labels(struct buffer *out, const conus_atlas *atlas, conus_kind kind, const char *words)
 {
     const char *before = out->size ? "; " : "";

@@ -161,7 +161,7 @@ static bool may_be(const conus_object *area, char side)
     return !area->hemisphere || area->hemisphere == side;
 }
 
-/* By a word for the side in the name. Where several words would do there is no knowing. */
+/* Pairs by a word for the side in the name. Where several words lead to an area, no pair is made. */
 static conus_status pair_by_word(struct pairing *pairing, uint32_t left)
 {
     struct text name = text_from(pairing->atlas->objects[left - 1].name);
@@ -317,7 +317,7 @@ void hemispheres_common_name(struct buffer *out, const char *left, const char *r
     }
 }
 
-/* Of a name like "Left-vessel"; single letters need a counterpart to mean anything. */
+/* The side in a name like "Left-vessel". Single letters mean nothing without a counterpart. */
 static char side_of_name(const char *name)
 {
     struct side_word word;
@@ -347,7 +347,7 @@ conus_status area_sides_find(char *out, const conus_atlas *atlas)
     return status;
 }
 
-/* Its own, or else that of the nearest area above it that has one. */
+/* The area's own side, or else that of the nearest area above it that has one. */
 static char side_with_parents(const char *own, const conus_atlas *atlas, uint32_t number)
 {
     while (number && !own[number]) {
@@ -371,10 +371,10 @@ conus_status conus_atlas_sides(char *sides, const conus_atlas *atlas)
     return status;
 }
 
-/* Of half a million voxels a mean is near enough, and takes a millisecond. */
+/* The mean of half a million voxels is near enough, and takes a millisecond. */
 enum { VOXELS = 1 << 19, LEAST_PAIRS = 3 };
 
-/* Of an area's voxels and vertices. */
+/* Mean x of an area's voxels and vertices. */
 struct mean_x {
     double sum, weight;
 };

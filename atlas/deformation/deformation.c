@@ -310,7 +310,7 @@ static bool search(double q[3], const struct deformation *field, const double ta
     return vec3_length(residual) <= DEFORMATION_TOLERANCE;
 }
 
-/* Of some nodes the one that goes nearest to the target; false where none goes anywhere. */
+/* The one of some nodes that goes nearest to the target; false where none goes anywhere. */
 static bool nearest_node(double out[3], const struct deformation *field, const double target[3])
 {
     double best = INFINITY;
@@ -410,7 +410,7 @@ static void add_node(struct sums *sums, struct deformation *field, const size_t 
     }
 }
 
-/* By each axis of indices alone: on a whole grid they do not go together, and a start needs no more. */
+/* A line fit along each axis of indices by itself: on a whole grid these are independent, and a start needs no more. */
 static void fit(double out[16], const struct sums *sums)
 {
     mat4_identity(out);

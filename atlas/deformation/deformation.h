@@ -56,7 +56,7 @@ struct deformation_facts {
     size_t nodes, unstated; /**< Nodes, and those of which the field says nothing.                       */
     size_t cells, folds;    /**< Cells between eight nodes, and those in which the map turns over at a corner (its
                                Jacobian has another sign than the field as a whole, or is 0).             */
-    double growth;          /**< What becomes of 1 mm^3, by the affine next to the field.                */
+    double growth;          /**< The volume that 1 mm^3 becomes, by the affine next to the field.         */
     bool mirrors;           /**< The field as a whole does.                                             */
     bool half_turn;         /**< It turns the whole by about half a circle about z.                      */
 };

@@ -5,7 +5,7 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 
-/* What is counted first, and then taken. */
+/* Points are counted first, and then taken. */
 struct taking {
     struct area_points points; /* without an array while it is counted */
     size_t seen, step;

@@ -17,7 +17,7 @@ struct area_points {
 conus_status area_points_make(struct area_points *out, const conus_atlas *atlas);
 void area_points_finish(struct area_points *points);
 
-/** Their mean; there is at least one. */
+/** The mean of the points; there is at least one. */
 void area_points_centre(double out[3], const struct area_points *points);
 
 #endif

@@ -47,7 +47,7 @@ static void exchange_lps(double m[16])
     }
 }
 
-/* What moves points from where the atlas is to where the reading would have them. False where that is out of question:
+/* The matrix from where the atlas is to where the reading would have it. False where that is out of question:
  * a matrix that cannot be inverted, or an atlas more than eight times smaller or larger than its own. */
 static bool read_again(double move[16], const conus_atlas *atlas, const struct reading *reading)
 {

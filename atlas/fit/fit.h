@@ -6,7 +6,7 @@
 #include "atlas/fit/area_points.h"
 #include "atlas/fit/head.h"
 
-/** Which part of the points is in the context's grid, and which in its head; 0 to 1. */
+/** The fractions of the points in the context's grid and in its head, 0 to 1. */
 struct fit {
     double in_grid, in_head;
 };

@@ -24,7 +24,7 @@ static conus_status fill_fit(conus_placement *out, const struct volume *context,
     return CONUS_OK;
 }
 
-/* Of closed surfaces, where there is no volume. */
+/* The fit in closed surfaces, where the context has no volume. */
 static conus_status fill_surface_fit(conus_placement *out, const conus_atlas *atlas, const struct area_points *points)
 {
     struct volume inside = {0};

@@ -27,7 +27,7 @@ struct boxes {
     double own_low[3], own_high[3];
 };
 
-/* Of a moved atlas's box the places that its files have: a field has no box, so a lattice of points stands for it. */
+/* The box of a moved atlas in the space of its files. A field has no box, so a lattice of points stands for it. */
 static void find_own_lattice(struct boxes *boxes, const conus_atlas *atlas)
 {
     enum { STEPS = 8 };
@@ -98,7 +98,7 @@ static bool looks_like_indices(const struct extent *extent, const size_t dim[3],
     return below && within && extent->as_indices && extent->as_indices >= extent->inside;
 }
 
-/* By a twentieth of all points at least: near the edge a few are always elsewhere, and a larger box has more. */
+/* Better by a twentieth of all points or more: near the edge a few are always elsewhere, and a larger box has more. */
 static bool fits_better_before(const struct extent *extent, double all)
 {
     return (double)extent->before - (double)extent->inside >= all / 20;

@@ -219,7 +219,7 @@ void label_coder_finish(struct label_coder *coder)
     *coder = (struct label_coder){0};
 }
 
-/* Of all voxels, with `each` bytes, and `labels` different labels but 0. */
+/* The memory of all voxels, `each` bytes, and of `labels` different labels but 0. */
 static conus_status check_limit(const struct label_coder *coder, size_t each, size_t labels)
 {
     size_t size;

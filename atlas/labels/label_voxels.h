@@ -25,7 +25,7 @@ void label_map_finish(struct label_map *map);
 uint64_t *label_map_at(struct label_map *map, uint32_t label);
 
 struct label_voxels {
-    size_t count;     /**< Of voxels.                                                                   */
+    size_t count;     /**< How many voxels.                                                             */
     uint16_t *narrow; /**< [count] places in `labels`, owned: one of the two,                           */
     uint32_t *wide;   /**< by the number of different labels.                                           */
     uint32_t *labels; /**< [label_count], owned: 0, then in the order in which they were first read. They may be
@@ -35,7 +35,7 @@ struct label_voxels {
 
 enum {
     LABEL_VOXELS_LIMIT = 1 << 24, /**< Different labels.                                                    */
-    LABEL_BYTES = 512 /**< What a label takes beside its voxels, once it is an area: object, name and maps. */
+    LABEL_BYTES = 512 /**< Memory of a label beside its voxels, once it is an area: object, name and maps. */
 };
 
 void label_voxels_finish(struct label_voxels *voxels);

@@ -35,7 +35,7 @@ struct label_table {
     struct label *entries;
     size_t count;
     size_t capacity;
-    char *zero; /**< What it calls label 0, which has no entry: UTF-8, owned; NULL if it does not. */
+    char *zero; /**< The table's name of label 0, which has no entry: UTF-8, owned; NULL if none. */
 };
 
 void label_table_finish(struct label_table *table);

@@ -16,7 +16,7 @@ struct phantom_shape {
     enum phantom_shape_kind kind;
     uint32_t label;   /**< Area that it belongs to; several shapes may make up one area.                        */
     uint32_t inside;  /**< Label of the area that it lies wholly inside and takes its place from; 0 = none.     */
-    double centre[3]; /**< Of the ball, box or ring.                                                            */
+    double centre[3]; /**< The middle of the ball, box or ring.                                                 */
     double half[3];   /**< Box: half its edges.                                                                 */
     double radius;    /**< Ball: its radius. Ring: that of its centre line, a circle or an arc of one.          */
     double tube;      /**< Ring: largest distance from the centre line; the ends of an arc are round.           */

@@ -12,7 +12,7 @@ enum { LEAF = 4 };
 struct bvh_node {
     float low[3], high[3];
     uint32_t at;    /* A leaf's first one in `numbers`; else the second node below. The first one follows its parent. */
-    uint32_t count; /* Of a leaf; 0 = no leaf */
+    uint32_t count; /* of a leaf's boxes; 0 = no leaf */
 };
 
 struct bvh_box bvh_box_empty(uint32_t number)

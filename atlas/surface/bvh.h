@@ -13,13 +13,13 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/** Of the largest coordinate of the boxes and of where the ray begins. */
+/** Relative to the largest coordinate of the boxes and of the ray's origin. */
 #define BVH_SLACK 1e-6
 
 /** Bounds, edges included. */
 struct bvh_box {
     float low[3], high[3];
-    uint32_t number; /**< Of what is in the box. */
+    uint32_t number; /**< The caller's number of the box. */
 };
 
 struct bvh_node;
@@ -60,11 +60,11 @@ struct bvh_search {
     double origin[3];
     double inverse[3]; /**< 1 / direction; infinite where that is 0. */
     double slack;
-    size_t next, end; /**< What is left of a leaf, in bvh->numbers. */
+    size_t next, end; /**< The rest of a leaf, in bvh->numbers. */
     struct bvh_visit {
         double enter; /**< Where the ray comes into the node's box. */
         uint32_t node;
-    } visits[BVH_DEPTH]; /**< Those that wait, the last one first. */
+    } visits[BVH_DEPTH]; /**< A stack of nodes to visit. */
     size_t waiting;
 };
 

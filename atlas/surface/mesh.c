@@ -184,7 +184,7 @@ double mesh_crossing(int *side, const struct mesh *mesh, size_t triangle, const 
 struct view {
     const double *origin;
     int axes[3];      /* The one that the ray follows most is the last. */
-    double slopes[2]; /* Of the ray along the other two, per mm of the last. */
+    double slopes[2]; /* of the ray along the other two axes, per mm of the last */
 };
 
 /* Whether a point, the origin, lies left of the way from a to b: exactly, by the errors of both products where these

@@ -5,17 +5,17 @@
 
 #include "base/notes.h"
 
-/** What mesh_measure() finds. */
+/** The result of mesh_measure(). */
 struct mesh_shape {
     double low[3], high[3]; /**< Bounds of the vertices that triangles use.                                  */
     double volume_mm3;      /**< Signed: positive where the triangles face outwards (divergence theorem).    */
-    double centroid[3];     /**< Of the enclosed volume where closed, else of the surface.                   */
+    double centroid[3];     /**< That of the enclosed volume where closed, else of the surface.              */
     bool closed;            /**< mesh_is_closed(), triangles without area that were left out included.       */
     bool has_volume;        /**< Closed, and volume_mm3 is that of its inside: mesh_winds_once().            */
 };
 
 struct mesh {
-    char *path;       /**< Of the file it came from; owned, NULL if none.                              */
+    char *path;       /**< The file it came from; owned, NULL if none.                                 */
     float *positions; /**< [3 vertex_count] x, y, z in world mm (RAS); owned.                          */
     size_t vertex_count;
     uint32_t *triangles; /**< [3 triangle_count] vertex indices, counter-clockwise from outside; owned.   */

@@ -27,7 +27,7 @@ static uint64_t hash_of(const float position[3])
     return hash;
 }
 
-/* By a table of vertices that are the first at their position, with places for twice as many. */
+/* A hash table of the first vertex at each position, at most half full. */
 conus_status mesh_find_first(uint32_t *first, const struct mesh *mesh)
 {
     size_t places = 16;

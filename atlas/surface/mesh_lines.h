@@ -8,7 +8,7 @@
 /** A place where a line passes through a triangle. */
 struct line_crossing {
     size_t line;     /**< i + count[0] j                                                                        */
-    uint32_t object; /**< As mesh_lines_cross() got it.                                                         */
+    uint32_t object; /**< The argument of mesh_lines_cross().                                                   */
     int32_t side;    /**< 1 where the line goes into what the triangle faces away from, -1 where it comes out. */
     double z;
 };
@@ -20,7 +20,7 @@ struct mesh_lines {
     size_t count[2];
     struct line_crossing *crossings; /**< Owned. */
     size_t crossing_count, capacity;
-    size_t pairs; /**< Of a line and a triangle whose bounds it passes, looked at so far. */
+    size_t pairs; /**< Pairs of a line and a triangle whose bounds it passes, looked at so far. */
 };
 
 void mesh_lines_finish(struct mesh_lines *lines);

@@ -3,7 +3,7 @@
 #ifndef CONUS_ATLAS_SURFACE_MESH_SPACE_H
 #define CONUS_ATLAS_SURFACE_MESH_SPACE_H
 
-/** What a mesh file says (3D Slicer's "SPACE=RAS" or "SPACE=LPS"), or who reads it. */
+/** The space of a mesh file, as the file says (3D Slicer's "SPACE=RAS" or "SPACE=LPS") or the user. */
 enum mesh_space { MESH_SPACE_UNSTATED = 0, MESH_SPACE_RAS = 1, MESH_SPACE_LPS = 2 };
 
 #endif

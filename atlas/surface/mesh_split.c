@@ -13,7 +13,7 @@ struct labelled {
     uint32_t triangle;
 };
 
-/* What the parts share while they are made. */
+/* State that the parts share while they are made. */
 struct splitting {
     const struct mesh *mesh;
     struct labelled *triangles; /* sorted; [count] */

@@ -20,7 +20,7 @@ static void find_corner(double out[3], const struct mesh *mesh, size_t vertex, c
     mat4_point(out, voxel_from_mesh, out);
 }
 
-/* What is above `at` along an axis, or below with side = -1. */
+/* The part above `at` along an axis, or below it with side = -1. */
 static struct polygon cut(const struct polygon *polygon, int axis, double at, double side)
 {
     struct polygon out = {.count = 0};
@@ -53,7 +53,7 @@ static void find_bounds(double bounds[2], const struct polygon *polygon, int axi
     }
 }
 
-/* What of a polygon is in cell `cell` along an axis. */
+/* The part of a polygon in cell `cell` along an axis. */
 static struct polygon in_cell(const struct polygon *polygon, int axis, size_t cell)
 {
     struct polygon above = cut(polygon, axis, (double)cell - 0.5, 1);

@@ -82,7 +82,7 @@ static inline void extend_hull(struct hull *hull, const struct hull *by)
     }
 }
 
-/* As it is: floats hold halves. */
+/* Exact: floats hold halves. */
 static inline void read_point(float out[3], const struct tractogram *tractogram, uint64_t index)
 {
     for (uint64_t a = 0; a < 3; a++) {
@@ -282,7 +282,7 @@ static void arrange(struct item *items, size_t count, const struct tractogram *t
     }
 }
 
-/* Of the @p count points, from the nearest point of a segment. */
+/* The largest distance of the `count` points from a segment. */
 static double largest_distance(double points[][3], uint32_t count, const double a[3], const double b[3])
 {
     double side[3];
@@ -400,7 +400,7 @@ static struct hull set_leaf(struct tract_leaf *out, const struct item *items, si
     return around;
 }
 
-/* Or the processor would wait for each run's. */
+/* Prefetches the points of a run. */
 static void fetch_points(const struct tractogram *tractogram, const struct item *item)
 {
     const char *from = tractogram->points ? (const char *)(tractogram->points + 3 * (uint64_t)item->point)

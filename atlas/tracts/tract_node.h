@@ -40,7 +40,7 @@ static inline int tract_diagonal(int diagonal, int axis)
 struct tract_leaf {
     float low[3], step[3];          /**< World mm. */
     float thickness;                /**< mm; a run has a multiple of it. */
-    uint32_t count;                 /**< Of runs; what follows is 0 in lanes without one. */
+    uint32_t count;                 /**< How many runs. The arrays are 0 in lanes without one. */
     uint8_t ends[2][3][TRACT_LEAF]; /**< e of the run's first end, and of its last one. */
     uint8_t bend[TRACT_LEAF];       /**< Multiple of the thickness, and in the lowest bits the segments. */
     uint32_t point[TRACT_LEAF];     /**< The run's first one, of all points of the tractogram. */
@@ -61,13 +61,13 @@ static inline uint32_t tract_leaf_segments(const struct tract_leaf *leaf, size_t
 
 /** Where the nodes of a tree are. */
 struct tract_levels {
-    unsigned count;             /**< Of levels of items that have a node above them; 0 = an empty tree. */
-    size_t items[TRACT_LEVELS]; /**< Of each level. */
+    unsigned count;             /**< How many levels of items have a node above them; 0 = an empty tree. */
+    size_t items[TRACT_LEVELS]; /**< How many each level has. */
     size_t first[TRACT_LEVELS]; /**< first[l]: the first node above the items of level l. */
     size_t node_count;
 };
 
-/** Of a tree of @p run_count runs, at most UINT32_MAX. */
+/** The levels of a tree of @p run_count runs, at most UINT32_MAX. */
 struct tract_levels tract_levels_of(size_t run_count);
 
 #endif

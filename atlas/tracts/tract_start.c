@@ -7,7 +7,7 @@
 /* A ray that moves by less than this of a mm per mm along an axis does not, as far as boxes are concerned. */
 #define STILL 1e-20
 
-/* Of how far away the ray begins: far above what double precision moves anything by. */
+/* Relative to the ray's distance from 0: far above any rounding in double precision. */
 #define FAR_SLACK 1e-12
 
 /* Where the ray is in the box round all capsules; false where it never is. By slabs. */

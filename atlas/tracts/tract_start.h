@@ -7,7 +7,7 @@
 
 #include "atlas/tracts/tractogram.h"
 
-/** Of the largest coordinate, and of the radius: far above what single precision moves anything by. */
+/** Relative to the largest coordinate and to the radius: far above any rounding in single precision. */
 #define TRACT_SLACK 1e-5
 
 struct tract_start {
@@ -23,7 +23,7 @@ struct tract_start {
 bool tract_start_find(struct tract_start *out, const struct tractogram *tractogram, const double origin[3],
                       const double direction[3]);
 
-/** What is @p limit mm from the ray's origin is no farther than this from a start with so much slack, and @p along. */
+/** An upper bound in single precision: a place @p limit mm from the ray's origin is at most so far from the start. */
 static inline float tract_start_reach(double limit, double along, float slack)
 {
     return (float)((limit - along) * (1 + TRACT_SLACK)) + slack;

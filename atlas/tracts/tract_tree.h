@@ -49,7 +49,7 @@ size_t tract_mark_count(uint64_t point_count);
 /** Run @p number, below the tree's run_count, in the order of the leaves. */
 struct tract_run tract_run_at(const struct tractogram *tractogram, size_t number);
 
-/** What a box, its border included, has to do with what is looked for. */
+/** How a box, its border included, lies to the region that is searched. */
 enum tract_answer { TRACT_OUTSIDE, TRACT_PERHAPS, TRACT_INSIDE };
 typedef enum tract_answer (*tract_box_test)(void *user, const double low[3], const double high[3]);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What a tractogram owns and may hold, what is asked of its streamlines, and the walk through their tree. */
+/* Tractograms: memory, checks, lengths, and the traversal of the tree of streamlines. */
 #include "atlas/tracts/tractogram.h"
 
 #include "atlas/tracts/tract_node.h"
@@ -275,7 +275,7 @@ struct walk {
     void *user;
 };
 
-/* What the test says of the box round a lane's item. */
+/* The test's answer for the box round a lane's item. */
 static enum tract_answer ask(const struct walk *walk, const struct tract_node *node, size_t lane)
 {
     double low[3];
@@ -287,7 +287,7 @@ static enum tract_answer ask(const struct walk *walk, const struct tract_node *n
     return walk->test(walk->user, low, high);
 }
 
-/* And of that round a run. */
+/* The test's answer for the box round a run. */
 static enum tract_answer ask_run(const struct walk *walk, const struct tract_leaf *leaf, size_t lane)
 {
     double thickness = (double)leaf->thickness * (leaf->bend[lane] >> TRACT_SEGMENTS_BITS);
@@ -302,7 +302,7 @@ static enum tract_answer ask_run(const struct walk *walk, const struct tract_lea
     return walk->test(walk->user, low, high);
 }
 
-/* Or the processor would wait for each run's. */
+/* Prefetches the points of a run. */
 static void fetch_points(const struct tractogram *tractogram, const struct tract_leaf *leaf, size_t lane)
 {
     size_t size = tractogram->points ? sizeof *tractogram->points : sizeof *tractogram->halves;

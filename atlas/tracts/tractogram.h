@@ -35,11 +35,11 @@ struct tractogram {
     char *path;              /**< As opened; owned. */
     char format[64];         /**< "TrackVis 2, gzip, big-endian". */
     bool states_mm;          /**< The file, or its format, says that points are world mm.                          */
-    char sha256[65];         /**< Of the file, in hexadecimal; of a TRX folder empty. */
+    char sha256[65];         /**< The file's, in hexadecimal; empty for a TRX folder. */
     struct file_sums files;  /**< Those of a TRX folder that were read, until an atlas has them; owned. */
     float *points;           /**< [3 point_count] x, y, z in world mm (RAS); owned. NULL where halves has them. */
     uint16_t *halves;        /**< The same in half precision (IEEE binary16), as the file has them; owned. */
-    uint64_t point_count;    /**< Of all streamlines together. */
+    uint64_t point_count;    /**< Points of all streamlines together. */
     uint64_t *first;         /**< [streamline_count + 1] Streamline k has the points first[k] to first[k + 1] - 1, which
                                 may be none or one; first[0] is 0, the last is point_count. Owned. */
     size_t streamline_count; /**< Below UINT32_MAX. */
@@ -48,7 +48,7 @@ struct tractogram {
     struct tract_group *groups; /**< Without a group all streamlines are one bundle. */
     size_t group_count;
     double radius;            /**< mm: what a ray hits is what is nearer than this to a streamline (Eq. 18). */
-    struct tract_tree tree;   /**< Of all streamlines' segments; tractogram_grow_tree() makes it. */
+    struct tract_tree tree;   /**< The tree of all segments; tractogram_grow_tree() makes it. */
     double low[3], high[3];   /**< Bounds of all points, world mm; tractogram_grow_tree() fills them in. */
     bool has_borrowed_points; /**< Points (or halves) and the tree's arrays are not its own, and not to be written. */
     bool is_borrowed;         /**< Neither are the other arrays of numbers. */

@@ -115,7 +115,7 @@ static conus_status check_state(const conus_atlas *atlas)
                : CONUS_OK;
 }
 
-/* What is made before the atlas changes. */
+/* The new parts, made before the atlas changes. */
 struct parts {
     struct warped_volumes volumes;
     struct warped_meshes meshes;

@@ -17,7 +17,7 @@ struct warp_way {
 struct warped_volumes {
     struct volume *items;    /**< [volume_count] Those that stay as they are have no voxels.  */
     uint64_t *voxels;        /**< [object_count + 1] How many each object has there.          */
-    size_t sampled, outside; /**< Of some labelled voxels: how many, and which are not there. */
+    size_t sampled, outside; /**< Labelled voxels that were sampled, and how many of them are outside. */
 };
 
 /** Resamples the volumes that @p way warps. */

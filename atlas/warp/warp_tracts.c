@@ -97,7 +97,7 @@ static conus_status cut_lists(struct tractogram *out, const uint32_t *numbers, c
     return status;
 }
 
-/* Of a tractogram that stays whole only points and tree, as bundles_move() makes them. */
+/* A tractogram that stays whole gets only points and tree, as bundles_move() makes them. */
 static conus_status settle(struct tractogram *out, const uint32_t *numbers, const struct tractogram *old)
 {
     if (old->streamline_count && !out->streamline_count) {

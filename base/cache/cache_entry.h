@@ -46,7 +46,7 @@ void cache_entry_write(struct buffer *out, const struct cache_entry *entry);
 /** CRC-32 of @p data behind those that gave @p sum, 0 at first. */
 uint32_t cache_crc(uint32_t sum, const void *data, size_t size);
 
-/** What changes with the run of the kernel, the file behind @p descriptor and @p written, the time when that was last
+/** A stamp of this run of the kernel, the file behind @p descriptor and @p written, the time when that was last
  * written; false where the run of the kernel has no name. */
 bool cache_stamp_find(uint8_t out[CACHE_STAMP_SIZE], int descriptor, const struct timespec *written);
 

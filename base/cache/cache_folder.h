@@ -31,7 +31,7 @@ struct cache_item {
 struct cache_listing {
     struct cache_item *items; /**< Owned; the one unused for longest first. */
     size_t count, capacity;
-    uint64_t size; /**< Of all. */
+    uint64_t size; /**< Bytes of all entries. */
 };
 
 /** Lists the entries of the folder @p path whose names end in @p ending. CONUS_ERROR_MEMORY only. */

@@ -15,7 +15,7 @@
  * it is neither. */
 bool cache_limit(uint64_t *out);
 
-/** What $CONUS_CACHE may be, for messages. */
+/** The values that $CONUS_CACHE may have, for messages. */
 #define CACHE_LIMITS "off, or a number of bytes with K, M, G, T or nothing behind it"
 
 /** CONUS_ERROR_ARGUMENT where it is not. */
@@ -23,10 +23,10 @@ conus_status cache_check_limit(void);
 
 /** An entry that may be there. */
 struct cache_store {
-    struct buffer key;  /**< What the entry follows from, but for the files. */
-    struct buffer path; /**< Of the entry; empty where there is no cache.    */
-    const char *ending; /**< Of its name: which kind it is of. */
-    uint64_t limit;     /**< Of all entries of its kind, in bytes. */
+    struct buffer key;  /**< All that the entry follows from, but for the files. */
+    struct buffer path; /**< The entry's; empty where there is no cache. */
+    const char *ending; /**< The ending of its name, by its kind. */
+    uint64_t limit;     /**< Bytes that all entries of its kind may have. */
     uint64_t small;     /**< CACHE_SMALL */
 };
 

@@ -18,17 +18,17 @@ struct bytes {
 
 void bytes_finish(struct bytes *bytes);
 
-/** Which file it is, how large, and when it was last changed: what differs after a change. */
+/** Identity, size and times of a file: they differ after every change but one within a step of the clock. */
 struct file_state {
     uint64_t device, inode, size;
-    int64_t times[4]; /**< Of the last change of its bytes, and of anything about it: seconds, nanoseconds. */
+    int64_t times[4]; /**< Last change of its bytes (mtime), and of anything about it (ctime): s, ns. */
 };
 
 #define FILE_CHANGED "changed while it was read"
 
 struct stat;
 
-/** What stat() says of it. */
+/** The state in a result of stat(). */
 void file_state_take(struct file_state *out, const struct stat *info);
 
 conus_status file_state_find(struct file_state *out, const char *path);

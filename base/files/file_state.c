@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What tells one file from another: its state, and the SHA-256 of its bytes. */
+/* A file's identity: its state, and the SHA-256 of its bytes. */
 #include "base/files/file.h"
 
 #include <nettle/sha2.h>

@@ -15,7 +15,7 @@ struct file_sum {
 struct file_sums {
     struct file_sum *items;
     size_t count;
-    struct name_set paths; /**< Of the first items, to find them. */
+    struct name_set paths; /**< The paths of the first items, to find them. */
 };
 
 void file_sums_finish(struct file_sums *sums);

@@ -36,12 +36,12 @@ bool path_ends_in(const char *path, const char *ending);
 /** Length of the first of @p endings, with '/' between them, in which @p path ends as in path_ends_in(); 0 = none. */
 size_t path_ending_length(const char *path, const char *endings);
 
-/** Those of volumes, as such a list. */
+/** The endings of volumes, as such a list. */
 #define VOLUME_ENDINGS                                                                                                 \
     ".nii.gz/.hdr.gz/.img.gz/.mgh.gz/.nii/.hdr/.img/.mgz/.mgh/.seg.nrrd/.nrrd/.nhdr/.mha/.mhd/.HEAD/.BRIK/.BRIK.gz/"   \
     ".tiff/.tif"
 
-/** What follows the last '/'. */
+/** The part after the last '/'. */
 const char *path_base(const char *path);
 
 /** Length of @p path without the ending of a volume (.nii.gz, .mgz, ...). */

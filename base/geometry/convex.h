@@ -24,8 +24,8 @@ struct convex_stack {
 struct convex {
     double low[3], high[3]; /**< Bounds. */
     double volume;
-    size_t first, count; /**< Its edges on the stack; none = it fills its bounds. */
-    uint32_t faces;      /**< Above the number of each of its faces. */
+    size_t first, count; /**< Edges on the stack; none = it fills its bounds. */
+    uint32_t faces;      /**< Larger than the number of any of its faces. */
 };
 
 void convex_finish(struct convex_stack *stack);
@@ -37,7 +37,7 @@ struct convex convex_box(const double low[3], const double high[3]);
  * most 10⁻⁶ over the box. False without memory. */
 bool convex_move(struct convex *out, struct convex_stack *stack, const struct convex *convex, const double m[16]);
 
-/** What of @p convex is below @p at along @p axis or, with @p above, above it; `at` is between its bounds. False
+/** The part of @p convex below @p at along @p axis or, with @p above, above it; `at` is between its bounds. False
  * without memory. */
 bool convex_cut(struct convex *out, struct convex_stack *stack, const struct convex *convex, int axis, double at,
                 bool above);

@@ -424,7 +424,7 @@ static INLINE singles with_sign(singles x, singles sign)
     return (singles)((wholes)x | ((wholes)sign & INT32_MIN));
 }
 
-/* To a whole number, the nearest for |x| < 2^22; farther away one that is as far. */
+/* Rounds to the nearest whole number for |x| < 2^22; farther away to one that is as far from 0. */
 static INLINE singles nearest(singles x)
 {
 #if defined(__AVX512F__) && LANES == 16
@@ -473,7 +473,7 @@ static INLINE doubles root_of_doubles(doubles x)
 #endif
 }
 
-/* Of whole numbers. */
+/* x holds whole numbers. */
 static INLINE wholes wholes_from_singles(singles x)
 {
 #if defined(__AVX512F__) && LANES == 16

@@ -128,7 +128,7 @@ static void copy_numbers(void *out, const struct numbers *numbers, size_t at, si
     }
 }
 
-/* As narrow as their highest, `last`, allows; a few slices at a time, as well. */
+/* Uploads object numbers in as few bytes as the highest, `last`, needs, a few slices at a time. */
 static conus_status upload_numbers(GLuint *out, const struct colour_volume *box, const struct volume *volume,
                                    size_t last, uint64_t *memory_left)
 {
@@ -310,7 +310,7 @@ static conus_status colour_upload_meshes(struct colour_pass *pass, const conus_a
     return status ? status : add_bundle_content(pass, atlas);
 }
 
-/* Which entries of its table show. */
+/* Finds which entries of the transfer table are visible. */
 static void find_visible(bool visible[COLOUR_TABLE_ENTRIES], float table[COLOUR_TABLE_ENTRIES * 4],
                          const struct transfer *transfer)
 {
@@ -571,7 +571,7 @@ conus_status colour_pass_paint_streamlines(struct colour_pass *pass, const conus
     return status;
 }
 
-/* Those of them that are of voxels; false where the picture has the same already. */
+/* Chooses the areas of voxels among `areas`; false where the picture has the same ones already. */
 static bool choose_areas(uint8_t *out, const struct colour_pass *pass, const conus_atlas *atlas, const uint8_t *areas)
 {
     bool other = false;
@@ -668,7 +668,7 @@ static void bind_pass(const struct colour_pass *pass, bool layers)
     glUseProgram(layers ? pass->layer_program : pass->program);
 }
 
-/* Of all numbers: what the view asks for of objects, and what is left of the surfaces around them. */
+/* Opacities by object number: those that the view asks for, and of the surfaces around them the context's. */
 static const float *find_opacities(const struct colour_pass *pass, const struct colour_view *view)
 {
     size_t count = pass->object_count + 1;

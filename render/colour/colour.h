@@ -26,7 +26,7 @@ enum {
 /** A volume as the colour pass holds it: of its grid, the box of voxels round which anything shows. */
 struct colour_volume {
     GLuint field, empty;
-    size_t dim[3];            /**< Of the grid. */
+    size_t dim[3];            /**< Voxels of the grid. */
     size_t first[3], size[3]; /**< The box: its first voxel, of which each is a brick's first, and its voxels. */
     double world_from_voxel[16];
     double texture_from_world[16]; /**< Texture coordinates: 0 to 1 over the box's cells. */
@@ -45,7 +45,7 @@ struct colour_pass {
     bool has_areas, has_context, has_haze;
     size_t object_count, around_count; /**< Objects, and surfaces around them, whose numbers follow.            */
     float *colours;       /**< [1 + object_count + around_count][4] linear R, G, B, 1.                         */
-    float *shown;         /**< As many: what the last picture used of them.                                    */
+    float *shown;         /**< The same for the last picture.                                                  */
     float *opacity;       /**< [1 + object_count + around_count] of the last picture.                          */
     float *around;        /**< [around_count] opacities of the surfaces around the areas.                      */
     double (*content)[3]; /**< [content_count] world points around everything that shows.                */
@@ -59,7 +59,7 @@ struct colour_marker {
     uint8_t rgb[3];           /**< sRGB.     */
 };
 
-/** What the picture shows besides the atlas, and how. */
+/** The camera, and all that the picture shows besides the atlas. */
 struct colour_view {
     const struct camera *camera;
     uint32_t width, height;
@@ -67,7 +67,7 @@ struct colour_view {
     bool no_skipping;
     bool draft;                     /**< Fewer streamlines: see tube_layer.h. */
     struct gl_listener listener;    /**< Hears of pieces of streamlines, and of each time that rays are cast. */
-    double shift[2];                /**< Of the rays from the pixels' centres, in pixels, right and up.         */
+    double shift[2];                /**< From pixel centres to rays, in pixels, right and up.                   */
     const double *world_from_cone;  /**< NULL = no cone; else its apex and frame, looking down -z.      */
     double cone_slope, cone_radius; /**< Tangent of half its angle; mm about the apex, 0 unless a cylinder. */
     double cone_start, cone_length; /**< Depths along its axis between which it is drawn, mm.           */
@@ -104,7 +104,7 @@ GLuint colour_pass_tile_program(const struct colour_pass *pass, const struct col
 /** Takes over what is hidden in the atlas now. */
 conus_status colour_pass_update(struct colour_pass *pass, const conus_atlas *atlas, uint64_t max_memory);
 
-/** Of an atlas with pathways, draws from now on beside them the areas that @p areas [object_count + 1] of enum
+/** For an atlas with pathways: from now on draws beside them the areas that @p areas [object_count + 1] of enum
  * pathways_area names; NULL = none. */
 conus_status colour_pass_include(struct colour_pass *pass, const conus_atlas *atlas, const uint8_t *areas,
                                  uint64_t max_memory);

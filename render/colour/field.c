@@ -72,7 +72,7 @@ void bricks_spread(struct bricks *bricks)
 /* A trilinear sample reaches half a voxel outside its brick; one and a half more forgive a float's rounding. */
 enum { BORDER = 2, MARGIN = 3 };
 
-/* What lies around the voxels that can show, so that all that shows is as in a field of the whole volume: samples up to
+/* Voxels around those that can show, so that the picture is as with a field of the whole volume: samples up to
  * a voxel away, whose gradients are of their neighbours; and blurring twice, two voxels each, ends in flat zeros. */
 enum { VALUES_MARGIN = 2, OBJECTS_MARGIN = 3 };
 
@@ -132,7 +132,7 @@ static void find_box(struct box *out, uint8_t *columns, const uint8_t *bytes, co
     }
 }
 
-/* With `margin` voxels on each side, from a brick's first voxel on; one brick where there is nothing. */
+/* Widens the box by `margin` voxels on each side, to begin with a brick; one brick where there is nothing. */
 static void widen_box(struct field *field, const struct box *box, const size_t dim[3], size_t margin)
 {
     for (size_t a = 0; a < 3; a++) {
@@ -180,7 +180,7 @@ static conus_status start_field(struct field *field, uint8_t *bytes, const struc
     return field->low && field->high ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
-/* To the nearest whole number, of two the even one, as lrint() does, but many side by side; of less than 2^31. */
+/* lrint() for |x| < 2^31, which compilers can vectorise. */
 static inline int32_t rounded(double x)
 {
     const double shift = 0x1.8p52; /* doubles there are whole numbers */
@@ -201,7 +201,7 @@ struct pair {
     size_t apart;
 };
 
-/* Of the row that begins at `row`, which is number `at` of `dim` along an axis in which rows are `stride` apart. */
+/* The neighbours of the row at `row`, number `at` of `dim` along an axis in which rows are `stride` apart. */
 static struct pair pair_of_rows(const uint8_t *row, size_t at, size_t dim, size_t stride)
 {
     size_t below = at > 0;
@@ -216,7 +216,7 @@ static void subtract(int16_t *restrict out, const uint8_t *above, const uint8_t 
     }
 }
 
-/* Of `count` voxels from `first` on of a row along the axis x, which has `dim`. */
+/* Differences of `count` voxels from `first` on of a row of `dim` along x. */
 static void subtract_along_row(int16_t *out, const uint8_t *row, size_t first, size_t count, size_t dim)
 {
     for (size_t i = 0; i < count; i++) {
@@ -231,7 +231,7 @@ static void subtract_along_row(int16_t *out, const uint8_t *row, size_t first, s
     }
 }
 
-/* Of what lies behind `count` voxels up to a multiple of AT_ONCE. */
+/* Zeros from `count` voxels up to a multiple of AT_ONCE. */
 static void leave_flat(struct changes *changes, size_t count)
 {
     for (size_t a = 0; a < 3 && count % AT_ONCE; a++) {
@@ -376,7 +376,7 @@ static void find_row_ranges(struct field *field, const struct columns *columns, 
     }
 }
 
-/* Of all rows of voxels that bear on the row of bricks (b[1], b[2]). */
+/* Least and largest value of each column, over all rows of voxels that the row of bricks (b[1], b[2]) samples. */
 static void find_columns(const struct columns *out, const uint8_t *values, const size_t dim[3], const size_t b[3])
 {
     size_t first[3], end[3];
@@ -601,7 +601,7 @@ static size_t step_of(const struct field *field)
     return SLAB_TEXELS / slice_of(field) + 1;
 }
 
-/* Its place among the texels in memory, and the slices. The count is 0 behind the last. */
+/* The slab's place among the texels in memory, and its slices. Behind the last slab the count is 0. */
 static uint8_t *place_slab(struct field_slab *out, const struct field_task *task, size_t number)
 {
     size_t step = step_of(&task->field);

@@ -43,7 +43,7 @@ struct field {
 
 /** How grey values become densities. */
 struct field_scale {
-    double low, high; /**< What is mapped to densities 0 to 255, and held outside. */
+    double low, high; /**< Values that become densities 0 and 255; others are clamped. */
     int unseen;       /**< Densities up to that one never show, nor does what lies between them; -1 = all may. */
 };
 
@@ -75,7 +75,7 @@ struct field_slab {
 /** One field. Zeroed, it is of nothing. */
 struct field_task {
     const struct volume *volume; /**< NULL = of nothing. */
-    bool is_values;              /**< Of grey values, by `scale`; else of objects. */
+    bool is_values;              /**< The field holds grey values, by `scale`; else objects. */
     struct field_scale scale;
     size_t taken; /**< Slabs; the caller's thread's own. */
     bool has_thread;

@@ -156,7 +156,7 @@ static void extend(struct extent *extent, const struct volume *volume, size_t vo
     }
 }
 
-/* With a voxel around it. */
+/* The field has one voxel more on each side. */
 static conus_status init_field(struct haze_field *out, const struct extent *extent, uint64_t max_memory)
 {
     double count = 1;
@@ -187,7 +187,7 @@ static void add_value(float texel[4], const struct transfer *transfer, double va
     texel[3] += (float)extinction;
 }
 
-/* By the nearest voxel, as everything else finds objects. */
+/* Samples the nearest voxel, as elsewhere for objects. */
 static void add_volume(struct haze_field *field, const struct volume *volume, const struct haze_choice *choice)
 {
     const size_t *dim = field->info.dim;

@@ -6,7 +6,7 @@
 #include "atlas/atlas.h"
 #include "render/colour/transfer.h"
 
-/** Which pathways are haze, and how. */
+/** The pathways that are haze, with their transfer functions. */
 struct haze_choice {
     struct transfer *transfers; /**< [object_count + 1] in values of the pathway's map; without points: no haze. */
     size_t object_count;

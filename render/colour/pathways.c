@@ -27,7 +27,7 @@ bool pathways_shown(const conus_atlas *atlas)
     return false;
 }
 
-/* Which areas are drawn. */
+/* The areas that are drawn. */
 struct choice {
     bool all;
     const uint8_t *drawn; /* [object_count + 1], if not all; NULL = none */
@@ -45,7 +45,7 @@ static bool is_drawn(const struct choice *choice, uint32_t area)
     return choice->all || (choice->drawn && choice->drawn[area]);
 }
 
-/* What has the cell that holds the world point: the most probable of the areas that are drawn, else the first pathway;
+/* The object of the cell that holds the world point: the most probable area that is drawn, else the first pathway;
  * 0 if there is none. */
 static uint32_t scalar_at(const conus_atlas *atlas, const struct choice *choice, const double world[3])
 {
@@ -89,7 +89,7 @@ static void extend_joint(struct joint *joint, const struct volume *first, const 
     }
 }
 
-/* Of all pathways, and of the areas if @p areas; only of `first` where a common one would be far larger than each,
+/* The grid of all pathways, and of the areas if `areas`; only that of `first` where a common one would be far larger,
  * which is false. */
 static bool find_joint(struct joint *out, const conus_atlas *atlas, const struct volume *first, bool areas)
 {
@@ -117,7 +117,7 @@ static bool find_joint(struct joint *out, const conus_atlas *atlas, const struct
     return count <= LARGER * most;
 }
 
-/* Of volumes of labels: the finest one whose grid holds them all without being far larger than each; else the coarsest.
+/* The finest volume of labels whose grid holds them all without being far larger than each; else the coarsest.
  */
 static const struct volume *find_finest(const conus_atlas *atlas)
 {
@@ -149,7 +149,7 @@ static uint32_t area_at(const conus_atlas *atlas, const struct choice *choice, c
     return area;
 }
 
-/* What has the cell that holds the world point. */
+/* The object of the cell that holds the world point. */
 static uint32_t object_at(const conus_atlas *atlas, const struct choice *choice, bool areas, const double world[3])
 {
     uint32_t area = areas ? area_at(atlas, choice, world) : 0;

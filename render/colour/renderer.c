@@ -143,7 +143,7 @@ static conus_status make_absolute(struct transfer *transfer, const struct volume
     return status;
 }
 
-/* With the renderer's context current. */
+/* The renderer's context must be current. */
 static conus_status create_passes(conus_renderer *renderer, const conus_renderer_options *options,
                                   struct colour_fields *fields)
 {

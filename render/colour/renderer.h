@@ -10,7 +10,7 @@ struct conus_renderer {
     const conus_atlas *atlas;
     struct gl_context *context;
     struct colour_pass colour;
-    struct transfer transfer; /**< Of the context, in grey values. */
+    struct transfer transfer; /**< The context's, in grey values. */
     uint64_t max_memory;
     conus_log log; /**< May be NULL. */
     void *log_user;

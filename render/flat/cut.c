@@ -12,7 +12,7 @@ enum { HATCH = 6, PALE = 40 };
 /* Lines of surfaces around the areas: a grey that shows on the context's black and white. */
 static const uint8_t around_rgb[3] = {172, 165, 155};
 
-/* Of each emphasis, between stripes and on them. */
+/* Opacities by emphasis, between stripes and on them. */
 struct opacities {
     double of[3][2];
 };

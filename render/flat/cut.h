@@ -19,7 +19,7 @@ struct cut_cone {
     double near, far;              /**< Depths along the axis between which it is drawn.                          */
 };
 
-/** Which pixel is where. */
+/** Where the cut's pixels are. */
 struct cut_place {
     double centre[3];       /**< World position of the picture's middle.                                       */
     double right[3], up[3]; /**< Unit vectors in the world, perpendicular.                                     */
@@ -49,11 +49,11 @@ struct cut {
                            surfaces.                                                                             */
     int32_t *turns; /**< [height width] Of the surface at hand: how often more it winds from there on; NULL likewise.
                          0 between surfaces.                                                              */
-    size_t pixel_capacity; /**< Of each of these arrays.                                                            */
+    size_t pixel_capacity; /**< That of each of these arrays.                                                       */
     uint32_t *surfaces;    /**< Objects with a mesh, the large ones first: they may hold others.                    */
     size_t surface_count;
     uint32_t **streamlines; /**< [tractogram_count] As which object each is shown (bundles_find_objects()). */
-    double window[2];       /**< Of grey.                                                                            */
+    double window[2];       /**< Grey values shown as black and white.                                              */
     struct cut_place of;    /**< Where grey and objects were found.                                                  */
     bool has_grey, has_objects; /**< They hold.                                                                   */
 };

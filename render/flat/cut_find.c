@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What lies in the plane: grey values, objects, and the lines in which surfaces cut it. */
+/* Finds what a cut shows: grey values, objects, and the lines where surfaces meet the plane. */
 #include "atlas/volume_sample.h"
 #include "base/geometry/math3.h"
 #include "render/flat/cut.h"
@@ -287,7 +287,7 @@ static void find_surface(struct cut *cut, const struct pane *pane, const struct 
     fill_rows(cut, &turned, object);
 }
 
-/* Their lines only: nothing is in what is around the areas. */
+/* Only lines of the surfaces around the areas: they have no inside here. */
 static void find_around(struct cut *cut, const struct pane *pane)
 {
     const conus_atlas *atlas = cut->atlas;

@@ -81,7 +81,7 @@ static uint32_t end_pixel(double at, uint32_t count)
     return at < 0 ? 0 : at >= count - 1 ? count : (uint32_t)at + 1;
 }
 
-/* Of several bundles the one with the lowest number has the pixel, whatever the order. */
+/* Where several bundles meet in a pixel, the lowest number has it, whatever the order. */
 static void draw_segment(const struct frame *frame, const double a[3], const double b[3], uint32_t object)
 {
     struct cut *cut = frame->cut;

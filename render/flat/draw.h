@@ -23,7 +23,7 @@ struct draw_box {
 
 /** A filled box whose corners have the radius @p rounding. */
 void draw_box(conus_image *image, const struct draw_box *box, double rounding, const float rgba[4]);
-/** Its outline, @p width pixels wide, inside the box. */
+/** The box's outline, @p width pixels wide, inside the box. */
 void draw_frame(conus_image *image, const struct draw_box *box, double rounding, double width, const float rgba[4]);
 
 #endif

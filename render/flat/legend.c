@@ -98,7 +98,7 @@ static double measure_columns(struct layout *layout)
     return details;
 }
 
-/* As wide as its columns, or as the lines above them. */
+/* The width of the columns, or of the lines above them. */
 static double content_width(const struct layout *layout, double details)
 {
     const struct legend *legend = layout->legend;

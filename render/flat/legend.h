@@ -20,15 +20,15 @@ enum legend_corner { LEGEND_TOP_LEFT = 0, LEGEND_TOP_RIGHT, LEGEND_BOTTOM_LEFT, 
 struct legend {
     const char *title;                  /**< NULL = none.                                            */
     const char *subtitle;               /**< In grey below it; NULL = none.                          */
-    const char *header[LEGEND_DETAILS]; /**< Of the detail columns; all NULL = no header row.  */
+    const char *header[LEGEND_DETAILS]; /**< Those of the detail columns; all NULL = no header. */
     const struct legend_row *rows;
     size_t count;
-    size_t tail; /**< Of the rows, so many last ones are shown even if there is no space for all: a key. */
+    size_t tail; /**< So many last rows are shown even if there is no space for all: a key. */
     enum legend_corner corner;
     const double *at; /**< Left and top, pixels, in place of a corner; NULL = the corner.                           */
     const float *ink; /**< Linear colour and opacity of its letters where it has no panel; NULL = a dark panel.     */
     double widest;    /**< The part of the image's width that it may take, with its margin; 0 = 0.42.              */
-    double size;      /**< Of the letters, pixels per em; 0 = a 54th of the image's shorter side, at least 11.   */
+    double size;      /**< Letters: pixels per em; 0 = a 54th of the image's shorter side, at least 11.           */
 };
 
 /** Size of the letters that a legend of default size has in @p image: for other text to match. */

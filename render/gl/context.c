@@ -112,7 +112,7 @@ static void GLAPIENTRY receive_message(GLenum source, GLenum type, GLuint id, GL
     context->log(context->log_user, &note);
 }
 
-/* With the new context current: what it is, and where its messages go. */
+/* Reads the renderer's name and sends its messages to the log. The new context must be current. */
 static void describe(struct gl_context *context)
 {
     const char *renderer = (const char *)glGetString(GL_RENDERER);

@@ -15,7 +15,7 @@
 
 struct gl_context;
 
-/** What was current on this thread, to be put back. */
+/** The context that was current on this thread, to be restored. */
 struct gl_current {
     EGLDisplay display;
     EGLSurface draw, read;
@@ -43,7 +43,7 @@ bool gl_is_software(void);
 /** CONUS_ERROR_GL, naming @p what, when GL has recorded an error in the current context since the last check. */
 conus_status gl_check(const char *what);
 
-/** Who hears of the pieces of a picture; without progress: nobody. */
+/** Receives progress and may cancel a picture between its pieces; `progress` may be NULL. */
 struct gl_listener {
     conus_progress progress;
     void *user;

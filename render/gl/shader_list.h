@@ -18,8 +18,8 @@ struct shader_list {
     GLuint buffer;
     size_t record_size; /**< Bytes. */
     uint32_t capacity;  /**< Records that fit.                            */
-    uint32_t limit;     /**< And will at most.                            */
-    void *records;      /**< What was read, [capacity]; may be NULL.      */
+    uint32_t limit;     /**< The largest capacity.                         */
+    void *records;      /**< The records that were read, [capacity]; may be NULL. */
 };
 
 /** One drawing into a list. Both functions get @p user. */

@@ -21,7 +21,7 @@ struct clusters {
     size_t mesh_count;
     double *ball[4];         /**< [mesh_count] each: x, y, z and radius of a ball around the mesh.            */
     size_t *first_cluster;   /**< [mesh_count + 1]                                                            */
-    struct cluster *cluster; /**< By `first`.                                                                 */
+    struct cluster *cluster; /**< Sorted by `first`.                                                          */
     size_t triangle_count;
     uint32_t *triangle; /**< [triangle_count] number in its mesh, by drawing order.                           */
     size_t vertex_count;

@@ -16,7 +16,7 @@ enum { OBJECTS_UNIT, DISTANCE_UNIT, IDENTIFIER_UNIT, RAY_UNIT };
 enum { OUT_BUFFER };
 enum { GROUP = 64, FIRST_INTERVALS = 1024, RAY_TEXELS = sizeof(struct id_ray) / 16 };
 
-/* What a program does with a ray: the first contact, also if it is nearer than what is known, or all layers. */
+/* Kinds of programs: the first contact of a ray, a contact nearer than the known one, or all layers. */
 enum id_kind { FIRST, LATER, PIERCE, KIND_COUNT };
 
 struct id_program {

@@ -14,7 +14,7 @@
 /* The buffer is divided into at most so many tiles a side. */
 enum { TILE_LIMIT = 16, MESH = 1 };
 
-/* What waits: a mesh, or a cluster of one that was taken apart. */
+/* An entry of the heap: a mesh, or a cluster of one. */
 struct waiting {
     double nearest; /* mm: no point of it is nearer to the apex; 0 where the order does not matter */
     uint32_t number;
@@ -144,7 +144,7 @@ static inline double nearest_of(const struct mesh_cull *cull, const struct seen 
     return larger(distance - ball->radius - ROUNDING * (distance + ball->radius), 0);
 }
 
-/* What the heap goes by. */
+/* The heap's key. */
 static inline double key_of(const struct mesh_cull *cull, double nearest)
 {
     return cull->without & MESH_ORDER ? 0 : nearest;

@@ -20,9 +20,9 @@ enum mesh_step {
 struct mesh_view {
     const double *world_from_device; /**< [16] rigid; looks down its -z.                          */
     double slope;                    /**< Tangent of half the opening angle.                      */
-    double radius;                   /**< Of a cylinder's parallel rays: half the buffer's edge, mm. */
+    double radius;                   /**< A cylinder's parallel rays: half the buffer's edge, mm. */
     uint32_t resolution;             /**< n                                                       */
-    unsigned without;                /**< Of enum mesh_step; 0 = nothing.                         */
+    unsigned without;                /**< Flags of enum mesh_step to leave out.                   */
 };
 
 struct mesh_cull;

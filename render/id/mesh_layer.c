@@ -180,7 +180,7 @@ static conus_status make_program(struct mesh_program *out, const char *file, con
     return status;
 }
 
-/* Those that are not hidden. */
+/* Shows the meshes that are not hidden. */
 static void show_parts(struct mesh_layer *layer, const conus_atlas *atlas)
 {
     for (size_t i = 0; i < layer->part_count; i++) {

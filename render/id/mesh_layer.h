@@ -28,8 +28,8 @@ conus_status mesh_layer_update(struct mesh_layer *layer, const conus_atlas *atla
 struct mesh_layer_view {
     const struct camera *camera;
     uint32_t width, height;
-    double shift[2];             /**< Of the rays from the pixels' centres, in pixels, right and up. */
-    const float *opacity;        /**< Of meshes, by number, from 0 on; NULL = all 1. What is 0 is not drawn. */
+    double shift[2];             /**< From pixel centres to rays, in pixels, right and up. */
+    const float *opacity;        /**< By mesh, from 0 on; NULL = all 1. A mesh of opacity 0 is not drawn. */
     bool draft;                  /**< Fewer streamlines: see tube_layer.h. */
     struct gl_listener listener; /**< Hears of pieces of streamlines. */
 };
@@ -40,11 +40,11 @@ conus_status mesh_layer_draw(struct mesh_layer *layer, const struct mesh_layer_v
 /** How many layers of translucent meshes the last picture has: for each pixel the nearest surface of each object,
  * nearer ones first, up to MESH_LAYER_PEELS of them. */
 size_t mesh_layer_peel_count(const struct mesh_layer *layer);
-/** Their textures, arrays of layers that are like the two below; 0 where there never was one. */
+/** Array textures of the peeled layers, like the two below; 0 where there never was one. */
 GLuint mesh_layer_peel_surface(const struct mesh_layer *layer);
 GLuint mesh_layer_peel_object(const struct mesh_layer *layer);
 
-/** Of what is opaque, RGBA32F: the normal on the side that is seen, in world axes, and the depth along the view axis in
+/** Opaque surfaces, RGBA32F: the normal on the side that is seen, in world axes, and the depth along the view axis in
  * mm; 0 = nothing.
  */
 GLuint mesh_layer_surface(const struct mesh_layer *layer);

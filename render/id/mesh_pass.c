@@ -105,7 +105,7 @@ static conus_status create_first(struct mesh_pass *pass, uint32_t capacity)
     return CONUS_OK;
 }
 
-/* That of all of them, and its list. */
+/* The program for all hits, and its list. */
 static conus_status create_all(struct mesh_pass *pass)
 {
     const struct program_shader fragment = {"mesh_hits.frag.glsl", shader_mesh_hits_frag};
@@ -254,7 +254,7 @@ static size_t pixel_count(const struct mesh_pass *pass)
     return (size_t)pass->target.width * pass->target.height;
 }
 
-/* Of the slot that is number `place` of those that are drawn at once. */
+/* A pixel of the slot that is number `place` of those that are drawn at once. */
 static uint32_t *pixel_at(const struct mesh_pass *pass, size_t place, size_t pixel)
 {
     return pass->pixels + (place * pixel_count(pass) + pixel) * (2 + (size_t)pass->capacity);

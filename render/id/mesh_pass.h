@@ -35,7 +35,7 @@ struct mesh_query {
 /** A triangle that covers a pixel's centre. */
 struct mesh_pass_hit {
     uint32_t pixel, object;
-    uint32_t triangle; /**< Of the object's mesh. */
+    uint32_t triangle; /**< In the object's mesh. */
 };
 
 /** Takes hits in any order. */

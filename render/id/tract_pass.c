@@ -166,7 +166,7 @@ enum { BATCH = 16384, SOFTWARE_BATCH = 1024 };
 /* Looks are under way side by side as long as they have no more pixels, and what culls them takes no more bytes. */
 enum { SLOT_LIMIT = 256, SLOT_PIXELS = 1 << 18, SLOT_MEMORY = 1 << 28 };
 
-/* Of the vertices' numbers, which are signed. */
+/* Leaves whose vertices' numbers, which are signed, do not overflow. */
 static const size_t leaf_limit = INT32_MAX / (BOX_CORNERS * TRACT_LEAF);
 
 /* Less slack than this counts as this, so that its square is a number; 0 stands for a pixel without a ray. */
@@ -214,7 +214,7 @@ struct tract_pass {
 };
 
 /* One call of tract_pass_render() in one scene. */
-struct look {
+struct search {
     struct tract_pass *pass;
     size_t source;
     const struct tract_query *queries;
@@ -426,18 +426,18 @@ static conus_status reserve_pixels(struct tract_pass *pass, size_t pixels)
 }
 
 /* The query's rays, from where each of them comes to the scene. */
-static void aim(const struct look *look, struct slot *slot)
+static void aim(const struct search *search, struct slot *slot)
 {
-    const struct tract_pass *pass = look->pass;
-    size_t first = slot->place * look->pixels;
+    const struct tract_pass *pass = search->pass;
+    size_t first = slot->place * search->pixels;
     slot->slack = least_slack;
-    for (size_t i = 0; i < look->pixels; i++) {
+    for (size_t i = 0; i < search->pixels; i++) {
         struct ray_texels *texels = &pass->texels[first + i];
         struct tract_start start;
         *texels = (struct ray_texels){.slack = 0};
         pass->along[first + i] = 0;
         if ((!slot->query->wanted || slot->query->wanted[i]) &&
-            tract_start_find(&start, pass->scenes[look->source].tractogram, slot->query->origins[i],
+            tract_start_find(&start, pass->scenes[search->source].tractogram, slot->query->origins[i],
                              slot->query->directions[i])) {
             memcpy(texels->origin, start.origin, sizeof start.origin);
             memcpy(texels->direction, start.direction, sizeof start.direction);
@@ -447,7 +447,7 @@ static void aim(const struct look *look, struct slot *slot)
         }
     }
     glNamedBufferSubData(pass->ray_buffer, (GLintptr)(first * sizeof *pass->texels),
-                         (GLsizeiptr)(look->pixels * sizeof *pass->texels), pass->texels + first);
+                         (GLsizeiptr)(search->pixels * sizeof *pass->texels), pass->texels + first);
 }
 
 /* How far along the search of a pixel, number `at` of all, what it is looking for can be. */
@@ -460,31 +460,31 @@ static float reach_of(const struct tract_pass *pass, const struct slot *slot, si
     return reach > 0 ? reach : 0; /* the driver compares bits */
 }
 
-static void set_nearest(const struct look *look, const struct slot *slot)
+static void set_nearest(const struct search *search, const struct slot *slot)
 {
-    const struct tract_pass *pass = look->pass;
-    size_t first = slot->place * look->pixels;
-    for (size_t i = 0; i < look->pixels; i++) {
+    const struct tract_pass *pass = search->pass;
+    size_t first = slot->place * search->pixels;
+    for (size_t i = 0; i < search->pixels; i++) {
         pass->nearest[first + i] = reach_of(pass, slot, first + i, i);
     }
     glNamedBufferSubData(pass->nearest_buffer, (GLintptr)(first * sizeof *pass->nearest),
-                         (GLsizeiptr)(look->pixels * sizeof *pass->nearest), pass->nearest + first);
+                         (GLsizeiptr)(search->pixels * sizeof *pass->nearest), pass->nearest + first);
 }
 
 /* Gives the slot its query's next batch, or the first one of the next query; false when there is none. */
-static bool feed(struct look *look, struct slot *slot)
+static bool feed(struct search *search, struct slot *slot)
 {
     slot->count = 0;
-    while (!slot->count && (slot->query || look->next < look->end)) {
+    while (!slot->count && (slot->query || search->next < search->end)) {
         bool begins = !slot->query;
         if (begins) {
-            slot->query = look->next++;
+            slot->query = search->next++;
             mesh_cull_begin(slot->cull, &slot->query->view);
         }
         mesh_cull_hide(slot->cull, slot->query->distances);
-        slot->count = mesh_cull_batch(&slot->batch, slot->cull, look->pass->batch);
+        slot->count = mesh_cull_batch(&slot->batch, slot->cull, search->pass->batch);
         if (slot->count && begins) {
-            aim(look, slot);
+            aim(search, slot);
         }
         slot->query = slot->count ? slot->query : NULL;
     }
@@ -492,37 +492,37 @@ static bool feed(struct look *look, struct slot *slot)
 }
 
 /* Feeds the slots: those that are under way come to be the first ones. */
-static void feed_all(struct look *look)
+static void feed_all(struct search *search)
 {
-    struct slot *slots = look->pass->scenes[look->source].slots;
-    for (size_t i = 0; i < look->slots;) {
-        if (feed(look, &slots[i])) {
-            look->slot_at[slots[i].place] = &slots[i];
-            set_nearest(look, &slots[i]);
+    struct slot *slots = search->pass->scenes[search->source].slots;
+    for (size_t i = 0; i < search->slots;) {
+        if (feed(search, &slots[i])) {
+            search->slot_at[slots[i].place] = &slots[i];
+            set_nearest(search, &slots[i]);
             i++;
         } else {
             struct slot idle = slots[i];
-            slots[i] = slots[--look->slots];
-            slots[look->slots] = idle;
+            slots[i] = slots[--search->slots];
+            slots[search->slots] = idle;
         }
     }
 }
 
-static conus_status begin_slots(struct look *look)
+static conus_status begin_slots(struct search *search)
 {
-    struct tract_pass *pass = look->pass;
-    struct scene *scene = &pass->scenes[look->source];
-    size_t count = (size_t)(look->end - look->next);
-    size_t most = SLOT_PIXELS / look->pixels > 1 ? SLOT_PIXELS / look->pixels : 1;
+    struct tract_pass *pass = search->pass;
+    struct scene *scene = &pass->scenes[search->source];
+    size_t count = (size_t)(search->end - search->next);
+    size_t most = SLOT_PIXELS / search->pixels > 1 ? SLOT_PIXELS / search->pixels : 1;
     conus_status status = make_slots(scene, count < most ? count : most, pass->scene_count);
-    look->slots = count < scene->slot_count ? count : scene->slot_count;
-    look->slots = look->slots < most ? look->slots : most;
-    for (size_t i = 0; i < look->slots; i++) { /* whatever a query that failed left behind */
+    search->slots = count < scene->slot_count ? count : scene->slot_count;
+    search->slots = search->slots < most ? search->slots : most;
+    for (size_t i = 0; i < search->slots; i++) { /* whatever a query that failed left behind */
         scene->slots[i].query = NULL;
         scene->slots[i].place = i;
     }
-    look->all_pixels = look->slots * look->pixels;
-    return status ? status : reserve_pixels(pass, look->all_pixels);
+    search->all_pixels = search->slots * search->pixels;
+    return status ? status : reserve_pixels(pass, search->all_pixels);
 }
 
 static conus_status reserve_draws(struct tract_pass *pass, size_t count)
@@ -544,9 +544,9 @@ static conus_status reserve_draws(struct tract_pass *pass, size_t count)
     return CONUS_OK;
 }
 
-static void set_view(const struct look *look, const struct slot *slot)
+static void set_view(const struct search *search, const struct slot *slot)
 {
-    const struct tract_pass *pass = look->pass;
+    const struct tract_pass *pass = search->pass;
     const struct mesh_view *view = &slot->query->view;
     const double *m = view->world_from_device;
     bool parallel = view->radius > 0;
@@ -562,14 +562,14 @@ static void set_view(const struct look *look, const struct slot *slot)
     glUniform1f(pass->width, (float)(parallel ? view->radius : view->slope));
     glUniform1f(pass->slack, slot->slack);
     glUniform1i(pass->resolution, (GLint)view->resolution);
-    glUniform1i(pass->first_pixel, (GLint)(slot->place * look->pixels));
+    glUniform1i(pass->first_pixel, (GLint)(slot->place * search->pixels));
     glUniform1i(pass->has_bound, slot->query->distances != NULL);
 }
 
-static conus_status draw_slot(const struct look *look, const struct slot *slot)
+static conus_status draw_slot(const struct search *search, const struct slot *slot)
 {
-    struct tract_pass *pass = look->pass;
-    const struct clusters *clusters = &pass->scenes[look->source].clusters;
+    struct tract_pass *pass = search->pass;
+    const struct clusters *clusters = &pass->scenes[search->source].clusters;
     conus_status status = reserve_draws(pass, slot->count);
     for (size_t i = 0; i < slot->count && !status; i++) {
         const struct cluster *leaf = &clusters->cluster[slot->batch[i]];
@@ -577,7 +577,7 @@ static conus_status draw_slot(const struct look *look, const struct slot *slot)
         pass->draw_bases[i] = (GLint)(leaf->first * TRACT_LEAF * BOX_CORNERS);
     }
     if (!status) {
-        set_view(look, slot);
+        set_view(search, slot);
         glMultiDrawElementsBaseVertex(GL_TRIANGLES, pass->draw_counts, GL_UNSIGNED_SHORT, pass->draw_offsets,
                                       (GLsizei)slot->count, pass->draw_bases);
     }
@@ -586,9 +586,9 @@ static conus_status draw_slot(const struct look *look, const struct slot *slot)
 
 static conus_status draw_round(void *user, uint32_t first, uint32_t end)
 {
-    const struct look *look = user;
-    const struct tract_pass *pass = look->pass;
-    const struct scene *scene = &pass->scenes[look->source];
+    const struct search *search = user;
+    const struct tract_pass *pass = search->pass;
+    const struct scene *scene = &pass->scenes[search->source];
     conus_status status = CONUS_OK;
     target_bind(&pass->target);
     glUseProgram(pass->program);
@@ -598,8 +598,8 @@ static conus_status draw_round(void *user, uint32_t first, uint32_t end)
     glBindTextureUnit(RAY_UNIT, pass->rays);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, NEAREST_BUFFER, pass->nearest_buffer);
     glBindVertexArray(pass->vertices);
-    for (size_t i = 0; i < look->slots && !status; i++) {
-        status = draw_slot(look, &scene->slots[i]);
+    for (size_t i = 0; i < search->slots && !status; i++) {
+        status = draw_slot(search, &scene->slots[i]);
     }
     return status ? status : gl_check("pass of streamlines");
 }
@@ -607,43 +607,43 @@ static conus_status draw_round(void *user, uint32_t first, uint32_t end)
 /* Leaves out what a hit that is known by now is before. */
 static conus_status take_hits(void *user, const void *records, uint32_t count)
 {
-    const struct look *look = user;
+    const struct search *search = user;
     const uint32_t(*record)[3] = (const uint32_t(*)[3])records;
     conus_status status = CONUS_OK;
     for (uint32_t i = 0; i < count && !status; i++) {
         size_t at = record[i][0];
-        const struct slot *slot = look->slot_at[at / look->pixels];
-        uint32_t pixel = (uint32_t)(at % look->pixels);
+        const struct slot *slot = search->slot_at[at / search->pixels];
+        uint32_t pixel = (uint32_t)(at % search->pixels);
         float enter;
         memcpy(&enter, &record[i][2], sizeof enter);
-        if (!(enter > reach_of(look->pass, slot, at, pixel))) {
-            const struct tract_proposal proposal = {(size_t)(slot->query - look->queries), pixel, look->source,
+        if (!(enter > reach_of(search->pass, slot, at, pixel))) {
+            const struct tract_proposal proposal = {(size_t)(slot->query - search->queries), pixel, search->source,
                                                     record[i][1]};
-            status = look->take(look->user, &proposal);
+            status = search->take(search->user, &proposal);
         }
     }
     return status;
 }
 
-static uint32_t most_runs(const struct look *look)
+static uint32_t most_runs(const struct search *search)
 {
-    const struct scene *scene = &look->pass->scenes[look->source];
+    const struct scene *scene = &search->pass->scenes[search->source];
     size_t most = 0;
-    for (size_t i = 0; i < look->slots; i++) {
+    for (size_t i = 0; i < search->slots; i++) {
         most = scene->slots[i].count > most ? scene->slots[i].count : most;
     }
     return (uint32_t)(most * TRACT_LEAF);
 }
 
-static conus_status take_round(struct look *look)
+static conus_status take_round(struct search *search)
 {
     const struct shader_list_job job = {.binding = HIT_BUFFER,
                                         .draw = draw_round,
                                         .take = take_hits,
-                                        .user = look,
-                                        .pixels = (uint32_t)look->all_pixels,
-                                        .per_pixel = most_runs(look)};
-    return shader_list_collect(&look->pass->hits, &job);
+                                        .user = search,
+                                        .pixels = (uint32_t)search->all_pixels,
+                                        .per_pixel = most_runs(search)};
+    return shader_list_collect(&search->pass->hits, &job);
 }
 
 conus_status tract_pass_render(struct tract_pass *pass, const struct tract_query *queries, size_t count,
@@ -652,17 +652,17 @@ conus_status tract_pass_render(struct tract_pass *pass, const struct tract_query
     conus_status status = count ? resize(pass, queries->view.resolution) : CONUS_OK;
     for (size_t source = 0; source < pass->scene_count && count && !status; source++) {
         size_t resolution = queries->view.resolution;
-        struct look look = {.pass = pass,
-                            .source = source,
-                            .queries = queries,
-                            .next = queries,
-                            .end = queries + count,
-                            .pixels = resolution * resolution,
-                            .take = take,
-                            .user = user};
-        status = begin_slots(&look);
-        while (!status && (feed_all(&look), look.slots)) {
-            status = take_round(&look);
+        struct search search = {.pass = pass,
+                                .source = source,
+                                .queries = queries,
+                                .next = queries,
+                                .end = queries + count,
+                                .pixels = resolution * resolution,
+                                .take = take,
+                                .user = user};
+        status = begin_slots(&search);
+        while (!status && (feed_all(&search), search.slots)) {
+            status = take_round(&search);
         }
     }
     return status;

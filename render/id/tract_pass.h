@@ -21,7 +21,7 @@ enum { TRACT_LEAF_TEXELS = 2 + TRACT_LEAF / 2 };
 /** Streamlines that a pass finds. */
 struct tract_source {
     const struct tractogram *tractogram; /**< With its tree. */
-    const bool *shown;                   /**< [streamline_count] Those that are looked for; NULL = all. */
+    const bool *shown;                   /**< [streamline_count] Which are searched; NULL = all. */
 };
 
 /** Clusters of the leaves with a streamline that is shown: `first` is the leaf, `count` its runs; their balls have the
@@ -49,8 +49,8 @@ struct tract_query {
 
 /** A run that the ray of a pixel may hit. */
 struct tract_proposal {
-    size_t query;   /**< Of the caller's. */
-    uint32_t pixel; /**< Of its buffer.   */
+    size_t query;   /**< The caller's. */
+    uint32_t pixel; /**< In its buffer. */
     size_t source;
     size_t run; /**< As in tract_run_at(). */
 };

@@ -48,7 +48,7 @@ static const struct tract_scalar *find_scalar(const struct tractogram *tractogra
     return NULL;
 }
 
-/* Of all tractograms that have the number; false where none has, or no value is finite. */
+/* The range over all tractograms that have the number; false where none has, or no value is finite. */
 static bool find_range(struct tube_colouring *out, const conus_atlas *atlas, const char *name)
 {
     bool found = false;
@@ -234,7 +234,7 @@ static conus_status keep_streamline(struct tube_layer *layer, size_t *capacity, 
     return CONUS_OK;
 }
 
-/* Those of every step-th streamline, each turn of every TURNS-th of these: however many come first, they are of
+/* Keeps points of every step-th streamline, each turn of every TURNS-th of these: however many come first, they are of
  * streamlines from everywhere in the file. CONUS_ERROR_MEMORY. */
 static conus_status keep_tractogram(struct tube_layer *layer, size_t *capacity, const struct tractogram *tractogram)
 {

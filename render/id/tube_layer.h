@@ -14,7 +14,7 @@
 #include <epoxy/gl.h>
 
 enum tube_colour_by {
-    TUBE_BY_BUNDLE = 0, /**< As its object: the first one that is shown. */
+    TUBE_BY_BUNDLE = 0, /**< The colour of its object: the first one that is shown. */
     TUBE_BY_DIRECTION,  /**< Red from left to right, green from back to front, blue upwards. */
     TUBE_BY_SCALAR      /**< A number of its points or of itself. */
 };
@@ -22,10 +22,10 @@ enum tube_colour_by {
 struct tube_colouring {
     enum tube_colour_by by;
     char *scalar;     /**< Its name; owned. NULL unless TUBE_BY_SCALAR. */
-    double low, high; /**< Of its values: the ends of the colours. */
+    double low, high; /**< Values at the ends of the colours. */
 };
 
-/* What a mesh layer's texture of objects has of a tube: an object's number, or TUBE_OWN_COLOUR and sRGB in the lowest
+/* A tube in a mesh layer's texture of objects: the object's number, or TUBE_OWN_COLOUR and sRGB in the lowest
  * three bytes, red first. */
 #define TUBE_OWN_COLOUR 0x80000000U
 #define TUBE_PALE 0x40000000U /**< Drawn pale, whatever its object. */
@@ -60,7 +60,7 @@ void tube_layer_destroy(struct tube_layer *layer);
 conus_status tube_layer_update(struct tube_layer *layer, const conus_atlas *atlas,
                                const struct tube_colouring *colouring, const bool *const *is_pale);
 
-/** Which part of the streamlines is drawn: every so many of them; 1 = all. */
+/** Every n-th streamline is drawn; 1 = all. */
 size_t tube_layer_step(const struct tube_layer *layer);
 
 struct tube_layer_view {

@@ -107,7 +107,7 @@ static exr_result_t pack_counts(struct row *row, const struct deep_image *image,
     return deflate_row(&row->counts, row, sizeof sum * width);
 }
 
-/* Its samples, channel by channel. */
+/* The row's samples, channel by channel. */
 static exr_result_t pack_samples(struct row *row, const struct deep_image *image, const struct image_channel *order,
                                  size_t first, size_t count)
 {

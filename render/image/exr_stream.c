@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* What went wrong in the call under way: the first message (later ones are its consequences), and whether memory was
+/* The error of the call under way: the first message (later ones are its consequences), and whether memory was
  * short, which the library does not always pass on. Not in struct exr_stream: the library gives its allocator no user
  * data, and while it reports it holds the lock that exr_get_user_data() takes. */
 static _Thread_local struct {

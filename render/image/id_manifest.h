@@ -23,7 +23,7 @@
 #include "base/files/file.h"
 #include "base/status.h"
 
-/** What the ids in one channel stand for. They are stable (the same in all images of the same atlas) and not hashes. */
+/** The names of the ids in one channel. Ids are stable (the same in all images of the same atlas), not hashes. */
 struct id_manifest_group {
     const char *channel;
     const char *const *components; /**< Names of what is said about each id: "name", "label". */

@@ -41,7 +41,7 @@ struct conus_image {
                             B, A; NULL if none. May be larger than the image, for pictures too small to see. */
     uint32_t png_width, png_height;
     double dpi;           /**< Pixels per inch; 0 = not known. */
-    struct bytes encoded; /**< Of conus_image_encode(). */
+    struct bytes encoded; /**< The result of conus_image_encode(). */
 };
 
 /** An image without channels. Sides from 1 to IMAGE_MAX_SIDE. */

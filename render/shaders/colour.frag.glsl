@@ -199,7 +199,7 @@ vec4 entry_of(uint number)
     return (number & TUBE_PALE) != 0u ? vec4(entry.rgb, 0) : entry;
 }
 
-// Of a surface at depth t: pale where it is not emphasised, with the outline of the cone's footprint on the side that
+// The colour of a surface at depth t: pale where it is not emphasised, with the cone's footprint on the side that
 // faces the apex.
 vec3 object_colour(uint object, vec3 normal, vec3 direction, vec3 view, float t)
 {

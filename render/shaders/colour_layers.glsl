@@ -76,7 +76,7 @@ float weight_of(uint object, vec3 place)
     return sum;
 }
 
-// Of the border between two objects, in world axes: occupancy, which they share, has no gradient there. Borders mostly lie
+// The normal of the border between two objects, in world axes: their occupancy has no gradient there. Borders mostly lie
 // along the ray, so that they would be dark: they are lit as if turned towards the eye.
 vec3 border_normal(uint object, vec3 place, vec3 view)
 {
@@ -91,7 +91,7 @@ vec3 border_normal(uint object, vec3 place, vec3 view)
     return normalize(-gradient / max(length(gradient), 1e-6) - view);
 }
 
-// What lies on the ray in closed form, or was drawn before: walls of the cone, and layers of meshes.
+// Surfaces on the ray in closed form, or drawn before: walls of the cone, and layers of meshes.
 struct Events {
     Surface near, far; // walls
     int layer;         // the next one
@@ -162,7 +162,7 @@ bool is_seen(uint object, uint seen[SEEN], int count)
     return found;
 }
 
-// What of the cone shines through the surface at which the ray ended, or lies behind what it passed.
+// Adds the part of the cone that shines through the surface at the ray's end, or lies behind what the ray passed.
 vec4 with_rest(vec4 sum, Events events, Surface solid, bool is_hit)
 {
     vec4 rest = vec4(0.0);

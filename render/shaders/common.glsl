@@ -1,4 +1,4 @@
-// What every shader begins with.
+// The beginning of every shader.
 
 // Whether a voxel, or a brick, lies in a grid of `dim`.
 bool is_inside(ivec3 cell, ivec3 dim)

@@ -132,7 +132,7 @@ dvec3 crossing_times(Ray ray, dvec3 cell, double half_cell)
     return t;
 }
 
-// Which axes' crossings at t come before `crossing`; equal times are in the order of the axes.
+// The axes whose crossings at t come before `crossing`; equal times are in the order of the axes.
 bvec3 are_before(dvec3 t, Crossing crossing)
 {
     return mix(lessThan(t, dvec3(crossing.t)), lessThanEqual(t, dvec3(crossing.t)),

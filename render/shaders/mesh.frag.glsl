@@ -1,4 +1,4 @@
-// What the colour pass needs of the meshes: normal and depth, and the object.
+// Meshes for the colour pass: normal and depth, and the object.
 in vec3 side;
 in float depth;
 flat in uint number;
