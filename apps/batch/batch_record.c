@@ -148,14 +148,16 @@ static bool set_command(json_t *root, const char *command)
     return json_object_set_new(program, "CommandLine", text ? text : json_null()) == 0;
 }
 
-int batch_record_write(const char *path, const char *text, const struct batch_record *record, const char *command)
+int batch_record_write(const char *path, const char *text, const struct batch_record *record, const char *command,
+                       const struct question *question)
 {
     json_t *root = json_loads(text, 0, NULL);
     char *whole = NULL;
     json_object_del(root, "Queries");
     json_object_del(root, "Checksum"); /* of a shard */
     if (root && set_record(root, json_from_record(record)) && set_command(root, command) &&
-        provenance_put_input(root, record->level_file) && provenance_seal(root)) {
+        provenance_put_input(root, record->level_file) &&
+        (!question || json_object_set_new(root, "Question", question_json(question)) == 0) && provenance_seal(root)) {
         char *dumped = json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(DIGITS));
         whole = dumped && asprintf(&whole, "%s\n", dumped) >= 0 ? whole : NULL;
         free(dumped);

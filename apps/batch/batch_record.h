@@ -5,6 +5,7 @@
 #define CONUS_BATCH_BATCH_RECORD_H
 
 #include "batch/batch_settings.h"
+#include "options/provenance.h"
 
 enum { BATCH_RECORD_LIMIT = 1 << 26 }; /**< Largest sidecar that is read, bytes. */
 
@@ -29,8 +30,10 @@ struct batch_record {
 int batch_fingerprint(char out[65], conus_batch *batch, const struct atlases *atlases,
                       const struct batch_settings *settings, const char *const *sources);
 
-/** Writes the sidecar: @p text, a JSON object, with the record in it, and with @p command as the command line. */
-int batch_record_write(const char *path, const char *text, const struct batch_record *record, const char *command);
+/** Writes the sidecar: @p text, a JSON object, with the record in it, and with @p command as the command line. Of a
+ * merged batch, @p question is NULL: that of the first shard stays. */
+int batch_record_write(const char *path, const char *text, const struct batch_record *record, const char *command,
+                       const struct question *question);
 
 /** Reads it back. */
 int batch_record_read(struct batch_record *out, const char *path);

@@ -424,7 +424,20 @@ int batch_run_finish_output(struct batch_run *run)
         .has_points = conus_pose_stream_has_points(run->poses),
     };
     memcpy(record.fingerprint, run->fingerprint, sizeof record.fingerprint);
-    int code = batch_record_write(run->sidecar, text, &record, run->command_line);
+    const struct engine_settings *engine = &run->settings->engine;
+    bool of_shanks = (run->format == CONUS_FORMAT_SPIKEGLX || run->format == CONUS_FORMAT_OPEN_EPHYS) &&
+                     engine->range[1] > 0; /* contacts have no range */
+    bool of_axes = run->settings->of_segments || of_shanks;
+    const struct question question = {
+        .arguments = run->arguments,
+        .rows = of_axes                  ? "segments"
+                : run->settings->summary ? "summaries"
+                                         : "answers",
+        .region = of_axes              ? "axis"
+                  : engine->radius > 0 ? "cylinder"
+                                       : "cone",
+    };
+    int code = batch_record_write(run->sidecar, text, &record, run->command_line, &question);
     return code ? code : batch_file_finish(&run->file);
 }
 

@@ -91,6 +91,7 @@ static void citing_finish(struct citing *citing)
         free(citing->names ? citing->names[i] : NULL);
     }
     free(citing->citation.atlases);
+    json_decref(citing->citation.question);
     free((void *)citing->names);
     replay_finish(&citing->replay);
     record_finish(&citing->record);
@@ -184,7 +185,14 @@ static int cite_result(struct citing *citing, const char *sidecar)
         return EXIT_DATA;
     }
     citation->sidecar = citing->record.root;
-    citation->arguments = &citing->replay.arguments;
+    citation->question = citation_question(citation, &citing->replay.arguments);
+    if (!citation->question) {
+        return no_memory();
+    }
+    if (!citation_is_known(citation)) {
+        print_error_line("%s: Question: names rows that this conus, %s, does not know", sidecar, conus_version());
+        return EXIT_DATA;
+    }
     citation->version = citing->record.version;
     for (size_t i = 0; i < citing->settings->folders.count && !code; i++) {
         code = places_add(&places, citing->settings->folders.items[i]);

@@ -59,7 +59,7 @@ static int answer(struct connect *connect)
     if (code) {
         return code;
     }
-    survey_describe(survey, &provenance);
+    survey_describe(survey, &provenance, "connections", "all");
     code = matrix_file_write(&connect->matrix, &provenance);
     provenance_add_outputs(&provenance, survey->arguments);
     return code ? code : survey_write(survey, &provenance);

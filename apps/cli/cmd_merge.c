@@ -311,7 +311,7 @@ static int write_whole(struct merge *merge)
     size_t size = 0;
     int code = copy_all(merge);
     code = code ? code : input_file_read(&text, &size, merge->parts[0].sidecar, INPUT_FILE, BATCH_RECORD_LIMIT);
-    code = code ? code : batch_record_write(merge->sidecar, text, &merge->record, merge->command_line);
+    code = code ? code : batch_record_write(merge->sidecar, text, &merge->record, merge->command_line, NULL);
     free(text);
     if (!code && rename(merge->temporary, merge->settings->output)) {
         code = print_system_error(merge->settings->output, "write");

@@ -189,7 +189,7 @@ static int answer(struct overlap *overlap)
     if (code) {
         return code;
     }
-    survey_describe(&overlap->survey, &provenance);
+    survey_describe(&overlap->survey, &provenance, "coverages", "volume");
     return survey_write(&overlap->survey, &provenance);
 }
 

@@ -126,6 +126,8 @@ struct query {
     struct ends ends;
     conus_contacts contacts;
     conus_selection *selection; /* kept for --deep */
+    bool has_points, has_cones; /* that were asked about, */
+    bool has_shanks;            /* whose axes are the answer */
 };
 
 static void query_finish(struct query *query)
@@ -183,7 +185,7 @@ static int check_poses(const struct query *query)
 }
 
 /* What is asked of each atlas: a cone or cylinder, or a ball around a point. */
-struct question {
+struct asked_row {
     const char *id;
     size_t line; /* of its file; 0 = none */
     conus_pose pose;
@@ -194,7 +196,7 @@ struct question {
 };
 
 /* Adds a shank of a probe, which is what the axis passes. */
-static conus_status add_shank(const struct answerer *answerer, const struct question *question)
+static conus_status add_shank(const struct answerer *answerer, const struct asked_row *question)
 {
     conus_segments *segments = NULL;
     conus_status status = conus_segments_create(&segments, answerer->selector, &question->pose);
@@ -204,7 +206,7 @@ static conus_status add_shank(const struct answerer *answerer, const struct ques
 }
 
 /* Adds what the axis passes in one atlas. */
-static int add_segments(struct query *query, size_t index, const struct question *question)
+static int add_segments(struct query *query, size_t index, const struct asked_row *question)
 {
     conus_segments *segments = NULL;
     if (!query->segments.path || question->is_point) {
@@ -217,10 +219,13 @@ static int add_segments(struct query *query, size_t index, const struct question
 }
 
 /* Adds the answer of one atlas to its report and to what else is written. The image is of the last one. */
-static int add_answer(struct query *query, size_t index, const struct question *question, conus_selection *selection)
+static int add_answer(struct query *query, size_t index, const struct asked_row *question, conus_selection *selection)
 {
     const struct answerer *answerer = &query->inquiry.answerers[index];
     bool is_shank = is_of_probe(query->inquiry.format) && !question->is_point;
+    query->has_points = query->has_points || question->is_point;
+    query->has_cones = query->has_cones || !question->is_point;
+    query->has_shanks = query->has_shanks || is_shank;
     if (is_shank && query->settings->voxels) {
         conus_selection_destroy(selection);
         return print_usage_error("--voxels: the shanks of a probe have none, other formats list those of cones");
@@ -245,7 +250,7 @@ static int add_answer(struct query *query, size_t index, const struct question *
 
 /* Asks all atlases. Where the question itself is at fault, nothing is printed or reported: that is for the caller, and
  * *fault is set. */
-static int ask(struct query *query, const struct question *question, bool *fault)
+static int ask(struct query *query, const struct asked_row *question, bool *fault)
 {
     int code = EXIT_DONE;
     double radius = question->radius;
@@ -278,7 +283,7 @@ static int answer_row(void *user, const conus_pose_row *row)
     struct query *query = user;
     struct inquiry *inquiry = &query->inquiry;
     double radius = inquiry->settings->engine.radius;
-    struct question question = {
+    struct asked_row question = {
         .id = row->id, .line = row->line, .pose = row->pose, .is_point = row->is_point, .radius = radius};
     bool fault = false;
     if (row->error || (row->is_point && radius == 0)) {
@@ -308,7 +313,7 @@ static bool is_outside(const conus_atlas *atlas, const double point[3])
 
 /* Of a point outside of the box around the first atlas's objects, what is nearest to it, unless it is in the ball that
  * was asked for. */
-static void say_nearest(const struct query *query, const struct question *question)
+static void say_nearest(const struct query *query, const struct asked_row *question)
 {
     const conus_atlas *atlas = query->inquiry.atlases.items[0].atlas;
     conus_selection *selection = NULL;
@@ -332,7 +337,7 @@ static int answer_one(struct query *query)
 {
     struct inquiry *inquiry = &query->inquiry;
     const struct inquiry_settings *settings = inquiry->settings;
-    struct question question = {.id = "1"};
+    struct asked_row question = {.id = "1"};
     bool fault = false;
     if (option_given(inquiry->arguments, "point")) {
         int code = settings_point(question.point, query->settings->point, &inquiry->frame, "point");
@@ -412,11 +417,20 @@ static int write_image(struct query *query)
     return status ? print_status(status) : EXIT_DONE;
 }
 
+/* What was read, and what was asked. */
+static void describe(struct provenance *out, const struct query *query)
+{
+    inquiry_list_inputs(out, &query->inquiry);
+    if (query->has_points && !query->has_cones) {
+        out->question.region = "ball";
+    }
+}
+
 /* The streamlines, and rows that are not the answer's. */
 static int write_tracts_and_rows(struct query *query)
 {
     struct provenance provenance = {0};
-    inquiry_list_inputs(&provenance, &query->inquiry);
+    describe(&provenance, query);
     int code = streamlines_out_write(query->streamlines, &query->settings->streamlines);
     code = code ? code : rows_file_write(&query->segments, &provenance);
     return code ? code : ends_write(&query->ends, &provenance);
@@ -445,7 +459,11 @@ static int write_answer(struct query *query)
     const struct inquiry *inquiry = &query->inquiry;
     conus_report *report = inquiry->answerers[0].report;
     struct provenance provenance = {0};
-    inquiry_list_inputs(&provenance, inquiry);
+    describe(&provenance, query);
+    if (query->has_shanks) {
+        provenance.question.rows = "segments";
+        provenance.question.region = "axis";
+    }
     int code = mask_write(&query->mask, report, &provenance);
     provenance_add_outputs(&provenance, inquiry->arguments);
     return code || is_replaced(settings)

@@ -375,6 +375,9 @@ static int answer_sweep(struct sweep *sweep)
     inquiry_say_aims(inquiry);
     struct provenance provenance = {0};
     inquiry_list_inputs(&provenance, inquiry);
+    provenance.question.rows = sweep->rows == CONUS_ROWS_SHARES    ? "shares"
+                               : sweep->rows == CONUS_ROWS_CHANCES ? "chances"
+                                                                   : "admissions";
     code = answer_write(inquiry->answerers[0].report, inquiry->settings->answer.output, inquiry->sidecar, &provenance);
     return inquiry_code(inquiry, code);
 }

@@ -331,6 +331,7 @@ static int write_rest(struct track *track)
     conus_report *report = inquiry->answerers[0].report;
     struct provenance provenance = {.poses = inquiry->stream};
     inquiry_list_inputs(&provenance, inquiry);
+    provenance.question.rows = "steps";
     if (inquiry->format == CONUS_FORMAT_JSON) {
         return answer_write(report, output, NULL, &provenance);
     }

@@ -89,6 +89,7 @@ int inquiry_check_outputs(const struct inquiry *inquiry, const char *matrix)
 void inquiry_list_inputs(struct provenance *out, const struct inquiry *inquiry)
 {
     const struct inquiry_settings *settings = inquiry->settings;
+    out->question = (struct question){inquiry->arguments, "answers", settings->engine.radius > 0 ? "cylinder" : "cone"};
     provenance_add_input(out, settings->aim.pose);
     provenance_add_input(out, coordinates_of(inquiry));
     provenance_add_input(out, settings_level_file(&settings->engine));

@@ -81,7 +81,8 @@ void inquiry_finish(struct inquiry *inquiry);
  * among them, and none is there already, unless --force is given. */
 int inquiry_check_outputs(const struct inquiry *inquiry, const char *matrix);
 
-/** Adds what was read besides the atlases: the poses, their coordinate system, the areas of --level. */
+/** Adds what was asked, answers about a cone or cylinder, and what was read besides the atlases: the poses, their
+ * coordinate system, the areas of --level. */
 void inquiry_list_inputs(struct provenance *out, const struct inquiry *inquiry);
 
 /** The options of the library for the file of poses. */

@@ -107,8 +107,9 @@ int survey_check_outputs(const struct survey *survey)
     return code ? code : outputs_check(&outputs, settings->answer.force);
 }
 
-void survey_describe(const struct survey *survey, struct provenance *provenance)
+void survey_describe(const struct survey *survey, struct provenance *provenance, const char *rows, const char *region)
 {
+    provenance->question = (struct question){survey->arguments, rows, region};
     atlases_say_notes(&survey->atlases, &survey->settings->common);
     atlases_say_spaces(&survey->atlases, &survey->settings->common);
     provenance_add_input(provenance, settings_level_file(&survey->settings->engine));

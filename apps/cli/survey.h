@@ -68,8 +68,8 @@ int survey_start(struct survey *survey, const conus_report_options *rows);
  * is there already, unless --force is given. */
 int survey_check_outputs(const struct survey *survey);
 
-/** Says what there is to note about the atlases, and adds what settings read to @p provenance. */
-void survey_describe(const struct survey *survey, struct provenance *provenance);
+/** Says what there is to note about the atlases, and adds what was asked and what settings read to @p provenance. */
+void survey_describe(const struct survey *survey, struct provenance *provenance, const char *rows, const char *region);
 
 /** Writes the answer and its sidecar. */
 int survey_write(const struct survey *survey, const struct provenance *provenance);

@@ -14,8 +14,8 @@
 enum { CHUNK = 1 << 13, DIGITS = 9 };
 
 /* All that conus writes but descriptions of columns, rows, and what was added by others. */
-static const char *const sealed[] = {"Space",   "GeneratedBy", "Atlas",  "Atlases", "Settings",
-                                     "Queries", "Batch",       "Inputs", "Outputs", "Sources"};
+static const char *const sealed[] = {"Space", "GeneratedBy", "Atlas",   "Atlases", "Settings", "Queries",
+                                     "Batch", "Inputs",      "Outputs", "Sources", "Question"};
 
 void provenance_hash_finish(char out[SHA256_TEXT], struct sha256_ctx *context)
 {
@@ -157,7 +157,7 @@ bool provenance_seal(json_t *root)
            json_object_set_new(root, "Checksum", json_string(checksum)) == 0;
 }
 
-/* A path of other bytes than UTF-8 is null: it cannot be found again. */
+/* A text of other bytes than UTF-8 is null: it cannot be found again. */
 static json_t *json_from_path(const char *path)
 {
     json_t *text = json_string(path);
@@ -199,10 +199,26 @@ bool provenance_put_input(json_t *root, const char *path)
     return !path || json_array_append_new(inputs, json_from_input(path)) == 0;
 }
 
+json_t *question_json(const struct question *question)
+{
+    json_t *options = json_object();
+    for (size_t i = 0; i < question->arguments->use_count; i++) {
+        const struct option_use *use = &question->arguments->uses[i];
+        if (use->option->role == OPTION_PLAIN || use->option->role == OPTION_ASKS) {
+            json_object_set_new(options, use->option->name, use->value ? json_from_path(use->value) : json_true());
+        }
+    }
+    return json_pack("{s: s, s: s, s: s, s: o}", "command", question->arguments->command->name, "rows", question->rows,
+                     "region", question->region, "options", options);
+}
+
 static bool add_files(json_t *root, const struct provenance *provenance)
 {
     json_t *outputs = json_array();
     bool whole = outputs && provenance_put_input(root, NULL);
+    if (provenance->question.arguments) {
+        whole = json_object_set_new(root, "Question", question_json(&provenance->question)) == 0 && whole;
+    }
     if (provenance->poses) {
         json_object_set_new(json_object_get(root, "Settings"), "own_angles",
                             json_boolean(conus_pose_stream_has_angles(provenance->poses)));

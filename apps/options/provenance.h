@@ -25,11 +25,19 @@ struct provenance_output {
     size_t size;        /**< Of the text, bytes. */
 };
 
+/** What was asked, by name: "Question" of a sidecar (docs/formats.md). */
+struct question {
+    const struct arguments *arguments; /**< NULL = it is not recorded. */
+    const char *rows;                  /**< What a row is of: "answers", "segments", ... */
+    const char *region;                /**< What was asked about: "cone", "cylinder", "ball", "axis", ... */
+};
+
 /** What the library does not know of an answer. Zeroed, it is nothing. */
 struct provenance {
     const char *inputs[PROVENANCE_FILES]; /**< Files that were read, besides those of the atlas. */
     struct provenance_output outputs[PROVENANCE_FILES];
     size_t input_count, output_count;
+    struct question question;
     const char *option;             /**< Whose file the answer goes to; NULL = "output". */
     const conus_pose_stream *poses; /**< Of steps, which are forgotten: whether they had angles. NULL = no steps. */
 };
@@ -54,6 +62,9 @@ int provenance_complete(char **out, const char *text, size_t size, const struct 
 
 /** Adds a file to "Inputs", which it makes if there is none; a NULL path only makes it. False without memory. */
 bool provenance_put_input(json_t *root, const char *path);
+
+/** The question as JSON, with all options that are a part of it. NULL without memory. */
+json_t *question_json(const struct question *question);
 
 /** Adds the "bytes" and the "Checksum" to an object. False without memory. */
 bool provenance_seal(json_t *root);

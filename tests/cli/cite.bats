@@ -259,6 +259,35 @@ METHOD='T. Rick, A. von Kapri, T. Kuhlen: GPU Implementation of 3D Object Select
     [[ "$output" != *verified* ]]
 }
 
+# Sidecars from before the question was recorded.
+@test "a sidecar that does not name the question is cited as one that does" {
+    scene
+    printf 'query_id\tx\ty\tz\ttx\tty\ttz\n1\t0\t0\t90\t0\t0\t0\n' >poses.tsv
+    conus query nested.nii.gz --pose poses.tsv --segments segments.tsv -o cone.tsv
+    conus query nested.nii.gz --point 0,0,0 --radius 9 -o ball.tsv
+    conus sweep nested.nii.gz $aim -o admissions.tsv
+    conus batch nested.nii.gz --poses poses.tsv --range 10,90 --format spikeglx -o probe.txt
+    for result in cone.tsv segments.tsv ball.tsv admissions.tsv probe.txt; do
+        sidecar=${result%.tsv}.json
+        rows=$(jq -r '.Question.rows + " " + .Question.region' $sidecar)
+        cites $result
+        named=$output
+        jq 'del(.Question)' $sidecar >old.json
+        jq --arg sum "$(python3 "$BATS_TEST_DIRNAME/leaves.py" --seal old.json)" '.Checksum = $sum' old.json >$sidecar
+        cites $result
+        [ "$output" = "$named" ]
+        conus verify $result
+        case $result in
+        cone.tsv) [ "$rows" = 'answers cone' ] ;;
+        ball.tsv) [ "$rows" = 'answers ball' ] ;;
+        admissions.tsv) [ "$rows" = 'admissions cone' ] ;;
+        *) [ "$rows" = 'segments axis' ] ;;
+        esac
+    done
+    jq '.Question.rows = "x"' cone.json >other.json
+    fails 3 'Question: names rows that this conus' cite cone.tsv --sidecar other.json --unverified
+}
+
 # What a file of poses has is recorded, where the poses are not: nothing is said that does not apply.
 @test "of a batch and a track only what applies is said" {
     scene

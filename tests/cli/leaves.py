@@ -11,7 +11,8 @@ import subprocess
 import sys
 import tempfile
 
-SEALED = ["Space", "GeneratedBy", "Atlas", "Atlases", "Settings", "Queries", "Batch", "Inputs", "Outputs", "Sources"]
+SEALED = ["Space", "GeneratedBy", "Atlas", "Atlases", "Settings", "Queries", "Batch", "Inputs", "Outputs", "Sources",
+          "Question"]
 
 
 class Real(str):

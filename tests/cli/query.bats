@@ -90,7 +90,7 @@ checksum() {
     python3 - "$1" <<'END'
 import hashlib, json, re, sys
 text = json.load(open(sys.argv[1], encoding="utf-8"), parse_float=lambda digits: f"@{digits}@")
-keys = "Space GeneratedBy Atlas Atlases Settings Queries Batch Inputs Outputs Sources".split()
+keys = "Space GeneratedBy Atlas Atlases Settings Queries Batch Inputs Outputs Sources Question".split()
 part = json.dumps({key: text[key] for key in keys if key in text}, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
 print(hashlib.sha256(re.sub('"@([^@]*)@"', r"\1", part).encode()).hexdigest())
 END

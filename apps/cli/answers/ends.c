@@ -114,6 +114,7 @@ int matrix_file_write(const struct matrix_file *file, const struct provenance *p
     }
     struct provenance own = *provenance;
     own.option = "connectivity";
+    own.question.rows = "connections";
     return file->format == CONUS_FORMAT_JSON ? answer_write_json(file->path, &own, text, size)
                                              : output_write(file->path, text, size);
 }

@@ -76,5 +76,7 @@ int rows_file_write(const struct rows_file *file, const struct provenance *prove
     }
     struct provenance own = *provenance;
     own.option = file->option;
+    own.question.rows = file->rows == CONUS_ROWS_SEGMENTS ? "segments" : "connections";
+    own.question.region = file->rows == CONUS_ROWS_SEGMENTS ? "axis" : own.question.region;
     return answer_write(file->reports[0], file->path, file->sidecar, &own);
 }

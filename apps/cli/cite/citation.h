@@ -4,7 +4,7 @@
 #define CONUS_CLI_CITE_CITATION_H
 
 #include "cli/cite/reference.h"
-#include "options/options.h"
+#include "options/provenance.h"
 
 #include <jansson.h>
 
@@ -18,15 +18,21 @@ struct cited_atlas {
 };
 
 struct citation {
-    const json_t *sidecar;             /**< NULL of an atlas alone. */
-    const struct arguments *arguments; /**< The command line of the result; NULL likewise. */
-    const char *version;               /**< Of conus. */
-    struct cited_atlas *atlases;       /**< [atlas_count] */
+    const json_t *sidecar;       /**< NULL of an atlas alone. */
+    json_t *question;            /**< What was asked, by name; NULL likewise. */
+    const char *version;         /**< Of conus. */
+    struct cited_atlas *atlases; /**< [atlas_count] */
     size_t atlas_count;
 };
 
 /** The method that conus implements, as README.md has it. */
 extern const char citation_method[];
+
+/** What the sidecar records as asked, or what its keys and the command line let guess where it is from before that was
+ * recorded. NULL without memory; the caller releases it. */
+json_t *citation_question(const struct citation *citation, const struct arguments *arguments);
+/** Whether there are sentences for the question. */
+bool citation_is_known(const struct citation *citation);
 
 /** Whether the method has a part in the answer: it has none where no rays were traced. */
 bool citation_has_rays(const struct citation *citation);

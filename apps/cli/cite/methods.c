@@ -19,25 +19,27 @@ static const char *setting_text(const struct citation *citation, const char *nam
     return text ? text : "";
 }
 
+/* What was given for an option that is a part of the question; NULL if it was not. */
 static const char *option_value(const struct citation *citation, const char *name)
 {
-    const struct arguments *arguments = citation->arguments;
-    for (size_t i = 0; i < arguments->use_count; i++) {
-        if (strcmp(arguments->uses[i].option->name, name) == 0) {
-            return arguments->uses[i].value ? arguments->uses[i].value : "";
-        }
-    }
-    return NULL;
+    const json_t *value = json_object_get(json_object_get(citation->question, "options"), name);
+    return json_is_true(value) ? "" : json_string_value(value);
+}
+
+static bool question_is(const struct citation *citation, const char *key, const char *name)
+{
+    const char *text = json_string_value(json_object_get(citation->question, key));
+    return text && strcmp(text, name) == 0;
 }
 
 bool citation_is_of(const struct citation *citation, const char *name)
 {
-    return citation->arguments && strcmp(citation->arguments->command->name, name) == 0;
+    return question_is(citation, "command", name);
 }
 
-static bool is_admission(const struct citation *citation)
+static bool is_ball(const struct citation *citation)
 {
-    return citation_is_of(citation, "sweep") && !option_value(citation, "angles") && !option_value(citation, "jitter");
+    return question_is(citation, "region", "ball");
 }
 
 static const json_t *queries(const struct citation *citation)
@@ -58,38 +60,43 @@ static size_t count_with(const struct citation *citation, const char *key)
     return count;
 }
 
-static bool is_ball(const struct citation *citation)
+/* The question of a sidecar that does not name it, from before it was recorded: by the keys that only some rows have.
+ * The settings of segments have no rays. Contacts, other than shanks, have no range. */
+static json_t *guess_question(const struct citation *citation, const struct arguments *arguments)
 {
-    return count_with(citation, "point_ras") && !count_with(citation, "angle_deg");
-}
-
-/* Rows of conus connect and --endpoints. */
-static bool is_connections(const struct citation *citation)
-{
-    return count_with(citation, "endpoint_radius_mm") > 0;
-}
-
-/* Of all streamlines, whatever the pose. */
-static bool is_whole(const struct citation *citation)
-{
-    return citation_is_of(citation, "connect");
-}
-
-/* Rows of --segments, whose settings have no rays, and shanks: contacts have no range. */
-static bool is_axis(const struct citation *citation)
-{
+    const char *command = arguments->command->name;
+    const char *format = option_text(arguments, "format");
     const json_t *settings = json_object_get(citation->sidecar, "Settings");
-    const char *format = option_value(citation, "format");
+    bool is_sweep = strcmp(command, "sweep") == 0;
+    bool is_pointed = strcmp(command, "query") == 0 || strcmp(command, "batch") == 0;
     bool is_probe = format && (strcmp(format, "spikeglx") == 0 || strcmp(format, "open-ephys") == 0);
-    bool is_pointed = citation_is_of(citation, "query") || citation_is_of(citation, "batch");
-    return settings && is_pointed && !is_ball(citation) && !is_connections(citation) &&
-           (!json_object_get(settings, "resolution") || (is_probe && json_object_get(settings, "range_mm")));
+    bool is_of_ball = count_with(citation, "point_ras") && !count_with(citation, "angle_deg");
+    bool has_axis = settings && is_pointed && !is_of_ball &&
+                    (!json_object_get(settings, "resolution") || (is_probe && json_object_get(settings, "range_mm")));
+    struct question question = {arguments, "answers", is_of_ball ? "ball" : "cone"};
+    if (strcmp(command, "overlap") == 0) {
+        question.rows = "coverages";
+        question.region = "volume";
+    } else if (strcmp(command, "connect") == 0 || count_with(citation, "endpoint_radius_mm")) {
+        question.rows = "connections";
+        question.region = strcmp(command, "connect") == 0 ? "all" : question.region;
+    } else if (is_sweep && !option_text(arguments, "angles") && !option_text(arguments, "jitter")) {
+        question.rows = "admissions";
+    } else if (has_axis) {
+        question.rows = "segments";
+        question.region = "axis";
+    }
+    json_t *guessed = question_json(&question);
+    if (strcmp(command, "track") == 0 && option_text(arguments, "poses")) {
+        json_object_set_new(guessed, "reads_poses", json_true());
+    }
+    return guessed;
 }
 
-bool citation_has_rays(const struct citation *citation)
+json_t *citation_question(const struct citation *citation, const struct arguments *arguments)
 {
-    return citation->sidecar && !citation_is_of(citation, "overlap") && !is_admission(citation) && !is_ball(citation) &&
-           !is_axis(citation) && !is_whole(citation) && !is_connections(citation);
+    json_t *recorded = json_object_get(citation->sidecar, "Question");
+    return recorded ? json_incref(recorded) : guess_question(citation, arguments);
 }
 
 static bool has_pathways(const json_t *atlas)
@@ -189,8 +196,7 @@ static bool may_have_own_angles(const struct citation *citation)
 {
     const json_t *batch = json_object_get(citation->sidecar, "Batch");
     const json_t *own = batch ? json_object_get(batch, "own_angles") : citation_setting(citation, "own_angles");
-    bool is_file = batch || (citation_is_of(citation, "track") && option_value(citation, "poses"));
-    return is_file && !json_is_false(own);
+    return own ? !json_is_false(own) : batch || json_is_true(json_object_get(citation->question, "reads_poses"));
 }
 
 /* The angle of poses without their own, of a file whose poses are not listed. */
@@ -262,7 +268,7 @@ static const char *shape_of(const struct citation *citation)
 {
     bool is_tube = json_number_value(citation_setting(citation, "radius_mm")) > 0;
     bool is_square = strcmp(setting_text(citation, "aperture"), "square") == 0;
-    if (is_axis(citation)) {
+    if (question_is(citation, "region", "axis")) {
         return "The axis";
     }
     return is_tube ? (is_square ? "The prism" : "The cylinder") : is_square ? "The pyramid" : "The cone";
@@ -271,7 +277,7 @@ static const char *shape_of(const struct citation *citation)
 static void put_range(FILE *out, const struct citation *citation)
 {
     const json_t *range = citation_setting(citation, "range_mm");
-    const char *given = citation->arguments ? option_value(citation, "range") : NULL;
+    const char *given = option_value(citation, "range");
     if (range || given) {
         fprintf(out, " Only what lies between two depths along the axis counted: ");
         if (range) {
@@ -420,7 +426,7 @@ static void put_program(FILE *out, const struct citation *citation)
     fputs(citation_has_rays(citation) ? ", which selects by conic volumes after Rick et al. (2010)." : ".", out);
 }
 
-static void put_cone(FILE *out, const struct citation *citation)
+static void put_determined(FILE *out, const struct citation *citation)
 {
     fprintf(out, "The %s in ", objects_of(citation, MANY, true));
     put_shape(out, citation);
@@ -428,12 +434,20 @@ static void put_cone(FILE *out, const struct citation *citation)
     put_poses(out, citation);
     put_program(out, citation);
     put_range(out, citation);
-    if (is_ball(citation)) {
-        fputs(" Distances are to the nearest point of an object's voxels (whole cells) or surface; volumes and "
-              "fractions are of the voxels with their centre in the ball.",
-              out);
-        return;
-    }
+}
+
+static void put_ball(FILE *out, const struct citation *citation)
+{
+    put_determined(out, citation);
+    fputs(
+        " Distances are to the nearest point of an object's voxels (whole cells) or surface; volumes and fractions are "
+        "of the voxels with their centre in the ball.",
+        out);
+}
+
+static void put_cone(FILE *out, const struct citation *citation)
+{
+    put_determined(out, citation);
     put_rays(out, citation);
     put_score(out, citation);
     put_jitter(out, citation);
@@ -497,7 +511,7 @@ static void put_connections(FILE *out, const struct citation *citation)
     const json_t *query = json_array_get(queries(citation), 0);
     double radius = json_number_value(json_object_get(query, "endpoint_radius_mm"));
     fputs("The areas at both ends were determined of all streamlines", out);
-    if (!is_whole(citation)) {
+    if (!question_is(citation, "region", "all")) {
         put_region(out, citation);
     }
     put_program(out, citation);
@@ -528,31 +542,63 @@ static void put_overlap(FILE *out, const struct citation *citation)
         out);
 }
 
+/* The first that fits says the sentences of a question. No region stands for any. */
+static const struct {
+    const char *rows, *region;
+    void (*put)(FILE *out, const struct citation *citation);
+    bool has_rays;
+} sentences[] = {
+    {"coverages", NULL, put_overlap, false},    {"connections", NULL, put_connections, false},
+    {"admissions", NULL, put_admission, false}, {"segments", NULL, put_axis, false},
+    {"answers", "ball", put_ball, false},       {"answers", NULL, put_cone, true},
+    {"summaries", NULL, put_cone, true},        {"shares", NULL, put_cone, true},
+    {"chances", NULL, put_cone, true},          {"steps", NULL, put_cone, true},
+};
+
+/* Which of them; their number where none fits. */
+static size_t find_sentences(const struct citation *citation)
+{
+    size_t count = sizeof sentences / sizeof sentences[0];
+    size_t i = 0;
+    while (i < count && !(question_is(citation, "rows", sentences[i].rows) &&
+                          (!sentences[i].region || question_is(citation, "region", sentences[i].region)))) {
+        i++;
+    }
+    return i;
+}
+
+bool citation_is_known(const struct citation *citation)
+{
+    return find_sentences(citation) < sizeof sentences / sizeof sentences[0];
+}
+
+bool citation_has_rays(const struct citation *citation)
+{
+    return citation_is_known(citation) && sentences[find_sentences(citation)].has_rays;
+}
+
 void citation_methods(FILE *out, const struct citation *citation)
 {
+    static const char *const no_device[] = {"volume", "all", "ball"};
+    bool has_device = true;
     if (!citation->sidecar) {
-        fprintf(out, "Areas are those of the atlas %s (file %s", citation->atlases[0].name, citation->atlases[0].file);
-        fprintf(out, "%s%.8s%s), as read by conus, version %s.", citation->atlases[0].sha256 ? ", SHA-256 " : "",
-                citation->atlases[0].sha256 ? citation->atlases[0].sha256 : "", citation->atlases[0].sha256 ? "…" : "",
-                citation->version);
+        const struct cited_atlas *atlas = &citation->atlases[0];
+        fprintf(out, "Areas are those of the atlas %s (file %s", atlas->name, atlas->file);
+        if (atlas->sha256) {
+            fprintf(out, ", SHA-256 %.8s…", atlas->sha256);
+        }
+        fprintf(out, "), as read by conus, version %s.", citation->version);
         return;
     }
-    if (citation_is_of(citation, "overlap")) {
-        put_overlap(out, citation);
-    } else if (is_whole(citation) || is_connections(citation)) {
-        put_connections(out, citation);
-    } else if (is_admission(citation)) {
-        put_admission(out, citation);
-    } else if (is_axis(citation)) {
-        put_axis(out, citation);
-    } else {
-        put_cone(out, citation);
-    }
+    sentences[find_sentences(citation)].put(out, citation);
     put_space(out, citation);
     for (size_t i = 0; i < citation->atlas_count; i++) {
         citation_atlas(out, citation, i);
     }
-    if (!citation_is_of(citation, "overlap") && !is_whole(citation) && !is_ball(citation)) {
+    for (size_t i = 0; i < sizeof no_device / sizeof no_device[0]; i++) {
+        has_device = has_device && !question_is(citation, "region", no_device[i]);
+    }
+    if (has_device) {
         fprintf(out, " %s is a geometric model: no field, heat or sound was computed.", shape_of(citation));
     }
 }

@@ -40,6 +40,7 @@ enum freedom {
     FREE_MISSING, /* where it may be missing, too */
     FREE_ENGINE,  /* of another engine */
     FREE_MOVED,   /* of absolute paths that were found elsewhere */
+    FREE_ABSENT,  /* where it is missing: the command line says it, too */
 };
 
 /* docs/commands.md lists them with the reasons. */
@@ -55,6 +56,8 @@ static const struct {
     {"Batch.fingerprint", FREE_ENGINE},
     {"Batch.fingerprint", FREE_MOVED},
     {"Settings.engine", FREE_ENGINE},
+    {"Question.options.engine", FREE_ENGINE},
+    {"Question", FREE_ABSENT},
     {"Inputs", FREE_MISSING},
     {"Outputs", FREE_MISSING},
     {"*.bytes", FREE_MISSING},
@@ -67,7 +70,8 @@ static bool is_free(const struct comparing *comparing, const char *name, const j
                           [FREE_OLDER] = terms->older,
                           [FREE_MISSING] = terms->older && !recorded,
                           [FREE_ENGINE] = terms->other_engine,
-                          [FREE_MOVED] = terms->root != NULL};
+                          [FREE_MOVED] = terms->root != NULL,
+                          [FREE_ABSENT] = !recorded};
     for (size_t i = 0; i < sizeof free_values / sizeof free_values[0]; i++) {
         if (holds[free_values[i].freedom] && name_fits(name, free_values[i].name)) {
             return true;
