@@ -144,3 +144,20 @@ void conus_grid_destroy(conus_grid *grid)
         memory_free(grid);
     }
 }
+
+double space_corner_distance(const size_t dim[3], const double a[16], const double b[16])
+{
+    double largest = 0;
+    for (int corner = 0; corner < 8; corner++) {
+        double voxel[3];
+        double at[2][3];
+        for (int i = 0; i < 3; i++) {
+            voxel[i] = corner >> i & 1 ? (double)dim[i] - 0.5 : -0.5;
+        }
+        mat4_point(at[0], a, voxel);
+        mat4_point(at[1], b, voxel);
+        vec3_sub(at[0], at[0], at[1]);
+        largest = fmax(largest, vec3_length(at[0]));
+    }
+    return largest;
+}

@@ -39,4 +39,7 @@ struct conus_grid {
 /** Zeros on the grid of @p info. @p description is copied. */
 conus_status grid_create(conus_grid **out, const conus_volume_info *info, conus_number number, const char *description);
 
+/** The largest distance between where @p a and @p b, matrices from voxels, put a corner of the grid. */
+double space_corner_distance(const size_t dim[3], const double a[16], const double b[16]);
+
 #endif

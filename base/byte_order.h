@@ -4,6 +4,7 @@
 #define CONUS_BASE_BYTE_ORDER_H
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 #include <string.h>
 
@@ -60,6 +61,27 @@ static inline double order_f64(const uint8_t *data, bool swapped)
     double value;
     memcpy(&value, &bits, sizeof value);
     return value;
+}
+
+/** The whole number of @p size bytes (1, 2, 4, 8); an unsigned one of 8 comes as the same bits. */
+static inline int64_t order_whole(const uint8_t *data, size_t size, bool is_signed, bool swapped)
+{
+    switch (size) {
+    case 1:
+        return is_signed ? (int8_t)*data : *data;
+    case 2:
+        return is_signed ? order_i16(data, swapped) : order_u16(data, swapped);
+    case 4:
+        return is_signed ? (int64_t)order_i32(data, swapped) : (int64_t)order_u32(data, swapped);
+    default:
+        return order_i64(data, swapped);
+    }
+}
+
+/** The floating-point number of @p size bytes (4, 8). */
+static inline double order_real(const uint8_t *data, size_t size, bool swapped)
+{
+    return size == 4 ? (double)order_f32(data, swapped) : order_f64(data, swapped);
 }
 
 #endif

@@ -16,6 +16,9 @@ struct text {
     size_t size;
 };
 
+/** Arguments for "%.*s": the first @p most bytes of the text @p t. */
+#define TEXT_SHOW(t, most) (int)((t).size < (most) ? (t).size : (most)), (t).data
+
 /** A text over a C string. */
 struct text text_from(const char *string);
 

@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The program conus-mesh: answers the request in a file by a stream of meshes on stdout.
 #include "conus_mesh.hpp"
-#include "failure.hpp"
-#include "mapped_file.hpp"
 
 #include <conus/version.h>
 
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <fcntl.h>
 #include <new>
+#include <string>
+#include <sys/mman.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 static void write_fully(const void *bytes, size_t size)
@@ -55,6 +57,57 @@ void Stream::mesh(const Surface &surface)
 void Stream::end()
 {
     frame(MESH_FRAME_END, frames, nullptr);
+}
+
+/* The bytes of a file, as they lie on the disk. They are there as long as it lives. Throws Failure with the path where
+ * they cannot be read. */
+class MappedFile
+{
+  public:
+    explicit MappedFile(const std::string &path);
+    ~MappedFile();
+    MappedFile(const MappedFile &) = delete;
+    MappedFile &operator=(const MappedFile &) = delete;
+
+    const unsigned char *data() const
+    {
+        return static_cast<const unsigned char *>(bytes);
+    }
+
+    size_t size() const
+    {
+        return count;
+    }
+
+  private:
+    void *bytes = nullptr;
+    size_t count = 0;
+};
+
+MappedFile::MappedFile(const std::string &path)
+{
+    const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    struct stat info;
+    bool fine = descriptor >= 0 && !fstat(descriptor, &info);
+    if (fine && info.st_size) {
+        count = static_cast<size_t>(info.st_size);
+        bytes = mmap(nullptr, count, PROT_READ, MAP_PRIVATE, descriptor, 0);
+        fine = bytes != MAP_FAILED;
+    }
+    const int error = errno;
+    if (descriptor >= 0) {
+        close(descriptor);
+    }
+    if (!fine) {
+        throw Failure(path + ": " + std::strerror(error));
+    }
+}
+
+MappedFile::~MappedFile()
+{
+    if (count) {
+        munmap(bytes, count);
+    }
 }
 
 static void answer(const char *path)

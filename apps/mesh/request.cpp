@@ -2,8 +2,6 @@
 // Parses a request and checks its numbers.
 #include "request.hpp"
 
-#include "failure.hpp"
-
 #include <algorithm>
 #include <cmath>
 

@@ -9,10 +9,16 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
 static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "the protocol's numbers are written as they lie in memory");
+
+/** One line that says what is wrong, and ends conus-mesh. */
+struct Failure : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
 
 /** The voxels of an area lie in low to high, both included. */
 struct Box {

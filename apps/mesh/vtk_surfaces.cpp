@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A labelled volume to one closed surface per area: discrete flying edges, windowed sinc, quadrics.
 #include "conus_mesh.hpp"
-#include "failure.hpp"
 
 #include <vtkCellArray.h>
 #include <vtkDiscreteFlyingEdges3D.h>

@@ -31,11 +31,6 @@ struct byte_source {
     uint8_t *stored; /* [STORED_BLOCK] of gzip: what zlib is fed with */
 };
 
-static size_t smaller_of(uint64_t a, uint64_t b)
-{
-    return (size_t)(a < b ? a : b);
-}
-
 /* Reads as many stored bytes as there are, at most `most`. */
 static conus_status read_stored(struct byte_source *source, uint8_t *out, size_t most)
 {

@@ -33,11 +33,6 @@ bool gzip_is(const uint8_t *data, size_t size)
     return size >= 3 && data[0] == 0x1f && data[1] == 0x8b && data[2] == 8; /* 8: deflate, the only method there is */
 }
 
-static size_t smaller_of(uint64_t a, uint64_t b)
-{
-    return (size_t)(a < b ? a : b);
-}
-
 /* Points zlib at where the next unpacked bytes belong, at most `limit` of them. */
 static size_t aim_output(struct stream *stream, uint64_t limit)
 {

@@ -7,6 +7,12 @@
 
 #include "base/files/file_sums.h"
 
+/** The smaller of two numbers of bytes, which fits into a size. */
+static inline size_t smaller_of(uint64_t a, uint64_t b)
+{
+    return (size_t)(a < b ? a : b);
+}
+
 /** True where @p data begins like a gzip file. */
 bool gzip_is(const uint8_t *data, size_t size);
 

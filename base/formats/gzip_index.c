@@ -21,11 +21,6 @@ struct index_head {
     char sha256[72];
 };
 
-static size_t smaller_of(uint64_t a, uint64_t b)
-{
-    return (size_t)(a < b ? a : b);
-}
-
 static uint32_t crc_of(uint32_t sum, const uint8_t *data, size_t size)
 {
     return size ? libdeflate_crc32(sum, data, size) : sum; /* without data it would begin anew */

@@ -387,29 +387,14 @@ bool matlab_is_real(const struct matlab_array *array)
 
 double matlab_number(const struct matlab_array *array, size_t index)
 {
-    const uint8_t *data = at(array->bytes) + index * value_size[array->type];
-    switch (array->type) {
-    case INT8:
-        return (int8_t)*data;
-    case UINT8:
-        return *data;
-    case INT16:
-        return order_i16(data, array->swapped);
-    case UINT16:
-        return order_u16(data, array->swapped);
-    case INT32:
-        return order_i32(data, array->swapped);
-    case UINT32:
-        return order_u32(data, array->swapped);
-    case SINGLE:
-        return (double)order_f32(data, array->swapped);
-    case INT64:
-        return (double)order_i64(data, array->swapped);
-    case UINT64:
-        return (double)order_u64(data, array->swapped);
-    default:
-        return order_f64(data, array->swapped);
+    size_t size = value_size[array->type];
+    const uint8_t *data = at(array->bytes) + index * size;
+    if (array->type == SINGLE || array->type == DOUBLE) {
+        return order_real(data, size, array->swapped);
     }
+    bool is_signed = array->type == INT8 || array->type == INT16 || array->type == INT32 || array->type == INT64;
+    int64_t whole = order_whole(data, size, is_signed, array->swapped);
+    return is_signed ? (double)whole : (double)(uint64_t)whole;
 }
 
 static size_t put_character(char out[4], uint32_t c)

@@ -51,14 +51,9 @@ bool zip_is(const uint8_t *data, size_t size)
     return size >= 4 && (u32_at(data) == LOCAL || u32_at(data) == END);
 }
 
-static int shown(struct text name)
-{
-    return (int)(name.size < SHOWN ? name.size : SHOWN);
-}
-
 static conus_status fail_entry(conus_status status, struct text name, const char *what)
 {
-    return fail(status, "zip: %.*s: %s", shown(name), name.data, what);
+    return fail(status, "zip: %.*s: %s", TEXT_SHOW(name, SHOWN), what);
 }
 
 /* Where the central directory is. */
@@ -192,12 +187,12 @@ static conus_status check_kind(const struct record *record)
     }
     if ((record->method != METHOD_STORED && record->method != METHOD_DEFLATE) || record->flags & FLAG_PATCH) {
         return fail(CONUS_ERROR_UNSUPPORTED, "zip: %.*s: packed by method %u, only deflate (8) is unpacked",
-                    shown(record->name), record->name.data, record->method);
+                    TEXT_SHOW(record->name, SHOWN), record->method);
     }
     if (record->method == METHOD_STORED ? record->stored != record->size
                                         : record->size / INFLATE_RATIO > record->stored) {
-        return fail(CONUS_ERROR_DATA, "zip: %.*s: %llu bytes cannot be %llu, unpacked", shown(record->name),
-                    record->name.data, (unsigned long long)record->stored, (unsigned long long)record->size);
+        return fail(CONUS_ERROR_DATA, "zip: %.*s: %llu bytes cannot be %llu, unpacked", TEXT_SHOW(record->name, SHOWN),
+                    (unsigned long long)record->stored, (unsigned long long)record->size);
     }
     return CONUS_OK;
 }
@@ -388,15 +383,15 @@ static conus_status inflate_entry(uint8_t *out, const struct zip *zip, const str
                 used == entry->stored && got == entry->size;
     libdeflate_free_decompressor(unpacker);
     return good ? CONUS_OK
-                : fail(CONUS_ERROR_DATA, "zip: %.*s: damaged, or does not unpack to %llu bytes", shown(entry->name),
-                       entry->name.data, (unsigned long long)entry->size);
+                : fail(CONUS_ERROR_DATA, "zip: %.*s: damaged, or does not unpack to %llu bytes",
+                       TEXT_SHOW(entry->name, SHOWN), (unsigned long long)entry->size);
 }
 
 conus_status zip_unpack(struct bytes *out, const struct zip *zip, const struct zip_entry *entry, uint64_t limit)
 {
     if (entry->size > limit) {
-        return fail(CONUS_ERROR_MEMORY, "zip: %.*s: %llu bytes, allowed are %llu (--max-memory)", shown(entry->name),
-                    entry->name.data, (unsigned long long)entry->size, (unsigned long long)limit);
+        return fail(CONUS_ERROR_MEMORY, "zip: %.*s: %llu bytes, allowed are %llu (--max-memory)",
+                    TEXT_SHOW(entry->name, SHOWN), (unsigned long long)entry->size, (unsigned long long)limit);
     }
     struct bytes bytes = {memory_raw((size_t)entry->size, 1), (size_t)entry->size};
     conus_status status = bytes.data ? CONUS_OK : CONUS_ERROR_MEMORY;

@@ -159,8 +159,7 @@ static conus_status note_colours(const struct annot *annot)
             status = notes_warn(annot->notes,
                                 "\"%.*s\" has the colour of \"%.*s\", by which vertices name their area: all are taken "
                                 "for the latter's",
-                                length, entry->name.data, (int)(before->name.size < 80 ? before->name.size : 80),
-                                before->name.data);
+                                length, entry->name.data, TEXT_SHOW(before->name, 80));
         }
     }
     return status || collisions <= NOTES_LIMIT
@@ -181,7 +180,7 @@ static conus_status move_entry_0(struct annot *annot)
         if (entry->number == 0 && entry->colour && !label_is_background(entry->name)) {
             entry->number = next++;
             status = notes_add(annot->notes, "entry 0 of the colour table, \"%.*s\", has label %u, since 0 is no area",
-                               (int)(entry->name.size < 80 ? entry->name.size : 80), entry->name.data, entry->number);
+                               TEXT_SHOW(entry->name, 80), entry->number);
         }
     }
     return status;

@@ -18,24 +18,13 @@
 
 enum gifti_encoding { GIFTI_ASCII, GIFTI_BASE64, GIFTI_GZIP_BASE64, GIFTI_EXTERNAL };
 
-/* NIfTI's datatype codes. */
-enum gifti_type {
-    GIFTI_UINT8 = 2,
-    GIFTI_INT16 = 4,
-    GIFTI_INT32 = 8,
-    GIFTI_FLOAT32 = 16,
-    GIFTI_FLOAT64 = 64,
-    GIFTI_INT8 = 256,
-    GIFTI_UINT16 = 512,
-    GIFTI_UINT32 = 768,
-    GIFTI_INT64 = 1024,
-    GIFTI_UINT64 = 1280
-};
+/* The type of a number: 'u' unsigned, 'i' signed, 'f' floating point; and its bytes. */
+#define TYPE(kind, size) ((kind) << 8 | (size))
 
 /* How an array is stored. */
 struct gifti_storage {
     enum gifti_encoding encoding;
-    enum gifti_type type;
+    int type;          /* TYPE() */
     bool swapped;      /* Not this machine's byte order.                    */
     bool column_major; /* The first index runs fastest.                     */
     size_t rank;
@@ -47,49 +36,19 @@ struct gifti_storage {
 
 enum { INFLATE_RATIO = 1032, SHOWN = 20 };
 
-static size_t size_of(enum gifti_type type)
+static size_t size_of(int type)
 {
-    switch (type) {
-    case GIFTI_UINT8:
-    case GIFTI_INT8:
-        return 1;
-    case GIFTI_INT16:
-    case GIFTI_UINT16:
-        return 2;
-    case GIFTI_INT32:
-    case GIFTI_UINT32:
-    case GIFTI_FLOAT32:
-        return 4;
-    default:
-        return 8;
-    }
+    return (size_t)type & 0xff;
 }
 
-static double number_at(const uint8_t *data, enum gifti_type type, bool swapped)
+static double number_at(const uint8_t *data, int type, bool swapped)
 {
-    switch (type) {
-    case GIFTI_UINT8:
-        return data[0];
-    case GIFTI_INT8:
-        return (int8_t)data[0];
-    case GIFTI_INT16:
-        return order_i16(data, swapped);
-    case GIFTI_UINT16:
-        return order_u16(data, swapped);
-    case GIFTI_INT32:
-        return order_i32(data, swapped);
-    case GIFTI_UINT32:
-        return order_u32(data, swapped);
-    case GIFTI_FLOAT32:
-        return (double)order_f32(data, swapped);
-    case GIFTI_FLOAT64:
-        return order_f64(data, swapped);
-    case GIFTI_INT64:
-        return (double)order_i64(data, swapped);
-    case GIFTI_UINT64:
-        return (double)order_u64(data, swapped);
+    bool is_signed = type >> 8 == 'i';
+    if (type >> 8 == 'f') {
+        return order_real(data, size_of(type), swapped);
     }
-    return NAN;
+    int64_t whole = order_whole(data, size_of(type), is_signed, swapped);
+    return is_signed ? (double)whole : (double)(uint64_t)whole;
 }
 
 /* Where the n-th stored number belongs when the last index is to run fastest. */
@@ -109,21 +68,11 @@ static size_t place_of(size_t n, const struct gifti_storage *storage)
 }
 
 /* Whether `value` can be one of an integer type; any can be a float. */
-static bool fits_type(double value, enum gifti_type type)
+static bool fits_type(double value, int type)
 {
-    double bits = 8 * (double)size_of(type);
-    switch (type) {
-    case GIFTI_FLOAT32:
-    case GIFTI_FLOAT64:
-        return true;
-    case GIFTI_UINT8:
-    case GIFTI_UINT16:
-    case GIFTI_UINT32:
-    case GIFTI_UINT64:
-        return value == floor(value) && value >= 0 && value < exp2(bits);
-    default:
-        return value == floor(value) && value >= -exp2(bits - 1) && value < exp2(bits - 1);
-    }
+    bool is_signed = type >> 8 == 'i';
+    double end = exp2(8 * (double)size_of(type) - is_signed);
+    return type >> 8 == 'f' || (value == floor(value) && value >= (is_signed ? -end : 0) && value < end);
 }
 
 static conus_status decode_ascii(double *values, const struct gifti_storage *storage, struct text text)
@@ -134,7 +83,7 @@ static conus_status decode_ascii(double *values, const struct gifti_storage *sto
         double value;
         if (n < storage->count && (!text_to_double(word, &value) || !fits_type(value, storage->type))) {
             return fail(CONUS_ERROR_DATA, "Data: number %zu is \"%.*s\", one of the array's DataType is needed", n,
-                        (int)(word.size < SHOWN ? word.size : SHOWN), word.data);
+                        TEXT_SHOW(word, SHOWN));
         }
         if (n < storage->count) {
             values[place_of(n, storage)] = value;
@@ -362,16 +311,16 @@ static const struct word encodings[] = {{"ASCII", GIFTI_ASCII},
                                         {"GIFTI_ENCODING_B64GZ", GIFTI_GZIP_BASE64},
                                         {"GIFTI_ENCODING_EXTBIN", GIFTI_EXTERNAL},
                                         {NULL, -1}};
-static const struct word types[] = {{"NIFTI_TYPE_UINT8", GIFTI_UINT8},
-                                    {"NIFTI_TYPE_INT32", GIFTI_INT32},
-                                    {"NIFTI_TYPE_FLOAT32", GIFTI_FLOAT32},
-                                    {"NIFTI_TYPE_FLOAT64", GIFTI_FLOAT64},
-                                    {"NIFTI_TYPE_INT8", GIFTI_INT8},
-                                    {"NIFTI_TYPE_INT16", GIFTI_INT16},
-                                    {"NIFTI_TYPE_UINT16", GIFTI_UINT16},
-                                    {"NIFTI_TYPE_UINT32", GIFTI_UINT32},
-                                    {"NIFTI_TYPE_INT64", GIFTI_INT64},
-                                    {"NIFTI_TYPE_UINT64", GIFTI_UINT64},
+static const struct word types[] = {{"NIFTI_TYPE_UINT8", TYPE('u', 1)},
+                                    {"NIFTI_TYPE_INT32", TYPE('i', 4)},
+                                    {"NIFTI_TYPE_FLOAT32", TYPE('f', 4)},
+                                    {"NIFTI_TYPE_FLOAT64", TYPE('f', 8)},
+                                    {"NIFTI_TYPE_INT8", TYPE('i', 1)},
+                                    {"NIFTI_TYPE_INT16", TYPE('i', 2)},
+                                    {"NIFTI_TYPE_UINT16", TYPE('u', 2)},
+                                    {"NIFTI_TYPE_UINT32", TYPE('u', 4)},
+                                    {"NIFTI_TYPE_INT64", TYPE('i', 8)},
+                                    {"NIFTI_TYPE_UINT64", TYPE('u', 8)},
                                     {NULL, -1}};
 static const struct word orders[] = {{"RowMajorOrder", false}, {"ColumnMajorOrder", true}, {NULL, -1}};
 static const struct word endians[] = {{"LittleEndian", !BIG_ENDIAN_IS_SWAPPED},
@@ -520,12 +469,12 @@ static conus_status read_storage(struct parsing *parsing, const struct xml_event
                             "FLOAT64")) ||
         (array->rank > 1 && (status = read_word(&column_major, event, "ArrayIndexingOrder", orders,
                                                 "RowMajorOrder and ColumnMajorOrder"))) ||
-        (encoding != GIFTI_ASCII && type != GIFTI_UINT8 && type != GIFTI_INT8 &&
+        (encoding != GIFTI_ASCII && size_of(type) > 1 &&
          (status = read_word(&swapped, event, "Endian", endians, "LittleEndian and BigEndian")))) {
         return status;
     }
     parsing->storage = (struct gifti_storage){.encoding = (enum gifti_encoding)encoding,
-                                              .type = (enum gifti_type)type,
+                                              .type = type,
                                               .swapped = swapped,
                                               .column_major = column_major,
                                               .rank = array->rank,

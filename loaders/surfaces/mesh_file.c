@@ -329,7 +329,7 @@ static conus_status take_labels(struct vertex_labels *out, const struct bytes *b
     }
     if (map.size) {
         return fail(CONUS_ERROR_ARGUMENT, "map: found \"%.*s\", only GIFTI and CIFTI labels have several",
-                    map.size < 60 ? (int)map.size : 60, map.data);
+                    TEXT_SHOW(map, 60));
     }
     if (freesurfer_is_surface(bytes->data, bytes->size) || mesh_foreign_is(path)) {
         return CONUS_OK;

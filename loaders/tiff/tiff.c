@@ -72,11 +72,7 @@ static bool tiff_has(const struct tiff_file *file, uint64_t at, uint64_t size)
 /* The number of `size` bytes (1, 2, 4, 8) at `at`, which is inside the file. */
 static uint64_t tiff_number(const struct tiff_file *file, uint64_t at, size_t size)
 {
-    const uint8_t *data = file->data + at;
-    return size == 8   ? order_u64(data, file->swapped)
-           : size == 4 ? order_u32(data, file->swapped)
-           : size == 2 ? order_u16(data, file->swapped)
-                       : *data;
+    return (uint64_t)order_whole(file->data + at, size, false, file->swapped);
 }
 
 /* Element `index` of a list. */

@@ -116,8 +116,7 @@ static conus_status read_count(struct tck *tck)
 {
     tck->has_count = tck->count.data != NULL;
     if (tck->has_count && !text_to_uint(tck->count, UINT64_MAX, &tck->stated)) {
-        return fail(CONUS_ERROR_DATA, "count: found \"%.*s\", needed is a whole number",
-                    (int)(tck->count.size < 40 ? tck->count.size : 40), tck->count.data);
+        return fail(CONUS_ERROR_DATA, "count: found \"%.*s\", needed is a whole number", TEXT_SHOW(tck->count, 40));
     }
     return CONUS_OK;
 }

@@ -203,11 +203,6 @@ struct trx {
     bool has_group_values;
 };
 
-static int shown(struct text name)
-{
-    return (int)(name.size < SHOWN ? name.size : SHOWN);
-}
-
 /* Cuts the last part behind a '.' off @p name. */
 static bool cut_part(struct text *name, struct text *part)
 {
@@ -257,7 +252,7 @@ static conus_status find_array(size_t *out, const struct trx *trx, const char *b
         if (text_starts(trx_files_name(&trx->files, i), beginning)) {
             if (*out != SIZE_MAX) {
                 struct text name = trx_files_name(&trx->files, i);
-                return fail(CONUS_ERROR_DATA, "%.*s: a second array of positions or offsets", shown(name), name.data);
+                return fail(CONUS_ERROR_DATA, "%.*s: a second array of positions or offsets", TEXT_SHOW(name, SHOWN));
             }
             *out = i;
         }
@@ -267,29 +262,18 @@ static conus_status find_array(size_t *out, const struct trx *trx, const char *b
 
 static conus_status fail_size(struct text name, size_t size, uint64_t count, size_t each)
 {
-    return fail(CONUS_ERROR_DATA, "%.*s: %zu bytes, by header.json %llu times %zu are needed", shown(name), name.data,
+    return fail(CONUS_ERROR_DATA, "%.*s: %zu bytes, by header.json %llu times %zu are needed", TEXT_SHOW(name, SHOWN),
                 size, (unsigned long long)count, each);
 }
 
 static float number_at(const uint8_t *data, const struct type *type)
 {
-    bool is_signed = type->kind == INTEGER;
-    switch (type->size) {
-    case 1:
-        return is_signed ? (float)(int8_t)*data : (float)*data;
-    case 2:
-        return type->kind == REAL ? (float)tract_from_half(order_u16(data, is_swapped))
-               : is_signed        ? (float)order_i16(data, is_swapped)
-                                  : (float)order_u16(data, is_swapped);
-    case 4:
-        return type->kind == REAL ? order_f32(data, is_swapped)
-               : is_signed        ? (float)order_i32(data, is_swapped)
-                                  : (float)order_u32(data, is_swapped);
-    default:
-        return type->kind == REAL ? (float)order_f64(data, is_swapped)
-               : is_signed        ? (float)order_i64(data, is_swapped)
-                                  : (float)order_u64(data, is_swapped);
+    if (type->kind == REAL) {
+        return type->size == 2 ? (float)tract_from_half(order_u16(data, is_swapped))
+                               : (float)order_real(data, type->size, is_swapped);
     }
+    int64_t whole = order_whole(data, type->size, type->kind == INTEGER, is_swapped);
+    return type->kind == INTEGER ? (float)whole : (float)(uint64_t)whole;
 }
 
 static conus_status read_count(uint64_t *out, const json_t *root, const char *name)
@@ -367,7 +351,7 @@ static conus_status fill_first(struct tractogram *out, const struct trx_view *vi
         if (out->first[i] < last || out->first[i] > out->point_count || (i == 0 && out->first[i]) ||
             (i == out->streamline_count && out->first[i] != out->point_count)) {
             return fail(CONUS_ERROR_DATA, "%.*s: number %zu (from 0) is %llu, they rise from 0 to NB_VERTICES, %llu",
-                        shown(name), name.data, i, (unsigned long long)out->first[i],
+                        TEXT_SHOW(name, SHOWN), i, (unsigned long long)out->first[i],
                         (unsigned long long)out->point_count);
         }
     }
@@ -400,7 +384,7 @@ static conus_status read_offsets(struct trx *trx)
     struct text name = status ? (struct text){0} : trx_files_name(&trx->files, index);
     bool is_short = text_equal(name, "offsets.uint32");
     if (!status && !is_short && !text_equal(name, "offsets.uint64")) {
-        return fail(CONUS_ERROR_DATA, "%.*s: offsets.uint64 or offsets.uint32 is needed", shown(name), name.data);
+        return fail(CONUS_ERROR_DATA, "%.*s: offsets.uint64 or offsets.uint32 is needed", TEXT_SHOW(name, SHOWN));
     }
     status = status ? status : trx_files_open(&view, &trx->files, index);
     status = status ? status : fill_offsets(trx, &view, is_short ? sizeof(uint32_t) : sizeof(uint64_t), name);
@@ -446,8 +430,8 @@ static conus_status read_scalar(struct trx *trx, struct text rest, size_t index,
         return CONUS_OK;
     }
     if (!good || !array.name.size || out->scalar_count >= SCALAR_LIMIT) {
-        return fail(CONUS_ERROR_DATA, "%.*s: a name, 1 to %d numbers each, and %d such arrays are allowed", shown(name),
-                    name.data, COMPONENT_LIMIT, SCALAR_LIMIT);
+        return fail(CONUS_ERROR_DATA, "%.*s: a name, 1 to %d numbers each, and %d such arrays are allowed",
+                    TEXT_SHOW(name, SHOWN), COMPONENT_LIMIT, SCALAR_LIMIT);
     }
     struct tract_scalar scalar = {text_to_utf8(array.name), per_point, array.components, NULL};
     bool grown = scalar.name &&
@@ -482,7 +466,7 @@ static conus_status fill_group(struct trx *trx, struct tract_group *group, size_
     struct text name = trx_files_name(&trx->files, index);
     conus_status status = trx_files_open(&view, &trx->files, index);
     if (!status && view.size % sizeof(uint32_t)) {
-        status = fail(CONUS_ERROR_DATA, "%.*s: %zu bytes, each number has 4", shown(name), name.data, view.size);
+        status = fail(CONUS_ERROR_DATA, "%.*s: %zu bytes, each number has 4", TEXT_SHOW(name, SHOWN), view.size);
     }
     status = status ? status : trx_files_spend(&trx->files, view.size, "groups");
     group->count = view.size / sizeof(uint32_t);
@@ -501,7 +485,7 @@ static conus_status read_group(struct trx *trx, struct text rest, size_t index)
     struct text name = trx_files_name(&trx->files, index);
     struct text type = {0};
     if (!cut_part(&rest, &type) || !rest.size || !text_equal(type, "uint32")) {
-        return fail(CONUS_ERROR_DATA, "%.*s: a group is NAME.uint32", shown(name), name.data);
+        return fail(CONUS_ERROR_DATA, "%.*s: a group is NAME.uint32", TEXT_SHOW(name, SHOWN));
     }
     struct tract_group group = {.name = text_to_utf8(rest)};
     bool grown =
@@ -544,7 +528,7 @@ static conus_status note_rest(struct trx *trx)
         status = notes_add(trx->notes, "dpg: values of groups are not read");
     }
     if (!status && trx->passed_over) {
-        status = notes_add(trx->notes, "%.*s: no array that is read; there are %zu such files", shown(name), name.data,
+        status = notes_add(trx->notes, "%.*s: no array that is read; there are %zu such files", TEXT_SHOW(name, SHOWN),
                            trx->passed_over);
     }
     return status;
@@ -613,7 +597,7 @@ static conus_status read_positions(struct trx *trx)
     struct text name = status ? (struct text){0} : trx_files_name(&trx->files, index);
     const struct type *type = type_of_positions(name);
     if (!status && !type) {
-        status = fail(CONUS_ERROR_DATA, "%.*s: %s", shown(name), name.data, needed);
+        status = fail(CONUS_ERROR_DATA, "%.*s: %s", TEXT_SHOW(name, SHOWN), needed);
     }
     bool is_packed = !status && trx->files.archive && trx->files.zip.entries[index].is_packed;
     snprintf(trx->out->format, sizeof trx->out->format, "TRX, %s, %s",

@@ -55,20 +55,9 @@ static size_t size_of_type(uint32_t type)
 
 static double number_at(const uint8_t *data, uint32_t type)
 {
-    switch (type) {
-    case 0:
-        return order_f64(data, is_swapped);
-    case 10:
-        return (double)order_f32(data, is_swapped);
-    case 20:
-        return order_i32(data, is_swapped);
-    case 30:
-        return order_i16(data, is_swapped);
-    case 40:
-        return order_u16(data, is_swapped);
-    default:
-        return *data;
-    }
+    size_t size = size_of_type(type);
+    bool is_signed = type == 20 || type == 30; /* int and short */
+    return type <= 10 ? order_real(data, size, is_swapped) : (double)order_whole(data, size, is_signed, is_swapped);
 }
 
 static conus_status read_variable_name(struct variable *out, struct tt *tt, uint32_t length)

@@ -30,7 +30,7 @@ conus_status matrix_rows_parse(double out[16], struct text *rest, size_t rows, c
             }
             if (column == 4 || !text_to_double(word, &out[4 * column + row]) || !isfinite(out[4 * column + row])) {
                 return fail(CONUS_ERROR_DATA, "%s: row %zu: \"%.*s\", four finite numbers are needed", what, row + 1,
-                            (int)(word.size < 40 ? word.size : 40), word.data);
+                            TEXT_SHOW(word, 40));
             }
             column++;
         }
@@ -97,8 +97,7 @@ static conus_status xfm_parse(double out[16], struct text text)
         linear = linear || (text_starts(line, "Transform_Type") && text_mentions(line, "Linear;"));
         found = text_starts(line, "Linear_Transform");
         if (text_starts(line, "Transform_Type") && !text_mentions(line, "Linear;")) {
-            return fail(CONUS_ERROR_UNSUPPORTED, "%.*s: only Linear is read", (int)(line.size < 60 ? line.size : 60),
-                        line.data);
+            return fail(CONUS_ERROR_UNSUPPORTED, "%.*s: only Linear is read", TEXT_SHOW(line, 60));
         }
     }
     if (!linear || !found) {

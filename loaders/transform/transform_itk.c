@@ -182,8 +182,8 @@ static conus_status take_numbers(double out[PARAMETERS_LIMIT], size_t *count, st
     struct text word;
     for (*count = 0; text_word(&values, &word); ++*count) {
         if (*count == PARAMETERS_LIMIT || !text_to_double(word, &out[*count]) || !isfinite(out[*count])) {
-            return fail(CONUS_ERROR_DATA, "%s: \"%.*s\", up to %d finite numbers are needed", key,
-                        (int)(word.size < 40 ? word.size : 40), word.data, PARAMETERS_LIMIT);
+            return fail(CONUS_ERROR_DATA, "%s: \"%.*s\", up to %d finite numbers are needed", key, TEXT_SHOW(word, 40),
+                        PARAMETERS_LIMIT);
         }
     }
     return CONUS_OK;
@@ -212,8 +212,8 @@ static conus_status close_entry(double out[16], struct itk_entry *entry)
                    : CONUS_OK;
     }
     if (!entry->has_parameters || !entry->has_fixed) {
-        return fail(CONUS_ERROR_DATA, "%.*s: %s is missing", (int)(entry->name.size < 60 ? entry->name.size : 60),
-                    entry->name.data, entry->has_parameters ? "FixedParameters" : "Parameters");
+        return fail(CONUS_ERROR_DATA, "%.*s: %s is missing", TEXT_SHOW(entry->name, 60),
+                    entry->has_parameters ? "FixedParameters" : "Parameters");
     }
     conus_status status = itk_matrix(m, entry->name, entry->parameters, entry->count, entry->fixed, entry->fixed_count);
     if (!status) {
@@ -244,7 +244,7 @@ static conus_status take_line(double out[16], struct itk_entry *entry, struct te
         return take_numbers(entry->fixed, &entry->fixed_count, values, "FixedParameters");
     }
     return fail(CONUS_ERROR_DATA, "\"%.*s\": Transform, Parameters or FixedParameters is needed, each once",
-                (int)(line.size < 40 ? line.size : 40), line.data);
+                TEXT_SHOW(line, 40));
 }
 
 conus_status itk_text_parse(double out[16], struct text text)

@@ -99,25 +99,6 @@ static conus_status place_qform(double out[16], const struct nifti_placement *p)
     return check_pixdim(p->pixdim);
 }
 
-/* Largest distance in mm between where a and b put a corner of the grid. */
-static double corner_distance(const conus_volume_info *info, const double a[16], const double b[16])
-{
-    double largest = 0;
-    for (unsigned corner = 0; corner < 8; corner++) {
-        double voxel[3];
-        for (unsigned i = 0; i < 3; i++) {
-            voxel[i] = corner >> i & 1 ? (double)info->dim[i] - 0.5 : -0.5;
-        }
-        double here[3];
-        double there[3];
-        mat4_point(here, a, voxel);
-        mat4_point(there, b, voxel);
-        vec3_sub(here, here, there);
-        largest = fmax(largest, vec3_length(here));
-    }
-    return largest;
-}
-
 /* The sform is in use; says so where the qform would lead elsewhere. */
 static conus_status note_other(const conus_volume_info *info, const struct nifti_placement *p, double mm,
                                const double used[16], struct notes *notes)
@@ -127,7 +108,7 @@ static conus_status note_other(const conus_volume_info *info, const struct nifti
         return notes_warn(notes, "the qform (code %d) is not valid and was not used; the sform (code %d) was",
                           p->qform_code, p->sform_code);
     }
-    double distance = mm * corner_distance(info, used, other);
+    double distance = mm * space_corner_distance(info->dim, used, other);
     return distance <= 1
                ? CONUS_OK
                : notes_warn(notes,

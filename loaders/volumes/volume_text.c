@@ -5,11 +5,15 @@
 #include "atlas/space.h"
 #include "base/byte_order.h"
 #include "base/files/folder.h"
+#include "base/formats/gzip.h"
 #include "base/memory.h"
+#include "base/text.h"
 #include "loaders/formats/signatures.h"
+#include "loaders/volumes/text/header_text.h"
 #include "loaders/volumes/text/text_volume.h"
-#include "loaders/volumes/text/text_voxels.h"
 
+#include <float.h>
+#include <math.h>
 #include <nettle/sha2.h>
 #include <stdio.h>
 #include <string.h>
@@ -173,19 +177,6 @@ const char *volume_text_encoding(const struct volume_header *header)
     return words[header->text ? header->text->encoding : TEXT_RAW];
 }
 
-conus_status volume_text_voxels(struct bytes *out, struct gzip_range *range, const struct volume_header *header,
-                                struct stored *stored, bool all, const char *sha256)
-{
-    struct text_range wanted = {.volume_size = header->volume_size,
-                                .volume = header->info.volume,
-                                .all = all,
-                                .sha256 = header->text->interleaved ? NULL : sha256,
-                                .stored = *range};
-    conus_status status = text_voxels_read(out, &wanted, header->text, stored);
-    *range = wanted.stored;
-    return status;
-}
-
 struct text volume_text_table(const struct text_volume *text)
 {
     return text_from(text->labels ? text->labels : "");
@@ -208,4 +199,267 @@ void volume_text_choose(struct volume_file *file)
     size_t volume = file->info.volume;
     file->title = text && text->titles ? text->titles[volume] : NULL;
     file->info.slope = text && text->slopes ? text->slopes[volume] : file->info.slope;
+}
+
+static conus_status fail_count(const char *unit, unsigned long long found, unsigned long long wanted)
+{
+    return fail(CONUS_ERROR_DATA, "voxels: found %llu %s, the header asks for %llu", found, unit, wanted);
+}
+
+/* A whole number of `size` bytes, as the low bytes of *bits. */
+static bool read_whole(uint64_t *bits, struct text word, struct text_type type)
+{
+    int64_t number = 0;
+    unsigned shift = (unsigned)(8 * (8 - type.size));
+    if (type.kind == 'u') {
+        return text_to_uint(word, UINT64_MAX >> shift, bits);
+    }
+    bool fits = text_to_int(word, &number) && number >= INT64_MIN >> shift && number <= INT64_MAX >> shift;
+    *bits = (uint64_t)number;
+    return fits;
+}
+
+static bool read_real(double *out, struct text word, size_t size)
+{
+    bool fits = text_to_double(word, out);
+    return fits && (size == sizeof *out || !isfinite(*out) || fabs(*out) <= (double)FLT_MAX);
+}
+
+/* Writes one number as it lies in memory. */
+static bool write_number(uint8_t *to, struct text word, struct text_type type)
+{
+    uint64_t bits = 0;
+    double real = 0;
+    bool fits = type.kind == 'f' ? read_real(&real, word, type.size) : read_whole(&bits, word, type);
+    float single = fits ? (float)real : 0;
+    uint32_t half = (uint32_t)bits;
+    uint16_t quarter = (uint16_t)bits;
+    uint8_t byte = (uint8_t)bits;
+    const void *from = type.kind == 'f' ? (type.size == 4 ? (const void *)&single : (const void *)&real)
+                       : type.size == 8 ? (const void *)&bits
+                       : type.size == 4 ? (const void *)&half
+                       : type.size == 2 ? (const void *)&quarter
+                                        : (const void *)&byte;
+    memcpy(to, from, type.size);
+    return fits;
+}
+
+/* Reads numbers of `type`, with white space between them, into bytes in this machine's order; keeps those of
+ * `range`. range->total / type.size numbers must be there; a further one is an error. */
+static conus_status text_numbers_read(struct bytes *out, struct gzip_range *range, struct text text,
+                                      struct text_type type)
+{
+    uint64_t wanted = range->total / type.size;
+    uint64_t first = range->from / type.size;
+    uint64_t last = first + range->count / type.size;
+    if (wanted > text.size / 2 + 1) { /* a digit and a space each */
+        return fail_count("bytes of numbers", text.size, wanted);
+    }
+    uint8_t *kept = memory_raw(range->count, 1);
+    conus_status status = kept ? CONUS_OK : CONUS_ERROR_MEMORY;
+    struct text word;
+    uint64_t index = 0;
+    for (; !status && text_word(&text, &word); index++) {
+        uint8_t other[8];
+        bool inside = index >= first && index < last;
+        uint8_t *to = inside ? kept + (index - first) * type.size : other;
+        if (index < wanted && !write_number(to, word, type)) {
+            status = fail(CONUS_ERROR_DATA, "voxels: number %llu: found \"%.*s\", which is none of the type",
+                          (unsigned long long)index, HEADER_SHOW(word));
+        }
+    }
+    status = status || index == wanted ? status : fail_count("numbers", index, wanted);
+    if (status) {
+        memory_free(kept);
+        return status;
+    }
+    *out = (struct bytes){kept, range->count};
+    return CONUS_OK;
+}
+
+/* 0 to 15, or -1. */
+static int digit_of(char c)
+{
+    return c >= '0' && c <= '9'   ? c - '0'
+           : c >= 'a' && c <= 'f' ? c - 'a' + 10
+           : c >= 'A' && c <= 'F' ? c - 'A' + 10
+                                  : -1;
+}
+
+/* Reads bytes of two hexadecimal digits, with white space anywhere; as above. */
+static conus_status text_hex_read(struct bytes *out, struct gzip_range *range, struct text text)
+{
+    if (range->total > text.size / 2) {
+        return fail_count("hexadecimal digits at most", text.size, 2 * range->total);
+    }
+    uint8_t *kept = memory_raw(range->count, 1);
+    conus_status status = kept ? CONUS_OK : CONUS_ERROR_MEMORY;
+    uint64_t digits = 0;
+    unsigned byte = 0;
+    for (size_t i = 0; !status && i < text.size; i++) {
+        int digit = digit_of(text.data[i]);
+        if (digit < 0) {
+            bool space = text.data[i] && strchr(" \t\r\n\v\f", text.data[i]);
+            status = space ? CONUS_OK : fail(CONUS_ERROR_DATA, "voxels: byte %zu is no hexadecimal digit", i);
+            continue;
+        }
+        byte = byte << 4 | (unsigned)digit;
+        uint64_t at = digits++ / 2;
+        if (at >= range->from && at - range->from < range->count) {
+            kept[at - range->from] = (uint8_t)byte;
+        }
+    }
+    status = status || digits == 2 * range->total ? status : fail_count("hexadecimal digits", digits, 2 * range->total);
+    if (status) {
+        memory_free(kept);
+        return status;
+    }
+    *out = (struct bytes){kept, range->count};
+    return CONUS_OK;
+}
+
+/* Where the voxels begin in the file as stored, after the header and the lines to skip. */
+static conus_status find_start(size_t *start, const struct text_volume *volume, const struct bytes *stored)
+{
+    size_t at = volume->file || volume->brik ? 0 : (size_t)volume->header_size;
+    for (uint64_t line = 0; line < volume->line_skip; line++) {
+        const uint8_t *end = at < stored->size ? memchr(stored->data + at, '\n', stored->size - at) : NULL;
+        if (!end) {
+            return fail(CONUS_ERROR_DATA, "line skip: found %llu, the file has %llu lines before the voxels",
+                        (unsigned long long)volume->line_skip, (unsigned long long)line);
+        }
+        at = (size_t)(end - stored->data) + 1;
+    }
+    *start = at;
+    return CONUS_OK;
+}
+
+/* Raw voxels, in a file that may be packed as a whole. */
+static conus_status read_raw(struct bytes *out, struct gzip_range *range, const struct text_volume *volume,
+                             struct stored *stored, const char *sha256)
+{
+    size_t start = 0;
+    struct bytes *bytes = &stored->bytes;
+    if (stored->packed && (volume->at_end || volume->line_skip)) {
+        return fail(CONUS_ERROR_UNSUPPORTED, "%s: found in a file that is packed as a whole, allowed are bytes to skip",
+                    volume->at_end ? "voxels at the end" : "lines to skip");
+    }
+    if (volume->at_end && bytes->size >= range->total) {
+        range->from += bytes->size - range->total;
+        range->total = bytes->size;
+        return gzip_keep(out, range, bytes);
+    }
+    conus_status status = find_start(&start, volume, bytes);
+    if (status) {
+        return status;
+    }
+    range->from += start + volume->byte_skip;
+    range->total += start + volume->byte_skip;
+    return stored_range(out, range, stored, sha256);
+}
+
+/* gzip or zlib data behind the header, from `start` on. */
+static conus_status read_packed(struct bytes *out, struct gzip_range *range, const struct text_volume *volume,
+                                struct stored *stored, size_t start, const char *sha256)
+{
+    const uint8_t *data = stored->bytes.data + start;
+    size_t size = stored->bytes.size - start;
+    if (volume->packed_size > size) {
+        return fail(CONUS_ERROR_DATA, "CompressedDataSize: found %llu, the file has %zu bytes of voxels",
+                    (unsigned long long)volume->packed_size, size);
+    }
+    size = volume->packed_size ? (size_t)volume->packed_size : size;
+    range->zlib = volume->encoding == TEXT_ZLIB && !gzip_is(data, size);
+    if (!range->zlib && !gzip_is(data, size)) {
+        return fail(CONUS_ERROR_DATA, "encoding: found gzip in the header, but the voxels are not packed so");
+    }
+    conus_status status = stored_stream(out, range, stored, start, size, sha256);
+    if (status != CONUS_ERROR_DATA || size == stored->bytes.size - start) {
+        return status;
+    }
+    char why[200];
+    snprintf(why, sizeof why, "%s", conus_message());
+    return fail(status, "CompressedDataSize: found %zu, the file has %zu bytes of voxels: %s", size,
+                stored->bytes.size - start, why);
+}
+
+/* Voxels that are text, or packed apart from their header. */
+static conus_status read_coded(struct bytes *out, struct gzip_range *range, const struct text_volume *volume,
+                               struct stored *stored, const char *sha256)
+{
+    size_t start = 0;
+    if (stored->packed) {
+        return fail(CONUS_ERROR_UNSUPPORTED, "encoding: found voxels that are packed or text, in a file that is packed "
+                                             "as a whole; allowed there are raw voxels");
+    }
+    bool is_stream = volume->encoding == TEXT_GZIP || volume->encoding == TEXT_ZLIB;
+    range->from += is_stream ? volume->byte_skip : 0;
+    range->total += is_stream ? volume->byte_skip : 0;
+    if (is_stream && stored->index) {
+        return stored_stream(out, range, stored, 0, 0, NULL);
+    }
+    conus_status status = find_start(&start, volume, &stored->bytes);
+    if (status) {
+        return status;
+    }
+    if (is_stream) {
+        return read_packed(out, range, volume, stored, start, sha256);
+    }
+    const uint8_t *data = stored->bytes.data + start;
+    size_t size = stored->bytes.size - start;
+    if (volume->byte_skip > size) {
+        return fail(CONUS_ERROR_DATA, "byte skip: found %llu, the file has %zu bytes of voxels",
+                    (unsigned long long)volume->byte_skip, size);
+    }
+    struct text text = {(const char *)data + volume->byte_skip, size - (size_t)volume->byte_skip};
+    return volume->encoding == TEXT_HEX ? text_hex_read(out, range, text)
+                                        : text_numbers_read(out, range, text, volume->type);
+}
+
+/* From "all volumes of voxel 0, all of voxel 1, ..." to one volume behind the other; `out` has the wanted ones. */
+static conus_status take_apart(struct bytes *out, const struct volume_header *header, bool all)
+{
+    size_t size = header->text->type.size;
+    size_t count = (size_t)header->text->count;
+    size_t first = all ? 0 : header->info.volume;
+    size_t last = all ? count : first + 1;
+    struct bytes whole = *out;
+    uint8_t *apart = memory_raw(last - first, header->volume_size);
+    if (!apart) {
+        return CONUS_ERROR_MEMORY;
+    }
+    uint8_t *to = apart;
+    for (size_t k = first; k < last; k++) {
+        for (size_t at = k * size; at < whole.size; at += count * size, to += size) {
+            memcpy(to, whole.data + at, size);
+        }
+    }
+    bytes_finish(&whole);
+    *out = (struct bytes){apart, (last - first) * header->volume_size};
+    return CONUS_OK;
+}
+
+conus_status volume_text_voxels(struct bytes *out, struct gzip_range *range, const struct volume_header *header,
+                                struct stored *stored, bool all, const char *sha256)
+{
+    const struct text_volume *text = header->text;
+    bool whole = all || text->interleaved;                    /* all unpacked bytes are needed then */
+    size_t total = header->volume_size * (size_t)text->count; /* checked with the header */
+    struct bytes voxels = {0};
+    *range = (struct gzip_range){.sink = range->sink,
+                                 .user = range->user,
+                                 .from = whole ? 0 : header->info.volume * header->volume_size,
+                                 .count = whole ? total : header->volume_size,
+                                 .total = total};
+    conus_status status = (text->encoding == TEXT_RAW ? read_raw : read_coded)(&voxels, range, text, stored,
+                                                                               text->interleaved ? NULL : sha256);
+    if (!status && text->interleaved) {
+        status = take_apart(&voxels, header, all);
+    }
+    if (status) {
+        bytes_finish(&voxels);
+    } else {
+        *out = voxels;
+    }
+    return status;
 }

@@ -79,7 +79,7 @@ LIBRARY = {
     "loaders/tiff": "base base/files base",
     "loaders/brainglobe": "base base/files base/geometry base/formats",
     "loaders/tracts": "base base/files base/geometry base/formats atlas/tracts loaders loaders/surfaces/foreign",
-    "loaders/volumes/text": "base base/geometry base/formats atlas/labels atlas loaders/volumes/stored",
+    "loaders/volumes/text": "base base/geometry atlas/labels atlas",
     "loaders/volumes/stored": "base base/files base/cache base/formats",
     "loaders/volumes": "base base/files base/geometry base/formats atlas/labels atlas loaders/volumes/stored"
     " loaders loaders/tiff loaders/brainglobe loaders/volumes/text loaders/formats loaders/labels",

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What conus-mesh may be asked: every voxel lies in the box of its area, and nothing shorter is a request, too.
-#include "mesh/failure.hpp"
 #include "mesh/request.hpp"
 
 #include <cstdlib>

@@ -72,8 +72,7 @@ static bool next_statement(struct obj *obj, struct text *word)
 
 static conus_status fail_at(const struct obj *obj, struct text found, const char *what)
 {
-    return fail(CONUS_ERROR_DATA, "line %zu: \"%.*s\", %s", obj->began, (int)(found.size < 60 ? found.size : 60),
-                found.data, what);
+    return fail(CONUS_ERROR_DATA, "line %zu: \"%.*s\", %s", obj->began, TEXT_SHOW(found, 60), what);
 }
 
 static conus_status take_vertex(struct obj *obj)

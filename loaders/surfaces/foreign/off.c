@@ -30,7 +30,7 @@ static conus_status read_keyword(struct off *out, struct words *words, struct te
     return text_equal(rest, "OFF")
                ? CONUS_OK
                : fail(CONUS_ERROR_UNSUPPORTED, "header: \"%.*s\", allowed are OFF, COFF, NOFF, CNOFF and ST in front",
-                      (int)(word.size < 60 ? word.size : 60), word.data);
+                      TEXT_SHOW(word, 60));
 }
 
 /* The keyword may be missing. */

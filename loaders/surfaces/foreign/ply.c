@@ -59,8 +59,7 @@ static enum ply_type type_of(struct text word)
 
 static conus_status fail_header(const struct ply *ply, struct text line, const char *what)
 {
-    return fail(CONUS_ERROR_DATA, "line %zu: header: \"%.*s\", %s", ply->words.line - 1,
-                (int)(line.size < 60 ? line.size : 60), line.data, what);
+    return fail(CONUS_ERROR_DATA, "line %zu: header: \"%.*s\", %s", ply->words.line - 1, TEXT_SHOW(line, 60), what);
 }
 
 static conus_status take_format(struct ply *ply, struct text rest, struct text line)
@@ -90,8 +89,8 @@ static conus_status take_element(struct ply *ply, struct text rest, struct text 
         return fail(CONUS_ERROR_UNSUPPORTED, "header: more than %d elements", ELEMENT_LIMIT);
     }
     if (count > ply->words.rest.size) { /* each has a byte or more */
-        return fail(CONUS_ERROR_DATA, "header: %.*s: more than the %zu bytes that follow can hold",
-                    (int)(line.size < 60 ? line.size : 60), line.data, ply->words.rest.size);
+        return fail(CONUS_ERROR_DATA, "header: %.*s: more than the %zu bytes that follow can hold", TEXT_SHOW(line, 60),
+                    ply->words.rest.size);
     }
     ply->elements[ply->element_count++] = (struct element){.kind = text_equal(name, "vertex") ? KIND_VERTEX
                                                                    : text_equal(name, "face") ? KIND_FACE
@@ -229,30 +228,6 @@ static conus_status read_header(struct ply *ply)
     return status ? status : check_header(ply, has_format);
 }
 
-static double number_at(const uint8_t *data, enum ply_type type, bool swapped)
-{
-    switch (type) {
-    case PLY_INT8:
-        return (int8_t)*data;
-    case PLY_UINT8:
-        return *data;
-    case PLY_INT16:
-        return order_i16(data, swapped);
-    case PLY_UINT16:
-        return order_u16(data, swapped);
-    case PLY_INT32:
-        return order_i32(data, swapped);
-    case PLY_UINT32:
-        return order_u32(data, swapped);
-    case PLY_FLOAT32:
-        return (double)order_f32(data, swapped);
-    case PLY_FLOAT64:
-    case PLY_NONE:
-        break;
-    }
-    return order_f64(data, swapped);
-}
-
 static conus_status fail_cut_off(const struct ply *ply)
 {
     return fail(CONUS_ERROR_DATA, "content: the file is cut off behind %zu vertices and %zu faces",
@@ -268,9 +243,15 @@ static conus_status next_number(double *out, struct ply *ply, enum ply_type type
         }
         return word.size ? words_fail(&ply->words, word, "a number") : fail_cut_off(ply);
     }
-    const uint8_t *data = words_bytes(&ply->words, types[type].size);
-    *out = data ? number_at(data, type, ply->swapped) : 0;
-    return data ? CONUS_OK : fail_cut_off(ply);
+    size_t size = types[type].size;
+    const uint8_t *data = words_bytes(&ply->words, size);
+    if (!data) {
+        return fail_cut_off(ply);
+    }
+    bool is_signed = type == PLY_INT8 || type == PLY_INT16 || type == PLY_INT32;
+    *out = type >= PLY_FLOAT32 ? order_real(data, size, ply->swapped)
+                               : (double)order_whole(data, size, is_signed, ply->swapped);
+    return CONUS_OK;
 }
 
 /* The text of a coordinate is rounded once. */

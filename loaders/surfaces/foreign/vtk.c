@@ -73,18 +73,7 @@ static conus_status vtk_end_line(struct vtk *vtk)
 
 static int64_t whole_at(const uint8_t *data, const struct vtk_type *type)
 {
-    const bool swapped = BIG_ENDIAN_IS_SWAPPED;
-    bool is_signed = type->kind == VTK_INTEGER;
-    switch (type->bits) {
-    case 8:
-        return is_signed ? (int8_t)*data : *data;
-    case 16:
-        return is_signed ? order_i16(data, swapped) : order_u16(data, swapped);
-    case 32:
-        return is_signed ? (int64_t)order_i32(data, swapped) : (int64_t)order_u32(data, swapped);
-    default:
-        return order_i64(data, swapped);
-    }
+    return order_whole(data, type->bits / 8, type->kind == VTK_INTEGER, BIG_ENDIAN_IS_SWAPPED);
 }
 
 static conus_status vtk_fail_cut_off(const char *what)
@@ -115,8 +104,7 @@ static conus_status vtk_next_number(float *out, struct vtk *vtk, const struct vt
         return vtk_fail_cut_off(what);
     }
     *out = type->kind != VTK_REAL ? (float)whole_at(data, type)
-           : type->bits == 32     ? order_f32(data, BIG_ENDIAN_IS_SWAPPED)
-                                  : (float)order_f64(data, BIG_ENDIAN_IS_SWAPPED);
+                                  : (float)order_real(data, type->bits / 8, BIG_ENDIAN_IS_SWAPPED);
     return CONUS_OK;
 }
 
@@ -578,7 +566,7 @@ static conus_status read_dataset(struct vtk *vtk)
     if (!status && !words_take(&vtk->words, "POLYDATA")) {
         (void)words_next(&vtk->words, &word);
         status = fail(CONUS_ERROR_UNSUPPORTED, "DATASET: found \"%.*s\", only POLYDATA is a surface or lines",
-                      (int)(word.size < 60 ? word.size : 60), word.data);
+                      TEXT_SHOW(word, 60));
     }
     return status;
 }

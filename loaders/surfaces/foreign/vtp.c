@@ -262,28 +262,12 @@ static conus_status vtp_bytes(struct bytes *out, const struct vtp_storage *stora
     return CONUS_OK;
 }
 
+/* Unsigned numbers above 2^63 - 1 become -1. */
 static int64_t whole_at(const uint8_t *data, const struct vtp_storage *storage)
 {
     bool is_signed = storage->kind == VTP_INTEGER;
-    uint64_t wide;
-    switch (storage->size) {
-    case 1:
-        return is_signed ? (int8_t)*data : *data;
-    case 2:
-        return is_signed ? order_i16(data, storage->swapped) : order_u16(data, storage->swapped);
-    case 4:
-        return is_signed ? (int64_t)order_i32(data, storage->swapped) : (int64_t)order_u32(data, storage->swapped);
-    default:
-        wide = order_u64(data, storage->swapped);
-        return is_signed || wide <= INT64_MAX ? (int64_t)wide : -1;
-    }
-}
-
-static float float_at(const uint8_t *data, const struct vtp_storage *storage)
-{
-    return storage->kind != VTP_REAL ? (float)whole_at(data, storage)
-           : storage->size == 4      ? order_f32(data, storage->swapped)
-                                     : (float)order_f64(data, storage->swapped);
+    int64_t value = order_whole(data, storage->size, is_signed, storage->swapped);
+    return is_signed || value >= 0 ? value : -1;
 }
 
 /* How many words the text has. */
@@ -326,7 +310,8 @@ static void take_whole(void *to, const uint8_t *data, const struct vtp_storage *
 
 static void take_float(void *to, const uint8_t *data, const struct vtp_storage *storage)
 {
-    *(float *)to = float_at(data, storage);
+    *(float *)to = storage->kind == VTP_REAL ? (float)order_real(data, storage->size, storage->swapped)
+                                             : (float)whole_at(data, storage);
 }
 
 static conus_status numbers_of_text(void **out, size_t *count, const struct vtp_storage *storage,

@@ -69,9 +69,9 @@ bool words_take(struct words *words, const char *wanted)
 
 conus_status words_fail(const struct words *words, struct text found, const char *what)
 {
-    return found.size ? fail(CONUS_ERROR_DATA, "line %zu: \"%.*s\", needed is %s", words->line,
-                             (int)(found.size < SHOWN ? found.size : SHOWN), found.data, what)
-                      : fail(CONUS_ERROR_DATA, "line %zu: the file ends, needed is %s", words->line, what);
+    return found.size
+               ? fail(CONUS_ERROR_DATA, "line %zu: \"%.*s\", needed is %s", words->line, TEXT_SHOW(found, SHOWN), what)
+               : fail(CONUS_ERROR_DATA, "line %zu: the file ends, needed is %s", words->line, what);
 }
 
 conus_status words_number(double *out, struct words *words, const char *what)
@@ -142,7 +142,7 @@ const uint8_t *words_bytes(struct words *words, size_t size)
 conus_status words_end(struct words *words, const char *what)
 {
     struct text word;
-    return words_next(words, &word) ? fail(CONUS_ERROR_DATA, "line %zu: \"%.*s\" behind %s", words->line,
-                                           (int)(word.size < SHOWN ? word.size : SHOWN), word.data, what)
-                                    : CONUS_OK;
+    return words_next(words, &word)
+               ? fail(CONUS_ERROR_DATA, "line %zu: \"%.*s\" behind %s", words->line, TEXT_SHOW(word, SHOWN), what)
+               : CONUS_OK;
 }

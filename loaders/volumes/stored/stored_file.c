@@ -157,11 +157,6 @@ struct plain_file {
 
 enum { TESTED = 540 };
 
-static size_t smaller_of(uint64_t a, uint64_t b)
-{
-    return (size_t)(a < b ? a : b);
-}
-
 /* Reads `size` bytes, which the file has. */
 static conus_status read_at(const struct plain_file *plain, uint8_t *out, size_t size, uint64_t at)
 {

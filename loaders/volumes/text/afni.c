@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reads and checks AFNI's headers, by a table of their attributes. */
+#include "atlas/space.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "loaders/volumes/text/header_text.h"
@@ -261,24 +262,6 @@ static conus_status read_plumb(double lps[16], const struct header *header)
     return CONUS_OK;
 }
 
-/* The largest distance between the corners that two matrices give to the grid. */
-static double corner_gap(const double a[16], const double b[16], const int64_t dim[3])
-{
-    double gap = 0;
-    for (int corner = 0; corner < 8; corner++) {
-        double voxel[3];
-        double at[2][3];
-        for (int i = 0; i < 3; i++) {
-            voxel[i] = corner >> i & 1 ? (double)dim[i] - 0.5 : -0.5;
-        }
-        mat4_point(at[0], a, voxel);
-        mat4_point(at[1], b, voxel);
-        vec3_sub(at[0], at[0], at[1]);
-        gap = fmax(gap, vec3_length(at[0]));
-    }
-    return gap;
-}
-
 /* IJK_TO_DICOM_REAL is the scanner's; the plumb axes are those that AFNI's own programs show oblique data with. */
 static conus_status place(struct text_volume *out, const struct header *header, struct notes *notes)
 {
@@ -292,12 +275,13 @@ static conus_status place(struct text_volume *out, const struct header *header, 
         return status;
     }
     double *lps = out->world_from_voxel;
+    const size_t dim[3] = {(size_t)out->dim[0], (size_t)out->dim[1], (size_t)out->dim[2]};
     mat4_identity(lps);
     for (size_t i = 0; i < 12; i++) {
         size_t at = 4 * (i % 4) + i / 4;
         lps[at] = real ? matrix[i] : plumb[at];
     }
-    double gap = other ? 0 : corner_gap(lps, plumb, out->dim);
+    double gap = other ? 0 : space_corner_distance(dim, lps, plumb);
     header_turn_lps(out->world_from_voxel);
     snprintf(out->transform, sizeof out->transform, "%s",
              real ? "IJK_TO_DICOM_REAL" : "ORIENT_SPECIFIC, ORIGIN, DELTA");

@@ -16,7 +16,7 @@ enum {
 };
 
 /** Arguments for "%.*s": the beginning of the text @p t. */
-#define HEADER_SHOW(t) (int)((t).size < HEADER_SHOWN ? (t).size : HEADER_SHOWN), (t).data
+#define HEADER_SHOW(t) TEXT_SHOW(t, HEADER_SHOWN)
 
 /** What a value is, and what it becomes. */
 enum header_kind {
