@@ -262,21 +262,6 @@ conus_status bundles_move(struct tractogram *out, const conus_atlas *atlas, cons
     return status;
 }
 
-static void exchange_points(struct tractogram *a, struct tractogram *b)
-{
-    struct tractogram held = *a;
-    a->points = b->points;
-    a->halves = b->halves;
-    a->tree = b->tree;
-    a->has_borrowed_points = b->has_borrowed_points;
-    memcpy(a->low, b->low, sizeof a->low);
-    memcpy(a->high, b->high, sizeof a->high);
-    b->points = held.points;
-    b->halves = held.halves;
-    b->tree = held.tree;
-    b->has_borrowed_points = held.has_borrowed_points;
-}
-
 void bundles_take(conus_atlas *atlas, struct tractogram *moved)
 {
     for (size_t i = 0; i < atlas->tractogram_count; i++) {
@@ -285,7 +270,17 @@ void bundles_take(conus_atlas *atlas, struct tractogram *moved)
             atlas->tractograms[i] = moved[i];
             moved[i] = old;
         } else {
-            exchange_points(&atlas->tractograms[i], &moved[i]);
+            struct tractogram held = atlas->tractograms[i];
+            atlas->tractograms[i].points = moved[i].points;
+            atlas->tractograms[i].halves = moved[i].halves;
+            atlas->tractograms[i].tree = moved[i].tree;
+            atlas->tractograms[i].has_borrowed_points = moved[i].has_borrowed_points;
+            memcpy(atlas->tractograms[i].low, moved[i].low, sizeof atlas->tractograms[i].low);
+            memcpy(atlas->tractograms[i].high, moved[i].high, sizeof atlas->tractograms[i].high);
+            moved[i].points = held.points;
+            moved[i].halves = held.halves;
+            moved[i].tree = held.tree;
+            moved[i].has_borrowed_points = held.has_borrowed_points;
         }
     }
     for (uint32_t number = (uint32_t)atlas->area_count + 1; number <= atlas->object_count; number++) {

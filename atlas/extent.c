@@ -199,22 +199,6 @@ static void add_voxel(struct moment *moment, const size_t dim[3], size_t voxel)
     moment->weight++;
 }
 
-static void add_voxels(struct moment *moment, const conus_atlas *atlas, const struct volume *volume, uint32_t object)
-{
-    uint32_t last = 0; /* neighbours are mostly of one object */
-    bool is_mine = false;
-    for (size_t v = 0; v < volume->voxel_count; v++) {
-        uint32_t here = volume_object(volume, v);
-        if (here != last) {
-            last = here;
-            is_mine = here && here != VOLUME_BLOCKER && atlas_is_below(atlas, here, object);
-        }
-        if (is_mine) {
-            add_voxel(moment, volume->info.dim, v);
-        }
-    }
-}
-
 /* Weighted by the triangles' areas. */
 static void add_triangles(struct moment *moment, const struct mesh *mesh)
 {
@@ -263,7 +247,18 @@ conus_status conus_atlas_centre(double out[3], const conus_atlas *atlas, size_t 
         struct moment voxels = {0};
         const struct volume *volume = &atlas->volumes[i];
         if (volume->info.role != CONUS_ROLE_CONTEXT) {
-            add_voxels(&voxels, atlas, volume, (uint32_t)number);
+            uint32_t last = 0; /* neighbours are mostly of one object */
+            bool is_mine = false;
+            for (size_t v = 0; v < volume->voxel_count; v++) {
+                uint32_t here = volume_object(volume, v);
+                if (here != last) {
+                    last = here;
+                    is_mine = here && here != VOLUME_BLOCKER && atlas_is_below(atlas, here, (uint32_t)number);
+                }
+                if (is_mine) {
+                    add_voxel(&voxels, volume->info.dim, v);
+                }
+            }
             for (size_t h = 0; h < volume->hidden_run_count; h++) {
                 const struct hidden_run *run = &volume->hidden_runs[h];
                 size_t count = atlas_is_below(atlas, run->object, (uint32_t)number) ? run->count : 0;

@@ -407,21 +407,6 @@ static void add_voxels(struct mean_x *means, const struct volume *volume)
     }
 }
 
-static void find_means(struct mean_x *means, const conus_atlas *atlas)
-{
-    for (size_t i = 0; i < atlas->volume_count; i++) {
-        if (atlas_volume_has_areas(&atlas->volumes[i])) {
-            add_voxels(means, &atlas->volumes[i]);
-        }
-    }
-    for (uint32_t number = 1; number <= atlas->area_count; number++) {
-        const struct mesh *mesh = atlas_object_mesh(atlas, number);
-        for (size_t i = 0; mesh && i < mesh->vertex_count; i++) {
-            add_x(&means[number], (double)mesh->positions[3 * i]);
-        }
-    }
-}
-
 static conus_status compare(conus_atlas *atlas, const struct mean_x *means, const uint32_t *right_of)
 {
     size_t pair_count = 0;
@@ -468,7 +453,17 @@ conus_status swapped_sides_note(conus_atlas *atlas)
     struct mean_x *means = memory_zeroed((size_t)atlas->object_count + 1, sizeof *means);
     status = means ? CONUS_OK : CONUS_ERROR_MEMORY;
     if (!status) {
-        find_means(means, atlas);
+        for (size_t i = 0; i < atlas->volume_count; i++) {
+            if (atlas_volume_has_areas(&atlas->volumes[i])) {
+                add_voxels(means, &atlas->volumes[i]);
+            }
+        }
+        for (uint32_t number = 1; number <= atlas->area_count; number++) {
+            const struct mesh *mesh = atlas_object_mesh(atlas, number);
+            for (size_t i = 0; mesh && i < mesh->vertex_count; i++) {
+                add_x(&means[number], (double)mesh->positions[3 * i]);
+            }
+        }
         status = compare(atlas, means, right_of);
     }
     memory_free(means);

@@ -195,18 +195,6 @@ static bool folds_at(const struct layers *layers, size_t n, double turn)
     return false;
 }
 
-static void find_directions(struct deformation_facts *out, const struct deformation *field)
-{
-    double x_from_voxel[16];
-    double turned[16];
-    if (mat4_invert_affine(x_from_voxel, field->start)) { /* as deformation_measure() has found */
-        mat4_multiply(turned, x_from_voxel, field->voxel_from_world);
-        out->growth = fabs(mat4_determinant3(turned));
-        out->mirrors = mat4_determinant3(turned) < 0;
-        out->half_turn = turned[0] < 0 && turned[5] < 0 && turned[10] > 0;
-    }
-}
-
 conus_status deformation_facts_find(struct deformation_facts *out, const struct deformation *field)
 {
     struct deformation_facts facts = {0};
@@ -230,7 +218,14 @@ conus_status deformation_facts_find(struct deformation_facts *out, const struct 
         }
     }
     if (enough) {
-        find_directions(&facts, field);
+        double x_from_voxel[16];
+        double turned[16];
+        if (mat4_invert_affine(x_from_voxel, field->start)) { /* as deformation_measure() has found */
+            mat4_multiply(turned, x_from_voxel, field->voxel_from_world);
+            facts.growth = fabs(mat4_determinant3(turned));
+            facts.mirrors = mat4_determinant3(turned) < 0;
+            facts.half_turn = turned[0] < 0 && turned[5] < 0 && turned[10] > 0;
+        }
         *out = facts;
     }
     memory_free(layers.near);

@@ -19,26 +19,21 @@ static void take(struct taking *taking, const double point[3])
     taking->seen++;
 }
 
-static void take_voxels(struct taking *taking, const struct volume *volume)
-{
-    const size_t *dim = volume->info.dim;
-    for (size_t v = 0; v < volume->voxel_count; v++) {
-        if (volume_object(volume, v)) {
-            const size_t j = v / dim[0] % dim[1];
-            const size_t k = v / dim[0] / dim[1];
-            double point[3] = {(double)(v % dim[0]), (double)j, (double)k};
-            mat4_point(point, volume->info.world_from_voxel, point);
-            take(taking, point);
-        }
-    }
-}
-
 static void take_all(struct taking *taking, const conus_atlas *atlas)
 {
     taking->seen = 0;
     for (size_t i = 0; i < atlas->volume_count; i++) {
         if (atlas_volume_has_areas(&atlas->volumes[i])) {
-            take_voxels(taking, &atlas->volumes[i]);
+            const size_t *dim = atlas->volumes[i].info.dim;
+            for (size_t v = 0; v < atlas->volumes[i].voxel_count; v++) {
+                if (volume_object(&atlas->volumes[i], v)) {
+                    const size_t j = v / dim[0] % dim[1];
+                    const size_t k = v / dim[0] / dim[1];
+                    double point[3] = {(double)(v % dim[0]), (double)j, (double)k};
+                    mat4_point(point, atlas->volumes[i].info.world_from_voxel, point);
+                    take(taking, point);
+                }
+            }
         }
     }
     for (uint32_t number = 1; !taking->seen && number <= atlas->area_count; number++) {

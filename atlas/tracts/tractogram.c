@@ -179,22 +179,6 @@ static conus_status check_group(const struct tract_group *group, size_t streamli
     return CONUS_OK;
 }
 
-static conus_status note_short(const struct tractogram *tractogram, struct notes *notes)
-{
-    size_t counts[2] = {0};
-    for (size_t k = 0; k < tractogram->streamline_count; k++) {
-        uint64_t count = tractogram->first[k + 1] - tractogram->first[k];
-        if (count < 2) {
-            counts[count]++;
-        }
-    }
-    if (!counts[0] && !counts[1]) {
-        return CONUS_OK;
-    }
-    return notes_add(notes, "streamlines: of %zu, %zu have no point and %zu have one", tractogram->streamline_count,
-                     counts[0], counts[1]);
-}
-
 conus_status tractogram_check(const struct tractogram *tractogram, struct notes *notes)
 {
     if (!(tractogram->radius > 0 && tractogram->radius <= TRACT_RADIUS_LIMIT)) {
@@ -207,7 +191,21 @@ conus_status tractogram_check(const struct tractogram *tractogram, struct notes 
     for (size_t i = 0; !status && i < tractogram->group_count; i++) {
         status = check_group(&tractogram->groups[i], tractogram->streamline_count);
     }
-    return status ? status : note_short(tractogram, notes);
+    if (status) {
+        return status;
+    }
+    size_t counts[2] = {0};
+    for (size_t k = 0; k < tractogram->streamline_count; k++) {
+        uint64_t count = tractogram->first[k + 1] - tractogram->first[k];
+        if (count < 2) {
+            counts[count]++;
+        }
+    }
+    if (!counts[0] && !counts[1]) {
+        return CONUS_OK;
+    }
+    return notes_add(notes, "streamlines: of %zu, %zu have no point and %zu have one", tractogram->streamline_count,
+                     counts[0], counts[1]);
 }
 
 static bool has_point(const struct tractogram *tractogram, uint32_t streamline, uint64_t point)

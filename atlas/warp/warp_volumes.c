@@ -237,40 +237,6 @@ static bool has_place(const struct volume_source *source, const struct warp_way 
     return true;
 }
 
-static void sample_source(struct warped_volumes *out, const struct volume_source *source, const struct warp_way *way,
-                          const struct warp_plan *plan)
-{
-    struct ways_back back;
-    size_t total = source->dim[0] * source->dim[1] * source->dim[2];
-    size_t labelled = 0;
-    for (size_t v = 0; v < total; v++) {
-        labelled += source_object(source, v) > 0;
-    }
-    size_t stride = labelled / SAMPLES + 1;
-    size_t next = find_ways_back(&back, source, way, plan) ? 0 : SIZE_MAX;
-    for (size_t v = 0, n = 0; v < total; v++) {
-        if (source_object(source, v) && n++ == next) {
-            next += stride;
-            out->sampled++;
-            out->outside += !has_place(source, way, plan, &back, v);
-        }
-    }
-}
-
-static conus_status check_any(const struct warped_volumes *volumes, const conus_atlas *atlas, const char *words)
-{
-    uint64_t left = 0;
-    for (size_t n = 1; n <= atlas->object_count; n++) {
-        left += volumes->voxels[n];
-    }
-    return left || !volumes->sampled
-               ? CONUS_OK
-               : fail(CONUS_ERROR_DATA,
-                      "%s: nothing of the atlas is where the field leads to: is it of another image, or the one of the "
-                      "other direction?",
-                      words);
-}
-
 void warped_volumes_finish(struct warped_volumes *volumes, size_t count)
 {
     for (size_t i = 0; volumes->items && i < count; i++) {
@@ -305,10 +271,35 @@ conus_status warped_volumes_init(struct warped_volumes *out, const conus_atlas *
             conus_role role = atlas->volumes[i].info.role;
             if (is_warped(&source, way) && role != CONUS_ROLE_CONTEXT &&
                 (role == CONUS_ROLE_PARCELLATION || !parcellations)) {
-                sample_source(&volumes, &source, way, plan);
+                struct ways_back back;
+                size_t total = source.dim[0] * source.dim[1] * source.dim[2];
+                size_t labelled = 0;
+                for (size_t v = 0; v < total; v++) {
+                    labelled += source_object(&source, v) > 0;
+                }
+                size_t stride = labelled / SAMPLES + 1;
+                size_t next = find_ways_back(&back, &source, way, plan) ? 0 : SIZE_MAX;
+                for (size_t v = 0, n = 0; v < total; v++) {
+                    if (source_object(&source, v) && n++ == next) {
+                        next += stride;
+                        volumes.sampled++;
+                        volumes.outside += !has_place(&source, way, plan, &back, v);
+                    }
+                }
             }
         }
-        status = check_any(&volumes, atlas, plan->words);
+        uint64_t left = 0;
+        for (size_t n = 1; n <= atlas->object_count; n++) {
+            left += volumes.voxels[n];
+        }
+        status =
+            left || !volumes.sampled
+                ? CONUS_OK
+                : fail(
+                      CONUS_ERROR_DATA,
+                      "%s: nothing of the atlas is where the field leads to: is it of another image, or the one of the "
+                      "other direction?",
+                      plan->words);
     }
     if (status) {
         warped_volumes_finish(&volumes, atlas->volume_count);

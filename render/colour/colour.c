@@ -191,28 +191,6 @@ static conus_status begin_areas(struct colour_pass *pass, struct field_task *tas
     return status;
 }
 
-static conus_status upload_haze(struct colour_pass *pass, const conus_atlas *atlas, const struct haze_choice *hazy,
-                                uint64_t *memory_left)
-{
-    struct haze_field field = {0};
-    struct volume grid = {0};
-    conus_status status = hazy->transfers ? haze_fill(&field, atlas, hazy, *memory_left) : CONUS_OK;
-    if (!status && field.texels) {
-        status = volume_init(&grid, &field.info);
-        status = status ? status
-                        : volume_texture_create(&pass->haze.field, VOLUME_TEXTURE_HALF4, field.info.dim, field.texels,
-                                                memory_left);
-        if (!status) {
-            place_volume(&pass->haze, &grid, (const size_t[3]){0, 0, 0}, grid.info.dim);
-            pass->has_haze = true;
-            status = colour_add_corners(pass, &pass->haze);
-        }
-        volume_finish(&grid);
-    }
-    haze_field_finish(&field);
-    return status;
-}
-
 /* All opaque areas would hide pathways and bundles: where there are any, they are drawn with only some areas. */
 static bool is_joint(const conus_atlas *atlas)
 {
@@ -241,7 +219,26 @@ static conus_status colour_upload_objects(struct colour_pass *pass, const conus_
     status = status ? status : colour_upload_texels(&pass->areas, &own);
     field_task_end(&own);
     volume_finish(&joint);
-    return status ? status : upload_haze(pass, atlas, hazy, memory_left);
+    if (status) {
+        return status;
+    }
+    struct haze_field field = {0};
+    struct volume grid = {0};
+    status = hazy->transfers ? haze_fill(&field, atlas, hazy, *memory_left) : CONUS_OK;
+    if (!status && field.texels) {
+        status = volume_init(&grid, &field.info);
+        status = status ? status
+                        : volume_texture_create(&pass->haze.field, VOLUME_TEXTURE_HALF4, field.info.dim, field.texels,
+                                                memory_left);
+        if (!status) {
+            place_volume(&pass->haze, &grid, (const size_t[3]){0, 0, 0}, grid.info.dim);
+            pass->has_haze = true;
+            status = colour_add_corners(pass, &pass->haze);
+        }
+        volume_finish(&grid);
+    }
+    haze_field_finish(&field);
+    return status;
 }
 
 /* The mesh of an object that is shown, or behind these of a surface around them; NULL if there is none. */

@@ -349,16 +349,6 @@ struct columns {
     uint8_t *low, *high;
 };
 
-static void add_row(const struct columns *columns, const uint8_t *row, size_t count)
-{
-    uint8_t *low = columns->low;
-    uint8_t *high = columns->high;
-    for (size_t i = 0; i < count; i++) {
-        low[i] = row[i] < low[i] ? row[i] : low[i];
-        high[i] = row[i] > high[i] ? row[i] : high[i];
-    }
-}
-
 /* The ranges of a row of bricks, from that of each column of the voxels that bear on them. */
 static void find_row_ranges(struct field *field, const struct columns *columns, size_t index)
 {
@@ -387,7 +377,13 @@ static void find_columns(const struct columns *out, const uint8_t *values, const
     }
     for (size_t k = first[2]; k < end[2]; k++) {
         for (size_t j = first[1]; j < end[1]; j++) {
-            add_row(out, values + dim[0] * (j + dim[1] * k), dim[0]);
+            const uint8_t *row = values + dim[0] * (j + dim[1] * k);
+            uint8_t *low = out->low;
+            uint8_t *high = out->high;
+            for (size_t i = 0; i < dim[0]; i++) {
+                low[i] = row[i] < low[i] ? row[i] : low[i];
+                high[i] = row[i] > high[i] ? row[i] : high[i];
+            }
         }
     }
 }

@@ -176,17 +176,6 @@ static conus_status init_field(struct haze_field *out, const struct extent *exte
     return out->texels ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
-static void add_value(float texel[4], const struct transfer *transfer, double value)
-{
-    double rgba[4];
-    transfer_at(rgba, transfer, value);
-    double extinction = -log2(1 - fmin(rgba[3], 1 - 0x1p-24)); /* as transfer_table() */
-    for (int c = 0; c < 3; c++) {
-        texel[c] += (float)(extinction * linear_from_srgb(rgba[c]));
-    }
-    texel[3] += (float)extinction;
-}
-
 /* Samples the nearest voxel, as elsewhere for objects. */
 static void add_volume(struct haze_field *field, const struct volume *volume, const struct haze_choice *choice)
 {
@@ -198,7 +187,15 @@ static void add_volume(struct haze_field *field, const struct volume *volume, co
         mat4_point(p, field->info.world_from_voxel, p);
         uint32_t object = volume_find_voxel(&voxel, volume, p) ? hazy_at(volume, choice, voxel) : 0;
         if (object) {
-            add_value(field->texels + 4 * n, &choice->transfers[object], (double)volume->values[voxel]);
+            float *texel = field->texels + 4 * n;
+            const double value = (double)volume->values[voxel];
+            double rgba[4];
+            transfer_at(rgba, &choice->transfers[object], value);
+            double extinction = -log2(1 - fmin(rgba[3], 1 - 0x1p-24)); /* as transfer_table() */
+            for (int c = 0; c < 3; c++) {
+                texel[c] += (float)(extinction * linear_from_srgb(rgba[c]));
+            }
+            texel[3] += (float)extinction;
         }
     }
 }

@@ -95,18 +95,14 @@ static conus_status reserve_pixels(struct cut *cut, size_t pixels)
     return CONUS_OK;
 }
 
-static bool is_same_place(const struct cut_place *a, const struct cut_place *b)
-{
-    bool same = a->width == b->width && a->height == b->height && a->mm_per_pixel == b->mm_per_pixel;
-    for (int i = 0; i < 3; i++) {
-        same = same && a->centre[i] == b->centre[i] && a->right[i] == b->right[i] && a->up[i] == b->up[i];
-    }
-    return same;
-}
-
 static void find_again(struct cut *cut, const struct cut_view *view)
 {
-    bool same = is_same_place(&cut->of, &view->place);
+    bool same = cut->of.width == view->place.width && cut->of.height == view->place.height &&
+                cut->of.mm_per_pixel == view->place.mm_per_pixel;
+    for (int i = 0; i < 3; i++) {
+        same = same && cut->of.centre[i] == view->place.centre[i] && cut->of.right[i] == view->place.right[i] &&
+               cut->of.up[i] == view->place.up[i];
+    }
     bool same_window = cut->window[0] == view->window[0] && cut->window[1] == view->window[1];
     cut->of = view->place;
     memcpy(cut->window, view->window, sizeof cut->window);
@@ -117,15 +113,6 @@ static void find_again(struct cut *cut, const struct cut_view *view)
         cut_find_objects(cut, view);
     }
     cut->has_grey = cut->has_objects = true;
-}
-
-static struct opacities opacities_of(const struct cut_view *view)
-{
-    double pale = view->fill * PALE / 100;
-    struct opacities out = {{[EMPHASIS_PALE] = {pale, pale},
-                             [EMPHASIS_FULL] = {view->fill, view->fill},
-                             [EMPHASIS_HATCHED] = {0.35 * view->fill, fmin(1.6 * view->fill, 1)}}};
-    return out;
 }
 
 /* An area's outline is its own pixels that have another neighbour beside, above or below. */
@@ -170,7 +157,10 @@ static void draw_row(const struct cut *cut, const struct cut_view *view, const s
 
 conus_status cut_draw(struct cut *cut, const struct cut_view *view)
 {
-    struct opacities opacities = opacities_of(view);
+    double pale = view->fill * PALE / 100;
+    struct opacities opacities = {{[EMPHASIS_PALE] = {pale, pale},
+                                   [EMPHASIS_FULL] = {view->fill, view->fill},
+                                   [EMPHASIS_HATCHED] = {0.35 * view->fill, fmin(1.6 * view->fill, 1)}}};
     conus_status status = reserve_pixels(cut, (size_t)view->place.width * view->place.height);
     if (status) {
         return status;

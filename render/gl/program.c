@@ -16,19 +16,6 @@
  * the number of the source string. */
 enum { PART_PREAMBLE, PART_COMMON, PART_PASS, PART_MORE, PART_LINES = 10000 };
 
-static void append_text(struct buffer *out, const struct program_source *source, const struct program_shader *shader)
-{
-    buffer_text(out, "#version 450 core\n");
-    for (size_t i = 0; i < source->define_count; i++) {
-        buffer_format(out, "#define %s %ld\n", source->defines[i].name, source->defines[i].value);
-    }
-    buffer_format(out, "#line %d\n%s\n#line %d\n%s", PART_COMMON * PART_LINES + 1, shader_common,
-                  PART_PASS * PART_LINES + 1, shader->text);
-    if (shader == &source->fragment && source->more.text) {
-        buffer_format(out, "#line %d\n%s", PART_MORE * PART_LINES + 1, source->more.text);
-    }
-}
-
 /* The first line of a log with an error, else the first line. */
 static struct text worst_line(const char *log)
 {
@@ -77,7 +64,15 @@ static conus_status compile(GLuint *out, GLenum stage, const struct program_sour
                             const struct program_shader *shader)
 {
     struct buffer text = {0};
-    append_text(&text, source, shader);
+    buffer_text(&text, "#version 450 core\n");
+    for (size_t i = 0; i < source->define_count; i++) {
+        buffer_format(&text, "#define %s %ld\n", source->defines[i].name, source->defines[i].value);
+    }
+    buffer_format(&text, "#line %d\n%s\n#line %d\n%s", PART_COMMON * PART_LINES + 1, shader_common,
+                  PART_PASS * PART_LINES + 1, shader->text);
+    if (shader == &source->fragment && source->more.text) {
+        buffer_format(&text, "#line %d\n%s", PART_MORE * PART_LINES + 1, source->more.text);
+    }
     conus_status status = buffer_status(&text);
     if (!status) {
         GLuint object = glCreateShader(stage);

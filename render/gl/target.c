@@ -20,20 +20,6 @@ static const struct format formats[] = {
     [TARGET_DEPTH] = {GL_DEPTH_COMPONENT32F, GL_DEPTH_COMPONENT, GL_FLOAT, 4},
 };
 
-static void attach(struct target *target, size_t index, size_t *colours)
-{
-    enum target_format format = target->attachments[index].format;
-    GLuint *texture = &target->textures[index];
-    glCreateTextures(GL_TEXTURE_2D, 1, texture);
-    glTextureStorage2D(*texture, 1, formats[format].internal, (GLsizei)target->width, (GLsizei)target->height);
-    glTextureParameteri(*texture, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-    glTextureParameteri(*texture, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-    bool is_depth = format == TARGET_DEPTH;
-    GLenum point = is_depth ? GL_DEPTH_ATTACHMENT : GL_COLOR_ATTACHMENT0 + (GLenum)*colours;
-    glNamedFramebufferTexture(target->framebuffer, point, *texture, 0);
-    *colours += !is_depth;
-}
-
 conus_status target_init(struct target *out, uint32_t width, uint32_t height,
                          const struct target_attachment *attachments, size_t count)
 {
@@ -56,7 +42,16 @@ conus_status target_init(struct target *out, uint32_t width, uint32_t height,
     }
     size_t colours = 0;
     for (size_t i = 0; i < count; i++) {
-        attach(&target, i, &colours);
+        enum target_format format = target.attachments[i].format;
+        GLuint *texture = &target.textures[i];
+        glCreateTextures(GL_TEXTURE_2D, 1, texture);
+        glTextureStorage2D(*texture, 1, formats[format].internal, (GLsizei)target.width, (GLsizei)target.height);
+        glTextureParameteri(*texture, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+        glTextureParameteri(*texture, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+        bool is_depth = format == TARGET_DEPTH;
+        GLenum point = is_depth ? GL_DEPTH_ATTACHMENT : GL_COLOR_ATTACHMENT0 + (GLenum)colours;
+        glNamedFramebufferTexture(target.framebuffer, point, *texture, 0);
+        colours += !is_depth;
     }
     glNamedFramebufferDrawBuffers(target.framebuffer, (GLsizei)colours, buffers);
     conus_status status = gl_check("framebuffer");

@@ -230,22 +230,6 @@ static bool is_open(const struct mesh_cull *cull, const struct seen *ball, doubl
     return false;
 }
 
-static void gather_meshes(struct mesh_cull *cull)
-{
-    const struct clusters *clusters = cull->clusters;
-    cull->count = 0;
-    for (size_t i = 0; i < clusters->mesh_count; i++) {
-        struct seen ball =
-            see(cull, clusters->ball[0][i], clusters->ball[1][i], clusters->ball[2][i], clusters->ball[3][i]);
-        if (is_in_pyramid(cull, &ball)) {
-            cull->heap[cull->count++] = (struct waiting){key_of(cull, nearest_of(cull, &ball)), (uint32_t)i, MESH};
-        }
-    }
-    for (size_t i = cull->count / 2; i > 0; i--) {
-        sink(cull->heap, cull->count, i - 1);
-    }
-}
-
 void mesh_cull_begin(struct mesh_cull *cull, const struct mesh_view *view)
 {
     const double *m = view->world_from_device;
@@ -265,7 +249,18 @@ void mesh_cull_begin(struct mesh_cull *cull, const struct mesh_view *view)
         double place = (2.0 * i + 1) / view->resolution - 1; /* Eq. 3 */
         cull->side[i] = place * (view->radius > 0 ? view->radius : view->slope);
     }
-    gather_meshes(cull);
+    const struct clusters *clusters = cull->clusters;
+    cull->count = 0;
+    for (size_t i = 0; i < clusters->mesh_count; i++) {
+        struct seen ball =
+            see(cull, clusters->ball[0][i], clusters->ball[1][i], clusters->ball[2][i], clusters->ball[3][i]);
+        if (is_in_pyramid(cull, &ball)) {
+            cull->heap[cull->count++] = (struct waiting){key_of(cull, nearest_of(cull, &ball)), (uint32_t)i, MESH};
+        }
+    }
+    for (size_t i = cull->count / 2; i > 0; i--) {
+        sink(cull->heap, cull->count, i - 1);
+    }
 }
 
 void mesh_cull_hide(struct mesh_cull *cull, const double *distances)

@@ -114,27 +114,6 @@ static conus_status check_sizes(struct sizes *out, const conus_atlas *atlas, uin
     return CONUS_OK;
 }
 
-static void upload_buffers(struct mesh_layer *layer, const struct vertex *vertices, const uint32_t *indices,
-                           const struct sizes *sizes)
-{
-    static const GLuint offsets[] = {offsetof(struct vertex, position), offsetof(struct vertex, normal)};
-    glCreateBuffers(1, &layer->vertex_buffer);
-    glNamedBufferStorage(layer->vertex_buffer, (GLsizeiptr)(sizes->vertices * sizeof *vertices), vertices, 0);
-    glCreateBuffers(1, &layer->index_buffer);
-    glNamedBufferStorage(layer->index_buffer, (GLsizeiptr)(sizes->indices * sizeof *indices), indices, 0);
-    glCreateVertexArrays(1, &layer->vertices);
-    glVertexArrayVertexBuffer(layer->vertices, 0, layer->vertex_buffer, 0, sizeof *vertices);
-    glVertexArrayElementBuffer(layer->vertices, layer->index_buffer);
-    for (GLuint k = 0; k < 3; k++) {
-        glEnableVertexArrayAttrib(layer->vertices, k);
-        glVertexArrayAttribBinding(layer->vertices, k, 0);
-    }
-    for (GLuint k = 0; k < 2; k++) {
-        glVertexArrayAttribFormat(layer->vertices, k, 3, GL_FLOAT, GL_FALSE, offsets[k]);
-    }
-    glVertexArrayAttribIFormat(layer->vertices, 2, 1, GL_UNSIGNED_INT, offsetof(struct vertex, object));
-}
-
 static conus_status upload_meshes(struct mesh_layer *layer, const conus_atlas *atlas, uint64_t *memory_left)
 {
     struct sizes sizes = {0};
@@ -157,7 +136,22 @@ static conus_status upload_meshes(struct mesh_layer *layer, const conus_atlas *a
                 next.indices += 3 * mesh->triangle_count;
             }
         }
-        upload_buffers(layer, vertices, indices, &next);
+        static const GLuint offsets[] = {offsetof(struct vertex, position), offsetof(struct vertex, normal)};
+        glCreateBuffers(1, &layer->vertex_buffer);
+        glNamedBufferStorage(layer->vertex_buffer, (GLsizeiptr)(next.vertices * sizeof *vertices), vertices, 0);
+        glCreateBuffers(1, &layer->index_buffer);
+        glNamedBufferStorage(layer->index_buffer, (GLsizeiptr)(next.indices * sizeof *indices), indices, 0);
+        glCreateVertexArrays(1, &layer->vertices);
+        glVertexArrayVertexBuffer(layer->vertices, 0, layer->vertex_buffer, 0, sizeof *vertices);
+        glVertexArrayElementBuffer(layer->vertices, layer->index_buffer);
+        for (GLuint k = 0; k < 3; k++) {
+            glEnableVertexArrayAttrib(layer->vertices, k);
+            glVertexArrayAttribBinding(layer->vertices, k, 0);
+        }
+        for (GLuint k = 0; k < 2; k++) {
+            glVertexArrayAttribFormat(layer->vertices, k, 3, GL_FLOAT, GL_FALSE, offsets[k]);
+        }
+        glVertexArrayAttribIFormat(layer->vertices, 2, 1, GL_UNSIGNED_INT, offsetof(struct vertex, object));
         status = gl_check("meshes");
     } else {
         status = status ? status : CONUS_ERROR_MEMORY;
@@ -302,20 +296,6 @@ static void list_parts(struct mesh_layer *layer, const float *opacity, bool tran
     }
 }
 
-static conus_status draw_tubes(const struct tube_layer *tubes, const struct mesh_layer_view *view)
-{
-    double rows[9];
-    find_rows(rows, view);
-    struct tube_layer_view tube_view = {.eye = view->camera->world_from_camera + 12,
-                                        .camera_from_world = rows,
-                                        .width = view->width,
-                                        .height = view->height,
-                                        .draft = view->draft,
-                                        .listener = view->listener};
-    find_shift(tube_view.shift, view);
-    return tube_layer_draw(tubes, &tube_view);
-}
-
 /* The listed parts with a program of theirs, and of a picture (NULL = no) the streamlines. */
 static conus_status draw_parts(const struct mesh_layer *layer, const struct target *target,
                                const struct mesh_layer_view *tubes)
@@ -331,7 +311,16 @@ static conus_status draw_parts(const struct mesh_layer *layer, const struct targ
         glMultiDrawElements(GL_TRIANGLES, layer->counts, GL_UNSIGNED_INT, layer->offsets, layer->drawn_count);
     }
     if (tubes && layer->tubes) {
-        status = draw_tubes(layer->tubes, tubes);
+        double rows[9];
+        find_rows(rows, tubes);
+        struct tube_layer_view tube_view = {.eye = tubes->camera->world_from_camera + 12,
+                                            .camera_from_world = rows,
+                                            .width = tubes->width,
+                                            .height = tubes->height,
+                                            .draft = tubes->draft,
+                                            .listener = tubes->listener};
+        find_shift(tube_view.shift, tubes);
+        status = tube_layer_draw(layer->tubes, &tube_view);
     }
     glDepthFunc(GL_LESS);
     glClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);

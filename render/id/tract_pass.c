@@ -15,11 +15,6 @@ struct box {
     double low[3], high[3];
 };
 
-static struct box no_box(void)
-{
-    return (struct box){{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
-}
-
 /* The box round the points of a leaf, as the node above it has it. */
 static struct box box_of_leaf(const struct tract_tree *tree, size_t number)
 {
@@ -30,14 +25,6 @@ static struct box box_of_leaf(const struct tract_tree *tree, size_t number)
         box.high[a] = (double)node->high[a][number % TRACT_WIDTH];
     }
     return box;
-}
-
-static void extend(struct box *box, const struct box *by)
-{
-    for (int a = 0; a < 3; a++) {
-        box->low[a] = fmin(box->low[a], by->low[a]);
-        box->high[a] = fmax(box->high[a], by->high[a]);
-    }
 }
 
 /* The ball round a box that is grown on all sides; returns its radius. */
@@ -92,12 +79,15 @@ static void add_group(struct clusters *to, const struct tract_source *source, si
     double grown = growth_of(source->tractogram);
     size_t group = to->mesh_count++;
     size_t count = to->first_cluster[group];
-    struct box all = no_box();
+    struct box all = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
     for (size_t number = first; number < end; number++) {
         if (shows_any(source, &tree->leaves[number])) {
             struct cluster *cluster = &to->cluster[count++];
             struct box box = box_of_leaf(tree, number);
-            extend(&all, &box);
+            for (int a = 0; a < 3; a++) {
+                all.low[a] = fmin(all.low[a], box.low[a]);
+                all.high[a] = fmax(all.high[a], box.high[a]);
+            }
             cluster->radius = ball_round(cluster->centre, &box, grown);
             cluster->first = (uint32_t)number;
             cluster->count = tree->leaves[number].count;
@@ -304,16 +294,6 @@ static conus_status make_slots(struct scene *scene, size_t wanted, size_t scenes
     return status;
 }
 
-static conus_status create_scene(struct tract_pass *pass, const struct tract_source *source)
-{
-    struct scene *scene = &pass->scenes[pass->scene_count++];
-    scene->tractogram = source->tractogram;
-    scene->slots = memory_zeroed(SLOT_LIMIT, sizeof *scene->slots);
-    conus_status status = scene->slots ? CONUS_OK : CONUS_ERROR_MEMORY;
-    status = status ? status : tract_clusters_init(&scene->clusters, source);
-    return status ? status : upload_leaves(scene, source);
-}
-
 bool tract_pass_fits(const struct tract_source *sources, size_t count, uint64_t memory_left)
 {
     GLint texels = 0;
@@ -342,7 +322,12 @@ conus_status tract_pass_create(struct tract_pass **out, const struct tract_sourc
         create_indices(pass);
     }
     for (size_t i = 0; i < count && !status; i++) {
-        status = create_scene(pass, &sources[i]);
+        struct scene *scene = &pass->scenes[pass->scene_count++];
+        scene->tractogram = sources[i].tractogram;
+        scene->slots = memory_zeroed(SLOT_LIMIT, sizeof *scene->slots);
+        status = scene->slots ? CONUS_OK : CONUS_ERROR_MEMORY;
+        status = status ? status : tract_clusters_init(&scene->clusters, &sources[i]);
+        status = status ? status : upload_leaves(scene, &sources[i]);
         *memory_left -= status ? 0 : tract_texels_size(sources[i].tractogram);
     }
     if (status) {
@@ -353,17 +338,6 @@ conus_status tract_pass_create(struct tract_pass **out, const struct tract_sourc
     return CONUS_OK;
 }
 
-static void destroy_scene(struct scene *scene)
-{
-    glDeleteTextures(1, &scene->leaves);
-    glDeleteBuffers(1, &scene->leaf_buffer);
-    for (size_t i = 0; i < scene->slot_count; i++) {
-        mesh_cull_destroy(scene->slots[i].cull);
-    }
-    memory_free(scene->slots);
-    clusters_finish(&scene->clusters);
-}
-
 void tract_pass_destroy(struct tract_pass *pass)
 {
     if (!pass) {
@@ -371,7 +345,13 @@ void tract_pass_destroy(struct tract_pass *pass)
     }
     const GLuint buffers[] = {pass->index_buffer, pass->nearest_buffer, pass->ray_buffer};
     for (size_t i = 0; i < pass->scene_count; i++) {
-        destroy_scene(&pass->scenes[i]);
+        glDeleteTextures(1, &pass->scenes[i].leaves);
+        glDeleteBuffers(1, &pass->scenes[i].leaf_buffer);
+        for (size_t n = 0; n < pass->scenes[i].slot_count; n++) {
+            mesh_cull_destroy(pass->scenes[i].slots[n].cull);
+        }
+        memory_free(pass->scenes[i].slots);
+        clusters_finish(&pass->scenes[i].clusters);
     }
     glDeleteTextures(1, &pass->rays);
     glDeleteBuffers(3, buffers);
@@ -460,17 +440,6 @@ static float reach_of(const struct tract_pass *pass, const struct slot *slot, si
     return reach > 0 ? reach : 0; /* the driver compares bits */
 }
 
-static void set_nearest(const struct search *search, const struct slot *slot)
-{
-    const struct tract_pass *pass = search->pass;
-    size_t first = slot->place * search->pixels;
-    for (size_t i = 0; i < search->pixels; i++) {
-        pass->nearest[first + i] = reach_of(pass, slot, first + i, i);
-    }
-    glNamedBufferSubData(pass->nearest_buffer, (GLintptr)(first * sizeof *pass->nearest),
-                         (GLsizeiptr)(search->pixels * sizeof *pass->nearest), pass->nearest + first);
-}
-
 /* Gives the slot its query's next batch, or the first one of the next query; false when there is none. */
 static bool feed(struct search *search, struct slot *slot)
 {
@@ -498,7 +467,13 @@ static void feed_all(struct search *search)
     for (size_t i = 0; i < search->slots;) {
         if (feed(search, &slots[i])) {
             search->slot_at[slots[i].place] = &slots[i];
-            set_nearest(search, &slots[i]);
+            const struct tract_pass *pass = search->pass;
+            size_t first = slots[i].place * search->pixels;
+            for (size_t pixel = 0; pixel < search->pixels; pixel++) {
+                pass->nearest[first + pixel] = reach_of(pass, &slots[i], first + pixel, pixel);
+            }
+            glNamedBufferSubData(pass->nearest_buffer, (GLintptr)(first * sizeof *pass->nearest),
+                                 (GLsizeiptr)(search->pixels * sizeof *pass->nearest), pass->nearest + first);
             i++;
         } else {
             struct slot idle = slots[i];
@@ -635,17 +610,6 @@ static uint32_t most_runs(const struct search *search)
     return (uint32_t)(most * TRACT_LEAF);
 }
 
-static conus_status take_round(struct search *search)
-{
-    const struct shader_list_job job = {.binding = HIT_BUFFER,
-                                        .draw = draw_round,
-                                        .take = take_hits,
-                                        .user = search,
-                                        .pixels = (uint32_t)search->all_pixels,
-                                        .per_pixel = most_runs(search)};
-    return shader_list_collect(&search->pass->hits, &job);
-}
-
 conus_status tract_pass_render(struct tract_pass *pass, const struct tract_query *queries, size_t count,
                                tract_pass_take take, void *user)
 {
@@ -662,7 +626,13 @@ conus_status tract_pass_render(struct tract_pass *pass, const struct tract_query
                                 .user = user};
         status = begin_slots(&search);
         while (!status && (feed_all(&search), search.slots)) {
-            status = take_round(&search);
+            const struct shader_list_job job = {.binding = HIT_BUFFER,
+                                                .draw = draw_round,
+                                                .take = take_hits,
+                                                .user = &search,
+                                                .pixels = (uint32_t)search.all_pixels,
+                                                .per_pixel = most_runs(&search)};
+            status = shader_list_collect(&search.pass->hits, &job);
         }
     }
     return status;

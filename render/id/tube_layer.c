@@ -283,22 +283,6 @@ static void fill_points(float (*points)[3], const struct tube_layer *layer)
     }
 }
 
-static void describe_instances(struct tube_layer *layer)
-{
-    glCreateVertexArrays(1, &layer->vertices);
-    glVertexArrayVertexBuffer(layer->vertices, 0, layer->points, 0, 3 * sizeof(float));
-    glVertexArrayVertexBuffer(layer->vertices, 1, layer->points, 3 * sizeof(float), 3 * sizeof(float));
-    glVertexArrayVertexBuffer(layer->vertices, 2, layer->paints, 0, sizeof(uint32_t));
-    for (GLuint k = 0; k < 3; k++) {
-        glEnableVertexArrayAttrib(layer->vertices, k);
-        glVertexArrayAttribBinding(layer->vertices, k, k);
-        glVertexArrayBindingDivisor(layer->vertices, k, 1);
-    }
-    glVertexArrayAttribFormat(layer->vertices, 0, 3, GL_FLOAT, GL_FALSE, 0);
-    glVertexArrayAttribFormat(layer->vertices, 1, 3, GL_FLOAT, GL_FALSE, 0);
-    glVertexArrayAttribIFormat(layer->vertices, 2, 1, GL_UNSIGNED_INT, 0);
-}
-
 static conus_status upload(struct tube_layer *layer, uint64_t *memory_left)
 {
     size_t count = layer->point_count;
@@ -318,7 +302,18 @@ static conus_status upload(struct tube_layer *layer, uint64_t *memory_left)
     glCreateBuffers(1, &layer->paints);
     glNamedBufferData(layer->paints, (GLsizeiptr)((count + 1) * sizeof(uint32_t)), NULL, GL_DYNAMIC_DRAW);
     memory_free(points);
-    describe_instances(layer);
+    glCreateVertexArrays(1, &layer->vertices);
+    glVertexArrayVertexBuffer(layer->vertices, 0, layer->points, 0, 3 * sizeof(float));
+    glVertexArrayVertexBuffer(layer->vertices, 1, layer->points, 3 * sizeof(float), 3 * sizeof(float));
+    glVertexArrayVertexBuffer(layer->vertices, 2, layer->paints, 0, sizeof(uint32_t));
+    for (GLuint k = 0; k < 3; k++) {
+        glEnableVertexArrayAttrib(layer->vertices, k);
+        glVertexArrayAttribBinding(layer->vertices, k, k);
+        glVertexArrayBindingDivisor(layer->vertices, k, 1);
+    }
+    glVertexArrayAttribFormat(layer->vertices, 0, 3, GL_FLOAT, GL_FALSE, 0);
+    glVertexArrayAttribFormat(layer->vertices, 1, 3, GL_FLOAT, GL_FALSE, 0);
+    glVertexArrayAttribIFormat(layer->vertices, 2, 1, GL_UNSIGNED_INT, 0);
     return gl_check("streamlines");
 }
 

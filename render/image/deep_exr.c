@@ -125,24 +125,6 @@ static int by_name(const void *a, const void *b)
     return strcmp(((const struct image_channel *)a)->name, ((const struct image_channel *)b)->name);
 }
 
-static exr_result_t write_rows(exr_context_t file, const struct deep_image *image, struct row *row,
-                               const struct image_channel *order)
-{
-    exr_result_t code = EXR_ERR_SUCCESS;
-    size_t first = 0;
-    for (uint32_t y = 0; !code && y < image->header->height; y++) {
-        size_t count = (size_t)samples_of_row(image, y);
-        code = pack_counts(row, image, y);
-        code = code ? code : pack_samples(row, image, order, first, count);
-        code = code ? code
-                    : exr_write_deep_scanline_chunk(file, 0, (int)y, row->samples.data, row->samples.size,
-                                                    count * image->channel_count * sizeof(uint32_t), row->counts.data,
-                                                    row->counts.size);
-        first += count;
-    }
-    return code;
-}
-
 static uint32_t most_samples(const struct deep_image *image)
 {
     size_t pixels = (size_t)image->header->width * image->header->height;
@@ -205,7 +187,17 @@ conus_status deep_image_format(struct bytes *out, const struct deep_image *image
         }
         code = order ? row_init(&row, image) : EXR_ERR_OUT_OF_MEMORY;
         if (!code) {
-            code = write_rows(file, image, &row, order);
+            size_t first = 0;
+            for (uint32_t y = 0; !code && y < image->header->height; y++) {
+                size_t count = (size_t)samples_of_row(image, y);
+                code = pack_counts(&row, image, y);
+                code = code ? code : pack_samples(&row, image, order, first, count);
+                code = code ? code
+                            : exr_write_deep_scanline_chunk(file, 0, (int)y, row.samples.data, row.samples.size,
+                                                            count * image->channel_count * sizeof(uint32_t),
+                                                            row.counts.data, row.counts.size);
+                first += count;
+            }
             row_finish(&row);
         }
         memory_free(order);

@@ -82,21 +82,6 @@ static int by_index(const void *a, const void *b)
     return (x->index > y->index) - (x->index < y->index);
 }
 
-static struct use *sorted_uses(const struct id_manifest_group *groups, size_t group_count, size_t slots)
-{
-    struct use *uses = memory_raw(slots, sizeof *uses);
-    for (size_t g = 0, slot = 0; uses && g < group_count; g++) {
-        size_t texts = groups[g].count * groups[g].component_count;
-        for (size_t i = 0; i < texts; i++, slot++) {
-            uses[slot] = (struct use){groups[g].texts[i], slot};
-        }
-    }
-    if (uses) {
-        qsort(uses, slots, sizeof *uses, by_text);
-    }
-    return uses;
-}
-
 /* The most frequent 128 words get numbers of one byte, the next up to 16384 of two, and so on; among those of one
  * length they stay in alphabetical order, which makes long runs. */
 static void rank(struct dictionary *dictionary)
@@ -118,7 +103,16 @@ static conus_status dictionary_init(struct dictionary *out, const struct id_mani
     for (size_t g = 0; g < group_count; g++) {
         slots += groups[g].count * groups[g].component_count;
     }
-    struct use *uses = sorted_uses(groups, group_count, slots);
+    struct use *uses = memory_raw(slots, sizeof *uses);
+    for (size_t g = 0, slot = 0; uses && g < group_count; g++) {
+        size_t texts = groups[g].count * groups[g].component_count;
+        for (size_t i = 0; i < texts; i++, slot++) {
+            uses[slot] = (struct use){groups[g].texts[i], slot};
+        }
+    }
+    if (uses) {
+        qsort(uses, slots, sizeof *uses, by_text);
+    }
     *out = (struct dictionary){.words = memory_raw(slots, sizeof *out->words),
                                .index_of = memory_raw(slots, sizeof *out->index_of),
                                .rank_of = memory_raw(slots, sizeof *out->rank_of)};
@@ -262,21 +256,6 @@ static void put_group(struct buffer *out, const struct id_manifest_group *group,
     }
 }
 
-static void put_manifest(struct buffer *out, const struct id_manifest_group *groups, size_t group_count,
-                         struct dictionary *dictionary)
-{
-    size_t slot = 0;
-    put_u32(out, 0);
-    put_words(out, dictionary);
-    rank(dictionary);
-    put_ranks(out, dictionary);
-    put_u32(out, (uint32_t)group_count);
-    for (size_t g = 0; g < group_count; g++) {
-        put_group(out, &groups[g], dictionary, slot);
-        slot += groups[g].count * groups[g].component_count;
-    }
-}
-
 static conus_status deflate_manifest(struct bytes *out, const struct buffer *plain)
 {
     if (plain->size > SIZE_LIMIT) {
@@ -305,7 +284,16 @@ conus_status id_manifest_format(struct bytes *out, const struct id_manifest_grou
     struct buffer plain = {0};
     conus_status status = dictionary_init(&dictionary, groups, group_count);
     if (!status) {
-        put_manifest(&plain, groups, group_count, &dictionary);
+        size_t slot = 0;
+        put_u32(&plain, 0);
+        put_words(&plain, &dictionary);
+        rank(&dictionary);
+        put_ranks(&plain, &dictionary);
+        put_u32(&plain, (uint32_t)group_count);
+        for (size_t g = 0; g < group_count; g++) {
+            put_group(&plain, &groups[g], &dictionary, slot);
+            slot += groups[g].count * groups[g].component_count;
+        }
         status = buffer_status(&plain);
     }
     status = status ? status : deflate_manifest(out, &plain);

@@ -260,23 +260,6 @@ static double difference_at(const struct pair *pair, size_t pixel)
     return isfinite(a) && isfinite(b) ? fabs(a - b) : INFINITY;
 }
 
-static void compare_pixel(conus_image_difference *difference, struct pair *pairs, size_t count, size_t pixel,
-                          double tolerance)
-{
-    bool differs = false;
-    for (size_t c = 0; c < count; c++) {
-        double d = difference_at(&pairs[c], pixel);
-        pairs[c].sum_of_squares += d * d;
-        differs = differs || d > (pairs[c].a->type == IMAGE_UINT ? 0 : tolerance);
-        if (d > difference->max_difference) {
-            difference->max_difference = d;
-            memcpy(difference->channel, pairs[c].a->name, sizeof difference->channel);
-            difference->x = (uint32_t)pixel; /* of the whole image, until the end */
-        }
-    }
-    difference->differing += differs;
-}
-
 conus_status conus_image_compare(conus_image_difference *out, const conus_image *a, const conus_image *b,
                                  double tolerance)
 {
@@ -288,7 +271,18 @@ conus_status conus_image_compare(conus_image_difference *out, const conus_image 
     if (!status) {
         conus_image_difference difference = {.pixels = (uint64_t)a->width * a->height};
         for (size_t pixel = 0; pixel < difference.pixels; pixel++) {
-            compare_pixel(&difference, pairs, a->channel_count, pixel, tolerance);
+            bool differs = false;
+            for (size_t c = 0; c < a->channel_count; c++) {
+                double d = difference_at(&pairs[c], pixel);
+                pairs[c].sum_of_squares += d * d;
+                differs = differs || d > (pairs[c].a->type == IMAGE_UINT ? 0 : tolerance);
+                if (d > difference.max_difference) {
+                    difference.max_difference = d;
+                    memcpy(difference.channel, pairs[c].a->name, sizeof difference.channel);
+                    difference.x = (uint32_t)pixel; /* of the whole image, until the end */
+                }
+            }
+            difference.differing += differs;
         }
         for (size_t c = 0; c < a->channel_count; c++) {
             difference.rms = fmax(difference.rms, sqrt(pairs[c].sum_of_squares / (double)difference.pixels));

@@ -11,24 +11,6 @@ enum {
     MAX_DENSITY = 1024, /* values in a byte of file: deflated HALF reaches 516 */
 };
 
-static exr_result_t write_header(exr_context_t file, const conus_image *image)
-{
-    int part;
-    exr_result_t code = exr_add_part(file, NULL, EXR_STORAGE_SCANLINE, &part);
-    if (!code) {
-        code = exr_initialize_required_attr_simple(file, part, (int32_t)image->width, (int32_t)image->height,
-                                                   EXR_COMPRESSION_ZIP);
-    }
-    for (size_t i = 0; !code && i < image->channel_count; i++) {
-        const struct image_channel *channel = &image->channels[i];
-        code =
-            exr_add_channel(file, part, channel->name, channel->type == IMAGE_FLOAT ? EXR_PIXEL_FLOAT : EXR_PIXEL_UINT,
-                            EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1);
-    }
-    code = code ? code : exr_stream_attributes(file, image);
-    return code ? code : exr_write_header(file);
-}
-
 typedef exr_result_t (*compress_function)(exr_encode_pipeline_t *pipeline);
 
 /* The library's own compression, but a chunk that became no smaller is stored as it is: one of just its own size, which
@@ -73,7 +55,22 @@ conus_status image_format_exr(struct bytes *out, const conus_image *image)
     struct exr_stream stream = {0};
     exr_context_t file = NULL;
     exr_result_t code = exr_stream_write(&file, &stream);
-    code = code ? code : write_header(file, image);
+    if (!code) {
+        int part;
+        code = exr_add_part(file, NULL, EXR_STORAGE_SCANLINE, &part);
+        if (!code) {
+            code = exr_initialize_required_attr_simple(file, part, (int32_t)image->width, (int32_t)image->height,
+                                                       EXR_COMPRESSION_ZIP);
+        }
+        for (size_t i = 0; !code && i < image->channel_count; i++) {
+            const struct image_channel *channel = &image->channels[i];
+            code = exr_add_channel(file, part, channel->name,
+                                   channel->type == IMAGE_FLOAT ? EXR_PIXEL_FLOAT : EXR_PIXEL_UINT,
+                                   EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1);
+        }
+        code = code ? code : exr_stream_attributes(file, image);
+        code = code ? code : exr_write_header(file);
+    }
     if (!code) {
         exr_encode_pipeline_t pipeline = EXR_ENCODE_PIPELINE_INITIALIZER;
         compress_function compress = NULL;
