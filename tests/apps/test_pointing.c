@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The mouse's cone without a window: where it begins, when it stays, what is said of it. */
 #include "viewer/model/picker.h"
+#include "viewer/session/property.h"
 #include "viewer/tools/inputs.h"
 #include "viewer/tools/point.h"
 
@@ -130,6 +131,7 @@ static void the_nearest_atlas_is_the_surface(void **state)
 static void the_mouse_puts_the_apex_there(void **state)
 {
     struct viewer viewer;
+    struct window window = {.viewer = &viewer};
     const double *m = viewer.tools[FIRST_TOOL].pose.world_from_device;
     (void)state;
     open_atlases(&viewer, make_blocks(20), NULL);
@@ -145,7 +147,7 @@ static void the_mouse_puts_the_apex_there(void **state)
     assert_false(point_through(&viewer, eye, (double[]){0, 1, 0})); /* beside the brain it stays */
     assert_near(m[13], 20.5, 1e-9);
     assert_int_equal(viewer.tools[FIRST_TOOL].answer_number, number);
-    point_use_eye(&viewer, true);
+    property_set(&window, PROPERTY_APEX_AT_EYE, true);
     assert_true(point_through(&viewer, eye, (double[]){0, 1, 0}));
     assert_near(m[13], 90, 1e-9);
     assert_near(m[9], -1, 1e-9);
@@ -183,6 +185,7 @@ static void it_is_held_and_freed_and_cleared(void **state)
 static void one_ray_names_one_area(void **state)
 {
     struct viewer viewer;
+    struct window window = {.viewer = &viewer};
     const double from[3] = {-1, 90.5, 0};
     (void)state;
     open_atlases(&viewer, make_blocks(20), NULL);
@@ -190,7 +193,7 @@ static void one_ray_names_one_area(void **state)
     viewer.cone.options.layers = CONUS_LAYERS_ALL;
     tool_aim_along(&viewer, FIRST_TOOL, from, back);
     assert_int_equal(conus_selection_count(viewer_selection(&viewer)), 3); /* with what is unassigned */
-    point_use_ray(&viewer, true);
+    property_set(&window, PROPERTY_ONE_RAY, true);
     const conus_selection *selection = viewer_selection(&viewer);
     assert_int_equal(conus_selection_count(selection), 2);
     assert_int_equal(conus_selection_result(selection, 0)->object, 1);
@@ -201,7 +204,7 @@ static void one_ray_names_one_area(void **state)
     viewer_reselect(&viewer);
     assert_int_equal(conus_selection_result(viewer_selection(&viewer), 0)->pixels, 1);
     viewer.cone.options.radius = 0;
-    point_use_ray(&viewer, false);
+    property_set(&window, PROPERTY_ONE_RAY, false);
     assert_int_equal(conus_selection_count(viewer_selection(&viewer)), 3);
     viewer_finish(&viewer);
 }
@@ -210,24 +213,25 @@ static void one_ray_names_one_area(void **state)
 static void the_cuts_follow_what_they_are_told_to(void **state)
 {
     struct viewer viewer;
+    struct window window = {.viewer = &viewer};
     const double *at = viewer.crosshair;
     (void)state;
     open_atlases(&viewer, make_blocks(20), NULL);
     viewer_cross(&viewer, (double[]){1, 2, 3});
     tool_aim_along(&viewer, FIRST_TOOL, (double[]){-3, 35, 7}, back);
     assert_near(at[1], 2, 0);
-    point_follow(&viewer, FOLLOW_TIP);
+    property_set(&window, PROPERTY_FOLLOW, FOLLOW_TIP);
     assert_near(at[0], -3, 1e-9);
     assert_near(at[1], 35, 1e-9);
     assert_near(at[2], 7, 1e-9);
-    point_follow(&viewer, FOLLOW_CONTACT);
+    property_set(&window, PROPERTY_FOLLOW, FOLLOW_CONTACT);
     assert_near(at[1], 20.5, 1e-6);
     assert_near(at[2], 7, 0.5);
     tool_aim_along(&viewer, FIRST_TOOL, (double[]){10, 35, -5}, back);
     assert_near(at[2], -5, 0.5);
     tool_aim_along(&viewer, FIRST_TOOL, (double[]){10, 35, 9}, (double[]){0, 1, 0});
     assert_near(at[2], -5, 0.5);
-    point_follow(&viewer, FOLLOW_NOTHING);
+    property_set(&window, PROPERTY_FOLLOW, FOLLOW_NOTHING);
     tool_aim_along(&viewer, FIRST_TOOL, (double[]){-3, 35, 7}, back);
     assert_near(at[2], -5, 0.5);
     viewer_finish(&viewer);

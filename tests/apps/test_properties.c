@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The table of the window's state, row by row: sessions have each value, older sessions have numbers for names, and the
  * documents list what is there. */
+#include "viewer/commands/keys.h"
 #include "viewer/session/session.h"
 
 #include "test.h"
@@ -183,6 +184,39 @@ static void the_document_lists_the_values_of_a_session(void **state)
     assert_int_equal(count_lines("## Values of a session", "* `"), PROPERTY_COUNT);
 }
 
+static void the_document_lists_the_keys(void **state)
+{
+    const struct key *key;
+    size_t count = 0;
+    bool fine = true;
+    (void)state;
+    read_document();
+    for (size_t i = 0; (key = keys_row(i)); i++) {
+        char name[KEY_LIMIT];
+        char line[600];
+        snprintf(line, sizeof line, "* `%s`: %s.", keys_shown(name, key), key->help ? key->help : "");
+        if (key->help && !strstr(flowing, line)) {
+            print_error("docs/viewer.md lacks: %s\n", line);
+            fine = false;
+        }
+        count += key->help != NULL;
+    }
+    assert_true(fine);
+    assert_int_equal(count_lines("## All keys", "* `"), count);
+}
+
+static void tips_name_the_keys_of_the_table(void **state)
+{
+    char tip[KEYS_TIP];
+    (void)state;
+    assert_string_equal(keys_tip(tip, PROPERTY_ANGLE), "full opening angle of the cone, degrees; + and - change it");
+    assert_string_equal(keys_tip(tip, PROPERTY_RADIOLOGICAL), "the head's left on the right of the cuts; F changes it");
+    assert_string_equal(keys_tip(tip, PROPERTY_FILL), "opacity of the areas in the cuts, 0 to 1");
+    for (enum property_id id = 0; id < PROPERTY_COUNT; id++) {
+        assert_in_range(strlen(keys_tip(tip, id)), 1, KEYS_TIP - 2);
+    }
+}
+
 TEST_GROUP(properties)
 {
     const struct CMUnitTest tests[] = {
@@ -190,6 +224,8 @@ TEST_GROUP(properties)
         cmocka_unit_test(what_no_row_allows_is_refused),
         cmocka_unit_test(what_a_session_does_not_say),
         cmocka_unit_test(the_document_lists_the_values_of_a_session),
+        cmocka_unit_test(the_document_lists_the_keys),
+        cmocka_unit_test(tips_name_the_keys_of_the_table),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -44,11 +44,11 @@ APPS = {
     "apps/viewer/ui": "",
     "apps/viewer/window": "apps/options apps/figures apps/viewer/pictures apps/viewer/model apps/viewer/tools"
     " apps/viewer/ui",
-    "apps/viewer/panes": "apps/settings apps/viewer/pictures apps/viewer/model apps/viewer/tools apps/viewer/ui"
-    " apps/viewer/window",
     "apps/viewer/session": "apps/options apps/viewer/model apps/viewer/window",
     "apps/viewer/commands": "apps/options apps/settings apps/viewer/model apps/viewer/tools apps/viewer/ui"
     " apps/viewer/window apps/viewer/session",
+    "apps/viewer/panes": "apps/settings apps/viewer/pictures apps/viewer/model apps/viewer/tools apps/viewer/ui"
+    " apps/viewer/window apps/viewer/commands",
     "apps/viewer/opening": "apps/options apps/settings apps/viewer/model apps/viewer/window apps/viewer/session",
     # draw.c joins the panes and panels; the window itself knows neither.
     "apps/viewer": "apps/link apps/options apps/settings apps/pages apps/viewer/model apps/viewer/ui"

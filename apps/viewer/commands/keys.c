@@ -1,17 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The table of keys, what each does, and the help that lists them. */
+/* The table of keys, what each does, and the page that lists them. */
 #include "viewer/commands/keys.h"
 
-#include "viewer/commands/keys_look.h"
-#include "viewer/commands/keys_view.h"
-#include "viewer/commands/keys_wand.h"
 #include "viewer/model/hemisphere_side.h"
 #include "viewer/model/question.h"
-#include "viewer/model/studies.h"
 #include "viewer/session/keep.h"
 #include "viewer/session/undo.h"
 #include "viewer/tools/inputs.h"
-#include "viewer/tools/point.h"
 #include "viewer/ui/ui_list.h"
 #include "viewer/ui/ui_navigate.h"
 #include "viewer/window/figure_form.h"
@@ -19,57 +14,56 @@
 
 #include <GLFW/glfw3.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <strings.h>
 
-static void toggle_help(struct window *window)
+static void toggle_help(struct window *window, const int by[3])
 {
+    (void)by;
     window->forms.show_help = !window->forms.show_help;
 }
 
-static void confirm(struct window *window)
+static void confirm(struct window *window, const int by[3])
 {
+    (void)by;
     tool_confirm(window->viewer, FIRST_TOOL);
 }
 
-static void undo(struct window *window)
+static void show_all(struct window *window, const int by[3])
 {
-    undo_step(window, -1);
-}
-
-static void redo(struct window *window)
-{
-    undo_step(window, 1);
-}
-
-static void show_all(struct window *window)
-{
+    (void)by;
     viewer_show_all(window->viewer);
 }
 
-static void hide_chosen(struct window *window)
+static void hide_chosen(struct window *window, const int by[3])
 {
+    (void)by;
     struct viewer *viewer = window->viewer;
     if (viewer->drawn->shown.chosen) {
         viewer_hide(viewer, viewer->drawn->shown.chosen, !viewer->drawn->shown.hidden[viewer->drawn->shown.chosen]);
     }
 }
 
-static void isolate_chosen(struct window *window)
+static void isolate_chosen(struct window *window, const int by[3])
 {
+    (void)by;
     if (window->viewer->drawn->shown.chosen) {
         viewer_isolate(window->viewer, window->viewer->drawn->shown.chosen);
     }
 }
 
-static void hold(struct window *window)
+static void hold(struct window *window, const int by[3])
 {
+    (void)by;
     tool_hold(window->viewer, FIRST_TOOL);
 }
 
 /* First what covers the brain, then the cone. */
-static void clear(struct window *window)
+static void clear(struct window *window, const int by[3])
 {
+    (void)by;
     if (window->forms.show_help) {
         window->forms.show_help = false;
     } else if (window->forms.figure.open) {
@@ -87,174 +81,57 @@ static void clear(struct window *window)
 }
 
 /* From the areas to the hits, and back to the panes. */
-static void go_to_panel(struct window *window)
+static void go_to_panel(struct window *window, const int by[3])
 {
+    (void)by;
     window->frame.navigated = ui_navigates() ? (window->frame.navigated + 1) % 3 : 1;
     window->frame.navigates_anew = true;
 }
 
-static void use_eye(struct window *window)
+static void use_second(struct window *window, const int by[3])
 {
-    point_use_eye(window->viewer, !window->viewer->cone.apex_at_eye);
-}
-
-static void follow_next(struct window *window)
-{
-    point_follow(window->viewer, (enum follow)((window->viewer->cone.follow + 1) % FOLLOW_COUNT));
-}
-
-static void use_ray(struct window *window)
-{
-    point_use_ray(window->viewer, !window->viewer->cone.one_ray);
-}
-
-static void use_second(struct window *window)
-{
+    (void)by;
     tool_use_second(window->viewer, !window->viewer->tools[SECOND_TOOL].on);
     viewer_say(window->viewer, "the second tool is %s", window->viewer->tools[SECOND_TOOL].on ? "on" : "off");
 }
 
-static void hold_second(struct window *window)
+static void hold_second(struct window *window, const int by[3])
 {
+    (void)by;
     if (window->viewer->tools[SECOND_TOOL].on) {
         tool_hold(window->viewer, SECOND_TOOL);
     }
 }
 
-static void scale_second(struct window *window, double factor)
+static void go_deeper(struct window *window, const int by[3])
 {
-    if (window->viewer->tools[SECOND_TOOL].on) {
-        tool_widen(window->viewer, SECOND_TOOL, factor);
-    }
-}
-
-static void widen_second(struct window *window)
-{
-    scale_second(window, 1.1);
-}
-
-static void narrow_second(struct window *window)
-{
-    scale_second(window, 1 / 1.1);
-}
-
-static void scale_speed(struct window *window, double factor)
-{
-    devices_set_speed(&window->inputs.devices, devices_speed(&window->inputs.devices) * factor);
-    window->viewer->version++;
-    viewer_say(window->viewer, "a SpaceMouse or gamepad moves by %.0f mm and degrees a second at most",
-               devices_speed(&window->inputs.devices));
-}
-
-static void speed_up(struct window *window)
-{
-    scale_speed(window, 1.25);
-}
-
-static void slow_down(struct window *window)
-{
-    scale_speed(window, 0.8);
-}
-
-static void move_by_next(struct window *window)
-{
-    tool_choose_next(window->viewer, FIRST_TOOL);
-}
-
-static void move_second_by_next(struct window *window)
-{
-    tool_choose_next(window->viewer, SECOND_TOOL);
-}
-
-static void scale_angle(struct window *window, double factor)
-{
-    struct viewer *viewer = window->viewer;
-    viewer->tools[FIRST_TOOL].angle = fmin(fmax(viewer->tools[FIRST_TOOL].angle * factor, 0.1), 179);
-    viewer_reselect(viewer);
-}
-
-static void widen(struct window *window)
-{
-    scale_angle(window, 1.1);
-}
-
-static void narrow(struct window *window)
-{
-    scale_angle(window, 1 / 1.1);
-}
-
-static void toggle_layers(struct window *window)
-{
-    conus_selector_options *options = &window->viewer->cone.options;
-    options->layers = options->layers ? CONUS_LAYERS_VISIBLE : CONUS_LAYERS_ALL;
-    viewer_reselect(window->viewer);
-}
-
-static void go_deeper(struct window *window)
-{
+    (void)by;
     question_next_level(window->viewer);
 }
 
-static void change_hemispheres(struct window *window)
+static void change_hemispheres(struct window *window, const int by[3])
 {
+    (void)by;
     window_want_hemispheres(window, (conus_hemispheres)((window->files.hemispheres + 1) % HEMISPHERES_COUNT), 0);
 }
 
-static void show_next_side(struct window *window)
+static void show_next_side(struct window *window, const int by[3])
 {
+    (void)by;
     side_show_next(window->viewer);
 }
 
-static void change_order(struct window *window)
+static void look_at_all(struct window *window, const int by[3])
 {
-    question_set_order(window->viewer, window->viewer->cone.order ? CONUS_ORDER_RANK : CONUS_ORDER_DEPTH);
-}
-
-static void shorten_range(struct window *window)
-{
-    question_move_range(window->viewer, 0, -1);
-}
-
-static void lengthen_range(struct window *window)
-{
-    question_move_range(window->viewer, 0, 1);
-}
-
-static void start_nearer(struct window *window)
-{
-    question_move_range(window->viewer, -1, 0);
-}
-
-static void start_deeper(struct window *window)
-{
-    question_move_range(window->viewer, 1, 0);
-}
-
-static void study_next(struct window *window)
-{
-    studies_next(window->viewer);
-}
-
-static void keep_study(struct window *window)
-{
-    keep(window, KEEP_STUDY);
-}
-
-static void look_at_all(struct window *window)
-{
+    (void)by;
     struct viewer *viewer = window->viewer;
     orbit_look_at(&viewer->orbit, viewer->centre, viewer->radius);
     viewer->version++;
 }
 
-static void flip_sides(struct window *window)
+static void toggle_head(struct window *window, const int by[3])
 {
-    window->viewer->display.radiological = !window->viewer->display.radiological;
-    window->viewer->version++;
-}
-
-static void toggle_head(struct window *window)
-{
+    (void)by;
     struct viewer *viewer = window->viewer;
     bool is_there = head_toggle(&viewer->head);
     viewer_say(viewer, !is_there         ? "no head is tracked: start with --head"
@@ -262,71 +139,36 @@ static void toggle_head(struct window *window)
                                          : "the mouse moves the view");
 }
 
-static void change_colours(struct window *window)
+static void draw_next(struct window *window, const int by[3])
 {
-    viewer_use_safe_colours(window->viewer, !window->viewer->display.safe_colours);
-}
-
-static void draw_next(struct window *window)
-{
+    (void)by;
     struct viewer *viewer = window->viewer;
     viewer_draw(viewer, (size_t)(viewer->drawn - viewer->atlases + 1) % viewer->atlas_count);
     viewer_say(viewer, "%s%s", viewer->atlas_count > 1 ? "drawn: " : "there is one atlas: start with --atlas for more",
                viewer->drawn->name);
 }
 
-static void keep_session(struct window *window)
+static void quit(struct window *window, const int by[3])
 {
-    keep(window, KEEP_SESSION);
-}
-
-static void keep_same_session(struct window *window)
-{
-    keep(window, KEEP_SAME_SESSION);
-}
-
-static void open_file(struct window *window)
-{
-    window_show_dialog(window, DIALOG_OPEN);
-}
-
-static void save_as(struct window *window)
-{
-    window_show_dialog(window, DIALOG_SAVE);
-}
-
-static void quit(struct window *window)
-{
+    (void)by;
     glfwSetWindowShouldClose(window->handle, GLFW_TRUE);
 }
 
-static void keep_picture(struct window *window)
+static void keep_picture(struct window *window, const int by[3])
 {
+    (void)by;
     window->frame.keeps_picture = true; /* once the frame is drawn */
 }
 
-static void copy_list(struct window *window)
+static void ask_for_figure(struct window *window, const int by[3])
 {
-    window_copy(window, COPY_RESULTS);
-}
-
-static void copy_confirmed(struct window *window)
-{
-    window_copy(window, COPY_PINS);
-}
-
-static void export_list(struct window *window)
-{
-    keep(window, KEEP_RESULTS);
-}
-
-static void ask_for_figure(struct window *window)
-{
+    (void)by;
     figure_form_open(window);
 }
 
-static void list_added(struct window *window)
+static void list_added(struct window *window, const int by[3])
 {
+    (void)by;
     window->forms.figure.open = false;
     window->forms.added = (struct added_form){.open = !window->forms.added.open,
                                               .takes_keys = !window->forms.added.open,
@@ -334,154 +176,394 @@ static void list_added(struct window *window)
                                               .is_set = true};
 }
 
-static void copy_figure(struct window *window)
+static void copy_figure(struct window *window, const int by[3])
 {
+    (void)by;
     figure_form_copy(window);
 }
 
-static void enlarge_texts(struct window *window)
+static void reset_layout(struct window *window, const int by[3])
 {
-    window_zoom(window, 1);
-}
-
-static void shrink_texts(struct window *window)
-{
-    window_zoom(window, -1);
-}
-
-static void reset_texts(struct window *window)
-{
-    window_zoom(window, 0);
-}
-
-static void widen_first(struct window *window)
-{
-    layout_widen_first(&window->screen.layout, 1);
-}
-
-static void narrow_first(struct window *window)
-{
-    layout_widen_first(&window->screen.layout, -1);
-}
-
-static void widen_panels(struct window *window)
-{
-    layout_widen_panels(&window->screen.layout, 1, (float)window->screen.width, window->screen.scale);
-}
-
-static void narrow_panels(struct window *window)
-{
-    layout_widen_panels(&window->screen.layout, -1, (float)window->screen.width, window->screen.scale);
-}
-
-static void reset_layout(struct window *window)
-{
+    (void)by;
     window->screen.layout = (struct layout){.panels = {0}};
 }
 
-static void fill_screen(struct window *window)
+static void fill_screen(struct window *window, const int by[3])
 {
+    (void)by;
     window_fill_screen(window, !window->screen.alone);
 }
 
-static void enlarge(struct window *window)
+static void enlarge(struct window *window, const int by[3])
 {
+    (void)by;
     window->screen.enlarged = window->screen.enlarged < PANE_COUNT - 1 ? window->screen.enlarged + 1 : -1;
     window_lay_out(window);
 }
 
-static const struct {
-    const char *key;
-    void (*act)(struct window *window);
-    const char *meaning; /* NULL = it is not listed */
-} keys[] = {
-    {"?", toggle_help, "this list; F1, too"},
-    {"f1", toggle_help, NULL},
-    {"enter", confirm, "confirm: pin the best result"},
-    {"space", hold, "hold the cone, or let it follow the mouse again, as a click does"},
-    {"escape", clear, "clear the cone, and choose no area"},
-    {"1", use_ray, "one area, by a single ray, or all areas in the cone"},
-    {"x", use_eye, "the mouse's cone begins at the surface, or at your eye"},
-    {"g", follow_next, "the cuts go along with the cone's tip, with the contact of its best hit, or stay"},
-    {"+", widen, "a wider cone"},
-    {"-", narrow, "a narrower cone"},
-    {"l", toggle_layers, "first hits, or all hits"},
-    {"m", move_by_next, "what moves the cone: the next of mouse, wand, ..."},
-    {"2", use_second, "the second tool, with a cone and a list of its own, or none"},
-    {"3", move_second_by_next, "what moves the second tool: the next"},
-    {"4", hold_second, "hold the second tool, or let it go"},
-    {"6", widen_second, "a wider second cone"},
-    {"5", narrow_second, "a narrower one"},
-    {"8", speed_up, "a SpaceMouse or gamepad moves faster"},
-    {"7", slow_down, "slower"},
-    {"f7", go_deeper, "areas as parts of larger ones: the next level of the tree, after the last one each by itself"},
-    {"f8", change_hemispheres, "areas as in the file, split left and right, or left and right as one"},
-    {"f9", show_next_side, "both sides, the left one only, the right one only: the other side's areas are hidden"},
-    {"y", change_order, "the list by rank, or the nearest first"},
-    {"f4", shorten_range, "depth limits: the farther one 1 mm nearer; at first 0 to 50 mm"},
-    {"f5", lengthen_range, "the farther one 1 mm deeper"},
-    {"f2", start_nearer, "the nearer one 1 mm nearer"},
-    {"f3", start_deeper, "the nearer one 1 mm deeper"},
-    {"j", study_next, "a study of the cone: sweep over its angle, jitter of its pose, or none"},
-    {"ctrl+j", keep_study, "save the study's table: conus-DATE-TIME.tsv, in the folder where conus was started"},
-    {"h", hide_chosen, "hide or show the chosen area"},
-    {"i", isolate_chosen, "show the chosen area only"},
-    {"ctrl+z", undo, "take back the last change; U, too"},
-    {"u", undo, NULL},
-    {"ctrl+y", redo, "do again what was taken back; Ctrl+Shift+Z, too"},
-    {"ctrl+shift+z", redo, NULL},
-    {"v", show_all, "show all areas"},
-    {"r", look_at_all, "look at the whole brain"},
-    {"f", flip_sides, "neurological or radiological"},
-    {"t", toggle_head, "what a tracked head sees, or what the mouse turns"},
-    {"n", draw_next, "draw the next of several atlases"},
-    {"c", change_colours, "colours for any colour vision, or the atlas's own"},
-    {"]", look_brighter, "brighter cuts; [ darker, } more contrast, { less: grey values of the context"},
-    {"[", look_darker, NULL},
-    {"}", look_more_contrast, NULL},
-    {"{", look_less_contrast, NULL},
-    {"b", look_reset_grey, "their black and white as they were found"},
-    {".", look_more_opaque, "the chosen area more opaque in 3-D, or else what the cone does not hit; , less"},
-    {",", look_less_opaque, NULL},
-    {"k", look_next_backdrop, "another background of 3-D: light, white, black, transparent in figures"},
-    {"9", look_next_streamlines, "streamlines by their bundle, by direction, or by the next number of their file"},
-    {"ctrl+s", keep_same_session, "save the session where it was opened or saved last"},
-    {"ctrl+shift+s", save_as, "save the session under another name"},
-    {"o", keep_session, "or at once: conus-DATE-TIME.json, in the folder where conus was started"},
-    {"p", keep_picture, "save what the window shows: conus-DATE-TIME.png, there, too"},
-    {"ctrl+c", copy_list, "copy the hits of the cone as a table"},
-    {"ctrl+shift+c", copy_confirmed, "copy what was confirmed"},
-    {"ctrl+e", export_list, "export the hits of the cone: conus-DATE-TIME-hits.tsv, .csv or .json, there, too"},
-    {"ctrl+p", ask_for_figure, "save 3-D or a cut as a figure: its size, dpi, background, legend and name"},
-    {"ctrl+shift+p", copy_figure, "copy the path of the figure that was saved last"},
-    {"ctrl+o", open_file, "open a file: an atlas or a session; or add one: streamlines or an image as context"},
-    {"ctrl+l", list_added, "what was added: streamlines, pathways, context; add, change or take out"},
-    {"ctrl+n", window_go_to_start, "the start page, for another atlas; Escape comes back"},
-    {"ctrl+q", quit, "close the window"},
-    {"f6", go_to_panel,
-     "keys go to the areas, the hits, back: arrows and Tab move, Space presses or enters, Escape leaves"},
-    {"tab", enlarge, "one pane after the other fills the window"},
-    {"z", window_maximise, "the pane under the mouse alone, or all again; also a double click in a cut"},
-    {")", widen_first, "a larger 3-D pane; borders can be dragged, too"},
-    {"(", narrow_first, "a smaller 3-D pane"},
-    {">", widen_panels, "wider panels"},
-    {"<", narrow_panels, "narrower panels"},
-    {"\\", reset_layout, "panes and panels as at first"},
-    {"f11", fill_screen, "3-D alone, over the whole screen, and back"},
-    {"ctrl++", enlarge_texts, "larger texts and panels"},
-    {"ctrl+-", shrink_texts, "smaller ones"},
-    {"ctrl+0", reset_texts, "as large as the screen asks for"},
+static void undo(struct window *window, const int by[3])
+{
+    undo_step(window, by[0]);
+}
+
+static void next_pointer(struct window *window, const int by[3])
+{
+    tool_choose_next(window->viewer, (enum tool_number)by[0]);
+}
+
+static void scale_angle(struct window *window, const int by[3])
+{
+    struct viewer *viewer = window->viewer;
+    double *angle = &viewer->tools[FIRST_TOOL].angle;
+    *angle = fmin(fmax(*angle * (by[0] > 0 ? 1.1 : 1 / 1.1), 0.1), 179);
+    viewer_reselect(viewer);
+}
+
+static void scale_second(struct window *window, const int by[3])
+{
+    if (window->viewer->tools[SECOND_TOOL].on) {
+        tool_widen(window->viewer, SECOND_TOOL, by[0] > 0 ? 1.1 : 1 / 1.1);
+    }
+}
+
+static void scale_speed(struct window *window, const int by[3])
+{
+    struct devices *devices = &window->inputs.devices;
+    devices_set_speed(devices, devices_speed(devices) * (by[0] > 0 ? 1.25 : 0.8));
+    window->viewer->version++;
+    viewer_say(window->viewer, "a SpaceMouse or gamepad moves by %.0f mm and degrees a second at most",
+               devices_speed(devices));
+}
+
+/* The nearer and the farther depth limit, mm. */
+static void move_range(struct window *window, const int by[3])
+{
+    question_move_range(window->viewer, by[0], by[1]);
+}
+
+static void keep_file(struct window *window, const int by[3])
+{
+    keep(window, (enum keep)by[0]);
+}
+
+static void copy_table(struct window *window, const int by[3])
+{
+    window_copy(window, (enum copied)by[0]);
+}
+
+static void show_dialog(struct window *window, const int by[3])
+{
+    window_show_dialog(window, (enum dialog_purpose)by[0]);
+}
+
+static void go_to_start(struct window *window, const int by[3])
+{
+    (void)by;
+    window_go_to_start(window);
+}
+
+static void maximise(struct window *window, const int by[3])
+{
+    (void)by;
+    window_maximise(window);
+}
+
+static void widen_first(struct window *window, const int by[3])
+{
+    layout_widen_first(&window->screen.layout, by[0]);
+}
+
+static void widen_panels(struct window *window, const int by[3])
+{
+    layout_widen_panels(&window->screen.layout, by[0], (float)window->screen.width, window->screen.scale);
+}
+
+static void zoom_texts(struct window *window, const int by[3])
+{
+    window_zoom(window, by[0]);
+}
+
+static void say_grey(struct viewer *viewer)
+{
+    const double *grey = view_atlas_grey(viewer->drawn);
+    viewer_say(viewer, "cuts: black %.6g, white %.6g", grey[0], grey[1]);
+}
+
+/* To the right for more contrast, up to be brighter, as by the mouse. */
+static void move_grey(struct window *window, const int by[3])
+{
+    static const double step = 0.05;
+    if (viewer_move_grey(window->viewer, by[0] * step, by[1] * step)) {
+        say_grey(window->viewer);
+    } else {
+        viewer_say(window->viewer, "there are no grey values: start with --context");
+    }
+}
+
+static void reset_grey(struct window *window, const int by[3])
+{
+    (void)by;
+    viewer_set_grey(window->viewer, 0, 0);
+    say_grey(window->viewer);
+}
+
+/* Of the chosen area, or else of what the cone does not hit, which is never invisible. */
+static void change_opacity(struct window *window, const int by[3])
+{
+    static const double step = 0.1;
+    struct viewer *viewer = window->viewer;
+    uint32_t chosen = viewer->drawn->shown.chosen;
+    const conus_object *object = conus_atlas_object(viewer->drawn->atlas, chosen);
+    if (object && object->kind == CONUS_KIND_BUNDLE) {
+        viewer_say(viewer, "%s: streamlines are always opaque", object->name);
+        return;
+    }
+    double now = viewer->drawn->look.opacity[chosen];
+    double next = fmin(fmax((isnan(now) ? 1 : now) + by[0] * step, chosen ? 0 : step), 1);
+    viewer_set_opacity(viewer, chosen, next);
+    viewer_say(viewer, "%s: %.2f opaque", object ? object->name : "what the cone does not hit", next);
+}
+
+static void next_streamlines(struct window *window, const int by[3])
+{
+    struct viewer *viewer = window->viewer;
+    const conus_atlas *atlas = viewer->drawn->atlas;
+    size_t count = tract_colour_count(atlas);
+    (void)by;
+    if (!count) {
+        viewer_say(viewer, "there are no streamlines: start with --streamlines");
+        return;
+    }
+    viewer_colour_streamlines(viewer, (viewer->drawn->look.streamlines + 1) % count);
+    viewer_say(viewer, "streamlines by %s", tract_colour_name(atlas, viewer->drawn->look.streamlines));
+}
+
+static void next_backdrop(struct window *window, const int by[3])
+{
+    (void)by;
+    property_next(window, PROPERTY_BACKGROUND);
+    viewer_say(window->viewer, "background: %s", backdrop_names[window->viewer->display.backdrop]);
+}
+
+static void turn(struct window *window, const int by[3])
+{
+    static const double step = 0.025; /* of a pane's height: 5 degrees */
+    struct viewer *viewer = window->viewer;
+    if (viewer->head.on) {
+        viewer_say(viewer, "the head moves the view; T gives it to the mouse");
+    } else {
+        orbit_turn(&viewer->orbit, step * by[0], -step * by[1], 1);
+        viewer->version++;
+    }
+}
+
+static void come_nearer(struct window *window, const int by[3])
+{
+    orbit_zoom(&window->viewer->orbit, by[0]);
+    window->viewer->version++;
+}
+
+/* By 1 mm; to the right as the cuts show it. */
+static void cross(struct window *window, const int by[3])
+{
+    struct viewer *viewer = window->viewer;
+    double side = viewer->display.radiological ? -1 : 1;
+    const double at[3] = {viewer->crosshair[0] + side * by[0], viewer->crosshair[1] + by[1],
+                          viewer->crosshair[2] + by[2]};
+    viewer_cross(viewer, at);
+}
+
+static void magnify(struct window *window, const int by[3])
+{
+    struct viewer *viewer = window->viewer;
+    viewer->magnification = fmin(fmax(viewer->magnification * pow(1.1, by[0]), 0.2), 50);
+    viewer->version++;
+}
+
+/* Moves the tool that is a wand by 1 mm along an axis of its own, or from 3 on turns it about one by 2 degrees. */
+static void steer(struct window *window, const int by[3])
+{
+    double steps[6] = {0};
+    steps[by[0]] = by[1] * (by[0] < 3 ? 1 : 0.035);
+    tool_steer(window->viewer, tool_moved_by(window->viewer, POINT_BY_WAND), steps, steps + 3);
+}
+
+/* In the order of the page that lists them. A key of the wand comes before one of the views. */
+static const struct key keys[] = {
+    {"?", "this list; F1, too", .act = toggle_help, .is_anywhere = true},
+    {"f1", NULL, .act = toggle_help, .is_anywhere = true},
+    {"enter", "confirm: pin the best result", .act = confirm},
+    {"space", "hold the cone, or let it follow the mouse again, as a click does", .act = hold},
+    {"escape", "clear the cone, and choose no area", .act = clear},
+    {"1", "one area, by a single ray, or all areas in the cone", .sets = PROPERTY_ONE_RAY},
+    {"x", "the mouse's cone begins at the surface, or at your eye", .sets = PROPERTY_APEX_AT_EYE},
+    {"g", "the cuts go along with the cone's tip, with the contact of its best hit, or stay", .sets = PROPERTY_FOLLOW},
+    {"+", "a wider cone", .act = scale_angle, .by = {1}, .sets = PROPERTY_ANGLE},
+    {"-", "a narrower cone", .act = scale_angle, .by = {-1}, .sets = PROPERTY_ANGLE},
+    {"l", "first hits, or all hits", .sets = PROPERTY_LAYERS},
+    {"m", "what moves the cone: the next of mouse, wand, ...", .act = next_pointer, .by = {FIRST_TOOL}},
+    {"2", "the second tool, with a cone and a list of its own, or none", .act = use_second},
+    {"3", "what moves the second tool: the next", .act = next_pointer, .by = {SECOND_TOOL}},
+    {"4", "hold the second tool, or let it go", .act = hold_second},
+    {"6", "a wider second cone", .act = scale_second, .by = {1}, .sets = PROPERTY_SECOND_ANGLE},
+    {"5", "a narrower one", .act = scale_second, .by = {-1}, .sets = PROPERTY_SECOND_ANGLE},
+    {"8", "a SpaceMouse or gamepad moves faster", .act = scale_speed, .by = {1}, .sets = PROPERTY_SPEED},
+    {"7", "slower", .act = scale_speed, .by = {-1}, .sets = PROPERTY_SPEED},
+    {"f7", "areas as parts of larger ones: the next level of the tree, after the last one each by itself",
+     .act = go_deeper},
+    {"f8", "areas as in the file, split left and right, or left and right as one", .act = change_hemispheres},
+    {"f9", "both sides, the left one only, the right one only: the other side's areas are hidden",
+     .act = show_next_side},
+    {"y", "the list by rank, or the nearest first", .sets = PROPERTY_ORDER},
+    {"f4", "depth limits: the farther one 1 mm nearer; at first 0 to 50 mm", .act = move_range, .by = {0, -1}},
+    {"f5", "the farther one 1 mm deeper", .act = move_range, .by = {0, 1}},
+    {"f2", "the nearer one 1 mm nearer", .act = move_range, .by = {-1, 0}},
+    {"f3", "the nearer one 1 mm deeper", .act = move_range, .by = {1, 0}},
+    {"j", "a study of the cone: sweep over its angle, jitter of its pose, or none", .sets = PROPERTY_STUDY},
+    {"ctrl+j", "save the study's table: conus-DATE-TIME.tsv, in the folder where conus was started", .act = keep_file,
+     .by = {KEEP_STUDY}},
+    {"h", "hide or show the chosen area", .act = hide_chosen},
+    {"i", "show the chosen area only", .act = isolate_chosen},
+    {"ctrl+z", "take back the last change; U, too", .act = undo, .by = {-1}},
+    {"u", NULL, .act = undo, .by = {-1}},
+    {"ctrl+y", "do again what was taken back; Ctrl+Shift+Z, too", .act = undo, .by = {1}},
+    {"ctrl+shift+z", NULL, .act = undo, .by = {1}},
+    {"v", "show all areas", .act = show_all},
+    {"r", "look at the whole brain", .act = look_at_all},
+    {"f", "neurological or radiological", .sets = PROPERTY_RADIOLOGICAL, .ends_column = true},
+    {"t", "what a tracked head sees, or what the mouse turns", .act = toggle_head},
+    {"n", "draw the next of several atlases", .act = draw_next},
+    {"c", "colours for any colour vision, or the atlas's own", .sets = PROPERTY_SAFE_COLOURS},
+    {"]", "brighter cuts; [ darker, } more contrast, { less: grey values of the context", .act = move_grey,
+     .by = {0, 1}},
+    {"[", NULL, .act = move_grey, .by = {0, -1}},
+    {"}", NULL, .act = move_grey, .by = {2, 0}},
+    {"{", NULL, .act = move_grey, .by = {-2, 0}},
+    {"b", "their black and white as they were found", .act = reset_grey},
+    {".", "the chosen area more opaque in 3-D, or else what the cone does not hit; , less", .act = change_opacity,
+     .by = {1}},
+    {",", NULL, .act = change_opacity, .by = {-1}},
+    {"k", "another background of 3-D: light, white, black, transparent in figures", .act = next_backdrop,
+     .sets = PROPERTY_BACKGROUND},
+    {"9", "streamlines by their bundle, by direction, or by the next number of their file", .act = next_streamlines},
+    {"ctrl+s", "save the session where it was opened or saved last", .act = keep_file, .by = {KEEP_SAME_SESSION}},
+    {"ctrl+shift+s", "save the session under another name", .act = show_dialog, .by = {DIALOG_SAVE}},
+    {"o", "or at once: conus-DATE-TIME.json, in the folder where conus was started", .act = keep_file,
+     .by = {KEEP_SESSION}},
+    {"p", "save what the window shows: conus-DATE-TIME.png, there, too", .act = keep_picture},
+    {"ctrl+c", "copy the hits of the cone as a table", .act = copy_table, .by = {COPY_RESULTS}},
+    {"ctrl+shift+c", "copy what was confirmed", .act = copy_table, .by = {COPY_PINS}},
+    {"ctrl+e", "export the hits of the cone: conus-DATE-TIME-hits.tsv, .csv or .json, there, too", .act = keep_file,
+     .by = {KEEP_RESULTS}},
+    {"ctrl+p", "save 3-D or a cut as a figure: its size, dpi, background, legend and name", .act = ask_for_figure},
+    {"ctrl+shift+p", "copy the path of the figure that was saved last", .act = copy_figure},
+    {"ctrl+o", "open a file: an atlas or a session; or add one: streamlines or an image as context", .act = show_dialog,
+     .by = {DIALOG_OPEN}, .is_anywhere = true},
+    {"ctrl+l", "what was added: streamlines, pathways, context; add, change or take out", .act = list_added},
+    {"ctrl+n", "the start page, for another atlas; Escape comes back", .act = go_to_start},
+    {"ctrl+q", "close the window", .act = quit, .is_anywhere = true},
+    {"f6", "keys go to the areas, the hits, back: arrows and Tab move, Space presses or enters, Escape leaves",
+     .act = go_to_panel},
+    {"tab", "one pane after the other fills the window", .act = enlarge},
+    {"z", "the pane under the mouse alone, or all again; also a double click in a cut", .act = maximise},
+    {")", "a larger 3-D pane; borders can be dragged, too", .act = widen_first, .by = {1}},
+    {"(", "a smaller 3-D pane", .act = widen_first, .by = {-1}},
+    {">", "wider panels", .act = widen_panels, .by = {1}},
+    {"<", "narrower panels", .act = widen_panels, .by = {-1}},
+    {"\\", "panes and panels as at first", .act = reset_layout},
+    {"f11", "3-D alone, over the whole screen, and back", .act = fill_screen},
+    {"ctrl++", "larger texts and panels", .act = zoom_texts, .by = {1}, .is_anywhere = true},
+    {"ctrl+-", "smaller ones", .act = zoom_texts, .by = {-1}, .is_anywhere = true},
+    {"ctrl+0", "as large as the screen asks for", .act = zoom_texts, .by = {0}, .is_anywhere = true},
+    {"up", NULL, .act = steer, .by = {3, 1}, .is_of_wand = true},
+    {"down", NULL, .act = steer, .by = {3, -1}, .is_of_wand = true},
+    {"left", NULL, .act = steer, .by = {4, 1}, .is_of_wand = true},
+    {"right", NULL, .act = steer, .by = {4, -1}, .is_of_wand = true},
+    {"left", "turn the 3-D view by 5\u00b0; the wand, where that points", .act = turn, .by = {-1, 0},
+     .shown = "Arrows"},
+    {"right", NULL, .act = turn, .by = {1, 0}},
+    {"up", NULL, .act = turn, .by = {0, 1}},
+    {"down", NULL, .act = turn, .by = {0, -1}},
+    {"pageup", "come nearer in 3-D, or go away", .act = come_nearer, .by = {1}, .shown = "Page Up, Down"},
+    {"pagedown", NULL, .act = come_nearer, .by = {-1}},
+    {"shift+left", "the crosshair: 1 mm to the side, to the front or back", .act = cross, .by = {-1, 0, 0},
+     .shown = "Shift+arrows"},
+    {"shift+right", NULL, .act = cross, .by = {1, 0, 0}},
+    {"shift+up", NULL, .act = cross, .by = {0, 1, 0}},
+    {"shift+down", NULL, .act = cross, .by = {0, -1, 0}},
+    {"shift+pageup", "the crosshair: 1 mm up, down", .act = cross, .by = {0, 0, 1}, .shown = "Shift+Page ..."},
+    {"shift+pagedown", NULL, .act = cross, .by = {0, 0, -1}},
+    {"ctrl+pageup", "magnify the cuts, or less", .act = magnify, .by = {1}, .shown = "Ctrl+Page ..."},
+    {"ctrl+pagedown", NULL, .act = magnify, .by = {-1}},
+    {"w", "the wand: forward, back, left, right", .act = steer, .by = {2, -1}, .shown = "W S A D", .is_of_wand = true},
+    {"s", NULL, .act = steer, .by = {2, 1}, .is_of_wand = true},
+    {"a", NULL, .act = steer, .by = {0, -1}, .is_of_wand = true},
+    {"d", NULL, .act = steer, .by = {0, 1}, .is_of_wand = true},
+    {"e", "the wand: up, down", .act = steer, .by = {1, 1}, .shown = "E Q", .is_of_wand = true},
+    {"q", NULL, .act = steer, .by = {1, -1}, .is_of_wand = true},
 };
 enum { KEYS = sizeof keys / sizeof keys[0] };
 
-/* Keys that need no atlas. */
+const struct key *keys_row(size_t index)
+{
+    return index < KEYS ? &keys[index] : NULL;
+}
+
+/* As on the keyboard: Ctrl+O. */
+static void write_key(char out[KEY_LIMIT], const char *key)
+{
+    bool first = true;
+    size_t used = 0;
+    for (; key[used] && used + 1 < KEY_LIMIT; used++) {
+        bool is_small = key[used] >= 'a' && key[used] <= 'z';
+        out[used] = (char)(key[used] + (first && is_small ? 'A' - 'a' : 0));
+        first = key[used] == '+';
+    }
+    out[used] = '\0';
+}
+
+const char *keys_shown(char out[KEY_LIMIT], const struct key *key)
+{
+    if (key->shown) {
+        return key->shown;
+    }
+    write_key(out, key->key);
+    return out;
+}
+
+const char *keys_tip(char out[KEYS_TIP], enum property_id id)
+{
+    const struct property *property = &properties[id];
+    char name[KEY_LIMIT];
+    size_t count = 0;
+    int used = snprintf(out, KEYS_TIP, "%s", property->tip ? property->tip : property->help);
+    for (size_t i = 0; i < KEYS && used < KEYS_TIP; i++) {
+        if (keys[i].sets && keys[i].sets == id) {
+            used += snprintf(out + used, KEYS_TIP - (size_t)used, "%s %s", count++ ? " and" : ";",
+                             keys_shown(name, &keys[i]));
+        }
+    }
+    if (count && used < KEYS_TIP) {
+        snprintf(out + used, KEYS_TIP - (size_t)used, count > 1 ? " change it" : " changes it");
+    }
+    return out;
+}
+
+static void press(struct window *window, const struct key *key)
+{
+    if (key->act) {
+        key->act(window, key->by);
+    } else {
+        property_next(window, key->sets);
+    }
+}
+
+/* A key that needs no atlas. */
 static bool press_anywhere(struct window *window, const char *key)
 {
     for (size_t i = 0; i < KEYS; i++) {
-        bool needs_none = keys[i].act == toggle_help || keys[i].act == open_file || keys[i].act == quit ||
-                          keys[i].act == enlarge_texts || keys[i].act == shrink_texts || keys[i].act == reset_texts;
-        if (needs_none && strcasecmp(keys[i].key, key) == 0) {
-            keys[i].act(window);
+        if (keys[i].is_anywhere && strcasecmp(keys[i].key, key) == 0) {
+            press(window, &keys[i]);
             return true;
         }
     }
@@ -535,12 +617,6 @@ static bool press_at_start(struct window *window, const char *key)
     return true;
 }
 
-const char *keys_name(const char **meaning, size_t index)
-{
-    *meaning = index < KEYS ? keys[index].meaning : NULL;
-    return index < KEYS ? keys[index].key : NULL;
-}
-
 bool keys_press(struct window *window, const char *key)
 {
     if (window->dialog.on) {
@@ -553,11 +629,54 @@ bool keys_press(struct window *window, const char *key)
     if (asks && strcasecmp(key, "escape") != 0 && strncasecmp(key, "ctrl+", 5) != 0) {
         return true; /* the question is before the brain: a second Enter confirms nothing */
     }
+    bool has_wand = tool_moved_by(window->viewer, POINT_BY_WAND) < TOOL_COUNT;
     for (size_t i = 0; i < KEYS; i++) {
-        if (strcasecmp(keys[i].key, key) == 0) {
-            keys[i].act(window);
+        if ((has_wand || !keys[i].is_of_wand) && strcasecmp(keys[i].key, key) == 0) {
+            press(window, &keys[i]);
             return true;
         }
     }
-    return keys_wand_press(window, key) || keys_view_press(window, key);
+    return false;
+}
+
+/* In two columns where there is room. */
+static void show_keys(float at)
+{
+    for (size_t i = 0; i < KEYS; i++) {
+        char text[KEY_LIMIT];
+        if (keys[i].help) {
+            ui_text_coloured(theme_texts[THEME_AMBER], "%s", keys_shown(text, &keys[i]));
+            ui_same_line_at(at);
+            ui_text_wrapped(keys[i].help);
+        }
+        if (keys[i].ends_column) {
+            ui_next_column();
+        }
+    }
+}
+
+void keys_draw_help(struct window *window)
+{
+    bool is_wide = (float)window->screen.width >= 1240 * window->screen.scale;
+    float width = fminf((is_wide ? 1240 : 640) * window->screen.scale, (float)window->screen.width);
+    float height = fminf((is_wide ? 680 : 780) * window->screen.scale, (float)window->screen.height);
+    ui_panel("Keys and mouse (?, F1 or Escape closes this)",
+             (struct ui_box){((float)window->screen.width - width) / 2, ((float)window->screen.height - height) / 2,
+                             width, height},
+             UI_IN_FRONT);
+    ui_columns(is_wide ? 2 : 1);
+    show_keys(120 * window->screen.scale);
+    ui_columns(1);
+    ui_separator();
+    ui_text_wrapped(
+        "3-D: left button turns, right button moves, wheel comes nearer; the cone follows the mouse, a click holds it "
+        "and sets the crosshair, another one lets it go, a double click confirms.\n"
+        "Flat panes: left button sets the crosshair, wheel goes through the cuts, Ctrl and wheel magnify; middle "
+        "button, or Ctrl and left, drags the context's brightness (up) and contrast (right), a double click resets; "
+        "with the wand, right button puts the device there, with Shift it points there.\n"
+        "SpaceMouse: the cap moves and turns the tool along its own axes; first button holds, second resets, third "
+        "confirms.\n"
+        "Gamepad: left stick moves forward, back and aside, right stick turns, shoulder buttons move down and up, "
+        "triggers narrow and widen the cone; A holds, B resets, X confirms.");
+    ui_panel_end();
 }

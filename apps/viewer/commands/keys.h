@@ -1,15 +1,32 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file The keys of the window and what they do. */
-#ifndef CONUS_VIEWER_KEYS_H
-#define CONUS_VIEWER_KEYS_H
+#ifndef CONUS_VIEWER_COMMANDS_KEYS_H
+#define CONUS_VIEWER_COMMANDS_KEYS_H
 
-#include "viewer/window/window.h"
+#include "viewer/session/property.h"
+
+struct key {
+    const char *key;                                     /**< As window->press gets it. */
+    const char *help;                                    /**< What it does; NULL = another row's says it. */
+    void (*act)(struct window *window, const int by[3]); /**< NULL = it sets the next value of a property. */
+    int by[3];
+    enum property_id sets; /**< Of the state's table (0 = none), also where it acts: its tip names the key. */
+    const char *shown;     /**< How the list calls it, with those of the next rows; NULL = as it is. */
+    bool is_anywhere;      /**< It needs no atlas. */
+    bool is_of_wand;       /**< It is one only where a tool is moved as a wand. */
+    bool ends_column;      /**< Of the list. */
+};
+
+/** The rows of the table of keys; NULL = no more. */
+const struct key *keys_row(size_t index);
+/** How the list calls a key: "Ctrl+O". */
+const char *keys_shown(char out[KEY_LIMIT], const struct key *key);
+enum { KEYS_TIP = 512 };
+/** What a property is, and which keys change it. */
+const char *keys_tip(char out[KEYS_TIP], enum property_id id);
 
 /** What a key does, for window->press. */
 bool keys_press(struct window *window, const char *key);
-
-/** A key and what it does, NULL where it is not listed; NULL = no more keys. */
-const char *keys_name(const char **meaning, size_t index);
 
 /** Draws the list of keys over the window. */
 void keys_draw_help(struct window *window);

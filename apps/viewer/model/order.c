@@ -5,13 +5,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-void question_set_order(struct viewer *viewer, conus_order order)
-{
-    viewer->cone.order = order;
-    viewer->version++;
-    viewer_say(viewer, order == CONUS_ORDER_DEPTH ? "the nearest first" : "the best first");
-}
-
 static double depth_of(const conus_result *result, bool by_entry)
 {
     double depth = by_entry ? result->entry : result->distance;

@@ -24,8 +24,6 @@ unsigned question_depth(const struct viewer *viewer);
 /** One level deeper, from none to 1, and from the deepest to none. */
 void question_next_level(struct viewer *viewer);
 
-/** By rank or by depth. */
-void question_set_order(struct viewer *viewer, conus_order order);
 /** Results of @p selection in the order in which tables have them: [conus_selection_count()] indices, to be freed.
  * NULL = by rank, or without memory. */
 size_t *question_order(const struct viewer *viewer, const conus_selection *selection);

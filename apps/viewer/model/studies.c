@@ -20,16 +20,6 @@ bool studies_use(struct viewer *viewer, const struct study_settings *settings)
     return true;
 }
 
-void studies_next(struct viewer *viewer)
-{
-    static const char *const names[] = {"no study", "sweep: the shares over the angle",
-                                        "jitter: the chances under errors of the pose"};
-    enum study_kind next = (enum study_kind)((viewer->study.settings.kind + 1) % STUDY_COUNT);
-    viewer->study.settings.kind = next;
-    viewer->version++;
-    viewer_say(viewer, "%s", names[next]);
-}
-
 bool studies_is_on(const struct viewer *viewer)
 {
     return viewer->study.settings.kind != STUDY_NONE && viewer->tools[FIRST_TOOL].has_pose;

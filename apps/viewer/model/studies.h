@@ -7,8 +7,6 @@
 
 /** Studies so from now on. False: it was said why not, and all stays as it was. */
 bool studies_use(struct viewer *viewer, const struct study_settings *settings);
-/** None, sweep, jitter, and none again. */
-void studies_next(struct viewer *viewer);
 
 /** Asks for the study of the cone as it is now, unless that is known or under way, and takes what is answered. To be
  * called whenever something may have changed. */

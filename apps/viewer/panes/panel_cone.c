@@ -34,42 +34,41 @@ static bool choose_score(struct viewer *viewer)
 }
 
 /* Of the mouse's cone: where it begins. */
-static void choose_apex(struct viewer *viewer)
+static void choose_apex(struct window *window)
 {
     static const char *const places[] = {"at the surface", "at your eye"};
-    size_t place = viewer->cone.apex_at_eye;
+    size_t place = window->viewer->cone.apex_at_eye;
     if (ui_choose("begins", &place, places, 2)) {
-        point_use_eye(viewer, place);
+        property_set(window, PROPERTY_APEX_AT_EYE, (double)place);
     }
-    ui_tip("where the mouse's cone has its apex: at the first surface under the mouse, of the context or of an\n"
-           "area, or at the eye that looks at the 3-D pane; X changes it");
+    panel_tip(PROPERTY_APEX_AT_EYE);
 }
 
-static void choose_follow(struct viewer *viewer)
+static void choose_follow(struct window *window)
 {
     static const char *const places[] = {"nothing", "the cone's tip", "the best contact"};
-    size_t place = (size_t)viewer->cone.follow;
+    size_t place = (size_t)window->viewer->cone.follow;
     if (ui_choose("cuts follow", &place, places, FOLLOW_COUNT)) {
-        point_follow(viewer, (enum follow)place);
+        property_set(window, PROPERTY_FOLLOW, (double)place);
     }
-    ui_tip("what the crosshair, and with it the three cuts, go along with; G changes it");
+    panel_tip(PROPERTY_FOLLOW);
 }
 
 /* Whether there is a cone, and not one ray. */
-static bool choose_ray(struct viewer *viewer)
+static bool choose_ray(struct window *window)
 {
-    bool one_ray = viewer->cone.one_ray;
+    bool one_ray = window->viewer->cone.one_ray;
     if (ui_check("one area only", &one_ray)) {
-        point_use_ray(viewer, one_ray);
+        property_set(window, PROPERTY_ONE_RAY, one_ray);
     }
-    ui_tip("in place of the cone a single ray along its axis, which names the area that it hits first; 1 changes it");
-    return viewer->cone.one_ray;
+    panel_tip(PROPERTY_ONE_RAY);
+    return window->viewer->cone.one_ray;
 }
 
 static bool choose_shape(struct viewer *viewer)
 {
     bool changed = ui_slider("angle", &viewer->tools[FIRST_TOOL].angle, 0.1, 179, "%.1f\u00b0", true);
-    ui_tip("full opening angle of the cone, degrees; + and - change it");
+    panel_tip(PROPERTY_ANGLE);
     bool cylinder = viewer->cone.options.radius > 0;
     if (ui_check("cylinder instead", &cylinder)) {
         viewer->cone.options.radius = cylinder ? 2 : 0;
@@ -110,7 +109,7 @@ static bool choose_look(struct viewer *viewer)
     size_t sampling = (size_t)options->sampling;
     size_t engine = options->engine == CONUS_ENGINE_GL;
     bool changed = ui_choose("layers", &layer, layers, 2);
-    ui_tip("first hits only, or all hits in the cone, occluded ones too; L changes it");
+    panel_tip(PROPERTY_LAYERS);
     changed = ui_count("pixels", &resolution, 1, 64) || changed;
     ui_tip("N, of N x N rays, one per pixel of the image that the device sees");
     changed = ui_choose("aperture", &aperture, apertures, 2) || changed;
@@ -168,11 +167,11 @@ void panel_cone(struct window *window)
     ui_tip("what moves the cone: the mouse, keys, a file of poses, or a tracked tool");
     panel_source(window);
     if (viewer->tools[FIRST_TOOL].pointer == POINT_BY_MOUSE) {
-        choose_apex(viewer);
+        choose_apex(window);
     }
     show_pose(viewer);
-    choose_follow(viewer);
-    if (!choose_ray(viewer)) {
+    choose_follow(window);
+    if (!choose_ray(window)) {
         bool changed = choose_shape(viewer);
         changed = choose_score(viewer) || changed;
         changed = choose_look(viewer) || changed;
@@ -180,23 +179,23 @@ void panel_cone(struct window *window)
             viewer_reselect(viewer);
         }
     }
-    panel_question(viewer);
+    panel_question(window);
     if (ui_section("View", false)) {
         bool shown = ui_slider("context", &viewer->display.fade, 0, 1, "%.2f faded", false);
-        ui_tip("how much the context is thinned in 3-D: 0 as its transfer function says, 1 not at all there");
+        panel_tip(PROPERTY_FADE);
         shown = ui_slider("areas", &viewer->display.fill, 0, 1, "%.2f filled", false) || shown;
-        ui_tip("opacity of the areas in the cuts, 0 to 1");
+        panel_tip(PROPERTY_FILL);
         bool outlines = !viewer->display.no_outlines;
         shown = ui_check("outlines", &outlines) || shown;
-        ui_tip("lines around the areas in the cuts");
+        panel_tip(PROPERTY_OUTLINES);
         viewer->display.no_outlines = !outlines;
         shown = ui_check("radiological (left is right)", &viewer->display.radiological) || shown;
-        ui_tip("the head's left on the right of the cuts; F changes it");
+        panel_tip(PROPERTY_RADIOLOGICAL);
         bool safe = viewer->display.safe_colours;
         if (ui_check("colours for any colour vision", &safe)) {
             viewer_use_safe_colours(viewer, safe);
         }
-        ui_tip("in place of the atlas's own; C changes them");
+        panel_tip(PROPERTY_SAFE_COLOURS);
         viewer->version += shown;
         panel_look_view(viewer);
     }

@@ -20,8 +20,7 @@ void panel_look_view(struct viewer *viewer)
         viewer->display.backdrop = (enum backdrop)backdrop;
         viewer->version++;
     }
-    ui_tip(
-        "behind the brain in 3-D and in figures; transparent is of figures, the window shows it white; K changes it");
+    panel_tip(PROPERTY_BACKGROUND);
 }
 
 /* Values that were dragged beyond those that the image has are kept, and shown. */

@@ -74,24 +74,24 @@ static void type_level(struct viewer *viewer)
     }
 }
 
-static void choose_order(struct viewer *viewer)
+static void choose_order(struct window *window)
 {
     static const char *const orders[] = {"the best first", "the nearest first"};
-    size_t order = viewer->cone.order;
+    size_t order = window->viewer->cone.order;
     if (ui_choose("list", &order, orders, 2)) {
-        question_set_order(viewer, (conus_order)order);
+        property_set(window, PROPERTY_ORDER, (double)order);
     }
-    ui_tip("the order of the lists and their tables (--order): by rank, or by depth, mm from the apex: with all\n"
-           "layers that of the entry, else that of the nearest hit; Y changes it");
+    panel_tip(PROPERTY_ORDER);
 }
 
-void panel_question(struct viewer *viewer)
+void panel_question(struct window *window)
 {
+    struct viewer *viewer = window->viewer;
     unsigned deepest = question_deepest(viewer);
     choose_range(viewer);
     if (deepest) {
         choose_depth(viewer, deepest);
         type_level(viewer);
     }
-    choose_order(viewer);
+    choose_order(window);
 }

@@ -32,7 +32,7 @@ static void choose_settings(struct window *window)
     if (ui_slider("angle", &second->angle, 0.1, 179, "%.1f\u00b0", true)) {
         tool_changed(viewer, SECOND_TOOL);
     }
-    ui_tip("full opening of the second cone, degrees; 5 and 6 change it");
+    panel_tip(PROPERTY_SECOND_ANGLE);
     bool held = second->held;
     if (ui_check("hold", &held)) {
         tool_hold(viewer, SECOND_TOOL);

@@ -62,6 +62,5 @@ void panel_speed(struct window *window, enum pointer pointer)
         devices_set_speed(&window->inputs.devices, speed);
         window->viewer->version++;
     }
-    ui_tip("of a SpaceMouse or gamepad at full deflection: mm a second, and as many degrees a second; 8 and 7 "
-           "change it");
+    panel_tip(PROPERTY_SPEED);
 }

@@ -2,6 +2,12 @@
 /* Buttons for who does not know the keys yet. */
 #include "viewer/panes/panels.h"
 
+void panel_tip(enum property_id id)
+{
+    char tip[KEYS_TIP];
+    ui_tip(keys_tip(tip, id));
+}
+
 /* Each is a key that is pressed. */
 static void press(struct window *window, const char *label, const char *key, const char *tip)
 {

@@ -3,7 +3,7 @@
 #ifndef CONUS_VIEWER_PANES_PANELS_H
 #define CONUS_VIEWER_PANES_PANELS_H
 
-#include "viewer/window/window.h"
+#include "viewer/commands/keys.h"
 
 void panel_start(struct window *window);  /**< In place of all others. */
 void panel_dialog(struct window *window); /**< Likewise. */
@@ -17,7 +17,7 @@ void panel_list(struct window *window, const struct view_atlas *on, const conus_
 void panel_second(struct window *window); /**< The second tool. */
 void panel_cone(struct window *window);
 /** What counts, and in which order: depths, level, list. */
-void panel_question(struct viewer *viewer);
+void panel_question(struct window *window);
 /** Sweep or jitter of the cone; pale where @p is_old says that the cone is one from before. */
 void panel_study(struct window *window, bool is_old);
 void panel_results(struct window *window);
@@ -36,5 +36,7 @@ void panel_source(struct window *window);
 /** How fast a SpaceMouse or a gamepad moves; nothing of another pointer. */
 void panel_speed(struct window *window, enum pointer pointer);
 void panel_status(struct window *window);
+/** The tip of the widget before: what the property is, and which keys change it. */
+void panel_tip(enum property_id id);
 
 #endif

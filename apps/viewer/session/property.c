@@ -58,7 +58,7 @@ const struct property properties[PROPERTY_COUNT] = {
                           ENUM(pointer_names)},
     [PROPERTY_ANGLE] = {NULL, "angle_deg", "full opening angle of the cone, degrees",
                         OF_VIEWER(tools[FIRST_TOOL].angle), REALS(1, 0.01, 179.99), .undo = UNDO_LEAVES_REPLAY,
-                        .change = CHANGES_ANSWER, .command = "angle"},
+                        .change = CHANGES_ANSWER},
     [PROPERTY_RADIUS] = {NULL, "radius_mm", "radius of the cylinder, mm; 0 = a cone", OF_VIEWER(cone.options.radius),
                          REALS(1, 0, FAR)},
     [PROPERTY_RANGE] = {NULL, "range_mm", "the depths that count, mm from the apex; 0, 0 = all",
@@ -73,7 +73,6 @@ const struct property properties[PROPERTY_COUNT] = {
                            OF_VIEWER(cone.options.sampling), ENUM(sampling_names)},
     [PROPERTY_ENGINE] = {NULL, "engine", "what traces the rays", OF_VIEWER(cone.options.engine), ENUM(engine_names)},
     [PROPERTY_FADE] = {NULL, "fade", "how much the context is thinned in 3-D", OF_VIEWER(display.fade), REALS(1, 0, 1),
-                       .command = "fade",
                        .tip = "how much the context is thinned in 3-D: 0 as its transfer function says, 1 not at all "
                               "there"},
     [PROPERTY_FILL] = {NULL, "fill", "opacity of the areas in the cuts, 0 to 1", OF_VIEWER(display.fill),
@@ -145,10 +144,12 @@ const struct property properties[PROPERTY_COUNT] = {
                               OF_VIEWER(tools[SECOND_TOOL].pose), REALS(16, -FAR, FAR), .undo = UNDO_LEAVES_MOVING},
     [PROPERTY_SPEED] = {NULL, "device_speed", "of a SpaceMouse or gamepad at full deflection, mm and degrees a second",
                         OF_WINDOW(inputs.devices.gamepad.source.speed), REALS(1, SOURCE_LEAST_SPEED, SOURCE_MOST_SPEED),
-                        .presence = PROPERTY_KEPT, .is_set_apart = true, .change = CHANGES_SPEED, .command = "speed"},
+                        .presence = PROPERTY_KEPT, .is_set_apart = true, .change = CHANGES_SPEED,
+                        .tip =
+                            "of a SpaceMouse or gamepad at full deflection: mm a second, and as many degrees a second"},
     [PROPERTY_BACKGROUND] = {NULL, "background", "behind the brain in 3-D and in figures", OF_VIEWER(display.backdrop),
                              .type = PROPERTY_NAME, .high = BACKDROP_COUNT - 1, .names = backdrop_names,
-                             .presence = PROPERTY_KEPT, .command = "background",
+                             .presence = PROPERTY_KEPT,
                              .tip = "behind the brain in 3-D and in figures; transparent is of figures, the window "
                                     "shows it white"},
     [PROPERTY_SAFE_COLOURS] = {NULL, "safe_colours", "colours for any colour vision in place of the atlas's own",

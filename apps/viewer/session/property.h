@@ -120,7 +120,6 @@ struct property {
     enum property_undo undo;
     enum property_change change;
     const char *const *says; /**< [high - low + 1] What the status line says once it is that; NULL = nothing. */
-    const char *command;     /**< Of scripts; NULL = none. */
     const char *tip;         /**< Of its widget, where it says more than @e help. */
 };
 

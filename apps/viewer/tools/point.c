@@ -106,27 +106,3 @@ bool point_through(struct viewer *viewer, const double eye[3], const double dire
     }
     return found;
 }
-
-void point_use_eye(struct viewer *viewer, bool at_eye)
-{
-    viewer->cone.apex_at_eye = at_eye;
-    viewer->version++;
-    viewer_say(viewer, at_eye ? "the mouse's cone begins at your eye"
-                              : "the mouse's cone begins at the surface: of the context, or of the atlas");
-}
-
-void point_follow(struct viewer *viewer, enum follow follow)
-{
-    static const char *const news[] = {"the cuts stay where they are", "the cuts follow the cone's tip",
-                                       "the cuts follow the contact of the best hit"};
-    viewer->cone.follow = follow;
-    viewer_say(viewer, "%s", news[follow]);
-    viewer_reselect(viewer);
-}
-
-void point_use_ray(struct viewer *viewer, bool one_ray)
-{
-    viewer->cone.one_ray = one_ray;
-    viewer_say(viewer, one_ray ? "one area: the one that a ray along the axis hits first" : "all areas in the cone");
-    viewer_reselect(viewer);
-}

@@ -16,13 +16,4 @@ bool point_find(conus_pose *out, struct viewer *viewer, const double eye[3], con
  * the cone has its apex there. False where the ray passes beside all surfaces: the cone stays as it is. */
 bool point_through(struct viewer *viewer, const double eye[3], const double direction[3]);
 
-/** Puts the apex of the mouse's cones to the eye, or to the surface; the cone that is there stays. */
-void point_use_eye(struct viewer *viewer, bool at_eye);
-
-/** The cuts go along with the tip, the contact or nothing from now on. */
-void point_follow(struct viewer *viewer, enum follow follow);
-
-/** One ray along the axis in place of the cone, which names one area, or the cone again. */
-void point_use_ray(struct viewer *viewer, bool one_ray);
-
 #endif
