@@ -5,20 +5,6 @@
 #include "base/text.h"
 #include "loaders/labels/label_bytes.h"
 
-#include <stdio.h>
-
-char file_first_character(const char *path)
-{
-    uint8_t start[64];
-    FILE *file = file_exists(path) ? fopen(path, "rbe") : NULL;
-    size_t size = file ? fread(start, 1, sizeof start, file) : 0;
-    if (file) {
-        fclose(file);
-    }
-    struct text text = text_trim(text_from_bytes(start, size));
-    return text.size ? text.data[0] : '\0';
-}
-
 const struct file_kind *file_kind_of(const char *path, const struct bytes *head)
 {
     static const struct file_kind table = {.words = "a label table", .way = "give it as --labels"};

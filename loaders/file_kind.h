@@ -8,9 +8,6 @@
 /** format_find(), and label tables of all formats. */
 const struct file_kind *file_kind_of(const char *path, const struct bytes *head);
 
-/** The first character of the file @p path that is not white space, in its first 64 bytes; 0 if there is none. */
-char file_first_character(const char *path);
-
 /** Fails with CONUS_ERROR_DATA and one line without the path: what the file is, what is needed, the way on. @p stored
  * has its first bytes, packed or not. */
 conus_status file_kind_fail(const char *path, const struct bytes *stored, const char *needed);

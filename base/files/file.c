@@ -27,11 +27,11 @@ static conus_status fail_errno(const char *path, const char *action)
     return fail(CONUS_ERROR_IO, "%s: cannot %s: %s", path, action, strerror(errno));
 }
 
-/* Reads up to `size` bytes; fewer only at the end of the file. */
+/* Reads up to `size` bytes from the beginning; fewer only at the end of the file. */
 static bool read_fully(int descriptor, uint8_t *data, size_t size, size_t *got)
 {
     for (*got = 0; *got < size;) {
-        ssize_t n = read(descriptor, data + *got, size - *got);
+        ssize_t n = pread(descriptor, data + *got, size - *got, (off_t)*got);
         if (n < 0 && errno != EINTR) {
             return false;
         }
@@ -63,14 +63,6 @@ conus_status file_state_find(struct file_state *out, const char *path)
     return CONUS_OK;
 }
 
-static conus_status check_state(const char *path, int descriptor, const struct file_state *before)
-{
-    struct file_state now;
-    return file_state_of(&now, descriptor) && file_state_equal(&now, before)
-               ? CONUS_OK
-               : fail(CONUS_ERROR_IO, "%s: " FILE_CHANGED, path);
-}
-
 conus_status file_state_check(const struct file_state *before, const char *path)
 {
     struct file_state now;
@@ -78,77 +70,87 @@ conus_status file_state_check(const struct file_state *before, const char *path)
     return status || file_state_equal(&now, before) ? status : fail(CONUS_ERROR_IO, "%s: " FILE_CHANGED, path);
 }
 
-/* The first `size` bytes of the open file, whose state was `before`, and is. */
-static conus_status read_unchanged(struct bytes *out, const char *path, int descriptor, size_t size,
-                                   const struct file_state *before)
-{
-    struct bytes bytes = {.data = memory_raw(size, 1)};
-    if (!bytes.data) {
-        return fail_in(CONUS_ERROR_MEMORY, path);
-    }
-    conus_status status = read_fully(descriptor, bytes.data, size, &bytes.size) ? check_state(path, descriptor, before)
-                                                                                : fail_errno(path, "read");
-    if (status) {
-        bytes_finish(&bytes);
-        return status;
-    }
-    *out = bytes;
-    return CONUS_OK;
-}
-
-/* The first `most` bytes of a regular file of at most `limit`. */
-static conus_status read_descriptor(struct bytes *out, const char *path, int descriptor, uint64_t limit, size_t most,
-                                    const char *option)
+conus_status file_open(struct open_file *out, const char *path)
 {
     struct stat info;
-    struct file_state before;
-    if (fstat(descriptor, &info)) {
-        return fail_errno(path, "read");
-    }
-    file_trace_path(path, &info);
-    if (!S_ISREG(info.st_mode)) {
-        return fail(CONUS_ERROR_IO, "%s: cannot read: %s, a regular file is needed", path,
-                    S_ISDIR(info.st_mode) ? "is a folder" : "is a device or pipe");
-    }
-    if ((uint64_t)info.st_size > limit) {
-        return fail(CONUS_ERROR_MEMORY, "%s: file of %lld bytes, allowed are %llu%s", path, (long long)info.st_size,
-                    (unsigned long long)limit, option);
-    }
-    size_t size = (uint64_t)info.st_size < most ? (size_t)info.st_size : most;
-    file_state_take(&before, &info);
-    conus_status status = read_unchanged(out, path, descriptor, size, &before);
-    if (status) {
-        file_trace_failed();
-    }
-    return status;
-}
-
-static conus_status read_path(struct bytes *out, const char *path, uint64_t limit, size_t most, const char *option)
-{
     int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     if (descriptor < 0) {
         conus_status status = fail_errno(path, "open");
         file_trace_path(path, NULL);
         return status;
     }
-    conus_status status = read_descriptor(out, path, descriptor, limit, most, option);
-    close(descriptor);
+    if (fstat(descriptor, &info)) {
+        conus_status status = fail_errno(path, "read");
+        close(descriptor);
+        return status;
+    }
+    file_trace_path(path, &info);
+    if (!S_ISREG(info.st_mode)) {
+        close(descriptor);
+        return fail(CONUS_ERROR_IO, "%s: cannot read: %s, a regular file is needed", path,
+                    S_ISDIR(info.st_mode) ? "is a folder" : "is a device or pipe");
+    }
+    *out = (struct open_file){.path = path, .descriptor = descriptor};
+    file_state_take(&out->before, &info);
+    return CONUS_OK;
+}
+
+void file_close(const struct open_file *file)
+{
+    close(file->descriptor);
+}
+
+conus_status file_read_open(struct bytes *out, const struct open_file *file, size_t most, uint64_t limit,
+                            const char *option)
+{
+    struct file_state now;
+    uint64_t whole = file->before.size;
+    if (whole > limit) {
+        return fail(CONUS_ERROR_MEMORY, "%s: file of %llu bytes, allowed are %llu%s", file->path,
+                    (unsigned long long)whole, (unsigned long long)limit, option);
+    }
+    size_t size = whole < most ? (size_t)whole : most;
+    struct bytes bytes = {.data = memory_raw(size, 1)};
+    conus_status status = bytes.data ? CONUS_OK : fail_in(CONUS_ERROR_MEMORY, file->path);
+    if (!status && !read_fully(file->descriptor, bytes.data, size, &bytes.size)) {
+        status = fail_errno(file->path, "read");
+    }
+    if (!status && !(file_state_of(&now, file->descriptor) && file_state_equal(&now, &file->before))) {
+        status = fail(CONUS_ERROR_IO, "%s: " FILE_CHANGED, file->path);
+    }
+    if (status) {
+        bytes_finish(&bytes);
+        file_trace_failed();
+        return status;
+    }
+    *out = bytes;
+    return CONUS_OK;
+}
+
+static conus_status read_path(struct bytes *out, const char *path, size_t most, uint64_t limit, const char *option)
+{
+    struct open_file file;
+    conus_status status = file_open(&file, path);
+    if (!status) {
+        status = file_read_open(out, &file, most, limit, option);
+        file_close(&file);
+    }
     return status;
 }
 
 conus_status file_read(struct bytes *out, const char *path, uint64_t limit)
 {
-    return read_path(out, path, limit, SIZE_MAX, "");
+    return read_path(out, path, SIZE_MAX, limit, "");
 }
 
 conus_status file_read_allowed(struct bytes *out, const char *path, uint64_t max_memory)
 {
-    return read_path(out, path, max_memory, SIZE_MAX, " (--max-memory)");
+    return read_path(out, path, SIZE_MAX, max_memory, FILE_MAX_MEMORY);
 }
 
 conus_status file_read_head(struct bytes *out, const char *path, size_t most)
 {
-    return read_path(out, path, UINT64_MAX, most, "");
+    return read_path(out, path, most, UINT64_MAX, "");
 }
 
 bool file_write_fully(int descriptor, const void *data, size_t size)

@@ -38,6 +38,24 @@ bool file_state_equal(const struct file_state *a, const struct file_state *b);
 /** CONUS_ERROR_IO unless @p path is still as it was @p before. */
 conus_status file_state_check(const struct file_state *before, const char *path);
 
+/** A regular file that is open for reading, for those who take turns in reading it. */
+struct open_file {
+    const char *path; /**< The opener's. */
+    int descriptor;
+    struct file_state before; /**< When it was opened. */
+};
+
+/** Opens the regular file @p path. Errors as of file_read(). */
+conus_status file_open(struct open_file *out, const char *path);
+void file_close(const struct open_file *file);
+
+#define FILE_MAX_MEMORY " (--max-memory)" /**< An option for file_read_open(). */
+
+/** Reads the first @p most bytes, or all if there are fewer, of a file that may not be larger than @p limit; the
+ * message says by which @p option, or "", the limit is raised. Errors as of file_read(). */
+conus_status file_read_open(struct bytes *out, const struct open_file *file, size_t most, uint64_t limit,
+                            const char *option);
+
 /** Reads the regular file @p path, which may not be larger than @p limit bytes. @p out is the caller's to finish.
  * Errors: CONUS_ERROR_IO (message with the path) when it cannot be read or changes meanwhile, CONUS_ERROR_MEMORY above
  * the limit. */

@@ -5,7 +5,7 @@
 #include "base/formats/gzip.h"
 #include "base/memory.h"
 #include "base/order.h"
-#include "loaders/cifti/map_choice.h"
+#include "loaders/formats/map_choice.h"
 #include "loaders/volumes/nifti.h"
 
 #include <string.h>

@@ -15,6 +15,7 @@
 #define TIFF "a stack of TIFF pages"
 #define VOLUME "give it as ATLAS, --pathway or --context"
 #define SEPARATE "'wb_command -cifti-separate' writes its voxels as a volume"
+#define CIFTI_1 "convert it to CIFTI-2: wb_command -file-convert -cifti-version-convert IN 2 OUT"
 #define PARCELS "conus reads the .dlabel.nii of its parcels, as ATLAS"
 
 /* The first bytes of a file, and what the rows of the table ask of them. */
@@ -22,7 +23,7 @@ struct head {
     const struct bytes *bytes;
     const char *path;  /* may be NULL */
     bool readable;     /* they are text */
-    struct text start; /* of which this is without white space at its ends, else empty */
+    struct text start; /* without white space at their ends */
     struct text root;  /* name of the outermost element of XML, else empty */
     int intent;        /* of a CIFTI-2 matrix, else 0 */
 };
@@ -68,27 +69,29 @@ static bool is_freesurfer(const struct head *head)
 
 static bool has_lines_only(const struct head *head)
 {
-    return text_mentions(head->start, "NumberOfPolys=\"0\"") && !text_mentions(head->start, "NumberOfLines=\"0\"");
+    return head->readable && text_mentions(head->start, "NumberOfPolys=\"0\"") &&
+           !text_mentions(head->start, "NumberOfLines=\"0\"");
 }
 
 static bool is_web_page(const struct head *head)
 {
-    return text_equal_ignoring_case(head->root, "html");
+    return head->readable && text_equal_ignoring_case(head->root, "html");
 }
 
 static bool is_xml(const struct head *head)
 {
-    return head->start.size && head->start.data[0] == '<';
+    return head->readable && head->start.size && head->start.data[0] == '<';
 }
 
 static bool is_manifest(const struct head *head)
 {
-    return head->start.size && head->start.data[0] == '{' && text_mentions(head->start, "\"conus_atlas\"");
+    return head->readable && head->start.size && head->start.data[0] == '{' &&
+           text_mentions(head->start, "\"conus_atlas\"");
 }
 
 static bool is_json(const struct head *head)
 {
-    return head->start.size && (head->start.data[0] == '{' || head->start.data[0] == '[');
+    return head->readable && head->start.size && (head->start.data[0] == '{' || head->start.data[0] == '[');
 }
 
 static bool is_text(const struct head *head)
@@ -163,8 +166,8 @@ static const struct format {
      .kind = {"a Git LFS pointer, not the file itself", "fetch it (git lfs pull)"}},
     {.is = is_dicom, .kind = {"a DICOM file", "convert its series to NIfTI (dcm2niix)"}},
     {.is = is_vertex_values, .kind = {"values of the vertices of a surface", NULL}},
-    {.is = is_first_cifti,
-     .kind = {"a CIFTI-1 file", "convert it to CIFTI-2: wb_command -file-convert -cifti-version-convert IN 2 OUT"}},
+    {.intent = NIFTI_DENSE_LABELS, .is = is_first_cifti, .kind = {"a CIFTI-1 file", CIFTI_1, READER_CIFTI}},
+    {.is = is_first_cifti, .kind = {"a CIFTI-1 file", CIFTI_1}},
     {.intent = 3000, .kind = {"a CIFTI matrix without a kind (a .plabel.nii, say)", PARCELS}},
     {.intent = 3001, .kind = {"a CIFTI matrix of connections (.dconn.nii)", "conus has no use for connections"}},
     {.intent = 3002, .kind = {"a CIFTI matrix of time series (.dtseries.nii)", SEPARATE}},
@@ -190,7 +193,7 @@ static const struct format {
      .kind = {"labels of the vertices of a surface", "give it as --labels, and the surface as ATLAS", READER_SURFACE}},
     {.root = "GIFTI", .kind = {"values of the vertices of a surface", NULL, READER_SURFACE}},
     {.root = "VTKFile", .is = has_lines_only, .kind = {"a VTK file of lines", STREAMLINES}},
-    {.root = "VTKFile", .kind = {"a surface", "give it as ATLAS"}},
+    {.root = "VTKFile", .is = is_text, .kind = {"a surface", "give it as ATLAS"}},
     {.root = "atlas",
      .mentions = "<index>",
      .kind = {"an SPM or CAT12 atlas XML", "give it as ATLAS or --labels", READER_ATLAS_XML}},
@@ -259,8 +262,8 @@ static struct head head_of(const char *path, const struct bytes *bytes)
 {
     struct text text = text_from_bytes(bytes->data, bytes->size);
     struct head head = {.bytes = bytes, .path = path, .readable = text_is_readable(text)};
-    head.start = head.readable ? text_trim(text) : (struct text){0};
-    head.root = is_xml(&head) ? xml_root(head.start) : (struct text){0};
+    head.start = text_trim(text);
+    head.root = xml_root(head.start);
     return head;
 }
 

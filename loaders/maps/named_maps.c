@@ -48,14 +48,16 @@ static conus_status find_names(struct named_maps *out, const conus_volume_info *
     return status ? status : label_drop_background(&dropped, &out->table, &out->notes);
 }
 
-conus_status named_maps_find(struct named_maps *out, const char *path, const conus_load_options *options)
+conus_status named_maps_find(struct named_maps *out, const struct probe *probe, const char *path,
+                             const conus_load_options *options)
 {
     struct named_maps maps = {0};
     struct volume_selector selector = {0};
     conus_volume_info info;
     conus_status status = volume_selector_parse(&selector, path);
     bool labels = options->labels_anyway; /* each volume is one of labels */
-    bool several = !status && !selector.chosen && !labels && !volume_file_header(&info, path) && info.volume_count > 1;
+    bool several = !status && !selector.chosen && !labels && probe->is_open &&
+                   !volume_bytes_header(&info, path, &probe->stored) && info.volume_count > 1;
     status = status == CONUS_ERROR_MEMORY ? status : CONUS_OK; /* what is wrong is said where it is read */
     if (several) {
         info.path = selector.path;

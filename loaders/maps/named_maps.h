@@ -5,6 +5,7 @@
 
 #include "atlas/labels/labels.h"
 #include "base/files/file_sums.h"
+#include "loaders/probe.h"
 #include "loaders/volumes/volume_file.h"
 
 struct named_maps {
@@ -14,11 +15,13 @@ struct named_maps {
     struct notes notes;
 };
 
-/** Finds out whether all volumes of @p path are named: it has several, none is chosen by ",volume=K", and the table of
+/** Finds out whether all volumes of @p path, which @p probe has open, are named: it has several, none is chosen by
+ * ",volume=K", and the table of
  * @p options, or one beside it, says for certain which name is which volume's. @p out has an empty table where not, or
  * where it is no volume, or labels_anyway is set. CONUS_ERROR_ARGUMENT where the table of @p options does not name
  * them. */
-conus_status named_maps_find(struct named_maps *out, const char *path, const conus_load_options *options);
+conus_status named_maps_find(struct named_maps *out, const struct probe *probe, const char *path,
+                             const conus_load_options *options);
 
 /** Refuses @p file, opened as a series, where its values may be labels, or images of one thing, and neither its name
  * nor @p asked, the probability of the options, says that they are probabilities (docs/formats.md has the

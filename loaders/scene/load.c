@@ -5,9 +5,7 @@
 #include "atlas/areas/sides.h"
 #include "atlas/atlas.h"
 #include "base/buffer.h"
-#include "base/formats/xml.h"
 #include "base/memory.h"
-#include "loaders/cifti/cifti_file.h"
 #include "loaders/file_kind.h"
 #include "loaders/labels/fsl_atlas.h"
 #include "loaders/manifest/manifest.h"
@@ -17,7 +15,7 @@
 #include "loaders/scene/load_manifest.h"
 #include "loaders/scene/load_parcellation.h"
 #include "loaders/scene/load_surface.h"
-#include "loaders/surfaces/mesh_file.h"
+#include "loaders/surfaces/foreign/mesh_foreign.h"
 
 #include <string.h>
 
@@ -27,11 +25,12 @@ static const char atlas_needed[] =
     "a labelled volume (NIfTI, MGH, NRRD, MetaImage, AFNI, TIFF), a surface, a folder of surfaces, a "
     "manifest (with the key \"conus_atlas\") or an FSL atlas XML";
 
-static conus_status load_volume(conus_atlas **out, const char *path, const struct load_progress *progress)
+static conus_status load_volume(conus_atlas **out, const struct probe *probe, const char *path,
+                                const struct load_progress *progress)
 {
     struct parcellation parts = {.notes.sink = &progress->sink};
     conus_atlas *atlas = NULL;
-    conus_status status = parcellation_read(&parts, path, progress->options, atlas_needed);
+    conus_status status = parcellation_read_opened(&parts, probe, path, progress->options, atlas_needed);
     status = status ? status : parcellation_atlas(&atlas, &parts);
     status = status ? status : file_sums_move(&atlas->files, &parts.read);
     parcellation_finish(&parts);
@@ -50,27 +49,28 @@ static conus_status load_only(struct load_progress *progress, const char *path)
 }
 
 /* One volume of labels, or several of probabilities. */
-static conus_status load_volumes(conus_atlas **out, const char *path, struct load_progress *progress)
+static conus_status load_volumes(conus_atlas **out, const struct probe *probe, const char *path,
+                                 struct load_progress *progress)
 {
     struct named_maps maps = {0};
-    conus_status status = named_maps_find(&maps, path, progress->options);
+    conus_status status = named_maps_find(&maps, probe, path, progress->options);
     if (!status && maps.table.count) {
         status = named_maps_load(out, path, &maps, progress);
     } else if (!status) {
         status = load_only(progress, path);
-        status = status ? status : load_volume(out, path, progress);
+        status = status ? status : load_volume(out, probe, path, progress);
     }
     named_maps_finish(&maps);
     return status;
 }
 
-static conus_status load_json(conus_atlas **out, const char *path, struct load_progress *progress)
+static conus_status load_json(conus_atlas **out, const struct open_file *file, struct load_progress *progress)
 {
+    const char *path = file->path;
     struct bytes bytes = {0};
-    conus_status status = file_read(&bytes, path, JSON_LIMIT);
-    struct text text = text_from_bytes(bytes.data, bytes.size);
-    if (!status && !manifest_is(text)) {
-        status = file_kind_refuse(path, atlas_needed);
+    conus_status status = file_read_open(&bytes, file, SIZE_MAX, JSON_LIMIT, "");
+    if (!status && !manifest_is(text_from_bytes(bytes.data, bytes.size))) {
+        status = fail_in(file_kind_fail(path, &bytes, atlas_needed), path);
     }
     status = status ? status : manifest_load(out, path, &bytes, progress);
     bytes_finish(&bytes);
@@ -112,45 +112,58 @@ static conus_status load_folder(conus_atlas **out, const char *path, struct load
 }
 
 /* Whether the file is an FSL atlas of probabilities: the type Label is a parcellation. */
-static conus_status is_probabilistic(bool *out, const char *path)
+static conus_status is_probabilistic(bool *out, const struct open_file *file)
 {
     struct bytes bytes = {0};
     struct fsl_atlas atlas = {0};
     *out = false;
-    if (file_first_character(path) != '<' || file_read(&bytes, path, FSL_ATLAS_LIMIT)) {
-        return CONUS_OK; /* what else it is, or why it cannot be read, is said where that is wanted */
+    if (file_read_open(&bytes, file, SIZE_MAX, FSL_ATLAS_LIMIT, "")) {
+        return CONUS_OK; /* why it cannot be read is said where that is wanted */
     }
-    struct text text = text_from_bytes(bytes.data, bytes.size);
-    conus_status status = text_equal(xml_root(text), "atlas") ? fsl_atlas_parse(&atlas, text) : CONUS_OK;
+    conus_status status = fsl_atlas_parse(&atlas, text_from_bytes(bytes.data, bytes.size));
     *out = !status && atlas.type && !atlas.is_label;
     fsl_atlas_finish(&atlas);
     bytes_finish(&bytes);
     return status == CONUS_ERROR_MEMORY ? status : CONUS_OK;
 }
 
-static conus_status load_any(conus_atlas **out, const char *path, struct load_progress *progress)
+static conus_status load_opened(conus_atlas **out, const struct probe *probe, const char *path,
+                                struct load_progress *progress)
 {
-    if (file_is_folder(path)) {
-        return load_folder(out, path, progress);
-    }
-    if (file_first_character(path) == '{') {
-        return load_json(out, path, progress);
-    }
-    bool probabilistic;
-    conus_status status = is_probabilistic(&probabilistic, path);
-    if (status || probabilistic) {
-        return status ? status : probabilities_load(out, path, progress);
-    }
-    bool cifti;
-    status = cifti_file_is(&cifti, path);
-    if (status || cifti) {
-        return status ? status : cifti_load(out, path, progress);
-    }
-    if (!mesh_file_is(path)) {
-        return load_volumes(out, path, progress);
+    conus_status status = CONUS_OK;
+    bool probabilistic = false;
+    switch (probe->reader) {
+    case READER_MANIFEST:
+        return load_json(out, &probe->file, progress);
+    case READER_CIFTI:
+        return cifti_load(out, path, progress);
+    case READER_ATLAS_XML:
+        status = is_probabilistic(&probabilistic, &probe->file);
+        return status          ? status
+               : probabilistic ? probabilities_load(out, path, progress)
+                               : load_volumes(out, probe, path, progress);
+    case READER_VOLUME:
+        if (!probe->is_open || !mesh_foreign_is(path)) {
+            return load_volumes(out, probe, path, progress);
+        }
+        break;
+    case READER_SURFACE:
+        break;
     }
     status = load_only(progress, path);
     return status ? status : surface_load(out, path, progress);
+}
+
+static conus_status load_any(conus_atlas **out, const char *path, struct load_progress *progress)
+{
+    struct probe probe;
+    if (file_is_folder(path)) {
+        return load_folder(out, path, progress);
+    }
+    conus_status status = probe_open(&probe, path);
+    status = status ? status : load_opened(out, &probe, path, progress);
+    probe_close(&probe);
+    return status;
 }
 
 static conus_status check_probability(double probability)

@@ -7,7 +7,6 @@
 #include "base/files/folder.h"
 #include "base/formats/xml.h"
 #include "base/memory.h"
-#include "loaders/cifti/cifti_file.h"
 #include "loaders/file_kind.h"
 #include "loaders/labels/fsl_find.h"
 #include "loaders/labels/fsl_number.h"
@@ -163,13 +162,15 @@ static conus_status load_fsl(struct parcellation *parts, const char *path, struc
     return status;
 }
 
-static conus_status load_markup(struct parcellation *parts, const char *path, uint64_t max_memory, const char *needed)
+static conus_status load_markup(struct parcellation *parts, const struct open_file *file, uint64_t max_memory,
+                                const char *needed)
 {
+    const char *path = file->path;
     struct bytes bytes = {0};
-    conus_status status = file_read(&bytes, path, FSL_ATLAS_LIMIT);
+    conus_status status = file_read_open(&bytes, file, SIZE_MAX, FSL_ATLAS_LIMIT, "");
     struct text text = text_from_bytes(bytes.data, bytes.size);
     if (!status && !text_equal(xml_root(text), "atlas")) {
-        status = file_kind_refuse(path, needed);
+        status = fail_in(file_kind_fail(path, &bytes, needed), path);
     }
     status = status ? status : load_fsl(parts, path, text, max_memory);
     status = status ? status : file_sums_add(&parts->read, path, &bytes);
@@ -218,24 +219,32 @@ static conus_status read_cifti(struct parcellation *out, const char *path, const
     return status || !options->labels ? status : read_override(out, options->labels);
 }
 
-conus_status parcellation_read(struct parcellation *out, const char *path, const conus_load_options *options,
-                               const char *needed)
+conus_status parcellation_read_opened(struct parcellation *out, const struct probe *probe, const char *path,
+                                      const conus_load_options *options, const char *needed)
 {
-    bool cifti;
-    conus_status is_cifti = cifti_file_is(&cifti, path);
-    if (is_cifti || cifti) {
-        return is_cifti ? is_cifti : read_cifti(out, path, options);
+    if (probe->reader == READER_CIFTI) {
+        return read_cifti(out, path, options);
     }
-    bool markup = file_first_character(path) == '<';
-    conus_status status = markup
-                              ? load_markup(out, path, options->max_memory, needed)
-                              : volume_file_open_labels(&out->file, &out->labels, path, options, needed, &out->notes);
+    bool markup = probe->first == '<';
+    conus_status status = markup ? load_markup(out, &probe->file, options->max_memory, needed)
+                                 : volume_file_open_labels(&out->file, &out->labels, path, probe_file(probe), options,
+                                                           needed, &out->notes);
     status = status ? status : file_sums_move(&out->read, &out->file.read);
     status = status ? status : read_names(out, options->labels, markup);
     out->file.info.role = CONUS_ROLE_PARCELLATION;
     return status ? status
                   : parcellation_check_grey(&out->file, &out->labels, &out->table, markup, options->labels_anyway,
                                             &out->notes);
+}
+
+conus_status parcellation_read(struct parcellation *out, const char *path, const conus_load_options *options,
+                               const char *needed)
+{
+    struct probe probe;
+    conus_status status = probe_open(&probe, path);
+    status = status ? status : parcellation_read_opened(out, &probe, path, options, needed);
+    probe_close(&probe);
+    return status;
 }
 
 conus_status parcellation_atlas(conus_atlas **out, struct parcellation *parts)

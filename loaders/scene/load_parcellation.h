@@ -4,6 +4,7 @@
 #define CONUS_LOADERS_PLAN_LOAD_PARCELLATION_H
 
 #include "atlas/atlas.h"
+#include "loaders/probe.h"
 #include "loaders/volumes/volume_file.h"
 
 /** What a parcellation is made of, until atlas_create() has it. */
@@ -19,8 +20,12 @@ struct parcellation {
     struct notes notes;
 };
 
-/** Reads a labelled volume or an FSL atlas XML; @p needed says in words what may stand here. @p out (zeroed) is the
- * caller's to finish, also on failure. */
+/** Reads the labelled volume, FSL atlas XML or CIFTI file @p path, which @p probe has open; @p needed says in words
+ * what may stand here. @p out (zeroed) is the caller's to finish, also on failure. */
+conus_status parcellation_read_opened(struct parcellation *out, const struct probe *probe, const char *path,
+                                      const conus_load_options *options, const char *needed);
+
+/** The same of a file that is not open. */
 conus_status parcellation_read(struct parcellation *out, const char *path, const conus_load_options *options,
                                const char *needed);
 void parcellation_finish(struct parcellation *parts);

@@ -231,7 +231,10 @@ static conus_status is_probable(bool *out, const struct manifest_draft *draft, c
     struct named_maps maps = {0};
     struct volume_file file = {0};
     char *path = manifest_draft_path(draft, name);
-    conus_status status = path ? named_maps_find(&maps, path, &options) : CONUS_ERROR_MEMORY;
+    struct probe probe = {0};
+    conus_status status = path ? probe_open(&probe, path) : CONUS_ERROR_MEMORY;
+    status = status ? status : named_maps_find(&maps, &probe, path, &options);
+    probe_close(&probe);
     bool named = !status && maps.table.count;
     status = named ? volume_file_open_series(&file, path, &options, &maps.notes) : status;
     named = named && !status && maps.table.count == file.info.volume_count; /* none is the background's */

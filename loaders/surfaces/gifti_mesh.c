@@ -5,7 +5,7 @@
 #include "atlas/space.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "loaders/cifti/map_choice.h"
+#include "loaders/formats/map_choice.h"
 #include "loaders/surfaces/freesurfer_surface.h"
 
 enum { SPACE_UNKNOWN = 0, GEOMETRY_WHOLE = (1 << 12) - 1 };

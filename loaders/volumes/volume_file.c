@@ -177,7 +177,8 @@ struct opening {
     struct volume_header header;
     struct notes notes;
     uint64_t limit;
-    const char *needed; /* in the place where the file stands; NULL: default_needed */
+    const struct open_file *file; /* the named file, if it is open; else NULL */
+    const char *needed;           /* in the place where the file stands; NULL: default_needed */
     struct volume_selector selector;
     bool all;            /* volumes are kept, not only the chosen one */
     enum stored_use use; /* of an index of packed voxels */
@@ -337,7 +338,7 @@ static conus_status open_files(struct opening *o, const char *path)
         return status;
     }
     status = status      ? status
-             : o->labels ? stored_open_slabs(&o->voxels, path, o->limit, o->use, has_fixed_header)
+             : o->labels ? stored_open_slabs(&o->voxels, path, o->file, o->limit, o->use, has_fixed_header)
                          : stored_open(&o->voxels, path, o->limit, o->use, NULL);
     if (!status && tiff_is(o->voxels.bytes.data, o->voxels.bytes.size)) {
         return open_tiff(o);
@@ -547,7 +548,8 @@ static conus_status open_once(struct volume_file *file, const char *path, struct
 /* Makes `o` as it was before open_once(), but for its index. */
 static void forget_index(struct opening *o)
 {
-    struct opening again = {.limit = o->limit, .needed = o->needed, .selector = o->selector, .labels = o->labels};
+    struct opening again = {
+        .limit = o->limit, .file = o->file, .needed = o->needed, .selector = o->selector, .labels = o->labels};
     o->selector = (struct volume_selector){0};
     opening_finish(o);
     *o = again;
@@ -578,16 +580,15 @@ static conus_status open_wanted(struct volume_file *out, const char *path, struc
     return status;
 }
 
-conus_status volume_file_peek(struct volume_header *out, struct bytes *head, const char *path)
+/* The header in the first bytes of a file; `head`, unless NULL, gets what stands before the voxels. */
+static conus_status peek_bytes(struct volume_header *out, struct bytes *head, const char *path,
+                               const struct bytes *start)
 {
-    struct stored stored = {.path = memory_text(path, strlen(path))};
+    const struct stored stored = {(char *)path, *start, .packed = gzip_is(start->data, start->size)};
     struct notes notes = {0};
     struct volume_header header = {0};
-    conus_status status = stored.path ? file_read_head(&stored.bytes, path, HEADER_READ) : CONUS_ERROR_MEMORY;
-    bool is_read = !status; /* else the message has the path */
-    stored.packed = !status && gzip_is(stored.bytes.data, stored.bytes.size);
-    status = status ? status : parse_head(&header, &stored, default_needed, &notes);
-    if (!status && !header.pair) {
+    conus_status status = parse_head(&header, &stored, default_needed, &notes);
+    if (!status && head && !header.pair) {
         status = stored_head(head, &stored, header.offset < HEADER_READ ? (size_t)header.offset : HEADER_READ);
     }
     volume_text_finish(&header.text);
@@ -595,8 +596,26 @@ conus_status volume_file_peek(struct volume_header *out, struct bytes *head, con
         *out = header;
     }
     notes_finish(&notes);
-    stored_finish(&stored);
-    return status && is_read ? fail_in(status, path) : status;
+    return status ? fail_in(status, path) : CONUS_OK;
+}
+
+conus_status volume_file_peek(struct volume_header *out, struct bytes *head, const char *path)
+{
+    struct bytes start = {0};
+    conus_status status = file_read_head(&start, path, HEADER_READ);
+    status = status ? status : peek_bytes(out, head, path, &start);
+    bytes_finish(&start);
+    return status;
+}
+
+conus_status volume_bytes_header(conus_volume_info *out, const char *path, const struct bytes *start)
+{
+    struct volume_header header;
+    conus_status status = peek_bytes(&header, NULL, path, start);
+    if (!status) {
+        *out = header.info;
+    }
+    return status;
 }
 
 conus_status volume_file_header(conus_volume_info *out, const char *path)
@@ -633,11 +652,13 @@ conus_status volume_file_open_cached(struct volume_file *out, const char *path, 
 }
 
 conus_status volume_file_open_labels(struct volume_file *out, struct label_voxels *labels, const char *path,
-                                     const conus_load_options *options, const char *needed, struct notes *notes)
+                                     const struct open_file *opened, const conus_load_options *options,
+                                     const char *needed, struct notes *notes)
 {
     struct label_reader reader = {0};
     struct volume_file file = {0};
     struct opening opening = {.limit = options->max_memory ? options->max_memory : DEFAULT_MEMORY,
+                              .file = opened,
                               .needed = needed,
                               .labels = &reader,
                               .use = options->cache ? STORED_INDEX : STORED_PLAIN};

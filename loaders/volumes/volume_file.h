@@ -50,19 +50,23 @@ conus_status volume_file_open_cached(struct volume_file *out, const char *path, 
 
 struct label_voxels;
 
-/** Likewise, by max_memory and cache of @p options, where other files than volumes would do as well, as @p needed says
- * in words; gives its labels, whose places in @p labels take the place of its voxels: @p out has none. Those of a
- * NIfTI or MGH file that is not packed, and packed ones of more than 2 bytes, never lie in memory together if they are
- * many. A volume with other values than labels is
- * CONUS_ERROR_DATA, as of volume_file_labels(). */
+/** Likewise, by max_memory and cache of @p options, of @p path, which @p opened is where it is not NULL, where other
+ * files than volumes would do as well, as @p needed says in words; gives its labels, whose places in @p labels take the
+ * place of its voxels: @p out has none. Those of a NIfTI or MGH file that is not packed, and packed ones of more than 2
+ * bytes, never lie in memory together if they are many. A volume with other values than labels is CONUS_ERROR_DATA, as
+ * of volume_file_labels(). */
 conus_status volume_file_open_labels(struct volume_file *out, struct label_voxels *labels, const char *path,
-                                     const conus_load_options *options, const char *needed, struct notes *notes);
+                                     const struct open_file *opened, const conus_load_options *options,
+                                     const char *needed, struct notes *notes);
 
 /** Reads only the header of @p path: dimensions, transform, datatype; out->path is NULL. */
 conus_status volume_file_header(conus_volume_info *out, const char *path);
 
-/** The same, and gives in @p head, the caller's to finish, what stands before the voxels of a single file, unpacked, as
- * far as the file's first 64 KiB hold it: extensions and text. */
+/** The same of @p start, the first 64 KiB of @p path, or all. */
+conus_status volume_bytes_header(conus_volume_info *out, const char *path, const struct bytes *start);
+
+/** The same of the file, and gives in @p head, the caller's to finish, what stands before the voxels of a single file,
+ * unpacked, as far as the file's first 64 KiB hold it: extensions and text. */
 conus_status volume_file_peek(struct volume_header *out, struct bytes *head, const char *path);
 
 /** Reads @p path as above, but takes it whole for a name: volume 0, and the others for volume_file_select(). They are

@@ -83,7 +83,8 @@ LIBRARY = {
     "loaders/volumes/stored": "base base/files base/cache base/formats",
     "loaders/volumes": "base base/files base/geometry base/formats atlas/labels atlas loaders/volumes/stored"
     " loaders loaders/tiff loaders/brainglobe loaders/volumes/text loaders/formats loaders/labels",
-    "loaders/cifti": "base base/files base/geometry base/formats loaders/volumes loaders/labels atlas/labels",
+    "loaders/cifti": "base base/files base/geometry base/formats loaders/volumes loaders/labels atlas/labels"
+    " loaders/formats",
     "loaders/labels": "base base/files base/geometry base/formats atlas/labels loaders/formats",
     "loaders/child": "base base/files base/cache atlas/surface atlas",
     "loaders/surfaces/foreign": "base base/files base/geometry base/formats atlas/labels atlas/surface loaders",
@@ -92,7 +93,7 @@ LIBRARY = {
     "loaders/phantom": "base base/files base/geometry atlas/labels atlas atlas/phantom loaders/volumes loaders/surfaces",
     "loaders/manifest": "base base/files base/formats atlas/labels atlas/surface atlas/areas loaders/volumes loaders/labels",
     "loaders/transform": "base base/files base/geometry base/formats atlas/deformation loaders loaders/volumes",
-    "loaders/maps": "base base/files atlas/labels atlas atlas/fit loaders/volumes loaders/labels",
+    "loaders/maps": "base base/files atlas/labels atlas atlas/fit loaders/volumes loaders/labels loaders",
     "loaders/scene": "base base/files base/geometry base/formats atlas/labels atlas/surface atlas atlas/areas atlas/fit atlas/warp loaders/maps"
     " loaders loaders/volumes loaders/labels loaders/cifti loaders/surfaces/foreign loaders/surfaces"
     " loaders/manifest loaders/transform loaders/tracts loaders/brainglobe",

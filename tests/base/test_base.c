@@ -312,12 +312,12 @@ static void files_appear_whole(void **state)
 /* What happens behind the reader's back, once, after its next read(). */
 static void (*behind)(void);
 
-ssize_t __real_read(int descriptor, void *data, size_t size);
-ssize_t __wrap_read(int descriptor, void *data, size_t size);
+ssize_t __real_pread(int descriptor, void *data, size_t size, off_t at);
+ssize_t __wrap_pread(int descriptor, void *data, size_t size, off_t at);
 
-ssize_t __wrap_read(int descriptor, void *data, size_t size)
+ssize_t __wrap_pread(int descriptor, void *data, size_t size, off_t at)
 {
-    ssize_t got = __real_read(descriptor, data, size);
+    ssize_t got = __real_pread(descriptor, data, size, at);
     if (behind) {
         void (*now)(void) = behind;
         behind = NULL;

@@ -181,26 +181,18 @@ static void plain_file_finish(struct plain_file *plain)
     plain->descriptor = -1;
 }
 
-/* Opens `path` if it is a regular file of more than `least` bytes that passes the test. False where it is none, or
- * cannot be opened; who reads it as a whole says why. */
-static bool plain_file_open(struct plain_file *out, const char *path, uint64_t least, plain_file_test *test)
+/* A file of its own on `file`, if that has more than STORED_LARGE bytes and passes the test. */
+static bool plain_file_open(struct plain_file *out, const struct open_file *file, plain_file_test *test)
 {
-    struct stat info;
-    struct plain_file plain = {.descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK)};
-    bool found = plain.descriptor >= 0 && fstat(plain.descriptor, &info) == 0 && S_ISREG(info.st_mode);
-    if (found) {
-        uint8_t head[TESTED];
-        file_state_take(&plain.before, &info);
-        size_t size = smaller_of(sizeof head, plain.before.size);
-        found = plain.before.size > least && !read_at(&plain, head, size, 0) && test(head, size);
-    }
-    if (!found) {
-        plain_file_finish(&plain);
+    uint8_t head[TESTED];
+    struct plain_file plain = {.descriptor = file->descriptor, .before = file->before};
+    size_t size = smaller_of(sizeof head, plain.before.size);
+    if (plain.before.size <= STORED_LARGE || read_at(&plain, head, size, 0) || !test(head, size)) {
         return false;
     }
-    file_trace_path(path, &info);
+    plain.descriptor = fcntl(file->descriptor, F_DUPFD_CLOEXEC, 0);
     *out = plain;
-    return true;
+    return plain.descriptor >= 0;
 }
 
 /* The first `limit` bytes, or fewer. CONUS_ERROR_IO, CONUS_ERROR_MEMORY. */
@@ -316,7 +308,9 @@ static void find_index(struct stored *stored, uint64_t limit, const struct bytes
     stored->packed = stored->index && !kept.index.begin && !kept.index.zlib;
 }
 
-static conus_status read_whole(struct stored *stored, uint64_t limit, enum stored_use use, const struct bytes *header)
+/* An index follows from what the path leads to at this time: `file`, open before, is not read for it. */
+static conus_status read_whole(struct stored *stored, const struct open_file *file, uint64_t limit, enum stored_use use,
+                               const struct bytes *header)
 {
     if (use != STORED_PLAIN) {
         stored->keeper = memory_raw(1, sizeof *stored->keeper);
@@ -325,13 +319,15 @@ static conus_status read_whole(struct stored *stored, uint64_t limit, enum store
         }
         index_keeper_begin(stored->keeper, stored->path, header);
     }
-    conus_status status = file_read_allowed(&stored->bytes, stored->path, limit);
+    conus_status status = file && use == STORED_PLAIN
+                              ? file_read_open(&stored->bytes, file, SIZE_MAX, limit, FILE_MAX_MEMORY)
+                              : file_read_allowed(&stored->bytes, stored->path, limit);
     stored->packed = !status && gzip_is(stored->bytes.data, stored->bytes.size);
     return status;
 }
 
-conus_status stored_open(struct stored *out, const char *path, uint64_t limit, enum stored_use use,
-                         const struct bytes *header)
+static conus_status open_whole(struct stored *out, const char *path, const struct open_file *file, uint64_t limit,
+                               enum stored_use use, const struct bytes *header)
 {
     struct stored stored = {.path = memory_text(path, strlen(path))};
     conus_status status = use == STORED_PLAIN ? CONUS_OK : cache_check_limit();
@@ -339,7 +335,7 @@ conus_status stored_open(struct stored *out, const char *path, uint64_t limit, e
     if (!status && use == STORED_INDEX) {
         find_index(&stored, limit, header);
     }
-    status = status || stored.index ? status : read_whole(&stored, limit, use, header);
+    status = status || stored.index ? status : read_whole(&stored, file, limit, use, header);
     if (status) {
         stored_finish(&stored);
         return status;
@@ -348,12 +344,18 @@ conus_status stored_open(struct stored *out, const char *path, uint64_t limit, e
     return CONUS_OK;
 }
 
-conus_status stored_open_slabs(struct stored *out, const char *path, uint64_t limit, enum stored_use use,
-                               plain_file_test *test)
+conus_status stored_open(struct stored *out, const char *path, uint64_t limit, enum stored_use use,
+                         const struct bytes *header)
+{
+    return open_whole(out, path, NULL, limit, use, header);
+}
+
+static conus_status open_slabs(struct stored *out, const char *path, const struct open_file *file, uint64_t limit,
+                               enum stored_use use, plain_file_test *test)
 {
     struct plain_file plain;
-    if (!plain_file_open(&plain, path, STORED_LARGE, test)) {
-        return stored_open(out, path, limit, use, NULL);
+    if (!plain_file_open(&plain, file, test)) {
+        return open_whole(out, path, file, limit, use, NULL);
     }
     struct stored stored = {.path = memory_text(path, strlen(path)), .plain = memory_copy(&plain, 1, sizeof plain)};
     if (!stored.path || !stored.plain) {
@@ -364,6 +366,21 @@ conus_status stored_open_slabs(struct stored *out, const char *path, uint64_t li
     }
     *out = stored;
     return CONUS_OK;
+}
+
+conus_status stored_open_slabs(struct stored *out, const char *path, const struct open_file *file, uint64_t limit,
+                               enum stored_use use, plain_file_test *test)
+{
+    struct open_file own;
+    if (file) {
+        return open_slabs(out, path, file, limit, use, test);
+    }
+    if (file_open(&own, path)) {
+        return open_whole(out, path, NULL, limit, use, NULL); /* which says why */
+    }
+    conus_status status = open_slabs(out, path, &own, limit, use, test);
+    file_close(&own);
+    return status;
 }
 
 conus_status stored_head(struct bytes *out, const struct stored *stored, size_t limit)

@@ -68,9 +68,9 @@ conus_status stored_open(struct stored *out, const char *path, uint64_t limit, e
 typedef bool plain_file_test(const uint8_t *data, size_t size);
 
 /** The same without a header, but a file of more than STORED_LARGE bytes that is not packed and passes the test is not
- * read yet, however large it is. */
-conus_status stored_open_slabs(struct stored *out, const char *path, uint64_t limit, enum stored_use use,
-                               plain_file_test *test);
+ * read yet, however large it is. @p file, unless NULL, is @p path, open. */
+conus_status stored_open_slabs(struct stored *out, const char *path, const struct open_file *file, uint64_t limit,
+                               enum stored_use use, plain_file_test *test);
 void stored_finish(struct stored *stored);
 
 /** The first @p limit bytes, or fewer: unpacked where the file is packed as a whole. Where an index is of a part of it,

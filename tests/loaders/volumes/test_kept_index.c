@@ -207,7 +207,7 @@ static conus_status open_labels(struct volume_file *file, struct label_voxels *l
     struct notes notes = {0};
     const conus_load_options options = {.cache = true, .max_memory = max_memory};
     snprintf(chosen, sizeof chosen, "%s,volume=1", path);
-    conus_status status = volume_file_open_labels(file, labels, chosen, &options, "a volume", &notes);
+    conus_status status = volume_file_open_labels(file, labels, chosen, NULL, &options, "a volume", &notes);
     notes_finish(&notes);
     return status;
 }

@@ -61,7 +61,7 @@ static conus_status open_slabs(struct volume_file *file, struct label_voxels *la
                                struct notes *notes)
 {
     const conus_load_options options = {.max_memory = limit};
-    return volume_file_open_labels(file, labels, path, &options, needed, notes);
+    return volume_file_open_labels(file, labels, path, NULL, &options, needed, notes);
 }
 
 static void labels_and_notes_are_those_of_all_voxels_at_once(void **state)
