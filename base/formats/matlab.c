@@ -157,11 +157,6 @@ static conus_status take_dimensions(struct matlab_array *array, struct text *res
     return status;
 }
 
-static conus_status take_name(struct matlab_array *array, struct text *rest)
-{
-    return take_typed(&array->name, rest, array->swapped, INT8, "name of an array");
-}
-
 /* Values of numbers: as many as the dimensions say. Of characters in UTF-8 there may be more bytes; and an empty text
  * may have any dimensions. */
 static conus_status take_values(struct matlab_array *array, struct text *rest)
@@ -240,7 +235,7 @@ static conus_status parse_array(struct matlab *matlab, size_t index)
         return status;
     }
     status = take_dimensions(array, &rest);
-    status = status ? status : take_name(array, &rest);
+    status = status ? status : take_typed(&array->name, &rest, array->swapped, INT8, "name of an array");
     if (!status && array->kind == MATLAB_STRUCT) {
         status = take_field_names(array, &rest);
     }

@@ -10,7 +10,7 @@
 #include "base/files/file.h"
 #include "base/text.h"
 
-/** What MATLAB calls the class of an array. */
+/** The class of an array, by MATLAB's codes. */
 enum matlab_class {
     MATLAB_EMPTY = 0, /**< [], written as nothing at all. */
     MATLAB_CELL = 1,

@@ -82,7 +82,7 @@ static void on_doctype(void *user, const char *name, const char *system_id, cons
     }
 }
 
-/* What a definition that was passed over might have declared. */
+/* A definition that was passed over might have declared it. */
 static void on_skipped_entity(void *user, const char *name, int is_parameter)
 {
     (void)is_parameter;

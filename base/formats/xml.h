@@ -14,7 +14,7 @@ struct xml_event {
     size_t line;             /**< From 1.                                                       */
 };
 
-/** What to do at the start and the end of each element. A failure stops the parser and is passed on. */
+/** Called at the start and the end of each element. A failure stops the parser and is passed on. */
 struct xml_handler {
     conus_status (*start)(void *user, const struct xml_event *event);
     conus_status (*end)(void *user, const struct xml_event *event);

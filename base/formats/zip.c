@@ -121,7 +121,7 @@ static conus_status read_end(struct directory *out, const uint8_t *data, size_t 
     return status;
 }
 
-/* What both a header before a file and its entry of the directory say. */
+/* The fields that a header before a file and its entry of the directory have in common. */
 struct record {
     uint16_t flags, method;
     uint32_t checksum;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * What took long to make, kept for the next time: one file per result, named by the SHA-256 of everything that it
- * follows from, in $XDG_CACHE_HOME/conus (else ~/.cache/conus). A cache that cannot be read or written is an empty one:
- * nothing here is an error of the work that it serves, except a lack of memory. */
+ * Results that took long to make, kept for the next time: one file per result, named by the SHA-256 of everything that
+ * it follows from, in $XDG_CACHE_HOME/conus (else ~/.cache/conus). A cache that cannot be read or written is an empty
+ * one: nothing here is an error of the work that it serves, except a lack of memory. */
 #ifndef CONUS_LOADERS_CHILD_MESH_CACHE_H
 #define CONUS_LOADERS_CHILD_MESH_CACHE_H
 

@@ -174,7 +174,7 @@ static void become_program(const char *path, const struct mesh_child_limits *lim
     kill(getpid(), SIGKILL);
 }
 
-/* What execv() says, which nobody does once it has succeeded. */
+/* The error of execv(), which writes nothing once it has succeeded. */
 static int hear_report(int ends[ENDS])
 {
     int error = 0;

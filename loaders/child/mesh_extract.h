@@ -6,7 +6,7 @@
 #include "atlas/atlas.h"
 #include "atlas/surface/mesh.h"
 
-/* What keeps AAL nearest to its voxels: of more, the corners that voxels have are lost, too. */
+/* These keep AAL nearest to its voxels; with more smoothing the corners of voxels are lost, too. */
 enum { MESH_DEFAULT_SMOOTH = 5 };
 #define MESH_DEFAULT_PASS_BAND 0.7
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * What conus and conus-mesh say to each other: a request in, a stream of meshes out. Included by C and C++. All numbers
+ * The protocol between conus and conus-mesh: a request in, a stream of meshes out. Included by C and C++. All numbers
  * are little-endian and without padding; f32 and f64 are IEEE 754.
  *
  * Request, all in one file:

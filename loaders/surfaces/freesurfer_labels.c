@@ -142,7 +142,7 @@ static int compare_entries(const void *a, const void *b)
     return order ? order : compare_unsigned(x->number, y->number);
 }
 
-/* What the packed colours cannot tell apart. */
+/* Notes the entries that the packed colours cannot tell apart. */
 static conus_status note_colours(const struct annot *annot)
 {
     conus_status status = CONUS_OK;

@@ -17,7 +17,7 @@ struct geometry {
     double centre[3];
 };
 
-/* What is left to read. */
+/* The bytes left to read. */
 struct cursor {
     const uint8_t *data;
     size_t size;

@@ -94,11 +94,6 @@ static conus_status decode_ascii(double *values, const struct gifti_storage *sto
                : fail(CONUS_ERROR_DATA, "Data: %zu numbers, the Dim attributes ask for %zu", n, storage->count);
 }
 
-static bool is_space(char c)
-{
-    return c == ' ' || (c >= '\t' && c <= '\r');
-}
-
 /* RFC 4648 with white space anywhere, and with its padding. */
 static conus_status decode_base64(struct bytes *out, struct text text)
 {
@@ -111,7 +106,7 @@ static conus_status decode_base64(struct bytes *out, struct text text)
     }
     for (size_t i = 0; i < text.size; i++) {
         int value = base64_value(text.data[i]);
-        if (is_space(text.data[i])) {
+        if (text.data[i] == ' ' || (text.data[i] >= '\t' && text.data[i] <= '\r')) {
             continue;
         }
         bool pad = text.data[i] == '=' && digits % 4 >= 2;
@@ -136,14 +131,6 @@ static conus_status decode_base64(struct bytes *out, struct text text)
     return CONUS_OK;
 }
 
-static enum libdeflate_result inflate_packed(struct libdeflate_decompressor *decompressor, const struct bytes *packed,
-                                             uint8_t *out, size_t size, size_t *used, size_t *got)
-{
-    return gzip_is(packed->data, packed->size) /* what the encoding's name says, and no known program writes */
-               ? libdeflate_gzip_decompress_ex(decompressor, packed->data, packed->size, out, size, used, got)
-               : libdeflate_zlib_decompress_ex(decompressor, packed->data, packed->size, out, size, used, got);
-}
-
 static conus_status inflate_into(struct bytes *unpacked, const struct bytes *packed)
 {
     struct libdeflate_decompressor *decompressor = libdeflate_alloc_decompressor();
@@ -152,7 +139,10 @@ static conus_status inflate_into(struct bytes *unpacked, const struct bytes *pac
     }
     size_t used = 0;
     size_t got = 0;
-    enum libdeflate_result result = inflate_packed(decompressor, packed, unpacked->data, unpacked->size, &used, &got);
+    /* gzip is what the encoding's name says, and no known program writes */
+    enum libdeflate_result result =
+        (gzip_is(packed->data, packed->size) ? libdeflate_gzip_decompress_ex : libdeflate_zlib_decompress_ex)(
+            decompressor, packed->data, packed->size, unpacked->data, unpacked->size, &used, &got);
     libdeflate_free_decompressor(decompressor);
     if (result == LIBDEFLATE_INSUFFICIENT_SPACE || (!result && got != unpacked->size)) {
         return fail(CONUS_ERROR_DATA, "Data: unpacks to %s than the %zu bytes that the Dim attributes ask for",
@@ -269,18 +259,12 @@ struct parsing {
     struct label_entry entry;     /* the Label that is open */
 };
 
-static void array_finish(struct gifti_array *array)
-{
-    memory_free(array->values);
-    memory_free(array->name);
-    memory_free(array->transforms);
-    *array = (struct gifti_array){0};
-}
-
 void gifti_finish(struct gifti *gifti)
 {
     for (size_t i = 0; i < gifti->array_count; i++) {
-        array_finish(&gifti->arrays[i]);
+        memory_free(gifti->arrays[i].values);
+        memory_free(gifti->arrays[i].name);
+        memory_free(gifti->arrays[i].transforms);
     }
     memory_free(gifti->arrays);
     memory_free(gifti->name);
@@ -520,11 +504,6 @@ static conus_status end_array(struct parsing *parsing, struct text text)
     return CONUS_OK;
 }
 
-static struct gifti_transform *transform_of(const struct gifti_array *array)
-{
-    return array && array->transform_count ? &array->transforms[array->transform_count - 1] : NULL;
-}
-
 static conus_status start_transform(struct gifti_array *array)
 {
     if (!array) {
@@ -581,22 +560,17 @@ static conus_status end_matrix(double matrix[16], struct text text)
     return CONUS_OK;
 }
 
-/* The number of "VolGeomX_R" among FreeSurfer's twelve, or -1. */
-static int geometry_index(const char *name)
-{
-    if (strncmp(name, "VolGeom", 7) != 0 || strlen(name) != 10 || name[8] != '_') {
-        return -1;
-    }
-    const char *column = strchr("XYZC", name[7]);
-    const char *row = strchr("RAS", name[9]);
-    return column && row ? (int)(3 * (column - "XYZC") + (row - "RAS")) : -1;
-}
-
+/* Keeps one of FreeSurfer's twelve numbers, "VolGeomX_R". */
 static void keep_geometry(struct gifti_array *array, const char *name, struct text text)
 {
-    int index = geometry_index(name);
+    bool is_one = array && strncmp(name, "VolGeom", 7) == 0 && strlen(name) == 10 && name[8] == '_';
+    static const char columns[] = "XYZC";
+    static const char rows[] = "RAS";
+    const char *column = is_one ? strchr(columns, name[7]) : NULL;
+    const char *row = is_one ? strchr(rows, name[9]) : NULL;
+    ptrdiff_t index = column && row ? 3 * (column - columns) + (row - rows) : -1;
     double value;
-    if (array && index >= 0 && text_to_double(text_trim(text), &value) && isfinite(value)) {
+    if (index >= 0 && text_to_double(text_trim(text), &value) && isfinite(value)) {
         *(index < 9 ? &array->geometry.axes[index] : &array->geometry.centre[index - 9]) = value;
         array->geometry.given |= 1U << index;
     }
@@ -612,7 +586,7 @@ static char hemisphere_of(struct text structure)
                                                                     : 0;
 }
 
-/* What the surface shows, by the first place that says so. */
+/* Keeps what the surface shows, from the first place that says so. */
 static conus_status keep_anatomy(struct gifti *gifti, const char *name, struct text text)
 {
     char **field = strcmp(name, "AnatomicalStructurePrimary") == 0     ? &gifti->structure
@@ -679,8 +653,10 @@ static conus_status end_element(struct parsing *parsing, const struct xml_event 
         conus_status (*end)(struct parsing *parsing, struct text text);
     } elements[] = {{"Data", end_data},   {"DataArray", end_array}, {"Name", end_name},
                     {"Value", end_value}, {"Label", end_label},     {"GIFTI", end_gifti}};
-    struct gifti_transform *transform = transform_of(parsing->array);
-    conus_status status = transform ? end_in_transform(transform, event) : CONUS_OK;
+    const struct gifti_array *array = parsing->array;
+    conus_status status = array && array->transform_count
+                              ? end_in_transform(&array->transforms[array->transform_count - 1], event)
+                              : CONUS_OK;
     for (size_t i = 0; !status && i < sizeof elements / sizeof elements[0]; i++) {
         if (strcmp(event->name, elements[i].name) == 0) {
             return elements[i].end(parsing, event->text);

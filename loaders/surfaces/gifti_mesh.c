@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What the arrays of a GIFTI file mean: a surface, or labels of its vertices. */
+/* Makes a surface, or labels of its vertices, of the arrays of a GIFTI file. */
 #include "loaders/surfaces/gifti.h"
 
 #include "atlas/space.h"

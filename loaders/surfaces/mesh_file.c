@@ -121,11 +121,6 @@ static bool is_gifti(const struct bytes *bytes)
     return text_equal(xml_root(text_from_bytes(bytes->data, bytes->size)), "GIFTI");
 }
 
-static bool is_own(const struct bytes *bytes)
-{
-    return is_gifti(bytes) || freesurfer_is_surface(bytes->data, bytes->size);
-}
-
 /* By its first bytes. */
 static bool begins_as_own(const char *path)
 {
@@ -140,7 +135,7 @@ static bool begins_as_own(const char *path)
     if (gzip_is(start.data, start.size) && !gzip_head(&unpacked, start.data, start.size, HEAD)) {
         start = unpacked;
     }
-    bool own = is_own(&start);
+    bool own = is_gifti(&start) || freesurfer_is_surface(start.data, start.size);
     bytes_finish(&unpacked);
     return own;
 }

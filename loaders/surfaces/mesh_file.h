@@ -18,7 +18,7 @@ struct mesh_file_options {
     char hemisphere; /**< Of labels: its side, 'L' or 'R', where the surface does not say which structure it is. */
 };
 
-/** What the name of the file @p path says: "lh.pial" of "lh.pial.surf.gii.gz". The caller's to memory_free(); NULL
+/** The name in the file name of @p path: "lh.pial" of "lh.pial.surf.gii.gz". The caller's to memory_free(); NULL
  * without memory. */
 char *mesh_file_name(const char *path);
 

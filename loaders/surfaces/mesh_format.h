@@ -6,7 +6,7 @@
 #include "atlas/surface/mesh.h"
 #include "base/buffer.h"
 
-/** What a file says about its mesh. */
+/** Facts about a mesh that its file states. */
 struct mesh_title {
     uint32_t label;
     const char *name; /**< UTF-8. */

@@ -171,11 +171,6 @@ conus_status surface_list_make(struct surface_list *out, const char *folder, uin
     return CONUS_OK;
 }
 
-static bool fits(const struct surface_item *item, const char *structure, size_t vertices)
-{
-    return item->about.structure && strcmp(item->about.structure, structure) == 0 && item->about.vertices == vertices;
-}
-
 /* "a.surf.gii (CortexLeft, 642 vertices, pial)", of the first. */
 static void describe_items(struct buffer *out, const struct surface_list *list)
 {
@@ -210,7 +205,9 @@ conus_status surface_list_find(const struct surface_item **out, const char **kin
     const struct surface_item *other = NULL; /* as good */
     for (size_t i = 0; i < list->count; i++) {
         const struct surface_item *item = &list->items[i];
-        if (!fits(item, structure, vertices) || item->rank == UNFIT || (best && item->rank > best->rank)) {
+        const struct surface_about *about = &item->about;
+        bool fits = about->structure && strcmp(about->structure, structure) == 0 && about->vertices == vertices;
+        if (!fits || item->rank == UNFIT || (best && item->rank > best->rank)) {
             continue;
         }
         other = best && item->rank == best->rank ? item : NULL;

@@ -7,7 +7,7 @@
 
 #include <stddef.h>
 
-/** What a GIFTI surface says about itself, without reading its arrays. */
+/** Facts that a GIFTI surface states about itself; its arrays are not read. */
 struct surface_about {
     char *structure;      /**< AnatomicalStructurePrimary: "CortexLeft"; NULL if none; owned, like the others.   */
     char *layer;          /**< AnatomicalStructureSecondary: "MidThickness".                                     */

@@ -315,7 +315,7 @@ static conus_status tiff_directory_read(struct tiff_page *out, uint64_t *next, c
     return CONUS_OK;
 }
 
-/* What chunks of one file need one after the other; begins zeroed. */
+/* Memory that the chunks of one file share; begins zeroed. */
 struct tiff_unpacker {
     struct libdeflate_decompressor *deflate;
     struct tiff_lzw *lzw;
@@ -327,13 +327,6 @@ struct tiff_chunk {
     uint8_t *out;         /* [rows * width * bits / 8] */
     uint64_t width, rows; /* Pixels that are stored. */
 };
-
-static void tiff_unpacker_finish(struct tiff_unpacker *unpacker)
-{
-    libdeflate_free_decompressor(unpacker->deflate);
-    memory_free(unpacker->lzw);
-    *unpacker = (struct tiff_unpacker){0};
-}
 
 static conus_status unpack_deflate(struct tiff_unpacker *unpacker, const struct tiff_chunk *chunk, size_t size)
 {
@@ -708,7 +701,8 @@ conus_status tiff_unpack(struct bytes *out, const struct tiff *tiff)
         status = unpack_page(data + i * tiff->page_bytes, tiff, &tiff->pages[i], &unpacker);
         status = status ? fail_page(status, i) : CONUS_OK;
     }
-    tiff_unpacker_finish(&unpacker);
+    libdeflate_free_decompressor(unpacker.deflate);
+    memory_free(unpacker.lzw);
     if (status) {
         memory_free(data);
         return status;

@@ -28,8 +28,8 @@ struct tiff_list {
     size_t size;    /**< Bytes of each. */
 };
 
-/** What a directory says. Strips are chunks as wide as the page, the last of them cut off at its end; tiles are chunks
- * that are stored whole and may reach beyond it. */
+/** The contents of a directory. Strips are chunks as wide as the page, the last of them cut off at its end; tiles are
+ * chunks that are stored whole and may reach beyond it. */
 struct tiff_page {
     uint64_t width, length; /**< Pixels, 1 to 2^31 - 1. */
     unsigned bits;          /**< Of a pixel: 8, 16, 32 or 64. */

@@ -112,15 +112,6 @@ static conus_status read_file(struct tck *tck, size_t header_size)
     return CONUS_OK;
 }
 
-static conus_status read_count(struct tck *tck)
-{
-    tck->has_count = tck->count.data != NULL;
-    if (tck->has_count && !text_to_uint(tck->count, UINT64_MAX, &tck->stated)) {
-        return fail(CONUS_ERROR_DATA, "count: found \"%.*s\", needed is a whole number", TEXT_SHOW(tck->count, 40));
-    }
-    return CONUS_OK;
-}
-
 /* Goes to the first point. */
 static conus_status go_to_points(struct tck *tck)
 {
@@ -145,7 +136,10 @@ static conus_status take_header(struct tck *tck)
     status = status ? status : take_lines(tck, &size);
     status = status ? status : read_type(tck);
     status = status ? status : read_file(tck, size);
-    status = status ? status : read_count(tck);
+    tck->has_count = !status && tck->count.data;
+    if (tck->has_count && !text_to_uint(tck->count, UINT64_MAX, &tck->stated)) {
+        status = fail(CONUS_ERROR_DATA, "count: found \"%.*s\", needed is a whole number", TEXT_SHOW(tck->count, 40));
+    }
     tck->type = tck->file = tck->count = (struct text){0}; /* they were in the block */
     return status ? status : go_to_points(tck);
 }
@@ -161,7 +155,7 @@ static conus_status refuse_point(const struct tck *tck, const double p[3])
                 text_number(text[0], p[0]), text_number(text[1], p[1]), text_number(text[2], p[2]));
 }
 
-/* What is no point: the end of a streamline or of the file. */
+/* Takes a triple that is no point: the end of a streamline or of the file. */
 static conus_status take_marker(struct tck *tck, const double p[3])
 {
     const struct tractogram *t = &tck->build.tractogram;

@@ -92,24 +92,17 @@ static conus_status read_stream(struct tractogram *out, const struct tract_forma
     return status ? status : byte_stream_sum(out->sha256, stream);
 }
 
-static conus_status open_stream(struct tractogram *out, const struct tract_format *format, const char *path,
-                                uint64_t max_memory, struct notes *notes)
-{
-    struct byte_stream stream = {0};
-    conus_status status = byte_stream_open(&stream, path);
-    status = status ? status : read_stream(out, format, &stream, max_memory, notes);
-    byte_stream_finish(&stream);
-    return status;
-}
-
-/* What the file says. Messages carry the path. */
+/* Reads the content of the file. Messages carry the path. */
 static conus_status read_content(struct tractogram *out, const struct tract_format *format, const char *path,
                                  uint64_t max_memory, struct notes *notes)
 {
     if (format->open) {
         return format->open(out, path, max_memory ? max_memory : default_memory, notes);
     }
-    conus_status status = open_stream(out, format, path, max_memory, notes);
+    struct byte_stream stream = {0};
+    conus_status status = byte_stream_open(&stream, path);
+    status = status ? status : read_stream(out, format, &stream, max_memory, notes);
+    byte_stream_finish(&stream);
     return status ? fail_in(status, path) : CONUS_OK;
 }
 

@@ -186,7 +186,7 @@ static const struct type types[] = {{"int8", 1, INTEGER},    {"int16", 2, INTEGE
                                     {"uint32", 4, UNSIGNED}, {"uint64", 8, UNSIGNED}, {"float16", 2, REAL},
                                     {"float32", 4, REAL},    {"float64", 8, REAL}};
 
-/* What a file's name says: folder/name.components.type. */
+/* A file's name, taken apart: folder/name.components.type. */
 struct array {
     struct text name;
     uint32_t components;
@@ -608,22 +608,17 @@ static conus_status read_positions(struct trx *trx)
     return status ? status : take_positions(trx, index, type);
 }
 
-static conus_status read_all(struct trx *trx)
-{
-    conus_status status = read_header(trx);
-    snprintf(trx->out->format, sizeof trx->out->format, "TRX, %s", trx->files.archive ? "zip" : "folder");
-    status = status ? status : read_offsets(trx);
-    status = status ? status : read_others(trx);
-    status = status ? status : note_rest(trx);
-    return status ? status : read_positions(trx);
-}
-
 /* Reads what `files` of @p trx lists, unless that has failed, and ends them. */
 static conus_status finish_reading(struct tractogram *out, struct trx *trx, conus_status status)
 {
     struct tractogram built = {0};
     trx->out = &built;
-    status = status ? status : read_all(trx);
+    status = status ? status : read_header(trx);
+    snprintf(built.format, sizeof built.format, "TRX, %s", trx->files.archive ? "zip" : "folder");
+    status = status ? status : read_offsets(trx);
+    status = status ? status : read_others(trx);
+    status = status ? status : note_rest(trx);
+    status = status ? status : read_positions(trx);
     status = status ? status : file_sums_move(&built.files, &trx->files.read);
     trx_files_finish(&trx->files);
     if (status) {
@@ -658,14 +653,6 @@ static conus_status read_archive(struct tractogram *out, const char *path, uint6
     return status;
 }
 
-static conus_status read_folder(struct tractogram *out, const char *path, uint64_t max_memory, struct notes *notes)
-{
-    struct trx trx = {.notes = notes};
-    conus_status status = trx_files_of_folder(&trx.files, path, max_memory);
-    status = finish_reading(out, &trx, status);
-    return status ? fail_in(status, path) : CONUS_OK;
-}
-
 bool trx_is(const struct bytes *head, const char *path)
 {
     struct buffer header = {0};
@@ -698,7 +685,10 @@ static conus_status refuse_gzip(const char *path)
 conus_status trx_read(struct tractogram *out, const char *path, uint64_t max_memory, struct notes *notes)
 {
     if (file_is_folder(path)) {
-        return read_folder(out, path, max_memory, notes);
+        struct trx trx = {.notes = notes};
+        conus_status status = trx_files_of_folder(&trx.files, path, max_memory);
+        status = finish_reading(out, &trx, status);
+        return status ? fail_in(status, path) : CONUS_OK;
     }
     conus_status status = refuse_gzip(path);
     return status ? status : read_archive(out, path, max_memory, notes);

@@ -26,7 +26,7 @@ bool vtk_lines_are_in(const char *path)
     return are;
 }
 
-/* What is built of what. */
+/* A tractogram that is being built. */
 struct building {
     struct tractogram *out;
     const struct foreign_mesh *mesh;
@@ -59,15 +59,6 @@ static conus_status gather(float **out, struct building *building, const float *
         memcpy(&(*out)[k * components], &values[corners->indices[k] * components], components * sizeof *values);
     }
     return status;
-}
-
-static bool are_in_order(const struct foreign_mesh *mesh, const struct corners *corners)
-{
-    bool in_order = corners->count == mesh->vertex_count;
-    for (size_t k = 0; in_order && k < corners->count; k++) {
-        in_order = corners->indices[k] == k;
-    }
-    return in_order;
 }
 
 /* Positions of the mesh are those of the tractogram, or copied; x and y change sign where they are LPS. */
@@ -156,7 +147,11 @@ static conus_status add_notes(struct notes *notes, const struct foreign_mesh *me
 static conus_status build(struct tractogram *out, struct foreign_mesh *mesh, struct foreign_lines *lines,
                           uint64_t max_memory, struct notes *notes)
 {
-    struct building building = {out, mesh, lines, max_memory, are_in_order(mesh, &lines->corners)};
+    const struct corners *corners = &lines->corners;
+    struct building building = {out, mesh, lines, max_memory, .in_order = corners->count == mesh->vertex_count};
+    for (size_t k = 0; building.in_order && k < corners->count; k++) {
+        building.in_order = corners->indices[k] == k;
+    }
     conus_status status = CONUS_OK;
     if (!lines->count) {
         status =

@@ -81,7 +81,7 @@ static conus_status check_shape(const struct field_header *header, bool has_imag
                               : CONUS_OK;
 }
 
-/* Of five dimensions. */
+/* The kind of a field of five dimensions. */
 static conus_status vectors_kind(enum field_kind *out, const struct field_header *header, conus_vectors vectors)
 {
     bool mapping = strcmp(header->intent_name, "Mapping") == 0; /* as SPM calls it */
@@ -214,16 +214,6 @@ static size_t count_nodes(const struct deformation *field)
     return field->dim[0] * field->dim[1] * field->dim[2];
 }
 
-static conus_status check_memory(size_t nodes, uint64_t max_memory)
-{
-    uint64_t limit = max_memory ? max_memory : DEFAULT_MEMORY;
-    return nodes <= limit / (3 * sizeof(float))
-               ? CONUS_OK
-               : fail(CONUS_ERROR_MEMORY,
-                      "dim: %zu vectors take %zu bytes each, allowed are %llu in all (--max-memory)", nodes,
-                      3 * sizeof(float), (unsigned long long)limit);
-}
-
 /* One component, in the place that it has among the three of each node. */
 static conus_status read_component(float *vectors, struct volume_file *file, size_t component, size_t nodes)
 {
@@ -247,7 +237,12 @@ static conus_status read_vectors(struct deformation *out, struct volume_file *fi
         return fail(CONUS_ERROR_DATA, "%s: the matrix is singular", file->info.transform);
     }
     conus_status status = file->info.volume_count == 3 ? CONUS_OK : fail(CONUS_ERROR_IO, FILE_CHANGED);
-    status = status ? status : check_memory(count_nodes(out), max_memory);
+    uint64_t limit = max_memory ? max_memory : DEFAULT_MEMORY;
+    if (!status && count_nodes(out) > limit / (3 * sizeof *out->vectors)) {
+        status =
+            fail(CONUS_ERROR_MEMORY, "dim: %zu vectors take %zu bytes each, allowed are %llu in all (--max-memory)",
+                 count_nodes(out), 3 * sizeof *out->vectors, (unsigned long long)limit);
+    }
     if (status) {
         return status;
     }
@@ -320,17 +315,12 @@ static bool look_like_positions(const struct deformation *field, const double re
     return spread(field, nothing) > spread(field, reference);
 }
 
-static void lps_from_voxel(double out[16], const struct deformation *field)
-{
-    static const double flip[16] = {-1, [5] = -1, [10] = 1, [15] = 1};
-    mat4_multiply(out, flip, field->world_from_voxel);
-}
-
 /* ITK's or SPM's: that of which the header says nothing must not look like the other. */
 static conus_status decide_vectors(enum field_kind *kind, const struct deformation *field, struct notes *notes)
 {
+    static const double flip[16] = {-1, [5] = -1, [10] = 1, [15] = 1};
     double lps[16];
-    lps_from_voxel(lps, field);
+    mat4_multiply(lps, flip, field->world_from_voxel);
     bool positions = look_like_positions(field, field->world_from_voxel) || look_like_positions(field, lps);
     if (*kind == FIELD_VECTORS && positions) {
         return fail(CONUS_ERROR_ARGUMENT,
@@ -436,17 +426,6 @@ static conus_status set_flirt(struct deformation *field, enum field_kind kind, c
     return check_finite(field, false);
 }
 
-static conus_status make_field(struct deformation *out, struct volume_file *file, enum field_kind kind,
-                               const conus_transform_options *options, struct notes *notes)
-{
-    conus_status status = read_vectors(out, file, options->max_memory);
-    if (!status) {
-        status = kind == FIELD_FSL || kind == FIELD_FNIRT ? set_flirt(out, kind, &file->info, options, notes)
-                                                          : set_vectors(out, kind, notes);
-    }
-    return status ? status : deformation_measure(out);
-}
-
 conus_status field_file_read(struct deformation *out, conus_volume_info *grid, const char *path,
                              const conus_transform_options *options, struct file_sums *read, struct notes *notes)
 {
@@ -460,7 +439,12 @@ conus_status field_file_read(struct deformation *out, conus_volume_info *grid, c
     if (status) {
         return status;
     }
-    status = make_field(&field, &file, kind, options, &found);
+    bool is_flirt = kind == FIELD_FSL || kind == FIELD_FNIRT;
+    status = read_vectors(&field, &file, options->max_memory);
+    status = status     ? status
+             : is_flirt ? set_flirt(&field, kind, &file.info, options, &found)
+                        : set_vectors(&field, kind, &found);
+    status = status ? status : deformation_measure(&field);
     status = status ? fail_in(status, path) : file_sums_put(read, file.info.path, file.info.sha256);
     status = status ? status : notes_move_in(notes, &found, path);
     if (!status) {

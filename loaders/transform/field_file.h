@@ -11,7 +11,7 @@
 /** Whether @p path is a NIfTI file, and so no affine. */
 conus_status field_file_is(bool *out, const char *path);
 
-/** What the file @p path calls itself, as field_header_words(); NULL also for what is no NIfTI file, or damaged.
+/** The words of field_header_words() for the file @p path; NULL also for what is no NIfTI file, or damaged.
  * CONUS_ERROR_IO, CONUS_ERROR_MEMORY. */
 conus_status field_file_words(const char **out, bool *usable, const char *path);
 
@@ -41,7 +41,7 @@ enum { FIELD_HEADER_SIZE = 540 }; /**< Bytes that field_header_parse() wants to 
 /** Takes the fields from @p data, the first bytes of a NIfTI file (nifti_has_magic()), unpacked. */
 conus_status field_header_parse(struct field_header *out, const uint8_t *data, size_t size);
 
-/** What a file with this header calls itself, in words ("a deformation field of SPM", static): a field that
+/** Words for a file with this header ("a deformation field of SPM", static): a field that
  * conus_atlas_transform() may take, *usable, or what a program of registration writes besides. NULL where it says
  * nothing of the kind, as 4-D fields do that FSL's tools but fnirt's write. */
 const char *field_header_words(bool *usable, const struct field_header *header);

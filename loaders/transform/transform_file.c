@@ -203,7 +203,7 @@ static bool is_register_dat(struct text text)
     return is && matrix_text_is(text);
 }
 
-/* What is no transform that could be read. */
+/* Says what the file is instead of a transform that can be read. */
 static conus_status fail_kind(const char *path, const struct bytes *file)
 {
     static const struct {

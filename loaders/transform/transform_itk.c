@@ -88,14 +88,6 @@ static conus_status check_counts(struct text name, size_t count, size_t wanted, 
                       fixed_wanted);
 }
 
-static conus_status set_matrix(double r[3][3], const double *p)
-{
-    for (int i = 0; i < 9; i++) {
-        r[i / 3][i % 3] = p[i];
-    }
-    return CONUS_OK;
-}
-
 /* CONUS_OK for the types that itk_matrix() knows. */
 static conus_status check_type(struct text name)
 {
@@ -153,7 +145,9 @@ static conus_status itk_matrix(double out[16], struct text name, const double *p
         t = zero;
     } else { /* a matrix and a translation */
         status = check_counts(name, count, 12, fixed_count, 3, 3);
-        status = status ? status : set_matrix(r, p);
+        for (int i = 0; !status && i < 9; i++) {
+            r[i / 3][i % 3] = p[i];
+        }
     }
     if (!status) {
         place(out, r, fixed_count >= 3 ? fixed : zero, t);

@@ -222,7 +222,7 @@ static bool names_values(const struct label_table *table, const struct values *v
     return named && 10 * named >= 9 * values->count && 2 * named >= entries;
 }
 
-/* Of n neighbours along an axis, a cube of n voxels shares n^(2/3) with others. */
+/* A cube of n voxels shares n^(2/3) of its n neighbours along an axis with other values. */
 static double needed_share(const struct values *values, const struct walk *walk, const struct grey_claims *claims)
 {
     double share = 1 - wrinkled * values->surface / ((double)values->voxels * (double)walk->step);
@@ -328,18 +328,14 @@ conus_status grey_judge(struct grey_verdict *out, const struct label_voxels *lab
     return status;
 }
 
-static bool is_named_dseg(const char *path)
-{
-    static const char suffix[] = "_dseg";
-    const size_t length = sizeof suffix - 1;
-    size_t stem = volume_stem_length(path);
-    return stem > length && memcmp(path + stem - length, suffix, length) == 0;
-}
-
 conus_status grey_judge_file(struct grey_verdict *out, const struct volume_file *file,
                              const struct label_voxels *labels, const struct label_table *table, bool stated)
 {
-    const struct grey_claims claims = {table, stated || is_named_dseg(file->path)};
+    static const char suffix[] = "_dseg";
+    const size_t length = sizeof suffix - 1;
+    size_t stem = volume_stem_length(file->path);
+    bool is_dseg = stem > length && memcmp(file->path + stem - length, suffix, length) == 0;
+    const struct grey_claims claims = {table, stated || is_dseg};
     if (file->intent_code == INTENT_LABEL) {
         *out = (struct grey_verdict){.equal = 1, .telling = true};
         return CONUS_OK;

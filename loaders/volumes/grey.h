@@ -8,7 +8,7 @@
 #include "atlas/labels/labels.h"
 #include "loaders/volumes/volume_file.h"
 
-/** What else there is to say that the numbers are labels. */
+/** Other evidence that the numbers are labels. */
 struct grey_claims {
     const struct label_table *table; /**< Sorted; NULL or empty: none.                             */
     bool stated;                     /**< By the volume's name, or by an FSL atlas XML of its own. */

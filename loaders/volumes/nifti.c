@@ -118,66 +118,41 @@ static conus_status note_other(const conus_volume_info *info, const struct nifti
                             space_code_name(p->qform_code), distance);
 }
 
-/* Millimetres per unit of the header. */
-static double unit_size(int units)
-{
-    static const double mm[8] = {1, 1000, 1, 0.001, 1, 1, 1, 1};
-    return mm[units & 7];
-}
-
-static conus_status note_units(double mm, struct notes *notes)
-{
-    return mm == 1 ? CONUS_OK
-                   : notes_add(notes, "xyzt_units says %s: positions were multiplied by %g to get millimetres",
-                               mm > 1 ? "metres" : "micrometres", mm);
-}
-
-static conus_status choose_transform(double out[16], char *words, size_t size, const conus_volume_info *info,
-                                     const struct nifti_placement *p)
-{
-    if (p->sform_code > 0) {
-        snprintf(words, size, "sform, code %d (%s)", p->sform_code, space_code_name(p->sform_code));
-        place_sform(out, p->srow);
-        return CONUS_OK;
-    }
-    if (p->qform_code > 0) {
-        snprintf(words, size, "qform, code %d (%s)", p->qform_code, space_code_name(p->qform_code));
-        return place_qform(out, p);
-    }
-    snprintf(words, size, "none: voxel sizes only, grid centred on the origin, i towards the left");
-    return place_sizes(out, info, p->pixdim);
-}
-
-static conus_status note_choice(const conus_volume_info *info, const struct nifti_placement *p, double mm,
-                                const double used[16], struct notes *notes)
-{
-    if (p->sform_code > 0) {
-        return p->qform_code > 0 ? note_other(info, p, mm, used, notes) : CONUS_OK;
-    }
-    return p->qform_code > 0
-               ? CONUS_OK
-               : notes_warn(notes, "neither sform nor qform is set: left and right, and the origin, are a "
-                                   "guess (i towards the left, grid centred on the origin)");
-}
-
 /* Sets world_from_voxel, spacing, orientation and transform of `info`, whose dim is set. The sform wins over the
  * qform; without either, the voxel sizes alone are used as FSL and nibabel do. Notes say what a careful user should
  * know: no transform, two that differ, units that are not millimetres. */
-static conus_status nifti_place(conus_volume_info *info, const struct nifti_placement *placement, struct notes *notes)
+static conus_status nifti_place(conus_volume_info *info, const struct nifti_placement *p, struct notes *notes)
 {
+    static const double millimetres[8] = {1, 1000, 1, 0.001, 1, 1, 1, 1};
+    double mm = millimetres[p->units & 7];
     double world[16];
     char words[sizeof info->transform];
-    conus_status status = choose_transform(world, words, sizeof words, info, placement);
-    double mm = unit_size(placement->units);
-    if (status || (status = note_choice(info, placement, mm, world, notes)) || (status = note_units(mm, notes))) {
+    conus_status status = CONUS_OK;
+    if (p->sform_code > 0) {
+        snprintf(words, sizeof words, "sform, code %d (%s)", p->sform_code, space_code_name(p->sform_code));
+        place_sform(world, p->srow);
+        status = p->qform_code > 0 ? note_other(info, p, mm, world, notes) : CONUS_OK;
+    } else if (p->qform_code > 0) {
+        snprintf(words, sizeof words, "qform, code %d (%s)", p->qform_code, space_code_name(p->qform_code));
+        status = place_qform(world, p);
+    } else {
+        snprintf(words, sizeof words, "none: voxel sizes only, grid centred on the origin, i towards the left");
+        status = place_sizes(world, info, p->pixdim);
+        status = status ? status
+                        : notes_warn(notes, "neither sform nor qform is set: left and right, and the origin, are a "
+                                            "guess (i towards the left, grid centred on the origin)");
+    }
+    if (!status && mm != 1) {
+        status = notes_add(notes, "xyzt_units says %s: positions were multiplied by %g to get millimetres",
+                           mm > 1 ? "metres" : "micrometres", mm);
+    }
+    if (status) {
         return status;
     }
     for (int i = 0; i < 16; i++) {
         world[i] *= i % 4 < 3 ? mm : 1;
     }
-    info->space_code = placement->sform_code > 0   ? placement->sform_code
-                       : placement->qform_code > 0 ? placement->qform_code
-                                                   : 0;
+    info->space_code = p->sform_code > 0 ? p->sform_code : p->qform_code > 0 ? p->qform_code : 0;
     return space_describe(info, world, words);
 }
 
@@ -323,14 +298,6 @@ static conus_status read_scaling(conus_volume_info *info, const struct fields *f
     return CONUS_OK;
 }
 
-static conus_status check_bitpix(const struct volume_header *header, int bitpix)
-{
-    int wanted = 8 * (int)volume_datatype_size(header->datatype);
-    return bitpix == wanted ? CONUS_OK
-                            : fail(CONUS_ERROR_DATA, "bitpix: found %d, datatype %s needs %d", bitpix,
-                                   header->info.datatype, wanted);
-}
-
 static bool is_matrix(int version, int intent_code)
 {
     return version == 2 && intent_code >= 3000 && intent_code < 3100;
@@ -360,7 +327,7 @@ static conus_status check_shape(const struct fields *f)
                        (long long)f->dim[4]);
 }
 
-/* What volumes and matrices have in common. */
+/* The fields that volumes and matrices have in common. */
 static conus_status begin_header(struct volume_header *out, struct fields *f)
 {
     *out = (struct volume_header){.swapped = f->swapped,
@@ -368,9 +335,15 @@ static conus_status begin_header(struct volume_header *out, struct fields *f)
                                   .header_size = f->version == 1 ? NIFTI1_SIZE : NIFTI2_SIZE,
                                   .intent_code = f->intent_code};
     snprintf(out->info.format, sizeof out->info.format, "NIfTI-%d", f->version);
-    conus_status status;
-    if ((status = volume_header_set_datatype(out, f->datatype)) || (status = check_bitpix(out, f->bitpix)) ||
-        (status = check_dim(f->dim)) || (status = volume_header_set_dim(out, f->dim + 1)) ||
+    conus_status status = volume_header_set_datatype(out, f->datatype);
+    if (status) {
+        return status;
+    }
+    int bitpix = 8 * (int)volume_datatype_size(out->datatype);
+    if (f->bitpix != bitpix) {
+        return fail(CONUS_ERROR_DATA, "bitpix: found %d, datatype %s needs %d", f->bitpix, out->info.datatype, bitpix);
+    }
+    if ((status = check_dim(f->dim)) || (status = volume_header_set_dim(out, f->dim + 1)) ||
         (status = check_offset(f, out->header_size)) || (status = read_scaling(&out->info, f))) {
         return status;
     }

@@ -25,7 +25,7 @@ static const struct datatype datatypes[] = {[CONUS_NUMBER_UINT8] = {UINT8_MAX, 1
                                             [CONUS_NUMBER_UINT32] = {UINT32_MAX, 4, 768},
                                             [CONUS_NUMBER_FLOAT32] = {0, 4, 16}};
 
-/* What the header is made of. */
+/* The values of the header. */
 struct header_values {
     const size_t *dim;
     const double *world_from_voxel;

@@ -170,7 +170,7 @@ static conus_status read_other_half(struct stored *out, const char *path, size_t
     return status;
 }
 
-/* What is known while a volume is being opened. */
+/* A volume that is being opened. */
 struct opening {
     struct stored voxels;
     struct stored pair_header; /* the .hdr of a pair, or a header of text, else empty */
@@ -439,13 +439,6 @@ static conus_status take_extensions(struct volume_file *file, const struct volum
     return CONUS_OK;
 }
 
-static void describe_format(conus_volume_info *info, const struct volume_header *header, bool packed)
-{
-    bool big = header->swapped == BIG_ENDIAN_IS_SWAPPED;
-    snprintf(info->format, sizeof info->format, "%.16s%s%s%s", header->info.format, header->pair ? " pair" : "",
-             packed ? ", gzip" : volume_text_encoding(header), big ? ", big-endian" : ", little-endian");
-}
-
 /* Makes the reader of labels the sink where it gets slabs. */
 static conus_status aim_at_labels(struct gzip_range *range, struct opening *o, const struct volume_file *file)
 {
@@ -490,7 +483,7 @@ static conus_status take_voxels(struct volume_file *file, struct opening *o)
     return status ? status : note_rest(&range, header->footer, &o->notes);
 }
 
-/* What a careful reader wants to know of the header's file, apart from the header. */
+/* Takes the bytes of the header's file around the header: extensions, text, a label table. */
 static conus_status take_around(struct volume_file *file, const struct opening *o)
 {
     if (o->header.text) {
@@ -514,7 +507,10 @@ static conus_status take_all(struct volume_file *file, struct opening *o)
     file->datatype = o->header.datatype;
     file->swapped = o->header.swapped;
     file->intent_code = o->header.intent_code;
-    describe_format(&file->info, &o->header, o->voxels.packed);
+    bool big = o->header.swapped == BIG_ENDIAN_IS_SWAPPED;
+    snprintf(file->info.format, sizeof file->info.format, "%.16s%s%s%s", o->header.info.format,
+             o->header.pair ? " pair" : "", o->voxels.packed ? ", gzip" : volume_text_encoding(&o->header),
+             big ? ", big-endian" : ", little-endian");
     if (!stored_known_sum(file->info.sha256, &o->voxels)) {
         volume_text_sha256(file->info.sha256, named == first && first != &o->voxels ? &first->bytes : NULL,
                            &o->voxels.bytes);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What the header of any volume format says, and the NIfTI datatypes in which conus counts. */
+/** @file The header of a volume of any format, with NIfTI's datatypes. */
 #ifndef CONUS_LOADERS_VOLUMES_VOLUME_HEADER_H
 #define CONUS_LOADERS_VOLUMES_VOLUME_HEADER_H
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What stands behind the path of a volume: FILE,volume=K and FILE,resolution=R,orientation=ABC. */
+/** @file The keys behind the path of a volume: FILE,volume=K and FILE,resolution=R,orientation=ABC. */
 #ifndef CONUS_LOADERS_VOLUMES_VOLUME_SELECTOR_H
 #define CONUS_LOADERS_VOLUMES_VOLUME_SELECTOR_H
 

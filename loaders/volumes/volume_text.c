@@ -219,18 +219,14 @@ static bool read_whole(uint64_t *bits, struct text word, struct text_type type)
     return fits;
 }
 
-static bool read_real(double *out, struct text word, size_t size)
-{
-    bool fits = text_to_double(word, out);
-    return fits && (size == sizeof *out || !isfinite(*out) || fabs(*out) <= (double)FLT_MAX);
-}
-
 /* Writes one number as it lies in memory. */
 static bool write_number(uint8_t *to, struct text word, struct text_type type)
 {
     uint64_t bits = 0;
     double real = 0;
-    bool fits = type.kind == 'f' ? read_real(&real, word, type.size) : read_whole(&bits, word, type);
+    bool fits = type.kind == 'f' ? text_to_double(word, &real) &&
+                                       (type.size == sizeof real || !isfinite(real) || fabs(real) <= (double)FLT_MAX)
+                                 : read_whole(&bits, word, type);
     float single = fits ? (float)real : 0;
     uint32_t half = (uint32_t)bits;
     uint16_t quarter = (uint16_t)bits;

@@ -147,7 +147,7 @@ static conus_status take_ear(struct foreign_mesh *mesh, struct polygon *polygon,
     return status;
 }
 
-/* What has no ear crosses itself or has no area: triangles from one corner, so that its edges stay where they are. */
+/* A polygon without an ear crosses itself or has no area: triangles from one corner keep its edges where they are. */
 static conus_status fan_out(struct foreign_mesh *mesh, const struct polygon *polygon, size_t first)
 {
     const struct polygon_corner *corners = polygon->corners;
@@ -346,16 +346,6 @@ conus_status foreign_end_line(struct foreign_mesh *mesh)
     return CONUS_OK;
 }
 
-static struct foreign_array *find_array(const struct foreign_lines *lines, const char *name, bool per_point)
-{
-    for (size_t i = 0; i < lines->array_count; i++) {
-        if (lines->arrays[i].per_point == per_point && strcmp(lines->arrays[i].name, name) == 0) {
-            return &lines->arrays[i];
-        }
-    }
-    return NULL;
-}
-
 /* Takes @p name, or frees it. */
 static conus_status add_array(struct foreign_array **out, struct foreign_lines *lines, char *name, bool per_point,
                               uint32_t components)
@@ -383,7 +373,11 @@ conus_status foreign_lines_array(struct foreign_array **out, struct foreign_line
     if (!words) {
         return CONUS_ERROR_MEMORY;
     }
-    struct foreign_array *found = find_array(lines, words, per_point);
+    struct foreign_array *found = NULL;
+    for (size_t i = 0; i < lines->array_count; i++) {
+        struct foreign_array *array = &lines->arrays[i];
+        found = !found && array->per_point == per_point && strcmp(array->name, words) == 0 ? array : found;
+    }
     bool fits = components >= 1 && components <= FOREIGN_COMPONENT_LIMIT;
     if (fits && !found) {
         return add_array(out, lines, words, per_point, (uint32_t)components);

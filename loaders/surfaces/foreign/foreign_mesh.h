@@ -63,7 +63,7 @@ conus_status foreign_reserve_vertices(struct foreign_mesh *mesh, size_t count);
 /** Appends a vertex. */
 conus_status foreign_add_vertex(struct foreign_mesh *mesh, const float position[3]);
 
-/** What messages call what is under way, number face_count. Lines come first where they are wanted. */
+/** The word of messages for the cell under way, number face_count. Lines come first where they are wanted. */
 static inline const char *foreign_cell_word(const struct foreign_mesh *mesh)
 {
     return mesh->lines ? "line or face" : "face";

@@ -316,17 +316,6 @@ static conus_status cut_objects(struct mesh_parts *parts, struct label_table *na
     return status;
 }
 
-static conus_status take_objects(struct mesh_parts *parts, struct label_table *names, struct foreign_mesh *foreign,
-                                 const struct obj_objects *objects, struct reading *work, const char *path)
-{
-    if (objects->count > 1) {
-        note_space(work, path, foreign->space);
-        return cut_objects(parts, names, foreign, objects, work, path);
-    }
-    struct mesh *mesh = add_part(parts, names, objects->count ? objects->names[0] : (struct text){0});
-    return mesh ? take_whole(mesh, foreign, work, path) : CONUS_ERROR_MEMORY;
-}
-
 /* Objects have what is wrong with them in common, mostly: it is said once. */
 static void drop_repeated(struct notes *notes)
 {
@@ -357,7 +346,13 @@ static conus_status read_objects(struct mesh_parts *parts, struct label_table *n
         return status;
     }
     status = parse(&foreign, &objects, path, &bytes, limit_of(work));
-    status = status ? status : take_objects(parts, names, &foreign, &objects, work, path);
+    if (!status && objects.count > 1) {
+        note_space(work, path, foreign.space);
+        status = cut_objects(parts, names, &foreign, &objects, work, path);
+    } else if (!status) {
+        struct mesh *mesh = add_part(parts, names, objects.count ? objects.names[0] : (struct text){0});
+        status = mesh ? take_whole(mesh, &foreign, work, path) : CONUS_ERROR_MEMORY;
+    }
     status = explain_failure(status, &bytes);
     obj_objects_finish(&objects);
     foreign_mesh_finish(&foreign);

@@ -239,27 +239,16 @@ void obj_objects_finish(struct obj_objects *objects)
     *objects = (struct obj_objects){0};
 }
 
-/* MNI's objects have the same ending; they begin with a letter for their kind. */
-static bool is_mni(const uint8_t *data, size_t size)
-{
-    return size > 1 && data[0] && strchr("PpLlMmFfXxQqTtBb", data[0]) && data[1] == ' ' && !strchr("flp", data[0]);
-}
-
-static conus_status check_content(const uint8_t *data, size_t size)
-{
-    if (is_mni(data, size)) {
-        return fail(CONUS_ERROR_UNSUPPORTED, "content: an MNI object file, not Wavefront's OBJ");
-    }
-    if (size && memchr(data, '\0', size)) {
-        return fail(CONUS_ERROR_DATA, "content: binary data, an OBJ file is text");
-    }
-    return CONUS_OK;
-}
-
 conus_status obj_parse(struct foreign_mesh *out, struct obj_objects *objects, const uint8_t *data, size_t size)
 {
     struct obj obj = {.words = words_of(data, size), .mesh = out};
-    conus_status status = check_content(data, size);
+    conus_status status = CONUS_OK;
+    /* MNI's objects have the same ending; they begin with a letter for their kind */
+    if (size > 1 && data[0] && strchr("PLMmFXxQqTtBb", data[0]) && data[1] == ' ') {
+        status = fail(CONUS_ERROR_UNSUPPORTED, "content: an MNI object file, not Wavefront's OBJ");
+    } else if (size && memchr(data, '\0', size)) {
+        status = fail(CONUS_ERROR_DATA, "content: binary data, an OBJ file is text");
+    }
     status = status ? status : read_vertices(&obj);
     obj.words = words_of(data, size);
     obj.line = (struct text){0};

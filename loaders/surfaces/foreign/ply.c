@@ -12,7 +12,7 @@ enum { ELEMENT_LIMIT = 64, PROPERTY_LIMIT = 256 };
 
 enum ply_type { PLY_INT8, PLY_UINT8, PLY_INT16, PLY_UINT16, PLY_INT32, PLY_UINT32, PLY_FLOAT32, PLY_FLOAT64, PLY_NONE };
 
-/* What a property is for. */
+/* The purpose of a property. */
 enum use { USE_X, USE_Y, USE_Z, USE_CORNERS, USE_NOTHING };
 
 enum kind { KIND_VERTEX, KIND_FACE, KIND_OTHER };
@@ -327,13 +327,6 @@ static conus_status read_element(struct ply *ply, const struct element *element)
     return status;
 }
 
-static conus_status check_end(struct ply *ply)
-{
-    return ply->is_text || !ply->words.rest.size
-               ? words_end(&ply->words, "the last element")
-               : fail(CONUS_ERROR_DATA, "content: %zu bytes behind the last element", ply->words.rest.size);
-}
-
 conus_status ply_parse(struct foreign_mesh *out, const uint8_t *data, size_t size)
 {
     struct ply *ply = memory_zeroed(1, sizeof *ply);
@@ -346,7 +339,11 @@ conus_status ply_parse(struct foreign_mesh *out, const uint8_t *data, size_t siz
     for (size_t i = 0; !status && i < ply->element_count; i++) {
         status = read_element(ply, &ply->elements[i]);
     }
-    status = status ? status : check_end(ply);
+    if (!status) {
+        status = ply->is_text || !ply->words.rest.size
+                     ? words_end(&ply->words, "the last element")
+                     : fail(CONUS_ERROR_DATA, "content: %zu bytes behind the last element", ply->words.rest.size);
+    }
     memory_free(ply);
     return status;
 }

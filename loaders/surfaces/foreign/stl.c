@@ -9,13 +9,6 @@
 
 enum { HEADER = 80, COUNT = 4, TRIANGLE = 50, NORMAL = 12, CORNER = 12 };
 
-static uint64_t binary_size(const uint8_t *data, size_t size)
-{
-    return size < HEADER + COUNT
-               ? HEADER + COUNT
-               : HEADER + COUNT + TRIANGLE * (uint64_t)order_u32(data + HEADER, BIG_ENDIAN_IS_SWAPPED == 0);
-}
-
 /* Text begins with "solid". So may the header of a binary file, which has a 0 somewhere. */
 static bool is_text(const uint8_t *data, size_t size)
 {
@@ -33,11 +26,11 @@ static conus_status add_triangle(struct foreign_mesh *mesh)
 static conus_status read_binary(struct foreign_mesh *out, const uint8_t *data, size_t size)
 {
     const bool swapped = !BIG_ENDIAN_IS_SWAPPED;
-    uint64_t needed = binary_size(data, size);
     conus_status status = CONUS_OK;
     if (size < HEADER + COUNT) {
         return fail(CONUS_ERROR_DATA, "content: %zu bytes, a binary STL file has %d or more", size, HEADER + COUNT);
     }
+    uint64_t needed = HEADER + COUNT + TRIANGLE * (uint64_t)order_u32(data + HEADER, swapped);
     if (size != needed) {
         return fail(CONUS_ERROR_DATA, "content: %zu bytes, a binary STL file of %u triangles has %llu", size,
                     order_u32(data + HEADER, swapped), (unsigned long long)needed);

@@ -14,7 +14,7 @@ struct vtk {
     bool is_text;
     bool has_offsets; /* Version 5: cells are offsets and corners. */
     bool has_points;
-    enum { VTK_OF_NOTHING, VTK_OF_POINTS, VTK_OF_CELLS } place; /* What the numbers are of that are read. */
+    enum { VTK_OF_NOTHING, VTK_OF_POINTS, VTK_OF_CELLS } place; /* Whose numbers are read. */
 };
 
 struct vtk_type {
@@ -261,7 +261,7 @@ static conus_status vtk_take_field(struct vtk *vtk)
     return status;
 }
 
-/* Of colours: text has numbers from 0 to 1, and binary files bytes. */
+/* The type of colours: text has numbers from 0 to 1, and binary files bytes. */
 static const struct vtk_type *colour_type(const struct vtk *vtk)
 {
     static const struct vtk_type number = {"float", 32, VTK_REAL};
@@ -269,7 +269,7 @@ static const struct vtk_type *colour_type(const struct vtk *vtk)
     return vtk->is_text ? &number : &byte;
 }
 
-/* What VTK knows by a word of its own. */
+/* Attributes, each begun by a word of its own. */
 static const struct attribute {
     const char *word;
     size_t parts; /* numbers of a point or cell; 0: the file says it */
@@ -314,14 +314,6 @@ static conus_status read_attribute_line(const struct vtk_type **type, size_t *pa
     return status;
 }
 
-static conus_status read_lookup_table(struct vtk *vtk, const struct vtk_type *type)
-{
-    size_t count = 0;
-    conus_status status = words_count(&count, &vtk->words, 1, "LOOKUP_TABLE");
-    status = status ? status : vtk_end_line(vtk);
-    return status ? status : skip_numbers(vtk, type, 4 * count);
-}
-
 /* `count` points or cells. */
 static conus_status read_attribute(struct vtk *vtk, const struct attribute *attribute, size_t count)
 {
@@ -332,13 +324,16 @@ static conus_status read_attribute(struct vtk *vtk, const struct attribute *attr
         return words_fail(&vtk->words, name, "the name of an array");
     }
     if (is_named(attribute, "LOOKUP_TABLE")) {
-        return read_lookup_table(vtk, colour_type(vtk));
+        size_t colours = 0;
+        conus_status status = words_count(&colours, &vtk->words, 1, "LOOKUP_TABLE");
+        status = status ? status : vtk_end_line(vtk);
+        return status ? status : skip_numbers(vtk, colour_type(vtk), 4 * colours);
     }
     conus_status status = read_attribute_line(&type, &parts, vtk, attribute);
     return status ? status : take_numbers(vtk, name, type, parts, count);
 }
 
-/* Of how many points or cells; what each array needs is compared with the file. */
+/* The number of points or cells. The size of each array is compared with the file later. */
 static conus_status read_data_count(size_t *out, struct vtk *vtk)
 {
     int64_t count = 0;
@@ -517,7 +512,7 @@ static conus_status read_cells(struct vtk *vtk, enum cells cells, const char *wh
                   : CONUS_OK;
 }
 
-/* What belongs to points and cells, from there to the end, is read for who wants lines. */
+/* Numbers of points and cells, which reach to the end of the file, are read only where lines are wanted. */
 static conus_status read_section(struct vtk *vtk, bool *done)
 {
     static const struct {

@@ -110,15 +110,6 @@ static conus_status fail_cut_off(void)
     return fail(CONUS_ERROR_DATA, "DataArray: its data are cut off, or no base64");
 }
 
-static conus_status check_size(uint64_t size, const struct vtp_storage *storage)
-{
-    if (size > storage->max_memory) {
-        return fail(CONUS_ERROR_MEMORY, "DataArray: %llu bytes, allowed are %llu (--max-memory)",
-                    (unsigned long long)size, (unsigned long long)storage->max_memory);
-    }
-    return CONUS_OK;
-}
-
 /* The size, then the bytes. */
 static conus_status read_plain(struct bytes *out, struct source *source, const struct vtp_storage *storage)
 {
@@ -175,7 +166,7 @@ static uint64_t size_of_block(const struct blocks *blocks, uint64_t i)
     return i + 1 == blocks->count && blocks->last ? blocks->last : blocks->size;
 }
 
-/* What all blocks unpack to; refused where the packed bytes are too few for it. */
+/* The unpacked size of all blocks; refused where the packed bytes are too few for it. */
 static conus_status find_size(size_t *out, const struct blocks *blocks, const struct source *source,
                               const struct vtp_storage *storage)
 {
@@ -193,7 +184,10 @@ static conus_status find_size(size_t *out, const struct blocks *blocks, const st
         return fail_cut_off();
     }
     *out = (size_t)all;
-    return check_size(all, storage);
+    return all <= storage->max_memory
+               ? CONUS_OK
+               : fail(CONUS_ERROR_MEMORY, "DataArray: %llu bytes, allowed are %llu (--max-memory)",
+                      (unsigned long long)all, (unsigned long long)storage->max_memory);
 }
 
 static conus_status unpack_block(uint8_t *out, size_t size, struct source *source, size_t packed_size)
@@ -281,7 +275,7 @@ static size_t count_words(struct text text)
     return count;
 }
 
-/* What an array becomes: 64-bit whole numbers, or floats. */
+/* The numbers that an array becomes: 64-bit whole ones, or floats. */
 struct numbers {
     size_t size;
     conus_status (*read)(void *to, struct words *words);
@@ -372,7 +366,7 @@ static conus_status vtp_floats(float **out, size_t *count, const struct vtp_stor
     return status;
 }
 
-/* What an array is for. */
+/* The purpose of an array. */
 enum use {
     USE_POINTS,
     USE_LINES,
@@ -673,7 +667,7 @@ static void forget_parts(struct vtp *vtp)
     vtp->use = USE_NOTHING; /* an array that is still open is not read on */
 }
 
-/* What was kept is less memory for the arrays of the next piece. */
+/* Memory that was kept is not there for the arrays of the next piece. */
 static void spend(struct vtp *vtp, size_t count, size_t size)
 {
     uint64_t bytes = (uint64_t)count * size;
@@ -731,13 +725,6 @@ static conus_status add_corner(struct vtp *vtp, size_t first, int64_t index)
                        (unsigned long long)vtp->points);
 }
 
-static conus_status end_cell(struct foreign_mesh *mesh, enum use use)
-{
-    return use == USE_LINES   ? foreign_end_line(mesh)
-           : use == USE_POLYS ? foreign_end_polygon(mesh)
-                              : foreign_end_strip(mesh);
-}
-
 static conus_status add_cells(struct vtp *vtp, size_t first, enum use use, uint64_t wanted)
 {
     struct cells cells = {0};
@@ -751,7 +738,10 @@ static conus_status add_cells(struct vtp *vtp, size_t first, enum use use, uint6
         while (!status && at < (size_t)cells.ends[i]) {
             status = add_corner(vtp, first, cells.corners[at++]);
         }
-        status = status ? status : end_cell(vtp->mesh, use);
+        status = status             ? status
+                 : use == USE_LINES ? foreign_end_line(vtp->mesh)
+                 : use == USE_POLYS ? foreign_end_polygon(vtp->mesh)
+                                    : foreign_end_strip(vtp->mesh);
     }
     if (!status && at != cells.corner_count) {
         status = fail(CONUS_ERROR_DATA, "%zu corners, the last offset is %zu", cells.corner_count, at);

@@ -6,7 +6,7 @@
 #include "base/status.h"
 #include "base/text.h"
 
-/** What is left of the file. */
+/** The rest of the file. */
 struct words {
     struct text rest;
     size_t line;  /**< That of the next byte, from 1: lines end in LF, CRLF or CR. */

@@ -209,7 +209,7 @@ static conus_status plain_file_head(struct bytes *out, const struct plain_file *
     return CONUS_OK;
 }
 
-/* What goes through the file. */
+/* One pass through a plain file. */
 struct reading {
     const struct plain_file *plain;
     const struct gzip_range *range;
@@ -237,15 +237,6 @@ static conus_status read_stretch(struct reading *reading, uint64_t at, uint64_t 
     return status;
 }
 
-static conus_status read_all(struct reading *reading)
-{
-    const struct gzip_range *range = reading->range;
-    uint64_t end = range->from + range->count;
-    conus_status status = read_stretch(reading, 0, range->from, false);
-    status = status ? status : read_stretch(reading, range->from, end, true);
-    return status ? status : read_stretch(reading, end, reading->plain->before.size, false);
-}
-
 /* Reads all of the file once, for its sum, and gives the bytes of the range: kept, or to the sink slab by slab.
  * CONUS_ERROR_DATA where the file has fewer bytes than range->total, CONUS_ERROR_IO where it changed meanwhile. */
 static conus_status plain_file_range(struct bytes *out, struct gzip_range *range, struct plain_file *plain)
@@ -258,7 +249,10 @@ static conus_status plain_file_range(struct bytes *out, struct gzip_range *range
     reading.kept = reading.slab && !range->sink ? memory_raw(range->count, 1) : NULL;
     conus_status status = reading.slab && (reading.kept || range->sink) ? CONUS_OK : CONUS_ERROR_MEMORY;
     sha256_init(&reading.sum);
-    status = status ? status : read_all(&reading);
+    uint64_t end = range->from + range->count;
+    status = status ? status : read_stretch(&reading, 0, range->from, false);
+    status = status ? status : read_stretch(&reading, range->from, end, true);
+    status = status ? status : read_stretch(&reading, end, plain->before.size, false);
     if (!status && !is_unchanged(plain->descriptor, &plain->before)) {
         file_trace_failed();
         status = fail(CONUS_ERROR_IO, FILE_CHANGED);
@@ -418,16 +412,6 @@ bool stored_known_sum(char out[65], const struct stored *stored)
     return sum;
 }
 
-static conus_status follow_index(struct bytes *out, struct gzip_range *range, const struct kept_index *kept)
-{
-    conus_status status = gzip_index_unpack(out, range, &kept->index, kept->descriptor);
-    if (!status && !is_unchanged(kept->descriptor, &kept->before)) {
-        bytes_finish(out);
-        status = fail(CONUS_ERROR_IO, FILE_CHANGED);
-    }
-    return status;
-}
-
 static conus_status unpack_and_keep(struct bytes *out, struct gzip_range *range, struct stored *stored, size_t begin,
                                     size_t size, const char *sha256)
 {
@@ -451,9 +435,17 @@ static conus_status unpack_and_keep(struct bytes *out, struct gzip_range *range,
 conus_status stored_stream(struct bytes *out, struct gzip_range *range, struct stored *stored, size_t begin,
                            size_t size, const char *sha256)
 {
-    return stored->index              ? follow_index(out, range, stored->index)
-           : sha256 && stored->keeper ? unpack_and_keep(out, range, stored, begin, size, sha256)
-                                      : gzip_unpack(out, range, stored->bytes.data + begin, size);
+    const struct kept_index *kept = stored->index;
+    if (!kept) {
+        return sha256 && stored->keeper ? unpack_and_keep(out, range, stored, begin, size, sha256)
+                                        : gzip_unpack(out, range, stored->bytes.data + begin, size);
+    }
+    conus_status status = gzip_index_unpack(out, range, &kept->index, kept->descriptor);
+    if (!status && !is_unchanged(kept->descriptor, &kept->before)) {
+        bytes_finish(out);
+        status = fail(CONUS_ERROR_IO, FILE_CHANGED);
+    }
+    return status;
 }
 
 conus_status stored_range(struct bytes *out, struct gzip_range *range, struct stored *stored, const char *sha256)

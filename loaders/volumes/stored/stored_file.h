@@ -52,7 +52,7 @@ struct stored {
     struct index_keeper *keeper; /**< Owned: of an index to be made; NULL = none. */
 };
 
-/** What to do about an index of a packed file. */
+/** Whether an index of a packed file is used and made. */
 enum stored_use {
     STORED_PLAIN, /**< Nothing.                                         */
     STORED_KEEP,  /**< One is to be made.                               */

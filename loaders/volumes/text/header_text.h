@@ -18,7 +18,7 @@ enum {
 /** Arguments for "%.*s": the beginning of the text @p t. */
 #define HEADER_SHOW(t) TEXT_SHOW(t, HEADER_SHOWN)
 
-/** What a value is, and what it becomes. */
+/** How a value is written, and the member that it becomes. */
 enum header_kind {
     HEADER_TEXT,     /**< struct text, inside the header's bytes. */
     HEADER_WORD,     /**< int: the value of one of row.words. */

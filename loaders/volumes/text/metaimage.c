@@ -9,7 +9,7 @@
 
 enum { AXES = 4 };
 
-/* What a header says. */
+/* The values of a header. */
 struct metaimage {
     struct text_volume *out;
     struct notes *notes;
@@ -240,7 +240,7 @@ static conus_status read_lines(struct header_values *values, struct text *rest)
     return status;
 }
 
-/* What rows say together. */
+/* Checks values against each other. */
 static conus_status check_metaimage(const struct metaimage *meta)
 {
     if (meta->binary && meta->big_endian < 0 && (meta->type & 0xff) > 1) {

@@ -20,7 +20,7 @@ struct segment {
     struct text fields[SEGMENT_FIELDS]; /* inside the header's bytes */
 };
 
-/* What a header says. */
+/* The values of a header. */
 struct nrrd {
     struct text_volume *out;
     int type, encoding; /* type: kind << 8 | bytes */
@@ -531,7 +531,7 @@ static conus_status read_lines(struct header_values *values, struct nrrd *nrrd, 
                : fail(CONUS_ERROR_DATA, "header: found no empty line at its end, and no \"data file\"");
 }
 
-/* What rows say together. */
+/* Checks values against each other. */
 static conus_status check_nrrd(const struct nrrd *nrrd)
 {
     if (nrrd->big_endian < 0 && (nrrd->type & 0xff) > 1 && nrrd->encoding != TEXT_NUMBERS) {

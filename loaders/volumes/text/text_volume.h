@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What a header of text says about a volume, in any of the formats of this folder. */
+/** @file A volume as its header of text describes it, in any of the formats of this folder. */
 #ifndef CONUS_LOADERS_VOLUMES_TEXT_TEXT_VOLUME_H
 #define CONUS_LOADERS_VOLUMES_TEXT_TEXT_VOLUME_H
 
