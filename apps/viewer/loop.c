@@ -9,7 +9,7 @@
 #include "viewer/session/keep.h"
 #include "viewer/session/undo.h"
 #include "viewer/window/figure_form.h"
-#include "viewer/window/title.h"
+#include "viewer/window/window.h"
 
 #include <GLFW/glfw3.h>
 #include <math.h>

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What was done to areas, carried over to an atlas with other hemispheres; one side only. */
-#include "viewer/model/hemisphere_side.h"
-#include "viewer/model/hemisphere_words.h"
+#include "viewer/model/hemispheres.h"
 #include "viewer/opening/carry.h"
 
 #include "builders/area_rows.h"

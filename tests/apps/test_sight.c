@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What the window's 3-D pane shows: of its own eye, and of a tracked head's (Eq. 1). */
-#include "viewer/pictures/head.h"
+#include "viewer/pictures/camera.h"
 
 #include "test.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What the window's title says. */
-#include "viewer/window/title.h"
+#include "viewer/window/window.h"
 
 #include "test.h"
 

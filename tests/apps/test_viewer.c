@@ -2,8 +2,8 @@
 /* What the window does, without a window. */
 #include "atlas/warp/warp.h"
 #include "base/memory.h"
-#include "viewer/model/cut_view.h"
 #include "viewer/model/picker.h"
+#include "viewer/model/viewer.h"
 #include "viewer/session/session.h"
 
 #include "test.h"

@@ -2,7 +2,7 @@
 /* The table of keys, what each does, and the page that lists them. */
 #include "viewer/commands/keys.h"
 
-#include "viewer/model/hemisphere_side.h"
+#include "viewer/model/hemispheres.h"
 #include "viewer/model/question.h"
 #include "viewer/session/keep.h"
 #include "viewer/session/undo.h"
@@ -10,7 +10,7 @@
 #include "viewer/ui/ui_list.h"
 #include "viewer/ui/ui_navigate.h"
 #include "viewer/window/figure_form.h"
-#include "viewer/window/screen.h"
+#include "viewer/window/window.h"
 
 #include <GLFW/glfw3.h>
 #include <math.h>

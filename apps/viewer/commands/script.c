@@ -11,14 +11,13 @@
 #include "viewer/commands/script_sides.h"
 #include "viewer/commands/script_study.h"
 #include "viewer/commands/script_words.h"
-#include "viewer/model/ask.h"
 #include "viewer/model/columns.h"
-#include "viewer/model/export.h"
+#include "viewer/model/question.h"
 #include "viewer/model/search.h"
 #include "viewer/session/session.h"
 #include "viewer/tools/inputs.h"
 #include "viewer/tools/point.h"
-#include "viewer/window/screen.h"
+#include "viewer/window/window.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -3,7 +3,7 @@
 #include "viewer/commands/script_sides.h"
 
 #include "settings/settings.h"
-#include "viewer/model/hemisphere_side.h"
+#include "viewer/model/hemispheres.h"
 
 #include <string.h>
 

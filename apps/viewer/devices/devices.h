@@ -3,10 +3,31 @@
 #ifndef CONUS_VIEWER_DEVICES_DEVICES_H
 #define CONUS_VIEWER_DEVICES_DEVICES_H
 
+#include "link/station.h"
 #include "viewer/devices/gamepad.h"
-#include "viewer/devices/pushed.h"
+#include "viewer/devices/source.h"
 #include "viewer/devices/spacemouse.h"
-#include "viewer/devices/tracker.h"
+
+#include <math.h>
+
+struct pushed {
+    struct source source; /**< First: a pointer to it is one to this. */
+    conus_pose pose;
+    bool is_new;
+};
+
+/** The next answer is this pose. */
+void pushed_put(struct pushed *pushed, const conus_pose *pose);
+
+struct tracker {
+    struct source source; /**< First: a pointer to it is one to the tracker. */
+    struct station_tool tool;
+    uint64_t taken; /**< Number of the pose that was answered last. */
+    bool is_there;  /**< There is a station for it. */
+};
+
+/** The station says that its tool is so; NULL = there is no station. */
+void tracker_hear(struct tracker *tracker, const struct station_tool *tool);
 
 struct devices {
     struct tracker trackers[2]; /**< Of the first and the second tool. */
@@ -19,7 +40,14 @@ struct devices {
 void devices_init(struct devices *out);
 void devices_finish(struct devices *devices);
 /** Of SpaceMouse and gamepad: mm and degrees a second at most, from SOURCE_LEAST_SPEED to SOURCE_MOST_SPEED. */
-double devices_speed(const struct devices *devices);
-void devices_set_speed(struct devices *devices, double speed);
+static inline double devices_speed(const struct devices *devices)
+{
+    return source_speed(&devices->gamepad.source);
+}
+static inline void devices_set_speed(struct devices *devices, double speed)
+{
+    double bounded = fmin(fmax(speed, SOURCE_LEAST_SPEED), SOURCE_MOST_SPEED);
+    devices->gamepad.source.speed = devices->spacemouse.source.speed = bounded;
+}
 
 #endif

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Makes moves of sticks. */
+/* Makes moves of sticks, which GLFW reads. */
 #include "viewer/devices/gamepad.h"
 
+#include <GLFW/glfw3.h>
 #include <math.h>
 
 static const double dead_stick = 0.15, dead_trigger = 0.05; /* nobody touches it: so far they may be off */
@@ -79,4 +80,35 @@ static bool ask(struct source *source, double now_s, struct source_news *out, do
 void gamepad_init(struct gamepad *out, void (*read)(struct gamepad_reading *reading))
 {
     *out = (struct gamepad){.source.ask = ask, .read = read};
+}
+
+static void take(struct gamepad_reading *out, const GLFWgamepadstate *state)
+{
+    const unsigned char *buttons = state->buttons;
+    *out = (struct gamepad_reading){
+        .presence = GAMEPAD_THERE,
+        .left = {(double)state->axes[GLFW_GAMEPAD_AXIS_LEFT_X], (double)state->axes[GLFW_GAMEPAD_AXIS_LEFT_Y]},
+        .right = {(double)state->axes[GLFW_GAMEPAD_AXIS_RIGHT_X], (double)state->axes[GLFW_GAMEPAD_AXIS_RIGHT_Y]},
+        .triggers = {(1 + (double)state->axes[GLFW_GAMEPAD_AXIS_LEFT_TRIGGER]) / 2,
+                     (1 + (double)state->axes[GLFW_GAMEPAD_AXIS_RIGHT_TRIGGER]) / 2},
+        .up = buttons[GLFW_GAMEPAD_BUTTON_RIGHT_BUMPER],
+        .down = buttons[GLFW_GAMEPAD_BUTTON_LEFT_BUMPER],
+        .pressed = (buttons[GLFW_GAMEPAD_BUTTON_A] ? SOURCE_HOLD : 0U) |
+                   (buttons[GLFW_GAMEPAD_BUTTON_B] ? SOURCE_RESET : 0U) |
+                   (buttons[GLFW_GAMEPAD_BUTTON_X] ? SOURCE_CONFIRM : 0U)};
+}
+
+void gamepad_read(struct gamepad_reading *out)
+{
+    GLFWgamepadstate state;
+    *out = (struct gamepad_reading){.presence = GAMEPAD_NONE};
+    for (int joystick = GLFW_JOYSTICK_1; joystick <= GLFW_JOYSTICK_LAST; joystick++) {
+        if (glfwJoystickIsGamepad(joystick) && glfwGetGamepadState(joystick, &state)) {
+            take(out, &state);
+            return;
+        }
+        if (glfwJoystickPresent(joystick)) {
+            out->presence = GAMEPAD_UNKNOWN;
+        }
+    }
 }

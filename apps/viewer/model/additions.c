@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 const char *const addition_names[ADDITION_COUNT] = {"context", "pathway", "streamlines"};
 
@@ -228,6 +229,20 @@ json_t *additions_describe(const conus_atlas *atlas, const json_t *words)
         json_decref(list);
     }
     return fine ? list : NULL;
+}
+
+json_t *opened_describe(const conus_atlas *atlas, const char *path, json_t *options)
+{
+    char folder[PATH_MAX];
+    struct stat info;
+    const conus_volume_info *volume = conus_atlas_volume(atlas, 0);
+    json_t *opened = json_pack("{s: s, s: o, s: o}", "folder", getcwd(folder, sizeof folder) ? folder : "", "added",
+                               additions_describe(atlas, options), "options", options);
+    if (opened && volume && paths_equal(volume->path, path) && stat(path, &info) == 0) {
+        json_object_set_new(opened, "sha256", json_string(volume->sha256));
+        json_object_set_new(opened, "bytes", json_integer(info.st_size));
+    }
+    return opened;
 }
 
 static const char *text_of(const json_t *entry, const char *key)

@@ -32,6 +32,11 @@ size_t additions_index(const json_t *words, const char *path);
 /** What a session says of them: an array, in the order of @p words, of {"option": the word, "path": its file,
  * "sha256" and "bytes" of that where they are known, "objects": numbers in @p atlas}. NULL without memory. */
 json_t *additions_describe(const conus_atlas *atlas, const json_t *words);
+/** What was opened, as "opened" of a session has it: {"folder": where conus was started, "options": words of the
+ * command line, "added": what they add (additions_describe()), "sha256" and "bytes" of the atlas's file}. NULL without
+ * memory, or where a text is not UTF-8. @p options is taken over. The checksum is left out where the atlas has no
+ * volume that is the file @p path. */
+json_t *opened_describe(const conus_atlas *atlas, const char *path, json_t *options);
 
 enum { ADDITIONS_MISSING = 256 };
 

@@ -77,4 +77,10 @@ const char *result_exact(char out[RESULT_TEXT], const struct viewer *viewer, con
  * all what is unassigned. NULL without memory. */
 size_t *result_order(const struct viewer *viewer, const struct view_atlas *on, const conus_selection *selection);
 
+enum { EXPORT_WHY = 256 };
+
+/** Writes what was selected in all atlases to @p path, in the format of its ending, and its sidecar beside it. False:
+ * @p why says why not, in one line. */
+bool export_results(struct viewer *viewer, const char *path, char why[EXPORT_WHY]);
+
 #endif

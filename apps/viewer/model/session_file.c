@@ -16,20 +16,6 @@
 
 enum { FILE_LIMIT = 64 << 20 /* bytes */ };
 
-json_t *opened_describe(const conus_atlas *atlas, const char *path, json_t *options)
-{
-    char folder[PATH_MAX];
-    struct stat info;
-    const conus_volume_info *volume = conus_atlas_volume(atlas, 0);
-    json_t *opened = json_pack("{s: s, s: o, s: o}", "folder", getcwd(folder, sizeof folder) ? folder : "", "added",
-                               additions_describe(atlas, options), "options", options);
-    if (opened && volume && paths_equal(volume->path, path) && stat(path, &info) == 0) {
-        json_object_set_new(opened, "sha256", json_string(volume->sha256));
-        json_object_set_new(opened, "bytes", json_integer(info.st_size));
-    }
-    return opened;
-}
-
 static const char *text_or_none(const json_t *object, const char *key)
 {
     const char *text = json_string_value(json_object_get(object, key));

@@ -10,12 +10,6 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/** What was opened, as "opened" of a session has it: {"folder": where conus was started, "options": words of the
- * command line, "added": what they add (additions.h), "sha256" and "bytes" of the atlas's file}. NULL without memory,
- * or where a text is not UTF-8. @p options is taken over. The checksum is left out where the atlas has no volume that
- * is the file @p path. */
-json_t *opened_describe(const conus_atlas *atlas, const char *path, json_t *options);
-
 /** A session as it was read. */
 struct session_file {
     json_t *root;

@@ -1,11 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What a study asks: defaults, limits, and whether two ask the same. */
+/* What a study asks, and its answer as conus sweep computes it: the numbers for the plots and the text come from the
+ * same selections. */
 #include "viewer/model/study.h"
 
 #include "options/angles.h"
 
 #include <math.h>
 #include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 const struct study_settings study_defaults = {.angles = {2, 40, 2}, .tilt_deg = 2, .shift_mm = 1.5, .samples = 1024};
@@ -70,4 +73,218 @@ bool study_is_same(const struct study_question *a, const struct study_question *
     }
     return same_pose && ask_same(&a->settings, &b->settings) && study_has_same_selectors(a, b) &&
            (a->settings.kind == STUDY_SWEEP || a->angle == b->angle);
+}
+
+/* A study under way. */
+struct work {
+    struct study_answer *answer;
+    conus_selector *const *selectors;
+    conus_report **reports; /* [atlas_count] That of the first has the answers of all. */
+    bool (*stops)(void *user);
+    void *user;
+    bool stopped;
+};
+
+/* Whether it goes on. */
+static bool go_on(void *user, size_t done, size_t total)
+{
+    struct work *work = user;
+    (void)done;
+    (void)total;
+    work->stopped = work->stops(work->user);
+    return !work->stopped;
+}
+
+/* The object's curve, a new one where there is none yet; NULL without memory. */
+static struct study_curve *curve_of(struct study_table *table, uint32_t object, size_t angle_count)
+{
+    for (size_t i = 0; i < table->curve_count; i++) {
+        if (table->curves[i].object == object) {
+            return &table->curves[i];
+        }
+    }
+    struct study_curve *curves = realloc(table->curves, (table->curve_count + 1) * sizeof *curves);
+    table->curves = curves ? curves : table->curves;
+    double *shares = curves ? calloc(angle_count, sizeof *shares) : NULL;
+    if (!shares) {
+        return NULL;
+    }
+    curves[table->curve_count] = (struct study_curve){.object = object, .shares = shares};
+    return &curves[table->curve_count++];
+}
+
+static conus_status note_shares(struct study_table *table, const conus_selection *selection, size_t angle,
+                                size_t angle_count)
+{
+    const conus_result *result;
+    for (size_t i = 0; (result = conus_selection_result(selection, i)); i++) {
+        struct study_curve *curve = curve_of(table, result->object, angle_count);
+        if (!curve) {
+            return CONUS_ERROR_MEMORY;
+        }
+        curve->shares[angle] = result->share;
+        curve->most = fmax(curve->most, result->share);
+    }
+    return CONUS_OK;
+}
+
+static int compare_curves(const void *a, const void *b)
+{
+    const struct study_curve *one = a;
+    const struct study_curve *other = b;
+    if (!one->object != !other->object) {
+        return one->object ? -1 : 1;
+    }
+    return one->most != other->most ? (one->most < other->most) - (one->most > other->most)
+                                    : (one->object > other->object) - (one->object < other->object);
+}
+
+static conus_status sweep(struct work *work, size_t atlas)
+{
+    struct study_answer *answer = work->answer;
+    struct study_table *table = &answer->tables[atlas];
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; i < answer->angle_count && !status && !work->stopped; i++) {
+        conus_selection *selection = NULL;
+        status =
+            conus_select(&selection, work->selectors[atlas], &answer->question.pose, answer->angles[i] * (M_PI / 180));
+        status = status ? status : conus_report_add(work->reports[atlas], "1", selection);
+        status = status ? status : note_shares(table, selection, i, answer->angle_count);
+        conus_selection_destroy(selection);
+        go_on(work, i, answer->angle_count);
+    }
+    if (table->curve_count) {
+        qsort(table->curves, table->curve_count, sizeof *table->curves, compare_curves);
+    }
+    return status;
+}
+
+static bool list_angles(struct study_answer *answer)
+{
+    const double *range = answer->question.settings.angles;
+    answer->angle_count = angles_count(range);
+    answer->angles = calloc(answer->angle_count, sizeof *answer->angles);
+    for (size_t i = 0; answer->angles && i < answer->angle_count; i++) {
+        answer->angles[i] = angles_at(range, i);
+    }
+    return answer->angles;
+}
+
+static conus_status note_chances(struct study_table *table, const conus_jitter *jitter)
+{
+    size_t count = conus_jitter_count(jitter);
+    table->chances = calloc(count + 1, sizeof *table->chances);
+    if (!table->chances) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (size_t i = 0; i < count; i++) {
+        table->chances[i] = *conus_jitter_chance(jitter, i);
+    }
+    table->chance_count = count;
+    return CONUS_OK;
+}
+
+static conus_status shake(struct work *work, size_t atlas)
+{
+    const struct study_question *question = &work->answer->question;
+    const conus_jitter_options options = {.tilt = question->settings.tilt_deg * (M_PI / 180),
+                                          .shift = question->settings.shift_mm,
+                                          .samples = (uint32_t)question->settings.samples,
+                                          .progress = go_on,
+                                          .progress_user = work};
+    conus_jitter *jitter = NULL;
+    conus_status status =
+        conus_jitter_create(&jitter, work->selectors[atlas], &question->pose, question->angle, &options);
+    status = status ? status : conus_report_add_jitter(work->reports[atlas], "1", jitter);
+    status = status ? status : note_chances(&work->answer->tables[atlas], jitter);
+    conus_jitter_destroy(jitter);
+    return status;
+}
+
+static conus_status answer_atlas(struct work *work, const char *name, size_t atlas)
+{
+    const struct study_question *question = &work->answer->question;
+    bool sweeps = question->settings.kind == STUDY_SWEEP;
+    const conus_report_options options = {.rows = sweeps ? CONUS_ROWS_SHARES : CONUS_ROWS_CHANCES,
+                                          .format = CONUS_FORMAT_TSV,
+                                          .atlas = name[0] ? name : NULL,
+                                          .frame = &question->frame,
+                                          .no_voxels = true};
+    conus_status status = conus_report_create(&work->reports[atlas], work->selectors[atlas], &options);
+    if (!status && atlas) {
+        status = conus_report_join(work->reports[0], work->reports[atlas]);
+    }
+    return status ? status : sweeps ? sweep(work, atlas) : shake(work, atlas);
+}
+
+static conus_status answer_all(struct work *work, const struct study_atlas *atlases, size_t count)
+{
+    const char *text;
+    size_t size;
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; i < count && !status && !work->stopped; i++) {
+        status = answer_atlas(work, atlases[i].name, i);
+    }
+    if (status || work->stopped) {
+        return status;
+    }
+    status = conus_report_text(&text, &size, work->reports[0]);
+    work->answer->text = status ? NULL : strdup(text);
+    return status || work->answer->text ? status : CONUS_ERROR_MEMORY;
+}
+
+struct study_answer *study_answer_refuse(const struct study_question *question, const char *why)
+{
+    struct study_answer *answer = calloc(1, sizeof *answer);
+    if (answer) {
+        answer->question = *question;
+        snprintf(answer->error, sizeof answer->error, "%s", why);
+    }
+    return answer;
+}
+
+struct study_answer *study_answer_create(const struct study_question *question, conus_selector *const *selectors,
+                                         const struct study_atlas *atlases, size_t count, bool (*stops)(void *user),
+                                         void *user)
+{
+    struct study_answer *answer = study_answer_refuse(question, "");
+    struct work work = {.answer = answer, .selectors = selectors, .stops = stops, .user = user};
+    work.reports = calloc(count, sizeof(conus_report *));
+    bool fine = answer && work.reports && (question->settings.kind != STUDY_SWEEP || list_angles(answer));
+    if (fine) {
+        answer->tables = calloc(count, sizeof *answer->tables);
+        answer->atlas_count = answer->tables ? count : 0;
+        conus_status status = answer->tables ? answer_all(&work, atlases, count) : CONUS_ERROR_MEMORY;
+        if (status) {
+            snprintf(answer->error, sizeof answer->error, "%s",
+                     status == CONUS_ERROR_MEMORY ? "not enough memory" : conus_message());
+        }
+    }
+    for (size_t i = 0; work.reports && i < count; i++) {
+        conus_report_destroy(work.reports[i]);
+    }
+    free((void *)work.reports);
+    if (!fine || work.stopped) {
+        study_answer_destroy(answer);
+        return NULL;
+    }
+    return answer;
+}
+
+void study_answer_destroy(struct study_answer *answer)
+{
+    for (size_t i = 0; answer && i < answer->atlas_count; i++) {
+        struct study_table *table = &answer->tables[i];
+        for (size_t c = 0; c < table->curve_count; c++) {
+            free(table->curves[c].shares);
+        }
+        free(table->curves);
+        free(table->chances);
+    }
+    if (answer) {
+        free(answer->tables);
+        free(answer->angles);
+        free(answer->text);
+        free(answer);
+    }
 }

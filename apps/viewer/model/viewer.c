@@ -352,7 +352,8 @@ void viewer_colour(uint8_t rgb[3], const struct viewer *viewer, uint32_t object)
     memcpy(rgb, info ? info->rgb : (const uint8_t[]){130, 132, 138}, 3);
 }
 
-void viewer_plane(double right[3], double up[3], const struct viewer *viewer, enum plane plane)
+/* The frame of a plane's picture: unit vectors to the right and up. */
+static void viewer_plane(double right[3], double up[3], const struct viewer *viewer, enum plane plane)
 {
     static const double axes[PLANE_COUNT][2][3] = {
         {{1, 0, 0}, {0, 1, 0}}, {{1, 0, 0}, {0, 0, 1}}, {{0, 1, 0}, {0, 0, 1}}};
@@ -361,4 +362,22 @@ void viewer_plane(double right[3], double up[3], const struct viewer *viewer, en
     if (viewer->display.radiological && plane != SAGITTAL) {
         right[0] = -right[0];
     }
+}
+
+/* It looks at the atlas's middle, but for the depth, which is the crosshair's. */
+void cut_view(conus_cut_view *out, const struct viewer *viewer, enum plane plane, const double size[2])
+{
+    const double *grey = view_atlas_grey(viewer->drawn);
+    *out =
+        (conus_cut_view){.mm_per_pixel = 1.9 * viewer->radius / fmax(fmin(size[0], size[1]), 1) / viewer->magnification,
+                         .width = (uint32_t)fmax(size[0], 1),
+                         .height = (uint32_t)fmax(size[1], 1),
+                         .fill = viewer->display.fill,
+                         .no_outlines = viewer->display.no_outlines,
+                         .window = {grey[0], grey[1]},
+                         .selection = viewer_selection(viewer),
+                         .chosen = viewer->drawn->shown.chosen};
+    memcpy(out->centre, viewer->centre, sizeof out->centre);
+    out->centre[2 - (int)plane] = viewer->crosshair[2 - (int)plane];
+    viewer_plane(out->right, out->up, viewer, plane);
 }

@@ -10,8 +10,7 @@
 #include "viewer/model/studier.h"
 #include "viewer/model/tool.h"
 #include "viewer/model/view_atlas.h"
-#include "viewer/pictures/head.h"
-#include "viewer/pictures/orbit.h"
+#include "viewer/pictures/camera.h"
 #include "viewer/pictures/painter.h"
 
 /** What the crosshair, and so the cuts, go along with. */
@@ -151,7 +150,8 @@ void viewer_choose(struct viewer *viewer, uint32_t object);
 /** sRGB of an object, in the palette that is on. */
 void viewer_colour(uint8_t rgb[3], const struct viewer *viewer, uint32_t object);
 
-/** The frame of a plane's picture: unit vectors to the right and up. */
-void viewer_plane(double right[3], double up[3], const struct viewer *viewer, enum plane plane);
+/** The cut through the crosshair in a picture of @p size pixels: at magnification 1 the atlas fills its shorter side.
+ */
+void cut_view(conus_cut_view *out, const struct viewer *viewer, enum plane plane, const double size[2]);
 
 #endif

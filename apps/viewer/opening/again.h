@@ -4,8 +4,9 @@
 #define CONUS_VIEWER_OPENING_AGAIN_H
 
 #include "viewer/opening/loader.h"
-#include "viewer/opening/view_settings.h"
+#include "viewer/opening/view_words.h"
 #include "viewer/window/window.h"
+#include <jansson.h>
 
 /** Opens them with the options @p words in place of their own, by which undo goes @p step (0 = it does not); @p
  * settings are those of conus-view. All that the user set stays (carry.h). False: the window stays as it was, and @p

@@ -1,23 +1,274 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Loads an atlas, or several, while the window says how far that is, and puts it in place of what was open before. */
+/* Finds out what the files are that shall be opened, loads them while the window says how far that is, and puts them in
+ * place of what was open before. */
 #include "viewer/opening/open.h"
 
 #include "options/messages.h"
 #include "settings/atlas_input.h"
 #include "settings/atlas_name.h"
 #include "settings/atlas_notes.h"
-#include "viewer/model/hemisphere_words.h"
+#include "viewer/model/additions.h"
+#include "viewer/model/hemispheres.h"
+#include "viewer/model/session_file.h"
 #include "viewer/opening/again.h"
-#include "viewer/opening/files.h"
-#include "viewer/opening/reopen.h"
 #include "viewer/opening/waiting.h"
 #include "viewer/session/session.h"
-#include "viewer/window/screen.h"
+#include "viewer/window/window.h"
 
 #include <GLFW/glfw3.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* What is to be opened first, and what is to be added to it. Paths are borrowed. */
+struct sorted {
+    const char *atlas;   /* Or a session, or an image, which opening it tells; NULL = there is none. */
+    bool is_session;     /* It is a session. */
+    const char **images; /* [image_count] */
+    const char **tractograms;
+    size_t image_count, tractogram_count;
+};
+
+enum { REOPEN_WHY = 512 };
+
+/* What is to be opened. */
+struct reopening {
+    char path[PATH_MAX]; /* Of the atlas, or its name. */
+    struct session_file file;
+    struct worded worded;            /* Its settings. */
+    json_t *words;                   /* What these are of: the session's, without what is missing. */
+    char missing[ADDITIONS_MISSING]; /* Files that were added then, and are not found now; "" = none. */
+};
+
+enum kind { IS_OTHER = 0, IS_TRACTOGRAM, IS_SESSION };
+
+struct looking {
+    const struct wanted *wanted;
+    const char *session; /* that surely is one, so that it is said why it cannot be read; NULL = none */
+    enum kind *kinds;    /* [wanted->count] */
+};
+
+static enum kind look_at(const char *path)
+{
+    struct session_file file = {0};
+    bool is_session = session_file_read(&file, path);
+    session_file_finish(&file);
+    return is_session ? IS_SESSION : conus_path_is_tractogram(path) ? IS_TRACTOGRAM : IS_OTHER;
+}
+
+/* Whether what is at `path` may be an atlas by itself: it is no session and no tractogram. Reads it. */
+static bool files_may_be_atlas(const char *path)
+{
+    return look_at(path) == IS_OTHER;
+}
+
+/* On the other thread. */
+static void look(void *user)
+{
+    const struct looking *looking = user;
+    for (size_t i = 0; i < looking->wanted->count; i++) {
+        const char *path = looking->wanted->paths[i];
+        bool is_named = looking->session && strcmp(path, looking->session) == 0;
+        looking->kinds[i] = is_named ? IS_SESSION : look_at(path);
+    }
+}
+
+/* Whether there is an atlas at `path`; else `why` says why not. */
+static bool is_atlas(struct window *window, const char *path, const struct view_settings *settings,
+                     char why[LOADER_WHY])
+{
+    struct atlas_settings alone = {
+        .max_memory = settings->atlas.max_memory, .no_cache = settings->atlas.no_cache, .image_is_fine = true};
+    const struct context_choice none = {.opacity = 0};
+    const struct loading what = {.path = path, .settings = &alone, .context = &none, .wake = glfwPostEmptyEvent};
+    struct atlases atlases = {0};
+    bool is = wait_load(window, &what, &atlases, why);
+    atlases_finish(&atlases);
+    return is;
+}
+
+static bool refuse_second(const char *one, const char *other, const char *kind, char why[LOADER_WHY])
+{
+    snprintf(why, LOADER_WHY, "%.200s and %.200s are two %s: open one of them", one, other, kind);
+    print_error_line("%s", why);
+    return false;
+}
+
+/* Takes over what opens first. */
+static bool use_atlas(struct sorted *sorted, const char *path, bool is_session, char why[LOADER_WHY])
+{
+    if (sorted->atlas) {
+        return refuse_second(sorted->atlas, path, "atlases or sessions", why);
+    }
+    sorted->atlas = path;
+    sorted->is_session = is_session;
+    return true;
+}
+
+/* Of several that may be atlases one is, and another is an image; false: why not. */
+static bool find_atlas(struct sorted *sorted, struct window *window, const struct view_settings *settings,
+                       char why[LOADER_WHY])
+{
+    size_t count = sorted->image_count;
+    bool fine = true;
+    sorted->image_count = 0;
+    for (size_t i = 0; i < count && fine; i++) {
+        const char *path = sorted->images[i];
+        if (is_atlas(window, path, settings, why)) {
+            fine = use_atlas(sorted, path, false, why);
+        } else {
+            fine = atlas_input_is_image(why) &&
+                   (!sorted->image_count || refuse_second(sorted->images[0], path, "images", why));
+            sorted->images[sorted->image_count++] = path;
+        }
+    }
+    why[0] = fine ? '\0' : why[0];
+    return fine;
+}
+
+static bool put(struct sorted *out, const struct looking *looking, char why[LOADER_WHY])
+{
+    bool fine = true;
+    for (size_t i = 0; i < looking->wanted->count && fine; i++) {
+        const char *path = looking->wanted->paths[i];
+        if (looking->kinds[i] == IS_SESSION) {
+            fine = use_atlas(out, path, true, why);
+        } else if (looking->kinds[i] == IS_TRACTOGRAM) {
+            out->tractograms[out->tractogram_count++] = path;
+        } else {
+            out->images[out->image_count++] = path;
+        }
+    }
+    return fine;
+}
+
+/* Tells the files of `wanted` apart, which are read on another thread. False: nobody wants them any more, or `why`
+ * has the reason. `out` is the caller's to files_finish() in any case. */
+static bool files_sort(struct sorted *out, struct window *window, const struct wanted *wanted,
+                       const struct view_settings *settings, char why[LOADER_WHY])
+{
+    struct looking looking = {wanted, settings->session, calloc(wanted->count + 1, sizeof *looking.kinds)};
+    *out = (struct sorted){.images = calloc(wanted->count + 1, sizeof *out->images),
+                           .tractograms = calloc(wanted->count + 1, sizeof *out->tractograms)};
+    bool fine = looking.kinds && out->images && out->tractograms;
+    snprintf(why, LOADER_WHY, "%s", fine ? "" : "not enough memory");
+    fine = fine && wait_look(window, wanted->paths[0], look, &looking, why) && put(out, &looking, why);
+    if (fine && !out->atlas && out->image_count == 1) { /* which it is, opening it tells */
+        out->atlas = out->images[0];
+        out->image_count = 0;
+    } else if (fine && out->image_count) {
+        fine = find_atlas(out, window, settings, why);
+    }
+    free(looking.kinds);
+    return fine;
+}
+
+static void files_finish(struct sorted *sorted)
+{
+    free((void *)sorted->images);
+    free((void *)sorted->tractograms);
+}
+
+/* The options `words` with all that is to be added; NULL without memory, or where a name is not UTF-8. */
+static json_t *files_add(const json_t *words, const struct sorted *sorted)
+{
+    json_t *all = json_copy((json_t *)words);
+    for (size_t i = 0; i < sorted->image_count + sorted->tractogram_count && all; i++) {
+        bool is_image = i < sorted->image_count;
+        const char *path = is_image ? sorted->images[i] : sorted->tractograms[i - sorted->image_count];
+        json_t *more = additions_with(all, is_image ? ADD_CONTEXT : ADD_STREAMLINES, path);
+        json_decref(all);
+        all = more;
+    }
+    return all;
+}
+
+/* Among what was opened lately and what is installed; by its name, too, if it was given so. */
+static bool find(char out[PATH_MAX], const struct session_file *file, const char *session)
+{
+    struct start start = {.on = true};
+    const conus_installed *named = NULL;
+    start_look(&start);
+    size_t installed = conus_catalogue_count(start.catalogue);
+    const char **others = calloc(start.recent.count + installed + 1, sizeof *others);
+    size_t count = 0;
+    for (size_t i = 0; others && i < start.recent.count; i++) {
+        others[count++] = start.recent.paths[i];
+    }
+    for (size_t i = 0; others && i < installed; i++) {
+        others[count++] = conus_catalogue_atlas(start.catalogue, i)->path;
+    }
+    bool found = session_file_find(out, file, session, others, count);
+    if (!found && start.catalogue && !strchr(file->atlas, '/') &&
+        !conus_catalogue_find(&named, start.catalogue, file->atlas)) {
+        found = snprintf(out, PATH_MAX, "%s", file->atlas) < PATH_MAX;
+    }
+    free(others);
+    start_finish(&start);
+    return found;
+}
+
+/* In plain words, and what to do. */
+static void say_missing(char why[REOPEN_WHY], const struct session_file *file, const char *session)
+{
+    const char *slash = strrchr(session, '/');
+    const char *joint = file->folder[0] && file->atlas[0] != '/' ? "/" : "";
+    snprintf(why, REOPEN_WHY,
+             "%.100s: its atlas is not found: %.150s%s%.150s. It was looked for there, beside the session, among what "
+             "was opened before and what is installed. Open or drop it, and the session goes on.",
+             slash ? slash + 1 : session, joint[0] ? file->folder : "", joint, file->atlas);
+}
+
+/* Finds what the session `session` is of; `atlas`: a path that somebody named in place of it, or NULL. `given` are
+ * the settings of the command line, whose options come before the session's where they `count`. False: *why says why
+ * not, unless the atlas is not found, which *missing tells. `session` must outlive `out`, which is the caller's to
+ * reopening_finish() in any case. */
+static bool reopening_prepare(struct reopening *out, const char *session, const char *atlas,
+                              const struct view_settings *given, bool count, bool *missing, char why[REOPEN_WHY])
+{
+    *out = (struct reopening){.path = ""};
+    *missing = false;
+    if (!session_file_read(&out->file, session)) {
+        snprintf(why, REOPEN_WHY, "%s: no session of conus view, or it cannot be read", session);
+        print_error_line("%s", why);
+        return false;
+    }
+    out->words = additions_find(out->missing, out->file.options,
+                                json_object_get(json_object_get(out->file.root, "opened"), "added"), session);
+    if (!out->words) {
+        snprintf(why, REOPEN_WHY, "%.200s: not enough memory", session);
+        return false;
+    }
+    if (worded_parse(&out->worded, out->words, given, count)) {
+        snprintf(why, REOPEN_WHY, "%.200s: opened: options: %.200s", session, error_line());
+        return false;
+    }
+    out->worded.settings.session = session;
+    bool found = atlas ? snprintf(out->path, PATH_MAX, "%s", atlas) < PATH_MAX : find(out->path, &out->file, session);
+    *missing = !found;
+    if (!found) {
+        say_missing(why, &out->file, session);
+        print_error_line("%s", why);
+    }
+    return found;
+}
+
+/* Whether the window shows that already: the same atlas, opened in the same way. */
+static bool reopening_is_open(const struct reopening *reopening, const struct window *window)
+{
+    const json_t *opened = json_object_get(reopening->file.root, "opened");
+    return window->viewer && window->files.opened && json_equal(opened, window->files.opened) &&
+           strcmp(reopening->file.atlas, window->viewer->atlases->path) == 0;
+}
+
+static void reopening_finish(struct reopening *reopening)
+{
+    if (reopening->worded.words) {
+        worded_finish(&reopening->worded);
+    }
+    json_decref(reopening->words);
+    session_file_finish(&reopening->file);
+}
 
 static void set_head(struct head *head, const struct station_settings *settings)
 {

@@ -3,7 +3,8 @@
 #ifndef CONUS_VIEWER_OPEN_H
 #define CONUS_VIEWER_OPEN_H
 
-#include "viewer/opening/view_settings.h"
+#include "viewer/opening/loader.h"
+#include "viewer/opening/view_words.h"
 #include "viewer/window/window.h"
 
 /** Begins to load @p path on another thread, with all options, before there is a window: for open_wanted(). NULL: there

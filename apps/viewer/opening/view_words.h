@@ -3,9 +3,23 @@
 #ifndef CONUS_VIEWER_VIEW_WORDS_H
 #define CONUS_VIEWER_VIEW_WORDS_H
 
-#include "viewer/opening/view_settings.h"
-
+#include "settings/settings.h"
+#include "settings/station_settings.h"
 #include <jansson.h>
+
+struct view_settings {
+    struct atlas_settings atlas;
+    struct common_settings common;
+    struct space_settings space;
+    struct station_settings station;
+    const char *poses;
+    struct context_choice context;
+    const char *transfer, *script, *session;
+    uint32_t size[2];
+    double scale;
+    bool hidden, safe_colours, full_screen;
+    const struct arguments *arguments; /* no option: that these came from; NULL = from none */
+};
 
 /** --transfer. */
 extern const struct option scene_options[];

@@ -1,17 +1,60 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The 3-D pane: shows the painter's picture, and lets the mouse turn it or aim. */
-#include "viewer/panes/panes.h"
-
 #include "viewer/model/picker.h"
+#include "viewer/panes/panes.h"
 #include "viewer/tools/inputs.h"
 #include "viewer/tools/point.h"
 #include "viewer/window/hover.h"
-#include "viewer/window/screen.h"
+#include "viewer/window/window.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+static const ui_colour compass_near = {235, 235, 240, 255};
+static const ui_colour compass_far = {175, 175, 181, 255};
+static const ui_colour compass_edge = {20, 20, 24, 190};
+
+/* Half an axis; what points away from the viewer is paler. */
+static void draw_direction(const struct window *window, const float centre[2], size_t axis, int sign)
+{
+    static const char letters[3][2][2] = {{"L", "R"}, {"P", "A"}, {"I", "S"}};
+    const double *m = window->pictures.sight.camera.world_from_device;
+    float x = (float)(sign * m[axis]);
+    float y = (float)(-sign * m[4 + axis]);
+    bool is_away = sign * m[8 + axis] < 0;
+    float length = 1.5F * ui_line();
+    const float end[2] = {centre[0] + length * x, centre[1] + length * y};
+    const char *letter = letters[axis][sign > 0];
+    ui_draw_line(centre, end, compass_edge, is_away ? 2.5F : 3.5F);
+    ui_draw_line(centre, end, is_away ? compass_far : compass_near, is_away ? 1.0F : 2.0F);
+    if (x * x + y * y > 0.1F) { /* else it points at the viewer, or away */
+        const float at[2] = {centre[0] + 1.45F * length * x - ui_text_width(letter) / 2,
+                             centre[1] + 1.45F * length * y - ui_line() / 2};
+        ui_draw_text(at, is_away ? compass_far : compass_near, letter);
+    }
+}
+
+static void pane_compass(const struct window *window)
+{
+    const struct ui_box *box = &window->screen.panes[PANE_3D];
+    float reach = 2.9F * ui_line();
+    bool is_well;
+    bool has_text = head_text(&window->viewer->head, &is_well) || !window->viewer->tools[FIRST_TOOL].has_pose;
+    float below = has_text ? 1.6F * ui_line() : 0; /* where it stands */
+    const float centre[2] = {box->x + box->width - reach, box->y + box->height - reach - below};
+    if (box->width > 3 * reach && box->height > 4 * reach) {
+        for (int half = 0; half < 12; half++) { /* what points away first */
+            size_t axis = (size_t)half % 3;
+            int sign = half / 3 % 2 ? 1 : -1;
+            bool is_away = sign * window->pictures.sight.camera.world_from_device[8 + axis] < 0;
+            if (is_away == (half < 6)) {
+                draw_direction(window, centre, axis, sign);
+            }
+        }
+    }
+}
 
 static const ui_colour light = {235, 235, 240, 255};
 static const ui_colour dark = {20, 20, 24, 255};
@@ -82,17 +125,6 @@ static void take_picture(struct window *window)
     }
 }
 
-bool pane_3d_place(float out[2], const struct window *window, const double world[3])
-{
-    const struct ui_box *box = &window->screen.panes[PANE_3D];
-    double at[2];
-    bool visible =
-        sight_project(at, &window->pictures.sight, (double[]){(double)box->width, (double)box->height}, world);
-    out[0] = box->x + (float)at[0];
-    out[1] = box->y + (float)at[1];
-    return visible;
-}
-
 /* Beside the place, on the side where there is room. */
 static void draw_name(const struct window *window, const float at[2], float y, const char *name)
 {
@@ -119,7 +151,7 @@ static void draw_names(const struct window *window)
     for (size_t i = 0; i < count && shown < NAMES_SHOWN; i++) {
         const conus_result *result = conus_selection_result(selection, i);
         float at[2];
-        if (result->object && result->pixels && pane_3d_place(at, window, result->contact)) {
+        if (result->object && result->pixels && window_point(at, window, result->contact)) {
             float y = at[1] - line / 2;
             for (size_t k = 0; k < shown; k++) {
                 y = fabsf(y - taken[k]) < line ? taken[k] + line : y;
@@ -175,7 +207,7 @@ static void draw_crosshair(const struct window *window)
         memcpy(to, viewer->crosshair, sizeof to);
         from[a] -= arm * viewer->radius;
         to[a] += arm * viewer->radius;
-        if (pane_3d_place(ends[0], window, from) && pane_3d_place(ends[1], window, to)) {
+        if (window_point(ends[0], window, from) && window_point(ends[1], window, to)) {
             ui_draw_line(ends[0], ends[1], cross, 1);
         }
     }

@@ -97,7 +97,7 @@ void pane_second_cut(struct window *window, const struct pane_plane *plane)
 static void draw_between(const struct window *window, const double from[3], const double to[3])
 {
     float ends[2][2];
-    if (pane_3d_place(ends[0], window, from) && pane_3d_place(ends[1], window, to)) {
+    if (window_point(ends[0], window, from) && window_point(ends[1], window, to)) {
         draw_line(ends[0], ends[1]);
     }
 }
@@ -108,7 +108,7 @@ static void draw_best(const struct window *window)
     const conus_selection *selection = view_atlas_selection(viewer->drawn, SECOND_TOOL);
     const conus_result *best = conus_selection_result(selection, 0);
     float at[2];
-    if (best && best->object && best->pixels && pane_3d_place(at, window, best->contact)) {
+    if (best && best->object && best->pixels && window_point(at, window, best->contact)) {
         ui_draw_circle(at, 4, second_colour, 1.5F);
         const struct ui_box *box = &window->screen.panes[PANE_3D];
         char title[VIEW_ATLAS_TITLE];
@@ -138,7 +138,7 @@ void pane_second_3d(struct window *window)
             draw_between(window, shell.near[i], shell.far[i]);
         }
     }
-    if (pane_3d_place(apex, window, window->viewer->tools[SECOND_TOOL].pose.world_from_device + 12)) {
+    if (window_point(apex, window, window->viewer->tools[SECOND_TOOL].pose.world_from_device + 12)) {
         ui_draw_circle(apex, 4, second_colour, 0);
     }
     draw_best(window);

@@ -10,14 +10,10 @@ void panel_dialog(struct window *window); /**< Likewise. */
 /** Buttons of the keys that everybody needs, in one line. */
 void panel_tools(struct window *window);
 void panel_areas(struct window *window);
-/** Of the areas: hemispheres and sides. */
-void panel_sides(struct window *window);
 /** What a cone hits in an atlas, as a list so many lines high. */
 void panel_list(struct window *window, const struct view_atlas *on, const conus_selection *selection, float lines);
 void panel_second(struct window *window); /**< The second tool. */
 void panel_cone(struct window *window);
-/** What counts, and in which order: depths, level, list. */
-void panel_question(struct window *window);
 /** Sweep or jitter of the cone; pale where @p is_old says that the cone is one from before. */
 void panel_study(struct window *window, bool is_old);
 void panel_results(struct window *window);
@@ -32,7 +28,6 @@ void panel_look_streamlines(struct viewer *viewer);               /**< streamlin
 void panel_look_area(struct viewer *viewer, uint32_t object);     /**< an area. */
 void panel_figure(struct window *window);                         /**< Before all others. */
 void panel_added(struct window *window);                          /**< Likewise: what was added to the atlas. */
-void panel_source(struct window *window);
 /** How fast a SpaceMouse or a gamepad moves; nothing of another pointer. */
 void panel_speed(struct window *window, enum pointer pointer);
 void panel_status(struct window *window);

@@ -9,12 +9,6 @@ void pane_cut(struct window *window, enum plane plane);
 /** What separates panes and panels, to be dragged; to be drawn before these. */
 void pane_borders(struct window *window);
 void pane_3d(struct window *window);
-/** Where a point (world mm) is in the 3-D pane, pixels of the window; false behind the eye. */
-bool pane_3d_place(float out[2], const struct window *window, const double world[3]);
-/** Lets the mouse on a cut change the context's grey values; true while it does. */
-bool pane_grey_drag(struct window *window, const struct ui_mouse *mouse);
-/** Writes them into a cut, where they are not those that were found. */
-void pane_grey_show(const struct window *window, const struct ui_box *box);
 /** The chosen area over the picture of the 3-D pane, whatever lies before it. */
 void pane_chosen(struct window *window);
 void pane_chosen_name(const struct window *window); /**< And its name. */
@@ -29,6 +23,5 @@ struct pane_plane {
 /** The second tool's cone, over a cut and over the 3-D pane. */
 void pane_second_cut(struct window *window, const struct pane_plane *plane);
 void pane_second_3d(struct window *window);
-void pane_compass(const struct window *window); /**< Over it: which way it looks. */
 
 #endif

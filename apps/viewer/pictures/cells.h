@@ -4,7 +4,7 @@
 #ifndef CONUS_VIEWER_PICTURES_CELLS_H
 #define CONUS_VIEWER_PICTURES_CELLS_H
 
-#include "viewer/pictures/sight.h"
+#include "viewer/pictures/camera.h"
 
 /** Cubes that have an object's place at their middle, and a neighbour that has not. */
 struct cells {

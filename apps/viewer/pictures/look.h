@@ -3,7 +3,7 @@
 #ifndef CONUS_VIEWER_PICTURES_LOOK_H
 #define CONUS_VIEWER_PICTURES_LOOK_H
 
-#include "viewer/pictures/tract_colour.h"
+#include <conus/conus.h>
 
 /** What lies behind the brain in 3-D. */
 enum backdrop { BACKDROP_LIGHT = 0, BACKDROP_WHITE, BACKDROP_BLACK, BACKDROP_TRANSPARENT, BACKDROP_COUNT };
@@ -46,5 +46,17 @@ void look_move_grey(double grey[2], const double found[2], double right, double 
 const char *look_streamline_colour(const struct look *look, const conus_atlas *atlas);
 /** The pathways that are haze, in @p out of [object_count]; returns how many. */
 size_t look_pathways(conus_pathway_transfer *out, const struct look *look);
+
+enum { TRACT_BY_BUNDLE = 0, TRACT_BY_DIRECTION, TRACT_BY_NUMBER /**< and above */, TRACT_COLOUR_LIMIT = 64 };
+
+/** "bundle", "direction", a number's name, which is the atlas's; NULL past the last, and where there are no
+ * streamlines. */
+const char *tract_colour_name(const conus_atlas *atlas, size_t colour);
+/** The one of that name; TRACT_COLOUR_LIMIT = none. */
+size_t tract_colour_find(const conus_atlas *atlas, const char *name);
+/** How many there are; 0 where there are no streamlines. */
+size_t tract_colour_count(const conus_atlas *atlas);
+/** Least and largest finite value of a number, over all files that have it; false where there is none. */
+bool tract_colour_range(double out[2], const conus_atlas *atlas, const char *name);
 
 #endif

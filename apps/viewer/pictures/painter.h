@@ -7,8 +7,8 @@
 #define CONUS_VIEWER_PICTURES_PAINTER_H
 
 #include "viewer/pictures/answer.h"
+#include "viewer/pictures/camera.h"
 #include "viewer/pictures/look.h"
-#include "viewer/pictures/sight.h"
 
 struct painter;
 

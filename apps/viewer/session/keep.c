@@ -4,7 +4,6 @@
 
 #include "options/provenance.h"
 #include "viewer/model/columns.h"
-#include "viewer/model/export.h"
 #include "viewer/model/studies.h"
 #include "viewer/session/session.h"
 

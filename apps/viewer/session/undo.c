@@ -2,7 +2,7 @@
 /* States are sessions without what is not taken back. */
 #include "viewer/session/undo.h"
 
-#include "viewer/model/hemisphere_words.h"
+#include "viewer/model/hemispheres.h"
 #include "viewer/session/session.h"
 
 #include <jansson.h>

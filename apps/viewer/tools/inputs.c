@@ -3,12 +3,90 @@
 #include "viewer/tools/inputs.h"
 
 #include "link/clock.h"
-#include "viewer/devices/steer.h"
 #include "viewer/tools/point.h"
 
 #include <math.h>
+#include <string.h>
 
 static const double farthest_radii = 3; /* from the brain's middle: a tool cannot be steered farther away */
+
+static double length(const double v[3])
+{
+    return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+}
+
+/* Rodrigues' rotation about a unit vector; column-major, 3 x 3. */
+static void rotation(double out[9], const double axis[3], double angle)
+{
+    double c = cos(angle);
+    double s = sin(angle);
+    const double cross[9] = {0, axis[2], -axis[1], -axis[2], 0, axis[0], axis[1], -axis[0], 0};
+    for (int column = 0; column < 3; column++) {
+        for (int row = 0; row < 3; row++) {
+            out[3 * column + row] =
+                c * (row == column) + (1 - c) * axis[row] * axis[column] + s * cross[3 * column + row];
+        }
+    }
+}
+
+/* Unit columns, perpendicular to each other, that turn right; z, the axis, keeps its direction. */
+static void straighten(double m[16])
+{
+    double *x = m;
+    double *y = m + 4;
+    double *z = m + 8;
+    double size = length(z);
+    double along = 0;
+    for (int a = 0; a < 3; a++) {
+        z[a] /= size;
+        along += y[a] * z[a];
+    }
+    for (int a = 0; a < 3; a++) {
+        y[a] -= along * z[a];
+    }
+    size = length(y);
+    for (int a = 0; a < 3; a++) {
+        y[a] /= size;
+    }
+    for (int a = 0; a < 3; a++) {
+        x[a] = y[(a + 1) % 3] * z[(a + 2) % 3] - y[(a + 2) % 3] * z[(a + 1) % 3];
+    }
+}
+
+/* Moves a pose by `move`, mm along its axes (-z is where it points, +y up), then turns it by `turn`, radians, a
+ * rotation vector in its frame. It stays a rotation however often it is turned. */
+static void steer_pose(conus_pose *pose, const double move[3], const double turn[3])
+{
+    double *m = pose->world_from_device;
+    double angle = length(turn);
+    for (int a = 0; a < 3; a++) {
+        m[12 + a] += move[0] * m[a] + move[1] * m[4 + a] + move[2] * m[8 + a];
+    }
+    if (angle > 0) {
+        double before[16];
+        double by[9];
+        rotation(by, (const double[]){turn[0] / angle, turn[1] / angle, turn[2] / angle}, angle);
+        memcpy(before, m, sizeof before);
+        for (int column = 0; column < 3; column++) {
+            for (int row = 0; row < 3; row++) {
+                m[4 * column + row] = before[row] * by[3 * column] + before[4 + row] * by[3 * column + 1] +
+                                      before[8 + row] * by[3 * column + 2];
+            }
+        }
+        straighten(m);
+    }
+}
+
+/* Brings a pose back that is farther than `radius`, mm, from `centre`, along the line to it. */
+static void steer_within(conus_pose *pose, const double centre[3], double radius)
+{
+    double *at = pose->world_from_device + 12;
+    const double offset[3] = {at[0] - centre[0], at[1] - centre[1], at[2] - centre[2]};
+    double far = length(offset);
+    for (int a = 0; a < 3 && far > radius; a++) {
+        at[a] = centre[a] + offset[a] * radius / far;
+    }
+}
 
 static double distance(const double a[3], const double b[3])
 {
@@ -217,4 +295,83 @@ void inputs_notice(struct notice *out, const struct inputs *inputs, const struct
     if (!out->text && tool->held && (number == SECOND_TOOL || tool->pointer >= POINT_BY_TRACKER)) {
         out->text = number == SECOND_TOOL ? "held: 4 lets it move again" : "held: Space lets it move again";
     }
+}
+
+static const double default_step_s = 0.1;
+
+double replay_time(const struct replay *replay, size_t index)
+{
+    double first = conus_pose_list_row(replay->poses, 0)->time_s;
+    double time = conus_pose_list_row(replay->poses, index)->time_s;
+    return isfinite(time - first) ? time - first : default_step_s * (double)index;
+}
+
+void replay_show(struct replay *replay, struct viewer *viewer, size_t index)
+{
+    const conus_pose_row *row = conus_pose_list_row(replay->poses, index);
+    replay->at = index;
+    if (row->error || row->is_point) {
+        viewer_say(viewer, "line %zu: %s", row->line, row->error ? row->error : "a point, which has no direction");
+        return;
+    }
+    if (row->angle > 0 && viewer->cone.options.radius == 0) {
+        viewer->tools[FIRST_TOOL].angle = row->angle * 180 / M_PI;
+    }
+    tool_aim(viewer, FIRST_TOOL, &row->pose);
+    if (row->trigger) {
+        tool_confirm(viewer, FIRST_TOOL);
+    }
+}
+
+void replay_toggle(struct replay *replay, double clock)
+{
+    size_t count = conus_pose_list_count(replay->poses);
+    replay->playing = !replay->playing && count > 0;
+    replay->at = replay->at + 1 < count ? replay->at : 0;
+    replay->from = replay->at;
+    replay->started = clock;
+}
+
+double replay_rest(const struct replay *replay, const struct viewer *viewer, double clock)
+{
+    if (!replay->playing || viewer->tools[FIRST_TOOL].pointer != POINT_BY_REPLAY ||
+        replay->at + 1 >= conus_pose_list_count(replay->poses)) {
+        return INFINITY;
+    }
+    double next = replay_time(replay, replay->at + 1) - replay_time(replay, replay->from);
+    return fmax(next - (clock - replay->started), 0.001);
+}
+
+bool replay_step(struct replay *replay, struct viewer *viewer, double clock)
+{
+    size_t count = conus_pose_list_count(replay->poses);
+    size_t at = replay->at;
+    if (!replay->playing || viewer->tools[FIRST_TOOL].pointer != POINT_BY_REPLAY) {
+        return false;
+    }
+    double time = replay_time(replay, replay->from) + clock - replay->started;
+    while (at + 1 < count && replay_time(replay, at + 1) <= time) {
+        at++;
+    }
+    if (at != replay->at) {
+        replay_show(replay, viewer, at);
+    }
+    replay->playing = at + 1 < count;
+    return true;
+}
+
+static void show_head(struct head *head, const struct station_head *news)
+{
+    if (head->named) {
+        head_set_state(head, news->state);
+        if (news->state == STATION_SEEN) {
+            head_move(head, news->eye, &news->screen);
+        }
+    }
+}
+
+void station_hear(struct station *station, struct viewer *viewer, struct station_news *news)
+{
+    station_ask(station, news);
+    show_head(&viewer->head, &news->head);
 }

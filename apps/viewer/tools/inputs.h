@@ -3,8 +3,33 @@
 #ifndef CONUS_VIEWER_TOOLS_INPUTS_H
 #define CONUS_VIEWER_TOOLS_INPUTS_H
 
+#include "link/station.h"
 #include "viewer/devices/devices.h"
-#include "viewer/model/source.h"
+#include "viewer/model/viewer.h"
+
+/** A file of poses on the time line. */
+struct replay {
+    conus_pose_list *poses; /**< NULL = none; only rows without errors are shown. */
+    size_t at;
+    bool playing;
+    double started; /**< Clock, s, at which the row `from` was shown. */
+    size_t from;
+};
+
+/** Shows row @p index of the replay. */
+void replay_show(struct replay *replay, struct viewer *viewer, size_t index);
+/** Seconds from the first row to row @p index: its time_s, or 0.1 s a row where the file has none. */
+double replay_time(const struct replay *replay, size_t index);
+/** Starts or stops; @p clock in s. */
+void replay_toggle(struct replay *replay, double clock);
+/** Moves on by the clock. Returns whether it plays. */
+bool replay_step(struct replay *replay, struct viewer *viewer, double clock);
+
+/** Seconds until it moves on; INFINITY while it does not play. */
+double replay_rest(const struct replay *replay, const struct viewer *viewer, double clock);
+
+/** Asks @p station for its news; the head moves along, if one is named. */
+void station_hear(struct station *station, struct viewer *viewer, struct station_news *news);
 
 struct inputs {
     struct replay replay;
@@ -23,7 +48,7 @@ double inputs_rest(const struct inputs *inputs, const struct viewer *viewer);
 /** Lets the mouse point along a ray from the eye (point.h) with the tool that it moves. */
 void inputs_point(struct inputs *inputs, struct viewer *viewer, const double eye[3], const double direction[3]);
 
-/** Moves and turns a tool along its own axes (steer.h); where it has no pose, it is placed first. */
+/** Moves and turns a tool along its own axes ; where it has no pose, it is placed first. */
 void tool_steer(struct viewer *viewer, enum tool_number number, const double move[3], const double turn[3]);
 
 /** What the window says of a tool: that it is held, that it is not there yet, that its tracker is gone. */

@@ -3,7 +3,8 @@
 #ifndef CONUS_VIEWER_WINDOW_FIGURE_FORM_H
 #define CONUS_VIEWER_WINDOW_FIGURE_FORM_H
 
-#include "viewer/window/figure_file.h"
+#include "figures/figure.h"
+#include "viewer/window/window.h"
 
 /** "3d", or a plane's name; [PANE_COUNT], by pane. */
 extern const char *const figure_panes[PANE_COUNT];
@@ -17,5 +18,15 @@ void figure_form_save(struct window *window);
 void figure_form_step(struct window *window);
 /** Puts the path of the newest figure on the clipboard, as text. */
 void figure_form_copy(struct window *window);
+
+enum { FIGURE_REASON = 512 };
+
+/** What of conus render's options the window's sheet and background mean. */
+void figure_of_window(struct figure_settings *out, const struct window *window);
+
+/** Draws @p pane (PANE_3D, or a plane) with the look, the cone and the place that it has now, and writes it. In 3-D a
+ * shape other than the pane's shows more or less to the left and right. False where that fails, and @p why says it. */
+bool figure_write(const struct window *window, size_t pane, const struct figure_settings *settings, const char *path,
+                  char why[FIGURE_REASON]);
 
 #endif

@@ -4,8 +4,20 @@
 #ifndef CONUS_VIEWER_WINDOW_START_H
 #define CONUS_VIEWER_WINDOW_START_H
 
-#include "viewer/window/installed.h"
 #include "viewer/window/recent.h"
+#include <conus/conus.h>
+#include <limits.h>
+#include <stdbool.h>
+#include <stddef.h>
+
+/** Whether each word of @p text is in the atlas's name, or is its source's name or the beginning of that. Upper and
+ * lower case are the same, and so are '-', '_', '.', '+' and spaces. An empty text fits all. */
+bool installed_fits(const conus_installed *atlas, const char *text);
+/** Whether one before atlas @p index is the same in another place: lists leave it out. */
+bool installed_is_twin(const conus_catalogue *catalogue, size_t index);
+/** What stands for the atlas where an atlas is opened: its name, "source:name", or where both mean others its path,
+ * which is shorter than PATH_MAX; false where it is not. */
+bool installed_words(char out[PATH_MAX], const conus_catalogue *catalogue, const conus_installed *atlas);
 
 enum { START_WHY = 512 };
 

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Opens and closes the window, lays it out, and decides when the next frame is due. */
+/* Opens and closes the window on its screen, lays it out, notes what is to be opened next, and decides when the next
+ * frame is due. */
 #include "viewer/window/window.h"
 
 #include "options/messages.h"
 #include "viewer/model/studies.h"
 #include "viewer/ui/ui_navigate.h"
-#include "viewer/window/screen.h"
 
 #include <epoxy/gl.h>
 
@@ -15,6 +15,144 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
+
+void texture_set(struct texture *texture, const uint8_t *rgba, uint32_t width, uint32_t height, bool smooth)
+{
+    if (texture->width != width || texture->height != height) {
+        glDeleteTextures(1, &texture->name);
+        glCreateTextures(GL_TEXTURE_2D, 1, &texture->name);
+        glTextureStorage2D(texture->name, 1, GL_RGBA8, (GLsizei)width, (GLsizei)height);
+        glTextureParameteri(texture->name, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+        glTextureParameteri(texture->name, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+        texture->width = width;
+        texture->height = height;
+    }
+    glTextureParameteri(texture->name, GL_TEXTURE_MIN_FILTER, smooth ? GL_LINEAR : GL_NEAREST);
+    glTextureParameteri(texture->name, GL_TEXTURE_MAG_FILTER, smooth ? GL_LINEAR : GL_NEAREST);
+    glTextureSubImage2D(texture->name, 0, 0, 0, (GLsizei)width, (GLsizei)height, GL_RGBA, GL_UNSIGNED_BYTE, rgba);
+}
+
+void texture_drop(struct texture *texture)
+{
+    glDeleteTextures(1, &texture->name);
+    *texture = (struct texture){0};
+}
+
+/* The screen (GLFWmonitor) that the window's middle is on, and its x, y, width and height; NULL where none is known.
+ */
+static void *window_screen(const struct window *window, int screen[4])
+{
+    int count;
+    int place[4];
+    GLFWmonitor **monitors = glfwGetMonitors(&count);
+    glfwGetWindowPos(window->handle, &place[0], &place[1]);
+    glfwGetWindowSize(window->handle, &place[2], &place[3]);
+    for (int i = count - 1; i >= 0; i--) { /* or else the first */
+        const GLFWvidmode *mode = glfwGetVideoMode(monitors[i]);
+        int x, y;
+        glfwGetMonitorPos(monitors[i], &x, &y);
+        int across = place[0] + place[2] / 2 - x;
+        int down = place[1] + place[3] / 2 - y;
+        if (mode && (i == 0 || (across >= 0 && across < mode->width && down >= 0 && down < mode->height))) {
+            screen[0] = x;
+            screen[1] = y;
+            screen[2] = mode->width;
+            screen[3] = mode->height;
+            return monitors[i];
+        }
+    }
+    return NULL;
+}
+
+/* Fits a place to what is free on the screen that its middle is on, else on the first one. */
+static void screen_fit(struct place *place)
+{
+    int count;
+    GLFWmonitor **monitors = glfwGetMonitors(&count);
+    int area[4] = {0};
+    for (int i = count - 1; i >= 0; i--) { /* or else the first */
+        int free[4];
+        glfwGetMonitorWorkarea(monitors[i], &free[0], &free[1], &free[2], &free[3]);
+        int across = place->x + place->width / 2 - free[0];
+        int down = place->y + place->height / 2 - free[1];
+        if (i == 0 || (place->known && across >= 0 && across < free[2] && down >= 0 && down < free[3])) {
+            memcpy(area, free, sizeof area);
+            break;
+        }
+    }
+    if (area[2] > 0 && area[3] > 0) {
+        place_fit(place, area);
+    }
+}
+
+/* How large texts shall be on the screen that the window is on; `content` as the desktop says. */
+static float window_screen_scale(const struct window *window, float content)
+{
+    int screen[4];
+    int millimetres[2];
+    GLFWmonitor *monitor = window_screen(window, screen);
+    if (!monitor) {
+        return content;
+    }
+    glfwGetMonitorPhysicalSize(monitor, &millimetres[0], &millimetres[1]);
+    return place_scale(content, screen[2], millimetres[0]);
+}
+
+void window_fill_screen(struct window *window, bool fill)
+{
+    int screen[4];
+    void *monitor = fill ? window_screen(window, screen) : NULL;
+    if (fill == window->screen.alone) {
+        return;
+    }
+    if (fill) {
+        window_place(window, &window->screen.before);
+    }
+    window->screen.alone = fill;
+    if (monitor) { /* it stays when others are clicked on: who points may stand far from who clicks */
+        glfwSetWindowAttrib(window->handle, GLFW_AUTO_ICONIFY, GLFW_FALSE);
+        glfwSetWindowMonitor(window->handle, monitor, 0, 0, screen[2], screen[3], GLFW_DONT_CARE);
+    } else if (!fill) {
+        const struct place *place = &window->screen.before;
+        glfwSetWindowMonitor(window->handle, NULL, place->x, place->y, place->width, place->height, 0);
+    }
+    window->viewer->version++;
+}
+
+/* Left, right, lower and upper edge of a box of the window, in parts of the screen. */
+static void find_part(double part[4], const struct window *window, const struct ui_box *box)
+{
+    int place[4];
+    int screen[4];
+    glfwGetWindowPos(window->handle, &place[0], &place[1]);
+    glfwGetWindowSize(window->handle, &place[2], &place[3]);
+    if (!window_screen(window, screen)) {
+        memcpy(part, (double[]){0, 1, 0, 1}, 4 * sizeof *part);
+        return;
+    }
+    double unit = (double)place[2] / window->screen.width; /* the screen's, per pixel */
+    double left = place[0] - screen[0] + unit * (double)box->x;
+    double top = place[1] - screen[1] + unit * (double)box->y;
+    part[0] = left / screen[2];
+    part[1] = (left + unit * (double)box->width) / screen[2];
+    part[2] = 1 - (top + unit * (double)box->height) / screen[3];
+    part[3] = 1 - top / screen[3];
+}
+
+void window_sight(const struct window *window, struct sight *out)
+{
+    const struct viewer *viewer = window->viewer;
+    const struct ui_box *box = &window->screen.panes[PANE_3D];
+    double part[4];
+    if (viewer->head.on && window->screen.width > 0) {
+        find_part(part, window, box);
+        if (head_sight(out, &viewer->head, part)) {
+            return;
+        }
+    }
+    sight_of_orbit(out, &viewer->orbit, (double[]){(double)box->width, (double)box->height});
+}
 
 enum { STATUS_HEIGHT = 24 };
 
@@ -502,4 +640,274 @@ conus_status window_write(const struct window *window, const char *path)
     free(bottom_up);
     free(rgba);
     return status;
+}
+
+bool window_wants(const struct window *window)
+{
+    return window->files.wanted.count || window->files.wanted.words;
+}
+
+void wanted_finish(struct wanted *wanted)
+{
+    for (size_t i = 0; i < wanted->count; i++) {
+        free(wanted->paths[i]);
+    }
+    free(wanted->paths);
+    json_decref(wanted->words);
+    *wanted = (struct wanted){.count = 0};
+}
+
+/* Likewise for several files: an atlas or a session, and what is to be added to it, in any order. */
+static void window_want_all(struct window *window, size_t count, const char *const *paths)
+{
+    bool fine = true;
+    wanted_finish(&window->files.wanted);
+    window->files.wanted.paths = calloc(count + 1, sizeof *window->files.wanted.paths);
+    for (size_t i = 0; i < count && fine; i++) {
+        char *path = window->files.wanted.paths ? strdup(paths[i]) : NULL;
+        fine = path;
+        if (fine) {
+            window->files.wanted.paths[window->files.wanted.count++] = path;
+        }
+    }
+    if (!fine) {
+        wanted_finish(&window->files.wanted);
+        window_say(window, "not enough memory");
+    }
+}
+
+void window_want(struct window *window, const char *path)
+{
+    window_want_all(window, 1, &path);
+}
+
+void window_want_typed(struct window *window)
+{
+    char path[PATH_MAX];
+    if (start_typed(path, &window->start)) {
+        window_want(window, path);
+    }
+}
+
+void window_want_sample(struct window *window)
+{
+    char path[PATH_MAX];
+    if (start_sample(path)) {
+        window_want(window, path);
+    } else {
+        window_say(window, conus_message());
+    }
+}
+
+void window_drop(struct window *window, size_t count, const char *const *paths)
+{
+    window_want_all(window, count, paths);
+    window->files.wanted.asks = !window->start.on && window->viewer->pin_count;
+}
+
+void window_ask(struct window *window, const struct wanted *wanted)
+{
+    window_go_to_start(window);
+    if (wanted->count == 1) {
+        snprintf(window->start.typed, sizeof window->start.typed, "%s", wanted->paths[0]);
+    }
+}
+
+const struct json_t *window_words(struct window *window)
+{
+    const json_t *words = json_object_get(window->files.opened, "options");
+    if (!words) {
+        window_say(window, "one of the options with which conus was started is not UTF-8: the atlas stays as it is");
+    }
+    return words;
+}
+
+/* Opens the atlas again with these, which are taken over. */
+static void want_words(struct window *window, json_t *words)
+{
+    if (words) {
+        wanted_finish(&window->files.wanted);
+        window->files.wanted.words = words;
+    } else {
+        window_say(window, "not enough memory, or a name that is not UTF-8");
+    }
+}
+
+void window_add(struct window *window, enum addition kind, const char *value)
+{
+    const json_t *words = window_words(window);
+    if (words) {
+        want_words(window, additions_with(words, kind, value));
+    }
+}
+
+void window_take_out(struct window *window, size_t index)
+{
+    const json_t *words = window_words(window);
+    if (words) {
+        want_words(window, additions_without(words, index));
+    }
+}
+
+void window_change(struct window *window, size_t index, enum addition kind, const char *value)
+{
+    const json_t *words = window_words(window);
+    json_t *changed = words ? additions_without(words, index) : NULL;
+    if (changed) {
+        want_words(window, additions_with(changed, kind, value));
+    }
+    json_decref(changed);
+}
+
+void window_want_hemispheres(struct window *window, conus_hemispheres how, int step)
+{
+    const json_t *words = window_words(window);
+    if (words && how != window->files.hemispheres) {
+        want_words(window, hemispheres_put_in_words(words, how));
+        window->files.wanted.step = step;
+    } else if (words) {
+        viewer_say(window->viewer, "%s", hemispheres_meanings[how]);
+    }
+}
+
+/* Beside the one that was saved last, or else where one can write, by the atlas's name. */
+static void find_session_path(char path[PATH_MAX], const struct window *window)
+{
+    char here[PATH_MAX];
+    const char *atlas = window->viewer->atlases->path;
+    const char *slash = strrchr(atlas, '/');
+    const char *name = slash && slash[1] ? slash + 1 : atlas;
+    bool fits = getcwd(here, sizeof here) && access(here, W_OK) == 0;
+    const char *home = getenv("HOME");
+    int size = window->history.session_path ? snprintf(path, PATH_MAX, "%s", window->history.session_path)
+                                            : snprintf(path, PATH_MAX, "%s/%.*s-session.json",
+                                                       fits   ? here
+                                                       : home ? home
+                                                              : "",
+                                                       (int)strcspn(name, "."), name);
+    path[size < PATH_MAX ? size : 0] = '\0';
+}
+
+void window_show_dialog(struct window *window, enum dialog_purpose purpose)
+{
+    char path[PATH_MAX];
+    start_look(&window->start);
+    if (purpose == DIALOG_OPEN) {
+        dialog_show(&window->dialog, purpose, NULL, &window->start);
+    } else if (window->viewer) {
+        find_session_path(path, window);
+        dialog_show(&window->dialog, purpose, path, &window->start);
+    }
+}
+
+void window_use_dialog(struct window *window)
+{
+    char path[PATH_MAX];
+    struct dialog *dialog = &window->dialog;
+    if (!dialog_enter(path, dialog)) {
+        return;
+    }
+    dialog->on = false;
+    if (dialog->purpose == DIALOG_OPEN) {
+        window_want(window, path);
+    } else {
+        free(window->files.saves_as);
+        window->files.saves_as = strdup(path);
+    }
+}
+
+void window_use_folder(struct window *window)
+{
+    char path[PATH_MAX];
+    dialog_here(path, &window->dialog);
+    window->dialog.on = false;
+    window_want(window, path);
+}
+
+static void copy_study(struct window *window)
+{
+    const char *text = studies_text(window->viewer);
+    if (text) {
+        glfwSetClipboardString(window->handle, text);
+        viewer_say(window->viewer, "copied the study");
+    }
+}
+
+void window_copy(struct window *window, enum copied what)
+{
+    struct viewer *viewer = window->viewer;
+    if (what == COPY_STUDY) {
+        copy_study(window);
+        return;
+    }
+    char *text = what == COPY_PINS ? viewer_pins_text(viewer) : viewer_results_text(viewer);
+    size_t rows = what == COPY_PINS ? viewer->pin_count : 0;
+    for (size_t i = 0; i < viewer->atlas_count && what == COPY_RESULTS; i++) {
+        rows += conus_selection_count(view_atlas_selection(&viewer->atlases[i], FIRST_TOOL));
+    }
+    if (text) {
+        glfwSetClipboardString(window->handle, text);
+        viewer_say(viewer, "copied %zu rows", rows);
+    } else {
+        viewer_say(viewer, "not copied: not enough memory");
+    }
+    free(text);
+}
+
+static const char *last_name(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash && slash[1] ? slash + 1 : path;
+}
+
+/* The best hit, or else what is chosen; 0 = neither. */
+static uint32_t find_object(const char **how, const struct viewer *viewer)
+{
+    const conus_selection *selection = viewer_selection(viewer);
+    const conus_result *best = conus_selection_count(selection) ? conus_selection_result(selection, 0) : NULL;
+    bool is_hit = best && best->object && best->pixels;
+    *how = !is_hit ? "chosen" : viewer->tools[FIRST_TOOL].held ? "held" : "hit";
+    return is_hit ? best->object : viewer->drawn->shown.chosen;
+}
+
+void title_write(char out[TITLE_SIZE], const struct window *window)
+{
+    const struct viewer *viewer = window->viewer;
+    const char *how;
+    int used = snprintf(out, TITLE_SIZE, "conus");
+    if (!viewer || window->start.on || window->dialog.on) {
+        return;
+    }
+    used += snprintf(out + used, (size_t)(TITLE_SIZE - used), " - %.80s", last_name(viewer->atlases->path));
+    if (window->history.session_path) {
+        used += snprintf(out + used, (size_t)(TITLE_SIZE - used), " [%.80s]", last_name(window->history.session_path));
+    }
+    uint32_t object = find_object(&how, viewer);
+    if (object) {
+        char title[VIEW_ATLAS_TITLE];
+        snprintf(out + used, (size_t)(TITLE_SIZE - used), " - %.80s (%s)",
+                 view_atlas_title(title, viewer->drawn, object), how);
+    }
+    make_plain_line(out);
+}
+
+void title_update(struct window *window)
+{
+    char title[TITLE_SIZE];
+    title_write(title, window);
+    if (strcmp(title, window->frame.title) != 0) {
+        memcpy(window->frame.title, title, sizeof title);
+        glfwSetWindowTitle(window->handle, title);
+    }
+}
+
+bool window_point(float out[2], const struct window *window, const double world[3])
+{
+    const struct ui_box *box = &window->screen.panes[PANE_3D];
+    double at[2];
+    bool visible =
+        sight_project(at, &window->pictures.sight, (double[]){(double)box->width, (double)box->height}, world);
+    out[0] = box->x + (float)at[0];
+    out[1] = box->y + (float)at[1];
+    return visible;
 }

@@ -5,7 +5,7 @@
 #define CONUS_VIEWER_WINDOW_WINDOW_H
 
 #include "viewer/model/additions.h"
-#include "viewer/model/hemisphere_words.h"
+#include "viewer/model/hemispheres.h"
 #include "viewer/model/outline.h"
 #include "viewer/model/times.h"
 #include "viewer/model/viewer.h"
@@ -214,8 +214,6 @@ void window_show(struct window *window, struct viewer *viewer);
 /** Asks for another atlas, a session and its atlas, or something to be added to the atlas that is open, in place of
  * what was asked for before. */
 void window_want(struct window *window, const char *path);
-/** Likewise for several files: an atlas or a session, and what is to be added to it, in any order. */
-void window_want_all(struct window *window, size_t count, const char *const *paths);
 /** Whether something is asked for. */
 bool window_wants(const struct window *window);
 void wanted_finish(struct wanted *wanted);
@@ -270,6 +268,9 @@ void window_maximise(struct window *window);
 /** Whether a pane is on the window and large enough to be drawn. */
 bool window_shows_pane(const struct window *window, int pane);
 
+/** Where a point (world mm) is in the 3-D pane, pixels of the window; false behind the eye. */
+bool window_point(float out[2], const struct window *window, const double world[3]);
+
 /** Clears it to the colour of panels. */
 void window_clear(const struct window *window);
 /** Whether the next frame will show something else than the newest. */
@@ -290,5 +291,17 @@ void window_copy(struct window *window, enum copied what);
 void texture_set(struct texture *texture, const uint8_t *rgba, uint32_t width, uint32_t height, bool smooth);
 /** There is no picture any more. */
 void texture_drop(struct texture *texture);
+
+/** Lets the 3-D pane fill the screen that the window is on, without panels, or brings the window back. */
+void window_fill_screen(struct window *window, bool fill);
+
+/** What the 3-D pane is to show now: its own eye's view or, of a tracked head, that through its part of the screen. */
+void window_sight(const struct window *window, struct sight *out);
+
+/** "conus"; with an atlas "conus - aal.nii.gz [session.json] - Hippocampus_L (held)": its file, the session's if there
+ * is one, and the best hit in the drawn atlas (hit, or held) or else the chosen area (chosen). */
+void title_write(char out[TITLE_SIZE], const struct window *window);
+/** Gives the window its title, where that is another one than before. */
+void title_update(struct window *window);
 
 #endif

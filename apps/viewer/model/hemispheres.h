@@ -1,9 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file One side of the drawn atlas only: the other side's areas are hidden, as view_atlas.sides has them. */
-#ifndef CONUS_VIEWER_MODEL_HEMISPHERE_SIDE_H
-#define CONUS_VIEWER_MODEL_HEMISPHERE_SIDE_H
+/** @file Left and right areas: only one side of the drawn atlas is shown, as view_atlas.sides has them; --hemispheres
+ * among the options that a session keeps (viewer/opening/view_words.h). */
+#ifndef CONUS_VIEWER_MODEL_HEMISPHERES_H
+#define CONUS_VIEWER_MODEL_HEMISPHERES_H
 
 #include "viewer/model/viewer.h"
+#include <conus/conus.h>
+#include <jansson.h>
 
 enum side { SIDE_BOTH = 0, SIDE_LEFT, SIDE_RIGHT, SIDE_COUNT };
 /** "both", "left", "right", for scripts. */
@@ -18,5 +21,14 @@ enum side side_shown(const struct viewer *viewer);
 void side_show(struct viewer *viewer, enum side side);
 /** Both, left, right, and both again; says so. */
 void side_show_next(struct viewer *viewer);
+
+enum { HEMISPHERES_COUNT = CONUS_HEMISPHERES_MERGED + 1 };
+/** What each means, for people. */
+extern const char *const hemispheres_meanings[HEMISPHERES_COUNT];
+
+/** What they say of it; NULL is no words. */
+conus_hemispheres hemispheres_of_words(const json_t *words);
+/** A copy of them that says this; NULL without memory. */
+json_t *hemispheres_put_in_words(const json_t *words, conus_hemispheres how);
 
 #endif

@@ -1,0 +1,206 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The eye that a 3-D picture is seen by: projections, the orbit around the brain, a tracked head. */
+#include "viewer/pictures/camera.h"
+
+#include <math.h>
+#include <string.h>
+
+bool sight_is_same(const struct sight *a, const struct sight *b)
+{
+    bool same = true;
+    for (int i = 0; i < 16; i++) {
+        same = same && a->camera.world_from_device[i] == b->camera.world_from_device[i];
+    }
+    for (int i = 0; i < 4; i++) {
+        same = same && a->frustum[i] == b->frustum[i];
+    }
+    return same;
+}
+
+void sight_fit(struct sight *sight, const double size[2])
+{
+    double *f = sight->frustum;
+    double middle = (f[0] + f[1]) / 2;
+    double half = (f[3] - f[2]) / 2 * size[0] / size[1];
+    f[0] = middle - half;
+    f[1] = middle + half;
+}
+
+void sight_of_orbit(struct sight *out, const struct orbit *orbit, const double size[2])
+{
+    double slope = tan(orbit->field_of_view / 2);
+    *out = (struct sight){.frustum = {0, 0, -slope, slope}};
+    orbit_camera(&out->camera, orbit);
+    sight_fit(out, size);
+}
+
+bool sight_project(double out[2], const struct sight *sight, const double size[2], const double p[3])
+{
+    const double *m = sight->camera.world_from_device;
+    const double *f = sight->frustum;
+    double place[3] = {0};
+    for (int axis = 0; axis < 3; axis++) {
+        for (int a = 0; a < 3; a++) {
+            place[axis] += (p[a] - m[12 + a]) * m[4 * axis + a];
+        }
+    }
+    if (!(place[2] < -0.01)) {
+        return false;
+    }
+    out[0] = size[0] * (place[0] / -place[2] - f[0]) / (f[1] - f[0]);
+    out[1] = size[1] * (f[3] - place[1] / -place[2]) / (f[3] - f[2]);
+    return true;
+}
+
+void sight_ray(double direction[3], const struct sight *sight, const double size[2], const double at[2])
+{
+    const double *m = sight->camera.world_from_device;
+    const double *f = sight->frustum;
+    double right = f[0] + at[0] / size[0] * (f[1] - f[0]);
+    double up = f[3] - at[1] / size[1] * (f[3] - f[2]);
+    double scale = 1 / sqrt(right * right + up * up + 1);
+    for (int a = 0; a < 3; a++) {
+        direction[a] = scale * (right * m[a] + up * m[4 + a] - m[8 + a]);
+    }
+}
+
+static const double steepest = 1.55;
+static const double field_of_view = 0.5; /* of the pane's shorter side */
+
+void orbit_look_at(struct orbit *orbit, const double centre[3], double radius)
+{
+    *orbit = (struct orbit){.azimuth = 0.9, .elevation = 0.35, .field_of_view = field_of_view};
+    memcpy(orbit->centre, centre, sizeof orbit->centre);
+    orbit->distance = 1.08 * radius / sin(orbit->field_of_view / 2);
+}
+
+void orbit_fit(struct orbit *orbit, const double size[2])
+{
+    double slope = tan(field_of_view / 2) * fmax(size[1] / size[0], 1);
+    orbit->field_of_view = 2 * atan(slope);
+}
+
+/* From the centre towards the eye. */
+static void outward(double out[3], const struct orbit *orbit)
+{
+    out[0] = -sin(orbit->azimuth) * cos(orbit->elevation);
+    out[1] = cos(orbit->azimuth) * cos(orbit->elevation);
+    out[2] = sin(orbit->elevation);
+}
+
+void orbit_camera(conus_pose *out, const struct orbit *orbit)
+{
+    double z[3];
+    double *m = out->world_from_device;
+    outward(z, orbit);
+    const double x[3] = {-cos(orbit->azimuth), -sin(orbit->azimuth), 0};
+    const double y[3] = {z[1] * x[2] - z[2] * x[1], z[2] * x[0] - z[0] * x[2], z[0] * x[1] - z[1] * x[0]};
+    for (int a = 0; a < 3; a++) {
+        m[a] = x[a];
+        m[4 + a] = y[a];
+        m[8 + a] = z[a];
+        m[12 + a] = orbit->centre[a] + orbit->distance * z[a];
+    }
+    m[3] = m[7] = m[11] = 0;
+    m[15] = 1;
+}
+
+void orbit_turn(struct orbit *orbit, double right, double down, double height)
+{
+    double step = 3.5 / height;
+    orbit->azimuth = remainder(orbit->azimuth + right * step, 2 * M_PI);
+    orbit->elevation = fmin(fmax(orbit->elevation + down * step, -steepest), steepest);
+}
+
+/* mm per pixel in the plane of the centre. */
+static double scale_of(const struct orbit *orbit, double height)
+{
+    return 2 * orbit->distance * tan(orbit->field_of_view / 2) / height;
+}
+
+void orbit_pan(struct orbit *orbit, double right, double down, double height)
+{
+    conus_pose camera;
+    double scale = scale_of(orbit, height);
+    orbit_camera(&camera, orbit);
+    for (int a = 0; a < 3; a++) {
+        orbit->centre[a] += scale * (down * camera.world_from_device[4 + a] - right * camera.world_from_device[a]);
+    }
+}
+
+void orbit_zoom(struct orbit *orbit, double clicks)
+{
+    orbit->distance = fmin(fmax(orbit->distance * pow(0.9, clicks), 1), 1e5);
+}
+
+static bool is_moved(const struct head *head, const double eye[3], const conus_pose *screen)
+{
+    bool moved = false;
+    for (int a = 0; a < 3; a++) {
+        moved = moved || head->eye[a] != eye[a];
+    }
+    for (int i = 0; i < 16; i++) {
+        moved = moved || head->screen.world_from_device[i] != screen->world_from_device[i];
+    }
+    return moved;
+}
+
+void head_move(struct head *head, const double eye[3], const conus_pose *screen)
+{
+    conus_pose camera;
+    double frustum[4];
+    bool inside = conus_window_camera(&camera, frustum, screen, head->size, eye);
+    bool moved = !head->known || is_moved(head, eye, screen);
+    head->number += inside != head->inside || (!inside && moved);
+    head->inside = inside;
+    if (!inside) {
+        memcpy(head->eye, eye, sizeof head->eye);
+        head->screen = *screen;
+        head->known = true;
+    }
+}
+
+void head_set_state(struct head *head, enum station_state state)
+{
+    head->number += head->state != state;
+    head->state = state;
+}
+
+bool head_toggle(struct head *head)
+{
+    bool is_there = head->named || head->known;
+    head->on = !head->on && is_there;
+    head->number++;
+    return is_there;
+}
+
+bool head_sight(struct sight *out, const struct head *head, const double part[4])
+{
+    conus_pose pane = head->screen;
+    const double *m = head->screen.world_from_device;
+    double size[2];
+    for (int axis = 0; axis < 2; axis++) {
+        double low = part[2 * axis];
+        double high = part[2 * axis + 1];
+        size[axis] = (high - low) * head->size[axis];
+        for (int a = 0; a < 3; a++) {
+            pane.world_from_device[12 + a] += ((low + high) / 2 - 0.5) * head->size[axis] * m[4 * axis + a];
+        }
+    }
+    return head->on && head->known && !conus_window_camera(&out->camera, out->frustum, &pane, size, head->eye);
+}
+
+const char *head_text(const struct head *head, bool *is_well)
+{
+    static const char *const troubles[] = {"no tracker", "no head yet", "head lost", "head silent"};
+    static const char *const kept[] = {"no tracker: last view kept", "no head yet: last view kept",
+                                       "head lost: last view kept", "head silent: last view kept"};
+    *is_well = head->state == STATION_SEEN && !head->inside;
+    if (!head->on) {
+        return NULL;
+    }
+    if (head->state != STATION_SEEN) {
+        return (head->known ? kept : troubles)[head->state];
+    }
+    return head->inside ? "eye not before the screen: last view kept" : "as the head sees it";
+}

@@ -1,0 +1,76 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file What an eye sees in a picture, and where things lie in it. The eye is on an orbit around a point, or that of a
+ * tracked head. World RAS+, mm. */
+#ifndef CONUS_VIEWER_PICTURES_CAMERA_H
+#define CONUS_VIEWER_PICTURES_CAMERA_H
+
+#include "link/station.h"
+#include <conus/conus.h>
+
+struct orbit {
+    double centre[3];
+    double distance;           /**< Of the eye from it.                                                       */
+    double azimuth, elevation; /**< Radians: 0, 0 looks from the front (+y); azimuth grows to the head's left. */
+    double field_of_view;      /**< Vertical, radians.                                                        */
+};
+
+/** From the front left above, so that a ball of @p radius around @p centre fills the pane. */
+void orbit_look_at(struct orbit *orbit, const double centre[3], double radius);
+
+/** Fits the field of view to a pane, so that what fills a square one shows whole in any. */
+void orbit_fit(struct orbit *orbit, const double size[2]);
+
+/** The camera: looks down its own -z, +y up. */
+void orbit_camera(conus_pose *out, const struct orbit *orbit);
+
+/** Goes around by so many pixels of a pane @p height pixels high; moves the centre along the picture; comes nearer by
+ * that many clicks of a wheel. */
+void orbit_turn(struct orbit *orbit, double right, double down, double height);
+void orbit_pan(struct orbit *orbit, double right, double down, double height);
+void orbit_zoom(struct orbit *orbit, double clicks);
+
+/** As conus_view has it. */
+struct sight {
+    conus_pose camera; /**< Looks down its own -z, +y up.                               */
+    double frustum[4]; /**< The picture's left, right, lower and upper edge at depth 1. */
+};
+
+/** Of a picture of width x height pixels. */
+void sight_of_orbit(struct sight *out, const struct orbit *orbit, const double size[2]);
+/** Whether both see the same. */
+bool sight_is_same(const struct sight *a, const struct sight *b);
+/** Takes as much to the left and right as square pixels of a picture of that size need. */
+void sight_fit(struct sight *sight, const double size[2]);
+
+/** Where the world point @p p lies in a picture of width x height pixels: x right, y down from the top left. False
+ * behind the eye. */
+bool sight_project(double out[2], const struct sight *sight, const double size[2], const double p[3]);
+/** The unit direction from the eye through a point of such a picture. */
+void sight_ray(double direction[3], const struct sight *sight, const double size[2], const double at[2]);
+
+struct head {
+    bool named;               /**< A tool is on it: --head.                                       */
+    bool on;                  /**< The 3-D pane shows what it sees.                               */
+    bool known;               /**< The eye below is one.                                          */
+    bool inside;              /**< The newest eye was in the screen's plane or behind, and is not the one below. */
+    enum station_state state; /**< Of the tool.                                                   */
+    double eye[3];
+    conus_pose screen; /**< Its middle, +x to its right, +y up, +z to the viewer.          */
+    double size[2];    /**< Of the screen, width and height; 0, 0 = not known.           */
+    unsigned number;   /**< Grows with every change that shows.                            */
+};
+
+/** The eye and the screen are there now. */
+void head_move(struct head *head, const double eye[3], const conus_pose *screen);
+/** The tool is as @p state says. */
+void head_set_state(struct head *head, enum station_state state);
+/** Shows what it sees, or again what the mouse turns. False: there is no head. */
+bool head_toggle(struct head *head);
+
+/** What it sees through a part of the screen: left, right, lower and upper edge, each from 0 to 1 of the whole. False
+ * where that is not shown, or never was seen. */
+bool head_sight(struct sight *out, const struct head *head, const double part[4]);
+/** One line about it; *is_well tells whether the head is seen. NULL where it does not matter. */
+const char *head_text(const struct head *head, bool *is_well);
+
+#endif
