@@ -169,19 +169,6 @@ static bool write_atlas(void *user, int file, size_t at)
     return atlas_pack_write(file, at, user) == CONUS_OK;
 }
 
-static bool keep(struct atlas_cache *cache, conus_atlas *atlas)
-{
-    struct buffer trace = {0};
-    file_trace_write(&trace, &cache->trace);
-    struct cache_entry entry = {.notes = {(const uint8_t *)cache->heard.data, cache->heard.size},
-                                .trace = {(const uint8_t *)trace.data, trace.size},
-                                .packed = {NULL, conus_atlas_packed_size(atlas)}};
-    bool kept =
-        !buffer_status(&trace) && !cache->heard.failed && cache_store_keep(&cache->store, &entry, write_atlas, atlas);
-    buffer_finish(&trace);
-    return kept;
-}
-
 /* Maps what was just written: then the atlas is in memory once, and answers as it will the next time. */
 static void exchange(struct atlas_cache *cache, conus_atlas **atlas)
 {
@@ -198,7 +185,19 @@ static void exchange(struct atlas_cache *cache, conus_atlas **atlas)
 
 void atlas_cache_keep(struct atlas_cache *cache, conus_atlas **atlas)
 {
-    if (is_used(cache) && may_be_kept(*atlas, &cache->trace) && keep(cache, *atlas)) {
-        exchange(cache, atlas);
+    struct buffer trace = {0};
+    if (!is_used(cache) || !may_be_kept(*atlas, &cache->trace)) {
+        return;
     }
+    file_trace_write(&trace, &cache->trace);
+    struct cache_entry entry = {.notes = {(const uint8_t *)cache->heard.data, cache->heard.size},
+                                .trace = {(const uint8_t *)trace.data, trace.size},
+                                .packed = {NULL, conus_atlas_packed_size(*atlas)}};
+    if (!buffer_status(&trace) && !cache->heard.failed &&
+        cache_store_keep(&cache->store, &entry, write_atlas, *atlas)) {
+        cache->store.written = entry.trace;
+        exchange(cache, atlas);
+        cache->store.written = (struct cache_part){0};
+    }
+    buffer_finish(&trace);
 }

@@ -226,9 +226,13 @@ static bool map_file(struct cache_mapping *out, int descriptor)
 }
 
 /* Whether every file and folder is as it was. */
-static bool sources_hold(const struct cache_entry *entry)
+static bool sources_hold(const struct cache_entry *entry, const struct cache_part *written)
 {
     struct file_trace trace = {0};
+    if (written->size && written->size == entry->trace.size &&
+        memcmp(written->data, entry->trace.data, written->size) == 0) {
+        return true;
+    }
     bool same = file_trace_parse(&trace, entry->trace.data, entry->trace.size) && file_trace_holds(&trace);
     file_trace_finish(&trace);
     return same;
@@ -290,7 +294,7 @@ static bool map_believed(struct cache_mapping *out, const struct cache_store *st
     bool believed = map_file(&mapping, descriptor) && cache_entry_parse(&mapping.entry, mapping.memory, mapping.size) &&
                     mapping.entry.key.size == store->key.size &&
                     memcmp(mapping.entry.key.data, store->key.data, mapping.entry.key.size) == 0 &&
-                    sources_hold(&mapping.entry) && verify(&mapping.entry, store->small, descriptor);
+                    sources_hold(&mapping.entry, &store->written) && verify(&mapping.entry, store->small, descriptor);
     if (!believed) {
         cache_mapping_finish(&mapping);
         return false;

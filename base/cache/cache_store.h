@@ -23,11 +23,12 @@ conus_status cache_check_limit(void);
 
 /** An entry that may be there. */
 struct cache_store {
-    struct buffer key;  /**< All that the entry follows from, but for the files. */
-    struct buffer path; /**< The entry's; empty where there is no cache. */
-    const char *ending; /**< The ending of its name, by its kind. */
-    uint64_t limit;     /**< Bytes that all entries of its kind may have. */
-    uint64_t small;     /**< CACHE_SMALL */
+    struct buffer key;         /**< All that the entry follows from, but for the files. */
+    struct buffer path;        /**< The entry's; empty where there is no cache. */
+    const char *ending;        /**< The ending of its name, by its kind. */
+    uint64_t limit;            /**< Bytes that all entries of its kind may have. */
+    uint64_t small;            /**< CACHE_SMALL */
+    struct cache_part written; /**< The trace of an entry that was kept just now: who maps that asks no file again. */
 };
 
 /** Begins the key of what is made of @p path, with this build and machine, and if @p relative with the folder that

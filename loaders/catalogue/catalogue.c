@@ -4,9 +4,7 @@
 
 #include "base/buffer.h"
 #include "base/memory.h"
-#include "base/options.h"
 #include "base/text.h"
-#include "loaders/catalogue/places.h"
 
 #include <errno.h>
 #include <string.h>
@@ -154,28 +152,6 @@ conus_status catalogue_list(struct names *out, conus_catalogue *catalogue, const
                             folder, NAMES_LIMIT);
     }
     return status ? status : sift_names(out, catalogue);
-}
-
-conus_status conus_catalogue_create(conus_catalogue **out, const conus_catalogue_options *options)
-{
-    if (!out) {
-        return fail(CONUS_ERROR_ARGUMENT, "conus_catalogue_create: a result is needed");
-    }
-    conus_catalogue *catalogue = memory_zeroed(1, sizeof *catalogue);
-    if (!catalogue) {
-        return CONUS_ERROR_MEMORY;
-    }
-    options = options_of(conus_catalogue_options, options);
-    catalogue->sink = (struct note_sink){.log = options->log, .user = options->log_user};
-    catalogue->notes.sink = &catalogue->sink;
-    conus_status status = places_look(catalogue);
-    if (status) {
-        conus_catalogue_destroy(catalogue);
-        return status;
-    }
-    catalogue->notes.sink = NULL;
-    *out = catalogue;
-    return CONUS_OK;
 }
 
 void conus_catalogue_destroy(conus_catalogue *catalogue)

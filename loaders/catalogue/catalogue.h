@@ -66,4 +66,25 @@ conus_status catalogue_list(struct names *out, conus_catalogue *catalogue, const
 /** "folder/name", the caller's to memory_free(); NULL without memory. */
 char *catalogue_join(const char *folder, const char *name);
 
+/** How a folder is looked through. */
+struct folder_rule {
+    size_t depth;                /**< Of the folders below that are looked at. */
+    const char *const *patterns; /**< Of the names of labelled volumes, up to NULL; NULL: volume_marks.h finds out. */
+    const char *cut;             /**< Ending of a name without the file's that is no part of it; NULL = none. */
+    bool subjects;               /**< It holds subjects of FreeSurfer. */
+};
+
+/** Adds the labelled volumes, manifests, FSL atlases and BrainGlobe folders in a folder and in those below it. */
+conus_status folder_look(conus_catalogue *catalogue, const char *folder, const struct folder_rule *rule);
+
+/** Adds, of each subject in @p folder, the segmentations in mri/ ("bert.aseg", with FreeSurfer's table of labels if
+ * there is one) and the annotations in label/ on the pial surface of their side ("bert.lh.aparc"), or the white one.
+ * Nothing is opened. */
+conus_status freesurfer_look(conus_catalogue *catalogue, const char *folder);
+
+/** Adds the labelled volumes that an FSL atlas XML names, if they are there: the finest under the XML's name, others
+ * with "-2mm" behind it, all with the XML as their label table. An XML of another kind, or damaged, is passed over; one
+ * without such a volume is a note. */
+conus_status fsl_look(conus_catalogue *catalogue, const char *xml_path);
+
 #endif

@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Walks a folder: its files first, then the folders in it. */
-#include "loaders/catalogue/folder.h"
+#include "loaders/catalogue/catalogue.h"
 
 #include "base/files/file.h"
 #include "base/memory.h"
-#include "loaders/catalogue/fsl.h"
 #include "loaders/catalogue/volume_marks.h"
 
 #include <ctype.h>

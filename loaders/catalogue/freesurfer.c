@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Subjects of FreeSurfer: mri/aparc+aseg.mgz, label/lh.aparc.annot with surf/lh.pial. */
-#include "loaders/catalogue/freesurfer.h"
+#include "loaders/catalogue/catalogue.h"
 
 #include "base/buffer.h"
 #include "base/files/file.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The images of an FSL atlas XML, by their resolution. */
-#include "loaders/catalogue/fsl.h"
+#include "loaders/catalogue/catalogue.h"
 
 #include "base/buffer.h"
 #include "base/formats/xml.h"

@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Where programs keep their atlases. A new place is a line of the table. */
-#include "loaders/catalogue/places.h"
+#include "loaders/catalogue/catalogue.h"
 
 #include "base/buffer.h"
 #include "base/files/file.h"
 #include "base/memory.h"
+#include "base/options.h"
 #include "base/text.h"
-#include "loaders/catalogue/folder.h"
-#include "loaders/catalogue/freesurfer.h"
 
 #include <limits.h>
 #include <stdio.h>
@@ -168,7 +167,7 @@ static conus_status look_at_place(conus_catalogue *catalogue, const struct place
     return status;
 }
 
-conus_status places_look(conus_catalogue *catalogue)
+static conus_status look_at_places(conus_catalogue *catalogue)
 {
     conus_status status = CONUS_OK;
     for (size_t i = 0; !status && i < sizeof places / sizeof places[0]; i++) {
@@ -178,4 +177,26 @@ conus_status places_look(conus_catalogue *catalogue)
         status = look_at_place(catalogue, &places[i]);
     }
     return status;
+}
+
+conus_status conus_catalogue_create(conus_catalogue **out, const conus_catalogue_options *options)
+{
+    if (!out) {
+        return fail(CONUS_ERROR_ARGUMENT, "conus_catalogue_create: a result is needed");
+    }
+    conus_catalogue *catalogue = memory_zeroed(1, sizeof *catalogue);
+    if (!catalogue) {
+        return CONUS_ERROR_MEMORY;
+    }
+    options = options_of(conus_catalogue_options, options);
+    catalogue->sink = (struct note_sink){.log = options->log, .user = options->log_user};
+    catalogue->notes.sink = &catalogue->sink;
+    conus_status status = look_at_places(catalogue);
+    if (status) {
+        conus_catalogue_destroy(catalogue);
+        return status;
+    }
+    catalogue->notes.sink = NULL;
+    *out = catalogue;
+    return CONUS_OK;
 }
