@@ -5,8 +5,7 @@
 #include "options/messages.h"
 #include "options/output.h"
 #include "options/provenance.h"
-#include "settings/aim_notes.h"
-#include "settings/atlas_notes.h"
+#include "settings/notes.h"
 
 #include <inttypes.h>
 #include <math.h>

@@ -3,8 +3,8 @@
 #ifndef CONUS_BATCH_BATCH_SETTINGS_H
 #define CONUS_BATCH_BATCH_SETTINGS_H
 
-#include "settings/axis_options.h"
 #include "settings/pose_settings.h"
+#include "settings/settings.h"
 
 struct batch_settings {
     struct atlas_settings atlas;

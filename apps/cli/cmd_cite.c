@@ -7,7 +7,6 @@
 #include "options/messages.h"
 #include "options/output.h"
 #include "options/provenance.h"
-#include "settings/atlas_name.h"
 #include "settings/atlases.h"
 
 #include <stdlib.h>

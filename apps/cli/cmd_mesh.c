@@ -3,7 +3,7 @@
 #include "cli/commands.h"
 #include "options/messages.h"
 #include "settings/atlas_input.h"
-#include "settings/atlas_notes.h"
+#include "settings/notes.h"
 #include "settings/settings.h"
 
 #include <unistd.h>

@@ -1,18 +1,406 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus render: draws an atlas, with or without a cone, into a picture file. */
 #include "cli/commands.h"
-#include "cli/pictures/render_rows.h"
-#include "cli/pictures/translucent.h"
 #include "figures/figure.h"
 #include "options/messages.h"
+#include "options/options.h"
 #include "options/output.h"
 #include "options/progress.h"
-#include "settings/aim_notes.h"
 #include "settings/atlas_input.h"
-#include "settings/atlas_notes.h"
+#include "settings/notes.h"
 #include "settings/pose_settings.h"
 
+#include <conus/conus.h>
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+
+/* Which rows: all, unless one of these is set. */
+struct row_choice {
+    uint32_t number; /* From 1; 0 = not given. */
+    const char *id;  /* Every row of that name; NULL = not given. */
+};
+
+struct drawn_row {
+    const conus_pose_row *row; /* Perhaps one with an error, which has no picture. */
+    char *path;
+};
+
+struct drawn_rows {
+    const char *file; /* What messages call the file of poses. */
+    struct drawn_row *items;
+    size_t count;
+};
+
+enum { NAME_LIMIT = 200 }; /* bytes of a row's name in that of a file */
+
+static const char QUERY[] = "{query}";
+static const char ROW[] = "{row}";
+
+static int print_no_memory(void)
+{
+    print_error_line("not enough memory");
+    return EXIT_DATA;
+}
+
+static bool begins(const char *text, const char *word)
+{
+    return strncmp(text, word, strlen(word)) == 0;
+}
+
+/* Whether every {word} in the name `pattern` is one that stands for a part of a row; prints an error if not. */
+static bool render_pattern_check(const char *pattern)
+{
+    for (const char *at = strchr(pattern, '{'); at; at = strchr(at + 1, '{')) {
+        if (!begins(at, QUERY) && !begins(at, ROW)) {
+            const char *end = strchr(at, '}');
+            int length = end ? (int)(end - at + 1) : (int)strlen(at);
+            print_error_line("--output: \"%.*s\" stands for nothing, allowed are %s and %s", length, at, QUERY, ROW);
+            return false;
+        }
+    }
+    return true;
+}
+
+/* Whether there is any such word in it. */
+static bool render_pattern_varies(const char *pattern)
+{
+    return strstr(pattern, QUERY) || strstr(pattern, ROW);
+}
+
+/* No more of UTF-8 than fits, and no half of a character. */
+static size_t safe_length(const char *id)
+{
+    size_t length = strnlen(id, NAME_LIMIT);
+    while (length && id[length] && ((unsigned char)id[length] & 0xC0) == 0x80) {
+        length--;
+    }
+    return length;
+}
+
+/* What separates folders, what some system does not allow in a name, and a first dot become "_". */
+static void write_safe(FILE *out, const char *id)
+{
+    size_t length = safe_length(id);
+    for (size_t i = 0; i < length; i++) {
+        bool unsafe = (unsigned char)id[i] < ' ' || id[i] == '\x7f' || strchr("/\\:*?\"<>|", id[i]) ||
+                      (i == 0 && (id[i] == '.' || id[i] == '-'));
+        fputc(unsafe ? '_' : id[i], out);
+    }
+    if (!length) {
+        fputc('_', out);
+    }
+}
+
+/* The name of one picture; NULL without memory. */
+static char *format_path(const char *pattern, size_t number, const char *id)
+{
+    char *path = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&path, &size);
+    if (!out) {
+        return NULL;
+    }
+    while (*pattern) {
+        if (begins(pattern, QUERY)) {
+            write_safe(out, id);
+            pattern += strlen(QUERY);
+        } else if (begins(pattern, ROW)) {
+            fprintf(out, "%zu", number);
+            pattern += strlen(ROW);
+        } else {
+            fputc(*pattern++, out);
+        }
+    }
+    if (fclose(out)) {
+        free(path);
+        return NULL;
+    }
+    return path;
+}
+
+static int compare_paths(const void *a, const void *b)
+{
+    const struct drawn_row *one = a;
+    const struct drawn_row *other = b;
+    int order = strcmp(one->path ? one->path : "", other->path ? other->path : "");
+    return order ? order : (one->row->line > other->row->line) - (one->row->line < other->row->line);
+}
+
+static int check_clashes(const struct drawn_rows *rows)
+{
+    struct drawn_row *sorted = calloc(rows->count + 1, sizeof *sorted);
+    int code = sorted ? EXIT_DONE : print_no_memory();
+    for (size_t i = 0; sorted && i < rows->count; i++) {
+        sorted[i] = rows->items[i];
+    }
+    if (sorted) {
+        qsort(sorted, rows->count, sizeof *sorted, compare_paths);
+    }
+    for (size_t i = 1; i < rows->count && !code; i++) {
+        const char *path = sorted[i].path;
+        if (path && sorted[i - 1].path && strcmp(path, sorted[i - 1].path) == 0) {
+            code = print_usage_error("%s: the poses in lines %zu and %zu would both be drawn into %s; %s in --output's "
+                                     "name tells them apart",
+                                     rows->file, sorted[i - 1].row->line, sorted[i].row->line, path, ROW);
+        }
+    }
+    free(sorted);
+    return code;
+}
+
+static bool is_chosen(const conus_pose_row *row, size_t number, const struct row_choice *choice)
+{
+    return (!choice->number || choice->number == number) && (!choice->id || strcmp(choice->id, row->id) == 0);
+}
+
+static const char *name_at(const void *list, size_t index)
+{
+    const conus_pose_row *row = conus_pose_list_row(list, index);
+    return row ? row->id : NULL;
+}
+
+/* The name of which @p id is the part behind the last "/", as in target/M1; NULL if there is none. */
+static const char *name_behind(const conus_pose_list *list, const char *id)
+{
+    const char *found = NULL;
+    for (size_t i = 0; !found && i < conus_pose_list_count(list); i++) {
+        const char *name = conus_pose_list_row(list, i)->id;
+        const char *slash = strrchr(name, '/');
+        found = slash && strcmp(slash + 1, id) == 0 ? name : NULL;
+    }
+    return found;
+}
+
+static int refuse_choice(const struct drawn_rows *rows, const conus_pose_list *list, const struct row_choice *choice)
+{
+    size_t count = conus_pose_list_count(list);
+    if (choice->number) {
+        return print_usage_error("--row %" PRIu32 ": %s has %zu poses", choice->number, rows->file, count);
+    }
+    const char *close = name_behind(list, choice->id);
+    close = close ? close : closest_name(choice->id, name_at, list);
+    return print_usage_error("--query-id: %s has no pose \"%s\"%s%s%s", rows->file, choice->id,
+                             close ? ", did you mean \"" : "", close ? close : "", close ? "\"?" : "");
+}
+
+static int check_count(const struct drawn_rows *rows, const conus_pose_list *list, const struct row_choice *choice,
+                       const char *pattern)
+{
+    if (!rows->count && (choice->number || choice->id)) {
+        return refuse_choice(rows, list, choice);
+    }
+    if (rows->count == 1 || render_pattern_varies(pattern)) {
+        return EXIT_DONE;
+    }
+    return print_usage_error("%s has %zu poses, a picture takes one%s", rows->file, rows->count,
+                             rows->count ? ": --output needs {query} or {row} in its name, or --row N or --query-id "
+                                           "NAME chooses one"
+                                         : "");
+}
+
+/* Chooses rows of `list`, which must outlive `out`, and names their pictures by `pattern`: {query} is the row's
+ * name without what a file's name must not have, {row} its number. No two pictures have one name. Returns the exit code
+ * and prints an error unless it is 0; `out` is the caller's to render_rows_finish() in any case. */
+static int render_rows_choose(struct drawn_rows *out, const conus_pose_list *list, const struct row_choice *choice,
+                              const char *pattern)
+{
+    size_t count = conus_pose_list_count(list);
+    out->items = calloc(count + 1, sizeof *out->items);
+    for (size_t i = 0; out->items && i < count; i++) {
+        const conus_pose_row *row = conus_pose_list_row(list, i);
+        if (is_chosen(row, i + 1, choice)) {
+            struct drawn_row *drawn = &out->items[out->count++];
+            drawn->row = row;
+            drawn->path = row->error ? NULL : format_path(pattern, i + 1, row->id);
+            if (!drawn->path && !row->error) {
+                return print_no_memory();
+            }
+        }
+    }
+    int code = out->items ? check_count(out, list, choice, pattern) : print_no_memory();
+    return code ? code : check_clashes(out);
+}
+
+static void render_rows_finish(struct drawn_rows *rows)
+{
+    for (size_t i = 0; i < rows->count; i++) {
+        free(rows->items[i].path);
+    }
+    free(rows->items);
+    *rows = (struct drawn_rows){0};
+}
+
+struct translucent_settings {
+    struct option_list opacity, pathways;
+};
+
+/* What they mean for one atlas. */
+struct translucent {
+    double *opacity; /* For conus_view; NULL = none. */
+    double pale;
+    conus_pathway_transfer *pathways; /* For the renderer; [pathway_count]. */
+    size_t pathway_count;
+};
+
+#define FIELD(member) offsetof(struct translucent_settings, member)
+
+static const struct option translucent_options[] = {
+    {.name = "opacity",
+     .type = OPTION_LIST,
+     .offset = FIELD(opacity),
+     .value = "[AREA=]A",
+     .help =
+         "opacity, 0 to 1, of the surface of an area, by name, abbreviation or label, with all below it in the area "
+         "tree; without AREA of all that the cone does not hit; may be repeated"},
+    {.name = "pathway-transfer",
+     .type = OPTION_LIST,
+     .offset = FIELD(pathways),
+     .value = "[PATHWAY=]NAME|FILE",
+     .help =
+         "draw pathways, or this one, as haze, by colours and opacities of their values: own (their colour), a preset "
+         "of --transfer or a file; may be repeated"},
+    {0},
+};
+
+/* Splits `text` behind its last "=": the name is allocated, NULL where there is none. False without memory. */
+static bool split(char **name, const char **value, const char *text)
+{
+    const char *equals = strrchr(text, '=');
+    *value = equals ? equals + 1 : text;
+    *name = equals ? strndup(text, (size_t)(equals - text)) : NULL;
+    return !equals || *name;
+}
+
+static bool parse_opacity(double *out, const char *text)
+{
+    char *end = NULL;
+    *out = strtod(text, &end);
+    return end != text && *end == '\0' && *out >= 0 && *out <= 1;
+}
+
+/* Whether every opacity is one; prints an error if not. */
+static bool translucent_check(const struct translucent_settings *settings)
+{
+    for (size_t i = 0; i < settings->opacity.count; i++) {
+        const char *text = settings->opacity.items[i];
+        const char *equals = strrchr(text, '=');
+        double opacity;
+        if (!parse_opacity(&opacity, equals ? equals + 1 : text)) {
+            print_error_line("--opacity: \"%s\"; wanted is AREA=A or A, A from 0 to 1", text);
+            return false;
+        }
+        if (!equals && opacity == 0) {
+            print_error_line(
+                "--opacity: 0 of all that the cone does not hit, allowed is more than 0; --only names what "
+                "is drawn");
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool is_below(const conus_atlas *atlas, uint32_t number, uint32_t ancestor)
+{
+    while (number && number != ancestor) {
+        number = conus_atlas_object(atlas, number)->parent;
+    }
+    return number == ancestor;
+}
+
+static int set_opacity(struct translucent *out, const conus_atlas *atlas, const char *name, double opacity)
+{
+    uint32_t found = 0;
+    if (conus_atlas_find(&found, atlas, name)) {
+        return print_usage_error("--opacity: %s", conus_message());
+    }
+    for (uint32_t number = 1; number <= conus_atlas_object_count(atlas); number++) {
+        if (is_below(atlas, number, found)) {
+            out->opacity[number] = opacity;
+        }
+    }
+    return EXIT_DONE;
+}
+
+static int find_opacities(struct translucent *out, const conus_atlas *atlas, const struct option_list *texts)
+{
+    size_t count = conus_atlas_object_count(atlas) + 1;
+    int code = EXIT_DONE;
+    out->opacity = texts->count ? malloc(count * sizeof *out->opacity) : NULL;
+    for (size_t n = 0; out->opacity && n < count; n++) {
+        out->opacity[n] = NAN;
+    }
+    for (size_t i = 0; i < texts->count && !code; i++) {
+        char *name = NULL;
+        const char *value = NULL;
+        double opacity = 0;
+        bool done = out->opacity && split(&name, &value, texts->items[i]) && parse_opacity(&opacity, value);
+        code = !done ? print_no_memory() : name ? set_opacity(out, atlas, name, opacity) : EXIT_DONE;
+        out->pale = name ? out->pale : opacity;
+        free(name);
+    }
+    return code;
+}
+
+static int find_pathway(conus_pathway_transfer *out, const conus_atlas *atlas, const char *text)
+{
+    char *name = NULL;
+    const char *value = NULL;
+    if (!split(&name, &value, text)) {
+        return print_no_memory();
+    }
+    int code = EXIT_DONE;
+    if (name && conus_atlas_find(&out->pathway, atlas, name)) {
+        code = print_usage_error("--pathway-transfer: %s", conus_message());
+    } else if (name && conus_atlas_object(atlas, out->pathway)->kind != CONUS_KIND_PATHWAY) {
+        code = print_usage_error("--pathway-transfer: %s is no pathway", name);
+    }
+    out->transfer = value;
+    free(name);
+    return code;
+}
+
+/* An opacity of what has no surface would have no effect. */
+static int check_both(const struct translucent *translucent)
+{
+    for (size_t i = 0; i < translucent->pathway_count; i++) {
+        uint32_t pathway = translucent->pathways[i].pathway;
+        if (pathway && translucent->opacity && !isnan(translucent->opacity[pathway])) {
+            return print_usage_error("--opacity has no effect on a pathway that --pathway-transfer draws as haze");
+        }
+    }
+    return EXIT_DONE;
+}
+
+/* Finds the areas and pathways. Returns the exit code and prints an error unless it is 0; `out` is the caller's to
+ * translucent_finish() in any case, before the settings end. */
+static int translucent_find(struct translucent *out, const conus_atlas *atlas,
+                            const struct translucent_settings *settings)
+{
+    const struct option_list *texts = &settings->pathways;
+    *out = (struct translucent){0};
+    int code = find_opacities(out, atlas, &settings->opacity);
+    out->pathways = code ? NULL : calloc(texts->count + 1, sizeof *out->pathways);
+    if (!code && !out->pathways) {
+        return print_no_memory();
+    }
+    for (size_t i = 0; i < texts->count && !code; i++) {
+        code = find_pathway(&out->pathways[i], atlas, texts->items[i]);
+        out->pathway_count++;
+    }
+    return code ? code : check_both(out);
+}
+
+static void translucent_finish(struct translucent *translucent)
+{
+    free(translucent->opacity);
+    free(translucent->pathways);
+    *translucent = (struct translucent){0};
+}
 
 struct render_settings {
     struct atlas_settings atlas;

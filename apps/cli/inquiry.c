@@ -4,8 +4,7 @@
 
 #include "options/messages.h"
 #include "options/output.h"
-#include "settings/aim_notes.h"
-#include "settings/atlas_notes.h"
+#include "settings/notes.h"
 
 #include <assert.h>
 #include <stdlib.h>

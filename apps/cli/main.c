@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The program conus: finds the command and runs it. */
 #include "cli/commands.h"
-#include "options/help.h"
 #include "options/messages.h"
+#include "options/options.h"
 #include "options/output.h"
 #include "pages/pages.h"
 

@@ -3,7 +3,7 @@
 #include "cli/survey.h"
 
 #include "options/messages.h"
-#include "settings/atlas_notes.h"
+#include "settings/notes.h"
 
 #include <stdlib.h>
 

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The text of --help, from a command's table of options. */
-#include "options/help.h"
+#include "options/options.h"
 
 #include "options/messages.h"
-#include "options/options.h"
 
 #include <string.h>
 

@@ -2,7 +2,6 @@
 /* Parses a command line by a command's table of options, and the values by their types. */
 #include "options/options.h"
 
-#include "options/help.h"
 #include "options/messages.h"
 #include "options/output.h"
 

@@ -170,4 +170,14 @@ bool count_parse(const char *text, uint64_t limit, uint64_t *out);
  * last NULL) is left in @p file, since its value has a comma, as in radius=0,5. Prints an error then. */
 bool key_left_in_file(const char *option, const char *file, const char *const *keys);
 
+/** --help of one command. */
+void help_command(FILE *out, const struct command *command);
+/** -h of one command: what it does, its commonest options and two examples, on at most 20 lines. */
+void help_brief(FILE *out, const struct command *command);
+/** One line that shows a command's form: "conus query ATLAS [options]". */
+void help_usage(FILE *out, const struct command *command);
+
+/** What exit code @p code means, in a few words; NULL past the last. */
+const char *help_exit_code(size_t code);
+
 #endif

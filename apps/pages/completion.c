@@ -1,7 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What the completions of all shells need to know of an option. */
-#include "pages/completion.h"
+#include "pages/pages.h"
 
+#include "options/options.h"
+
+#include <stdbool.h>
 #include <string.h>
 
 enum completion_value completion_value(const struct option *option)
@@ -45,4 +48,357 @@ void completion_quote(FILE *out, const char *text, const char *special)
         fputs(*text == '\'' ? "'\\''" : (char[]){*text, '\0'}, out);
     }
     fputc('\'', out);
+}
+
+static void bash_put_function_name(FILE *out, const char *program)
+{
+    fputc('_', out);
+    for (; *program; program++) {
+        fputc(*program == '-' ? '_' : *program, out);
+    }
+}
+
+static void bash_put_command_names(FILE *out, const struct program *program)
+{
+    for (size_t i = 0; program->commands[i]; i++) {
+        fprintf(out, "%s ", program->commands[i]->name);
+    }
+}
+
+static void bash_put_option_names(FILE *out, const struct command *command)
+{
+    const struct option *option;
+    for (size_t i = 0; (option = completion_option(command, i)); i++) {
+        fprintf(out, "%s--%s", i ? " " : "", option->name);
+    }
+}
+
+/* Writes the pattern that matches the option. */
+static void bash_put_pattern(FILE *out, const struct option *option)
+{
+    if (option->letter) {
+        fprintf(out, "-%c | ", option->letter);
+    }
+    fprintf(out, "--%s", option->name);
+}
+
+static void bash_put_value_cases(FILE *out, const struct command *command)
+{
+    static const char *const words[] = {[COMPLETION_FILE] = "value=file",
+                                        [COMPLETION_FOLDER] = "value=folder",
+                                        [COMPLETION_ATLAS] = "value=atlas",
+                                        [COMPLETION_ANY] = "value=any"};
+    const struct option *option;
+    const char *choice;
+    for (size_t i = 0; (option = completion_option(command, i)); i++) {
+        enum completion_value value = completion_value(option);
+        if (value == COMPLETION_NONE) {
+            continue;
+        }
+        fputs("        ", out);
+        bash_put_pattern(out, option);
+        fprintf(out, ") %s", value == COMPLETION_CHOICES ? "value=word words='" : words[value]);
+        for (size_t n = 0; value == COMPLETION_CHOICES && (choice = option_choice(option, n)); n++) {
+            fprintf(out, "%s%s", n ? " " : "", choice);
+        }
+        fputs(value == COMPLETION_CHOICES ? "' ;;\n" : " ;;\n", out);
+    }
+}
+
+static void bash_put_command(FILE *out, const struct command *command)
+{
+    fputs("        options='", out);
+    bash_put_option_names(out, command);
+    fprintf(out, "'%s\n        case $before in\n", completion_takes_atlas(command) ? " atlas=yes" : "");
+    bash_put_value_cases(out, command);
+    fputs("        esac\n", out);
+}
+
+/* Lets the completion of another program answer, whose words begin one later. */
+static void bash_put_handed_over(FILE *out, const struct program *program, const struct command *command)
+{
+    char name[64];
+    snprintf(name, sizeof name, "%s-%s", program->name, command->name);
+    fputs("        declare -F ", out);
+    bash_put_function_name(out, name);
+    fprintf(out,
+            " >/dev/null || ! declare -F _completion_loader >/dev/null || _completion_loader %s\n"
+            "        COMP_WORDS=(%s \"${COMP_WORDS[@]:2}\")\n"
+            "        COMP_CWORD=$((COMP_CWORD - 1))\n"
+            "        ! declare -F ",
+            name, name);
+    bash_put_function_name(out, name);
+    fputs(" >/dev/null || ", out);
+    bash_put_function_name(out, name);
+    fputs("\n        return ;;\n", out);
+}
+
+static void bash_put_commands(FILE *out, const struct program *program)
+{
+    fputs("    if [ \"$COMP_CWORD\" -eq 1 ]; then\n        mapfile -t COMPREPLY < <(compgen -W '", out);
+    bash_put_command_names(out, program);
+    fprintf(out, "%s--help --version' -- \"$word\")\n        return\n    fi\n    case ${COMP_WORDS[1]} in\n",
+            program->commands[1] ? "help " : "");
+    if (program->commands[1]) {
+        fputs("    help)\n        value=word words='", out);
+        bash_put_command_names(out, program);
+        fputs("' ;;\n", out);
+    }
+    for (size_t i = 0; program->commands[i]; i++) {
+        fprintf(out, "    %s)\n", program->commands[i]->name);
+        if (program->commands[i]->hand_over) {
+            bash_put_handed_over(out, program, program->commands[i]);
+        } else {
+            bash_put_command(out, program->commands[i]);
+            fputs("        ;;\n", out);
+        }
+    }
+    fputs("    esac\n", out);
+}
+
+void completion_bash(FILE *out, const struct program *program)
+{
+    fprintf(out, "# Completion of %s for bash, written by the program from its table of options.\n", program->name);
+    bash_put_function_name(out, program->name);
+    fputs("()\n{\n"
+          "    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]} options= value= words=\n"
+          "    local atlas= name\n"
+          "    COMPREPLY=()\n"
+          "    if [ \"$word\" = = ]; then # --option=value is three words\n"
+          "        word=\n"
+          "    elif [ \"$before\" = = ]; then\n"
+          "        before=${COMP_WORDS[COMP_CWORD - 2]}\n"
+          "    fi\n",
+          out);
+    if (program->unnamed) {
+        bash_put_command(out, program->commands[0]);
+    } else {
+        bash_put_commands(out, program);
+    }
+    fputs("    case ${value:-none}:$word in\n"
+          "    any:*) ;;\n"
+          "    word:*) mapfile -t COMPREPLY < <(compgen -W \"$words\" -- \"$word\") ;;\n"
+          "    folder:*) compopt -o filenames 2>/dev/null; mapfile -t COMPREPLY < <(compgen -d -- \"$word\") ;;\n"
+          "    none:-*) mapfile -t COMPREPLY < <(compgen -W \"$options\" -- \"$word\") ;;\n"
+          "    *) compopt -o filenames 2>/dev/null; mapfile -t COMPREPLY < <(compgen -f -- \"$word\") ;;\n"
+          "    esac\n"
+          "    [ \"$atlas:$value\" = yes: ] || [ \"$value\" = atlas ] || return 0\n"
+          "    local source= # \"source:name\" is three words\n"
+          "    if [ \"$word\" = : ]; then\n"
+          "        source=$before: word=\n"
+          "    elif [ \"$before\" = : ]; then\n"
+          "        source=${COMP_WORDS[COMP_CWORD - 2]}:\n"
+          "    fi\n"
+          "    while IFS= read -r name; do # names are never expanded: they come from files\n"
+          "        [[ $name != \"$source$word\"* ]] || COMPREPLY+=(\"${name#\"$source\"}\")\n"
+          "    done < <(conus atlases --quiet --format names 2>/dev/null)\n"
+          "}\ncomplete -F ",
+          out);
+    bash_put_function_name(out, program->name);
+    fprintf(out, " %s\n", program->name);
+}
+
+#define FISH_ATLASES "(conus atlases --quiet --format names 2>/dev/null)"
+
+/* In fish's single quotes a backslash escapes. */
+static void fish_put_quoted(FILE *out, const char *text)
+{
+    completion_quote(out, text, "\\");
+}
+
+/* Begins a line that counts where `command` is the program's first word; NULL = everywhere. */
+static void fish_put_start(FILE *out, const struct program *program, const char *command)
+{
+    fprintf(out, "complete -c %s", program->name);
+    if (command) {
+        fprintf(out, " -n 'contains -- %s (commandline -opc)[2]'", command);
+    }
+}
+
+static void fish_put_option(FILE *out, const struct option *option)
+{
+    fprintf(out, " -l %s", option->name);
+    if (option->letter) {
+        fprintf(out, " -s %c", option->letter);
+    }
+    const char *choice;
+    switch (completion_value(option)) {
+    case COMPLETION_NONE:
+        break;
+    case COMPLETION_CHOICES:
+        fputs(" -xa '", out);
+        for (size_t i = 0; (choice = option_choice(option, i)); i++) {
+            fprintf(out, "%s%s", i ? " " : "", choice);
+        }
+        fputs("'", out);
+        break;
+    case COMPLETION_FILE:
+        fputs(" -rF", out);
+        break;
+    case COMPLETION_ATLAS:
+        fputs(" -rF -a '" FISH_ATLASES "'", out);
+        break;
+    case COMPLETION_FOLDER:
+        fputs(" -xa '(__fish_complete_directories)'", out);
+        break;
+    case COMPLETION_ANY:
+        fputs(" -x", out);
+        break;
+    }
+    fputs(" -d ", out);
+    fish_put_quoted(out, option->help);
+    fputc('\n', out);
+}
+
+static void fish_put_options(FILE *out, const struct program *program, const struct command *command)
+{
+    const struct option *option;
+    if (completion_takes_atlas(command)) {
+        fish_put_start(out, program, program->unnamed ? NULL : command->name);
+        fputs(" -a '" FISH_ATLASES "' -d 'installed atlas'\n", out);
+    }
+    for (size_t i = 0; (option = completion_option(command, i)); i++) {
+        fish_put_start(out, program, program->unnamed ? NULL : command->name);
+        fish_put_option(out, option);
+    }
+}
+
+/* Writes the commands as first words, and as words of help. */
+static void fish_put_command_names(FILE *out, const struct program *program)
+{
+    static const char first[] = "test (count (commandline -opc)) -eq 1";
+    for (size_t i = 0; program->commands[i]; i++) {
+        const struct command *command = program->commands[i];
+        fprintf(out, "complete -c %s -f -n '%s' -a %s -d ", program->name, first, command->name);
+        fish_put_quoted(out, command->summary);
+        fputc('\n', out);
+        if (program->commands[1]) {
+            fish_put_start(out, program, "help");
+            fprintf(out, " -f -a %s\n", command->name);
+        }
+    }
+    bool several = program->commands[1] != NULL;
+    if (several) {
+        fprintf(out, "complete -c %s -f -n '%s' -a help -d 'explain a command'\n", program->name, first);
+    }
+    fprintf(out, "complete -c %s -n '%s' -l help -d '%s'\n", program->name, first,
+            several ? "list the commands" : "explain the command");
+    fprintf(out, "complete -c %s -n '%s' -l version -d 'the version'\n", program->name, first);
+}
+
+void completion_fish(FILE *out, const struct program *program)
+{
+    fprintf(out, "# Completion of %s for fish, written by the program from its table of options.\n", program->name);
+    if (!program->unnamed) {
+        fish_put_command_names(out, program);
+    }
+    for (size_t i = 0; program->commands[i]; i++) {
+        const struct command *command = program->commands[i];
+        if (command->hand_over) {
+            fish_put_start(out, program, command->name);
+            fprintf(out, " -a '(complete -C \"%s-%s \"(commandline -ct))'\n", program->name, command->name);
+        } else {
+            fish_put_options(out, program, command);
+        }
+    }
+}
+
+#define ZSH_ATLASES "{_files; compadd -- ${(f)\"$(conus atlases --quiet --format names 2>/dev/null)\"}}"
+
+/* What _arguments and _describe would take for their own. */
+static const char zsh_special[] = "[]:\\";
+
+static void zsh_put_values(FILE *out, const struct option *option)
+{
+    static const char *const actions[] = {[COMPLETION_FILE] = "_files",
+                                          [COMPLETION_FOLDER] = "_files -/",
+                                          [COMPLETION_ATLAS] = ZSH_ATLASES,
+                                          [COMPLETION_ANY] = " "};
+    enum completion_value value = completion_value(option);
+    const char *choice;
+    if (value == COMPLETION_NONE) {
+        return;
+    }
+    completion_quote(out, option->value, zsh_special);
+    fputs("':'", out);
+    if (value != COMPLETION_CHOICES) {
+        fprintf(out, "'%s'", actions[value]);
+        return;
+    }
+    fputs("'(", out);
+    for (size_t i = 0; (choice = option_choice(option, i)); i++) {
+        fprintf(out, "%s%s", i ? " " : "", choice);
+    }
+    fputs(")'", out);
+}
+
+/* Writes one form of an option, "-o" or "--output", as a word of _arguments. */
+static void zsh_put_form(FILE *out, const struct option *option, const char *form)
+{
+    fputs(" \\\n        ", out);
+    if (option->type == OPTION_LIST) {
+        fputs("'*'", out);
+    } else if (option->letter) {
+        fprintf(out, "'(-%c --%s)'", option->letter, option->name);
+    }
+    fprintf(out, "%s%s'['", form, option->value ? (form[1] == '-' ? "=" : "+") : "");
+    completion_quote(out, option->help, zsh_special);
+    fprintf(out, "']%s'", option->value ? ":" : "");
+    zsh_put_values(out, option);
+}
+
+static void zsh_put_arguments(FILE *out, const struct command *command)
+{
+    fputs("_arguments -s", out);
+    const struct option *option;
+    for (size_t i = 0; (option = completion_option(command, i)); i++) {
+        char form[64];
+        if (option->letter) {
+            snprintf(form, sizeof form, "-%c", option->letter);
+            zsh_put_form(out, option, form);
+        }
+        snprintf(form, sizeof form, "--%s", option->name);
+        zsh_put_form(out, option, form);
+    }
+    fprintf(out, " \\\n        '*:%s'", completion_takes_atlas(command) ? "atlas:" ZSH_ATLASES : "file:_files");
+}
+
+static void zsh_put_commands(FILE *out, const struct program *program)
+{
+    fputs("local line state\nlocal -a names\nnames=(\n", out);
+    for (size_t i = 0; program->commands[i]; i++) {
+        fprintf(out, "    %s':'", program->commands[i]->name);
+        completion_quote(out, program->commands[i]->summary, zsh_special);
+        fputc('\n', out);
+    }
+    bool several = program->commands[1] != NULL;
+    fprintf(out,
+            "%s)\n_arguments -C '1: :->command' '*::argument:->rest' '(- *)--help[%s]' '(- *)--version[the version]'\n"
+            "case $state in\ncommand) _describe command names ;;\nrest)\n    case $line[1] in\n%s",
+            several ? "    help:'explain a command'\n" : "", several ? "list the commands" : "explain the command",
+            several ? "    help) _describe command names ;;\n" : "");
+    for (size_t i = 0; program->commands[i]; i++) {
+        const struct command *command = program->commands[i];
+        fprintf(out, "    %s)\n        ", command->name);
+        if (command->hand_over) {
+            fprintf(out, "(( ! $+functions[_%s-%s] )) || _%s-%s", program->name, command->name, program->name,
+                    command->name);
+        } else {
+            zsh_put_arguments(out, command);
+        }
+        fputs(" ;;\n", out);
+    }
+    fputs("    esac ;;\nesac\n", out);
+}
+
+void completion_zsh(FILE *out, const struct program *program)
+{
+    fprintf(out, "#compdef %s\n# Completion of %s for zsh, written by the program from its table of options.\n",
+            program->name, program->name);
+    if (program->unnamed) {
+        zsh_put_arguments(out, program->commands[0]);
+        fputc('\n', out);
+    } else {
+        zsh_put_commands(out, program);
+    }
 }

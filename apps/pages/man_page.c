@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Writes man pages from tables of options. */
-#include "pages/man_page.h"
+#include "pages/pages.h"
 
-#include "options/help.h"
 #include "options/options.h"
 
 #include <conus/conus.h>

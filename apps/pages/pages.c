@@ -3,8 +3,6 @@
 #include "pages/pages.h"
 
 #include "options/messages.h"
-#include "pages/completion.h"
-#include "pages/man_page.h"
 
 #include <errno.h>
 #include <limits.h>

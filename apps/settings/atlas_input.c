@@ -3,17 +3,324 @@
 #include "settings/atlas_input.h"
 
 #include "options/messages.h"
+#include "options/options.h"
 #include "options/output.h"
-#include "settings/atlas_name.h"
-#include "settings/pathway_option.h"
-#include "settings/streamlines_option.h"
-#include "settings/transform_option.h"
+#include "settings/atlases.h"
+#include "settings/settings.h"
+
+#include <conus/conus.h>
 
 #include <limits.h>
+#include <math.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* One --pathway, or several with bands of one file. End it with pathway_option_finish(). */
+struct pathway_option {
+    char *text;        /* What the others point into. */
+    const char *given; /* As it was given: borrowed. */
+    char *path;        /* With ",volume=K" at its end, as the library wants it. */
+    char *name;        /* NULL if not given. */
+    char *volume;      /* "volume=K", NULL if not given. */
+    double threshold;  /* 0 if not given. */
+    conus_band *bands; /* [band_count], in the order in which they were given; names point into texts. */
+    size_t band_count;
+};
+
+static bool read_threshold(struct pathway_option *pathway, const char *value)
+{
+    if (!number_parse(value, &pathway->threshold) || pathway->threshold <= 0) {
+        print_error_line("--pathway: threshold=%s is not a number above 0", value);
+        return false;
+    }
+    return true;
+}
+
+static bool read_volume(struct pathway_option *pathway, char *key, const char *value)
+{
+    uint64_t index;
+    if (!count_parse(value, UINT32_MAX, &index)) {
+        print_error_line("--pathway: volume=%s is not a whole number from 0", value);
+        return false;
+    }
+    pathway->volume = key;
+    return true;
+}
+
+static bool add_bands(struct pathway_option *pathway, const conus_band *bands, size_t count)
+{
+    conus_band *all = realloc(pathway->bands, (pathway->band_count + count) * sizeof *all);
+    if (!all) {
+        print_error_line("--pathway: not enough memory");
+        return false;
+    }
+    memcpy(all + pathway->band_count, bands, count * sizeof *bands);
+    pathway->bands = all;
+    pathway->band_count += count;
+    return true;
+}
+
+/* A number, or nothing for `open`. */
+static bool read_end(double *out, const char *text, double open)
+{
+    *out = open;
+    return !*text || number_parse(text, out);
+}
+
+/* "LOW:HIGH:NAME"; the name may have colons. */
+static bool read_band(struct pathway_option *pathway, char *value)
+{
+    conus_band band = {0};
+    char *high = strchr(value, ':');
+    char *name = high ? strchr(high + 1, ':') : NULL;
+    if (!name || !name[1]) {
+        print_error_line("--pathway: band=%s is not LOW:HIGH:NAME", value);
+        return false;
+    }
+    *high++ = '\0';
+    *name++ = '\0';
+    band.name = name;
+    if (!read_end(&band.low, value, -INFINITY) || !read_end(&band.high, high, INFINITY)) {
+        print_error_line("--pathway: band=%s:%s:%s: LOW and HIGH are numbers, or nothing", value, high, name);
+        return false;
+    }
+    return add_bands(pathway, &band, 1);
+}
+
+/* Reads "key=value", the text after a comma. */
+static bool read_key(struct pathway_option *pathway, char *key)
+{
+    char *value = strchr(key, '=') + 1;
+    if (strncmp(key, "threshold=", 10) == 0 && pathway->threshold == 0) {
+        return read_threshold(pathway, value);
+    }
+    if (strncmp(key, "name=", 5) == 0 && !pathway->name) {
+        pathway->name = value;
+        return *value || (print_error_line("--pathway: name= is empty"), false);
+    }
+    if (strncmp(key, "volume=", 7) == 0 && !pathway->volume) {
+        return read_volume(pathway, key, value);
+    }
+    if (strncmp(key, "band=", 5) == 0) {
+        return read_band(pathway, value);
+    }
+    print_error_line("--pathway: \"%s\" is none of threshold=T, name=S and volume=K, each at most once, and "
+                     "band=LOW:HIGH:NAME",
+                     key);
+    return false;
+}
+
+static bool check_keys(const struct pathway_option *pathway)
+{
+    const char *other = pathway->threshold > 0 ? "threshold" : pathway->name ? "name" : NULL;
+    if (pathway->band_count && other) {
+        print_error_line("--pathway: band= and %s= exclude each other: a band has its own", other);
+        return false;
+    }
+    return true;
+}
+
+/* Keys were read from the last to the first. */
+static void turn_bands(struct pathway_option *pathway)
+{
+    for (size_t i = 0, count = pathway->band_count; i < count / 2; i++) {
+        conus_band first = pathway->bands[i];
+        pathway->bands[i] = pathway->bands[count - 1 - i];
+        pathway->bands[count - 1 - i] = first;
+    }
+}
+
+/* Takes `text` apart; prints an error and returns false where that is no pathway. End `out` in either case. Cuts
+ * keys off the end as long as there are some, since a file's name may have commas as well. */
+static bool pathway_option_parse(struct pathway_option *out, const char *text)
+{
+    static const char *const names[] = {",threshold=", ",name=", ",volume=", ",band=", NULL};
+    size_t size = strlen(text) + 1;
+    *out = (struct pathway_option){.text = calloc(2, size), .given = text};
+    if (!out->text) {
+        print_error_line("--pathway: not enough memory");
+        return false;
+    }
+    char *keys = memcpy(out->text, text, size);
+    for (char *comma; (comma = strrchr(keys, ',')) && strchr(comma, '=');) {
+        *comma = '\0';
+        if (!read_key(out, comma + 1)) {
+            return false;
+        }
+    }
+    if (!*keys) {
+        print_error_line("--pathway: \"%s\" names no file", text);
+        return false;
+    }
+    if (key_left_in_file("--pathway", keys, names)) {
+        return false;
+    }
+    out->path = out->text + size;
+    snprintf(out->path, size, "%s%s%s", keys, out->volume ? "," : "", out->volume ? out->volume : "");
+    turn_bands(out);
+    return check_keys(out);
+}
+
+/* Adds the bands of `more`, whose text must outlive `option`, if both have bands of one file. Returns 1 if so, 0 if
+ * not, and -1 without memory, which is printed. */
+static int pathway_option_join(struct pathway_option *option, const struct pathway_option *more)
+{
+    if (!option->band_count || !more->band_count || strcmp(option->path, more->path) != 0) {
+        return 0;
+    }
+    return add_bands(option, more->bands, more->band_count) ? 1 : -1;
+}
+
+static void pathway_option_finish(struct pathway_option *option)
+{
+    free(option->bands);
+    free(option->text);
+}
+
+/* One --streamlines. End it with streamlines_option_finish(). */
+struct streamlines_option {
+    char *path;    /* Its text, which is cut where the file's name ends. */
+    char *name;    /* NULL if not given. */
+    double radius; /* mm; 0 if not given. */
+    bool moves;    /* With the atlas. */
+};
+
+static bool read_radius(struct streamlines_option *out, const char *value)
+{
+    if (!number_parse(value, &out->radius) || out->radius <= 0) {
+        print_error_line("--streamlines: radius=%s is not a number above 0", value);
+        return false;
+    }
+    return true;
+}
+
+static bool streamlines_is_key(const char *text)
+{
+    return strchr(text, '=') || strcmp(text, "moves") == 0;
+}
+
+/* Reads "key=value" or "moves", the text after a comma. */
+static bool streamlines_read_key(struct streamlines_option *out, char *key)
+{
+    if (strncmp(key, "radius=", 7) == 0 && out->radius == 0) {
+        return read_radius(out, key + 7);
+    }
+    if (strncmp(key, "name=", 5) == 0 && !out->name) {
+        out->name = key + 5;
+        return *out->name || (print_error_line("--streamlines: name= is empty"), false);
+    }
+    if (strcmp(key, "moves") == 0 && !out->moves) {
+        return out->moves = true;
+    }
+    print_error_line("--streamlines: \"%s\" is none of radius=R, name=S and moves, each at most once", key);
+    return false;
+}
+
+/* Takes `text` apart; prints an error and returns false where that is no tractogram with its keys. End `out` in
+ * either case. Cuts keys off the end as long as there are some, since a file's name may have commas as well. */
+static bool streamlines_option_parse(struct streamlines_option *out, const char *text)
+{
+    static const char *const keys[] = {",radius=", ",name=", NULL};
+    *out = (struct streamlines_option){.path = strdup(text)};
+    if (!out->path) {
+        print_error_line("--streamlines: not enough memory");
+        return false;
+    }
+    for (char *comma; (comma = strrchr(out->path, ',')) && streamlines_is_key(comma + 1);) {
+        *comma = '\0';
+        if (!streamlines_read_key(out, comma + 1)) {
+            return false;
+        }
+    }
+    if (!*out->path) {
+        print_error_line("--streamlines: \"%s\" names no file", text);
+    }
+    return *out->path && !key_left_in_file("--streamlines", out->path, keys);
+}
+
+static void streamlines_option_finish(struct streamlines_option *option)
+{
+    free(option->path);
+}
+
+/* What "FILE[,from=IMAGE,to=IMAGE][,inverse][,relative|absolute][,grid=IMAGE]" says; the text is cut at its commas. */
+struct transform_option {
+    char *path;
+    conus_transform_options options;
+};
+
+/* Takes a key, the text after a comma. False where it is none; then it is a part of the file's name. */
+static bool transform_take_key(struct transform_option *out, const char *key)
+{
+    if (strcmp(key, "inverse") == 0 && !out->options.inverse) {
+        return out->options.inverse = true;
+    }
+    if ((strcmp(key, "relative") == 0 || strcmp(key, "absolute") == 0) && !out->options.vectors) {
+        out->options.vectors = key[0] == 'r' ? CONUS_VECTORS_RELATIVE : CONUS_VECTORS_ABSOLUTE;
+        return true;
+    }
+    if (strncmp(key, "grid=", 5) == 0 && !out->options.grid) {
+        out->options.grid = key + 5;
+        return true;
+    }
+    if (strncmp(key, "from=", 5) == 0 && !out->options.from) {
+        out->options.from = key + 5;
+        return true;
+    }
+    if (strncmp(key, "to=", 3) == 0 && !out->options.to) {
+        out->options.to = key + 3;
+        return true;
+    }
+    return false;
+}
+
+/* Cuts keys off the end as long as there are some, since a file's name may have commas as well. */
+static void transform_parse(struct transform_option *out, char *text)
+{
+    *out = (struct transform_option){.path = text};
+    for (char *comma; (comma = strrchr(text, ',')) && transform_take_key(out, comma + 1);) {
+        *comma = '\0';
+    }
+}
+
+static bool is_empty(const char *text)
+{
+    return text && !*text;
+}
+
+static int transform_apply(conus_atlas *atlas, const char *given, uint64_t max_memory)
+{
+    struct transform_option option;
+    char *text = strdup(given);
+    if (!text) {
+        print_error_line("not enough memory");
+        return EXIT_DATA;
+    }
+    transform_parse(&option, text);
+    option.options.max_memory = max_memory;
+    bool empty = is_empty(option.path) || is_empty(option.options.from) || is_empty(option.options.to) ||
+                 is_empty(option.options.grid);
+    int code = empty ? print_usage_error("--atlas-transform: \"%s\" names no file, or no image", given) : EXIT_DONE;
+    if (!code) {
+        conus_status status = conus_atlas_transform(atlas, option.path, &option.options);
+        code = status ? print_status(status) : EXIT_DONE;
+    }
+    free(text);
+    return code;
+}
+
+/* Moves `atlas` by the transforms, of which points go through the first one first. A field and what it
+ * resamples may take `max_memory`, 0 = the default. Returns the exit code and prints an error unless it is 0. */
+static int transform_options_apply(conus_atlas *atlas, const struct option_list *texts, uint64_t max_memory)
+{
+    int code = EXIT_DONE;
+    for (size_t i = texts->count; i > 0 && !code; i--) { /* the atlas goes back through the last one first */
+        code = transform_apply(atlas, texts->items[i - 1], max_memory);
+    }
+    return code;
+}
 
 static int add_pathway(conus_atlas *atlas, const struct pathway_option *pathway, const struct atlas_settings *settings)
 {

@@ -4,6 +4,7 @@
 #define CONUS_SETTINGS_ATLASES_H
 
 #include "settings/atlas_input.h"
+#include "settings/settings.h"
 
 struct named_atlas {
     conus_atlas *atlas;
@@ -46,5 +47,20 @@ bool spaces_differ(const conus_volume_info *a, const conus_volume_info *b);
 /** Says on stderr, unless --quiet, which atlas is hardly in the space of the first: where both name their spaces, and
  * these differ, or where no voxel and no triangle of one is in the box around the other. */
 void atlases_say_spaces(const struct atlases *atlases, const struct common_settings *settings);
+
+struct atlas_name {
+    conus_catalogue *catalogue;   /**< What the atlas belongs to; NULL if there was no need to look. */
+    const conus_installed *atlas; /**< NULL: what was given is a path. */
+    const char *path;             /**< For conus_atlas_load(). */
+};
+
+/** Finds out what @p text, which must outlive @p out, means: what is there under that path, or else the installed atlas
+ * of that name. Returns the exit code and prints an error unless it is 0; @p out is the caller's to finish in every
+ * case. */
+int atlas_name_find(struct atlas_name *out, const char *text);
+void atlas_name_finish(struct atlas_name *name);
+
+/** The labels to load it with: those of --labels, @p given, or else those of the installed atlas; NULL = none. */
+const char *atlas_name_labels(const struct atlas_name *name, const char *given);
 
 #endif

@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What conus verify reads and compares: command lines, sidecars, places of files, rows and settings. */
-#include "cli/verify/command_line.h"
+#include "cli/verify/differ.h"
 #include "cli/verify/find_file.h"
 #include "cli/verify/record.h"
-#include "cli/verify/rows_differ.h"
-#include "cli/verify/settings_differ.h"
-#include "cli/verify/stage.h"
+#include "cli/verify/replay.h"
 #include "options/messages.h"
 #include "options/options.h"
 #include "options/provenance.h"

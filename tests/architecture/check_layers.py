@@ -32,9 +32,8 @@ APPS = {
     "apps/cli/answers": "apps/options apps/settings",
     "apps/cli/verify": "apps/options",
     "apps/cli/cite": "apps/options",
-    "apps/cli/pictures": "apps/options",
     "apps/cli": "apps/link apps/options apps/settings apps/figures apps/pages apps/batch apps/cli/answers"
-    " apps/cli/verify apps/cli/cite apps/cli/pictures",
+    " apps/cli/verify apps/cli/cite",
     "apps/mpi": "apps/options apps/pages apps/batch",
     "apps/mesh": "loaders/child",  # mesh_protocol.h: what conus and conus-mesh send each other
     "apps/viewer/pictures": "apps/link",

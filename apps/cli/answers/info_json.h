@@ -6,6 +6,8 @@
 #include <conus/conus.h>
 
 #include <jansson.h>
+#include <stddef.h>
+#include <stdio.h>
 
 /** The atlas as a JSON text with a final newline; NULL without memory. The caller frees it. @p installed: what its name
  * meant; NULL = it was a path. */
@@ -16,5 +18,24 @@ json_t *info_json_installed(const conus_installed *atlas);
 
 /** A text of any bytes; what is not UTF-8 is taken as ISO-8859-1, as in the library's reports. NULL without memory. */
 json_t *info_json_bytes(const char *bytes);
+
+/** Numbers for people: sets those to 0 that are within 1e-7 of the largest of them, or of @p scale if that is larger.
+ * That is rounding, as of files with single precision. */
+void info_drop_rounding(double *numbers, size_t count, double scale);
+
+/** The line "reaches" of what has these corners, mm, without what is rounding. */
+void info_put_reach(FILE *out, const double low[3], const double high[3]);
+
+/** A paragraph for people, with an empty line before it; nothing of an atlas that is not moved or has no areas. */
+void info_place_put(FILE *out, const conus_atlas *atlas);
+
+/** The same as a JSON object; JSON's null where there is nothing to say. NULL without memory. */
+json_t *info_place_json(const conus_atlas *atlas);
+
+/** A paragraph for people about each, with an empty line before it. */
+void info_tracts_put(FILE *out, const conus_atlas *atlas);
+
+/** The same as a JSON array; NULL without memory. */
+json_t *info_tracts_json(const conus_atlas *atlas);
 
 #endif

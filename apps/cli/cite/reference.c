@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reads references out of manifests, BrainGlobe's metadata and BIDS's descriptions. */
-#include "cli/cite/reference.h"
+#include "cli/cite/citation.h"
 
 #include "options/input_file.h"
 #include "options/messages.h"

@@ -3,10 +3,24 @@
 #ifndef CONUS_CLI_VERIFY_RECORD_H
 #define CONUS_CLI_VERIFY_RECORD_H
 
-#include "cli/verify/command_line.h"
-
 #include <jansson.h>
+#include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
+
+enum { COMMAND_WORDS = 4096 };
+
+struct command_line {
+    char *text;   /**< What the words point into. */
+    char **words; /**< [count], and NULL behind them. */
+    size_t count;
+};
+
+/** Cuts @p text into words, as arguments_text() writes them: bare, or in single quotes. Nothing else that a shell knows
+ * is taken. Returns NULL, or why it is none of ours, a text that lasts; then @p out is empty. @p out is the caller's to
+ * command_line_finish(). */
+const char *command_line_parse(struct command_line *out, const char *text);
+void command_line_finish(struct command_line *line);
 
 enum { RECORD_FILES = 100000, RECORD_LIMIT = 1 << 26 /* bytes of a sidecar */ };
 

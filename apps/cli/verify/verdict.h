@@ -3,8 +3,8 @@
 #ifndef CONUS_CLI_VERIFY_VERDICT_H
 #define CONUS_CLI_VERIFY_VERDICT_H
 
+#include "cli/verify/differ.h"
 #include "cli/verify/replay.h"
-#include "cli/verify/rows_differ.h"
 
 struct verdict_settings {
     const char *sidecar; /**< NULL = beside the result. */

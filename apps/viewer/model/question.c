@@ -4,7 +4,6 @@
 
 #include "options/messages.h"
 #include "options/options.h"
-#include "settings/axis_options.h"
 #include "settings/settings.h"
 
 #include <math.h>

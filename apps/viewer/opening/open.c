@@ -5,8 +5,8 @@
 
 #include "options/messages.h"
 #include "settings/atlas_input.h"
-#include "settings/atlas_name.h"
-#include "settings/atlas_notes.h"
+#include "settings/atlases.h"
+#include "settings/notes.h"
 #include "viewer/model/additions.h"
 #include "viewer/model/hemispheres.h"
 #include "viewer/model/session_file.h"

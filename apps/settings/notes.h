@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Notes about poses whose position or direction is unlikely. */
+/** @file Notes about atlases, and about where cones lie and point. */
 #ifndef CONUS_SETTINGS_AIM_NOTES_H
 #define CONUS_SETTINGS_AIM_NOTES_H
 
+#include "settings/atlases.h"
 #include "settings/settings.h"
 
 /** How poses aim at an atlas. */
@@ -23,5 +24,15 @@ void aim_notes_say(const struct aimed *aimed, size_t count, const char *file, co
 /** The same for one pose. */
 void aim_notes_of(const conus_pose *pose, double angle, conus_selector *selector, const conus_atlas *atlas,
                   const conus_frame *frame, const struct common_settings *settings);
+
+/** Says the atlas's notes on stderr, unless --quiet. */
+void settings_say_notes(const conus_atlas *atlas, const struct common_settings *settings);
+/** The same of several; each note begins with the atlas's name. */
+void atlases_say_notes(const struct atlases *atlases, const struct common_settings *settings);
+
+/** Says on stderr, unless --quiet, where all layers are asked for, how many surfaces are not closed and what that means
+ * for them. */
+void atlases_say_open(const struct atlases *atlases, const struct engine_settings *engine,
+                      const struct common_settings *settings);
 
 #endif
