@@ -3,6 +3,8 @@
 set(ENV{CONUS_CACHE} off)
 set(ENV{HOME} @PROJECT_BINARY_DIR@/home)
 file(MAKE_DIRECTORY $ENV{HOME})
+# Where Mesa keeps compiled shaders, also for tests with folders of their own; it does not ask HOME.
+set(ENV{MESA_SHADER_CACHE_DIR} $ENV{HOME}/shaders)
 foreach(folder IN ITEMS CACHE CONFIG DATA STATE)
   unset(ENV{XDG_${folder}_HOME})
 endforeach()

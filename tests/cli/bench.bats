@@ -32,6 +32,7 @@ bench() {
 }
 
 @test "what cannot run is left out and says why, and the others go on" {
+    need_long
     run -0 --separate-stderr env MESA_LOADER_DRIVER_OVERRIDE=none EGL_PLATFORM=none \
         __EGL_VENDOR_LIBRARY_DIRS=/nonexistent "$CONUS_BENCH" all --check --json all.json
     jq -e '.left_out | has("bonsai") and has("torus_frame") and has("torus by OpenGL")' all.json

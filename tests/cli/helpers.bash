@@ -199,6 +199,11 @@ need_aal() {
     [ -r "$aal" ] || skip "no mricron-data ($aal)"
 }
 
+# need_long: only scripts/test --long runs the test.
+need_long() {
+    [ -n "${CONUS_TEST_LONG-}" ] || skip "scripts/test --long runs it"
+}
+
 # sphere [OPTION...]: sphere.nii.gz, a ball of radius 20 mm around the origin.
 sphere() {
     conus phantom sphere -o . "$@"

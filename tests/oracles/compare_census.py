@@ -188,6 +188,8 @@ def cases(conus, shared, templates, folder):
 
 def main():
     conus, count = sys.argv[1], int(sys.argv[2])
+    if not os.environ.get("CONUS_TEST_LONG"):
+        count = min(count, 2)  # the volumes together still have each shape and each content
     shared = sys.argv[3] if len(sys.argv) > 3 else "../shared/data"
     templates = sys.argv[4] if len(sys.argv) > 4 else "/usr/share/mricron/templates"
     generator = random.Random("census")
@@ -197,8 +199,9 @@ def main():
         for volume, pathway in cases(conus, shared, templates, folder):
             corners = box_corners(volume.data.shape, volume.m)
             for i in range(count):
-                region = random_region(generator, i, corners)
-                content = CONTENTS[i // 4 % (4 if pathway else 3)]
+                number = volumes * count + i
+                region = random_region(generator, number, corners)
+                content = CONTENTS[(number + number // 4) % (4 if pathway else 3)]
                 where = f"{os.path.basename(volume.path)}, {region}, {content}"
                 found = query(conus, volume, pathway, region, content, mask)
                 rows += check_rows(where, found, volume, pathway, region)
