@@ -196,7 +196,7 @@ static conus_status start_inflating(struct byte_stream *stream)
 }
 
 /* Reads the first bytes of a new source, which say whether it is packed. */
-static conus_status start(struct byte_stream *stream)
+static conus_status stream_start(struct byte_stream *stream)
 {
     struct byte_source *source = stream->source;
     uint8_t magic[MAGIC_SIZE];
@@ -219,7 +219,7 @@ static conus_status start(struct byte_stream *stream)
 static conus_status make(struct byte_stream *out, const struct byte_source *model)
 {
     struct byte_stream stream = {.source = memory_copy(model, 1, sizeof *model)};
-    conus_status status = stream.source ? start(&stream) : CONUS_ERROR_MEMORY;
+    conus_status status = stream.source ? stream_start(&stream) : CONUS_ERROR_MEMORY;
     if (status && stream.source) {
         stream.source->descriptor = -1; /* the caller's to close */
         byte_stream_finish(&stream);

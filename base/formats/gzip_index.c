@@ -21,7 +21,7 @@ struct index_head {
     char sha256[72];
 };
 
-static uint32_t crc_of(uint32_t sum, const uint8_t *data, size_t size)
+static uint32_t index_crc_of(uint32_t sum, const uint8_t *data, size_t size)
 {
     return size ? libdeflate_crc32(sum, data, size) : sum; /* without data it would begin anew */
 }
@@ -44,7 +44,7 @@ void gzip_indexer_finish(struct gzip_indexer *indexer)
 
 void gzip_indexer_add(struct gzip_indexer *indexer, const uint8_t *data, size_t size)
 {
-    indexer->sum = crc_of(indexer->sum, data, size);
+    indexer->sum = index_crc_of(indexer->sum, data, size);
 }
 
 static struct gzip_point *last_point(const struct gzip_indexer *indexer)
@@ -245,7 +245,7 @@ static conus_status inflate_part(struct follower *follower, uint8_t *out, size_t
             status = fail_lie();
         }
     }
-    follower->sum = crc_of(follower->sum, out, size - z->avail_out);
+    follower->sum = index_crc_of(follower->sum, out, size - z->avail_out);
     follower->position += size - z->avail_out;
     return status;
 }

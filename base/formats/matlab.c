@@ -243,7 +243,7 @@ static conus_status parse_array(struct matlab *matlab, size_t index)
     return status ? status : has_parts ? take_parts(matlab, index, &rest) : take_values(array, &rest);
 }
 
-static conus_status check_header(bool *swapped, struct text text)
+static conus_status matlab_check_header(bool *swapped, struct text text)
 {
     if (text.size < HEADER) {
         return fail(CONUS_ERROR_DATA, "MATLAB's header: %zu bytes, %d are needed", text.size, HEADER);
@@ -330,7 +330,7 @@ conus_status matlab_parse(struct matlab *out, struct text text, uint64_t limit)
 {
     struct matlab matlab = {.limit = limit};
     bool swapped = false;
-    conus_status status = check_header(&swapped, text);
+    conus_status status = matlab_check_header(&swapped, text);
     status = status ? status : parse_variables(&matlab, rest_of(text, HEADER), swapped);
     if (status) {
         matlab_finish(&matlab);

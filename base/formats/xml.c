@@ -32,7 +32,7 @@ static size_t line_of(const struct parsing *parsing)
     return XML_GetCurrentLineNumber(parsing->parser);
 }
 
-static void on_start(void *user, const char *name, const char **attributes)
+static void xml_on_start(void *user, const char *name, const char **attributes)
 {
     struct parsing *parsing = user;
     struct xml_event event = {.name = name, .attributes = attributes, .line = line_of(parsing)};
@@ -50,7 +50,7 @@ static void on_start(void *user, const char *name, const char **attributes)
     stop_parser(parsing, parsing->handler->start(parsing->handler->user, &event));
 }
 
-static void on_end(void *user, const char *name)
+static void xml_on_end(void *user, const char *name)
 {
     struct parsing *parsing = user;
     struct xml_event event = {.name = name, .line = line_of(parsing)};
@@ -93,7 +93,7 @@ static void on_skipped_entity(void *user, const char *name, int is_parameter)
 static conus_status run_parser(struct parsing *parsing, struct text text)
 {
     XML_SetUserData(parsing->parser, parsing);
-    XML_SetElementHandler(parsing->parser, on_start, on_end);
+    XML_SetElementHandler(parsing->parser, xml_on_start, xml_on_end);
     XML_SetCharacterDataHandler(parsing->parser, on_text);
     XML_SetStartDoctypeDeclHandler(parsing->parser, on_doctype);
     XML_SetSkippedEntityHandler(parsing->parser, on_skipped_entity);

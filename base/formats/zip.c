@@ -198,7 +198,7 @@ static conus_status check_kind(const struct record *record)
 }
 
 /* The header before a file, which lies before `end`; sizes and checksum may stand behind the file instead. */
-static conus_status check_header(size_t *at, const uint8_t *data, const struct record *entry, uint64_t end)
+static conus_status zip_check_header(size_t *at, const uint8_t *data, const struct record *entry, uint64_t end)
 {
     bool fits = entry->header_at <= end && end - entry->header_at >= LOCAL_SIZE;
     const uint8_t *header = data + (fits ? entry->header_at : 0);
@@ -255,7 +255,7 @@ static conus_status read_entry(struct zip_entry *out, uint64_t *place, const uin
     if (!status && !wide) {
         status = fail_entry(CONUS_ERROR_DATA, record.name, "sizes of ZIP64 are needed, and not there");
     }
-    status = status ? status : check_header(&at, data, &record, end);
+    status = status ? status : zip_check_header(&at, data, &record, end);
     *rest = (struct text){rest->data + whole, rest->size - whole};
     *place = record.header_at;
     *out = (struct zip_entry){

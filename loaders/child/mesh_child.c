@@ -276,7 +276,7 @@ static conus_status take_frame(struct child *child, size_t size)
 }
 
 /* Capacity for the rest of the frame that is under way, and for one more reading. */
-static conus_status reserve(struct child *child, size_t size)
+static conus_status child_reserve(struct child *child, size_t size)
 {
     size_t needed = size > child->size + READ_SIZE ? size : child->size + READ_SIZE;
     if (needed > child->limits->memory) {
@@ -307,7 +307,7 @@ static conus_status take_frames(struct child *child)
         child->size -= size;
         memmove(child->data, child->data + size, child->size);
     }
-    return status ? status : reserve(child, size);
+    return status ? status : child_reserve(child, size);
 }
 
 /* Closes *descriptor at its end. */
@@ -367,7 +367,7 @@ static conus_status listen_once(struct child *child)
 
 static conus_status listen_to(struct child *child)
 {
-    conus_status status = reserve(child, MESH_MAGIC_SIZE);
+    conus_status status = child_reserve(child, MESH_MAGIC_SIZE);
     while (!status && (child->out >= 0 || child->err >= 0)) {
         status = listen_once(child);
     }

@@ -81,7 +81,7 @@ static void find_key(char key[MESH_CACHE_KEY_SIZE], const struct buffer *request
 }
 
 /* Frames come in the order of the areas. */
-static conus_status find_area(struct extraction *work, uint32_t label)
+static conus_status extract_find_area(struct extraction *work, uint32_t label)
 {
     while (work->number < work->atlas->area_count) {
         if (work->atlas->objects[work->number++].label == label) {
@@ -100,7 +100,7 @@ static conus_status take_frame(void *user, const struct mesh_frame *frame)
         return fail(CONUS_ERROR_DATA, "conus-mesh: %.*s", (int)frame->text.size, frame->text.data);
     }
     snprintf(name, sizeof name, "area %u", frame->id);
-    conus_status status = find_area(work, frame->id);
+    conus_status status = extract_find_area(work, frame->id);
     status = status ? status : mesh_take_frame(&mesh, frame, name, work->notes, work->stream);
     status = status ? status : work->take(work->user, work->number, &mesh);
     work->frames++;
@@ -146,7 +146,7 @@ static conus_status extract_with(struct extraction *work, const struct buffer *r
     return status;
 }
 
-static conus_status check_size(const conus_volume_info *info)
+static conus_status extract_check_size(const conus_volume_info *info)
 {
     enum { MOST = 1 << 20 };
     for (int a = 0; a < 3; a++) {
@@ -161,7 +161,7 @@ static conus_status check_size(const conus_volume_info *info)
 static conus_status extract_from(struct extraction *work, const struct mesh_extract_options *options)
 {
     struct buffer request = {0};
-    conus_status status = check_size(&work->volume->info);
+    conus_status status = extract_check_size(&work->volume->info);
     if (!status) {
         append_request(&request, work, options);
         status = buffer_status(&request);

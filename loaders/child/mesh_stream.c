@@ -15,7 +15,7 @@ conus_status mesh_stream_begin(const uint8_t *data, size_t size)
     return CONUS_OK;
 }
 
-static conus_status check_header(const struct mesh_frame *frame, uint64_t vertices, uint64_t triangles)
+static conus_status frame_check_header(const struct mesh_frame *frame, uint64_t vertices, uint64_t triangles)
 {
     bool is_mesh = frame->kind == MESH_FRAME_MESH || frame->kind == MESH_FRAME_CHECKED;
     if (frame->kind < MESH_FRAME_MESH || frame->kind > MESH_FRAME_CHECKED) {
@@ -45,7 +45,7 @@ conus_status mesh_frame_header(struct mesh_frame *out, const uint8_t *data)
                                .id = order_u32(data + 4, SWAPPED),
                                .space = (enum mesh_space)order_u32(data + 8, SWAPPED),
                                .text = {.size = order_u32(data + 12, SWAPPED)}};
-    conus_status status = check_header(&frame, vertices, triangles);
+    conus_status status = frame_check_header(&frame, vertices, triangles);
     if (status) {
         return status;
     }

@@ -23,7 +23,7 @@ struct cursor {
     size_t size;
 };
 
-static bool take_bytes(struct cursor *cursor, size_t size, const uint8_t **out)
+static bool surface_take_bytes(struct cursor *cursor, size_t size, const uint8_t **out)
 {
     if (size > cursor->size) {
         return false;
@@ -37,7 +37,7 @@ static bool take_bytes(struct cursor *cursor, size_t size, const uint8_t **out)
 static bool take_int(struct cursor *cursor, int32_t *out)
 {
     const uint8_t *data;
-    bool there = take_bytes(cursor, 4, &data);
+    bool there = surface_take_bytes(cursor, 4, &data);
     *out = there ? order_i32(data, BIG_ENDIAN_IS_SWAPPED) : 0;
     return there;
 }
@@ -51,7 +51,7 @@ static bool skip_comment(struct cursor *cursor)
         return false;
     }
     bool empty_line = end + 1 < cursor->data + cursor->size && end[1] == '\n';
-    return take_bytes(cursor, (size_t)(end + 1 - cursor->data) + empty_line, &skipped);
+    return surface_take_bytes(cursor, (size_t)(end + 1 - cursor->data) + empty_line, &skipped);
 }
 
 bool freesurfer_world_from_surface(double out[16], const double axes[9], const double centre[3])
@@ -73,7 +73,7 @@ bool freesurfer_world_from_surface(double out[16], const double axes[9], const d
     return true;
 }
 
-static bool read_numbers(struct text text, double out[3])
+static bool surface_read_numbers(struct text text, double out[3])
 {
     struct text word;
     for (int i = 0; i < 3; i++) {
@@ -85,7 +85,7 @@ static bool read_numbers(struct text text, double out[3])
 }
 
 /* "xras   = -1 0 0" */
-static bool read_line(struct text *rest, const char *key, struct text *value)
+static bool surface_read_line(struct text *rest, const char *key, struct text *value)
 {
     struct text line;
     bool more = true;
@@ -104,8 +104,8 @@ static conus_status read_geometry(struct geometry *out, struct text text)
         struct text value;
         double unused[3];
         double *numbers = i < AXES ? unused : i < CENTRE ? geometry.axes + 3 * (i - AXES) : geometry.centre;
-        bool fine = read_line(&text, keys[i], &value);
-        if (!fine || (i >= VOLUME && !read_numbers(value, numbers))) {
+        bool fine = surface_read_line(&text, keys[i], &value);
+        if (!fine || (i >= VOLUME && !surface_read_numbers(value, numbers))) {
             return fail(CONUS_ERROR_DATA, "volume geometry: line \"%s = ...\" is missing or damaged", keys[i]);
         }
         if (i == VALID) {
@@ -164,11 +164,11 @@ static conus_status place_in_world(struct mesh *mesh, struct cursor footer, stru
 static conus_status fill_mesh(struct mesh *mesh, struct cursor *cursor)
 {
     const uint8_t *data = NULL;
-    bool there = take_bytes(cursor, 12 * mesh->vertex_count, &data);
+    bool there = surface_take_bytes(cursor, 12 * mesh->vertex_count, &data);
     for (size_t i = 0; there && i < 3 * mesh->vertex_count; i++) {
         mesh->positions[i] = order_f32(data + 4 * i, BIG_ENDIAN_IS_SWAPPED);
     }
-    there = there && take_bytes(cursor, 12 * mesh->triangle_count, &data);
+    there = there && surface_take_bytes(cursor, 12 * mesh->triangle_count, &data);
     for (size_t i = 0; there && i < 3 * mesh->triangle_count; i++) {
         mesh->triangles[i] = order_u32(data + 4 * i, BIG_ENDIAN_IS_SWAPPED); /* below 0 becomes too large */
         if (mesh->triangles[i] >= mesh->vertex_count) {
@@ -182,7 +182,7 @@ static conus_status fill_mesh(struct mesh *mesh, struct cursor *cursor)
 static conus_status read_counts(struct cursor *cursor, int32_t *vertices, int32_t *triangles)
 {
     const uint8_t *magic;
-    if (!take_bytes(cursor, MAGIC_SIZE, &magic) || !freesurfer_is_surface(magic, MAGIC_SIZE)) {
+    if (!surface_take_bytes(cursor, MAGIC_SIZE, &magic) || !freesurfer_is_surface(magic, MAGIC_SIZE)) {
         return fail(CONUS_ERROR_DATA, "not a FreeSurfer surface: it must begin with the bytes ff ff fe");
     }
     if (freesurfer_is_curvature(magic, MAGIC_SIZE + cursor->size)) {

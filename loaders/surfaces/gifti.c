@@ -41,7 +41,7 @@ static size_t size_of(int type)
     return (size_t)type & 0xff;
 }
 
-static double number_at(const uint8_t *data, int type, bool swapped)
+static double gifti_number_at(const uint8_t *data, int type, bool swapped)
 {
     bool is_signed = type >> 8 == 'i';
     if (type >> 8 == 'f') {
@@ -52,7 +52,7 @@ static double number_at(const uint8_t *data, int type, bool swapped)
 }
 
 /* Where the n-th stored number belongs when the last index is to run fastest. */
-static size_t place_of(size_t n, const struct gifti_storage *storage)
+static size_t gifti_place_of(size_t n, const struct gifti_storage *storage)
 {
     if (!storage->column_major) {
         return n;
@@ -86,7 +86,7 @@ static conus_status decode_ascii(double *values, const struct gifti_storage *sto
                         TEXT_SHOW(word, SHOWN));
         }
         if (n < storage->count) {
-            values[place_of(n, storage)] = value;
+            values[gifti_place_of(n, storage)] = value;
         }
     }
     return n == storage->count
@@ -230,8 +230,8 @@ static conus_status gifti_data_decode(double **out, const struct gifti_storage *
         status = decode_ascii(values, storage, text);
     }
     for (size_t n = 0; !status && !ascii && n < storage->count; n++) {
-        values[place_of(n, storage)] =
-            number_at(bytes.data + n * size_of(storage->type), storage->type, storage->swapped);
+        values[gifti_place_of(n, storage)] =
+            gifti_number_at(bytes.data + n * size_of(storage->type), storage->type, storage->swapped);
     }
     bytes_finish(&bytes);
     if (status) {
@@ -316,7 +316,7 @@ static const struct word spaces[] = {{"NIFTI_XFORM_UNKNOWN", 0},      {"NIFTI_XF
                                      {"NIFTI_XFORM_ALIGNED_ANAT", 2}, {"NIFTI_XFORM_TALAIRACH", 3},
                                      {"NIFTI_XFORM_MNI_152", 4},      {NULL, -1}};
 
-static int value_of(const struct word *words, struct text text)
+static int gifti_value_of(const struct word *words, struct text text)
 {
     while (words->text && !text_equal(text, words->text)) {
         words++;
@@ -329,7 +329,7 @@ static conus_status read_word(int *out, const struct xml_event *event, const cha
                               const char *allowed)
 {
     const char *given = xml_attribute(event, attribute);
-    int value = given ? value_of(words, text_trim(text_from(given))) : -1;
+    int value = given ? gifti_value_of(words, text_trim(text_from(given))) : -1;
     if (value < 0) {
         return fail(CONUS_ERROR_DATA, "%s: found \"%.60s\", allowed are %s", attribute, given ? given : "", allowed);
     }
@@ -337,8 +337,8 @@ static conus_status read_word(int *out, const struct xml_event *event, const cha
     return CONUS_OK;
 }
 
-static conus_status read_whole(uint64_t *out, const struct xml_event *event, const char *attribute, uint64_t low,
-                               uint64_t high)
+static conus_status gifti_read_whole(uint64_t *out, const struct xml_event *event, const char *attribute, uint64_t low,
+                                     uint64_t high)
 {
     const char *given = xml_attribute(event, attribute);
     if (!given || !text_to_uint(text_trim(text_from(given)), high, out) || *out < low) {
@@ -356,7 +356,8 @@ static conus_status start_gifti(struct parsing *parsing, const struct xml_event 
     }
     parsing->in_gifti = true;
     parsing->counted = xml_attribute(event, "NumberOfDataArrays") != NULL;
-    return parsing->counted ? read_whole(&parsing->array_count, event, "NumberOfDataArrays", 0, ARRAY_LIMIT) : CONUS_OK;
+    return parsing->counted ? gifti_read_whole(&parsing->array_count, event, "NumberOfDataArrays", 0, ARRAY_LIMIT)
+                            : CONUS_OK;
 }
 
 static conus_status end_gifti(struct parsing *parsing, struct text text)
@@ -388,14 +389,14 @@ static conus_status append_array(struct parsing *parsing)
 static conus_status read_dims(struct gifti_array *array, const struct xml_event *event, uint64_t max_memory)
 {
     uint64_t rank;
-    conus_status status = read_whole(&rank, event, "Dimensionality", 1, GIFTI_RANK_LIMIT);
+    conus_status status = gifti_read_whole(&rank, event, "Dimensionality", 1, GIFTI_RANK_LIMIT);
     array->rank = status ? 0 : (size_t)rank;
     array->count = 1;
     for (size_t d = 0; d < GIFTI_RANK_LIMIT; d++) {
         char name[16];
         uint64_t dim = 1;
         snprintf(name, sizeof name, "Dim%zu", d);
-        status = status || d >= array->rank ? status : read_whole(&dim, event, name, 1, INT64_MAX);
+        status = status || d >= array->rank ? status : gifti_read_whole(&dim, event, name, 1, INT64_MAX);
         array->dim[d] = (size_t)dim;
         if (!status && (!memory_multiply(array->count, array->dim[d], &array->count) ||
                         array->count > max_memory / sizeof *array->values)) {
@@ -425,7 +426,7 @@ static conus_status read_external(struct parsing *parsing, const struct xml_even
     parsing->external = file_beside(options->path, name);
     parsing->storage.path = parsing->external;
     return !parsing->external  ? CONUS_ERROR_MEMORY
-           : offset && *offset ? read_whole(&parsing->storage.offset, event, "ExternalFileOffset", 0, INT64_MAX)
+           : offset && *offset ? gifti_read_whole(&parsing->storage.offset, event, "ExternalFileOffset", 0, INT64_MAX)
                                : CONUS_OK;
 }
 
@@ -437,7 +438,7 @@ static conus_status read_storage(struct parsing *parsing, const struct xml_event
         return fail(CONUS_ERROR_DATA, "Intent: found \"%.60s\", allowed are the names of NIfTI intents",
                     intent ? intent : "");
     }
-    array->intent = (enum gifti_intent)value_of(intents, text_from(intent));
+    array->intent = (enum gifti_intent)gifti_value_of(intents, text_from(intent));
     uint64_t max_memory =
         parsing->options && parsing->options->max_memory ? parsing->options->max_memory : DEFAULT_MEMORY;
     int encoding = 0;
@@ -526,7 +527,7 @@ static conus_status start_transform(struct gifti_array *array)
 static conus_status end_space(int *space, const char *name, struct text text)
 {
     const struct text trimmed = text_trim(text);
-    int value = trimmed.size ? value_of(spaces, trimmed) : 0; /* as old programs leave it */
+    int value = trimmed.size ? gifti_value_of(spaces, trimmed) : 0; /* as old programs leave it */
     if (value < 0) {
         return fail(CONUS_ERROR_DATA,
                     "%s: found \"%.*s\", allowed are NIFTI_XFORM_ with UNKNOWN, SCANNER_ANAT, "
@@ -679,12 +680,12 @@ static conus_status fail_at_place(conus_status status, const struct parsing *par
     return status == CONUS_ERROR_MEMORY && !parsing->array ? status : fail_in(status, where);
 }
 
-static conus_status on_start(void *user, const struct xml_event *event)
+static conus_status gifti_on_start(void *user, const struct xml_event *event)
 {
     return fail_at_place(start_element(user, event), user, event);
 }
 
-static conus_status on_end(void *user, const struct xml_event *event)
+static conus_status gifti_on_end(void *user, const struct xml_event *event)
 {
     return fail_at_place(end_element(user, event), user, event);
 }
@@ -693,7 +694,7 @@ conus_status gifti_parse(struct gifti *out, const uint8_t *data, size_t size, co
                          struct notes *notes)
 {
     struct parsing parsing = {.options = options, .notes = notes};
-    struct xml_handler handler = {on_start, on_end, &parsing, true};
+    struct xml_handler handler = {gifti_on_start, gifti_on_end, &parsing, true};
     conus_status status = xml_parse(&handler, text_from_bytes(data, size));
     status = status ? status : label_table_sort(&parsing.gifti.labels, notes);
     label_finish(&parsing.entry.label);

@@ -44,7 +44,7 @@ static conus_status find_triples(const struct gifti_array **out, const struct gi
     return count > 1 ? notes_warn(notes, "%zu %s arrays: the first was used", count, name) : CONUS_OK;
 }
 
-static bool is_identity(const double m[16])
+static bool gifti_is_identity(const double m[16])
 {
     double largest = 0;
     for (int i = 0; i < 16; i++) {
@@ -75,7 +75,7 @@ static conus_status find_space(int *out, const struct gifti_array *points)
             return fail(CONUS_ERROR_DATA, "DataSpace: found \"%s\" and \"%s\" for one array",
                         space_code_name(points->transforms[0].data_space), space_code_name(space));
         }
-        bool same = is_identity(points->transforms[i].matrix);
+        bool same = gifti_is_identity(points->transforms[i].matrix);
         *out = space != SPACE_UNKNOWN          ? space
                : same && *out == SPACE_UNKNOWN ? points->transforms[i].transformed_space
                                                : *out;
@@ -98,7 +98,7 @@ static conus_status note_matrix(const struct gifti_array *points, struct notes *
 {
     for (size_t i = 0; i < points->transform_count; i++) {
         const struct gifti_transform *transform = &points->transforms[i];
-        if (transform->transformed_space != transform->data_space && !is_identity(transform->matrix)) {
+        if (transform->transformed_space != transform->data_space && !gifti_is_identity(transform->matrix)) {
             return notes_add(notes,
                              "the matrix from %s to %s space was not applied: vertices stay where they are stored",
                              space_code_name(transform->data_space), space_code_name(transform->transformed_space));
@@ -108,7 +108,7 @@ static conus_status note_matrix(const struct gifti_array *points, struct notes *
 }
 
 /* docs/spaces.md, GIFTI. */
-static conus_status find_place(double world[16], const struct gifti_array *points, struct notes *notes)
+static conus_status gifti_find_place(double world[16], const struct gifti_array *points, struct notes *notes)
 {
     int space;
     conus_status status = find_space(&space, points);
@@ -122,9 +122,9 @@ static conus_status find_place(double world[16], const struct gifti_array *point
         memcpy(world, home->matrix, sizeof home->matrix);
         return !mat4_invert_affine(inverse, world)
                    ? fail(CONUS_ERROR_DATA, "MatrixData: the matrix is singular, an invertible one is needed")
-               : is_identity(world) ? CONUS_OK
-                                    : notes_add(notes, "vertices were moved by the file's matrix into %s space",
-                                                space_code_name(home->transformed_space));
+               : gifti_is_identity(world) ? CONUS_OK
+                                          : notes_add(notes, "vertices were moved by the file's matrix into %s space",
+                                                      space_code_name(home->transformed_space));
     }
     if (points->geometry.given == GEOMETRY_WHOLE) {
         return place_by_geometry(world, &points->geometry, notes);
@@ -158,7 +158,7 @@ conus_status gifti_mesh(struct mesh *out, const struct gifti *gifti, bool as_sto
     conus_status status;
     if ((status = find_triples(&points, gifti, GIFTI_POINTSET, "POINTSET", notes)) ||
         (status = find_triples(&triangles, gifti, GIFTI_TRIANGLE, "TRIANGLE", notes)) ||
-        (!as_stored && (status = find_place(world, points, notes))) ||
+        (!as_stored && (status = gifti_find_place(world, points, notes))) ||
         (status = mesh_init(&mesh, points->dim[0], triangles->dim[0]))) {
         return status;
     }
@@ -170,7 +170,7 @@ conus_status gifti_mesh(struct mesh *out, const struct gifti *gifti, bool as_sto
         mesh_finish(&mesh);
         return status;
     }
-    if (!as_stored && !is_identity(world)) {
+    if (!as_stored && !gifti_is_identity(world)) {
         mesh_transform(&mesh, world);
     }
     *out = mesh;

@@ -23,7 +23,7 @@ void surface_about_finish(struct surface_about *about)
     *about = (struct surface_about){0};
 }
 
-static char *take(char **from)
+static char *surface_take(char **from)
 {
     char *text = *from;
     *from = NULL;
@@ -32,9 +32,9 @@ static char *take(char **from)
 
 static void take_about(struct surface_about *out, struct gifti *gifti)
 {
-    *out = (struct surface_about){.structure = take(&gifti->structure),
-                                  .layer = take(&gifti->layer),
-                                  .geometric_type = take(&gifti->geometric_type)};
+    *out = (struct surface_about){.structure = surface_take(&gifti->structure),
+                                  .layer = surface_take(&gifti->layer),
+                                  .geometric_type = surface_take(&gifti->geometric_type)};
     for (size_t i = gifti->array_count; i-- > 0;) {
         out->vertices = gifti->arrays[i].intent == GIFTI_POINTSET ? gifti->arrays[i].dim[0] : out->vertices;
     }
@@ -121,7 +121,8 @@ static unsigned rank_of(const char *name, const struct surface_about *about)
 }
 
 /* Adds `name` if it is a surface. */
-static conus_status look_at(struct surface_list *list, const char *folder, const char *name, uint64_t max_memory)
+static conus_status surface_look_at(struct surface_list *list, const char *folder, const char *name,
+                                    uint64_t max_memory)
 {
     struct surface_item item = {0};
     struct surface_item *items = NULL;
@@ -149,7 +150,7 @@ static conus_status look_for(struct surface_list *list, const char *folder, cons
     struct names names = {0};
     conus_status status = names_list(&names, folder, ending);
     for (size_t i = 0; !status && i < names.count; i++) {
-        status = look_at(list, folder, names.names[i], max_memory);
+        status = surface_look_at(list, folder, names.names[i], max_memory);
     }
     names_finish(&names);
     return status;

@@ -141,7 +141,7 @@ static conus_status read_entries(struct directory *directory, uint64_t *next, ui
 }
 
 /* The one number of a field, or `absent` where it is not there. */
-static conus_status read_one(uint64_t *out, const struct directory *directory, enum field field, uint64_t absent)
+static conus_status tiff_read_one(uint64_t *out, const struct directory *directory, enum field field, uint64_t absent)
 {
     const struct tiff_list *list = &directory->lists[field];
     if (list->count > 1) {
@@ -154,7 +154,7 @@ static conus_status read_one(uint64_t *out, const struct directory *directory, e
 
 static conus_status read_side(uint64_t *out, const struct directory *directory, enum field field)
 {
-    conus_status status = read_one(out, directory, field, 0);
+    conus_status status = tiff_read_one(out, directory, field, 0);
     if (!status && !directory->lists[field].count) {
         return fail(CONUS_ERROR_DATA, "%s: is missing", fields[field].name);
     }
@@ -184,7 +184,7 @@ static conus_status check_plain_fields(const struct directory *directory)
     conus_status status = CONUS_OK;
     for (size_t i = 0; !status && i < sizeof checks / sizeof checks[0]; i++) {
         uint64_t value = 0;
-        status = read_one(&value, directory, checks[i].field, checks[i].absent);
+        status = tiff_read_one(&value, directory, checks[i].field, checks[i].absent);
         if (!status && value != checks[i].first && value != checks[i].second) {
             status = fail(CONUS_ERROR_UNSUPPORTED, "%s: found %llu, allowed is %s", fields[checks[i].field].name,
                           (unsigned long long)value, checks[i].allowed);
@@ -197,8 +197,8 @@ static conus_status read_pixel(struct tiff_page *page, const struct directory *d
 {
     uint64_t bits = 0;
     uint64_t format = 0;
-    conus_status status = read_one(&bits, directory, BITS, 1);
-    status = status ? status : read_one(&format, directory, FORMAT, TIFF_UNSIGNED);
+    conus_status status = tiff_read_one(&bits, directory, BITS, 1);
+    status = status ? status : tiff_read_one(&format, directory, FORMAT, TIFF_UNSIGNED);
     bool whole = bits == 8 || bits == 16 || bits == 32 || bits == 64;
     bool known = whole && format >= TIFF_UNSIGNED && format <= TIFF_FLOAT && (format != TIFF_FLOAT || bits >= 32);
     if (!status && !known) {
@@ -218,8 +218,8 @@ static conus_status read_compression(struct tiff_page *page, const struct direct
     enum { OLD_DEFLATE = 32946 };
     uint64_t method = 0;
     uint64_t predictor = 0;
-    conus_status status = read_one(&method, directory, COMPRESSION, TIFF_PLAIN);
-    status = status ? status : read_one(&predictor, directory, PREDICTOR, 1);
+    conus_status status = tiff_read_one(&method, directory, COMPRESSION, TIFF_PLAIN);
+    status = status ? status : tiff_read_one(&predictor, directory, PREDICTOR, 1);
     method = method == OLD_DEFLATE ? TIFF_DEFLATE : method;
     if (!status && method != TIFF_PLAIN && method != TIFF_LZW && method != TIFF_DEFLATE) {
         return fail(CONUS_ERROR_UNSUPPORTED, "Compression: found %llu, allowed are 1 (none), 5 (LZW) and 8 (deflate)",
@@ -251,7 +251,7 @@ static conus_status read_tiles(struct tiff_page *page, const struct directory *d
 static conus_status read_strips(struct tiff_page *page, const struct directory *directory)
 {
     uint64_t rows = 0;
-    conus_status status = read_one(&rows, directory, STRIP_ROWS, page->length);
+    conus_status status = tiff_read_one(&rows, directory, STRIP_ROWS, page->length);
     if (!status && !rows) {
         status = fail(CONUS_ERROR_DATA, "RowsPerStrip: found 0, allowed is 1 or more");
     }
@@ -430,7 +430,7 @@ static conus_status fail_page(conus_status status, size_t page)
     return fail_in(status, where);
 }
 
-static conus_status read_header(struct tiff_file *file, uint64_t *first)
+static conus_status tiff_read_header(struct tiff_file *file, uint64_t *first)
 {
     if (!tiff_is(file->data, file->size)) {
         return fail(CONUS_ERROR_DATA, "magic: no TIFF file");
@@ -631,7 +631,7 @@ conus_status tiff_parse(struct tiff *out, const uint8_t *data, size_t size)
 {
     struct tiff tiff = {.file = {.data = data, .size = size}};
     uint64_t first = 0;
-    conus_status status = read_header(&tiff.file, &first);
+    conus_status status = tiff_read_header(&tiff.file, &first);
     status = status ? status : read_pages(&tiff, first);
     status = status ? status : check_pages(&tiff);
     tiff.depth = tiff.page_count;

@@ -36,7 +36,7 @@ bool tck_is(const struct bytes *head, const char *path)
 }
 
 /* Keeps the value of a key that is used. A line without a colon goes on with the value before it, and is not. */
-static conus_status take_line(struct tck *tck, struct text line)
+static conus_status tck_take_line(struct tck *tck, struct text line)
 {
     const struct {
         const char *key;
@@ -68,7 +68,7 @@ static conus_status take_lines(struct tck *tck, size_t *end)
             *end = (size_t)(rest.data - (const char *)tck->stream->data);
             return CONUS_OK;
         }
-        status = take_line(tck, line);
+        status = tck_take_line(tck, line);
     }
     return status ? status
                   : fail(CONUS_ERROR_DATA, "header: found no line END in the first %zu bytes", tck->stream->size);
@@ -94,7 +94,7 @@ static conus_status read_type(struct tck *tck)
 }
 
 /* "file: . 620": in this file, from that byte on. */
-static conus_status read_file(struct tck *tck, size_t header_size)
+static conus_status tck_read_file(struct tck *tck, size_t header_size)
 {
     struct text rest = tck->file;
     struct text name = {0};
@@ -135,7 +135,7 @@ static conus_status take_header(struct tck *tck)
     conus_status status = byte_stream_need(tck->stream, BYTE_STREAM_BLOCK);
     status = status ? status : take_lines(tck, &size);
     status = status ? status : read_type(tck);
-    status = status ? status : read_file(tck, size);
+    status = status ? status : tck_read_file(tck, size);
     tck->has_count = !status && tck->count.data;
     if (tck->has_count && !text_to_uint(tck->count, UINT64_MAX, &tck->stated)) {
         status = fail(CONUS_ERROR_DATA, "count: found \"%.*s\", needed is a whole number", TEXT_SHOW(tck->count, 40));
@@ -202,7 +202,7 @@ static inline conus_status take_triples(struct tck *tck, size_t count, size_t *t
 }
 
 /* take_triples() with what the compiler can know of the numbers. */
-static conus_status take_numbers(struct tck *tck, size_t count, size_t *taken)
+static conus_status tck_take_numbers(struct tck *tck, size_t count, size_t *taken)
 {
     if (tck->wide) {
         return tck->swapped ? take_triples(tck, count, taken, true, true)
@@ -223,13 +223,13 @@ static conus_status take_block(struct tck *tck)
     }
     status = status ? status : tract_build_points(&tck->build, count);
     if (!status) {
-        status = take_numbers(tck, count, &count);
+        status = tck_take_numbers(tck, count, &count);
         byte_stream_skip(tck->stream, count * size);
     }
     return status;
 }
 
-static conus_status take_all(struct tck *tck)
+static conus_status tck_take_all(struct tck *tck)
 {
     const size_t size = tck->wide ? 24 : 12;
     uint64_t most = tck->stream->is_packed ? 0 : byte_stream_most(tck->stream) / size;
@@ -260,7 +260,7 @@ conus_status tck_read(struct tractogram *out, struct byte_stream *stream, uint64
 {
     struct tck tck = {.stream = stream, .build.max_memory = max_memory};
     conus_status status = take_header(&tck);
-    status = status ? status : take_all(&tck);
+    status = status ? status : tck_take_all(&tck);
     status = status ? status : check_count(&tck, notes);
     snprintf(tck.build.tractogram.format, sizeof tck.build.tractogram.format, "MRtrix %s%s", tck.type_name,
              stream->is_packed ? ", gzip" : "");

@@ -90,7 +90,7 @@ static uint64_t smaller_of(uint64_t a, uint64_t b)
 }
 
 /* Room for `needed`, at least half as much again as there is. */
-static conus_status grow(struct tract_build *build, bool per_point, uint64_t needed)
+static conus_status build_grow(struct tract_build *build, bool per_point, uint64_t needed)
 {
     enum { LEAST = 64 };
     uint64_t capacity = per_point ? build->point_capacity : build->streamline_capacity;
@@ -114,7 +114,7 @@ conus_status tract_build_expect(struct tract_build *build, uint64_t points, uint
 conus_status tract_build_points(struct tract_build *build, uint64_t more)
 {
     uint64_t needed = build->tractogram.point_count + more;
-    return needed <= build->point_capacity && build->tractogram.points ? CONUS_OK : grow(build, true, needed);
+    return needed <= build->point_capacity && build->tractogram.points ? CONUS_OK : build_grow(build, true, needed);
 }
 
 conus_status tract_build_streamline(struct tract_build *build)
@@ -123,7 +123,8 @@ conus_status tract_build_streamline(struct tract_build *build)
     if (needed >= UINT32_MAX) {
         return fail(CONUS_ERROR_DATA, "streamlines: found more than %u, which are allowed", UINT32_MAX - 1);
     }
-    return needed <= build->streamline_capacity && build->tractogram.first ? CONUS_OK : grow(build, false, needed);
+    return needed <= build->streamline_capacity && build->tractogram.first ? CONUS_OK
+                                                                           : build_grow(build, false, needed);
 }
 
 conus_status tract_build_take(struct tractogram *out, struct tract_build *build)

@@ -127,7 +127,7 @@ static conus_status read_format(struct tractogram *out, const struct tract_forma
 }
 
 /* Says what the file is instead; its name does not count, which may well be that of a tractogram. */
-static conus_status refuse(const char *path)
+static conus_status tract_refuse(const char *path)
 {
     struct bytes stored = {0};
     conus_status status = file_read_head(&stored, path, FILE_KIND_HEAD);
@@ -148,7 +148,7 @@ conus_status tract_file_read(struct tractogram *out, const char *path, uint64_t 
     if (status) {
         return status;
     }
-    return format ? read_format(out, format, path, max_memory, notes) : refuse(path);
+    return format ? read_format(out, format, path, max_memory, notes) : tract_refuse(path);
 }
 
 conus_status tract_file_parse(struct tractogram *out, const uint8_t *data, size_t size, uint64_t max_memory,

@@ -162,7 +162,7 @@ static bool order_of_matrix(struct order *out, const double matrix[16])
 }
 
 /* The matrix vox_to_ras, column-major; false where it is not recorded. */
-static bool read_matrix(double out[16], const struct trk_header *header, const uint8_t *data)
+static bool trk_read_matrix(double out[16], const struct trk_header *header, const uint8_t *data)
 {
     for (size_t row = 0; row < 4; row++) {
         for (size_t column = 0; column < 4; column++) {
@@ -259,7 +259,7 @@ static conus_status make_world(struct trk_header *header, const uint8_t *data, s
     double sizes[3];
     double voxel[16];
     double turn[16];
-    const bool recorded = header->has_matrix = read_matrix(header->world, header, data);
+    const bool recorded = header->has_matrix = trk_read_matrix(header->world, header, data);
     conus_status status = recorded ? check_matrix(header->world)
                                    : notes_warn(notes, "vox_to_ras: not recorded, taken as the identity: nothing says "
                                                        "where in the world the streamlines are");
@@ -477,7 +477,7 @@ static conus_status expect(struct trk *trk)
     return tract_build_expect(&trk->build, (bytes - stated * each) / trk->stride, stated);
 }
 
-static conus_status take_all(struct trk *trk)
+static conus_status trk_take_all(struct trk *trk)
 {
     const struct tractogram *tractogram = &trk->build.tractogram;
     uint32_t stated = trk->header.streamline_count;
@@ -516,7 +516,7 @@ conus_status trk_read(struct tractogram *out, struct byte_stream *stream, uint64
 {
     struct trk trk = {.stream = stream, .build.max_memory = max_memory};
     conus_status status = take_header(&trk, notes);
-    status = status ? status : take_all(&trk);
+    status = status ? status : trk_take_all(&trk);
     if (!status && !trk.header.streamline_count && trk.build.tractogram.streamline_count) {
         status = notes_add(notes, "n_count: not stated, the file has %zu", trk.build.tractogram.streamline_count);
     }

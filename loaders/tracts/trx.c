@@ -124,7 +124,7 @@ static struct text trx_files_name(const struct trx_files *files, size_t index)
     return files->folder ? text_from(files->names.names[index]) : files->zip.entries[index].name;
 }
 
-static conus_status read_file(struct bytes *out, struct trx_files *files, size_t index)
+static conus_status trx_read_file(struct bytes *out, struct trx_files *files, size_t index)
 {
     struct buffer path = {0};
     buffer_format(&path, "%s/%s", files->folder, files->names.names[index]);
@@ -144,7 +144,8 @@ static conus_status trx_files_open(struct trx_view *out, struct trx_files *files
         *out = (struct trx_view){.data = files->zip.data + entry->at, .size = entry->stored};
         return zip_verify(&files->zip, entry);
     }
-    conus_status status = entry ? zip_unpack(&owned, &files->zip, entry, files->left) : read_file(&owned, files, index);
+    conus_status status =
+        entry ? zip_unpack(&owned, &files->zip, entry, files->left) : trx_read_file(&owned, files, index);
     files->left -= owned.size;
     *out = (struct trx_view){owned.data, owned.size, owned};
     return status;
@@ -266,7 +267,7 @@ static conus_status fail_size(struct text name, size_t size, uint64_t count, siz
                 size, (unsigned long long)count, each);
 }
 
-static float number_at(const uint8_t *data, const struct type *type)
+static float trx_number_at(const uint8_t *data, const struct type *type)
 {
     if (type->kind == REAL) {
         return type->size == 2 ? (float)tract_from_half(order_u16(data, is_swapped))
@@ -324,7 +325,7 @@ static conus_status read_header_text(struct trx *trx, struct text text)
     return status;
 }
 
-static conus_status read_header(struct trx *trx)
+static conus_status trx_read_header(struct trx *trx)
 {
     for (size_t i = 0; i < trx_files_count(&trx->files); i++) {
         if (text_equal(trx_files_name(&trx->files, i), "header.json")) {
@@ -412,7 +413,7 @@ static conus_status fill_scalar(struct trx *trx, struct tract_scalar *scalar, co
     status = status ? status : trx_files_spend(&trx->files, (uint64_t)count * sizeof(float), "numbers");
     scalar->values = status ? NULL : memory_raw(count, sizeof(float));
     for (size_t i = 0; scalar->values && i < count; i++) {
-        scalar->values[i] = number_at(view.data + i * array->type->size, array->type);
+        scalar->values[i] = trx_number_at(view.data + i * array->type->size, array->type);
     }
     trx_files_close(&view, &trx->files);
     return status || scalar->values ? status : CONUS_ERROR_MEMORY;
@@ -549,7 +550,7 @@ static void settle_positions(struct tractogram *out, struct bytes *bytes, size_t
         }
     } else {
         for (size_t i = 0; i < count; i++) {
-            ((float *)bytes->data)[i] = number_at(from + i * type->size, type);
+            ((float *)bytes->data)[i] = trx_number_at(from + i * type->size, type);
         }
     }
     void *less = memory_resize(bytes->data, count, size);
@@ -613,7 +614,7 @@ static conus_status finish_reading(struct tractogram *out, struct trx *trx, conu
 {
     struct tractogram built = {0};
     trx->out = &built;
-    status = status ? status : read_header(trx);
+    status = status ? status : trx_read_header(trx);
     snprintf(built.format, sizeof built.format, "TRX, %s", trx->files.archive ? "zip" : "folder");
     status = status ? status : read_offsets(trx);
     status = status ? status : read_others(trx);

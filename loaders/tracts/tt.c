@@ -53,7 +53,7 @@ static size_t size_of_type(uint32_t type)
     return type % 10 == 0 && type / 10 < sizeof sizes / sizeof sizes[0] ? sizes[type / 10] : 0;
 }
 
-static double number_at(const uint8_t *data, uint32_t type)
+static double tt_number_at(const uint8_t *data, uint32_t type)
 {
     size_t size = size_of_type(type);
     bool is_signed = type == 20 || type == 30; /* int and short */
@@ -124,7 +124,7 @@ static conus_status read_world(struct tt *tt, const struct variable *variable)
     conus_status status = need(tt, 16 * variable->size, variable->name);
     bool good = !status;
     for (size_t i = 0; !status && i < 16; i++) {
-        double value = number_at(tt->stream->data + i * variable->size, variable->type);
+        double value = tt_number_at(tt->stream->data + i * variable->size, variable->type);
         tt->world[4 * (i % 4) + i / 4] = value;
         good = good && isfinite(value);
     }
@@ -153,7 +153,7 @@ static conus_status read_clusters(struct tt *tt, const struct variable *variable
     for (uint64_t i = 0; !status && i < variable->count; i++) {
         status = need(tt, variable->size, variable->name);
         if (!status) {
-            tt->clusters[tt->cluster_count++] = (float)number_at(tt->stream->data, variable->type);
+            tt->clusters[tt->cluster_count++] = (float)tt_number_at(tt->stream->data, variable->type);
             byte_stream_skip(tt->stream, variable->size);
         }
     }
@@ -272,7 +272,7 @@ static conus_status take_variable(struct tt *tt)
                                                       : pass_over(tt, &variable);
 }
 
-static conus_status take_all(struct tt *tt)
+static conus_status tt_take_all(struct tt *tt)
 {
     conus_status status = byte_stream_need(tt->stream, 1);
     while (!status && tt->stream->size) {
@@ -293,7 +293,7 @@ static conus_status take_all(struct tt *tt)
 conus_status tt_read(struct tractogram *out, struct byte_stream *stream, uint64_t max_memory, struct notes *notes)
 {
     struct tt tt = {.stream = stream, .build = {.max_memory = max_memory}};
-    conus_status status = take_all(&tt);
+    conus_status status = tt_take_all(&tt);
     status =
         status ? status : notes_add(notes, "trans_to_mni was used; the file does not say into which space it leads");
     status = status ? status : tract_build_take(out, &tt.build);

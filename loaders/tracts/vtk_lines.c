@@ -144,8 +144,8 @@ static conus_status add_notes(struct notes *notes, const struct foreign_mesh *me
 }
 
 /* Builds the tractogram, which takes what it can from @p mesh and @p lines. */
-static conus_status build(struct tractogram *out, struct foreign_mesh *mesh, struct foreign_lines *lines,
-                          uint64_t max_memory, struct notes *notes)
+static conus_status lines_build(struct tractogram *out, struct foreign_mesh *mesh, struct foreign_lines *lines,
+                                uint64_t max_memory, struct notes *notes)
 {
     const struct corners *corners = &lines->corners;
     struct building building = {out, mesh, lines, max_memory, .in_order = corners->count == mesh->vertex_count};
@@ -172,7 +172,7 @@ conus_status vtk_lines_parse(struct tractogram *out, const struct bytes *bytes, 
     bool legacy = foreign_format_of("", (struct text){(const char *)bytes->data, bytes->size}) == FOREIGN_VTK;
     conus_status status =
         legacy ? vtk_parse(&mesh, bytes->data, bytes->size) : vtp_parse(&mesh, bytes->data, bytes->size, max_memory);
-    status = status ? status : build(&built, &mesh, &lines, max_memory, notes);
+    status = status ? status : lines_build(&built, &mesh, &lines, max_memory, notes);
     snprintf(built.format, sizeof built.format, legacy ? "VTK" : "VTP");
     foreign_mesh_finish(&mesh);
     foreign_lines_finish(&lines);

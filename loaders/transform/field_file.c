@@ -54,7 +54,7 @@ static conus_status refuse_coefficients(const struct field_header *header)
 }
 
 /* X x Y x Z x 1 x 3, or X x Y x Z x 3 of FSL. */
-static conus_status check_shape(const struct field_header *header, bool has_images)
+static conus_status field_check_shape(const struct field_header *header, bool has_images)
 {
     const int64_t *dim = header->dim;
     bool five = dim[0] == 5 && dim[4] == 1 && dim[5] == 3;
@@ -128,7 +128,7 @@ conus_status field_header_kind(enum field_kind *out, const struct field_header *
 {
     enum field_kind kind = header->intent_code == FNIRT_FIELD && !vectors ? FIELD_FNIRT : FIELD_FSL;
     conus_status status = refuse_coefficients(header);
-    status = status ? status : check_shape(header, has_images);
+    status = status ? status : field_check_shape(header, has_images);
     status = status || has_images ? status : vectors_kind(&kind, header, vectors);
     if (!status) {
         *out = kind;

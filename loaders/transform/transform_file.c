@@ -10,7 +10,8 @@
 
 #include <string.h>
 
-conus_status matrix_rows_parse(double out[16], struct text *rest, size_t rows, const char *what)
+/* Takes the next `rows` lines of four numbers off `rest`, row by row into `out`; `what` is for messages. */
+static conus_status matrix_rows_parse(double out[16], struct text *rest, size_t rows, const char *what)
 {
     struct text line = {0};
     size_t row = 0;
@@ -42,7 +43,9 @@ conus_status matrix_rows_parse(double out[16], struct text *rest, size_t rows, c
     return row == rows ? CONUS_OK : fail(CONUS_ERROR_DATA, "%s: ends after %zu rows, %zu are needed", what, row, rows);
 }
 
-conus_status matrix_settle(double m[16], const char *what)
+/* Settles the last row (mat4_settle_last_row()), CONUS_ERROR_DATA where it is another than 0 0 0 1; `what` is for
+ * messages. */
+static conus_status matrix_settle(double m[16], const char *what)
 {
     return mat4_settle_last_row(m) ? CONUS_OK
                                    : fail(CONUS_ERROR_DATA, "%s: last row %.9g %.9g %.9g %.9g, 0 0 0 1 is needed", what,
@@ -120,6 +123,189 @@ enum { TRANSFORM_LIMIT = 1 << 20 }; /* bytes: a hundred times what an affine tak
 static const char transform_needed[] = "an affine transform (ITK's text or .mat, FreeSurfer's .lta, the MNI's .xfm, "
                                        "FSL's matrix, or 4 x 4 numbers), or a deformation field (NIfTI)";
 
+/* FreeSurfer's linear transforms (.lta): a matrix from source to destination, between their voxels or in RAS mm. */
+
+enum { VOXEL_TO_VOXEL = 0, RAS_TO_RAS = 1 };
+
+/* The geometry of one of the two images. */
+struct lta_volume {
+    bool valid, has_valid, has_size, has_voxel, has_axis[3], has_centre;
+    double size[3], voxel[3], axis[3][3], centre[3];
+};
+
+static bool lta_is(struct text text)
+{
+    struct text line;
+    while (text_line(&text, &line)) {
+        line = text_trim(line);
+        if (line.size && line.data[0] != '#') {
+            return text_starts(line, "type") && text_mentions(line, "=");
+        }
+    }
+    return false;
+}
+
+/* "KEY = a b c # comment"; false for another line. */
+static bool lta_take_key(struct text *values, struct text line, const char *key)
+{
+    struct text word;
+    struct text rest = line;
+    if (!text_word(&rest, &word) || !text_equal(word, key) || !text_word(&rest, &word) || !text_equal(word, "=")) {
+        return false;
+    }
+    *values = rest;
+    for (size_t i = 0; i < values->size; i++) {
+        values->size = values->data[i] == '#' ? i : values->size;
+    }
+    return true;
+}
+
+static conus_status lta_take_numbers(double *out, size_t count, struct text values, const char *key)
+{
+    struct text word;
+    for (size_t i = 0; i < count; i++) {
+        if (!text_word(&values, &word) || !text_to_double(word, &out[i]) || !isfinite(out[i])) {
+            return fail(CONUS_ERROR_DATA, "%s: %zu finite numbers are needed", key, count);
+        }
+    }
+    return text_word(&values, &word) ? fail(CONUS_ERROR_DATA, "%s: more than %zu numbers", key, count) : CONUS_OK;
+}
+
+/* The next line that is no comment, without white space around it. */
+static bool lta_take_line(struct text *rest, struct text *line)
+{
+    while (text_line(rest, line)) {
+        *line = text_trim(*line);
+        if (line->size && line->data[0] != '#') {
+            return true;
+        }
+    }
+    return false;
+}
+
+static conus_status take_volume_line(struct lta_volume *out, struct text line)
+{
+    static const char *const axes[] = {"xras", "yras", "zras"};
+    struct text values;
+    double valid;
+    conus_status status;
+    if (lta_take_key(&values, line, "valid")) {
+        status = lta_take_numbers(&valid, 1, values, "valid");
+        out->has_valid = true;
+        out->valid = !status && valid == 1;
+        return status;
+    }
+    if (lta_take_key(&values, line, "volume")) {
+        out->has_size = true;
+        return lta_take_numbers(out->size, 3, values, "volume");
+    }
+    if (lta_take_key(&values, line, "voxelsize")) {
+        out->has_voxel = true;
+        return lta_take_numbers(out->voxel, 3, values, "voxelsize");
+    }
+    if (lta_take_key(&values, line, "cras")) {
+        out->has_centre = true;
+        return lta_take_numbers(out->centre, 3, values, "cras");
+    }
+    for (int a = 0; a < 3; a++) {
+        if (lta_take_key(&values, line, axes[a])) {
+            out->has_axis[a] = true;
+            return lta_take_numbers(out->axis[a], 3, values, axes[a]);
+        }
+    }
+    return CONUS_OK; /* the image's name, and what later versions say */
+}
+
+/* cras is the middle of the voxels: of 256 of them voxel 128's. */
+static conus_status world_from_voxel(double out[16], const struct lta_volume *volume, const char *which)
+{
+    bool whole = volume->valid && volume->has_size && volume->has_voxel && volume->has_axis[0] && volume->has_axis[1] &&
+                 volume->has_axis[2] && volume->has_centre;
+    if (!whole) {
+        return fail(CONUS_ERROR_DATA, "%s volume info: not valid or not whole, but the matrix is between voxels",
+                    which);
+    }
+    mat4_identity(out);
+    double middle[3];
+    for (int a = 0; a < 3; a++) {
+        middle[a] = volume->size[a] / 2;
+        vec3_scale(out + 4 * a, volume->axis[a], volume->voxel[a]);
+    }
+    mat4_direction(middle, out, middle);
+    vec3_sub(out + 12, volume->centre, middle);
+    return CONUS_OK;
+}
+
+static conus_status between_voxels(double out[16], const struct lta_volume volumes[2])
+{
+    double from[16];
+    double to[16];
+    double voxel_from_world[16];
+    conus_status status = world_from_voxel(from, &volumes[0], "src");
+    status = status ? status : world_from_voxel(to, &volumes[1], "dst");
+    if (!status && !mat4_invert_affine(voxel_from_world, from)) {
+        status = fail(CONUS_ERROR_DATA, "src volume info: its matrix is singular");
+    }
+    if (!status) {
+        mat4_multiply(out, to, out);
+        mat4_multiply(out, out, voxel_from_world);
+    }
+    return status;
+}
+
+static conus_status take_head(double *type, struct text *rest)
+{
+    struct text line;
+    struct text values;
+    double count = -1;
+    double shape[3] = {0};
+    conus_status status = CONUS_OK;
+    *type = -1;
+    while (!status && lta_take_line(rest, &line)) {
+        if (lta_take_key(&values, line, "type")) {
+            status = lta_take_numbers(type, 1, values, "type");
+        } else if (lta_take_key(&values, line, "nxforms")) {
+            status = lta_take_numbers(&count, 1, values, "nxforms");
+        } else if (line.data[0] >= '0' && line.data[0] <= '9') {
+            status = lta_take_numbers(shape, 3, line, "shape of the matrix");
+            break;
+        }
+    }
+    if (!status && *type != VOXEL_TO_VOXEL && *type != RAS_TO_RAS) {
+        return fail(CONUS_ERROR_UNSUPPORTED, "type: %g, 0 (between voxels) and 1 (RAS to RAS) are read", *type);
+    }
+    if (!status && (count != 1 || shape[0] != 1 || shape[1] != 4 || shape[2] != 4)) {
+        return fail(CONUS_ERROR_UNSUPPORTED, "nxforms: one matrix of 4 x 4 is read");
+    }
+    return status;
+}
+
+static conus_status lta_parse(double out[16], struct text text)
+{
+    struct lta_volume volumes[2] = {0};
+    struct lta_volume *at = NULL;
+    struct text line;
+    double m[16];
+    double type;
+    conus_status status = take_head(&type, &text);
+    status = status ? status : matrix_rows_parse(m, &text, 4, "matrix");
+    status = status ? status : matrix_settle(m, "matrix");
+    while (!status && lta_take_line(&text, &line)) {
+        if (text_starts(line, "src volume info") || text_starts(line, "dst volume info")) {
+            at = &volumes[line.data[0] == 'd'];
+        } else if (at) {
+            status = take_volume_line(at, line);
+        }
+    }
+    if (!status && type == VOXEL_TO_VOXEL) {
+        status = between_voxels(m, volumes);
+    }
+    if (!status) {
+        memcpy(out, m, sizeof m);
+    }
+    return status;
+}
+
 void flirt_from_voxel(double out[16], const conus_volume_info *info)
 {
     mat4_identity(out);
@@ -165,7 +351,8 @@ static conus_status place_between(double m[16], const char *from, const char *to
     return status;
 }
 
-static conus_status read_matrix(double out[16], struct text text, const char *path, const char *from, const char *to)
+static conus_status transform_read_matrix(double out[16], struct text text, const char *path, const char *from,
+                                          const char *to)
 {
     size_t length = strlen(path);
     bool is_fsl = length > 4 && strcmp(path + length - 4, ".mat") == 0;
@@ -180,7 +367,7 @@ static conus_status read_matrix(double out[16], struct text text, const char *pa
 
 enum kind { KIND_NONE, KIND_MATRIX, KIND_ITK, KIND_XFM, KIND_LTA, KIND_MATLAB };
 
-static enum kind kind_of(const struct bytes *file, struct text text)
+static enum kind transform_kind_of(const struct bytes *file, struct text text)
 {
     bool readable = text_is_readable(text);
     return readable && matrix_text_is(text)        ? KIND_MATRIX
@@ -242,9 +429,9 @@ static conus_status parse_kind(double out[16], const struct bytes *file, const c
                                const char *to)
 {
     struct text text = text_from_bytes(file->data, file->size);
-    switch (kind_of(file, text)) {
+    switch (transform_kind_of(file, text)) {
     case KIND_MATRIX:
-        return read_matrix(out, text, path, from, to);
+        return transform_read_matrix(out, text, path, from, to);
     case KIND_ITK:
         return itk_text_parse(out, text);
     case KIND_XFM:
@@ -262,7 +449,7 @@ static conus_status parse_kind(double out[16], const struct bytes *file, const c
 conus_status transform_parse(double out[16], const struct bytes *file, const char *path, const char *from,
                              const char *to)
 {
-    enum kind kind = kind_of(file, text_from_bytes(file->data, file->size));
+    enum kind kind = transform_kind_of(file, text_from_bytes(file->data, file->size));
     double m[16] = {0};
     double inverse[16];
     if (!from != !to) {

@@ -12,17 +12,6 @@ conus_status itk_text_parse(double out[16], struct text text);
 bool itk_matlab_is(const uint8_t *data, size_t size);
 conus_status itk_matlab_parse(double out[16], const uint8_t *data, size_t size);
 
-/* FreeSurfer's .lta. */
-bool lta_is(struct text text);
-conus_status lta_parse(double out[16], struct text text);
-
-/** Takes the next @p count numbers off @p rest, row by row into the first rows of @p out; @p what is for messages. */
-conus_status matrix_rows_parse(double out[16], struct text *rest, size_t rows, const char *what);
-
-/** Settles the last row (mat4_settle_last_row()), CONUS_ERROR_DATA where it is another than 0 0 0 1; @p what is for
- * messages. */
-conus_status matrix_settle(double m[16], const char *what);
-
 /** FLIRT's coordinates of a voxel: mm along the axes from the first one, x turned around where the axes are
  * right-handed in RAS ("neurological"). */
 void flirt_from_voxel(double out[16], const conus_volume_info *info);

@@ -53,7 +53,7 @@ static void set_euler(double r[3][3], const double angles[3], bool x_first)
 }
 
 /* p' = R (p - c) + c + t, of LPS, as a matrix of RAS. */
-static void place(double out[16], double r[3][3], const double c[3], const double t[3])
+static void itk_place(double out[16], double r[3][3], const double c[3], const double t[3])
 {
     static const double flip[3] = {-1, -1, 1};
     mat4_identity(out);
@@ -150,7 +150,7 @@ static conus_status itk_matrix(double out[16], struct text name, const double *p
         }
     }
     if (!status) {
-        place(out, r, fixed_count >= 3 ? fixed : zero, t);
+        itk_place(out, r, fixed_count >= 3 ? fixed : zero, t);
     }
     return status;
 }
@@ -161,7 +161,7 @@ bool itk_text_is(struct text text)
 }
 
 /* "KEY: values"; false for another line. */
-static bool take_key(struct text *values, struct text line, const char *key)
+static bool itk_take_key(struct text *values, struct text line, const char *key)
 {
     size_t length = strlen(key);
     if (!text_starts(line, key) || line.size == length || line.data[length] != ':') {
@@ -171,7 +171,7 @@ static bool take_key(struct text *values, struct text line, const char *key)
     return true;
 }
 
-static conus_status take_numbers(double out[PARAMETERS_LIMIT], size_t *count, struct text values, const char *key)
+static conus_status itk_take_numbers(double out[PARAMETERS_LIMIT], size_t *count, struct text values, const char *key)
 {
     struct text word;
     for (*count = 0; text_word(&values, &word); ++*count) {
@@ -216,26 +216,26 @@ static conus_status close_entry(double out[16], struct itk_entry *entry)
     return status;
 }
 
-static conus_status take_line(double out[16], struct itk_entry *entry, struct text line)
+static conus_status itk_take_line(double out[16], struct itk_entry *entry, struct text line)
 {
     struct text values;
     conus_status status = CONUS_OK;
     if (!line.size || line.data[0] == '#') {
         return CONUS_OK;
     }
-    if (take_key(&values, line, "Transform")) {
+    if (itk_take_key(&values, line, "Transform")) {
         status = close_entry(out, entry);
         *entry = (struct itk_entry){.name = values};
         status = status || values.size ? status : fail(CONUS_ERROR_DATA, "Transform: has no type");
         return status || is_composite(values) ? status : check_type(values);
     }
-    if (take_key(&values, line, "Parameters") && !entry->has_parameters) {
+    if (itk_take_key(&values, line, "Parameters") && !entry->has_parameters) {
         entry->has_parameters = true;
-        return take_numbers(entry->parameters, &entry->count, values, "Parameters");
+        return itk_take_numbers(entry->parameters, &entry->count, values, "Parameters");
     }
-    if (take_key(&values, line, "FixedParameters") && !entry->has_fixed) {
+    if (itk_take_key(&values, line, "FixedParameters") && !entry->has_fixed) {
         entry->has_fixed = true;
-        return take_numbers(entry->fixed, &entry->fixed_count, values, "FixedParameters");
+        return itk_take_numbers(entry->fixed, &entry->fixed_count, values, "FixedParameters");
     }
     return fail(CONUS_ERROR_DATA, "\"%.*s\": Transform, Parameters or FixedParameters is needed, each once",
                 TEXT_SHOW(line, 40));
@@ -252,7 +252,7 @@ conus_status itk_text_parse(double out[16], struct text text)
     mat4_identity(m);
     while (!status && text_line(&text, &line)) {
         line = text_trim(line);
-        status = take_line(m, &entry, line);
+        status = itk_take_line(m, &entry, line);
         is_chain = is_chain || is_composite(entry.name);
         count += text_starts(line, "Transform:") && !is_composite(entry.name);
     }

@@ -313,7 +313,7 @@ static conus_status refuse_matrix(const struct fields *f, const uint8_t *data, s
                 kind->words, kind->way);
 }
 
-static conus_status check_shape(const struct fields *f)
+static conus_status nifti_check_shape(const struct fields *f)
 {
     bool fine = f->dim[0] == 6;
     for (int i = 1; i < 5; i++) {
@@ -360,7 +360,7 @@ conus_status nifti_matrix_parse(struct volume_header *out, size_t shape[2], cons
         return fail(CONUS_ERROR_DATA, "not a CIFTI-2 file: a single NIfTI-2 file of an intent_code of 3000 to 3099");
     }
     status = status ? status : begin_header(&header, &f);
-    status = status ? status : check_shape(&f);
+    status = status ? status : nifti_check_shape(&f);
     if (!status) {
         *out = header;
         shape[0] = (size_t)f.dim[5];

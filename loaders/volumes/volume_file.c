@@ -221,7 +221,7 @@ static conus_status parse_head(struct volume_header *out, const struct stored *s
 }
 
 /* Reads the header out of `stored`. */
-static conus_status read_header(struct opening *o, const struct stored *stored)
+static conus_status volume_read_header(struct opening *o, const struct stored *stored)
 {
     conus_status status = parse_head(&o->header, stored, o->needed ? o->needed : default_needed, &o->notes);
     return status ? fail_in(status, stored->path) : CONUS_OK;
@@ -248,7 +248,7 @@ static conus_status open_by_image(struct opening *o, size_t at)
 {
     conus_status status = read_other_half(&o->pair_header, o->voxels.path, at, "hdr", o->limit, STORED_PLAIN);
     if (!status) {
-        status = read_header(o, &o->pair_header);
+        status = volume_read_header(o, &o->pair_header);
     }
     if (!status && !o->header.pair) {
         return fail(CONUS_ERROR_DATA, "%s: magic: found that of a single file, a .hdr beside an .img needs \"ni\"",
@@ -282,7 +282,7 @@ static conus_status open_text_data(struct opening *o)
 static conus_status open_by_header(struct opening *o)
 {
     size_t at;
-    conus_status status = read_header(o, &o->voxels);
+    conus_status status = volume_read_header(o, &o->voxels);
     if (!status && o->header.text) {
         return open_text_data(o);
     }
@@ -302,7 +302,7 @@ static conus_status open_by_header(struct opening *o)
 static conus_status open_by_brik(struct opening *o, const char *path, const char *head)
 {
     conus_status status = stored_open(&o->pair_header, head, o->limit, STORED_PLAIN, NULL);
-    status = status ? status : read_header(o, &o->pair_header);
+    status = status ? status : volume_read_header(o, &o->pair_header);
     if (!status && !(o->header.text && o->header.text->brik)) {
         return fail(CONUS_ERROR_DATA, "%s: content: a .HEAD beside a .BRIK must be the header of an AFNI data set",
                     head);
@@ -495,7 +495,7 @@ static conus_status take_around(struct volume_file *file, const struct opening *
 }
 
 /* Everything into `file`, which the caller finishes on failure. */
-static conus_status take_all(struct volume_file *file, struct opening *o)
+static conus_status volume_take_all(struct volume_file *file, struct opening *o)
 {
     struct stored *first = o->pair_header.path ? &o->pair_header : &o->voxels;
     struct stored *named = o->header.text ? first : &o->voxels;
@@ -538,7 +538,7 @@ static conus_status open_once(struct volume_file *file, const char *path, struct
     if (!status && (status = choose_volume(o))) {
         fail_in(status, path);
     }
-    return status ? status : take_all(file, o);
+    return status ? status : volume_take_all(file, o);
 }
 
 /* Makes `o` as it was before open_once(), but for its index. */

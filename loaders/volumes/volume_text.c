@@ -41,7 +41,7 @@ static int datatype_of(struct text_type type)
     return types[i].datatype;
 }
 
-static conus_status describe(struct volume_header *header, const struct text_volume *text)
+static conus_status volume_describe(struct volume_header *header, const struct text_volume *text)
 {
     const int64_t dim[7] = {text->dim[0], text->dim[1], text->dim[2], text->count, 1, 1, 1};
     bool stored_big =
@@ -66,7 +66,7 @@ conus_status volume_text_parse(struct volume_header *out, const struct bytes *he
                     : (nrrd   ? nrrd_parse
                        : afni ? afni_parse
                               : metaimage_parse)(header.text, head->data, head->size, notes);
-    status = status ? status : describe(&header, header.text);
+    status = status ? status : volume_describe(&header, header.text);
     if (status) {
         volume_text_finish(&header.text);
     } else {
@@ -207,7 +207,7 @@ static conus_status fail_count(const char *unit, unsigned long long found, unsig
 }
 
 /* A whole number of `size` bytes, as the low bytes of *bits. */
-static bool read_whole(uint64_t *bits, struct text word, struct text_type type)
+static bool volume_read_whole(uint64_t *bits, struct text word, struct text_type type)
 {
     int64_t number = 0;
     unsigned shift = (unsigned)(8 * (8 - type.size));
@@ -226,7 +226,7 @@ static bool write_number(uint8_t *to, struct text word, struct text_type type)
     double real = 0;
     bool fits = type.kind == 'f' ? text_to_double(word, &real) &&
                                        (type.size == sizeof real || !isfinite(real) || fabs(real) <= (double)FLT_MAX)
-                                 : read_whole(&bits, word, type);
+                                 : volume_read_whole(&bits, word, type);
     float single = fits ? (float)real : 0;
     uint32_t half = (uint32_t)bits;
     uint16_t quarter = (uint16_t)bits;

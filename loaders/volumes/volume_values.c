@@ -14,7 +14,7 @@
 
 enum { BLOCK = 1024 }; /* voxels converted at a time: small enough for the cache, big enough for vectors */
 
-static size_t count_voxels(const struct volume_file *file)
+static size_t values_count_voxels(const struct volume_file *file)
 {
     return file->info.dim[0] * file->info.dim[1] * file->info.dim[2]; /* checked when the header was read */
 }
@@ -186,7 +186,7 @@ static conus_status code_labels(struct label_reader *reader, const uint8_t *voxe
 conus_status label_reader_init(struct label_reader *reader, const struct volume_file *file, const struct bytes *memory)
 {
     *reader = (struct label_reader){.file = file, .minimum = UINT32_MAX};
-    return label_coder_init(&reader->coder, count_voxels(file), file->max_memory, memory->data, memory->size);
+    return label_coder_init(&reader->coder, values_count_voxels(file), file->max_memory, memory->data, memory->size);
 }
 
 conus_status label_reader_add(void *user, const uint8_t *voxels, size_t size)
@@ -218,7 +218,7 @@ static conus_status read_labels(struct label_voxels *out, struct volume_file *fi
 {
     struct label_reader reader;
     conus_status status = label_reader_init(&reader, file, memory);
-    status = status ? status : code_labels(&reader, voxels, 0, count_voxels(file));
+    status = status ? status : code_labels(&reader, voxels, 0, values_count_voxels(file));
     status = status ? fail_in(status, file->path) : label_reader_end(out, &reader, file);
     label_reader_finish(&reader);
     return status;
@@ -261,7 +261,7 @@ static size_t block_values(float *out, const double *values, size_t count, doubl
 static conus_status read_values(float **out, struct volume_file *file, double instead, struct notes *notes)
 {
     const struct decoder *decoder = find_decoder(file->datatype);
-    size_t count = count_voxels(file);
+    size_t count = values_count_voxels(file);
     size_t size = volume_datatype_size(file->datatype);
     float *values = memory_raw(count, sizeof *values);
     if (!values) {

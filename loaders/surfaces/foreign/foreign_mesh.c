@@ -98,7 +98,7 @@ static size_t best_ear(const struct polygon *polygon, size_t count)
 }
 
 /* On the inner side of the line from a to b, or on it. */
-static bool is_inside(const struct polygon *polygon, const double a[3], const double b[3], const double p[3])
+static bool foreign_is_inside(const struct polygon *polygon, const double a[3], const double b[3], const double p[3])
 {
     double along[3];
     double to[3];
@@ -109,7 +109,7 @@ static bool is_inside(const struct polygon *polygon, const double a[3], const do
     return vec3_dot(cross, polygon->normal) >= 0;
 }
 
-static bool is_same(const double a[3], const double b[3])
+static bool foreign_is_same(const double a[3], const double b[3])
 {
     return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
 }
@@ -122,9 +122,9 @@ static bool is_empty(const struct polygon *polygon, size_t ear)
     const struct polygon_corner *after = &polygon->corners[tip->next];
     for (size_t i = after->next; i != tip->previous; i = polygon->corners[i].next) {
         const double *p = polygon->corners[i].at;
-        bool same = is_same(p, tip->at) || is_same(p, before->at) || is_same(p, after->at);
-        if (!same && is_inside(polygon, before->at, tip->at, p) && is_inside(polygon, tip->at, after->at, p) &&
-            is_inside(polygon, after->at, before->at, p)) {
+        bool same = foreign_is_same(p, tip->at) || foreign_is_same(p, before->at) || foreign_is_same(p, after->at);
+        if (!same && foreign_is_inside(polygon, before->at, tip->at, p) &&
+            foreign_is_inside(polygon, tip->at, after->at, p) && foreign_is_inside(polygon, after->at, before->at, p)) {
             return false;
         }
     }
@@ -158,7 +158,7 @@ static conus_status fan_out(struct foreign_mesh *mesh, const struct polygon *pol
     return status;
 }
 
-static conus_status cut(struct foreign_mesh *mesh, struct polygon *polygon, size_t count)
+static conus_status foreign_cut(struct foreign_mesh *mesh, struct polygon *polygon, size_t count)
 {
     conus_status status = CONUS_OK;
     size_t first = 0;
@@ -186,7 +186,7 @@ static conus_status polygon_cut(struct foreign_mesh *mesh, const uint32_t *corne
         return CONUS_ERROR_MEMORY;
     }
     setup_polygon(polygon, mesh, corners, count);
-    conus_status status = cut(mesh, polygon, count);
+    conus_status status = foreign_cut(mesh, polygon, count);
     memory_free(polygon);
     return status;
 }
@@ -402,4 +402,26 @@ conus_status foreign_array_reserve(struct foreign_lines *lines, struct foreign_a
     return memory_reserve(&array->values, &array->capacity, array->count + more, sizeof *array->values)
                ? CONUS_OK
                : CONUS_ERROR_MEMORY;
+}
+
+enum mesh_space foreign_space_in(struct text text)
+{
+    static const char word[] = "SPACE";
+    enum { LENGTH = sizeof word - 1 };
+    while (text_mentions(text, word)) {
+        const char *at = memmem(text.data, text.size, word, LENGTH);
+        text.size -= (size_t)(at + LENGTH - text.data);
+        text.data = at + LENGTH;
+        struct text value = text;
+        while (value.size && strchr("= \t", *value.data) && *value.data) {
+            value = (struct text){value.data + 1, value.size - 1};
+        }
+        if (value.size < text.size && text_starts(value, "RAS")) {
+            return MESH_SPACE_RAS;
+        }
+        if (value.size < text.size && text_starts(value, "LPS")) {
+            return MESH_SPACE_LPS;
+        }
+    }
+    return MESH_SPACE_UNSTATED;
 }

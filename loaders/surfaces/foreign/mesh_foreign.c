@@ -14,7 +14,7 @@
 #include <string.h>
 
 /* Whether `path` ends in `ending`, or in that and ".gz". */
-static bool is_named(const char *path, const char *ending)
+static bool foreign_is_named(const char *path, const char *ending)
 {
     char packed[16];
     snprintf(packed, sizeof packed, "%s.gz", ending);
@@ -29,39 +29,17 @@ enum foreign_format foreign_format_of(const char *path, struct text head)
     if (text_starts(head, "ply\n") || text_starts(head, "ply\r")) {
         return FOREIGN_PLY;
     }
-    if (text_starts(head, "MZ") && !is_named(path, ".obj") && !is_named(path, ".stl")) {
+    if (text_starts(head, "MZ") && !foreign_is_named(path, ".obj") && !foreign_is_named(path, ".stl")) {
         return FOREIGN_MZ3;
     }
     if (text_starts(text_trim(text_from_bytes((const uint8_t *)head.data, head.size)), "<") &&
         text_mentions(head, "<VTKFile")) {
         return FOREIGN_VTP;
     }
-    return is_named(path, ".stl")   ? FOREIGN_STL
-           : is_named(path, ".off") ? FOREIGN_OFF
-           : is_named(path, ".obj") ? FOREIGN_OBJ
-                                    : FOREIGN_NONE;
-}
-
-enum mesh_space foreign_space_in(struct text text)
-{
-    static const char word[] = "SPACE";
-    enum { LENGTH = sizeof word - 1 };
-    while (text_mentions(text, word)) {
-        const char *at = memmem(text.data, text.size, word, LENGTH);
-        text.size -= (size_t)(at + LENGTH - text.data);
-        text.data = at + LENGTH;
-        struct text value = text;
-        while (value.size && strchr("= \t", *value.data) && *value.data) {
-            value = (struct text){value.data + 1, value.size - 1};
-        }
-        if (value.size < text.size && text_starts(value, "RAS")) {
-            return MESH_SPACE_RAS;
-        }
-        if (value.size < text.size && text_starts(value, "LPS")) {
-            return MESH_SPACE_LPS;
-        }
-    }
-    return MESH_SPACE_UNSTATED;
+    return foreign_is_named(path, ".stl")   ? FOREIGN_STL
+           : foreign_is_named(path, ".off") ? FOREIGN_OFF
+           : foreign_is_named(path, ".obj") ? FOREIGN_OBJ
+                                            : FOREIGN_NONE;
 }
 
 static const uint64_t default_memory = UINT64_C(8) << 30;
@@ -78,7 +56,7 @@ bool mesh_foreign_is(const char *path)
 {
     static const char *const endings[] = {".vtk", ".vtp", ".ply", ".stl", ".obj", ".off", ".mz3"};
     for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
-        if (is_named(path, endings[i])) {
+        if (foreign_is_named(path, endings[i])) {
             return true;
         }
     }
@@ -173,7 +151,8 @@ static conus_status say_unstated(const struct reading *work)
                             work->unstated, path);
 }
 
-static conus_status take_whole(struct mesh *out, struct foreign_mesh *foreign, struct reading *work, const char *path)
+static conus_status foreign_take_whole(struct mesh *out, struct foreign_mesh *foreign, struct reading *work,
+                                       const char *path)
 {
     struct mesh mesh = {0};
     conus_status status = foreign_mesh_take(&mesh, foreign);
@@ -187,7 +166,7 @@ static conus_status take_whole(struct mesh *out, struct foreign_mesh *foreign, s
     return CONUS_OK;
 }
 
-static conus_status read_file(struct mesh *out, struct reading *work, const char *path)
+static conus_status foreign_read_file(struct mesh *out, struct reading *work, const char *path)
 {
     struct bytes bytes = {0};
     struct foreign_mesh foreign = {0};
@@ -196,7 +175,7 @@ static conus_status read_file(struct mesh *out, struct reading *work, const char
         return status;
     }
     status = parse(&foreign, NULL, path, &bytes, limit_of(work));
-    status = status ? status : take_whole(out, &foreign, work, path);
+    status = status ? status : foreign_take_whole(out, &foreign, work, path);
     status = explain_failure(status, &bytes);
     foreign_mesh_finish(&foreign);
     bytes_finish(&bytes);
@@ -210,7 +189,7 @@ conus_status mesh_foreign_read(struct mesh *out, const char *const *paths, size_
     struct mesh *meshes = memory_zeroed(count, sizeof *meshes);
     conus_status status = meshes ? CONUS_OK : CONUS_ERROR_MEMORY;
     for (size_t i = 0; !status && i < count; i++) {
-        status = read_file(&meshes[i], &work, paths[i]);
+        status = foreign_read_file(&meshes[i], &work, paths[i]);
     }
     status = status ? status : say_unstated(&work);
     for (size_t i = 0; meshes && i < count; i++) {
@@ -351,7 +330,7 @@ static conus_status read_objects(struct mesh_parts *parts, struct label_table *n
         status = cut_objects(parts, names, &foreign, &objects, work, path);
     } else if (!status) {
         struct mesh *mesh = add_part(parts, names, objects.count ? objects.names[0] : (struct text){0});
-        status = mesh ? take_whole(mesh, &foreign, work, path) : CONUS_ERROR_MEMORY;
+        status = mesh ? foreign_take_whole(mesh, &foreign, work, path) : CONUS_ERROR_MEMORY;
     }
     status = explain_failure(status, &bytes);
     obj_objects_finish(&objects);

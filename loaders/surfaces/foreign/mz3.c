@@ -15,7 +15,7 @@ struct mz3 {
 
 static const bool swapped = !BIG_ENDIAN_IS_SWAPPED;
 
-static conus_status read_header(struct mz3 *out, const uint8_t *data, size_t size)
+static conus_status mz3_read_header(struct mz3 *out, const uint8_t *data, size_t size)
 {
     if (size < HEADER || data[0] != 'M' || data[1] != 'Z') {
         return fail(CONUS_ERROR_DATA, "content: %zu bytes, an MZ3 file has a header of %d that begins with MZ", size,
@@ -34,7 +34,7 @@ static conus_status read_header(struct mz3 *out, const uint8_t *data, size_t siz
 }
 
 /* Values of vertices may be many for each, one layer after the other. */
-static conus_status check_size(const struct mz3 *mz3, size_t size)
+static conus_status mz3_check_size(const struct mz3 *mz3, size_t size)
 {
     const uint64_t vertices = mz3->vertices;
     const uint64_t colours = mz3->attributes & COLOURS ? 4U : 0U;
@@ -80,8 +80,8 @@ static conus_status read_faces(struct foreign_mesh *out, const uint8_t *data, si
 conus_status mz3_parse(struct foreign_mesh *out, const uint8_t *data, size_t size)
 {
     struct mz3 mz3 = {0};
-    conus_status status = read_header(&mz3, data, size);
-    status = status ? status : check_size(&mz3, size);
+    conus_status status = mz3_read_header(&mz3, data, size);
+    status = status ? status : mz3_check_size(&mz3, size);
     if (status) {
         return status;
     }

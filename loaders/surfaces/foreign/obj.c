@@ -36,7 +36,7 @@ static struct words words_of(const uint8_t *data, size_t size)
 }
 
 /* The next word of the statement, which goes on behind a backslash at the end of a line. */
-static bool next_word(struct obj *obj, struct text *word)
+static bool obj_next_word(struct obj *obj, struct text *word)
 {
     bool there = text_word(&obj->line, word);
     while (there && word->data[word->size - 1] == '\\' && !text_trim(obj->line).size) {
@@ -66,7 +66,7 @@ static bool next_statement(struct obj *obj, struct text *word)
             obj->mesh->space = obj->mesh->space ? obj->mesh->space : foreign_space_in(obj->line);
             obj->line.size = 0;
         }
-    } while (!next_word(obj, word));
+    } while (!obj_next_word(obj, word));
     return true;
 }
 
@@ -80,7 +80,7 @@ static conus_status take_vertex(struct obj *obj)
     float position[3];
     for (int i = 0; i < 3; i++) {
         struct text word;
-        if (!next_word(obj, &word) || !text_to_float(word, &position[i]) || isnan(position[i])) {
+        if (!obj_next_word(obj, &word) || !text_to_float(word, &position[i]) || isnan(position[i])) {
             return fail_at(obj, obj->text, "a vertex is three numbers");
         }
     }
@@ -142,7 +142,7 @@ static conus_status take_face(struct obj *obj)
     size_t triangles = obj->mesh->triangle_count;
     conus_status status = CONUS_OK;
     struct text word;
-    while (!status && next_word(obj, &word)) {
+    while (!status && obj_next_word(obj, &word)) {
         status = take_corner(obj, word);
     }
     if (!status && obj->mesh->face.count < 3) {

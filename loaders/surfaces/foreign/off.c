@@ -34,7 +34,7 @@ static conus_status read_keyword(struct off *out, struct words *words, struct te
 }
 
 /* The keyword may be missing. */
-static conus_status read_header(struct off *out, struct words *words)
+static conus_status off_read_header(struct off *out, struct words *words)
 {
     struct text word;
     int64_t number;
@@ -101,7 +101,7 @@ conus_status off_parse(struct foreign_mesh *out, const uint8_t *data, size_t siz
     size_t vertices = 0;
     size_t faces = 0;
     int64_t edges;
-    conus_status status = read_header(&off, &words);
+    conus_status status = off_read_header(&off, &words);
     status = status ? status : words_count(&vertices, &words, 6, "number of vertices");
     status = status ? status : words_count(&faces, &words, 2, "number of faces");
     status = status ? status : words_whole(&edges, &words, 0, "number of edges");

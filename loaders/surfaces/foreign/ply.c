@@ -136,7 +136,7 @@ static conus_status take_property(struct ply *ply, struct text rest, struct text
     return CONUS_OK;
 }
 
-static conus_status take_line(struct ply *ply, struct text line, bool *done)
+static conus_status ply_take_line(struct ply *ply, struct text line, bool *done)
 {
     struct text rest = line;
     struct text word = {0};
@@ -189,7 +189,7 @@ static conus_status check_element(const struct ply *ply, const struct element *e
 }
 
 /* One element for the vertices, one for the faces, behind it. */
-static conus_status check_header(const struct ply *ply, bool has_format)
+static conus_status ply_check_header(const struct ply *ply, bool has_format)
 {
     size_t seen[KIND_OTHER] = {0};
     conus_status status = has_format ? CONUS_OK : fail(CONUS_ERROR_DATA, "header: no format");
@@ -209,7 +209,7 @@ static conus_status check_header(const struct ply *ply, bool has_format)
     return status;
 }
 
-static conus_status read_header(struct ply *ply)
+static conus_status ply_read_header(struct ply *ply)
 {
     struct text line;
     bool done = false;
@@ -223,9 +223,9 @@ static conus_status read_header(struct ply *ply)
             return fail(CONUS_ERROR_DATA, "line %zu: header: the file ends before end_header", ply->words.line);
         }
         has_format = has_format || text_starts(line, "format");
-        status = take_line(ply, line, &done);
+        status = ply_take_line(ply, line, &done);
     }
-    return status ? status : check_header(ply, has_format);
+    return status ? status : ply_check_header(ply, has_format);
 }
 
 static conus_status fail_cut_off(const struct ply *ply)
@@ -335,7 +335,7 @@ conus_status ply_parse(struct foreign_mesh *out, const uint8_t *data, size_t siz
     }
     ply->words = (struct words){.rest = {(const char *)data, size}, .line = 1};
     ply->mesh = out;
-    conus_status status = read_header(ply);
+    conus_status status = ply_read_header(ply);
     for (size_t i = 0; !status && i < ply->element_count; i++) {
         status = read_element(ply, &ply->elements[i]);
     }

@@ -202,8 +202,8 @@ static conus_status keep_numbers(struct vtk *vtk, struct text name, const struct
     return status;
 }
 
-static conus_status take_numbers(struct vtk *vtk, struct text name, const struct vtk_type *type, size_t parts,
-                                 size_t tuples)
+static conus_status vtk_take_numbers(struct vtk *vtk, struct text name, const struct vtk_type *type, size_t parts,
+                                     size_t tuples)
 {
     size_t count = 0;
     if (vtk->place != VTK_OF_NOTHING && type->bits >= 8) {
@@ -231,7 +231,7 @@ static conus_status take_array(struct vtk *vtk)
     bool strings = !status && words_take(&vtk->words, "string");
     status = status || strings ? status : vtk_need_type(&type, vtk);
     status = status ? status : vtk_end_line(vtk);
-    return status ? status : strings ? skip_strings(vtk, count) : take_numbers(vtk, name, type, parts, tuples);
+    return status ? status : strings ? skip_strings(vtk, count) : vtk_take_numbers(vtk, name, type, parts, tuples);
 }
 
 static conus_status vtk_skip_metadata(struct vtk *vtk)
@@ -278,7 +278,7 @@ static const struct attribute {
                   {"TENSORS6", 6},     {"GLOBAL_IDS", 1},    {"EDGE_FLAGS", 1},
                   {"PEDIGREE_IDS", 1}, {"LOOKUP_TABLE", 4}};
 
-static bool is_named(const struct attribute *attribute, const char *word)
+static bool vtk_is_named(const struct attribute *attribute, const char *word)
 {
     return strcmp(attribute->word, word) == 0;
 }
@@ -287,8 +287,8 @@ static bool is_named(const struct attribute *attribute, const char *word)
 static conus_status read_attribute_line(const struct vtk_type **type, size_t *parts, struct vtk *vtk,
                                         const struct attribute *attribute)
 {
-    bool is_scalars = is_named(attribute, "SCALARS");
-    bool is_colour = is_named(attribute, "COLOR_SCALARS");
+    bool is_scalars = vtk_is_named(attribute, "SCALARS");
+    bool is_colour = vtk_is_named(attribute, "COLOR_SCALARS");
     struct text word;
     int64_t count = (int64_t)attribute->parts;
     conus_status status = CONUS_OK;
@@ -323,14 +323,14 @@ static conus_status read_attribute(struct vtk *vtk, const struct attribute *attr
     if (!words_next(&vtk->words, &name)) {
         return words_fail(&vtk->words, name, "the name of an array");
     }
-    if (is_named(attribute, "LOOKUP_TABLE")) {
+    if (vtk_is_named(attribute, "LOOKUP_TABLE")) {
         size_t colours = 0;
         conus_status status = words_count(&colours, &vtk->words, 1, "LOOKUP_TABLE");
         status = status ? status : vtk_end_line(vtk);
         return status ? status : skip_numbers(vtk, colour_type(vtk), 4 * colours);
     }
     conus_status status = read_attribute_line(&type, &parts, vtk, attribute);
-    return status ? status : take_numbers(vtk, name, type, parts, count);
+    return status ? status : vtk_take_numbers(vtk, name, type, parts, count);
 }
 
 /* The number of points or cells. The size of each array is compared with the file later. */
@@ -566,7 +566,7 @@ static conus_status read_dataset(struct vtk *vtk)
     return status;
 }
 
-static conus_status read_header(struct vtk *vtk)
+static conus_status vtk_read_header(struct vtk *vtk)
 {
     static const char magic[] = "# vtk DataFile Version ";
     struct text line = {0};
@@ -594,7 +594,7 @@ conus_status vtk_parse(struct foreign_mesh *out, const uint8_t *data, size_t siz
 {
     struct vtk vtk = {.words = {.rest = {(const char *)data, size}, .line = 1}, .mesh = out};
     bool done = false;
-    conus_status status = read_header(&vtk);
+    conus_status status = vtk_read_header(&vtk);
     while (!status && !done) {
         status = read_section(&vtk, &done);
     }

@@ -70,7 +70,7 @@ static bool decode_group(struct source *source)
     return digits == 4;
 }
 
-static bool take_bytes(uint8_t *out, struct source *source, size_t size)
+static bool vtp_take_bytes(uint8_t *out, struct source *source, size_t size)
 {
     if (source->is_raw) {
         if (size > source->rest.size) {
@@ -98,7 +98,7 @@ static size_t bytes_left(const struct source *source)
 static bool take_header(uint64_t *out, struct source *source, const struct vtp_storage *storage)
 {
     uint8_t bytes[8];
-    if (!take_bytes(bytes, source, storage->header)) {
+    if (!vtp_take_bytes(bytes, source, storage->header)) {
         return false;
     }
     *out = storage->header == 4 ? order_u32(bytes, storage->swapped) : order_u64(bytes, storage->swapped);
@@ -121,7 +121,7 @@ static conus_status read_plain(struct bytes *out, struct source *source, const s
     if (!bytes.data) {
         return CONUS_ERROR_MEMORY;
     }
-    if (!take_bytes(bytes.data, source, bytes.size)) {
+    if (!vtp_take_bytes(bytes.data, source, bytes.size)) {
         bytes_finish(&bytes);
         return fail_cut_off();
     }
@@ -197,7 +197,7 @@ static conus_status unpack_block(uint8_t *out, size_t size, struct source *sourc
     size_t got = 0;
     size_t used = 0;
     conus_status status = packed && unpacker ? CONUS_OK : fail(CONUS_ERROR_MEMORY, "no memory to unpack");
-    if (!status && !take_bytes(packed, source, packed_size)) {
+    if (!status && !vtp_take_bytes(packed, source, packed_size)) {
         status = fail_cut_off();
     }
     if (!status && (libdeflate_zlib_decompress_ex(unpacker, packed, packed_size, out, size, &used, &got) ||
@@ -297,7 +297,7 @@ static conus_status read_any_float(void *to, struct words *words)
     return words_any_float(to, words, "a number");
 }
 
-static void take_whole(void *to, const uint8_t *data, const struct vtp_storage *storage)
+static void vtp_take_whole(void *to, const uint8_t *data, const struct vtp_storage *storage)
 {
     *(int64_t *)to = whole_at(data, storage);
 }
@@ -348,7 +348,7 @@ static conus_status numbers_of(void **out, size_t *count, const struct vtp_stora
 /* The whole numbers of an array into *out[*count], the caller's to memory_free(); those above 2^63 - 1 become -1. */
 static conus_status vtp_wholes(int64_t **out, size_t *count, const struct vtp_storage *storage)
 {
-    static const struct numbers wholes = {sizeof(int64_t), read_whole_word, take_whole};
+    static const struct numbers wholes = {sizeof(int64_t), read_whole_word, vtp_take_whole};
     void *numbers = NULL;
     conus_status status = numbers_of(&numbers, count, storage, &wholes);
     *out = status ? *out : numbers;
@@ -833,7 +833,7 @@ static const struct {
               {"Strips", USE_STRIPS},     {"FieldData", USE_SPACE}, {"PointData", USE_POINT_DATA},
               {"CellData", USE_CELL_DATA}};
 
-static enum use place_of(const char *name)
+static enum use vtp_place_of(const char *name)
 {
     for (size_t i = 0; i < sizeof places / sizeof places[0]; i++) {
         if (strcmp(name, places[i].name) == 0) {
@@ -843,10 +843,10 @@ static enum use place_of(const char *name)
     return USE_NOTHING;
 }
 
-static conus_status on_start(void *user, const struct xml_event *event)
+static conus_status vtp_on_start(void *user, const struct xml_event *event)
 {
     struct vtp *vtp = user;
-    enum use place = place_of(event->name);
+    enum use place = vtp_place_of(event->name);
     if (!vtp->has_root) {
         return take_root(vtp, event);
     }
@@ -858,7 +858,7 @@ static conus_status on_start(void *user, const struct xml_event *event)
     return array ? open_array(vtp, event) : keep_text(vtp, event);
 }
 
-static conus_status on_end(void *user, const struct xml_event *event)
+static conus_status vtp_on_end(void *user, const struct xml_event *event)
 {
     struct vtp *vtp = user;
     if (strcmp(event->name, "DataArray") == 0 || strcmp(event->name, "Array") == 0) {
@@ -866,7 +866,7 @@ static conus_status on_end(void *user, const struct xml_event *event)
         vtp->use = USE_NOTHING;
         return status;
     }
-    enum use place = place_of(event->name);
+    enum use place = vtp_place_of(event->name);
     vtp->place = place < USE_NOTHING ? USE_NOTHING : vtp->place;
     return place == USE_SPACE ? take_space(vtp) : strcmp(event->name, "Piece") == 0 ? end_piece(vtp) : CONUS_OK;
 }
@@ -884,7 +884,7 @@ conus_status vtp_parse(struct foreign_mesh *out, const uint8_t *data, size_t siz
 {
     struct vtp vtp = {.mesh = out, .max_memory = limit, .place = USE_NOTHING, .use = USE_NOTHING};
     struct buffer document = {0};
-    const struct xml_handler handler = {.start = on_start, .end = on_end, .user = &vtp};
+    const struct xml_handler handler = {.start = vtp_on_start, .end = vtp_on_end, .user = &vtp};
     conus_status status = split_appended(&document, &vtp, text_from_bytes(data, size));
     struct text text = {document.data, document.size};
     vtp.appended_raw = !status && vtp.appended.data && is_raw(text);

@@ -124,7 +124,7 @@ static bool write_index(void *user, int file, size_t at)
     return pwrite(file, index->data, index->size, (off_t)at) == (ssize_t)index->size;
 }
 
-static bool keep(struct index_keeper *keeper, struct buffer *index)
+static bool stored_keep(struct index_keeper *keeper, struct buffer *index)
 {
     struct buffer trace = {0};
     file_trace_write(&trace, &keeper->trace);
@@ -143,7 +143,7 @@ static bool index_keeper_keep(struct index_keeper *keeper, struct gzip_index *wh
     if (may) {
         whole->packed = keeper->trace.items[0].state.size;
     }
-    bool kept = may && gzip_indexer_write(&index, &keeper->indexer, whole) && keep(keeper, &index);
+    bool kept = may && gzip_indexer_write(&index, &keeper->indexer, whole) && stored_keep(keeper, &index);
     buffer_finish(&index);
     return kept;
 }
@@ -303,8 +303,8 @@ static void find_index(struct stored *stored, uint64_t limit, const struct bytes
 }
 
 /* An index follows from what the path leads to at this time: `file`, open before, is not read for it. */
-static conus_status read_whole(struct stored *stored, const struct open_file *file, uint64_t limit, enum stored_use use,
-                               const struct bytes *header)
+static conus_status stored_read_whole(struct stored *stored, const struct open_file *file, uint64_t limit,
+                                      enum stored_use use, const struct bytes *header)
 {
     if (use != STORED_PLAIN) {
         stored->keeper = memory_raw(1, sizeof *stored->keeper);
@@ -329,7 +329,7 @@ static conus_status open_whole(struct stored *out, const char *path, const struc
     if (!status && use == STORED_INDEX) {
         find_index(&stored, limit, header);
     }
-    status = status || stored.index ? status : read_whole(&stored, file, limit, use, header);
+    status = status || stored.index ? status : stored_read_whole(&stored, file, limit, use, header);
     if (status) {
         stored_finish(&stored);
         return status;

@@ -48,7 +48,7 @@ static const struct {
 };
 enum { ROWS = sizeof rows / sizeof rows[0] };
 
-static struct value *value_of(struct header *header, size_t row)
+static struct value *afni_value_of(struct header *header, size_t row)
 {
     return (struct value *)(void *)((char *)header + rows[row].place);
 }
@@ -85,7 +85,7 @@ static conus_status read_string(struct value *out, struct text *rest, size_t cou
 }
 
 /* `count` numbers, over several lines. */
-static conus_status read_numbers(struct value *out, struct text *rest, size_t count, struct text name)
+static conus_status afni_read_numbers(struct value *out, struct text *rest, size_t count, struct text name)
 {
     struct text word;
     *out = (struct value){.text = {rest->data, 0}, .count = count};
@@ -119,11 +119,11 @@ static conus_status read_attribute(struct header *header, struct text *rest, siz
                     HEADER_SHOW(name), HEADER_SHOW(type));
     }
     if (!status) {
-        status = (string ? read_string : read_numbers)(&value, rest, (size_t)count, name);
+        status = (string ? read_string : afni_read_numbers)(&value, rest, (size_t)count, name);
     }
     for (size_t i = 0; !status && i < ROWS; i++) {
         if (text_equal_ignoring_case(name, rows[i].name)) {
-            struct value *slot = value_of(header, i);
+            struct value *slot = afni_value_of(header, i);
             value.name = slot->name;
             status = header_once(&slot->text, value.text, name);
             *slot = status ? *slot : value;
@@ -133,7 +133,7 @@ static conus_status read_attribute(struct header *header, struct text *rest, siz
 }
 
 /* The first `count` numbers; more may follow. */
-static conus_status take_numbers(double *out, size_t count, const struct value *value)
+static conus_status afni_take_numbers(double *out, size_t count, const struct value *value)
 {
     struct text rest = value->text;
     struct text word;
@@ -147,10 +147,10 @@ static conus_status take_numbers(double *out, size_t count, const struct value *
     return CONUS_OK;
 }
 
-static conus_status take_whole(int64_t *out, size_t count, const struct value *value, int64_t least, int64_t most)
+static conus_status afni_take_whole(int64_t *out, size_t count, const struct value *value, int64_t least, int64_t most)
 {
     double numbers[8] = {0};
-    conus_status status = take_numbers(numbers, count, value);
+    conus_status status = afni_take_numbers(numbers, count, value);
     for (size_t i = 0; !status && i < count; i++) {
         if (!(numbers[i] >= (double)least && numbers[i] <= (double)most && numbers[i] == floor(numbers[i]))) {
             return fail(CONUS_ERROR_DATA, "%s: found %g, allowed are whole numbers from %lld to %lld", value->name,
@@ -174,8 +174,8 @@ static struct text string_of(const struct value *value)
 static conus_status read_sizes(struct text_volume *out, struct header *header)
 {
     int64_t rank[2] = {0};
-    conus_status status = take_whole(out->dim, 3, &header->dimensions, 1, INT32_MAX);
-    status = status ? status : take_whole(rank, 2, &header->rank, 1, VOLUME_LIMIT);
+    conus_status status = afni_take_whole(out->dim, 3, &header->dimensions, 1, INT32_MAX);
+    status = status ? status : afni_take_whole(rank, 2, &header->rank, 1, VOLUME_LIMIT);
     if (!status && rank[0] != 3) {
         return fail(CONUS_ERROR_UNSUPPORTED, "DATASET_RANK: found %lld, allowed is 3", (long long)rank[0]);
     }
@@ -188,7 +188,7 @@ static conus_status read_type(struct text_volume *out, const struct header *head
 {
     static const struct text_type types[] = {{'u', 1}, {'i', 2}, {'i', 4}, {'f', 4}, {'f', 8}};
     double *codes = memory_zeroed(header->volumes, sizeof *codes);
-    conus_status status = codes ? take_numbers(codes, header->volumes, &header->types) : CONUS_ERROR_MEMORY;
+    conus_status status = codes ? afni_take_numbers(codes, header->volumes, &header->types) : CONUS_ERROR_MEMORY;
     for (size_t i = 0; !status && i < header->volumes; i++) {
         if (codes[i] != 0 && codes[i] != 1 && codes[i] != 2 && codes[i] != 3 && codes[i] != 4) {
             status = fail(CONUS_ERROR_UNSUPPORTED,
@@ -224,7 +224,7 @@ static conus_status read_factors(struct text_volume *out, const struct header *h
     }
     out->slopes = memory_zeroed(header->volumes, sizeof *out->slopes);
     conus_status status =
-        out->slopes ? take_numbers(out->slopes, header->volumes, &header->factors) : CONUS_ERROR_MEMORY;
+        out->slopes ? afni_take_numbers(out->slopes, header->volumes, &header->factors) : CONUS_ERROR_MEMORY;
     for (size_t i = 0; !status && i < header->volumes; i++) {
         if (!isfinite(out->slopes[i])) {
             return fail(CONUS_ERROR_DATA, "BRICK_FLOAT_FACS: found %g, allowed are finite numbers", out->slopes[i]);
@@ -242,9 +242,9 @@ static conus_status read_plumb(double lps[16], const struct header *header)
     int64_t codes[3];
     double origin[3];
     double delta[3];
-    conus_status status = take_whole(codes, 3, &header->orient, 0, 5);
-    status = status ? status : take_numbers(origin, 3, &header->origin);
-    status = status ? status : take_numbers(delta, 3, &header->delta);
+    conus_status status = afni_take_whole(codes, 3, &header->orient, 0, 5);
+    status = status ? status : afni_take_numbers(origin, 3, &header->origin);
+    status = status ? status : afni_take_numbers(delta, 3, &header->delta);
     if (status) {
         return status;
     }
@@ -263,14 +263,14 @@ static conus_status read_plumb(double lps[16], const struct header *header)
 }
 
 /* IJK_TO_DICOM_REAL is the scanner's; the plumb axes are those that AFNI's own programs show oblique data with. */
-static conus_status place(struct text_volume *out, const struct header *header, struct notes *notes)
+static conus_status afni_place(struct text_volume *out, const struct header *header, struct notes *notes)
 {
     static const double tolerance = 1;
     double matrix[12] = {0};
     double plumb[16];
     bool real = header->matrix.text.data;
     conus_status other = read_plumb(plumb, header);
-    conus_status status = real ? take_numbers(matrix, 12, &header->matrix) : other;
+    conus_status status = real ? afni_take_numbers(matrix, 12, &header->matrix) : other;
     if (status) {
         return status;
     }
@@ -294,11 +294,11 @@ static conus_status place(struct text_volume *out, const struct header *header, 
 }
 
 /* NIfTI's code: the scanner, AC-PC, or a template. */
-static conus_status read_space(struct text_volume *out, const struct header *header)
+static conus_status afni_read_space(struct text_volume *out, const struct header *header)
 {
     int64_t view = 0;
     struct text space = string_of(&header->template);
-    conus_status status = header->scene.text.data ? take_whole(&view, 1, &header->scene, 0, INT32_MAX) : CONUS_OK;
+    conus_status status = header->scene.text.data ? afni_take_whole(&view, 1, &header->scene, 0, INT32_MAX) : CONUS_OK;
     bool mni = text_starts(space, "MNI");
     bool talairach = !space.data || text_starts(space, "TLRC") || text_starts(space, "TT");
     out->space_code = view == 0 ? 1 : view == 1 ? 2 : mni ? 4 : talairach ? 3 : 5;
@@ -341,7 +341,7 @@ conus_status afni_parse(struct text_volume *out, const uint8_t *data, size_t siz
                               ? CONUS_OK
                               : fail(CONUS_ERROR_DATA, "header: found %zu bytes or more, allowed are fewer", size);
     for (size_t i = 0; i < ROWS; i++) {
-        value_of(&header, i)->name = rows[i].name;
+        afni_value_of(&header, i)->name = rows[i].name;
     }
     while (!status && rest.size) {
         status = read_attribute(&header, &rest, &lines);
@@ -351,8 +351,8 @@ conus_status afni_parse(struct text_volume *out, const uint8_t *data, size_t siz
     status = status ? status : read_type(&volume, &header);
     status = status ? status : read_byte_order(&volume, &header);
     status = status ? status : read_factors(&volume, &header);
-    status = status ? status : place(&volume, &header, notes);
-    status = status ? status : read_space(&volume, &header);
+    status = status ? status : afni_place(&volume, &header, notes);
+    status = status ? status : afni_read_space(&volume, &header);
     status = status ? status : read_titles(&volume, &header);
     status = status ? status : read_table(&volume, &header);
     if (status) {

@@ -27,7 +27,7 @@ bool header_line(struct text *rest, struct text *line, size_t *count, conus_stat
 }
 
 /* Whether `text` is one of `names`, which have '/' between them. */
-static bool is_named(const char *names, struct text text, bool exact)
+static bool header_is_named(const char *names, struct text text, bool exact)
 {
     struct text rest = text_from(names);
     struct text name;
@@ -42,7 +42,7 @@ static bool is_named(const char *names, struct text text, bool exact)
 int header_word(const struct header_word *words, struct text text, bool exact)
 {
     for (; words->names; words++) {
-        if (is_named(words->names, text, exact)) {
+        if (header_is_named(words->names, text, exact)) {
             return words->value;
         }
     }
@@ -62,7 +62,7 @@ conus_status header_keep(struct header_values *values, bool *known, const struct
                          struct text value)
 {
     for (size_t i = 0; i < table->count; i++) {
-        *known = is_named(table->rows[i].names, name, table->exact);
+        *known = header_is_named(table->rows[i].names, name, table->exact);
         if (*known) {
             return header_once(&values->of[i], value, name);
         }

@@ -49,7 +49,7 @@ static conus_status check_dimensions(void *header, struct text value)
                : fail(CONUS_ERROR_UNSUPPORTED, "NDims: found %lld, allowed are 3 and 4", (long long)axes);
 }
 
-static conus_status check_sizes(void *header, struct text value)
+static conus_status metaimage_check_sizes(void *header, struct text value)
 {
     const struct metaimage *meta = header;
     (void)value;
@@ -77,7 +77,7 @@ static conus_status read_spacing(void *header, struct text value)
 }
 
 /* A fourth axis must not lead into space, nor space into it. */
-static conus_status read_matrix(void *header, struct text value)
+static conus_status metaimage_read_matrix(void *header, struct text value)
 {
     struct metaimage *meta = header;
     double *matrix = meta->matrix;
@@ -116,7 +116,7 @@ static conus_status read_unit(void *header, struct text value)
                           HEADER_SHOW(value));
 }
 
-static conus_status read_file(void *header, struct text value)
+static conus_status metaimage_read_file(void *header, struct text value)
 {
     struct text_volume *out = ((struct metaimage *)header)->out;
     return text_equal_ignoring_case(value, "LOCAL")
@@ -156,16 +156,17 @@ static const struct header_row rows[] = {
     {"ElementToIntensityFunctionSlope", HEADER_NUMBER, AT(slope)},
     {"ElementToIntensityFunctionOffset", HEADER_NUMBER, AT(intercept)},
     {"NDims", HEADER_INTEGER, AT(dimensions), "allowed are 3 and 4", .least = 1, .check = check_dimensions},
-    {"DimSize", HEADER_INTEGERS, AT(sizes), "a number of each axis is needed", .least = 1, .check = check_sizes},
+    {"DimSize", HEADER_INTEGERS, AT(sizes), "a number of each axis is needed", .least = 1,
+     .check = metaimage_check_sizes},
     {"ElementNumberOfChannels", HEADER_INTEGER, AT(channels), .least = 1},
     {"ElementSpacing", HEADER_TEXT, AT(spacing_text)},
     {"ElementSize", HEADER_UNUSED, .check = read_spacing},
-    {"TransformMatrix/Rotation/Orientation", HEADER_UNUSED, .check = read_matrix},
+    {"TransformMatrix/Rotation/Orientation", HEADER_UNUSED, .check = metaimage_read_matrix},
     {"Offset/Position/Origin", HEADER_UNUSED, .check = read_offset},
     {"DistanceUnits", HEADER_UNUSED, .check = read_unit},
     {"AnatomicalOrientation", HEADER_TEXT, AT(orientation)},
     {"CenterOfRotation", .kind = HEADER_UNUSED},
-    {"ElementDataFile", HEADER_UNUSED, .check = read_file},
+    {"ElementDataFile", HEADER_UNUSED, .check = metaimage_read_file},
 };
 static const struct header_table table = {rows, sizeof rows / sizeof rows[0], .exact = true};
 
@@ -195,7 +196,7 @@ static conus_status check_orientation(const struct metaimage *meta)
 }
 
 /* LPS = Offset + directions * spacing * voxel. */
-static conus_status place(const struct metaimage *meta)
+static conus_status metaimage_place(const struct metaimage *meta)
 {
     struct text_volume *out = meta->out;
     mat4_identity(out->world_from_voxel);
@@ -220,7 +221,7 @@ static bool split_line(struct text line, struct text *name, struct text *value)
 }
 
 /* The line of ElementDataFile ends the header. */
-static conus_status read_lines(struct header_values *values, struct text *rest)
+static conus_status metaimage_read_lines(struct header_values *values, struct text *rest)
 {
     struct text line;
     struct text name;
@@ -273,7 +274,7 @@ conus_status metaimage_parse(struct text_volume *out, const uint8_t *data, size_
     struct text_volume volume = {.format = "MetaImage"};
     struct metaimage meta = {
         .out = &volume, .notes = notes, .binary = true, .big_endian = -1, .channels = 1, .slope = 1};
-    conus_status status = read_lines(&values, &rest);
+    conus_status status = metaimage_read_lines(&values, &rest);
     if (!status && !header_has(&values, &table, "ElementDataFile")) {
         status = header_need((struct text){0}, "ElementDataFile", "it ends the header");
     }
@@ -288,7 +289,7 @@ conus_status metaimage_parse(struct text_volume *out, const uint8_t *data, size_
         memcpy(volume.dim, meta.sizes.values, sizeof volume.dim);
         volume.count = meta.dimensions == AXES ? meta.sizes.values[3] : meta.channels;
         volume.interleaved = meta.channels > 1;
-        status = place(&meta);
+        status = metaimage_place(&meta);
     }
     if (status) {
         text_volume_finish(&volume);

@@ -75,7 +75,7 @@ static conus_status check_dimension(void *header, struct text value)
                : fail(CONUS_ERROR_UNSUPPORTED, "dimension: found %lld, allowed are 3 and 4", (long long)dimension);
 }
 
-static conus_status check_sizes(void *header, struct text value)
+static conus_status nrrd_check_sizes(void *header, struct text value)
 {
     const struct nrrd *nrrd = header;
     (void)value;
@@ -195,7 +195,7 @@ static conus_status read_origin(void *header, struct text value)
 }
 
 /* One file; a list or pattern of files is of slices. */
-static conus_status read_file(void *header, struct text value)
+static conus_status nrrd_read_file(void *header, struct text value)
 {
     return value.data
                ? header_file(&((struct nrrd *)header)->out->file, value, "data file", "allowed is one file", true)
@@ -236,7 +236,7 @@ static const struct header_row rows[] = {
     {"line skip/lineskip", HEADER_INTEGER, AT(line_skip)},
     {"byte skip/byteskip", HEADER_INTEGER, AT(byte_skip), .least = -1},
     {"dimension", HEADER_INTEGER, AT(dimension), "allowed are 3 and 4", .least = 1, .check = check_dimension},
-    {"sizes", HEADER_INTEGERS, AT(sizes), "a number of each axis is needed", .least = 1, .check = check_sizes},
+    {"sizes", HEADER_INTEGERS, AT(sizes), "a number of each axis is needed", .least = 1, .check = nrrd_check_sizes},
     {"space", HEADER_WORD, AT(space), "so it is not known which side is left; " ALLOWED_SPACES, spaces, ALLOWED_SPACES,
      CONUS_ERROR_UNSUPPORTED, .check = keep_space_word},
     {"space dimension", HEADER_TEXT, AT(space_dimension)},
@@ -246,7 +246,7 @@ static const struct header_row rows[] = {
     {"spacings", HEADER_UNUSED, .check = check_spacings},
     {"space units", HEADER_UNUSED, .check = read_units},
     {"space origin", HEADER_UNUSED, .missing = "a point (x,y,z) is needed", .check = read_origin},
-    {"data file/datafile", HEADER_UNUSED, .check = read_file},
+    {"data file/datafile", HEADER_UNUSED, .check = nrrd_read_file},
     {"measurement frame", .kind = HEADER_UNUSED}, /* which turns vectors, not places */
     {"block size/blocksize", .kind = HEADER_UNUSED},
     {"thicknesses", .kind = HEADER_UNUSED},
@@ -312,7 +312,7 @@ static conus_status note_size(const struct text_volume *out, struct notes *notes
                           : CONUS_OK;
 }
 
-static conus_status place(struct text_volume *out, const struct nrrd *nrrd, struct notes *notes)
+static conus_status nrrd_place(struct text_volume *out, const struct nrrd *nrrd, struct notes *notes)
 {
     const double signs[3] = {nrrd->space > 0 ? -1 : 1, nrrd->space > 1 ? -1 : 1, 1}; /* of x and y that lead to RAS */
     size_t axis = nrrd->list == 0;
@@ -489,7 +489,7 @@ static conus_status keep_segment(struct nrrd *nrrd, struct text key, struct text
 }
 
 /* "field: value" or "key:=value". */
-static conus_status read_line(struct header_values *values, struct nrrd *nrrd, struct text line)
+static conus_status nrrd_read_line(struct header_values *values, struct nrrd *nrrd, struct text line)
 {
     const char *colon = memchr(line.data, ':', line.size);
     size_t length = colon ? (size_t)(colon - line.data) : 0;
@@ -511,7 +511,7 @@ static conus_status read_line(struct header_values *values, struct nrrd *nrrd, s
 }
 
 /* Up to the empty line, or to the end where the voxels lie in another file. */
-static conus_status read_lines(struct header_values *values, struct nrrd *nrrd, struct text *rest)
+static conus_status nrrd_read_lines(struct header_values *values, struct nrrd *nrrd, struct text *rest)
 {
     struct text line = {0};
     size_t lines = 0;
@@ -524,7 +524,7 @@ static conus_status read_lines(struct header_values *values, struct nrrd *nrrd, 
     }
     while (!ended && header_line(rest, &line, &lines, &status)) {
         ended = line.size == 0;
-        status = ended || line.data[0] == '#' ? CONUS_OK : read_line(values, nrrd, line);
+        status = ended || line.data[0] == '#' ? CONUS_OK : nrrd_read_line(values, nrrd, line);
     }
     return status || ended || header_has(values, &table, "data file")
                ? status
@@ -551,7 +551,7 @@ conus_status nrrd_parse(struct text_volume *out, const uint8_t *data, size_t siz
     struct header_values values = {0};
     struct text_volume volume = {.format = "NRRD"};
     struct nrrd nrrd = {.out = &volume, .big_endian = -1};
-    conus_status status = read_lines(&values, &nrrd, &rest);
+    conus_status status = nrrd_read_lines(&values, &nrrd, &rest);
     status = status ? status : header_take(&nrrd, &table, &values);
     status = status ? status : check_nrrd(&nrrd);
     if (!status) {
@@ -566,7 +566,7 @@ conus_status nrrd_parse(struct text_volume *out, const uint8_t *data, size_t siz
         memcpy(volume.dim, nrrd.sizes.values + first, sizeof volume.dim);
         volume.count = nrrd.list < AXES ? nrrd.sizes.values[nrrd.list] : 1;
         volume.interleaved = first && volume.count > 1;
-        status = place(&volume, &nrrd, notes);
+        status = nrrd_place(&volume, &nrrd, notes);
     }
     status = status ? status : take_segments(&volume, &nrrd);
     memory_free(nrrd.segments);
