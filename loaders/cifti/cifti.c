@@ -2,12 +2,495 @@
 /* Header, XML and values of a .dlabel.nii. */
 #include "loaders/cifti/cifti.h"
 
+#include "base/formats/xml.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "loaders/cifti/cifti_xml.h"
+#include "base/order.h"
+#include "loaders/labels/label_cells.h"
 #include "loaders/volumes/nifti.h"
 #include "loaders/volumes/volume_values.h"
 
+#include <limits.h>
 #include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The element that is open, of those that have a meaning. */
+enum inside { AT_ROOT, IN_CIFTI, IN_MATRIX, IN_LABELS, IN_NAMED, IN_MODELS, IN_VOLUME, IN_MODEL };
+
+struct parsing {
+    struct cifti *cifti;
+    uint64_t max_memory;
+    size_t maps_wanted;
+    size_t model_capacity;
+    enum inside inside;
+    bool has_matrix, has_labels, has_models, has_transform;
+    bool has_name;            /* of the NamedMap that is open */
+    struct label_entry entry; /* the Label that is open */
+    int exponent;             /* of the transform that is open */
+};
+
+static const char *quote(const char *given)
+{
+    return given ? given : "";
+}
+
+static conus_status read_whole(size_t *out, const struct xml_event *event, const char *attribute, uint64_t low,
+                               uint64_t high)
+{
+    const char *given = xml_attribute(event, attribute);
+    uint64_t value;
+    if (!given || !text_to_uint(text_trim(text_from(given)), high, &value) || value < low) {
+        return fail(CONUS_ERROR_DATA, "%s: found \"%.60s\", allowed are whole numbers from %llu to %llu", attribute,
+                    quote(given), (unsigned long long)low, (unsigned long long)high);
+    }
+    *out = (size_t)value;
+    return CONUS_OK;
+}
+
+static conus_status start_cifti(struct parsing *parsing, const struct xml_event *event)
+{
+    const char *version = xml_attribute(event, "Version");
+    (void)parsing;
+    return version && (strcmp(version, "2") == 0 || strcmp(version, "2.0") == 0)
+               ? CONUS_OK
+               : fail(CONUS_ERROR_UNSUPPORTED,
+                      "Version: found \"%.20s\", 2 is read (wb_command -file-convert "
+                      "-cifti-version-convert IN 2 OUT)",
+                      quote(version));
+}
+
+static conus_status start_matrix(struct parsing *parsing, const struct xml_event *event)
+{
+    (void)event;
+    if (parsing->has_matrix) {
+        return fail(CONUS_ERROR_DATA, "Matrix twice, allowed is one");
+    }
+    parsing->has_matrix = true;
+    return CONUS_OK;
+}
+
+/* Dimension 0 are the maps, 1 the grayordinates. */
+static conus_status start_indices(struct parsing *parsing, const struct xml_event *event)
+{
+    static const char *const types[] = {"CIFTI_INDEX_TYPE_LABELS", "CIFTI_INDEX_TYPE_BRAIN_MODELS"};
+    size_t dimension = 0;
+    conus_status status = read_whole(&dimension, event, "AppliesToMatrixDimension", 0, 1);
+    const char *type = quote(xml_attribute(event, "IndicesMapToDataType"));
+    if (!status && strcmp(type, types[dimension]) != 0) {
+        return fail(CONUS_ERROR_DATA, "IndicesMapToDataType: found \"%.60s\" for dimension %zu, a .dlabel.nii has %s",
+                    type, dimension, types[dimension]);
+    }
+    bool *seen = dimension ? &parsing->has_models : &parsing->has_labels;
+    if (!status && *seen) {
+        return fail(CONUS_ERROR_DATA, "AppliesToMatrixDimension: %zu twice, allowed is one MatrixIndicesMap for each",
+                    dimension);
+    }
+    *seen = true;
+    parsing->inside = dimension ? IN_MODELS : IN_LABELS;
+    return status;
+}
+
+static conus_status start_named(struct parsing *parsing, const struct xml_event *event)
+{
+    struct cifti *cifti = parsing->cifti;
+    (void)event;
+    if (cifti->map_count == parsing->maps_wanted) {
+        return fail(CONUS_ERROR_DATA, "NamedMap: found more than %zu, which is dim[5]", parsing->maps_wanted);
+    }
+    struct cifti_map *maps = memory_resize(cifti->maps, cifti->map_count + 1, sizeof *maps);
+    if (!maps) {
+        return CONUS_ERROR_MEMORY;
+    }
+    cifti->maps = maps;
+    maps[cifti->map_count++] = (struct cifti_map){0};
+    parsing->has_name = false;
+    return CONUS_OK;
+}
+
+static struct cifti_map *open_map(const struct parsing *parsing)
+{
+    return &parsing->cifti->maps[parsing->cifti->map_count - 1];
+}
+
+static conus_status end_map_name(struct parsing *parsing, struct text text)
+{
+    if (parsing->has_name) {
+        return fail(CONUS_ERROR_DATA, "MapName twice, allowed is one in each NamedMap");
+    }
+    parsing->has_name = true;
+    return label_set_text(&open_map(parsing)->name, text);
+}
+
+static conus_status end_named(struct parsing *parsing, struct text text)
+{
+    struct cifti_map *map = open_map(parsing);
+    (void)text;
+    return parsing->has_name ? label_table_sort(&map->table, &map->notes)
+                             : fail(CONUS_ERROR_DATA, "MapName is missing, one is needed in each NamedMap");
+}
+
+static conus_status start_label(struct parsing *parsing, const struct xml_event *event)
+{
+    return label_entry_start(&parsing->entry, event);
+}
+
+static conus_status end_label(struct parsing *parsing, struct text text)
+{
+    struct cifti_map *map = open_map(parsing);
+    return label_entry_end(&parsing->entry, &map->table, text, &map->notes);
+}
+
+static conus_status start_volume(struct parsing *parsing, const struct xml_event *event)
+{
+    const char *given = quote(xml_attribute(event, "VolumeDimensions"));
+    struct text rest = text_from(given);
+    struct text field;
+    size_t *dim = parsing->cifti->dim;
+    size_t count = 1;
+    bool more = true;
+    if (dim[0]) {
+        return fail(CONUS_ERROR_DATA, "Volume twice, allowed is one");
+    }
+    for (size_t i = 0; i < 3; i++) {
+        uint64_t value = 0;
+        bool fine = text_field(&rest, ',', &more, &field) && text_to_uint(text_trim(field), INT32_MAX, &value);
+        if (!fine || !value || (i == 2 && more)) {
+            return fail(CONUS_ERROR_DATA, "VolumeDimensions: found \"%.60s\", allowed are three whole numbers from 1",
+                        given);
+        }
+        dim[i] = (size_t)value;
+        if (!memory_multiply(count, dim[i], &count) || count > UINT32_MAX ||
+            count > parsing->max_memory / sizeof(uint32_t)) {
+            return fail(CONUS_ERROR_MEMORY,
+                        "VolumeDimensions: found \"%.60s\", more voxels than fit in %llu bytes (--max-memory) or in "
+                        "32 bits",
+                        given, (unsigned long long)parsing->max_memory);
+        }
+    }
+    return CONUS_OK;
+}
+
+static conus_status start_transform(struct parsing *parsing, const struct xml_event *event)
+{
+    enum { LEAST = -9, MOST = 3 };
+    const char *given = xml_attribute(event, "MeterExponent");
+    int64_t exponent;
+    if (parsing->has_transform) {
+        return fail(CONUS_ERROR_DATA, "TransformationMatrixVoxelIndicesIJKtoXYZ twice, allowed is one");
+    }
+    if (!given || !text_to_int(text_trim(text_from(given)), &exponent) || exponent < LEAST || exponent > MOST) {
+        return fail(CONUS_ERROR_DATA,
+                    "MeterExponent: found \"%.60s\", allowed are whole numbers from %d to %d (-3: mm)", quote(given),
+                    LEAST, MOST);
+    }
+    parsing->has_transform = true;
+    parsing->exponent = (int)exponent;
+    return CONUS_OK;
+}
+
+static conus_status end_transform(struct parsing *parsing, struct text text)
+{
+    double m[16] = {0};
+    double inverse[16];
+    double *world = parsing->cifti->world_from_voxel;
+    double mm = pow(10, parsing->exponent + 3);
+    struct text word;
+    size_t n = 0;
+    bool fine = true;
+    while (fine && text_word(&text, &word)) {
+        fine = n < 16 && text_to_double(word, &m[4 * (n % 4) + n / 4]) && isfinite(m[4 * (n % 4) + n / 4]);
+        n++;
+    }
+    if (!fine || n != 16 || !mat4_settle_last_row(m)) {
+        return fail(CONUS_ERROR_DATA,
+                    "TransformationMatrixVoxelIndicesIJKtoXYZ: 16 finite numbers by rows are needed, the last row 0 0 "
+                    "0 1");
+    }
+    for (int i = 0; i < 16; i++) {
+        world[i] = m[i] * (i % 4 < 3 ? mm : 1);
+    }
+    return mat4_invert_affine(inverse, world)
+               ? CONUS_OK
+               : fail(CONUS_ERROR_DATA, "TransformationMatrixVoxelIndicesIJKtoXYZ: the matrix is singular, an "
+                                        "invertible one is needed");
+}
+
+static conus_status end_volume(struct parsing *parsing, struct text text)
+{
+    (void)text;
+    return parsing->has_transform ? CONUS_OK
+                                  : fail(CONUS_ERROR_DATA, "Volume: TransformationMatrixVoxelIndicesIJKtoXYZ is "
+                                                           "missing");
+}
+
+static conus_status read_structure(struct cifti_model *model, const struct xml_event *event)
+{
+    const char *type = quote(xml_attribute(event, "ModelType"));
+    const char *structure = quote(xml_attribute(event, "BrainStructure"));
+    model->is_surface = strcmp(type, "CIFTI_MODEL_TYPE_SURFACE") == 0;
+    if (!model->is_surface && strcmp(type, "CIFTI_MODEL_TYPE_VOXELS") != 0) {
+        return fail(CONUS_ERROR_DATA,
+                    "ModelType: found \"%.60s\", allowed are CIFTI_MODEL_TYPE_SURFACE and CIFTI_MODEL_TYPE_VOXELS",
+                    type);
+    }
+    model->structure = cifti_structure_find(structure);
+    return model->structure ? CONUS_OK
+                            : fail(CONUS_ERROR_DATA,
+                                   "BrainStructure: found \"%.60s\", allowed are the names of CIFTI-2 "
+                                   "(CIFTI_STRUCTURE_CORTEX_LEFT, ...)",
+                                   structure);
+}
+
+static conus_status start_model(struct parsing *parsing, const struct xml_event *event)
+{
+    struct cifti *cifti = parsing->cifti;
+    if (!memory_reserve(&cifti->models, &parsing->model_capacity, cifti->model_count + 1, sizeof *cifti->models)) {
+        return CONUS_ERROR_MEMORY;
+    }
+    struct cifti_model *model = &cifti->models[cifti->model_count++];
+    *model = (struct cifti_model){0};
+    uint64_t vertices = parsing->max_memory / sizeof(uint32_t);
+    conus_status status = read_structure(model, event);
+    status = status ? status : read_whole(&model->offset, event, "IndexOffset", 0, cifti->count - 1);
+    status = status ? status : read_whole(&model->count, event, "IndexCount", 1, cifti->count - model->offset);
+    return status || !model->is_surface ? status
+                                        : read_whole(&model->vertex_count, event, "SurfaceNumberOfVertices", 1,
+                                                     vertices < INT_MAX ? vertices : INT_MAX);
+}
+
+static struct cifti_model *open_model(const struct parsing *parsing)
+{
+    return &parsing->cifti->models[parsing->cifti->model_count - 1];
+}
+
+/* Reads `wanted` numbers below `limit` into model->indices. */
+static conus_status read_indices(struct cifti_model *model, const char *name, struct text text, size_t wanted,
+                                 uint64_t limit)
+{
+    struct text word;
+    size_t n = 0;
+    uint64_t value = 0;
+    if (model->indices || wanted > text.size) { /* a number takes a character at least */
+        return model->indices ? fail(CONUS_ERROR_DATA, "%s twice, allowed is one in a BrainModel", name)
+                              : fail(CONUS_ERROR_DATA, "%s: found %zu characters, IndexCount asks for %zu numbers",
+                                     name, text.size, wanted);
+    }
+    model->indices = memory_raw(wanted, sizeof *model->indices);
+    if (!model->indices) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (; text_word(&text, &word); n++) {
+        if (!text_to_uint(word, limit - 1, &value)) {
+            return fail(CONUS_ERROR_DATA, "%s: number %zu is \"%.*s\", allowed are whole numbers from 0 to %llu", name,
+                        n, word.size < 20 ? (int)word.size : 20, word.data, (unsigned long long)limit - 1);
+        }
+        if (n < wanted) {
+            model->indices[n] = (uint32_t)value;
+        }
+    }
+    return n == wanted ? CONUS_OK
+                       : fail(CONUS_ERROR_DATA, "%s: found %zu numbers, IndexCount asks for %zu", name, n, wanted);
+}
+
+static conus_status end_vertices(struct parsing *parsing, struct text text)
+{
+    struct cifti_model *model = open_model(parsing);
+    if (!model->is_surface) {
+        return fail(CONUS_ERROR_DATA, "VertexIndices in a model of voxels, allowed is VoxelIndicesIJK");
+    }
+    conus_status status = read_indices(model, "VertexIndices", text, model->count, model->vertex_count);
+    for (size_t i = 1; !status && i < model->count; i++) {
+        if (model->indices[i] <= model->indices[i - 1]) {
+            return fail(CONUS_ERROR_DATA, "VertexIndices: number %zu is %u behind %u, allowed are ascending ones", i,
+                        model->indices[i], model->indices[i - 1]);
+        }
+    }
+    return status;
+}
+
+/* The volume may follow: find_voxels() makes one number of the three. */
+static conus_status end_voxels(struct parsing *parsing, struct text text)
+{
+    struct cifti_model *model = open_model(parsing);
+    if (model->is_surface) {
+        return fail(CONUS_ERROR_DATA, "VoxelIndicesIJK in a model of a surface, allowed is VertexIndices");
+    }
+    return read_indices(model, "VoxelIndicesIJK", text, 3 * model->count, INT32_MAX);
+}
+
+static conus_status end_model(struct parsing *parsing, struct text text)
+{
+    const struct cifti_model *model = open_model(parsing);
+    (void)text;
+    return model->indices ? CONUS_OK
+                          : fail(CONUS_ERROR_DATA, "BrainModel: %s is missing",
+                                 model->is_surface ? "VertexIndices" : "VoxelIndicesIJK");
+}
+
+static int compare_models(const void *a, const void *b)
+{
+    return compare_unsigned(((const struct cifti_model *)a)->offset, ((const struct cifti_model *)b)->offset);
+}
+
+/* Sorts the models; every grayordinate must be in one of them. */
+static conus_status order_models(struct cifti *cifti)
+{
+    size_t next = 0;
+    if (!cifti->model_count) {
+        return fail(CONUS_ERROR_DATA, "BrainModel: found none");
+    }
+    qsort(cifti->models, cifti->model_count, sizeof *cifti->models, compare_models);
+    for (size_t i = 0; i < cifti->model_count; i++) {
+        const struct cifti_model *model = &cifti->models[i];
+        if (model->offset != next) {
+            return fail(CONUS_ERROR_DATA, "IndexOffset of %s: found %zu, the models before it end at %zu",
+                        model->structure->name, model->offset, next);
+        }
+        next += model->count;
+        for (size_t k = 0; k < i; k++) {
+            if (cifti->models[k].structure == model->structure && cifti->models[k].is_surface == model->is_surface) {
+                return fail(CONUS_ERROR_DATA, "BrainStructure: two models of the %s of %s, allowed is one",
+                            model->is_surface ? "surface" : "voxels", model->structure->name);
+            }
+        }
+    }
+    return next == cifti->count ? CONUS_OK
+                                : fail(CONUS_ERROR_DATA, "IndexCount: the models have %zu grayordinates, dim[6] is %zu",
+                                       next, cifti->count);
+}
+
+/* Makes i + dim[0] (j + dim[1] k) of i, j, k. `taken` has a bit for each voxel. */
+static conus_status find_voxels(struct cifti_model *model, const size_t dim[3], uint8_t *taken)
+{
+    for (size_t n = 0; n < model->count; n++) {
+        const uint32_t *ijk = &model->indices[3 * n];
+        size_t voxel = ijk[0] + dim[0] * (ijk[1] + dim[1] * ijk[2]);
+        bool inside = ijk[0] < dim[0] && ijk[1] < dim[1] && ijk[2] < dim[2];
+        if (!inside || taken[voxel / 8] >> voxel % 8 & 1) {
+            return fail(CONUS_ERROR_DATA, "VoxelIndicesIJK of %s: found %u %u %u%s, the volume has %zu x %zu x %zu",
+                        model->structure->name, ijk[0], ijk[1], ijk[2], inside ? " again" : "", dim[0], dim[1], dim[2]);
+        }
+        taken[voxel / 8] |= (uint8_t)(1U << voxel % 8);
+        model->indices[n] = (uint32_t)voxel;
+    }
+    return CONUS_OK;
+}
+
+static conus_status find_all_voxels(struct cifti *cifti)
+{
+    const size_t *dim = cifti->dim;
+    uint8_t *taken = memory_zeroed(dim[0] * dim[1] * dim[2] / 8 + 1, 1);
+    conus_status status = taken ? CONUS_OK : CONUS_ERROR_MEMORY;
+    for (size_t i = 0; !status && i < cifti->model_count; i++) {
+        if (!cifti->models[i].is_surface) {
+            status = dim[0] ? find_voxels(&cifti->models[i], dim, taken)
+                            : fail(CONUS_ERROR_DATA, "Volume is missing, where the voxels of %s lie",
+                                   cifti->models[i].structure->name);
+        }
+    }
+    memory_free(taken);
+    return status;
+}
+
+static conus_status end_cifti(struct parsing *parsing, struct text text)
+{
+    struct cifti *cifti = parsing->cifti;
+    (void)text;
+    if (!parsing->has_labels || !parsing->has_models) {
+        return fail(CONUS_ERROR_DATA, "MatrixIndicesMap: that of dimension %d is missing", parsing->has_labels);
+    }
+    if (cifti->map_count != parsing->maps_wanted) {
+        return fail(CONUS_ERROR_DATA, "NamedMap: found %zu, dim[5] is %zu", cifti->map_count, parsing->maps_wanted);
+    }
+    conus_status status = order_models(cifti);
+    return status ? status : find_all_voxels(cifti);
+}
+
+/* Where each may stand, and what is open between its tags. Others, MetaData for instance, are passed over. */
+static const struct element {
+    const char *name;
+    enum inside parent, inside;
+    conus_status (*start)(struct parsing *parsing, const struct xml_event *event);
+    conus_status (*end)(struct parsing *parsing, struct text text);
+} elements[] = {
+    {"CIFTI", AT_ROOT, IN_CIFTI, start_cifti, end_cifti},
+    {"Matrix", IN_CIFTI, IN_MATRIX, start_matrix, NULL},
+    {"MatrixIndicesMap", IN_MATRIX, IN_MATRIX, start_indices, NULL},
+    {"NamedMap", IN_LABELS, IN_NAMED, start_named, end_named},
+    {"MapName", IN_NAMED, IN_NAMED, NULL, end_map_name},
+    {"Label", IN_NAMED, IN_NAMED, start_label, end_label},
+    {"Volume", IN_MODELS, IN_VOLUME, start_volume, end_volume},
+    {"TransformationMatrixVoxelIndicesIJKtoXYZ", IN_VOLUME, IN_VOLUME, start_transform, end_transform},
+    {"BrainModel", IN_MODELS, IN_MODEL, start_model, end_model},
+    {"VertexIndices", IN_MODEL, IN_MODEL, NULL, end_vertices},
+    {"VoxelIndicesIJK", IN_MODEL, IN_MODEL, NULL, end_voxels},
+};
+
+static const struct element *find_element(const char *name)
+{
+    for (size_t i = 0; i < sizeof elements / sizeof elements[0]; i++) {
+        if (strcmp(elements[i].name, name) == 0) {
+            return &elements[i];
+        }
+    }
+    return NULL;
+}
+
+static conus_status start_element(struct parsing *parsing, const struct xml_event *event)
+{
+    const struct element *element = find_element(event->name);
+    if (parsing->inside == AT_ROOT && strcmp(event->name, "CIFTI") != 0) {
+        return fail(CONUS_ERROR_DATA, "outermost element: found <%.40s>, allowed is <CIFTI>", event->name);
+    }
+    if (!element) {
+        return CONUS_OK;
+    }
+    if (element->parent != parsing->inside) {
+        return fail(CONUS_ERROR_DATA, "<%s> in the wrong place", event->name);
+    }
+    parsing->inside = element->inside;
+    return element->start ? element->start(parsing, event) : CONUS_OK;
+}
+
+static conus_status end_element(struct parsing *parsing, const struct xml_event *event)
+{
+    const struct element *element = find_element(event->name);
+    if (!element) {
+        return CONUS_OK;
+    }
+    parsing->inside = element->parent;
+    return element->end ? element->end(parsing, event->text) : CONUS_OK;
+}
+
+static conus_status fail_at_line(conus_status status, const struct xml_event *event)
+{
+    char where[32];
+    snprintf(where, sizeof where, "line %zu", event->line);
+    return status && status != CONUS_ERROR_MEMORY ? fail_in(status, where) : status;
+}
+
+static conus_status on_start(void *user, const struct xml_event *event)
+{
+    return fail_at_line(start_element(user, event), event);
+}
+
+static conus_status on_end(void *user, const struct xml_event *event)
+{
+    return fail_at_line(end_element(user, event), event);
+}
+
+/* Parses the document text of a matrix of maps maps and out->count grayordinates. Fills maps, models and volume
+ * of out, which is the caller's to finish, also on failure. Errors name the line. */
+static conus_status cifti_xml_parse(struct cifti *out, struct text text, size_t maps, uint64_t max_memory)
+{
+    struct parsing parsing = {.cifti = out, .max_memory = max_memory, .maps_wanted = maps};
+    const struct xml_handler handler = {on_start, on_end, &parsing, false};
+    conus_status status = xml_parse(&handler, text);
+    label_finish(&parsing.entry.label);
+    return status ? fail_in(status, "XML") : CONUS_OK;
+}
 
 enum { XML_CODE = 32 }; /* nifti1.h: NIFTI_ECODE_CIFTI */
 

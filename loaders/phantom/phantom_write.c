@@ -1,18 +1,226 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus_phantom_write(): a drawing as the files that any other program reads, and the truth behind it. */
+#include "atlas/labels/labels.h"
 #include "atlas/phantom/phantom.h"
+#include "atlas/phantom/phantom_brain.h"
 #include "atlas/space.h"
 #include "base/buffer.h"
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/options.h"
-#include "loaders/phantom/phantom_brain_write.h"
-#include "loaders/phantom/phantom_bundle_write.h"
+#include "base/status.h"
+#include "conus/conus.h"
+#include "loaders/surfaces/mesh_format.h"
 #include "loaders/volumes/nifti_write.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
+
+static void surface_name(char out[64], size_t index)
+{
+    snprintf(out, 64, "brain-%02zu-%s.surf.gii", index + 1, phantom_brain_area(index)->abbreviation);
+}
+
+static conus_status write_surface(const char *folder, size_t index)
+{
+    char name[64];
+    struct mesh mesh = {0};
+    struct buffer file = {0};
+    struct mesh_title title = {
+        .label = (uint32_t)index + 1, .name = phantom_brain_area(index)->name, .space = "NIFTI_XFORM_SCANNER_ANAT"};
+    palette_colour(title.rgb, index);
+    surface_name(name, index);
+    conus_status status = phantom_brain_mesh(&mesh, index);
+    status = status ? status : mesh_format(&file, &mesh, &title, CONUS_MESH_GIFTI);
+    status = status ? status : file_write_in(folder, name, &file);
+    buffer_finish(&file);
+    mesh_finish(&mesh);
+    return status;
+}
+
+static conus_status write_brain_volume(const char *folder, const char *name, uint16_t (*value)(const double world[3]))
+{
+    conus_volume_info grid;
+    struct bytes file = {0};
+    struct bytes packed = {0};
+    conus_status status = phantom_brain_grid(&grid);
+    size_t count = grid.dim[0] * grid.dim[1] * grid.dim[2];
+    uint32_t *values = status ? NULL : memory_raw(count, sizeof *values);
+    status = status || values ? status : CONUS_ERROR_MEMORY;
+    for (size_t i = 0; !status && i < count; i++) {
+        size_t row = i / grid.dim[0];
+        size_t slice = row / grid.dim[1];
+        double world[3] = {(double)(i % grid.dim[0]), (double)(row % grid.dim[1]), (double)slice};
+        mat4_point(world, grid.world_from_voxel, world);
+        values[i] = value(world);
+    }
+    status = status ? status : nifti_format_values(&file, &grid, values, SPACE_SCANNER);
+    status = status ? status : gzip_format(&packed, file.data, file.size);
+    struct buffer bytes = {.data = (char *)packed.data, .size = packed.size};
+    status = status ? status : file_write_in(folder, name, &bytes);
+    memory_free(values);
+    bytes_finish(&packed);
+    bytes_finish(&file);
+    return status;
+}
+
+static void append_brain_areas(struct buffer *out)
+{
+    for (size_t i = 0; i < PHANTOM_BRAIN_AREAS; i++) {
+        char file[64];
+        uint8_t rgb[3];
+        const struct phantom_brain_area *area = phantom_brain_area(i);
+        surface_name(file, i);
+        palette_colour(rgb, i);
+        buffer_format(out,
+                      "%s    {\"file\": \"%s\", \"label\": %zu, \"name\": \"%s\", \"abbreviation\": \"%s\",\n"
+                      "     \"hemisphere\": \"%c\", \"color\": \"#%02x%02x%02x\"}",
+                      i ? ",\n" : "", file, i + 1, area->name, area->abbreviation, area->hemisphere, rgb[0], rgb[1],
+                      rgb[2]);
+    }
+}
+
+static conus_status write_manifest(const char *folder)
+{
+    struct buffer text = {0};
+    buffer_text(&text, "{\n  \"conus_atlas\": 1,\n"
+                       "  \"comment\": \"synthetic: conus phantom brain\",\n"
+                       "  \"areas\": [\n");
+    append_brain_areas(&text);
+    buffer_text(&text, "\n  ],\n"
+                       "  \"pathways\": [{\"file\": \"brain-pathway.nii.gz\", \"name\": \"Arc\"}],\n"
+                       "  \"context\": {\"file\": \"brain-context.nii.gz\", \"transfer\": \"brain\"}\n}\n");
+    conus_status status = file_write_in(folder, "brain.atlas.json", &text);
+    buffer_finish(&text);
+    return status;
+}
+
+/* Writes the brain phantom (atlas/phantom/phantom_brain.h) into folder, which must be there: the surfaces
+ * brain-NN-ABBREVIATION.surf.gii, brain-context.nii.gz, brain-pathway.nii.gz and, last, brain.atlas.json. */
+static conus_status phantom_brain_write(const char *folder)
+{
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < PHANTOM_BRAIN_AREAS; i++) {
+        status = write_surface(folder, i);
+    }
+    status = status ? status : write_brain_volume(folder, "brain-pathway.nii.gz", phantom_brain_pathway);
+    status = status ? status : write_brain_volume(folder, "brain-context.nii.gz", phantom_brain_context);
+    return status ? status : write_manifest(folder);
+}
+
+/* Ring i of radius i mm has straight lines where i is odd, helices of one turn where it is even, all from z = -HALF to
+ * HALF mm in SEGMENTS steps. */
+enum { RINGS = 12, PER_RING = 12, SEGMENTS = 60, HALF = 30 };
+
+static const double turn = 6.283185307179586;
+
+static bool is_helix(int ring)
+{
+    return ring % 2 == 0;
+}
+
+/* Of the polyline: chords of a helix, each of which rises by 2 HALF / SEGMENTS. */
+static double length_of(int ring)
+{
+    double rise = 2.0 * HALF / SEGMENTS;
+    double chord = is_helix(ring) ? 2.0 * ring * sin(turn / (2 * SEGMENTS)) : 0;
+    return SEGMENTS * sqrt(rise * rise + chord * chord);
+}
+
+static void append_float(struct buffer *out, double value)
+{
+    uint8_t bytes[4];
+    uint32_t bits;
+    float rounded = (float)value;
+    memcpy(&bits, &rounded, sizeof bits);
+    for (int i = 0; i < 4; i++) {
+        bytes[i] = (uint8_t)(bits >> 8 * i);
+    }
+    buffer_append(out, bytes, sizeof bytes);
+}
+
+static void append_end(struct buffer *out, double value)
+{
+    for (int i = 0; i < 3; i++) {
+        append_float(out, value);
+    }
+}
+
+static void append_streamline(struct buffer *out, int ring, int number)
+{
+    for (int i = 0; i <= SEGMENTS; i++) {
+        double turns = (double)number / PER_RING + (is_helix(ring) ? (double)i / SEGMENTS : 0);
+        append_float(out, ring * cos(turn * turns));
+        append_float(out, ring * sin(turn * turns));
+        append_float(out, -HALF + i * 2.0 * HALF / SEGMENTS);
+    }
+    append_end(out, (double)NAN);
+}
+
+static void append_tractogram(struct buffer *out)
+{
+    enum { DATA_AT = 128 };
+    static const char zeros[DATA_AT];
+    buffer_format(out, "mrtrix tracks\ncomment: synthetic: conus phantom bundle\ndatatype: Float32LE\ncount: %d\n",
+                  RINGS * PER_RING);
+    buffer_format(out, "file: . %d\nEND\n", DATA_AT);
+    buffer_append(out, zeros, out->size < DATA_AT ? DATA_AT - out->size : 0);
+    for (int ring = 1; ring <= RINGS; ring++) {
+        for (int number = 0; number < PER_RING; number++) {
+            append_streamline(out, ring, number);
+        }
+    }
+    append_end(out, (double)INFINITY);
+}
+
+static void append_bundle_truth(struct buffer *out)
+{
+    double total = 0;
+    for (int ring = 1; ring <= RINGS; ring++) {
+        total += PER_RING * length_of(ring);
+    }
+    buffer_format(out, "{\n  \"phantom\": \"bundle\",\n  \"conus\": \"%s\",\n  \"space\": \"RAS+, mm\",\n",
+                  conus_version());
+    buffer_format(out, "  \"streamlines\": %d,\n  \"points\": %d,\n  \"length_mm\": ", RINGS * PER_RING,
+                  RINGS * PER_RING * (SEGMENTS + 1));
+    buffer_number(out, total);
+    buffer_format(out, ",\n  \"z\": [%d, %d],\n  \"segments\": %d,\n  \"rings\": [\n", -HALF, HALF, SEGMENTS);
+    for (int ring = 1; ring <= RINGS; ring++) {
+        buffer_format(out, "    {\"shape\": \"%s\", \"radius\": %d, \"turns\": %d, \"count\": %d, \"length_mm\": ",
+                      is_helix(ring) ? "helix" : "line", ring, is_helix(ring), PER_RING);
+        buffer_number(out, length_of(ring));
+        buffer_text(out, ring < RINGS ? "},\n" : "}\n");
+    }
+    buffer_text(out, "  ]\n}\n");
+}
+
+static void append_manifest(struct buffer *out)
+{
+    buffer_text(out, "{\n  \"conus_atlas\": 1,\n  \"comment\": \"synthetic: conus phantom bundle\",\n"
+                     "  \"streamlines\": [{\"file\": \"bundle.tck\", \"name\": \"Bundle\"}]\n}\n");
+}
+
+/* Writes the bundle phantom into folder, which must be there: bundle.tck, the truth bundle.json and, last, the
+ * manifest bundle.atlas.json. docs/formats.md has its shapes. */
+static conus_status phantom_bundle_write(const char *folder)
+{
+    static const struct {
+        const char *name;
+        void (*append)(struct buffer *out);
+    } files[] = {{"bundle.tck", append_tractogram},
+                 {"bundle.json", append_bundle_truth},
+                 {"bundle.atlas.json", append_manifest}};
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; i < sizeof files / sizeof files[0] && !status; i++) {
+        struct buffer content = {0};
+        files[i].append(&content);
+        status = file_write_in(folder, files[i].name, &content); /* which looks at the buffer's status */
+        buffer_finish(&content);
+    }
+    return status;
+}
 
 /* The columns of a BIDS _dseg.tsv. */
 static void append_table(struct buffer *out, const struct phantom *phantom)

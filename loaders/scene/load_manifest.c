@@ -4,8 +4,10 @@
 
 #include "atlas/frame.h"
 #include "base/buffer.h"
+#include "base/files/file.h"
 #include "base/files/folder.h"
 #include "base/memory.h"
+#include "loaders/manifest/manifest.h"
 #include "loaders/maps/fsl_maps.h"
 #include "loaders/maps/load_probability.h"
 #include "loaders/maps/load_scalar.h"
@@ -13,13 +15,52 @@
 #include "loaders/scene/load_context.h"
 #include "loaders/scene/load_plan.h"
 #include "loaders/scene/load_streamlines.h"
-#include "loaders/scene/manifest_move.h"
 #include "loaders/scene/parcellations.h"
 #include "loaders/scene/plan_settle.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+
+static conus_status move_by(conus_atlas *atlas, const struct manifest_transform *transform, const char *manifest,
+                            uint64_t max_memory)
+{
+    enum { FILES = 4 };
+    const char *const given[FILES] = {transform->file, transform->from, transform->to, transform->grid};
+    char *paths[FILES] = {NULL};
+    bool whole = true;
+    for (size_t i = 0; i < FILES; i++) {
+        paths[i] = given[i] ? file_beside(manifest, given[i]) : NULL;
+        whole = whole && (paths[i] || !given[i]);
+    }
+    const conus_transform_options options = {.from = paths[1],
+                                             .to = paths[2],
+                                             .grid = paths[3],
+                                             .inverse = transform->inverse,
+                                             .vectors = transform->vectors,
+                                             .max_memory = max_memory};
+    conus_status status = whole ? conus_atlas_transform(atlas, paths[0], &options) : CONUS_ERROR_MEMORY;
+    for (size_t i = 0; i < FILES; i++) {
+        memory_free(paths[i]);
+    }
+    return status;
+}
+
+/* Moves all that atlas has by the transforms of manifest, the file path; points go through the first one
+ * first. max_memory as in conus_load_options. Errors of conus_atlas_transform(), with the key; the atlas may have
+ * gone through some of them then. */
+static conus_status manifest_move(conus_atlas *atlas, const struct manifest *manifest, const char *path,
+                                  uint64_t max_memory)
+{
+    conus_status status = CONUS_OK;
+    for (size_t i = manifest->transform_count; !status && i > 0; i--) { /* the atlas goes back through the last first */
+        char key[48];
+        snprintf(key, sizeof key, manifest->single_transform ? "transform" : "transform[%zu]", i - 1);
+        status = move_by(atlas, &manifest->transforms[i - 1], path, max_memory);
+        status = status ? fail_in(status, key) : CONUS_OK;
+    }
+    return status;
+}
 
 /* What all steps need. */
 struct loading {

@@ -2,12 +2,403 @@
 /* From the "areas" and the "tree" of a manifest to a list of surfaces and groups. */
 #include "loaders/scene/load_plan.h"
 
+#include "atlas/frame.h"
+#include "base/buffer.h"
 #include "base/files/folder.h"
-#include "loaders/scene/plan_brainglobe.h"
-#include "loaders/scene/plan_files.h"
-#include "loaders/scene/plan_labelled.h"
+#include "base/memory.h"
+#include "base/order.h"
+#include "loaders/brainglobe/brainglobe_metadata.h"
+#include "loaders/labels/label_file.h"
+#include "loaders/manifest/manifest.h"
+#include "loaders/scene/area_plan.h"
 
+#include <fnmatch.h>
 #include <stdio.h>
+#include <string.h>
+
+/* The first whole number in the name of the file; false if there is none. */
+static conus_status number_in_name(uint32_t *number, bool *found, const char *path)
+{
+    const char *name = path_base(path);
+    size_t start = strcspn(name, "0123456789");
+    size_t length = strspn(name + start, "0123456789");
+    uint64_t value = 0;
+    *found = length > 0;
+    if (*found && (!text_to_uint((struct text){name + start, length}, UINT32_MAX, &value) || !value)) {
+        return fail(CONUS_ERROR_DATA, "%s: the number in its name is %.*s, labels are 1 to 4294967295", name,
+                    (int)length, name + start);
+    }
+    *number = (uint32_t)value;
+    return CONUS_OK;
+}
+
+/* Plans "file". path is the manifest's, areas[entry] the entry. */
+static conus_status plan_file(struct area_plan *plan, size_t entry, const struct manifest_area *area, const char *path)
+{
+    struct label label = area->label;
+    bool found = true;
+    conus_status status = area->has_label ? CONUS_OK : number_in_name(&label.number, &found, area->file);
+    if (!status && !found) {
+        status = fail(CONUS_ERROR_DATA, "label is missing (there is no number in the name %s either)", area->file);
+    }
+    char *file = status ? NULL : file_beside(path, area->file);
+    status = status || file ? status : CONUS_ERROR_MEMORY;
+    return status ? status : area_plan_add(plan, entry, file, &label);
+}
+
+/* Which names of a folder match a pattern, and how they give labels. */
+struct matches {
+    struct names names;
+    char *folder;
+    bool numbered;
+    struct label_table table;
+};
+
+static void matches_finish(struct matches *matches)
+{
+    names_finish(&matches->names);
+    memory_free(matches->folder);
+    label_table_finish(&matches->table);
+}
+
+/* Keeps the names that match; all of them or none must hold a number. */
+static conus_status sift_names(struct matches *matches, const char *pattern)
+{
+    struct names *names = &matches->names;
+    size_t kept = 0;
+    size_t numbered = 0;
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; i < names->count; i++) {
+        char *name = names->names[i];
+        if (fnmatch(pattern, name, FNM_PERIOD) != 0) {
+            memory_free(name);
+            continue;
+        }
+        uint32_t number;
+        bool found = false;
+        names->names[kept++] = name;
+        status = status ? status : number_in_name(&number, &found, name);
+        numbered += found;
+    }
+    names->count = kept;
+    matches->numbered = numbered > 0;
+    if (!status && !kept) {
+        return fail(CONUS_ERROR_DATA, "files: no file matches %s", pattern);
+    }
+    if (!status && numbered && numbered < kept) {
+        return fail(CONUS_ERROR_DATA,
+                    "files: %zu of the %zu names hold a number, which gives the label: all or none must", numbered,
+                    kept);
+    }
+    return status;
+}
+
+/* The end of a pattern that every name that matches ends in. */
+static const char *plain_ending(const char *pattern)
+{
+    const char *ending = pattern + strlen(pattern);
+    while (ending > pattern && !strchr("*?[]\\/", ending[-1])) {
+        ending--;
+    }
+    return ending;
+}
+
+static conus_status find_matches(struct matches *matches, struct area_plan *plan, const struct manifest_area *area,
+                                 const char *path, struct notes *notes)
+{
+    const struct label_use use = {.max_memory = plan->max_memory, .read = &plan->read};
+    const char *format;
+    char *pattern = file_beside(path, area->files);
+    matches->folder = pattern ? path_folder(pattern) : NULL;
+    conus_status status =
+        matches->folder ? names_list(&matches->names, matches->folder, plain_ending(area->files)) : CONUS_ERROR_MEMORY;
+    status = status ? status : sift_names(matches, path_base(area->files));
+    memory_free(pattern);
+    if (!status && area->labels) {
+        char *labels = file_beside(path, area->labels);
+        status = labels ? label_file_read(&matches->table, &format, labels, &use, notes) : CONUS_ERROR_MEMORY;
+        memory_free(labels);
+    }
+    return status;
+}
+
+/* The label of a file: its number, what the table says of that, what the entry says of all. */
+static conus_status label_of_match(struct label *label, const struct matches *matches, size_t index,
+                                   const struct manifest_area *area)
+{
+    bool found;
+    uint32_t number = (uint32_t)index + 1;
+    uint32_t offset = area->label_offset;
+    conus_status status = matches->numbered ? number_in_name(&number, &found, matches->names.names[index]) : CONUS_OK;
+    if (!status && number > UINT32_MAX - offset) {
+        status = fail(CONUS_ERROR_DATA, "label_offset: %u + %u is above 4294967295", offset, number);
+    }
+    const struct label *known = label_table_find(&matches->table, number);
+    *label = known ? *known : (struct label){0};
+    label->number = number + offset;
+    label->hemisphere = area->label.hemisphere ? area->label.hemisphere : label->hemisphere;
+    label->parent = label->has_parent ? label->parent + offset : area->label.parent;
+    label->has_parent = label->has_parent || area->label.has_parent;
+    return status;
+}
+
+/* Plans "files", a pattern. */
+static conus_status plan_pattern(struct area_plan *plan, size_t entry, const struct manifest_area *area,
+                                 const char *path, struct notes *notes)
+{
+    struct matches matches = {0};
+    conus_status status = find_matches(&matches, plan, area, path, notes);
+    for (size_t i = 0; !status && i < matches.names.count; i++) {
+        struct label label;
+        struct buffer file = {0};
+        status = label_of_match(&label, &matches, i, area);
+        buffer_format(&file, "%s%s", matches.folder, matches.names.names[i]);
+        status = status ? status : buffer_status(&file);
+        if (status) {
+            buffer_finish(&file);
+        } else {
+            status = area_plan_add(plan, entry, file.data, &label);
+        }
+    }
+    matches_finish(&matches);
+    return status;
+}
+
+/* The labels that vertices have, sorted, each once. */
+static conus_status list_labels(uint32_t **out, size_t *count, const struct vertex_labels *labels)
+{
+    uint32_t *sorted = memory_raw(labels->count, sizeof *sorted);
+    size_t kept = 0;
+    if (!sorted) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (size_t i = 0; i < labels->count; i++) {
+        sorted[kept] = labels->labels[i];
+        kept += sorted[kept] != 0;
+    }
+    *out = sorted;
+    *count = u32_sort_unique(sorted, kept);
+    return CONUS_OK;
+}
+
+/* Plans the part `number` of the last labelled surface. */
+static conus_status plan_part(struct area_plan *plan, size_t entry, const struct manifest_area *area, uint32_t number)
+{
+    const struct labelled_surface *surface = &plan->labelled[plan->labelled_count - 1];
+    const struct label *known = label_table_find(&surface->labels.table, number);
+    struct label label = known ? *known : (struct label){0};
+    if (number > UINT32_MAX - area->label_offset) {
+        return fail(CONUS_ERROR_DATA, "label_offset: %u + %u is above 4294967295", area->label_offset, number);
+    }
+    label.number = number + area->label_offset;
+    label.hemisphere = area->label.hemisphere ? area->label.hemisphere : surface->labels.hemisphere;
+    label.has_parent = area->label.has_parent;
+    label.parent = area->label.parent;
+    char *path = memory_text(surface->path, strlen(surface->path));
+    conus_status status = path ? area_plan_add(plan, entry, path, &label) : CONUS_ERROR_MEMORY;
+    if (!status) {
+        struct planned_area *planned = &plan->areas[plan->count - 1];
+        planned->is_part = true;
+        planned->surface = plan->labelled_count - 1;
+        planned->part = number;
+    }
+    return status;
+}
+
+static conus_status add_surface(struct area_plan *plan, const struct manifest_area *area, const char *path,
+                                struct notes *notes)
+{
+    struct mesh_file_options options = {
+        .max_memory = plan->max_memory, .read = &plan->read, .hemisphere = area->label.hemisphere};
+    struct labelled_surface *surfaces = memory_resize(plan->labelled, plan->labelled_count + 1, sizeof *surfaces);
+    char *labels = file_beside(path, area->vertex_labels);
+    plan->labelled = surfaces ? surfaces : plan->labelled;
+    if (!surfaces || !labels) {
+        memory_free(labels);
+        return CONUS_ERROR_MEMORY;
+    }
+    struct labelled_surface *surface = &surfaces[plan->labelled_count++];
+    *surface = (struct labelled_surface){.path = file_beside(path, area->file)};
+    options.surface = surface->path;
+    struct notes again = {0};
+    conus_status status = surface->path
+                              ? vertex_labels_read(&surface->labels, labels, &options, area->noted ? &again : notes)
+                              : CONUS_ERROR_MEMORY;
+    notes_finish(&again);
+    memory_free(labels);
+    return status;
+}
+
+/* Plans "file" with "vertex_labels". path is the manifest's, areas[entry] the entry. */
+static conus_status plan_labelled(struct area_plan *plan, size_t entry, const struct manifest_area *area,
+                                  const char *path, struct notes *notes)
+{
+    uint32_t *numbers = NULL;
+    size_t count = 0;
+    conus_status status = add_surface(plan, area, path, notes);
+    status = status ? status : list_labels(&numbers, &count, &plan->labelled[plan->labelled_count - 1].labels);
+    for (size_t i = 0; !status && i < count; i++) {
+        status = plan_part(plan, entry, area, numbers[i]);
+    }
+    memory_free(numbers);
+    return status;
+}
+
+static const double micrometres = 0.001; /* BrainGlobe's unit, in mm */
+
+/* A BrainGlobe folder while it is looked through. */
+struct brainglobe {
+    char *folder;
+    struct label_table structures;
+    char **meshes;  /* [structures.count] paths, NULL where there is no file */
+    bool *contains; /* [structures.count] another one with a mesh */
+};
+
+static void brainglobe_finish(struct brainglobe *brainglobe)
+{
+    for (size_t i = 0; brainglobe->meshes && i < brainglobe->structures.count; i++) {
+        memory_free(brainglobe->meshes[i]);
+    }
+    memory_free(brainglobe->meshes);
+    memory_free(brainglobe->contains);
+    memory_free(brainglobe->folder);
+    label_table_finish(&brainglobe->structures);
+}
+
+static conus_status find_meshes(struct brainglobe *brainglobe)
+{
+    struct label_table *table = &brainglobe->structures;
+    brainglobe->meshes = memory_zeroed(table->count, sizeof *brainglobe->meshes);
+    brainglobe->contains = memory_zeroed(table->count, sizeof *brainglobe->contains);
+    conus_status status = brainglobe->meshes && brainglobe->contains ? CONUS_OK : CONUS_ERROR_MEMORY;
+    for (size_t i = 0; !status && i < table->count; i++) {
+        struct buffer path = {0};
+        buffer_format(&path, "%s/meshes/%u.obj", brainglobe->folder, table->entries[i].number);
+        status = buffer_status(&path);
+        if (status || !file_exists(path.data)) {
+            buffer_finish(&path);
+        }
+        brainglobe->meshes[i] = path.data;
+    }
+    return status;
+}
+
+/* Marks everything above each structure that has a mesh. */
+static void mark_containers(struct brainglobe *brainglobe)
+{
+    struct label_table *table = &brainglobe->structures;
+    for (size_t i = 0; i < table->count; i++) {
+        const struct label *at = brainglobe->meshes[i] ? &table->entries[i] : NULL;
+        while (at && at->has_parent) {
+            at = label_table_find(table, at->parent);
+            bool *contains = at ? &brainglobe->contains[at - table->entries] : NULL;
+            at = contains && !*contains ? at : NULL; /* else all above it is marked */
+            if (at) {
+                *contains = true;
+            }
+        }
+    }
+}
+
+static conus_status open_brainglobe(struct brainglobe *brainglobe, struct area_plan *plan,
+                                    const struct manifest_area *area, const char *path, struct notes *notes)
+{
+    const struct label_use use = {.max_memory = plan->max_memory, .read = &plan->read};
+    const char *format;
+    struct buffer table = {0};
+    brainglobe->folder = file_beside(path, area->brainglobe);
+    conus_status status = brainglobe->folder ? CONUS_OK : CONUS_ERROR_MEMORY;
+    buffer_format(&table, "%s/structures.json", status ? "" : brainglobe->folder);
+    status = status ? status : buffer_status(&table);
+    status = status ? status : label_file_read(&brainglobe->structures, &format, table.data, &use, notes);
+    status = status ? status : find_meshes(brainglobe);
+    buffer_finish(&table);
+    if (!status) {
+        mark_containers(brainglobe);
+    }
+    return status;
+}
+
+static conus_status plan_structures(struct area_plan *plan, size_t entry, struct brainglobe *brainglobe, bool all,
+                                    const double world_from_mesh[16])
+{
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < brainglobe->structures.count; i++) {
+        const struct label *label = &brainglobe->structures.entries[i];
+        if (brainglobe->meshes[i] && (all || !brainglobe->contains[i])) {
+            status = area_plan_add(plan, entry, brainglobe->meshes[i], label);
+            brainglobe->meshes[i] = NULL;
+            if (!status) {
+                struct planned_area *area = &plan->areas[plan->count - 1];
+                area->placed = true;
+                memcpy(area->world_from_mesh, world_from_mesh, sizeof area->world_from_mesh);
+            }
+        } else if (brainglobe->contains[i]) {
+            status = area_plan_add_group(plan, label);
+        }
+    }
+    return status;
+}
+
+/* Whether the folder says by its name or by the size of its grid that it is the Allen CCF, with axes as that has. */
+static void find_ccf(struct area_plan *plan, const struct brainglobe_metadata *metadata)
+{
+    double size[3];
+    for (int i = 0; i < 3; i++) {
+        size[i] = (double)metadata->shape[i] * metadata->resolution[i];
+    }
+    bool is_asr = text_equal_ignoring_case(text_from(metadata->orientation), "asr");
+    bool is_asl = text_equal_ignoring_case(text_from(metadata->orientation), "asl");
+    plan->has_ccf = (is_asr || is_asl) && (metadata->is_allen_mouse || frame_is_ccf_size(size));
+    plan->ccf_from_right = is_asr;
+}
+
+/* From stored coordinates to the world; *orientation is that of the entry, else of metadata.json, else "asr". */
+static conus_status place_meshes(double world_from_mesh[16], char orientation[BRAINGLOBE_ORIENTATION], double scale,
+                                 const struct brainglobe *brainglobe, const struct manifest_area *area,
+                                 struct area_plan *plan)
+{
+    bool found = false;
+    struct buffer folder = {0};
+    struct brainglobe_metadata metadata = {.orientation = "asr"};
+    const double scales[3] = {scale, scale, scale};
+    buffer_format(&folder, "%s/", brainglobe->folder);
+    conus_status status = buffer_status(&folder);
+    if (!status && area->orientation) {
+        snprintf(metadata.orientation, sizeof metadata.orientation, "%s", area->orientation);
+    } else {
+        status = status ? status : brainglobe_metadata_read(&metadata, &found, folder.data, &plan->read);
+    }
+    buffer_finish(&folder);
+    memcpy(orientation, metadata.orientation, BRAINGLOBE_ORIENTATION);
+    find_ccf(plan, &metadata);
+    return status ? status : brainglobe_axes(world_from_mesh, orientation, scales);
+}
+
+/* Plans "brainglobe". path is the manifest's, areas[entry] the entry. */
+static conus_status plan_brainglobe(struct area_plan *plan, size_t entry, const struct manifest_area *area,
+                                    const char *path, struct notes *notes)
+{
+    struct brainglobe brainglobe = {0};
+    char orientation[BRAINGLOBE_ORIENTATION];
+    double world_from_mesh[16];
+    double scale = area->scale > 0 ? area->scale : micrometres;
+    size_t before = plan->count;
+    conus_status status = open_brainglobe(&brainglobe, plan, area, path, notes);
+    status = status ? status : place_meshes(world_from_mesh, orientation, scale, &brainglobe, area, plan);
+    status = status ? status : plan_structures(plan, entry, &brainglobe, area->all_structures, world_from_mesh);
+    if (!status && plan->count == before) {
+        status = fail(CONUS_ERROR_DATA, "brainglobe: %s/meshes holds no ID.obj of structures.json", area->brainglobe);
+    }
+    if (!status) {
+        status = notes_add(notes,
+                           "%s: %zu surfaces, stored times %g is mm, axes start at \"%s\"; the world's origin is that "
+                           "corner",
+                           brainglobe.folder, plan->count - before, scale, orientation);
+    }
+    brainglobe_finish(&brainglobe);
+    return status;
+}
 
 static conus_status refuse_twins(const struct area_plan *plan)
 {

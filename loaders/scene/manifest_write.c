@@ -8,21 +8,119 @@
 #include "base/memory.h"
 #include "base/options.h"
 #include "loaders/cifti/cifti_file.h"
+#include "loaders/labels/fsl_atlas.h"
 #include "loaders/labels/fsl_number.h"
 #include "loaders/labels/label_volumes.h"
 #include "loaders/manifest/manifest.h"
 #include "loaders/manifest/manifest_brainglobe.h"
+#include "loaders/manifest/manifest_draft.h"
 #include "loaders/manifest/manifest_scan.h"
 #include "loaders/manifest/manifest_surfaces.h"
 #include "loaders/maps/named_maps.h"
-#include "loaders/scene/draft_fsl.h"
-#include "loaders/scene/draft_streamlines.h"
 #include "loaders/scene/draft_transform.h"
 #include "loaders/scene/load_manifest.h"
+#include "loaders/scene/load_parcellation.h"
+#include "loaders/scene/load_streamlines.h"
 #include "loaders/scene/plan_cifti.h"
+#include "loaders/tracts/tract_file.h"
 
 #include <stdio.h>
 #include <string.h>
+
+/* Its images are no further volumes of the folder. */
+static conus_status draft_fsl_mark(struct manifest_draft *draft, const struct fsl_atlas *atlas)
+{
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < atlas->image_count; i++) {
+        const char *image = atlas->images[i].image;
+        const char *summary = atlas->images[i].summary;
+        status = image ? names_add(&draft->used, image + strspn(image, "/")) : CONUS_OK;
+        status = status || !summary ? status : names_add(&draft->used, summary + strspn(summary, "/"));
+    }
+    return status;
+}
+
+/* Whether the volume name is one of those. */
+static bool draft_fsl_has(const struct manifest_draft *draft, const char *name)
+{
+    size_t length = volume_stem_length(name);
+    for (size_t i = 0; i < draft->used.count; i++) {
+        const char *used = draft->used.names[i];
+        if (volume_stem_length(used) == length && strncmp(used, name, length) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static conus_status choose(const char **name, const struct manifest_draft *draft, const char *xml,
+                           const struct parcellation *parts)
+{
+    const char *volume = parts->file.path + strlen(draft->folder);
+    if (draft_fsl_has(draft, volume)) {
+        *name = NULL;
+        return manifest_draft_log(draft, "%s: left out, since another XML has %s", xml, volume);
+    }
+    if (!parts->is_disputed) {
+        return CONUS_OK;
+    }
+    *name = volume;
+    return manifest_draft_log(draft, "%s: left out for %s, which has other names by itself: %s", xml, volume,
+                              parts->notes.lines[parts->notes.count - 1]);
+}
+
+/* Which file stands for the XML xml, of type Label: the XML itself; its volume, where that has other names by
+ * itself, so that the manifest says what a query of the volume says; or NULL, where another XML has taken the volume. A
+ * line of the log says why it is not the XML. *name is the caller's to memory_free(). */
+static conus_status draft_fsl_choose(char **name, const struct manifest_draft *draft, const char *xml)
+{
+    struct parcellation parts = {0};
+    const conus_load_options options = {.max_memory = draft->options->max_memory};
+    const char *chosen = xml; /* what does not load says so when it is tried */
+    char *path = manifest_draft_path(draft, xml);
+    conus_status status = path ? parcellation_read(&parts, path, &options, "an atlas XML") : CONUS_ERROR_MEMORY;
+    status = status ? status : choose(&chosen, draft, xml, &parts);
+    status = status == CONUS_ERROR_MEMORY ? status : CONUS_OK;
+    *name = status || !chosen ? NULL : memory_text(chosen, strlen(chosen));
+    parcellation_finish(&parts);
+    memory_free(path);
+    return status || !chosen || *name ? status : CONUS_ERROR_MEMORY;
+}
+
+/* Whether an entry of the list has a name of these characters. */
+static bool has_name(const json_t *list, const char *name, size_t length)
+{
+    bool has = false;
+    for (size_t i = 0; i < json_array_size(list) && !has; i++) {
+        const char *other = json_string_value(json_object_get(json_array_get(list, i), "name"));
+        has = other && strlen(other) == length && strncmp(other, name, length) == 0;
+    }
+    return has;
+}
+
+/* Appends the file name of the folder to "streamlines" if it is a tractogram that loads; of other files
+ * draft_transform_say() tells. */
+static conus_status draft_streamlines_take(struct manifest_draft *draft, const char *name)
+{
+    bool loads = false;
+    char *path = manifest_draft_path(draft, name);
+    if (!path) {
+        return CONUS_ERROR_MEMORY;
+    }
+    bool is_tract = name[0] != '.' && tract_file_is(path);
+    memory_free(path);
+    if (!is_tract) {
+        return draft_transform_say(draft, name);
+    }
+    size_t length = streamlines_stem_length(name);
+    bool taken = has_name(draft->streamlines, name, length) || has_name(draft->pathways, name, length);
+    conus_status status = manifest_draft_append_loading(
+        &loads, draft, draft->streamlines, "streamlines",
+        json_pack("{s:s,s:s#}", "file", name, "name", name, taken ? strlen(name) : length));
+    return status  ? status
+           : loads ? manifest_draft_log(draft, "%s: streamlines", name)
+                   : manifest_draft_leave_out(draft, name);
+}
 
 enum { FIRST_OFFSET = 1000, LAST_OFFSET = 1000000000 };
 
