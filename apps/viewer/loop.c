@@ -1,13 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The loop of the window: waits, handles news, draws frames. */
+/* The loop of the window: waits, hears devices, draws frames of panels and panes. */
 #include "viewer/loop.h"
 
 #include "link/send_selection.h"
 #include "options/messages.h"
-#include "viewer/draw.h"
+#include "viewer/commands/keys.h"
 #include "viewer/model/studies.h"
+#include "viewer/panes/panels.h"
+#include "viewer/panes/panes.h"
 #include "viewer/session/keep.h"
 #include "viewer/session/undo.h"
+#include "viewer/ui/ui.h"
 #include "viewer/window/figure_form.h"
 #include "viewer/window/window.h"
 
@@ -132,6 +135,104 @@ static void note_changes(struct window *window)
     }
 }
 
+/* A click on anything gives the keys back to the panes. */
+static void navigate(struct window *window)
+{
+    static const char *const panels[] = {NULL, "Areas", "Hits of the cone"};
+    const struct ui_mouse mouse = ui_mouse_now();
+    bool is_pressed = mouse.pressed[0] || mouse.pressed[1] || mouse.pressed[2];
+    bool ends = ui_navigates() && (is_pressed || window->start.on || window->screen.alone);
+    if (window->frame.navigates_anew || ends) {
+        window->frame.navigated = ends ? 0 : window->frame.navigated;
+        window->frame.navigates_anew = false;
+        ui_navigate(panels[window->frame.navigated]);
+    }
+}
+
+/* A key that was tapped is down for one frame. */
+static void tap(struct window *window, bool down)
+{
+    if (window->frame.tapped && (down || glfwGetKey(window->handle, window->frame.tapped) != GLFW_PRESS)) {
+        ui_hold_key(window->frame.tapped, down);
+    }
+    window->frame.tapped = down ? window->frame.tapped : 0;
+}
+
+static void draw_panels(struct window *window)
+{
+    window->frame.hover = (struct hover){.value = NAN};
+    if (window->dialog.on) {
+        panel_dialog(window);
+        return;
+    }
+    if (window->start.on) {
+        panel_start(window);
+        return;
+    }
+    pane_borders(window); /* first, so that they lie in front */
+    if (!window->screen.alone) {
+        panel_areas(window);
+        panel_results(window);
+    }
+    for (int p = 0; p < PLANE_COUNT; p++) {
+        if (window_shows_pane(window, p)) {
+            pane_cut(window, (enum plane)p);
+        }
+    }
+    if (window_shows_pane(window, PANE_3D)) {
+        pane_3d(window);
+    }
+    if (!window->screen.alone) { /* after the panes, which find what is under the mouse */
+        panel_status(window);
+    }
+}
+
+/* Notes which versions of the viewer the newest frame shows. */
+static void note_shown(struct window *window)
+{
+    window->frame.frames_wanted -= window->frame.frames_wanted > 0;
+    if (window->viewer) {
+        window->frame.shown_version = window->viewer->version;
+        window->frame.shown_said = window->viewer->said;
+        window->frame.shown_second = window->viewer->tools[SECOND_TOOL].version;
+        window->frame.shown_head = window->viewer->head.number;
+    }
+}
+
+static void draw_window(struct window *window)
+{
+    double begun = glfwGetTime();
+    note_shown(window);
+    window->pictures.moving = window->pictures.moving && clock_ms() < window->pictures.moving_until;
+    window_lay_out(window);
+    if (window->screen.width < 1 || window->screen.height < 1) { /* minimised */
+        return;
+    }
+    if (window->screen.next_scale > 0 && ui_set_scale(window->screen.next_scale)) {
+        window->screen.scale = window->screen.next_scale;
+        window_lay_out(window);
+    }
+    window->screen.next_scale = 0;
+    window_clear(window);
+    tap(window, true);
+    ui_begin();
+    navigate(window);
+    draw_panels(window);
+    if (window->forms.show_help) {
+        keys_draw_help(window);
+    }
+    if (window->forms.figure.open && window->viewer && !window->start.on) {
+        panel_figure(window);
+    }
+    if (window->forms.added.open && window->viewer && !window->start.on && !window->dialog.on) {
+        panel_added(window);
+    }
+    ui_end();
+    tap(window, false);
+    window->frame.ms = 1e3 * (glfwGetTime() - begun);
+    times_add(&window->times, TIMED_FRAME, window->frame.ms);
+}
+
 static void draw_frame(struct window *window)
 {
     times_begin_frame(&window->times);
@@ -148,7 +249,7 @@ static void draw_frame(struct window *window)
     figure_form_step(window);
 }
 
-/* What happens to the atlas by itself. */
+/* Whatever changes without the user: devices, files, replay, studies. */
 static void serve_viewer(struct window *window)
 {
     hear_devices(window);

@@ -49,7 +49,7 @@ APPS = {
     "apps/viewer/panes": "apps/settings apps/viewer/pictures apps/viewer/model apps/viewer/tools apps/viewer/ui"
     " apps/viewer/window apps/viewer/commands",
     "apps/viewer/opening": "apps/options apps/settings apps/viewer/model apps/viewer/window apps/viewer/session",
-    # draw.c joins the panes and panels; the window itself knows neither.
+    # loop.c joins the panes and panels; the window itself knows neither.
     "apps/viewer": "apps/link apps/options apps/settings apps/pages apps/viewer/model apps/viewer/ui"
     " apps/viewer/window apps/viewer/panes apps/viewer/session apps/viewer/commands apps/viewer/opening",
 }

@@ -8,7 +8,6 @@
 #include "viewer/session/undo.h"
 #include "viewer/tools/inputs.h"
 #include "viewer/ui/ui_list.h"
-#include "viewer/ui/ui_navigate.h"
 #include "viewer/window/figure_form.h"
 #include "viewer/window/window.h"
 

@@ -30,16 +30,17 @@ struct tracker {
 void tracker_hear(struct tracker *tracker, const struct station_tool *tool);
 
 struct devices {
-    struct tracker trackers[2]; /**< Of the first and the second tool. */
+    struct tracker trackers[2]; /**< For the first and the second tool. */
     struct pushed mouse;
     struct spacemouse spacemouse;
     struct gamepad gamepad;
-    struct source_news heard[2]; /**< What moves either tool, when it was asked last. */
+    struct source_news heard[2]; /**< The last answers of the sources that move the tools. */
 };
 
 void devices_init(struct devices *out);
 void devices_finish(struct devices *devices);
-/** Of SpaceMouse and gamepad: mm and degrees a second at most, from SOURCE_LEAST_SPEED to SOURCE_MOST_SPEED. */
+/** The speed of SpaceMouse and gamepad: mm and degrees a second at most, from SOURCE_LEAST_SPEED to SOURCE_MOST_SPEED.
+ */
 static inline double devices_speed(const struct devices *devices)
 {
     return source_speed(&devices->gamepad.source);

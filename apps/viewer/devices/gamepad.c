@@ -9,7 +9,7 @@ static const double dead_stick = 0.15, dead_trigger = 0.05; /* nobody touches it
 static const double longest_s = 0.05;                       /* between two questions, as far as moves count */
 static const double doubling_s = 1;                         /* a full trigger doubles or halves the angle */
 
-/* Of its length: 0 in the dead zone, from its edge on from 0 to 1, whatever the direction. */
+/* Scales a stick by its length: 0 in the dead zone, then 0 to 1 from its edge on, in every direction. */
 static void free_stick(double out[2], const double stick[2])
 {
     double length = hypot(stick[0], stick[1]);

@@ -6,7 +6,7 @@
 
 #include "viewer/devices/source.h"
 
-/** What a gamepad is like now. */
+/** The state of a gamepad now. */
 struct gamepad_reading {
     enum { GAMEPAD_NONE = 0, GAMEPAD_UNKNOWN /**< A joystick without a known layout. */, GAMEPAD_THERE } presence;
     double left[2], right[2]; /**< Sticks, -1 to 1: to the right, towards the user. */

@@ -30,7 +30,7 @@ static void drop_moves(struct source_news *news)
     news->widen = 0;
 }
 
-/* What a source that says nothing said before counts no more. */
+/* Whether the source has sent the same values for too long. A pause starts the count anew. */
 static bool is_frozen(struct source_watch *watch, const double *said, double now_s)
 {
     if (!watch->any || !are_same(watch->values, said)) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What moves a tool: a device behind one question. It answers with a pose in the world, or with moves along the
- * tool's own axes, and says how it is. One thread, the window's. */
+/** @file A source moves a tool: a device behind one question. It answers with a pose in the world, or with moves along
+ * the tool's own axes, and says how it is. One thread, the window's. */
 #ifndef CONUS_VIEWER_DEVICES_SOURCE_H
 #define CONUS_VIEWER_DEVICES_SOURCE_H
 
@@ -22,19 +22,19 @@ enum source_press { SOURCE_HOLD = 1, SOURCE_RESET = 2, SOURCE_CONFIRM = 4 };
 
 enum { SOURCE_FROZEN_S = 5, SOURCE_VALUES = 16 };
 
-/** What a source has to say since it was asked last. All 0 but widen is nothing. */
+/** The news of a source since it was asked last. All 0 is none. */
 struct source_news {
     enum source_state state;
     bool has_pose;
-    conus_pose pose;  /**< Of the device in the world, if it has one. */
+    conus_pose pose;  /**< The device's pose in the world, if it has one. */
     double move[3];   /**< mm along the tool's x, y, z. */
     double turn[3];   /**< Radians, a rotation vector in the tool's frame. */
     double widen;     /**< The cone's angle times that; 0 = it stays. */
     unsigned pressed; /**< Bits of source_press. */
-    const char *text; /**< What is wrong, one line; NULL = nothing that it knows. */
+    const char *text; /**< The trouble, one line; NULL = none that it knows. */
 };
 
-/** What a device said last, raw, to find one that says the same for ever. */
+/** The last raw values of a device, to find one that is frozen. */
 struct source_watch {
     double values[SOURCE_VALUES];
     double since_s; /**< By the clock of source_ask(). */
@@ -46,7 +46,7 @@ struct source {
      * a hand or a noise would change, and returns whether it did. */
     bool (*ask)(struct source *source, double now_s, struct source_news *out, double said[SOURCE_VALUES]);
     struct source_watch watch;
-    double speed; /**< Of a source that says moves: mm and degrees a second at most; 0 = SOURCE_SPEED. */
+    double speed; /**< If the source sends moves: mm and degrees a second at most; 0 = SOURCE_SPEED. */
 };
 
 enum { SOURCE_SPEED = 40, SOURCE_LEAST_SPEED = 1, SOURCE_MOST_SPEED = 400 };

@@ -18,7 +18,7 @@ static const double full = 350;       /* what a cap says that is pushed as far a
 static const double let_go_s = 0.25;  /* a cap that is held sends more often; so an unplugged one does not drive on */
 static const double longest_s = 0.05; /* between two questions, as far as moves count */
 
-/* What is asked for by open() leaks where nobody answers, so it is asked only where somebody may. */
+/* spnav_open() leaks a socket when nobody answers, so a probe connects first. */
 static bool answers(const char *path)
 {
     struct sockaddr_un place = {.sun_family = AF_UNIX};

@@ -174,7 +174,7 @@ static void put_pathways(json_t *entry, const conus_atlas *atlas, size_t volume)
     }
 }
 
-/* Of 4-D files the volume that ",volume=K" names, or the first. */
+/* In a 4-D file it is the volume that ",volume=K" names, or the first. */
 static void describe_volume(json_t *entry, struct taken *taken, const conus_atlas *atlas, conus_role role,
                             const char *value, const char *path)
 {
@@ -311,7 +311,7 @@ json_t *additions_find(char missing[ADDITIONS_MISSING], const json_t *words, con
     return fine ? found : NULL;
 }
 
-/* What stands behind the file. */
+/* The keys behind the file's name. */
 static const char *keys_of(const json_t *entry, enum addition *kind)
 {
     const char *value = "";

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What was added to an atlas: contexts, pathways and tractograms, as options of the command line, words such as
+/** @file Additions to an atlas: contexts, pathways and tractograms, as options of the command line, words such as
  * "--streamlines=FILE,radius=1". */
 #ifndef CONUS_VIEWER_MODEL_ADDITIONS_H
 #define CONUS_VIEWER_MODEL_ADDITIONS_H
@@ -29,10 +29,10 @@ json_t *additions_without(const json_t *words, size_t index);
 /** Index in @p words of the newest one whose file is @p path, or has that name; the number of words = none. */
 size_t additions_index(const json_t *words, const char *path);
 
-/** What a session says of them: an array, in the order of @p words, of {"option": the word, "path": its file,
+/** The additions as a session keeps them: an array, in the order of @p words, of {"option": the word, "path": its file,
  * "sha256" and "bytes" of that where they are known, "objects": numbers in @p atlas}. NULL without memory. */
 json_t *additions_describe(const conus_atlas *atlas, const json_t *words);
-/** What was opened, as "opened" of a session has it: {"folder": where conus was started, "options": words of the
+/** The opened files, as "opened" of a session has them: {"folder": where conus was started, "options": words of the
  * command line, "added": what they add (additions_describe()), "sha256" and "bytes" of the atlas's file}. NULL without
  * memory, or where a text is not UTF-8. @p options is taken over. The checksum is left out where the atlas has no
  * volume that is the file @p path. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What of atlases can be changed while they are shown: which objects are hidden, thresholds, colours, the context's
+/* Changes of atlases while they are shown: which objects are hidden, thresholds, colours, the context's
  * transfer function, and which of them is drawn. */
 #include "viewer/model/viewer.h"
 
@@ -21,7 +21,7 @@ static void rest(struct viewer *viewer)
     viewer->tools[FIRST_TOOL].answer_number++;
 }
 
-/* What was edited of the transfer function outlives the painter. */
+/* Edits of the transfer function outlive the painter. */
 static bool pass_transfer(const struct viewer *viewer)
 {
     const struct transfer_editor *editor = &viewer->transfer_editor;
@@ -49,7 +49,7 @@ static void resume(struct viewer *viewer)
     viewer_reselect(viewer);
 }
 
-/* What was edited for another context says nothing of this one. */
+/* Edits for another context do not apply to this one. */
 static void forget_transfer(struct viewer *viewer, const struct view_atlas *before, const struct view_atlas *next)
 {
     if (!view_atlas_shares_context(before, next)) {
@@ -314,7 +314,7 @@ conus_status viewer_set_up(struct viewer *viewer, const struct atlas_edits *sett
     return status;
 }
 
-/* What is hidden is not in the atlas: it is not hit, not drawn, and blocks nothing. */
+/* Hidden objects leave the atlas: they are not hit, not drawn, and block nothing. */
 static void hide_in_atlas(struct viewer *viewer, struct view_atlas *on)
 {
     if (viewer->painter) {

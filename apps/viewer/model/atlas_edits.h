@@ -26,7 +26,7 @@ struct transfer_editor {
 
 enum shown { SHOWN_NOT = 0, SHOWN_IN_PART, SHOWN };
 
-/** What a session says of the atlases themselves. */
+/** A session's settings of the atlases themselves. */
 struct atlas_edits {
     double *const *thresholds; /**< [atlas_count][object_count + 1] by number; those of areas are not read. NULL, of all
                                     or of one atlas = as they are. Changed. */
@@ -87,7 +87,7 @@ void viewer_show_all(struct viewer *viewer);
 void viewer_set_hidden(struct viewer *viewer, struct view_atlas *on, bool *hidden);
 /** Whether @p object is @p ancestor or below it. */
 bool viewer_is_below(const struct viewer *viewer, uint32_t object, uint32_t ancestor);
-/** What is shown of an object and all below it. */
+/** How much of an object and all below it is shown. */
 enum shown viewer_shown(const struct viewer *viewer, uint32_t object);
 
 #endif

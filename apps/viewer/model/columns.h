@@ -19,7 +19,7 @@ enum result_column_number {
     RESULT_EXIT,
     RESULT_PATH,
     RESULT_OFFSET,
-    RESULT_X, /**< Of the contact, in the viewer's space. */
+    RESULT_X, /**< The contact, in the viewer's space. */
     RESULT_Y,
     RESULT_Z,
     RESULT_CONTACT_VALUE,
@@ -28,7 +28,7 @@ enum result_column_number {
     RESULT_FRACTION,
     RESULT_MEAN,
     RESULT_MAX,
-    RESULT_STREAMLINES, /**< Of bundles, as those after it. */
+    RESULT_STREAMLINES, /**< From here on: bundles only. */
     RESULT_LENGTH,
     RESULT_ALONG,
     RESULT_COLUMNS
@@ -47,7 +47,7 @@ const char *result_key(size_t column);
 size_t result_find(const char *key);
 /** The word above it; of coordinates the viewer's axis. */
 const char *result_heading(const struct viewer *viewer, size_t column);
-/** What it is, with its unit. */
+/** Its meaning and unit. */
 const char *result_meaning(char out[RESULT_TIP], const struct viewer *viewer, size_t column);
 /** Whether it is of text, and not of numbers. */
 bool result_is_text(size_t column);

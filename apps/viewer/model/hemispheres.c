@@ -80,7 +80,7 @@ const char *const hemispheres_meanings[HEMISPHERES_COUNT] = {"areas as in the fi
 
 static const char option[] = "--hemispheres=";
 
-/* What is behind the equals sign; NULL of another word. */
+/* The value behind the equals sign; NULL = another option. */
 static const char *value_of(const json_t *word)
 {
     const char *text = json_string_value(word);

@@ -23,10 +23,10 @@ void side_show(struct viewer *viewer, enum side side);
 void side_show_next(struct viewer *viewer);
 
 enum { HEMISPHERES_COUNT = CONUS_HEMISPHERES_MERGED + 1 };
-/** What each means, for people. */
+/** The meaning of each, for people. */
 extern const char *const hemispheres_meanings[HEMISPHERES_COUNT];
 
-/** What they say of it; NULL is no words. */
+/** The hemispheres that the options ask for; NULL is no options. */
 conus_hemispheres hemispheres_of_words(const json_t *words);
 /** A copy of them that says this; NULL without memory. */
 json_t *hemispheres_put_in_words(const json_t *words, conus_hemispheres how);

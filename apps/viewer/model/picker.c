@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What is under the mouse: single rays and small balls, by a selector of their own. */
+/* Finds what is under the mouse: single rays and small balls, by a selector of their own. */
 #include "viewer/model/picker.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What is under the mouse. */
+/** @file Finds objects under the mouse and at places. */
 #ifndef CONUS_VIEWER_MODEL_PICKER_H
 #define CONUS_VIEWER_MODEL_PICKER_H
 
@@ -16,7 +16,7 @@ uint32_t view_atlas_pick(double *depth, struct view_atlas *on, const double orig
 /** How far it is along such a ray to the first object that is not hidden, drawn or not, mm; INFINITY = there is none.
  */
 double view_atlas_depth(struct view_atlas *on, const double origin[3], const double direction[3]);
-/** What is at a place in one atlas, as its cuts would name it there: the object whose voxel or closed surface holds it;
+/** The object at a place in one atlas, as its cuts would name it: the one whose voxel or closed surface holds it;
  * 0 = nothing. */
 uint32_t view_atlas_at(struct view_atlas *on, const double place[3]);
 /** The largest value of pathway @p object within a voxel of @p place; NaN of an area. */

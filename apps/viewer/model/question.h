@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What the cone asks, changed as a whole or in one thing. What the atlas cannot answer is said in the status
- * line, and all stays as it was. */
+/** @file Changes of the cone's question, as a whole or in one thing. A question that the atlas refuses is said in the
+ * status line, and all stays as it was. */
 #ifndef CONUS_VIEWER_MODEL_QUESTION_H
 #define CONUS_VIEWER_MODEL_QUESTION_H
 

@@ -118,7 +118,7 @@ static bool find_where_it_was(char out[PATH_MAX], const struct session_file *fil
     return put_path(out, file->folder, file->atlas) && is_there(out);
 }
 
-/* Of the same name or relative path, or of the same bytes. */
+/* A file beside the session, by the same name or relative path, or with the same bytes. */
 static bool find_beside(char out[PATH_MAX], const struct session_file *file, const char *session)
 {
     char folder[PATH_MAX];

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What a session's file says of the atlas that it is of, so that it can be opened without naming that. */
+/** @file Reads from a session's file which atlas it is of, and finds that atlas again. */
 #ifndef CONUS_VIEWER_MODEL_SESSION_FILE_H
 #define CONUS_VIEWER_MODEL_SESSION_FILE_H
 

@@ -10,7 +10,7 @@
 
 /* Studies shall not hold up the window or its pictures, where they share processors. */
 static const int niceness = 4;
-/* What has taken longer is ended for a newer question; what is quicker keeps up with a cone that moves. */
+/* A study that has taken longer is ended for a newer question; a quicker one keeps up with a moving cone. */
 static const double patience_ms = 300;
 
 struct studier {

@@ -15,7 +15,7 @@ void studies_step(struct viewer *viewer);
 bool studies_is_on(const struct viewer *viewer);
 /** Whether the answer (viewer->study.answer) is missing, or one of another cone, atlas or setting. */
 bool studies_is_old(const struct viewer *viewer);
-/** What conus sweep prints of the cone as it is now, borrowed; NULL = there is nothing, and it was said why. */
+/** The table that conus sweep prints of the cone as it is now, borrowed; NULL = there is none, and it was said why. */
 const char *studies_text(struct viewer *viewer);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What a study asks, and its answer as conus sweep computes it: the numbers for the plots and the text come from the
- * same selections. */
+/* The question of a study, and its answer as conus sweep computes it: the numbers for the plots and the text come from
+ * the same selections. */
 #include "viewer/model/study.h"
 
 #include "options/angles.h"
@@ -57,7 +57,7 @@ bool study_has_same_selectors(const struct study_question *a, const struct study
            selector_options_are_same(&a->options, &b->options);
 }
 
-/* The settings that the kind has. */
+/* Compares the settings that the kind has. */
 static bool ask_same(const struct study_settings *a, const struct study_settings *b)
 {
     bool same_angles = a->angles[0] == b->angles[0] && a->angles[1] == b->angles[1] && a->angles[2] == b->angles[2];

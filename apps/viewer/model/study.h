@@ -12,12 +12,12 @@ enum study_kind { STUDY_NONE = 0, STUDY_SWEEP, STUDY_JITTER, STUDY_COUNT };
 /** Whether both make the same selector. Scores are compared by their address: they are names of conus_score(). */
 bool selector_options_are_same(const conus_selector_options *a, const conus_selector_options *b);
 
-/** What the user sets. */
+/** The user's settings. */
 struct study_settings {
     enum study_kind kind;
     double angles[3];          /**< From, to and by, full openings, degrees. */
     double tilt_deg, shift_mm; /**< Standard deviations of jitter, as conus_jitter_options has them. */
-    double samples;            /**< Of jitter: a power of two from 16 to 2^20. */
+    double samples;            /**< For jitter: a power of two from 16 to 2^20. */
 };
 
 extern const struct study_settings study_defaults;
@@ -29,9 +29,9 @@ const char *study_fault(const struct study_settings *settings);
 struct study_question {
     struct study_settings settings;
     conus_selector_options options; /**< Without a level. */
-    char level[LEVEL_LIMIT];        /**< Of the first atlas; "" = none. */
+    char level[LEVEL_LIMIT];        /**< In the first atlas; "" = none. */
     conus_pose pose;
-    double angle; /**< Of jitter: full opening; 0 of a cylinder. */
+    double angle; /**< For jitter: full opening; 0 = a cylinder. */
     conus_frame frame;
     unsigned atlas_number; /**< Grows when an atlas changes. */
 };
@@ -62,14 +62,14 @@ struct study_answer {
     size_t angle_count;
     struct study_table *tables; /**< [atlas_count] */
     size_t atlas_count;
-    char *text;              /**< What conus sweep --format tsv prints; NULL where it failed: */
+    char *text;              /**< As conus sweep --format tsv prints it; NULL where it failed: */
     char error[STUDY_ERROR]; /**< why. */
 };
 
 /** An atlas that is studied. */
 struct study_atlas {
     const conus_atlas *atlas;
-    const char *name; /**< Of the column `atlas`; "" where there is none. */
+    const char *name; /**< In the column `atlas`; "" = there is no such column. */
 };
 
 /** Answers by the selectors of @p question's options; what fails is the answer's error. NULL without memory, or where

@@ -20,7 +20,7 @@ enum { TIMES_KEPT = 2048 };
 
 struct times {
     double samples[TIMED_KINDS][TIMES_KEPT]; /**< ms; the newest replace the oldest. */
-    size_t counts[TIMED_KINDS];              /**< Of all that were added.            */
+    size_t counts[TIMED_KINDS];              /**< All samples that were added. */
     double started, frame_started;           /**< Clock, ms: of the program, of the newest frame (0 = none yet). */
     double first_frame, first_picture;       /**< ms from the start; 0 = not yet.    */
     double written, used;                    /**< Clock and processor time, ms, when they were written last. */

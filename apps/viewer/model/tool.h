@@ -18,7 +18,7 @@ enum pointer {
     POINT_BY_GAMEPAD,
     POINTER_COUNT
 };
-/** What can move a tool, as panels, scripts and messages call it. */
+/** The names of pointers in panels, scripts and messages. */
 extern const char *const pointer_names[POINTER_COUNT];
 
 enum tool_number { FIRST_TOOL = 0, SECOND_TOOL, TOOL_COUNT };
@@ -27,14 +27,13 @@ enum tool_number { FIRST_TOOL = 0, SECOND_TOOL, TOOL_COUNT };
 #define SECOND_RGB 0, 190, 255
 
 struct tool {
-    bool on; /**< The first one is always; the second one is off at first. */
-    enum pointer
-        pointer; /**< What moves it: nothing moves both tools but the tracker. The second one never a replay. */
+    bool on;              /**< The first one is always; the second one is off at first. */
+    enum pointer pointer; /**< It moves the tool: only a tracker moves both tools. The second one never a replay. */
     conus_pose pose;
     bool has_pose, held;    /**< Held: neither mouse nor device moves it. */
     double angle;           /**< Full opening, degrees. */
     unsigned answer_number; /**< Tells answers apart, whose addresses may come again. */
-    double select_ms;       /**< Of all atlases. */
+    double select_ms;       /**< For all atlases. */
     /* of the second tool, which is asked when its answer is needed: */
     unsigned version;     /**< Grows with every change that shows; the viewer's does not: its cuts stay as they are. */
     unsigned asked_after; /**< The first one's answer_number when it was asked: whatever changes the question gives that

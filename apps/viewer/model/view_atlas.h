@@ -21,7 +21,7 @@ struct shown_objects {
 struct view_atlas {
     conus_atlas *atlas;
     char *path; /**< As it was given. */
-    char *name; /**< Of the column `atlas`; "" where it is the only one. */
+    char *name; /**< In the column `atlas`; "" where it is the only one. */
     size_t object_count;
     char *sides;        /**< [object_count + 1] Of conus_atlas_sides(); NULL = without memory. */
     const char **kinds; /**< [object_count + 1] Of conus_atlas_kind_word(); NULL = without memory. */
@@ -34,11 +34,11 @@ struct view_atlas {
     conus_selector_options made_with;   /**< The selector. */
     char *made_level;                   /**< Its level; NULL = none. */
     struct answer *answers[TOOL_COUNT]; /**< To the newest question, for each tool; NULL = none. */
-    conus_selector *picker;             /**< Of picker.c; made when needed. */
+    conus_selector *picker;             /**< For picker.c; made when needed. */
     conus_cutter *probe;                /**< Likewise. */
 };
 
-/** What a view_atlas is made of. */
+/** The input of view_atlas_init(). */
 struct view_source {
     conus_atlas *atlas;
     const char *path, *name; /**< NULL = "". */

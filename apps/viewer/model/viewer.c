@@ -257,7 +257,7 @@ conus_status viewer_report(conus_report **reports, struct viewer *viewer, conus_
     return report_tool(reports, viewer, FIRST_TOOL, format, command);
 }
 
-/* What a tool selected in all atlases, as a table; to be freed. */
+/* The answers of a tool in all atlases, as a table; to be freed. */
 static conus_status tabulate(char **out, struct viewer *viewer, enum tool_number tool)
 {
     conus_report **reports = calloc(viewer->atlas_count, sizeof(conus_report *));

@@ -13,7 +13,7 @@
 #include "viewer/pictures/camera.h"
 #include "viewer/pictures/painter.h"
 
-/** What the crosshair, and so the cuts, go along with. */
+/** The crosshair, and so the cuts, go along with this. */
 enum follow { FOLLOW_NOTHING = 0, FOLLOW_TIP, FOLLOW_CONTACT, FOLLOW_COUNT };
 enum plane { AXIAL = 0, CORONAL, SAGITTAL, PLANE_COUNT };
 enum { PIN_LIMIT = 64, MESSAGE_SIZE_LIMIT = 256 };
@@ -30,30 +30,30 @@ struct pin {
 
 /** How all atlases are asked, for both tools, and what the first one's cone does besides. */
 struct cone_state {
-    bool apex_at_eye;               /**< Of the mouse's cones: not at the surface that the mouse is over. */
+    bool apex_at_eye;               /**< The mouse's cones begin at the eye, not at the surface under the mouse. */
     bool one_ray;                   /**< In place of the cone there is one ray along its axis, first hits only. */
     enum follow follow;             /**< The cone's tip, or the contact of its best hit in the drawn atlas. */
     conus_selector_options options; /**< Without a level. */
-    char level[LEVEL_LIMIT];        /**< Of the first atlas, as conus_selector_options has it; "" = none. */
-    conus_order order;              /**< Of the lists. */
+    char level[LEVEL_LIMIT];        /**< In the first atlas, as conus_selector_options has it; "" = none. */
+    conus_order order;              /**< The order of the lists. */
 };
 
 /** How the panes draw. */
 struct display {
-    double fade, fill; /**< Of the context in 3-D; opacity of areas in the flat panes. */
+    double fade, fill; /**< Fading of the context in 3-D; opacity of areas in the flat panes. */
     bool no_outlines, radiological, safe_colours;
-    enum backdrop backdrop; /**< Of the 3-D pane and figures. */
+    enum backdrop backdrop; /**< Behind the 3-D pane and figures. */
 };
 
-/** What the lists of hits show (model/columns.h). All 0: the usual. */
+/** Columns, order and format of the lists of hits (model/columns.h). All 0: the usual. */
 struct result_list {
     uint32_t columns; /**< A bit for each column that was chosen; 0 = none was, the usual ones are shown. */
     size_t order;     /**< The column that rows are ordered by; 0 = the rank, */
     bool reversed;    /**< the other way round. */
-    size_t format;    /**< Of exported files (model/export.h). */
+    size_t format;    /**< The format of exported files (model/columns.h). */
 };
 
-/** Of model/studies.h. */
+/** The state of model/studies.h. */
 struct study_state {
     struct study_settings settings;
     struct studier *studier;     /**< Made when needed. */
@@ -82,7 +82,7 @@ struct viewer {
     struct orbit orbit;
     struct head head;
     double crosshair[3];
-    double magnification; /**< Of the flat panes: 1 shows all. */
+    double magnification; /**< In the flat panes: 1 shows all. */
 
     struct pin pins[PIN_LIMIT];
     size_t pin_count;
@@ -129,7 +129,7 @@ const conus_selection *viewer_selection(const struct viewer *viewer);
 const char *viewer_pin_title(char out[VIEW_ATLAS_TITLE], const struct viewer *viewer, const struct pin *pin);
 /** The pins as a table to paste, to be freed; NULL without memory. */
 char *viewer_pins_text(const struct viewer *viewer);
-/** What was selected in all atlases, as a table, likewise. */
+/** The first tool's answers in all atlases as a table to paste, to be freed; NULL without memory. */
 char *viewer_results_text(struct viewer *viewer);
 
 /** Makes a report of @p format for each atlas, on its answer; the texts of the first are those of all. @p reports is

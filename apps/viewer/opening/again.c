@@ -99,7 +99,7 @@ static const char *find_other_volume(const conus_atlas *before, const conus_atla
     return NULL;
 }
 
-/* What was opened is what has been loaded now, as far as it is wanted still, by checksums and the time of files. */
+/* Whether the loaded files are those that were open before, by checksums and the times of files. */
 static bool is_same(char why[LOADER_WHY], const struct viewer *viewer, const struct atlases *loaded)
 {
     const char *other = NULL;

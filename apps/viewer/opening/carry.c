@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What an area is of its atlas. */
+/* The identity of an area in its atlas. */
 enum part { WHOLE = 0, LEFT_HALF, RIGHT_HALF, PAIR };
 
 /* An object, by what stays the same. */
@@ -41,8 +41,8 @@ struct carrying {
     bool is_other;     /* there are areas now that were not there before */
 };
 
-/* What stands before labels of halves and pairs, as a power of ten: those are the largest of the atlas, and the digit 1
- * to 3 before them is the first of their number. 0 = there are none. */
+/* The power of ten of the digit 1 to 3 that begins the labels of halves and pairs, the largest of the atlas. 0 = there
+ * are none. */
 static uint32_t find_step(const conus_atlas *atlas, conus_hemispheres how)
 {
     uint32_t largest = 0;
@@ -99,7 +99,7 @@ static void identities_finish(struct identities *identities)
     free(identities->sorted);
 }
 
-/* Of a name without what halves have behind it. */
+/* The length of the name without the " left" or " right" of a half. */
 static size_t length_of(const struct identity *of)
 {
     size_t more = of->part == LEFT_HALF ? strlen(" left") : of->part == RIGHT_HALF ? strlen(" right") : 0;
@@ -177,7 +177,7 @@ static void take_over(struct carrying *carrying, uint32_t number)
     }
 }
 
-/* Of a new pair both areas decide. */
+/* A new pair is hidden where all of its areas are, and has their opacity where they agree. */
 static void take_over_pair(struct carrying *carrying, uint32_t pair)
 {
     struct view_atlas *to = carrying->to;
@@ -243,7 +243,7 @@ static conus_status change_atlas(const struct carrying *carrying)
     return status ? status : conus_atlas_set_hidden(to->atlas, to->shown.hidden);
 }
 
-/* What was confirmed keeps its name; an area that is not there any more has no number. */
+/* A confirmed result keeps its name; an area that is gone has no number. */
 static void renumber_pins(struct viewer *viewer, const struct carrying *carrying, size_t atlas)
 {
     for (size_t i = 0; i < viewer->pin_count; i++) {

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What a user did to objects, carried over to the same atlases opened with other wishes. Areas are known again
- * by their labels and names: an area by its own, a half or a pair by that of the area that it was made of. Pathways and
- * bundles are known by their names. */
+/** @file The user's changes of objects, carried over to the same atlases opened with other wishes. Areas are known
+ * again by their labels and names: an area by its own, a half or a pair by that of the area that it was made of.
+ * Pathways and bundles are known by their names. */
 #ifndef CONUS_VIEWER_OPENING_CARRY_H
 #define CONUS_VIEWER_OPENING_CARRY_H
 
 #include "viewer/model/viewer.h"
 
-/** What takes the place of a viewer's atlases. */
+/** Atlases that take the place of a viewer's. */
 struct carried {
     conus_atlas **atlases;         /**< [atlas_count of the viewer] */
-    conus_hemispheres before, how; /**< Of the viewer's, and of these. */
+    conus_hemispheres before, how; /**< The viewer's, and theirs. */
     const bool
         *fresh; /**< [object_count + 1] Pathways of the first one whose threshold was asked for anew; NULL = none */
 };

@@ -25,7 +25,7 @@ struct loader {
     struct loader_progress progress;
 };
 
-/* What is read is shown, so that who waits knows what for. */
+/* The window shows the file that is read. */
 static bool show(struct loader *loader, const char *path, size_t done, size_t total)
 {
     const char *slash = strrchr(path, '/');

@@ -10,7 +10,7 @@ enum { LOADER_WHY = 512 };
 struct loader;
 
 struct loading {
-    const char *path; /**< Of the first, or its name. */
+    const char *path; /**< Path or name of the first atlas. */
     const struct atlas_settings *settings;
     const struct context_choice *context; /**< Without files the first atlas's own. Another atlas that has none of its
                                              own gets the same. */
@@ -24,7 +24,7 @@ struct loading {
 /** How far it is. */
 struct loader_progress {
     char file[96]; /**< That is read now; "" before the first.      */
-    double part;   /**< Of the files: 0 to 1; 0 while there is one. */
+    double part;   /**< The part of the files that is read, 0 to 1; 0 while there is one. */
 };
 
 /** False without memory or threads. Strings of @p what must outlive the loader. */

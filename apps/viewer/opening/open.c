@@ -20,7 +20,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What is to be opened first, and what is to be added to it. Paths are borrowed. */
+/* The file to open first, and the files to add to it. Paths are borrowed. */
 struct sorted {
     const char *atlas;   /* Or a session, or an image, which opening it tells; NULL = there is none. */
     bool is_session;     /* It is a session. */
@@ -31,12 +31,12 @@ struct sorted {
 
 enum { REOPEN_WHY = 512 };
 
-/* What is to be opened. */
+/* A session that is opened, with its atlas. */
 struct reopening {
-    char path[PATH_MAX]; /* Of the atlas, or its name. */
+    char path[PATH_MAX]; /* Path or name of the atlas. */
     struct session_file file;
     struct worded worded;            /* Its settings. */
-    json_t *words;                   /* What these are of: the session's, without what is missing. */
+    json_t *words;                   /* The session's options without those of missing files. */
     char missing[ADDITIONS_MISSING]; /* Files that were added then, and are not found now; "" = none. */
 };
 
@@ -105,7 +105,7 @@ static bool use_atlas(struct sorted *sorted, const char *path, bool is_session, 
     return true;
 }
 
-/* Of several that may be atlases one is, and another is an image; false: why not. */
+/* Among several files that may be atlases one is, and another is an image; false: why not. */
 static bool find_atlas(struct sorted *sorted, struct window *window, const struct view_settings *settings,
                        char why[LOADER_WHY])
 {
@@ -388,7 +388,7 @@ static void leave_options(struct view_settings *settings)
     settings->space = (struct space_settings){0};
 }
 
-/* What the window keeps of the atlas that is open, for the case that another one cannot take its place. */
+/* The state of the open atlas, for the case that another one cannot take its place. */
 struct aside {
     struct changes changes;
     char *session_path;
@@ -485,7 +485,7 @@ static bool open_path(struct window *window, const char *text, const struct atla
     return fine;
 }
 
-/* What the user named, a path or an installed atlas, whose path is what is remembered. */
+/* Opens a path, or an installed atlas by its name; its path is remembered. */
 static bool open_named(struct window *window, const char *text, const struct view_settings *settings,
                        char why[LOADER_WHY])
 {
@@ -503,7 +503,7 @@ static bool open_named(struct window *window, const char *text, const struct vie
     return fine;
 }
 
-/* What of the files that were added then is not there now, or another. */
+/* Says which added files are missing now, or are others. */
 static void say_added(struct window *window, const struct reopening *reopening, const char *session, char *why)
 {
     const json_t *then = json_object_get(json_object_get(reopening->file.root, "opened"), "added");
@@ -574,7 +574,7 @@ static bool open_session(struct window *window, const char *session, const char 
     return fine;
 }
 
-/* What opens first: a session, an atlas, or the atlas that a session waits for. */
+/* Opens the first file: a session, an atlas, or the atlas that a session waits for. */
 static bool open_first(struct window *window, const struct sorted *sorted, const struct view_settings *settings,
                        bool with_options, char why[LOADER_WHY])
 {
@@ -609,7 +609,7 @@ static bool add_all(struct window *window, const struct sorted *sorted, const st
     return fine;
 }
 
-/* What is wanted, told apart. An atlas is opened in place of what is open, or what is none is added as context. */
+/* Opens an atlas in place of the open one; an image that is no atlas is added as context. */
 static bool open_sorted(struct window *window, struct sorted *sorted, const struct view_settings *settings,
                         bool with_options, char why[LOADER_WHY])
 {

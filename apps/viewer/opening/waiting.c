@@ -10,10 +10,10 @@
 #include <string.h>
 
 static const double progress_s = 0.1; /* between two looks at how far it is */
-/* What is ready after so long needs no page, for which what is open would be seen no more. */
+/* Files that load within this time need no page in place of the open atlas. */
 static const double patience_s = 0.2, first_patience_s = 0.05;
 
-/* What is read, and a bar of the files that are. */
+/* The file that is read, and a bar of those that were. */
 static void draw_progress(const struct window *window, const struct loader_progress *progress, double seconds)
 {
     static const ui_colour light = {235, 235, 240, 255};

@@ -60,7 +60,7 @@ static const ui_colour light = {235, 235, 240, 255};
 static const ui_colour dark = {20, 20, 24, 255};
 static const ui_colour cross = {90, 220, 120, 160};
 
-/* What the mouse moves, and what a tracker or a replay moves, rests when it stood still for so long. */
+/* The view rests when the mouse, or else a tracker or a replay, has stood still for so long. */
 static const double view_rest_ms = 120, others_rest_ms = 300;
 
 static const double arm = 0.12; /* of the crosshair, in radii of the atlas */
@@ -163,7 +163,7 @@ static void draw_names(const struct window *window)
     }
 }
 
-/* What the device sees, enlarged: the pixels of its buffer in the areas' colours. */
+/* Draws the device's view, enlarged: the pixels of its buffer in the areas' colours. */
 static void draw_device_view(struct window *window)
 {
     const conus_selection *selection = viewer_selection(window->viewer);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What lies between panels and panes, to be dragged by the mouse. */
+/* The borders between panels and panes, which the mouse drags. */
 #include "viewer/panes/panes.h"
 
 #include <math.h>

@@ -50,7 +50,7 @@ static double dot(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* What a pane shows now. */
+/* The geometry of a pane in this frame. */
 struct frame {
     struct cut_pane *pane;
     float title_width, title_height;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What was added to the atlas: a list, and a line for one more. */
+/* The list of additions to the atlas, and a line for one more. */
 #include "viewer/panes/panels.h"
 
 #include <jansson.h>
@@ -9,7 +9,7 @@
 
 static const float width_of = 620, height_of = 360;
 
-/* What the line takes. */
+/* The syntax of the line, by kind. */
 static const char *const keys[ADDITION_COUNT] = {
     "FILE: a volume, in place of another one, or a surface",
     "FILE,threshold=T,name=S,volume=K or FILE,band=LOW:HIGH:NAME, as for --pathway",
@@ -72,7 +72,7 @@ static void draw_files(struct window *window, const json_t *words)
     ui_scroll_end();
 }
 
-/* What is typed is added, or takes the place of what is changed. */
+/* Adds the typed file, or puts it in place of the one that is changed. */
 static void use(struct window *window, const json_t *words)
 {
     struct added_form *form = &window->forms.added;

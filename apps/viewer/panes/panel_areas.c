@@ -44,7 +44,7 @@ static void choose_side(struct window *window)
            "F9: the next");
 }
 
-/* Of the areas: hemispheres and sides. */
+/* Hemispheres and sides of the areas. */
 static void panel_sides(struct window *window)
 {
     ui_text_coloured(theme_texts[THEME_HINT], "left and right");
@@ -84,7 +84,7 @@ static void write_tip(char tip[TIP_SIZE], const conus_object *object)
     }
 }
 
-/* Of both, with what is between them. */
+/* The width of both buttons, with the gap between them. */
 static float buttons_width(const struct window *window)
 {
     return ui_text_width("show") + ui_text_width("only") + 32 * window->screen.scale;

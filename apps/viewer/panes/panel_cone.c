@@ -144,7 +144,7 @@ static void choose_order(struct window *window)
     panel_tip(PROPERTY_ORDER);
 }
 
-/* What counts, and in which order: depths, level, list. */
+/* Which hits count, and in which order: depths, level, list. */
 static void panel_question(struct window *window)
 {
     struct viewer *viewer = window->viewer;
@@ -182,7 +182,7 @@ static bool choose_score(struct viewer *viewer)
     return changed;
 }
 
-/* Of the mouse's cone: where it begins. */
+/* Where the mouse's cone begins. */
 static void choose_apex(struct window *window)
 {
     static const char *const places[] = {"at the surface", "at your eye"};

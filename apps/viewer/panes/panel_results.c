@@ -109,7 +109,7 @@ static void draw_buttons(struct window *window)
     ui_tip("saves 3-D or a cut at any size (Ctrl+P)");
 }
 
-/* What narrows the lists and may be scrolled out of sight below them. */
+/* Limits of the lists, whose widgets may be scrolled out of sight below. */
 static void say_limits(const struct viewer *viewer)
 {
     const double *range = viewer->cone.options.range;

@@ -58,7 +58,7 @@ static void show_times(const struct window *window, float room)
     }
 }
 
-/* What happened last is whole where it can be; the place gets what it leaves, and times what both leave. */
+/* The last message is whole where it can be; the place gets the rest, and times the rest of that. */
 void panel_status(struct window *window)
 {
     char place[STATUS_TEXT];

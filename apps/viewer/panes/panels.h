@@ -10,14 +10,14 @@ void panel_dialog(struct window *window); /**< Likewise. */
 /** Buttons of the keys that everybody needs, in one line. */
 void panel_tools(struct window *window);
 void panel_areas(struct window *window);
-/** What a cone hits in an atlas, as a list so many lines high. */
+/** The hits of a cone in an atlas, as a list so many lines high. */
 void panel_list(struct window *window, const struct view_atlas *on, const conus_selection *selection, float lines);
 void panel_second(struct window *window); /**< The second tool. */
 void panel_cone(struct window *window);
 /** Sweep or jitter of the cone; pale where @p is_old says that the cone is one from before. */
 void panel_study(struct window *window, bool is_old);
 void panel_results(struct window *window);
-/** Of the results: the button that chooses the columns of the lists. */
+/** The button that chooses the columns of the lists. */
 void panel_columns(struct window *window);
 void panel_transfer(struct window *window);
 /** Widgets of how the atlas looks, of other panels: the 3-D view, */

@@ -6,7 +6,7 @@
 #include "viewer/window/window.h"
 
 void pane_cut(struct window *window, enum plane plane);
-/** What separates panes and panels, to be dragged; to be drawn before these. */
+/** The borders of panes and panels, which the mouse drags; to be drawn before these. */
 void pane_borders(struct window *window);
 void pane_3d(struct window *window);
 /** The chosen area over the picture of the 3-D pane, whatever lies before it. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What an eye sees in a picture, and where things lie in it. The eye is on an orbit around a point, or that of a
- * tracked head. World RAS+, mm. */
+/** @file The eye that sees a picture, and where things lie in the picture. The eye is on an orbit around a point, or
+ * that of a tracked head. World RAS+, mm. */
 #ifndef CONUS_VIEWER_PICTURES_CAMERA_H
 #define CONUS_VIEWER_PICTURES_CAMERA_H
 
@@ -9,7 +9,7 @@
 
 struct orbit {
     double centre[3];
-    double distance;           /**< Of the eye from it.                                                       */
+    double distance;           /**< From it to the eye. */
     double azimuth, elevation; /**< Radians: 0, 0 looks from the front (+y); azimuth grows to the head's left. */
     double field_of_view;      /**< Vertical, radians.                                                        */
 };
@@ -35,7 +35,7 @@ struct sight {
     double frustum[4]; /**< The picture's left, right, lower and upper edge at depth 1. */
 };
 
-/** Of a picture of width x height pixels. */
+/** The eye on an orbit, for a picture of width x height pixels. */
 void sight_of_orbit(struct sight *out, const struct orbit *orbit, const double size[2]);
 /** Whether both see the same. */
 bool sight_is_same(const struct sight *a, const struct sight *b);
@@ -53,10 +53,10 @@ struct head {
     bool on;                  /**< The 3-D pane shows what it sees.                               */
     bool known;               /**< The eye below is one.                                          */
     bool inside;              /**< The newest eye was in the screen's plane or behind, and is not the one below. */
-    enum station_state state; /**< Of the tool.                                                   */
+    enum station_state state; /**< The state of its tool. */
     double eye[3];
     conus_pose screen; /**< Its middle, +x to its right, +y up, +z to the viewer.          */
-    double size[2];    /**< Of the screen, width and height; 0, 0 = not known.           */
+    double size[2];    /**< Width and height of the screen, mm; 0, 0 = not known. */
     unsigned number;   /**< Grows with every change that shows.                            */
 };
 
@@ -67,7 +67,7 @@ void head_set_state(struct head *head, enum station_state state);
 /** Shows what it sees, or again what the mouse turns. False: there is no head. */
 bool head_toggle(struct head *head);
 
-/** What it sees through a part of the screen: left, right, lower and upper edge, each from 0 to 1 of the whole. False
+/** Its view through a part of the screen: left, right, lower and upper edge, each from 0 to 1 of the whole. False
  * where that is not shown, or never was seen. */
 bool head_sight(struct sight *out, const struct head *head, const double part[4]);
 /** One line about it; *is_well tells whether the head is seen. NULL where it does not matter. */

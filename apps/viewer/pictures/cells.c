@@ -19,7 +19,7 @@ struct lattice {
     uint8_t *inside; /* [dim[2]][dim[1]][dim[0]] */
 };
 
-/* What is looked for in an atlas. */
+/* The objects to find in an atlas. */
 struct wish {
     const conus_atlas *atlas;
     const bool *wanted; /* [objects + 1] */

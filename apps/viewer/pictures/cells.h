@@ -10,7 +10,7 @@
 struct cells {
     double (*middles)[3]; /**< [count] */
     size_t count;
-    double edge; /**< Of each, mm. */
+    double edge; /**< Edge of each, mm. */
 };
 
 /** Finds the shape of all objects that @p wanted, [objects + 1], says, as cuts through @p atlas show them, in up to 64

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What is behind, opacities, and pathways as haze. */
+/* Background, opacities, pathways as haze, and colours of streamlines. */
 #include "viewer/pictures/look.h"
 
 #include "viewer/pictures/sheet.h"
@@ -185,7 +185,7 @@ static void widen(double range[2], const conus_tract_scalar *scalar, const conus
     }
 }
 
-/* Of one tractogram the first of that name counts, as in pictures. */
+/* In one tractogram the first of that name counts, as in pictures. */
 bool tract_colour_range(double out[2], const conus_atlas *atlas, const char *name)
 {
     double range[2] = {INFINITY, -INFINITY};

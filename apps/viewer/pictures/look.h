@@ -5,7 +5,7 @@
 
 #include <conus/conus.h>
 
-/** What lies behind the brain in 3-D. */
+/** The background behind the brain in 3-D. */
 enum backdrop { BACKDROP_LIGHT = 0, BACKDROP_WHITE, BACKDROP_BLACK, BACKDROP_TRANSPARENT, BACKDROP_COUNT };
 /** Their names, as conus render --background has them. */
 extern const char *const backdrop_names[BACKDROP_COUNT];
@@ -25,8 +25,8 @@ struct look {
     double *opacity; /**< [object_count + 1] Of surfaces in 3-D, by number, 0 to 1; NaN = as the first entry says, which
                           is of what the cone does not hit and more than 0. */
     uint8_t *haze;   /**< [object_count + 1] Of pathways, as above. */
-    size_t streamlines;         /**< What colours them (tract_colour.h). */
-    double streamline_range[2]; /**< Of the number that does, its values; NaN of other colours. */
+    size_t streamlines;         /**< How they are coloured (enum of TRACT_BY_BUNDLE). */
+    double streamline_range[2]; /**< Values of the number that colours them; NaN = another colouring. */
     size_t object_count;
 };
 

@@ -13,7 +13,7 @@
 
 /* While the view moves a picture shall take no longer; and no coarser than that many pixels of the pane per pixel. */
 static const double quick_ms = 60;
-/* What a driver without a GPU is taken to need, before it has drawn anything: the first picture is a quick one, too. */
+/* Assumed time of a driver without a GPU before it has drawn anything: so the first picture is a quick one, too. */
 static const double software_ms_per_pixel = 0.0015;
 /* Pictures shall not hold up the window, where both share processors: above 0, "nicer" than it. */
 static const int niceness = 2;
@@ -22,7 +22,7 @@ enum { COARSEST = 5, MESSAGE_SIZE = 512, LEVELS = 4096, TRANSFER_POINTS = 64 };
 /* How fine pictures of one painting become, one after the other. */
 enum stage { STAGE_NONE = 0, STAGE_COARSE, STAGE_FULL, STAGE_SMOOTH };
 
-/* What changed of the scene, and is not drawn yet. */
+/* Changes of the scene that are not drawn yet. */
 struct scene_news {
     bool hidden;                  /* the atlas hides other objects */
     conus_transfer_point *points; /* of another transfer function; NULL = none */

@@ -12,7 +12,7 @@
 
 struct painter;
 
-/** What to draw. */
+/** A picture to draw. */
 struct painting {
     struct sight sight;
     uint32_t width, height;
@@ -20,8 +20,8 @@ struct painting {
     enum backdrop backdrop;
     uint32_t chosen;        /**< Object that is never pale; 0 = none. */
     struct answer *answer;  /**< Its cone is drawn; NULL = none. */
-    unsigned answer_number; /**< Of the answer: two paintings of the same number have the same one. */
-    unsigned scene_number;  /**< Of what is hidden, the transfer function, opacities and the atlas. */
+    unsigned answer_number; /**< Two paintings of the same number have the same answer. */
+    unsigned scene_number;  /**< Changes with hidden objects, the transfer function, opacities and the atlas. */
     bool moving;            /**< Another one will follow soon: be quick. */
 };
 

@@ -268,7 +268,7 @@ static struct notice notice_of_second(const struct inputs *inputs, const struct 
     return notice;
 }
 
-/* What is wrong with a device, or what is to be done with it. */
+/* Says what is wrong with a device, or how to use it. */
 static void find_trouble(struct notice *out, const struct source_news *heard, const struct tool *tool)
 {
     bool is_steered = tool->pointer >= POINT_BY_SPACEMOUSE;

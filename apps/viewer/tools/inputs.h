@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What moves the two tools, and a head, besides the panels: the mouse, trackers, devices, a file of poses. */
+/** @file The inputs that move the two tools and a head: the mouse, trackers, devices, a file of poses. */
 #ifndef CONUS_VIEWER_TOOLS_INPUTS_H
 #define CONUS_VIEWER_TOOLS_INPUTS_H
 
@@ -35,7 +35,7 @@ struct inputs {
     struct replay replay;
     struct station *station; /**< NULL = none. */
     struct station_news news;
-    struct station *second_station; /**< Of the second tool; NULL = the first one's. */
+    struct station *second_station; /**< For the second tool; NULL = the first one's. */
     bool has_second_tool;           /**< The first one's station hears of it. */
     struct devices devices;
 };
@@ -51,7 +51,7 @@ void inputs_point(struct inputs *inputs, struct viewer *viewer, const double eye
 /** Moves and turns a tool along its own axes ; where it has no pose, it is placed first. */
 void tool_steer(struct viewer *viewer, enum tool_number number, const double move[3], const double turn[3]);
 
-/** What the window says of a tool: that it is held, that it is not there yet, that its tracker is gone. */
+/** A message about a tool: that it is held, that it is not there yet, that its tracker is gone. */
 struct notice {
     const char *text; /**< One line; NULL = there is nothing to say. */
     bool is_trouble;  /**< The cone is not, or no longer, where its tool is. */

@@ -6,7 +6,7 @@
 
 #include <math.h>
 
-/* Of the way from what the cuts show as black to white: darker is the air around a head. */
+/* Part of the way from black to white in the cuts: the air around a head is darker. */
 static const double skin_part = 0.2;
 static const double fine = 0.01; /* of a step: how well the skin is found */
 

@@ -14,7 +14,8 @@ struct shell {
     double out[SHELL_POINTS][3]; /**< Unit normals of the wall there. */
 };
 
-/** Of the question (@p options, @p angle in radians, 0 = a cylinder) at @p pose; a cone without a range ends
+/** Finds the wall of the question (@p options, @p angle in radians, 0 = a cylinder) at @p pose; a cone without a range
+ * ends
  * @p length mm from its apex. */
 void shell_find(struct shell *out, const conus_pose *pose, const conus_selector_options *options, double angle,
                 double length);

@@ -15,14 +15,14 @@ typedef struct ui_colour {
     uint8_t r, g, b, a;
 } ui_colour;
 
-/** Of WCAG 2.2, success criterion 1.4.3 (level AA): texts; 1.4.11: marks that say something. */
+/** Contrasts of WCAG 2.2, success criterion 1.4.3 (level AA): texts; 1.4.11: marks that say something. */
 #define THEME_CONTRAST 4.5
 #define THEME_MARK_CONTRAST 3.0
 
 enum theme_text {
     THEME_PLAIN = 0,
     THEME_HINT,   /**< Where nothing is typed yet, what is less important. */
-    THEME_AMBER,  /**< What is chosen; keys. */
+    THEME_AMBER,  /**< Chosen things; keys. */
     THEME_ORANGE, /**< Trouble. */
     THEME_RED,    /**< A tracker that is lost; the words say so, too. */
     THEME_GREEN,  /**< One that is there. */
@@ -43,8 +43,8 @@ enum theme_surface {
     THEME_ROW_HOVERED,
     THEME_ROW_HELD,
     THEME_ODD_ROW,
-    THEME_HEADINGS, /**< Of tables. */
-    THEME_KNOB,     /**< Of a slider, whose number may stand on it. */
+    THEME_HEADINGS, /**< Headings of tables. */
+    THEME_KNOB,     /**< A slider's knob, on which its number may stand. */
     THEME_KNOB_HELD,
     THEME_MARKED, /**< Text that is marked. */
     THEME_SHADE,  /**< Under texts over pictures, with the opacity that it has over white. */
@@ -53,12 +53,12 @@ enum theme_surface {
 
 extern const ui_colour theme_texts[THEME_TEXTS];
 extern const ui_colour theme_surfaces[THEME_SURFACES];
-/** Of what is focused by keys, and of check marks: no text stands on it. */
+/** The focus of keys, and check marks: no text stands on it. */
 extern const ui_colour theme_mark;
-/** Of pale texts: less would be too faint. */
+/** Opacity of pale texts: less would be too faint. */
 extern const float theme_pale;
 
-/** What is seen of @p above on an opaque @p below, @p opacity times as opaque as it says. */
+/** The colour of @p above on an opaque @p below, @p opacity times as opaque as it says. */
 ui_colour theme_over(ui_colour above, ui_colour below, double opacity);
 /** Contrast ratio of two opaque colours, 1 to 21: (L1 + 0.05) / (L2 + 0.05), L1 the greater relative luminance (WCAG
  * 2.2, definitions of contrast ratio and relative luminance). */

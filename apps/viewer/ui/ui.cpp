@@ -10,6 +10,7 @@
 #include <backends/imgui_impl_opengl3.h>
 #include <epoxy/gl.h>
 #include <imgui.h>
+#include <imgui_internal.h>
 
 #include <cstdarg>
 #include <cstdio>
@@ -565,6 +566,76 @@ struct ui_mouse ui_mouse_now(void)
     mouse.shift = io.KeyShift;
     mouse.control = io.KeyCtrl;
     return mouse;
+}
+
+bool ui_surface(const char *id, struct ui_box box)
+{
+    if (box.width < 1 || box.height < 1) {
+        return false;
+    }
+    ImGui::SetCursorScreenPos(ImVec2(box.x, box.y));
+    ImGui::InvisibleButton(id, ImVec2(box.width, box.height),
+                           ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonRight |
+                               ImGuiButtonFlags_MouseButtonMiddle);
+    return ImGui::IsItemHovered() || ImGui::IsItemActive();
+}
+
+struct ui_box ui_area(const char *id, float height)
+{
+    ImVec2 at = ImGui::GetCursorScreenPos();
+    float width = ui_room();
+    struct ui_box box = {at.x, at.y, width > 1 ? width : 1, height};
+    ImGui::InvisibleButton(id, ImVec2(box.width, box.height));
+    return box;
+}
+
+void ui_resize_pointer(bool down)
+{
+    ImGui::SetMouseCursor(down ? ImGuiMouseCursor_ResizeNS : ImGuiMouseCursor_ResizeEW);
+}
+
+bool ui_surface_held(void)
+{
+    return ImGui::IsItemActive();
+}
+
+void ui_navigate(const char *title)
+{
+    ImGuiIO &io = ImGui::GetIO();
+    ImGuiContext &context = *ImGui::GetCurrentContext();
+    ImGuiWindow *window = title ? ImGui::FindWindowByName(title) : nullptr;
+    io.ConfigFlags &= ~ImGuiConfigFlags_NavEnableKeyboard;
+    if (!window) {
+        ImGui::ClearActiveID();
+        ImGui::FocusWindow(nullptr);
+        return;
+    }
+    io.ConfigFlags |= ImGuiConfigFlags_NavEnableKeyboard;
+    ImGui::FocusWindow(window);
+    ImGui::NavInitWindow(window, true); // the first widget, in this frame
+    context.NavDisableHighlight = false;
+}
+
+bool ui_navigates(void)
+{
+    return ImGui::GetIO().ConfigFlags & ImGuiConfigFlags_NavEnableKeyboard;
+}
+
+void ui_hold_key(int key, bool down)
+{
+#if IMGUI_VERSION_NUM < 18700 // later ones have a queue
+    ImGui::GetIO().KeysDown[key] = down;
+#else
+    (void)key;
+    (void)down;
+#endif
+}
+
+bool ui_navigates_deep(void)
+{
+    const ImGuiContext &context = *ImGui::GetCurrentContext();
+    bool in_part = context.NavWindow && context.NavWindow->RootWindow != context.NavWindow;
+    return ui_navigates() && (context.OpenPopupStack.Size > 0 || context.ActiveId || in_part);
 }
 
 } // extern "C"

@@ -44,7 +44,7 @@ enum ui_panel_flag {
     UI_PLAIN = 1,    /**< No title, no padding: for pictures. */
     UI_IN_FRONT = 2, /**< Before all others.                  */
 };
-/** Of a node of a tree: as it was left, open at first, open now whatever it was. */
+/** The state of a tree's node: as it was left, open at first, open now whatever it was. */
 enum ui_opening { UI_AS_IT_WAS = 0, UI_OPEN_FIRST, UI_OPEN_NOW };
 
 void ui_panel(const char *title, struct ui_box box, unsigned flags);
@@ -56,9 +56,9 @@ void ui_scroll_end(void);
 void ui_column(const char *id, float width, float height);
 /** The list scrolls to where the next widget comes. */
 void ui_scroll_here(void);
-void ui_dim(float opacity); /**< Of the widgets up to ui_dim_end(). */
+void ui_dim(float opacity); /**< Makes the widgets up to ui_dim_end() pale. */
 void ui_dim_end(void);
-void ui_tint(ui_colour colour); /**< Of the texts up to ui_tint_end(). */
+void ui_tint(ui_colour colour); /**< Colours the texts up to ui_tint_end(). */
 void ui_tint_end(void);
 void ui_gap(float height); /**< Nothing, so high. */
 void ui_same_line(void);
@@ -68,7 +68,7 @@ void ui_indent(void);
 void ui_unindent(void);
 float ui_room_below(void);  /**< From where the next widget comes to the panel's, or the scrolled part's, lower edge. */
 float ui_room(void);        /**< From where the next widget comes to the panel's right edge. */
-void ui_width(float width); /**< Of the next widget. */
+void ui_width(float width); /**< Sets the width of the next widget. */
 /** Widgets up to ui_id_end() may have the names of others. */
 void ui_id(uint32_t id);
 void ui_id_end(void);
@@ -81,7 +81,7 @@ void ui_text_wrapped(const char *text);
 void ui_heading(const char *text); /**< In large letters, of ASCII. */
 /** A text over the widget before, where the mouse is on it. */
 void ui_tip(const char *text);
-/** Of a line that has the keyboard: 1 = the arrow down was pressed, -1 = that up. */
+/** In a line that has the keyboard: 1 = the arrow down was pressed, -1 = that up. */
 int ui_arrow(void);
 bool ui_entered(void); /**< Whether Enter was pressed in the line before. */
 bool ui_edited(void);  /**< Whether the widget before was let go after a change. */
@@ -118,7 +118,7 @@ void ui_table_end(void);
 void ui_draw_image(uint32_t texture, struct ui_box box);
 /** Likewise, but its opacity counts. */
 void ui_draw_overlay(uint32_t texture, struct ui_box box);
-void ui_clip(struct ui_box box); /**< What is drawn up to ui_clip_end() stays in it. */
+void ui_clip(struct ui_box box); /**< Keeps drawings up to ui_clip_end() in the box. */
 void ui_clip_end(void);
 void ui_draw_line(const float from[2], const float to[2], ui_colour colour, float width);
 void ui_draw_circle(const float centre[2], float radius, ui_colour colour, float width); /**< Width 0: filled. */
@@ -144,6 +144,16 @@ struct ui_box ui_area(const char *id, float height);
  */
 void ui_resize_pointer(bool down);
 bool ui_surface_held(void); /**< The one before: a button is down that was pressed on it. */
+
+/** From this frame on the arrow keys, Tab, Space and Enter go to the widgets of the panel with this title; NULL = to
+ * none. Between ui_begin() and ui_end(). */
+void ui_navigate(const char *title);
+bool ui_navigates(void);
+/** For the frame that begins next a key of GLFW is down, or up again. Without that, one that is pressed and let go
+ * between two frames does nothing. */
+void ui_hold_key(int key, bool down);
+/** Whether Escape is for the widgets: a choice or a list that was entered, a number that is typed. */
+bool ui_navigates_deep(void);
 
 #ifdef __cplusplus
 }

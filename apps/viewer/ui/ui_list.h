@@ -27,7 +27,7 @@ bool ui_row_cut(const char *label, bool selected, const char *tip);
 
 /** A text that ends in "..." where it is wider than @p width; then its tip has it whole. */
 void ui_text_cut(const char *text, float width);
-/** What follows stands in so many columns, filled from ui_next_column() to the next; 1 ends them. */
+/** The following texts stand in so many columns, filled from ui_next_column() to the next; 1 ends them. */
 void ui_columns(size_t count);
 void ui_next_column(void);
 

@@ -23,7 +23,7 @@ static bool load_font(float scale)
            io.Fonts->AddFontFromFileTTF(font_file, 30 * scale, nullptr, ascii);
 }
 
-/* What stands under texts is of the theme, and opaque. */
+/* Surfaces under texts have the theme's colours, and are opaque. */
 static void set_colours(ImGuiStyle &style)
 {
     static const struct {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What can be taken back: texts of states, one after the other, and where among them the window is. */
+/** @file The steps that undo goes through: texts of states, one after the other, and where among them the window is. */
 #ifndef CONUS_VIEWER_WINDOW_CHANGES_H
 #define CONUS_VIEWER_WINDOW_CHANGES_H
 

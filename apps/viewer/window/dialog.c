@@ -115,7 +115,7 @@ static bool is_folder(const char *path)
     return stat(path, &info) == 0 && S_ISDIR(info.st_mode);
 }
 
-/* What the text means: ~ is the home folder. */
+/* The path that the text means: ~ is the home folder. */
 static bool find_path(char path[PATH_MAX], const struct dialog *dialog)
 {
     const char *home = getenv("HOME");

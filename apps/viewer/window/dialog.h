@@ -43,14 +43,14 @@ enum dialog_purpose { DIALOG_OPEN, DIALOG_SAVE };
 struct dialog {
     bool on;
     enum dialog_purpose purpose;
-    char text[PATH_MAX];  /**< What is typed: up to its last '/' the folder that is listed, then a part of a name. */
+    char text[PATH_MAX];  /**< The typed text: up to its last '/' the folder that is listed, then a part of a name. */
     bool is_set;          /**< The text is not what the line has: it is to take it over. */
     bool takes_keys;      /**< From the next frame on what is typed goes into the line. */
     bool all;             /**< Lists all files. */
     size_t marked;        /**< Entry of the folder; past the last = none. */
     bool scrolls;         /**< The list is to scroll to what is marked. */
     bool sure;            /**< To write over the file that is there. */
-    char why[DIALOG_WHY]; /**< What is wrong, or ""; plain. */
+    char why[DIALOG_WHY]; /**< An error, or ""; plain. */
     char text_before[PATH_MAX]; /**< When marked and sure were set. */
     struct folder folder;
     char places[DIALOG_PLACES][PATH_MAX]; /**< Folders to go to. */
@@ -73,8 +73,8 @@ void dialog_move(struct dialog *dialog, int by);
 void dialog_leave(struct dialog *dialog);
 /** Takes entry @p index: a folder is listed, a file is the text. */
 void dialog_take(struct dialog *dialog, size_t index);
-/** What Enter does: true, and the path, where a file is chosen; a folder is listed. A file that would be written over
- * is asked about first. */
+/** Does what Enter does: true, and the path, where a file is chosen; a folder is listed. A file that would be written
+ * over is asked about first. */
 bool dialog_enter(char path[PATH_MAX], struct dialog *dialog);
 /** The folder that is listed, without a '/' at its end but for the root. */
 void dialog_here(char path[PATH_MAX], const struct dialog *dialog);

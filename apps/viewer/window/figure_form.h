@@ -21,7 +21,7 @@ void figure_form_copy(struct window *window);
 
 enum { FIGURE_REASON = 512 };
 
-/** What of conus render's options the window's sheet and background mean. */
+/** The options of conus render that the window's sheet and background mean. */
 void figure_of_window(struct figure_settings *out, const struct window *window);
 
 /** Draws @p pane (PANE_3D, or a plane) with the look, the cone and the place that it has now, and writes it. In 3-D a

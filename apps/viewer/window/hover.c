@@ -11,7 +11,7 @@ enum { NAME_TEXT = 256 };
 
 static const double told_mm = 0.5; /* depths that differ by less are the same */
 
-/* What an atlas has there, and how much deeper that is than what the drawn one has. */
+/* The object of an atlas at the mouse, and how much deeper it is than the drawn atlas's. */
 struct found {
     uint32_t object;
     double value;  /* of a pathway; NaN of an area */

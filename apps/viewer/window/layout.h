@@ -16,7 +16,7 @@ struct layout {
 struct division {
     float left, right;   /**< Widths of the panels. */
     float columns, rows; /**< Width and height of the middle. */
-    float column, row;   /**< Of the first column and the first row in it. */
+    float column, row;   /**< Width of the first column and height of the first row. */
 };
 
 /** Divides a window so that the middle keeps a fifth of its width at least. */

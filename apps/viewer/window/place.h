@@ -15,7 +15,7 @@ struct place {
     bool known; /**< x and y hold. */
     int x, y;
     struct layout layout;
-    double zoom; /**< Of texts and panels, by the user: so many times what the screen asks for; 0 = 1. */
+    double zoom; /**< Zoom of texts and panels by the user: times the screen's scale; 0 = 1. */
 };
 
 enum { PLACE_LEAST_ZOOM = 50, PLACE_MOST_ZOOM = 400 /* per cent */ };

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What the start page offers: atlases that were opened lately, those that are installed, a sample, and a line
+/** @file The offers of the start page: atlases that were opened lately, those that are installed, a sample, and a line
  * for a path or for words to search by. */
 #ifndef CONUS_VIEWER_WINDOW_START_H
 #define CONUS_VIEWER_WINDOW_START_H
@@ -15,7 +15,7 @@
 bool installed_fits(const conus_installed *atlas, const char *text);
 /** Whether one before atlas @p index is the same in another place: lists leave it out. */
 bool installed_is_twin(const conus_catalogue *catalogue, size_t index);
-/** What stands for the atlas where an atlas is opened: its name, "source:name", or where both mean others its path,
+/** The words that open the atlas: its name, "source:name", or where both mean others its path,
  * which is shorter than PATH_MAX; false where it is not. */
 bool installed_words(char out[PATH_MAX], const conus_catalogue *catalogue, const conus_installed *atlas);
 
@@ -29,10 +29,10 @@ struct start {
     struct recent recent;
     char found[PATH_MAX]; /**< The sample, Debian's AAL atlas, if it is there and not among the recent ones; or "". */
     bool has_no_sample;   /**< That atlas is not installed: a phantom is the sample. */
-    conus_catalogue *catalogue; /**< What is installed; NULL = it was not looked for. */
+    conus_catalogue *catalogue; /**< The installed atlases; NULL = not looked for. */
     size_t picked;              /**< Index of the installed atlas that Enter opens; past the last = none. */
     bool scrolls;               /**< The list is to scroll to it. */
-    char picked_by[PATH_MAX];   /**< What was typed when it was picked. */
+    char picked_by[PATH_MAX];   /**< The text when it was picked. */
 };
 
 /** Fills the lists anew; to be ended by start_finish(). */
@@ -42,15 +42,15 @@ void start_finish(struct start *start);
 const char *start_path(const struct start *start, size_t index);
 /** Path @p index without what may not be shown, and where its last name begins in it. */
 const char *start_words(char words[PATH_MAX], const struct start *start, size_t index);
-/** What the installed atlases are searched by: what was typed, unless that is a path; then "". */
+/** The search among installed atlases: the typed text, or "" if that is a path. */
 const char *start_words_typed(const struct start *start);
 /** Index of the installed atlas that is marked, which what was typed finds or the arrow keys chose; past the last =
  * none, as where nothing was typed or it is a path. */
 size_t start_picked(struct start *start);
 /** Marks the next installed atlas, by 1 below, by -1 above. */
 void start_move(struct start *start, int by);
-/** What Enter opens: the path that was typed, where ~ is the home folder, or the atlas that is marked; false where
- * there is none, or it is too long. */
+/** The path that Enter opens: the one that was typed, where ~ is the home folder, or the atlas that is marked; false
+ * where there is none, or it is too long. */
 bool start_typed(char path[PATH_MAX], struct start *start);
 /** Writes the phantom that is the sample, unless it is there, in the folder of the window's state: its path, or false
  * with conus_message(). */

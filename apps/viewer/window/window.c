@@ -5,7 +5,6 @@
 
 #include "options/messages.h"
 #include "viewer/model/studies.h"
-#include "viewer/ui/ui_navigate.h"
 
 #include <epoxy/gl.h>
 
@@ -240,7 +239,7 @@ static bool is_move(int key)
     return key >= GLFW_KEY_RIGHT && key <= GLFW_KEY_PAGE_DOWN; /* arrows, Page Up and Down */
 }
 
-/* What moves between widgets and presses them. */
+/* Keys that move between widgets and press them. */
 static bool is_for_widgets(int key)
 {
     bool presses = key == GLFW_KEY_ENTER || key == GLFW_KEY_KP_ENTER || key == GLFW_KEY_SPACE || key == GLFW_KEY_TAB;

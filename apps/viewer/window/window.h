@@ -25,7 +25,7 @@ enum { PANE_COUNT = 4, PANE_3D = 3 /**< After the planes. */, KEY_LIMIT = 32, TI
 
 /** A picture on the screen. */
 struct texture {
-    uint32_t name; /**< Of GL; 0 = none yet. */
+    uint32_t name; /**< GL's name; 0 = none yet. */
     uint32_t width, height;
 };
 
@@ -34,10 +34,10 @@ struct cut_pane {
     struct ui_box box;
     struct texture texture;
     conus_cutter *cutter;  /**< NULL = none yet.                       */
-    unsigned atlas_number; /**< Of the viewer, when the cutter was made. */
-    unsigned version;      /**< Of the viewer, when it was drawn. */
+    unsigned atlas_number; /**< The viewer's, when the cutter was made. */
+    unsigned version;      /**< The viewer's, when it was drawn. */
     double centre[3];
-    struct outline_top top; /**< Of the chosen area. */
+    struct outline_top top; /**< Top of the chosen area. */
 };
 
 /** The chosen area over the 3-D picture. */
@@ -47,24 +47,24 @@ struct shadow {
     uint32_t chosen;             /**< of which object, */
     unsigned atlas_number;       /**< and at which of the viewer's numbers. */
     struct texture texture;
-    uint32_t width, height; /**< Of the texture; 0 = it is to be drawn anew. */
+    uint32_t width, height; /**< Size of the texture; 0 = it is to be drawn anew. */
     struct sight sight;     /**< That it shows. */
     struct outline_top top;
 };
 
-/** What is under the mouse. */
+/** The object under the mouse. */
 struct hover {
-    uint32_t object; /**< Of the drawn atlas; 0 = none. */
+    uint32_t object; /**< In the drawn atlas; 0 = none. */
     bool has_place;
     double at[3];                /**< If it has a place. */
-    double value;                /**< Of a pathway, there; NaN of an area. */
+    double value;                /**< Value of a pathway there; NaN = an area. */
     bool by_ray;                 /**< Found in 3-D, along a ray: */
     double eye[3], direction[3]; /**< A unit vector. */
 };
 
 enum { FIGURE_NAME = 512 };
 
-/** The question what is to be saved as a figure, and under which name. */
+/** The form that asks which pane is saved as a figure, and under which name. */
 struct figure_form {
     bool open, takes_keys; /**< It is shown; its name takes the keyboard in the next frame. */
     size_t pane;           /**< PANE_3D, or a plane. */
@@ -80,13 +80,13 @@ enum { ADDED_TEXT = PATH_MAX };
 /** The list of what was added to the atlas, and the line for one more. */
 struct added_form {
     bool open, takes_keys; /**< As of the figure. */
-    size_t kind;           /**< Of what is typed: an enum addition. */
+    size_t kind;           /**< The kind of the typed file: an enum addition. */
     size_t changed;        /**< The word of window_words() that what is typed takes the place of, from 1; 0 = none. */
     char text[ADDED_TEXT]; /**< A file, and keys behind it. */
     bool is_set;           /**< The text is not what the line has. */
 };
 
-/** What is to be opened next, one of both. */
+/** Files, or options, that are to be opened next. */
 struct wanted {
     char **paths; /**< [count] Atlases, sessions, and what is to be added; 0 = none. */
     size_t count;
@@ -98,21 +98,21 @@ struct wanted {
 /** The files that are open, and those that are to be opened or saved next. */
 struct window_files {
     struct wanted wanted;
-    struct loader *begun;  /**< Has loaded what is wanted since before there was a window; NULL = none. */
-    struct json_t *opened; /**< What a session says of the open ones (model/session_file.h); NULL = nothing. */
+    struct loader *begun;  /**< Loads the wanted files since before there was a window; NULL = none. */
+    struct json_t *opened; /**< The open ones as a session keeps them (model/session_file.h); NULL = unknown. */
     conus_hemispheres hemispheres;
     char *doubted;       /**< Options that were not taken, since bundles hardly are in the atlas's space: asked for
                               once more, they are; NULL = none. */
     char *session_waits; /**< A session whose atlas was not found: the next atlas is its; NULL = none. */
-    bool stops;          /**< What is being loaded is not wanted any more. */
-    bool remembers;      /**< What is opened and saved is listed on the start page, also next time. */
+    bool stops;          /**< The files that are being loaded are not wanted any more. */
+    bool remembers;      /**< Opened and saved files are listed on the start page, also next time. */
     char *saves_as;      /**< Where the session is to be written after the next frame; NULL = nowhere. */
 };
 
 /** How the window is divided, and how large its texts are. */
 struct screen {
     int width, height; /**< Pixels. */
-    float scale;       /**< Of texts and panels. */
+    float scale;       /**< Scale of texts and panels. */
     struct ui_box left, right, status, panes[PANE_COUNT];
     struct layout layout;
     int enlarged;        /**< The pane that fills the middle, or -1. */
@@ -120,7 +120,7 @@ struct screen {
     struct place before; /**< Where the window was before that. */
     float next_scale;    /**< That the screen asks for; 0 = no other than before. */
     bool scale_given;    /**< By the user: the screen is not asked. */
-    float screen_scale;  /**< What the screen, or the user, said when the window was opened or moved. */
+    float screen_scale;  /**< The scale that the screen, or the user, asked for when the window was opened or moved. */
     double zoom;         /**< Times that, by keys. */
 };
 
@@ -130,8 +130,8 @@ struct pictures {
     struct texture painted, device_view;
     struct shadow shadow;
     const struct view_atlas *painted_of; /**< The atlas that painted shows. */
-    struct sight sight;                  /**< Of the 3-D pane, in this frame. */
-    struct painting asked;               /**< What the painter was asked last. */
+    struct sight sight;                  /**< The eye of the 3-D pane in this frame. */
+    struct painting asked;               /**< The last request to the painter. */
     double painted_ms;
     bool painted_fine;       /**< The picture is what was asked last, as fine as it gets. */
     unsigned carried_answer; /**< The newest answer that was looked at for moves of the cone. */
@@ -140,10 +140,10 @@ struct pictures {
     bool moving;             /**< The newest was asked for as one of these. */
 };
 
-/** What the newest frame showed of the viewer, and what mouse and keys are at in it. */
+/** The state of the newest frame: versions that it shows, mouse and keys in it. */
 struct frame_state {
     unsigned frames_wanted;             /**< To be drawn still, whatever changes. */
-    unsigned shown_version, shown_said; /**< Of the viewer. */
+    unsigned shown_version, shown_said; /**< The viewer's. */
     unsigned shown_head, shown_second;  /**< Likewise. */
     double ms;                          /**< That it took. */
     struct hover hover;
@@ -152,7 +152,7 @@ struct frame_state {
     int navigated;       /**< The panel that keys go to, from 1: areas, hits; 0 = none. */
     bool navigates_anew; /**< From the next frame on. */
     int tapped;          /**< The key of GLFW that was pressed last for the widgets; 0 = none since the newest frame. */
-    uint32_t listed;     /**< What the list of areas was scrolled to last. */
+    uint32_t listed;     /**< The object that the list of areas was scrolled to last. */
     const struct view_atlas *listed_of; /**< In the list of this atlas. */
     bool keeps_picture;                 /**< The next frame goes into a file. */
     char title[TITLE_SIZE];             /**< As title.h gave it last; "" = none yet. */
@@ -160,13 +160,13 @@ struct frame_state {
     double watched;                     /**< When the atlas's files were looked at last, by clock_ms(). */
 };
 
-/** What can be taken back, and the file that keeps it. */
+/** The states that undo goes through, and the session's file. */
 struct history {
-    struct changes changes;             /**< Of states that session/undo.h notes. */
-    unsigned noted_version, noted_said; /**< Of the viewer, when it was looked at last for that. */
-    unsigned noted_second;              /**< Of the second tool. */
+    struct changes changes;             /**< The states that session/undo.h notes. */
+    unsigned noted_version, noted_said; /**< The viewer's, when undo looked at it last. */
+    unsigned noted_second;              /**< The second tool's. */
     struct layout noted_layout;
-    char *session_path; /**< Of the session that was opened or saved last; NULL = none. */
+    char *session_path; /**< The session that was opened or saved last; NULL = none. */
 };
 
 /** Pages that lie over the panes while they are open. */
@@ -179,14 +179,14 @@ struct forms {
 struct window {
     /* as long as the window is there */
     void *handle;                                          /**< GLFWwindow */
-    bool (*press)(struct window *window, const char *key); /**< What keys do; NULL while an atlas is loaded. */
+    bool (*press)(struct window *window, const char *key); /**< Does what a key does; NULL while an atlas is loaded. */
     void (*wake)(void);                                    /**< Makes the window's loop look again, from any thread. */
     struct window_files files;
     struct inputs inputs;
     struct screen screen;
     struct start start;
     struct dialog dialog; /**< In place of the start page and all panels, while it is on. */
-    struct sheet sheet;   /**< Of figures. */
+    struct sheet sheet;   /**< For figures. */
     struct times times;
     bool quiet_status; /**< The status line leaves out what differs from run to run: times and the device. */
 
@@ -200,7 +200,7 @@ struct window {
 
 struct window_options {
     struct place place;
-    double scale;     /**< Of texts and panels; 0 = as the screen says. */
+    double scale;     /**< Scale of texts and panels; 0 = the screen's. */
     bool hidden;      /**< The window is not to be seen.                */
     bool fits_screen; /**< It is made as large as the screen at most, and put there. */
 };
@@ -279,7 +279,7 @@ bool window_wants_frame(struct window *window);
 double window_rest(const struct window *window);
 /** Whether all pictures are as fine as they get, and show what the viewer holds. */
 bool window_is_settled(const struct window *window);
-/** What the window shows now, as a PNG. */
+/** Writes the window's contents as a PNG. */
 conus_status window_write(const struct window *window, const char *path);
 
 enum copied { COPY_RESULTS = 0, COPY_PINS, COPY_STUDY };
@@ -295,7 +295,7 @@ void texture_drop(struct texture *texture);
 /** Lets the 3-D pane fill the screen that the window is on, without panels, or brings the window back. */
 void window_fill_screen(struct window *window, bool fill);
 
-/** What the 3-D pane is to show now: its own eye's view or, of a tracked head, that through its part of the screen. */
+/** The eye of the 3-D pane now: its own, or that of a tracked head through its part of the screen. */
 void window_sight(const struct window *window, struct sight *out);
 
 /** "conus"; with an atlas "conus - aal.nii.gz [session.json] - Hippocampus_L (held)": its file, the session's if there
