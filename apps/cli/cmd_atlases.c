@@ -138,7 +138,7 @@ static void put_table(FILE *out, const conus_catalogue *catalogue, bool places)
     free(tsv);
 }
 
-/* What may stand for ATLAS: the name, where it means this one. */
+/* The word to type for ATLAS: the name, where it means this one. */
 static void put_names(FILE *out, const conus_catalogue *catalogue)
 {
     for (size_t i = 0; i < conus_catalogue_count(catalogue); i++) {

@@ -135,7 +135,7 @@ static const struct recorded_file *find_input(const struct record *record, const
     return NULL;
 }
 
-/* Of a folder or a manifest its own path: what was found there is what the references are looked for beside. */
+/* References are looked for beside the file that was found, or beside the folder or manifest itself. */
 static int look_for_references(struct citing *citing, struct cited_atlas *atlas, const char *path,
                                const struct places *places)
 {
@@ -204,7 +204,8 @@ static int cite_result(struct citing *citing, const char *sidecar)
     return code;
 }
 
-/* What the sidecar is beside, where that was given in place of the result; NULL if it names none, or without memory. */
+/* The result that a sidecar is beside, if the sidecar was given in its place. NULL if it names none, or without memory.
+ */
 static char *result_of(const struct citing *citing, const char *sidecar)
 {
     const struct record *record = &citing->record;

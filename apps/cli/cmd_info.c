@@ -266,7 +266,7 @@ static void put_surfaces(FILE *out, const conus_atlas *atlas)
     }
 }
 
-/* What is drawn around the areas and is no volume. */
+/* The surfaces of the context. */
 static void put_around(FILE *out, const conus_atlas *atlas)
 {
     for (size_t i = 0; i < conus_atlas_context_surface_count(atlas); i++) {
@@ -563,7 +563,7 @@ static int put_json(FILE *out, const conus_atlas *atlas, const conus_installed *
     return EXIT_DONE;
 }
 
-/* What is written of an atlas, and how. */
+/* The forms in which an atlas is described. */
 struct atlas_text {
     const conus_atlas *atlas;
     const conus_installed *installed;

@@ -98,7 +98,7 @@ static int print_failure(const struct overlap *overlap, const char *path, int co
     return code;
 }
 
-/* What a careful user should know about where a region lies. */
+/* Notes about where a region lies. */
 static void say_place(const struct overlap *overlap, size_t index, const conus_roi *roi, const conus_overlap *coverages)
 {
     char prefix[ATLAS_PREFIX_SIZE];
@@ -134,7 +134,7 @@ static bool check_region(const struct overlap *overlap, const conus_roi *roi)
     return true;
 }
 
-/* What the region covers of one atlas. */
+/* Adds the areas of one atlas that the region covers. */
 static int add_answer(struct overlap *overlap, size_t index, const char *path, const conus_roi *roi)
 {
     struct surveyor *surveyor = &overlap->survey.surveyors[index];

@@ -16,189 +16,25 @@
 #include <stdlib.h>
 #include <string.h>
 
-struct mask_settings {
-    const char *path; /* NULL = none. */
-    size_t content;   /* conus_grid_content, if given. */
-    const char *object;
-};
-
-/* A mask on its way from the selection to its file. A zeroed one is none. */
-struct mask {
-    const struct mask_settings *settings;
-    char *sidecar; /* Path; NULL without a mask. */
-    conus_grid_content content;
-    conus_grid *grid;
-};
-
-static const char *const contents[] = {[CONUS_GRID_MASK_OF_AREAS] = "areas",
-                                       [CONUS_GRID_MASK_OF_REGION] = "all",
-                                       [CONUS_GRID_MAP_OF_LABELS] = "labels",
-                                       [CONUS_GRID_MAP_OF_VALUES] = "values",
-                                       NULL};
-
-static const struct option mask_options[] = {
-    {.name = "mask",
-     .type = OPTION_TEXT,
-     .offset = offsetof(struct mask_settings, path),
-     .value = "FILE.nii.gz",
-     .help = "write the voxels in the cone as a volume on the atlas's grid, with a .json beside it",
-     .words = "NIfTI, volume",
-     .role = OPTION_WRITES,
-     .flags = OPTION_OF_ONE_ATLAS | OPTION_OF_ONE_POSE,
-     .endings = ".nii.gz .nii"},
-    {.name = "mask-of",
-     .type = OPTION_CHOICE,
-     .offset = offsetof(struct mask_settings, content),
-     .value = "WHAT",
-     .help = "content of the mask: 1 in voxels of areas, 1 in all voxels, labels of areas, or values of a pathway; "
-             "without it a name that ends in _dseg means labels, one that ends in _probseg values:",
-     .choices = contents,
-     .needs = "mask"},
-    {.name = "mask-object",
-     .type = OPTION_TEXT,
-     .offset = offsetof(struct mask_settings, object),
-     .value = "NAME",
-     .help = "only this area with those below it in the tree, or this pathway: a name, abbreviation or label",
-     .role = OPTION_ASKS,
-     .needs = "mask"},
-    {0},
-};
-
-/* Length of the path without .nii or .nii.gz; 0 if it has neither. */
-static size_t stem_length(const char *path)
-{
-    size_t length = strlen(path);
-    return path_ends(path, ".nii.gz") ? length - strlen(".nii.gz")
-           : path_ends(path, ".nii")  ? length - strlen(".nii")
-                                      : 0;
-}
-
-static bool stem_ends(const char *path, const char *ending)
-{
-    size_t length = stem_length(path);
-    size_t wanted = strlen(ending);
-    return length >= wanted && memcmp(path + length - wanted, ending, wanted) == 0;
-}
-
-static conus_grid_content content_of(const struct mask_settings *settings, const struct arguments *arguments)
-{
-    return option_given(arguments, "mask-of")      ? (conus_grid_content)settings->content
-           : stem_ends(settings->path, "_dseg")    ? CONUS_GRID_MAP_OF_LABELS
-           : stem_ends(settings->path, "_probseg") ? CONUS_GRID_MAP_OF_VALUES
-                                                   : CONUS_GRID_MASK_OF_AREAS;
-}
-
-/* Names the sidecar. False (error printed) without memory. */
-static bool mask_init(struct mask *out, const struct mask_settings *settings, const struct arguments *arguments)
-{
-    *out = (struct mask){.settings = settings};
-    if (!settings->path) {
-        return true;
-    }
-    out->content = content_of(settings, arguments);
-    if (asprintf(&out->sidecar, "%.*s.json", (int)stem_length(settings->path), settings->path) < 0) {
-        out->sidecar = NULL;
-        print_error_line("not enough memory");
-    }
-    return out->sidecar;
-}
-
-static void mask_finish(struct mask *mask)
-{
-    conus_grid_destroy(mask->grid);
-    free(mask->sidecar);
-}
-
-/* Makes the mask of `selection`, if one is wanted. Returns the exit code and prints an error unless it is 0. */
-static int mask_take(struct mask *mask, const conus_atlas *atlas, const conus_selection *selection)
-{
-    conus_grid_options options = {.content = mask->content};
-    conus_status status = CONUS_OK;
-    if (!mask->settings || !mask->settings->path || mask->grid) {
-        return EXIT_DONE;
-    }
-    if (mask->settings->object) {
-        status = conus_atlas_find(&options.object, atlas, mask->settings->object);
-    }
-    status = status ? status : conus_selection_grid(&mask->grid, selection, &options);
-    if (status == CONUS_ERROR_ARGUMENT) {
-        return print_usage_error("--mask: %s", conus_message());
-    }
-    return status ? print_status(status) : EXIT_DONE;
-}
-
-/* Beside the mask, which is there. */
-static int write_sidecar(const struct mask *mask, conus_report *report, const struct provenance *provenance)
-{
-    struct provenance own = *provenance;
-    const char *text = NULL;
-    size_t size = 0;
-    char *whole = NULL;
-    provenance_add_output(&own, "mask", mask->settings->path, NULL, 0);
-    conus_status status = conus_report_grid_sidecar(&text, &size, report, mask->grid);
-    int code = status ? print_status(status) : provenance_complete(&whole, text, size, &own);
-    if (whole) {
-        code = output_write(mask->sidecar, whole, strlen(whole));
-    }
-    free(whole);
-    return code;
-}
-
-/* Writes it and its sidecar, which lists the inputs of `provenance`, likewise. */
-static int mask_write(const struct mask *mask, conus_report *report, const struct provenance *provenance)
-{
-    if (!mask->grid) {
-        return EXIT_DONE;
-    }
-    conus_status status = conus_grid_write(mask->grid, mask->settings->path);
-    return status ? print_status(status) : write_sidecar(mask, report, provenance);
-}
-
-struct streamlines_out_settings {
-    const char *path; /* NULL = none. */
-};
-
-static const struct option streamlines_out_options[] = {
-    {.name = "streamlines-out",
-     .type = OPTION_TEXT,
-     .offset = offsetof(struct streamlines_out_settings, path),
-     .value = "FILE.tck",
-     .help = "write the streamlines of bundles that come into the cone or ball, whole, as a tractogram of MRtrix",
-     .role = OPTION_WRITES,
-     .flags = OPTION_OF_ONE_ATLAS | OPTION_OF_ONE_POSE,
-     .endings = ".tck"},
-    {0},
-};
-
-/* Lists the streamlines that come into the cone or ball, of all bundles that are shown. `out` is the caller's. */
-static int streamlines_out_take(conus_streamline_list **out, const struct streamlines_out_settings *settings,
-                                const conus_selection *selection)
-{
-    conus_status status = settings->path ? conus_selection_streamlines(out, selection, 0) : CONUS_OK;
-    if (status == CONUS_ERROR_ARGUMENT) {
-        return print_usage_error("--streamlines-out: %s", conus_message());
-    }
-    return status ? print_status(status) : EXIT_DONE;
-}
-
-/* Writes what was taken. */
-static int streamlines_out_write(const conus_streamline_list *list, const struct streamlines_out_settings *settings)
-{
-    conus_status status = settings->path ? conus_streamline_list_write(list, settings->path) : CONUS_OK;
-    return status ? print_status(status) : EXIT_DONE;
-}
-
 struct query_settings {
     struct inquiry_settings inquiry; /* first */
     const char *voxels;
     size_t voxels_of;
     const char *image, *deep;
-    struct mask_settings mask;
-    struct streamlines_out_settings streamlines;
+    const char *mask;
+    size_t mask_content; /* conus_grid_content, if given */
+    const char *mask_object;
+    const char *streamlines;
     struct axis_settings axis;
     struct ends_settings ends;
     double point[3];
 };
+
+static const char *const mask_contents[] = {[CONUS_GRID_MASK_OF_AREAS] = "areas",
+                                            [CONUS_GRID_MASK_OF_REGION] = "all",
+                                            [CONUS_GRID_MAP_OF_LABELS] = "labels",
+                                            [CONUS_GRID_MAP_OF_VALUES] = "values",
+                                            NULL};
 
 static const char *const voxel_kinds[] = {"pathways", "all", NULL};
 
@@ -245,6 +81,38 @@ static const struct option output_options[] = {
      .role = OPTION_WRITES,
      .flags = OPTION_OF_CONE | OPTION_OF_ONE_ATLAS | OPTION_OF_ONE_POSE | OPTION_IS_PICTURE,
      .endings = ".exr"},
+    {.name = "mask",
+     .type = OPTION_TEXT,
+     .offset = offsetof(struct query_settings, mask),
+     .value = "FILE.nii.gz",
+     .help = "write the voxels in the cone as a volume on the atlas's grid, with a .json beside it",
+     .words = "NIfTI, volume",
+     .role = OPTION_WRITES,
+     .flags = OPTION_OF_ONE_ATLAS | OPTION_OF_ONE_POSE,
+     .endings = ".nii.gz .nii"},
+    {.name = "mask-of",
+     .type = OPTION_CHOICE,
+     .offset = offsetof(struct query_settings, mask_content),
+     .value = "WHAT",
+     .help = "content of the mask: 1 in voxels of areas, 1 in all voxels, labels of areas, or values of a pathway; "
+             "without it a name that ends in _dseg means labels, one that ends in _probseg values:",
+     .choices = mask_contents,
+     .needs = "mask"},
+    {.name = "mask-object",
+     .type = OPTION_TEXT,
+     .offset = offsetof(struct query_settings, mask_object),
+     .value = "NAME",
+     .help = "only this area with those below it in the tree, or this pathway: a name, abbreviation or label",
+     .role = OPTION_ASKS,
+     .needs = "mask"},
+    {.name = "streamlines-out",
+     .type = OPTION_TEXT,
+     .offset = offsetof(struct query_settings, streamlines),
+     .value = "FILE.tck",
+     .help = "write the streamlines of bundles that come into the cone or ball, whole, as a tractogram of MRtrix",
+     .role = OPTION_WRITES,
+     .flags = OPTION_OF_ONE_ATLAS | OPTION_OF_ONE_POSE,
+     .endings = ".tck"},
     {0},
 };
 
@@ -260,11 +128,87 @@ static const struct option_group groups[] = {
     {"", endpoints_options, offsetof(struct query_settings, ends)},
     {"", connectivity_options, offsetof(struct query_settings, ends)},
     {"", output_options, 0},
-    {"", mask_options, offsetof(struct query_settings, mask)},
-    {"", streamlines_out_options, offsetof(struct query_settings, streamlines)},
     {"", quiet_options, INQUIRY_FIELD(common)},
     {0},
 };
+
+/* A mask on its way from the selection to its file. A zeroed one is none. */
+struct mask {
+    const struct query_settings *settings;
+    char *sidecar; /* Path; NULL without a mask. */
+    conus_grid_content content;
+    conus_grid *grid;
+};
+
+/* Length of the path without .nii or .nii.gz, one of which it has. */
+static size_t stem_length(const char *path)
+{
+    return strlen(path) - strlen(path_ends(path, ".nii.gz") ? ".nii.gz" : ".nii");
+}
+
+static bool stem_ends(const char *path, const char *ending)
+{
+    size_t length = stem_length(path);
+    size_t wanted = strlen(ending);
+    return length >= wanted && memcmp(path + length - wanted, ending, wanted) == 0;
+}
+
+static int mask_init(struct mask *out, const struct query_settings *settings, const struct arguments *arguments)
+{
+    const char *path = settings->mask;
+    *out = (struct mask){.settings = settings};
+    if (!path) {
+        return EXIT_DONE;
+    }
+    out->content = option_given(arguments, "mask-of") ? (conus_grid_content)settings->mask_content
+                   : stem_ends(path, "_dseg")         ? CONUS_GRID_MAP_OF_LABELS
+                   : stem_ends(path, "_probseg")      ? CONUS_GRID_MAP_OF_VALUES
+                                                      : CONUS_GRID_MASK_OF_AREAS;
+    if (asprintf(&out->sidecar, "%.*s.json", (int)stem_length(path), path) < 0) {
+        out->sidecar = NULL;
+        print_error_line("not enough memory");
+        return EXIT_DATA;
+    }
+    return EXIT_DONE;
+}
+
+/* Makes the mask of the selection. */
+static int mask_take(struct mask *mask, const conus_atlas *atlas, const conus_selection *selection)
+{
+    conus_grid_options options = {.content = mask->content};
+    const char *object = mask->settings->mask_object;
+    if (!mask->settings->mask || mask->grid) {
+        return EXIT_DONE;
+    }
+    conus_status status = object ? conus_atlas_find(&options.object, atlas, object) : CONUS_OK;
+    status = status ? status : conus_selection_grid(&mask->grid, selection, &options);
+    if (status == CONUS_ERROR_ARGUMENT) {
+        return print_usage_error("--mask: %s", conus_message());
+    }
+    return status ? print_status(status) : EXIT_DONE;
+}
+
+/* Writes the mask, and then its sidecar, which has the SHA-256 of the mask and the inputs of `provenance`. */
+static int mask_write(const struct mask *mask, conus_report *report, const struct provenance *provenance)
+{
+    struct provenance own = *provenance;
+    const char *text = NULL;
+    size_t size = 0;
+    char *whole = NULL;
+    if (!mask->grid) {
+        return EXIT_DONE;
+    }
+    conus_status status = conus_grid_write(mask->grid, mask->settings->mask);
+    if (status) {
+        return print_status(status);
+    }
+    provenance_add_output(&own, "mask", mask->settings->mask, NULL, 0);
+    status = conus_report_grid_sidecar(&text, &size, report, mask->grid);
+    int code = status ? print_status(status) : provenance_complete(&whole, text, size, &own);
+    code = code ? code : output_write(mask->sidecar, whole, strlen(whole));
+    free(whole);
+    return code;
+}
 
 static bool check_outputs(const struct query_settings *settings, const struct arguments *arguments)
 {
@@ -308,7 +252,8 @@ struct query {
 static void query_finish(struct query *query)
 {
     conus_image_destroy(query->image);
-    mask_finish(&query->mask);
+    conus_grid_destroy(query->mask.grid);
+    free(query->mask.sidecar);
     conus_streamline_list_destroy(query->streamlines);
     rows_file_finish(&query->segments);
     ends_finish(&query->ends);
@@ -321,7 +266,7 @@ static bool is_of_probe(conus_format format)
     return format == CONUS_FORMAT_SPIKEGLX || format == CONUS_FORMAT_OPEN_EPHYS;
 }
 
-/* What each format of another program is made of. */
+/* Whether the format of another program has a place for this answer. */
 static bool check_format(const struct inquiry *inquiry)
 {
     conus_format format = inquiry->format;
@@ -359,7 +304,7 @@ static int check_poses(const struct query *query)
                                     : EXIT_DONE;
 }
 
-/* What is asked of each atlas: a cone or cylinder, or a ball around a point. */
+/* One question, asked of each atlas: a cone or cylinder, or a ball around a point. */
 struct asked_row {
     const char *id;
     size_t line; /* of its file; 0 = none */
@@ -370,57 +315,51 @@ struct asked_row {
     double radius; /* of the ball; 0 = as far as the nearest */
 };
 
-/* Adds a shank of a probe, which is what the axis passes. */
-static conus_status add_shank(const struct answerer *answerer, const struct asked_row *question)
+/* Adds what the axis passes in one atlas. */
+static conus_status add_segments(conus_report *report, conus_selector *selector, const struct asked_row *question)
 {
     conus_segments *segments = NULL;
-    conus_status status = conus_segments_create(&segments, answerer->selector, &question->pose);
-    status = status ? status : conus_report_add_segments(answerer->report, question->id, segments);
+    conus_status status = conus_segments_create(&segments, selector, &question->pose);
+    status = status ? status : conus_report_add_segments(report, question->id, segments);
     conus_segments_destroy(segments);
     return status;
 }
 
-/* Adds what the axis passes in one atlas. */
-static int add_segments(struct query *query, size_t index, const struct asked_row *question)
+/* Adds what the command line asks for of one atlas's answer to a question. The image is of the last atlas. */
+static int add_answer(struct query *query, size_t index, const struct asked_row *question,
+                      const conus_selection *selection)
 {
-    conus_segments *segments = NULL;
-    if (!query->segments.path || question->is_point) {
-        return EXIT_DONE;
-    }
-    conus_status status = conus_segments_create(&segments, query->inquiry.answerers[index].selector, &question->pose);
-    status = status ? status : conus_report_add_segments(query->segments.reports[index], question->id, segments);
-    conus_segments_destroy(segments);
-    return status ? print_status(status) : EXIT_DONE;
-}
-
-/* Adds the answer of one atlas to its report and to what else is written. The image is of the last one. */
-static int add_answer(struct query *query, size_t index, const struct asked_row *question, conus_selection *selection)
-{
+    const struct query_settings *settings = query->settings;
     const struct answerer *answerer = &query->inquiry.answerers[index];
+    const conus_report_options report = inquiry_report_options(&query->inquiry);
     bool is_shank = is_of_probe(query->inquiry.format) && !question->is_point;
     query->has_points = query->has_points || question->is_point;
     query->has_cones = query->has_cones || !question->is_point;
     query->has_shanks = query->has_shanks || is_shank;
-    if (is_shank && query->settings->voxels) {
-        conus_selection_destroy(selection);
+    if (is_shank && settings->voxels) {
         return print_usage_error("--voxels: the shanks of a probe have none, other formats list those of cones");
     }
-    conus_status status =
-        is_shank ? add_shank(answerer, question) : conus_report_add(answerer->report, question->id, selection);
-    if (!status && query->settings->image) {
+    conus_status status = is_shank ? add_segments(answerer->report, answerer->selector, question)
+                                   : conus_report_add(answerer->report, question->id, selection);
+    if (!status && settings->image) {
         status = conus_image_of_selection(&query->image, selection);
     }
-    int code =
-        status ? print_status(status) : mask_take(&query->mask, query->inquiry.atlases.items[index].atlas, selection);
-    code = code ? code : streamlines_out_take(&query->streamlines, &query->settings->streamlines, selection);
-    const conus_report_options report = inquiry_report_options(&query->inquiry);
-    code = code ? code : ends_add(&query->ends, index, question->id, answerer->selector, selection, &report);
-    if (!code && query->settings->deep) {
-        query->selection = selection;
-    } else {
-        conus_selection_destroy(selection);
+    if (status) {
+        return print_status(status);
     }
-    return code ? code : add_segments(query, index, question);
+    int code = mask_take(&query->mask, query->inquiry.atlases.items[index].atlas, selection);
+    if (!code && settings->streamlines) {
+        status = conus_selection_streamlines(&query->streamlines, selection, 0);
+        code = status == CONUS_ERROR_ARGUMENT ? print_usage_error("--streamlines-out: %s", conus_message())
+               : status                       ? print_status(status)
+                                              : EXIT_DONE;
+    }
+    code = code ? code : ends_add(&query->ends, index, question->id, answerer->selector, selection, &report);
+    if (!code && query->segments.path && !question->is_point) {
+        status = add_segments(query->segments.reports[index], answerer->selector, question);
+        code = status ? print_status(status) : EXIT_DONE;
+    }
+    return code;
 }
 
 /* Asks all atlases. Where the question itself is at fault, nothing is printed or reported: that is for the caller, and
@@ -440,6 +379,11 @@ static int ask(struct query *query, const struct asked_row *question, bool *faul
         }
         radius = status || !question->is_point ? radius : conus_selection_ball(selection); /* one for all atlases */
         code = status ? print_status(status) : add_answer(query, i, question, selection);
+        if (!code && query->settings->deep) {
+            query->selection = selection;
+        } else {
+            conus_selection_destroy(selection);
+        }
     }
     return code || !question->is_point
                ? code
@@ -486,8 +430,8 @@ static bool is_outside(const conus_atlas *atlas, const double point[3])
     return outside;
 }
 
-/* Of a point outside of the box around the first atlas's objects, what is nearest to it, unless it is in the ball that
- * was asked for. */
+/* Names the object that is nearest to a point outside of the box around the first atlas's objects, unless the object
+ * is in the ball that was asked for. */
 static void say_nearest(const struct query *query, const struct asked_row *question)
 {
     const conus_atlas *atlas = query->inquiry.atlases.items[0].atlas;
@@ -575,42 +519,6 @@ static conus_status start_query(struct query *query)
     return status;
 }
 
-static int write_voxels(struct query *query)
-{
-    const char *text = NULL;
-    size_t size = 0;
-    if (!query->settings->voxels) {
-        return EXIT_DONE;
-    }
-    conus_status status = conus_report_voxels(&text, &size, query->inquiry.answerers[0].report);
-    return status ? print_status(status) : output_write(query->settings->voxels, text, size);
-}
-
-static int write_image(struct query *query)
-{
-    conus_status status = query->image ? conus_image_write(query->image, query->settings->image) : CONUS_OK;
-    return status ? print_status(status) : EXIT_DONE;
-}
-
-/* What was read, and what was asked. */
-static void describe(struct provenance *out, const struct query *query)
-{
-    inquiry_list_inputs(out, &query->inquiry);
-    if (query->has_points && !query->has_cones) {
-        out->question.region = "ball";
-    }
-}
-
-/* The streamlines, and rows that are not the answer's. */
-static int write_tracts_and_rows(struct query *query)
-{
-    struct provenance provenance = {0};
-    describe(&provenance, query);
-    int code = streamlines_out_write(query->streamlines, &query->settings->streamlines);
-    code = code ? code : rows_file_write(&query->segments, &provenance);
-    return code ? code : ends_write(&query->ends, &provenance);
-}
-
 /* Whether segments take the place of the answer on stdout. */
 static bool is_replaced(const struct query_settings *settings)
 {
@@ -618,46 +526,53 @@ static bool is_replaced(const struct query_settings *settings)
     return segments && output_is_stdout(segments) && output_is_stdout(settings->inquiry.answer.output);
 }
 
-static int write_deep(struct query *query)
-{
-    if (!query->selection) {
-        return EXIT_DONE;
-    }
-    conus_status status = conus_selection_write_deep(query->selection, query->settings->deep);
-    return status ? print_status(status) : EXIT_DONE;
-}
-
-/* The answer with its sidecar, which names the other outputs. */
-static int write_answer(struct query *query)
+/* Writes the files that belong to the answer but for those of rows and the mask. */
+static conus_status write_files(const struct query *query)
 {
     const struct query_settings *settings = query->settings;
-    const struct inquiry *inquiry = &query->inquiry;
-    conus_report *report = inquiry->answerers[0].report;
-    struct provenance provenance = {0};
-    describe(&provenance, query);
-    if (query->has_shanks) {
-        provenance.question.rows = "segments";
-        provenance.question.region = "axis";
+    conus_status status = query->image ? conus_image_write(query->image, settings->image) : CONUS_OK;
+    if (!status && query->selection) {
+        status = conus_selection_write_deep(query->selection, settings->deep);
     }
-    int code = mask_write(&query->mask, report, &provenance);
-    provenance_add_outputs(&provenance, inquiry->arguments);
-    return code || is_replaced(settings)
-               ? code
-               : answer_write(report, settings->inquiry.answer.output, inquiry->sidecar, &provenance);
+    if (!status && settings->streamlines) {
+        status = conus_streamline_list_write(query->streamlines, settings->streamlines);
+    }
+    return status;
 }
 
 /* The answer comes last: where it is, all that belongs to it is there, too. */
 static int write_all(struct query *query)
 {
-    static int (*const steps[])(struct query *) = {write_voxels, write_image, write_deep, write_tracts_and_rows,
-                                                   write_answer};
-    for (size_t i = 0; i < sizeof steps / sizeof steps[0]; i++) {
-        int code = steps[i](query);
-        if (code) {
-            return code;
-        }
+    const struct query_settings *settings = query->settings;
+    const struct inquiry *inquiry = &query->inquiry;
+    conus_report *report = inquiry->answerers[0].report;
+    struct provenance provenance = {0};
+    const char *text = NULL;
+    size_t size = 0;
+    conus_status status = settings->voxels ? conus_report_voxels(&text, &size, report) : CONUS_OK;
+    int code = text ? output_write(settings->voxels, text, size) : EXIT_DONE;
+    if (code) {
+        return code;
     }
-    return EXIT_DONE;
+    status = status ? status : write_files(query);
+    if (status) {
+        return print_status(status);
+    }
+    inquiry_list_inputs(&provenance, inquiry);
+    if (query->has_points && !query->has_cones) {
+        provenance.question.region = "ball";
+    }
+    code = rows_file_write(&query->segments, &provenance);
+    code = code ? code : ends_write(&query->ends, &provenance);
+    if (query->has_shanks) {
+        provenance.question.rows = "segments";
+        provenance.question.region = "axis";
+    }
+    code = code ? code : mask_write(&query->mask, report, &provenance);
+    provenance_add_outputs(&provenance, inquiry->arguments);
+    return code || is_replaced(settings)
+               ? code
+               : answer_write(report, settings->inquiry.answer.output, inquiry->sidecar, &provenance);
 }
 
 /* Whether --voxels has something to list. */
@@ -744,11 +659,9 @@ static int start_outputs(struct query *query)
 {
     const struct query_settings *settings = query->settings;
     struct inquiry *inquiry = &query->inquiry;
-    if (!mask_init(&query->mask, &settings->mask, inquiry->arguments)) {
-        return EXIT_DATA;
-    }
+    int code = mask_init(&query->mask, settings, inquiry->arguments);
     outputs_add_sidecar(&inquiry->outputs, "mask", query->mask.sidecar);
-    int code = settings_contacts(&query->contacts, &settings->axis);
+    code = code ? code : settings_contacts(&query->contacts, &settings->axis);
     code = code ? code : start_segments(query);
     code = code ? code : ends_init(&query->ends, &settings->ends, inquiry->arguments);
     if (code) {

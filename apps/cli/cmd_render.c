@@ -31,7 +31,7 @@ struct drawn_row {
 };
 
 struct drawn_rows {
-    const char *file; /* What messages call the file of poses. */
+    const char *file; /* Name of the file of poses, for messages. */
     struct drawn_row *items;
     size_t count;
 };
@@ -82,7 +82,7 @@ static size_t safe_length(const char *id)
     return length;
 }
 
-/* What separates folders, what some system does not allow in a name, and a first dot become "_". */
+/* Slashes, characters that some systems do not allow in a name, and a first dot become "_". */
 static void write_safe(FILE *out, const char *id)
 {
     size_t length = safe_length(id);
@@ -239,7 +239,7 @@ struct translucent_settings {
     struct option_list opacity, pathways;
 };
 
-/* What they mean for one atlas. */
+/* The opacities and colours for one atlas. */
 struct translucent {
     double *opacity; /* For conus_view; NULL = none. */
     double pale;
@@ -624,7 +624,7 @@ static bool check_rows(const struct render_settings *settings, const struct argu
     return !file || render_pattern_check(settings->output);
 }
 
-/* What is about the context needs one of its kind. */
+/* A transfer function needs a context that is a volume. */
 static bool check_context(const struct render_settings *settings)
 {
     if (settings->transfer && !context_choice_has_volume(&settings->context)) {

@@ -250,7 +250,7 @@ static bool show_sample(void *user, size_t done, size_t total)
     return true;
 }
 
-/* What is asked for on the command line wins; of a row's own errors one that is missing is 0. */
+/* The errors on the command line win; a row's own error that is missing is 0. */
 static conus_status add_chances(struct sweep *sweep, const struct answerer *answerer, const conus_pose_row *row,
                                 double angle)
 {
@@ -268,7 +268,7 @@ static conus_status add_chances(struct sweep *sweep, const struct answerer *answ
     return status;
 }
 
-/* Of those that --angles gives, else the row's. */
+/* The widest angle of --angles, else the row's. */
 static double widest_angle(const struct sweep *sweep, double angle)
 {
     double widest = sweep->rows == CONUS_ROWS_SHARES ? 0 : angle;

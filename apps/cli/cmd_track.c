@@ -323,7 +323,7 @@ static conus_status start_track(struct track *track)
     return status;
 }
 
-/* What is left to write when the last row is answered; the answer's own file last. */
+/* Writes the rest when the last row is answered; the answer's own file last. */
 static int write_rest(struct track *track)
 {
     const struct inquiry *inquiry = &track->inquiry;

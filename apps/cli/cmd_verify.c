@@ -72,7 +72,7 @@ static int write_verdict(const struct verdict *verdict, const struct verify_sett
     return code;
 }
 
-/* What could not be compared is an error, but not for programs. */
+/* A result that could not be compared is an error, but not in JSON. */
 static int run_verify(const void *given, const struct arguments *arguments)
 {
     static const int codes[] = {

@@ -43,7 +43,7 @@ struct inquiry_settings {
         "", more_atlas_options, INQUIRY_FIELD(atlas)                                                                   \
     }
 
-/** What answers for one atlas. */
+/** The selector and the report of one atlas. */
 struct answerer {
     conus_selector *selector;
     conus_aims *aims;
@@ -59,12 +59,12 @@ struct inquiry {
     char *sidecar;          /**< Path; NULL if there is none to write. */
     struct outputs outputs; /**< All files that are written. */
     struct atlases atlases;
-    conus_frame frame;          /**< Of positions, once the atlases are loaded. */
+    conus_frame frame;          /**< The space of positions, once the atlases are loaded. */
     struct answerer *answerers; /**< [atlases.count] */
     conus_pose_list *poses;     /**< All of a file; or */
     conus_pose_stream *stream;  /**< one after the other; or both NULL. */
     bool failed;                /**< Some poses had no answer. */
-    struct progress progress;   /**< Of those of a file, or of the steps of each, */
+    struct progress progress;   /**< The poses of a file, or the steps of each, */
     size_t steps;               /**< how many each has; 0 = 1, */
     size_t row;                 /**< and which one is being answered, from 0. */
 };

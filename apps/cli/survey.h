@@ -9,7 +9,7 @@
 #include "options/output.h"
 #include "settings/atlases.h"
 
-/** What the settings of the commands begin with. */
+/** The settings of overlap and connect begin with these. */
 struct survey_settings {
     struct atlas_settings atlas;
     struct common_settings common;
@@ -33,7 +33,7 @@ extern const struct option survey_level_options[];
         "", answer_output_options, SURVEY_FIELD(answer)                                                                \
     }
 
-/** What answers for one atlas. */
+/** The selector and the report of one atlas. */
 struct surveyor {
     conus_selector *selector;
     conus_report *report; /**< The first one's has the others' joined. */
@@ -58,7 +58,7 @@ void survey_finish(struct survey *survey);
 /** Loads ATLAS and those of --atlas. */
 int survey_load(struct survey *survey);
 
-/** What the report about atlas @p index is made with: @p rows with its format, command and name. */
+/** The options of the report about atlas @p index: @p rows with its format, command and name. */
 conus_report_options survey_report_options(const struct survey *survey, const conus_report_options *rows, size_t index);
 
 /** Makes selectors and reports; --level is of the first atlas. */

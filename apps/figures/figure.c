@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What a picture's sheet is like: in pixels or millimetres, from which side, on what, with which text. */
+/* The sheet of a picture: its size in pixels or millimetres, side, background and text. */
 #include "figures/figure.h"
 
 #include "options/messages.h"

@@ -399,7 +399,7 @@ static bool check_ending(const struct arguments *arguments, const struct option 
     return false;
 }
 
-/* What the table says of options beside each other. Relations come before endings. */
+/* Checks the relations in the table, then the endings. */
 static int check_relations(const struct arguments *arguments)
 {
     const struct option *option;

@@ -9,7 +9,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
-/** What an option's value is, and the C type of the field that receives it. */
+/** The kind of an option's value, and the C type of the field that receives it. */
 enum option_type {
     OPTION_FLAG,   /**< No value; bool.                                          */
     OPTION_NUMBER, /**< double                                                   */
@@ -29,7 +29,7 @@ struct option_list {
     size_t count;
 };
 
-/** What an option is to its command: the checks of files, the sidecar and `conus verify` follow from it. */
+/** The role of an option in its command. The checks of files, the sidecar and `conus verify` follow from it. */
 enum option_role {
     OPTION_PLAIN,          /**< A part of the question; but a text, which may be a path, is not asked again. */
     OPTION_ASKS,           /**< A text that is a part of the question, and no path. */
@@ -46,7 +46,7 @@ enum option_role {
     OPTION_ENDS,           /**< Ends the program: --help, --version. */
 };
 
-/** What an option is only of, or is. */
+/** Limits and marks of an option. */
 enum option_flags {
     OPTION_OF_CONE = 1 << 0,      /**< Means nothing beside --point. */
     OPTION_OF_RAYS = 1 << 1,      /**< Likewise, nor where no rays are traced. */
@@ -59,10 +59,10 @@ struct option {
     const char *name; /**< Without dashes; NULL ends a table. */
     char letter;      /**< 0 if it has none. */
     enum option_type type;
-    size_t offset;     /**< Of the field, in its group's settings. */
-    const char *value; /**< What stands for the value in the help. */
+    size_t offset;     /**< The field, in its group's settings. */
+    const char *value; /**< Stands for the value in the help. */
     const char *help;
-    const char *words; /**< What else people call it, "save, export", for the help and for hints; NULL = nothing. */
+    const char *words; /**< Other names that people use, "save, export", for the help and for hints; may be NULL. */
     bool common;       /**< One of the command's commonest, which -h lists. */
     double low, high;  /**< Range of numbers; both 0 = any. */
     bool open;         /**< The range's ends are outside of it, */
@@ -73,8 +73,8 @@ struct option {
     const char *needs;    /**< Options without which it has no effect: one of "pose|poses", or "sampling=slices". Those
                                that the command does not have do not count. */
     const char *excludes; /**< "pose,poses": options that cannot stand beside it. */
-    const char *endings;  /**< Of a file: ".exr .png", one of which its name must have. */
-    const char *format;   /**< Of OPTION_WRITES_ANSWER: --format where no file's ending says one. */
+    const char *endings;  /**< ".exr .png": the file's name must have one of them. */
+    const char *format;   /**< The answer's format (OPTION_WRITES_ANSWER) if no ending says one. */
     const char *const *choices;             /**< NULL-terminated, or: */
     const char *(*choice_at)(size_t index); /**< NULL past the last. */
 };
@@ -82,7 +82,7 @@ struct option {
 struct option_group {
     const char *title; /**< NULL ends a list of groups. */
     const struct option *options;
-    size_t offset; /**< Of the group's settings, in the command's. */
+    size_t offset; /**< The group's settings, in the command's. */
 };
 
 /** OPTION_LIMIT: options of a command, with --help and --version; a name of one is shorter, too. */
@@ -94,7 +94,7 @@ struct option_use {
     const char *value; /**< NULL of a flag. */
 };
 
-/** What was on the command line. */
+/** The words of a command line, by their meaning. */
 struct arguments {
     const struct command *command;
     const char *operands[OPERAND_LIMIT];
@@ -116,17 +116,17 @@ struct command {
     bool optional;                       /**< The operands may be missing. */
     bool answers;                        /**< Its results can be verified: asked again by the command line. */
     bool repeats;                        /**< The last operand may stand any number of times. */
-    const char *form;                    /**< What must follow the operands; NULL if nothing. */
+    const char *form;                    /**< Text that must follow the operands; may be NULL. */
     const char *description;             /**< Paragraphs for --help. */
     const char *examples;                /**< Lines for --help, of which -h has the first two. */
     const char *see_also;                /**< Lines for --help about other commands; may be NULL. */
     const struct option_group *groups;   /**< Ends with a NULL title. */
-    size_t settings_size;                /**< Of what @p run gets, zeroed before parsing. */
+    size_t settings_size;                /**< Bytes of the settings that @p run gets, zeroed before parsing. */
     const struct command *const *family; /**< The program's commands, up to NULL, for hints; may be NULL. */
     void (*more_help)(FILE *out);        /**< Ends --help; may be NULL. */
     int (*run)(const void *settings, const struct arguments *arguments); /**< Gives the exit code. */
-    int (*hand_over)(char **words); /**< Of another program's command, instead of all but name and summary: becomes that
-                                         program. Gives the exit code where that fails. */
+    int (*hand_over)(char **words); /**< Becomes the program that has this command, which has a name and a summary
+                                         only. Gives the exit code where that fails. */
 };
 
 /** Fills @p settings (zeroed, command->settings_size bytes) and @p out from words[first..count). Returns -1, or the
@@ -139,7 +139,7 @@ void options_finish(void *settings, struct arguments *arguments);
 /** Whether the option @p name of the command was on the command line. */
 bool option_given(const struct arguments *arguments, const char *name);
 
-/** What was given for the option @p name, the last time; NULL if it was not. */
+/** The last value of the option @p name; NULL if it was not given. */
 const char *option_text(const struct arguments *arguments, const char *name);
 
 /** The option of this name; NULL if the command has none. */
@@ -166,7 +166,7 @@ bool number_parse(const char *text, double *out);
 /** The whole of @p text as a decimal whole number up to @p limit. */
 bool count_parse(const char *text, uint64_t limit, uint64_t *out);
 
-/** Of an @p option that is FILE and keys behind commas, cut off from the end: whether one of @p keys (",radius=", the
+/** An @p option is FILE and keys behind commas, cut off from the end. Whether one of @p keys (",radius=", the
  * last NULL) is left in @p file, since its value has a comma, as in radius=0,5. Prints an error then. */
 bool key_left_in_file(const char *option, const char *file, const char *const *keys);
 
@@ -177,7 +177,7 @@ void help_brief(FILE *out, const struct command *command);
 /** One line that shows a command's form: "conus query ATLAS [options]". */
 void help_usage(FILE *out, const struct command *command);
 
-/** What exit code @p code means, in a few words; NULL past the last. */
+/** The meaning of exit code @p code, in a few words; NULL past the last. */
 const char *help_exit_code(size_t code);
 
 #endif

@@ -38,7 +38,7 @@ int output_check_file(const char *path);
 /** Whether @p path is stdout or there already and no file: a device, a pipe. */
 bool output_is_no_file(const char *path);
 
-/** What the ending of @p path says that is in it: .txt a table; false if it says nothing. */
+/** Finds the format by the ending of @p path: .txt is a table. False if the ending names none. */
 bool output_format(conus_format *out, const char *path);
 
 /** Whether @p path ends in @p ending (".png"), in any case. */
@@ -46,7 +46,7 @@ bool path_ends(const char *path, const char *ending);
 
 /** Where a path leads. Equal ones are one regular file, be it there already or not yet. */
 struct path_place {
-    uint64_t device, inode; /**< Of the file, else of the folder that it would be in, else 0. */
+    uint64_t device, inode; /**< The file's, else those of the folder that it would be in, else 0. */
     const char *name;       /**< "" of a file, else its name in that folder, else all of the path; within the path. */
 };
 

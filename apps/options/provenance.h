@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * What a sidecar says so that `conus verify` can tell whether a result, its sources and the sidecar itself are as they
- * were: bytes and SHA-256 of the files that were read and written, and a checksum of it all (docs/formats.md). */
+ * The facts in a sidecar by which `conus verify` can tell whether a result, its sources and the sidecar itself are as
+ * they were: bytes and SHA-256 of the files that were read and written, and a checksum of it all (docs/formats.md). */
 #ifndef CONUS_OPTIONS_PROVENANCE_H
 #define CONUS_OPTIONS_PROVENANCE_H
 
@@ -14,32 +14,33 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/** Of one answer. A query writes itself and eight files more, with every option that names one. */
+/** Limits of one answer. A query writes its answer and eight more files, with every option that names one. */
 enum { PROVENANCE_FILES = 12, SHA256_TEXT = 65 };
 
 /** A file that was written, or is about to be. */
 struct provenance_output {
     const char *option; /**< "output", "voxels", ... */
     const char *path;   /**< NULL = standard output. */
-    const char *text;   /**< What it will hold; NULL = it is there and is read. */
-    size_t size;        /**< Of the text, bytes. */
+    const char *text;   /**< Its future content; NULL = it is there and is read. */
+    size_t size;        /**< Bytes of the text. */
 };
 
-/** What was asked, by name: "Question" of a sidecar (docs/formats.md). */
+/** The question by name: "Question" of a sidecar (docs/formats.md). */
 struct question {
     const struct arguments *arguments; /**< NULL = it is not recorded. */
-    const char *rows;                  /**< What a row is of: "answers", "segments", ... */
-    const char *region;                /**< What was asked about: "cone", "cylinder", "ball", "axis", ... */
+    const char *rows;                  /**< Kind of the rows: "answers", "segments", ... */
+    const char *region;                /**< "cone", "cylinder", "ball", "axis", ... */
 };
 
-/** What the library does not know of an answer. Zeroed, it is nothing. */
+/** Facts about an answer that the library does not know. Zeroed, there are none. */
 struct provenance {
     const char *inputs[PROVENANCE_FILES]; /**< Files that were read, besides those of the atlas. */
     struct provenance_output outputs[PROVENANCE_FILES];
     size_t input_count, output_count;
     struct question question;
-    const char *option;             /**< Whose file the answer goes to; NULL = "output". */
-    const conus_pose_stream *poses; /**< Of steps, which are forgotten: whether they had angles. NULL = no steps. */
+    const char *option; /**< Whose file the answer goes to; NULL = "output". */
+    const conus_pose_stream
+        *poses; /**< Where steps came from, which are forgotten: it says whether they had angles. May be NULL. */
 };
 
 /** The path of the sidecar of @p output: "a.json" of "a.tsv" or "a.csv", else with ".json" behind it. NULL without

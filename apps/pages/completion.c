@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What the completions of all shells need to know of an option. */
+/* Completions of options, commands and atlases for bash, fish and zsh. */
 #include "pages/pages.h"
 
 #include "options/options.h"
@@ -305,7 +305,7 @@ void completion_fish(FILE *out, const struct program *program)
 
 #define ZSH_ATLASES "{_files; compadd -- ${(f)\"$(conus atlases --quiet --format names 2>/dev/null)\"}}"
 
-/* What _arguments and _describe would take for their own. */
+/* Characters that _arguments and _describe give a meaning. */
 static const char zsh_special[] = "[]:\\";
 
 static void zsh_put_values(FILE *out, const struct option *option)

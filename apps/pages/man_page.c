@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What roff would take for its own, or typeset as another character; NULL = nothing of that. */
+/* The escape of a character that roff gives a meaning or typesets as another one; NULL = it needs none. */
 static const char *escape_of(char c)
 {
     switch (c) {
@@ -86,7 +86,7 @@ static void put_head(FILE *out, const char *name, const char *summary)
     fputc('\n', out);
 }
 
-/* What a part of the help says, to be freed; NULL without memory. */
+/* The text of a part of the help, to be freed; NULL without memory. */
 static char *text_of(void (*write_help)(FILE *out, const struct command *command), const struct command *command)
 {
     char *words = NULL;

@@ -26,7 +26,7 @@ void completion_bash(FILE *out, const struct program *program);
 void completion_fish(FILE *out, const struct program *program);
 void completion_zsh(FILE *out, const struct program *program);
 
-/** What the shell offers for the value of an option. */
+/** The words that the shell offers for the value of an option. */
 enum completion_value {
     COMPLETION_NONE,    /**< The option has no value. */
     COMPLETION_CHOICES, /**< option_choice() lists them. */

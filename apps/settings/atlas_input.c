@@ -19,7 +19,7 @@
 
 /* One --pathway, or several with bands of one file. End it with pathway_option_finish(). */
 struct pathway_option {
-    char *text;        /* What the others point into. */
+    char *text;        /* The text that the others point into. */
     const char *given; /* As it was given: borrowed. */
     char *path;        /* With ",volume=K" at its end, as the library wants it. */
     char *name;        /* NULL if not given. */
@@ -245,7 +245,7 @@ static void streamlines_option_finish(struct streamlines_option *option)
     free(option->path);
 }
 
-/* What "FILE[,from=IMAGE,to=IMAGE][,inverse][,relative|absolute][,grid=IMAGE]" says; the text is cut at its commas. */
+/* The parts of "FILE[,from=IMAGE,to=IMAGE][,inverse][,relative|absolute][,grid=IMAGE]", which is cut at its commas. */
 struct transform_option {
     char *path;
     conus_transform_options options;
@@ -418,7 +418,7 @@ static int add_streamlines(conus_atlas *atlas, const struct streamlines_option *
     return code;
 }
 
-/* What the command line adds to the atlas. */
+/* Adds to the atlas as the command line says. */
 struct additions {
     struct pathway_option *pathways;        /* as many as there are options */
     struct streamlines_option *streamlines; /* the same */

@@ -29,8 +29,8 @@ struct input {
     const char *path; /**< NULL = not given. */
 };
 
-/** What the file @p path is among @p inputs and the files that @p atlas was read from, so that no output overwrites it;
- * NULL if it is none of them. */
+/** Names the file @p path, "the label table", if it is one of @p inputs or a file that @p atlas was read from, so that
+ * no output overwrites it. NULL if it is none of them. */
 const char *settings_input(const conus_atlas *atlas, const struct input *inputs, const char *path);
 
 #endif

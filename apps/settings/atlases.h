@@ -9,8 +9,8 @@
 struct named_atlas {
     conus_atlas *atlas;
     const char *given; /**< The path or name on the command line: borrowed. */
-    char *name; /**< What the column `atlas` says: the catalogue's name, or the file's without folder and ending. No two
-                     are equal. UTF-8, one line. NULL where there is one atlas only. */
+    char *name; /**< Its name in the column `atlas`: the catalogue's name, or the file's without folder and ending. No
+                   two are equal. UTF-8, one line. NULL where there is one atlas only. */
 };
 
 struct atlases {
@@ -20,7 +20,7 @@ struct atlases {
 
 enum { ATLAS_PREFIX_SIZE = 256 };
 
-/** What a message about one of several atlases begins with, written to @p out: "NAME: "; "" where there is one only. */
+/** Writes to @p out the beginning of a message about one of several atlases, "NAME: "; "" if there is only one. */
 const char *atlases_prefix(char out[ATLAS_PREFIX_SIZE], const struct named_atlas *atlas);
 
 /** Loads @p path and those of --atlas. Returns the exit code and prints an error unless it is 0. @p out, which the
@@ -33,8 +33,8 @@ int atlases_name(struct atlases *out, const char *path, const struct atlas_setti
 int atlases_load_at(struct atlases *atlases, size_t index, const struct atlas_settings *settings);
 void atlases_finish(struct atlases *atlases);
 
-/** What the file @p path is among the atlases as they were given, @p inputs, and the files that the atlases were read
- * from, so that no output overwrites it; NULL if it is none of them. */
+/** Names the file @p path, "the label table", if it is an atlas as given, one of @p inputs, or a file that the atlases
+ * were read from, so that no output overwrites it. NULL if it is none of them. */
 const char *atlases_input(const struct atlases *atlases, const struct input *inputs, const char *path);
 
 /** Whether a sidecar can hold the names of all files that were read. Returns the exit code and prints an error unless
@@ -49,7 +49,7 @@ bool spaces_differ(const conus_volume_info *a, const conus_volume_info *b);
 void atlases_say_spaces(const struct atlases *atlases, const struct common_settings *settings);
 
 struct atlas_name {
-    conus_catalogue *catalogue;   /**< What the atlas belongs to; NULL if there was no need to look. */
+    conus_catalogue *catalogue;   /**< The atlas is one of its entries; NULL if there was no need to look. */
     const conus_installed *atlas; /**< NULL: what was given is a path. */
     const char *path;             /**< For conus_atlas_load(). */
 };

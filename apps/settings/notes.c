@@ -12,10 +12,10 @@
 
 enum { LISTED = 8, LIST_SIZE = 512 };
 
-/* What comes last where it is said of a pathway which threshold it has. */
+/* Ends a note about a pathway whose threshold it names. */
 static const char threshold_mark[] = "; threshold ";
 
-/* What a note says of a pathway, behind "pathway NAME: "; NULL = it is of something else. */
+/* The part of a note behind "pathway NAME: "; NULL if the note is about something else. */
 static const char *said_of_pathway(const conus_atlas *atlas, const char *note)
 {
     static const char start[] = "pathway ";
@@ -150,7 +150,7 @@ void atlases_say_open(const struct atlases *atlases, const struct engine_setting
 
 enum { LINE_SIZE = 1024, LINE_LIMIT = 3 };
 
-/* What is odd, for one atlas. */
+/* Notes about the poses, for one atlas. */
 struct lines {
     char at[LINE_LIMIT][LINE_SIZE];
     size_t count;

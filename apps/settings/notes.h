@@ -12,7 +12,7 @@ struct aimed {
     conus_selector *selector;
     const conus_atlas *atlas;
     const char *name;         /**< NULL where there is one only. */
-    const conus_frame *frame; /**< Of the positions as they were given. */
+    const conus_frame *frame; /**< The space of the positions as they were given. */
 };
 
 /** Says on stderr, a line for each kind, unless --quiet, what is odd about the poses; and what one of them would hit

@@ -140,7 +140,7 @@ static const char *note_of_stream(const void *poses, size_t index)
     return conus_pose_stream_note(poses, index);
 }
 
-/* What was noted for one atlas is not said again for the next. */
+/* A note about one atlas is not said again for the next. */
 static void say_notes(const void *poses, note_at *at, const char *path, const struct atlases *atlases)
 {
     const char *note;

@@ -23,7 +23,7 @@ conus_pose_options settings_pose_options(const struct pose_file_settings *settin
 /** Writes what of @p settings the answers depend on: two runs with the same text read the same poses from one file. */
 void settings_pose_text(char out[64], const struct pose_file_settings *settings);
 
-/** What messages call the file of poses @p path: itself, or "standard input". */
+/** Name of the file of poses @p path for messages: itself, or "standard input". */
 const char *settings_poses_name(const char *path);
 
 /** Prints why no poses were read from the file @p path of option @p option ("pose"): of an atlas or a tractogram that

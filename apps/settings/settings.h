@@ -52,16 +52,16 @@ struct context_settings {
 
 extern const struct option context_options[]; /**< context_settings: --context, --context-blocks */
 
-/** What is drawn around the areas. */
+/** Volumes and surfaces that are drawn around the areas. */
 struct context_choice {
     struct option_list files;
-    double opacity; /**< Of surfaces; 0 = the default. */
+    double opacity; /**< The surfaces'; 0 = the default. */
 };
 
 extern const struct option context_choice_options[]; /**< context_choice: --context, --context-opacity */
 extern const struct option quiet_options[];          /**< common_settings: --help, --version, --quiet, --verbose */
 extern const struct option plain_options[];          /**< common_settings: --help, --version */
-/** What --hemispheres may say, in the order of conus_hemispheres; NULL ends it. */
+/** The words of --hemispheres, in the order of conus_hemispheres; NULL ends it. */
 extern const char *const settings_hemispheres[];
 extern const struct option atlas_options[];      /**< atlas_settings */
 extern const struct option shown_options[];      /**< atlas_settings: --only, --hide */
@@ -122,7 +122,7 @@ extern const struct option axis_options[]; /**< axis_settings */
 /** Message for a pose that is only a point where an axis is wanted. */
 #define POINT_HAS_NO_AXIS "a point, without the direction that an axis needs"
 
-/** What --contacts says; of none, a count of 0. Returns the exit code and prints an error unless it is 0. */
+/** Reads --contacts; the count is 0 if it was not given. Returns the exit code and prints an error unless it is 0. */
 int settings_contacts(conus_contacts *out, const struct axis_settings *settings);
 
 #endif

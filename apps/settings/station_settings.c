@@ -184,7 +184,7 @@ bool settings_check_station(const struct station_settings *settings, const struc
     return check_address(&end);
 }
 
-/* Of the first tool's options the second one's tracker uses all but the name. */
+/* The second tool's own tracker uses all options of the first one but the name. */
 static bool check_alone(const struct station_settings *settings, const struct arguments *arguments)
 {
     bool first = option_given(arguments, "listen") || option_given(arguments, "connect");

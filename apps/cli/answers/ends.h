@@ -46,7 +46,7 @@ extern const struct option connectivity_options[]; /**< --connectivity and --end
 /** False with a message where one needs another, or cannot be. */
 bool ends_check(const struct ends_settings *settings, const struct arguments *arguments);
 
-/** What they mean to the library. */
+/** The library's options by them. */
 conus_connectivity_options ends_options_of(const struct ends_settings *settings, const struct arguments *arguments);
 
 /** False with a message where no atlas has a bundle to look at. */

@@ -10,7 +10,7 @@
 enum { RESULTS_KEYS = 13 };
 
 struct results {
-    char *bytes;        /**< What the cells point into. */
+    char *bytes;        /**< The text that the cells point into. */
     const char **cells; /**< The header's, then each row's, `columns` at a time. */
     size_t columns, rows;
     char separator;                  /**< Tab or comma. */

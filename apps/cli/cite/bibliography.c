@@ -54,7 +54,7 @@ void citation_list(FILE *out, const struct citation *citation)
     }
 }
 
-/* What TeX would take for more than a character. */
+/* Escapes the characters that TeX gives a meaning. */
 static void put_escaped(FILE *out, const char *text)
 {
     for (; *text; text++) {

@@ -27,15 +27,15 @@ void references_finish(struct references *references);
 struct cited_atlas {
     const char *name;   /**< As in rows, or the file's without its ending. */
     const char *file;   /**< Name of its file or folder. */
-    const char *sha256; /**< Of the file; NULL of several. */
+    const char *sha256; /**< The file's; NULL of several files. */
     struct references references;
     bool is_here; /**< Its files were found as they were, and read for references. */
 };
 
 struct citation {
     const json_t *sidecar;       /**< NULL of an atlas alone. */
-    json_t *question;            /**< What was asked, by name; NULL likewise. */
-    const char *version;         /**< Of conus. */
+    json_t *question;            /**< "Question" of the sidecar; NULL likewise. */
+    const char *version;         /**< The version of conus. */
     struct cited_atlas *atlases; /**< [atlas_count] */
     size_t atlas_count;
 };
@@ -43,8 +43,8 @@ struct citation {
 /** The method that conus implements, as README.md has it. */
 extern const char citation_method[];
 
-/** What the sidecar records as asked, or what its keys and the command line let guess where it is from before that was
- * recorded. NULL without memory; the caller releases it. */
+/** The question that the sidecar records. Of a sidecar from before that was recorded, it is guessed from keys and the
+ * command line. NULL without memory; the caller releases it. */
 json_t *citation_question(const struct citation *citation, const struct arguments *arguments);
 /** Whether there are sentences for the question. */
 bool citation_is_known(const struct citation *citation);
@@ -52,7 +52,7 @@ bool citation_is_known(const struct citation *citation);
 /** Whether the method has a part in the answer: it has none where no rays were traced. */
 bool citation_has_rays(const struct citation *citation);
 
-/** What the sidecar says under Settings; NULL where it says nothing. */
+/** A value of "Settings" in the sidecar; NULL if there is none. */
 const json_t *citation_setting(const struct citation *citation, const char *name);
 
 /** Whether the result is of this command. */

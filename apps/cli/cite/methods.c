@@ -19,7 +19,7 @@ static const char *setting_text(const struct citation *citation, const char *nam
     return text ? text : "";
 }
 
-/* What was given for an option that is a part of the question; NULL if it was not. */
+/* The text of an option that is a part of the question; NULL if it was not given. */
 static const char *option_value(const struct citation *citation, const char *name)
 {
     const json_t *value = json_object_get(json_object_get(citation->question, "options"), name);
@@ -115,7 +115,7 @@ static bool has_pathways(const json_t *atlas)
 
 enum number { ONE, MANY };
 
-/* What could be hit; bundles only where these are asked about, too. */
+/* The kinds of objects in the atlases; bundles only where these are asked about, too. */
 static const char *objects_of(const struct citation *citation, enum number number, bool bundles)
 {
     static const char *const words[2][2][2] = {
@@ -131,7 +131,7 @@ static const char *objects_of(const struct citation *citation, enum number numbe
     return words[number][has[0]][has[1]];
 }
 
-/* Of a sweep over angles a pose has a query for each. */
+/* A sweep over angles has a query for each angle of a pose. */
 static size_t count_poses(const struct citation *citation)
 {
     const char *last = NULL;
@@ -489,7 +489,7 @@ static void put_admission(FILE *out, const struct citation *citation)
     put_range(out, citation);
 }
 
-/* What streamlines had to come into. */
+/* The region that streamlines had to come into. */
 static void put_region(FILE *out, const struct citation *citation)
 {
     const json_t *query = json_array_get(queries(citation), 0);
@@ -629,7 +629,7 @@ static const char *name_of(const char *path)
     return slash ? slash + 1 : path ? path : "a volume";
 }
 
-/* What a volume other than of labels was taken for. */
+/* The meaning of a volume that has no labels. */
 static void put_volume(FILE *out, const json_t *volume, bool is_overlap)
 {
     const char *role = json_string_value(json_object_get(volume, "role"));

@@ -350,7 +350,7 @@ static void compare(struct comparing *out, const char *name, json_t *a, json_t *
     }
 }
 
-/* Of what was merged, the command that joined it comes behind the one that is asked again. */
+/* In the sidecar of a merged batch, the command that joined it comes behind the one that is asked again. */
 static void compare_programs(struct comparing *out, const json_t *recorded, const json_t *again)
 {
     static const char merge[] = "conus merge ";

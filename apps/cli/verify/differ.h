@@ -20,7 +20,7 @@ struct difference {
 
 struct differences {
     struct difference items[DIFFERENCES];
-    size_t listed, count, lines; /**< Of all lines of the longer text so many differ. */
+    size_t listed, count, lines; /**< Differences in items, all differences, lines of the longer text. */
 };
 
 /** Compares two texts line by line. In a table of tabs or commas that has a header the first cell that differs is
@@ -33,9 +33,9 @@ void differences_finish(struct differences *differences);
 /** How the second of two sidecars came about. Zeroed: in the same place, by the same version and engine. */
 struct sidecar_terms {
     const struct arguments *arguments; /**< The recorded command line, which names the outputs; NULL = unknown. */
-    const char *root;  /**< What stands before absolute paths that were found elsewhere; NULL = none did. */
-    bool other_engine; /**< It was answered by another engine than the recorded one. */
-    bool older;        /**< Another version of conus wrote the first one. */
+    const char *root;                  /**< Folder before absolute paths that were found elsewhere; NULL = none were. */
+    bool other_engine;                 /**< It was answered by another engine than the recorded one. */
+    bool older;                        /**< Another version of conus wrote the first one. */
 };
 
 /** Compares every value of the sidecar @p recorded with the one of @p again, the sidecar of the same answer made anew:

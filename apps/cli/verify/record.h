@@ -11,7 +11,7 @@
 enum { COMMAND_WORDS = 4096 };
 
 struct command_line {
-    char *text;   /**< What the words point into. */
+    char *text;   /**< The text that the words point into. */
     char **words; /**< [count], and NULL behind them. */
     size_t count;
 };
@@ -28,9 +28,9 @@ enum { RECORD_FILES = 100000, RECORD_LIMIT = 1 << 26 /* bytes of a sidecar */ };
 struct recorded_file {
     const char *path;   /**< NULL = standard output. */
     const char *sha256; /**< 64 digits; NULL = not recorded. */
-    const char *option; /**< Of a file that was written: "output", ...; else NULL. */
+    const char *option; /**< "output", ... of a file that was written; else NULL. */
     int64_t bytes;      /**< -1 = not recorded. */
-    int64_t crc32;      /**< Of a batch's rows, in place of a SHA-256; -1 = not recorded. */
+    int64_t crc32;      /**< A batch's rows have it in place of a SHA-256; -1 = not recorded. */
 };
 
 struct record {
@@ -42,7 +42,7 @@ struct record {
     bool has_inputs;  /**< It lists all inputs: those of older versions do not. */
     bool is_sealed;   /**< It has a checksum, */
     bool is_intact;   /**< which fits. */
-    bool is_batch;    /**< Of conus batch. */
+    bool is_batch;    /**< conus batch wrote it. */
     int64_t shard[2]; /**< I of N of a batch. */
 };
 

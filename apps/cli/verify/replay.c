@@ -405,7 +405,7 @@ static void put_use(struct writing *out, const struct option_use *use)
     free(read);
 }
 
-/* Of --jobs, one row of the table. */
+/* Writes the words of one row of a table of --jobs. */
 static void put_job(struct writing *out)
 {
     const struct record *record = out->replay->record;

@@ -20,8 +20,8 @@ struct replay {
     struct arguments arguments;
     void *settings;
     char *folder;         /**< Made by replay_run(); replay_finish() removes it. */
-    char *root;           /**< What stood before absolute paths there; NULL = nothing. */
-    char why[REPLAY_WHY]; /**< What went wrong. */
+    char *root;           /**< Folder before absolute paths there; NULL = none. */
+    char why[REPLAY_WHY]; /**< The reason of a failure. */
 };
 
 /** Takes the recorded command line apart by @p commands, a list that ends with NULL: it must be of one of those that
@@ -53,8 +53,8 @@ struct stage {
 bool stage_make(struct stage *out, const struct record *record, const struct found_file *found);
 void stage_finish(struct stage *stage);
 
-/** What stands for the word @p given, whose paths are those that were recorded. NULL without memory; the caller frees
- * it. */
+/** The word @p given, whose paths are those that were recorded, with the paths in the stage. NULL without memory; the
+ * caller frees it. */
 char *stage_word(const struct stage *stage, const char *given);
 
 /** A new path for the output of @p option, with the name @p name. NULL where it cannot be made; the caller frees it. */

@@ -363,7 +363,7 @@ static int compare_sidecars(struct checking *checking, const struct replay *repl
     return EXIT_DONE;
 }
 
-/* What explains other rows where nothing else does. */
+/* The version explains other rows where nothing else does. */
 static void say_versions(struct checking *checking)
 {
     struct verdict *verdict = checking->verdict;
@@ -411,7 +411,7 @@ static int compare(struct checking *checking, struct replay *replay)
     return code;
 }
 
-/* Of older sidecars: the poses, whose checksum is not recorded. */
+/* Adds the poses, whose checksum older sidecars do not record. */
 static bool add_poses(struct replay *replay, struct record *record)
 {
     const struct arguments *arguments = &replay->arguments;

@@ -34,8 +34,8 @@ struct verdict {
     char *sidecar;      /**< Its path; that of the result where it has all in it. */
     bool compared;      /**< There are rows, or pixels, to compare, */
     bool same;          /**< and they are the same. */
-    struct lines why;   /**< What is not as it was recorded. */
-    struct lines notes; /**< What does not matter, or could not be checked. */
+    struct lines why;   /**< Differences from the record. */
+    struct lines notes; /**< Facts that do not matter, or could not be checked. */
     struct differences differences;
     struct record record;
     struct found_file *found; /**< [record.input_count] */
