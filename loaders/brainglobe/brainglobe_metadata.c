@@ -14,52 +14,15 @@ enum { METADATA_LIMIT = 1 << 20 };
 
 static const double micrometre = 0.001; /* in mm */
 
-static conus_status read_orientation(struct brainglobe_metadata *out, const json_t *value)
+/* A list of three finite numbers above 0. */
+static bool read_three(double out[3], const json_t *list)
 {
-    if (value && !json_is_string(value)) {
-        return fail(CONUS_ERROR_DATA, "orientation: a text of three letters is needed");
-    }
-    if (value) {
-        snprintf(out->orientation, sizeof out->orientation, "%s", json_string_value(value));
-    }
-    return CONUS_OK;
-}
-
-static conus_status read_resolution(struct brainglobe_metadata *out, const json_t *list)
-{
-    double numbers[3] = {0};
     bool good = json_is_array(list) && json_array_size(list) == 3;
     for (size_t i = 0; good && i < 3; i++) {
-        numbers[i] = json_number_value(json_array_get(list, i));
-        good = numbers[i] > 0 && isfinite(numbers[i]);
+        out[i] = json_number_value(json_array_get(list, i));
+        good = out[i] > 0 && isfinite(out[i]);
     }
-    if (list && !good) {
-        return fail(CONUS_ERROR_DATA, "resolution: three numbers above 0, in micrometres, are needed");
-    }
-    memcpy(out->resolution, list ? numbers : out->resolution, sizeof numbers);
-    return CONUS_OK;
-}
-
-static conus_status read_shape(struct brainglobe_metadata *out, const json_t *list)
-{
-    uint64_t shape[3] = {0};
-    bool good = json_is_array(list) && json_array_size(list) == 3;
-    for (size_t i = 0; good && i < 3; i++) {
-        double number = json_number_value(json_array_get(list, i));
-        good = number >= 1 && number <= INT32_MAX && number == floor(number); /* 528.0 as well */
-        shape[i] = good ? (uint64_t)number : 0;
-    }
-    if (list && !good) {
-        return fail(CONUS_ERROR_DATA, "shape: three whole numbers above 0 are needed");
-    }
-    memcpy(out->shape, list ? shape : out->shape, sizeof shape);
-    return CONUS_OK;
-}
-
-/* "allen_mouse", in old files with the resolution behind it. A name of another kind is nobody's loss. */
-static void read_name(struct brainglobe_metadata *out, const json_t *value)
-{
-    out->is_allen_mouse = json_is_string(value) && text_starts(text_from(json_string_value(value)), "allen_mouse");
+    return good;
 }
 
 conus_status brainglobe_metadata_parse(struct brainglobe_metadata *out, struct text text)
@@ -70,10 +33,29 @@ conus_status brainglobe_metadata_parse(struct brainglobe_metadata *out, struct t
     if (!status && !json_is_object(root)) {
         status = fail(CONUS_ERROR_DATA, "not a JSON object");
     }
-    status = status ? status : read_orientation(&metadata, json_object_get(root, "orientation"));
-    status = status ? status : read_resolution(&metadata, json_object_get(root, "resolution"));
-    status = status ? status : read_shape(&metadata, json_object_get(root, "shape"));
-    read_name(&metadata, json_object_get(root, "name"));
+    const json_t *orientation = json_object_get(root, "orientation");
+    if (!status && orientation && !json_is_string(orientation)) {
+        status = fail(CONUS_ERROR_DATA, "orientation: a text of three letters is needed");
+    } else if (!status && orientation) {
+        snprintf(metadata.orientation, sizeof metadata.orientation, "%s", json_string_value(orientation));
+    }
+    const json_t *resolution = json_object_get(root, "resolution");
+    if (!status && resolution && !read_three(metadata.resolution, resolution)) {
+        status = fail(CONUS_ERROR_DATA, "resolution: three numbers above 0, in micrometres, are needed");
+    }
+    const json_t *shape = json_object_get(root, "shape");
+    double voxels[3];
+    bool good = !status && shape && read_three(voxels, shape);
+    for (size_t i = 0; good && i < 3; i++) {
+        good = voxels[i] >= 1 && voxels[i] <= INT32_MAX && voxels[i] == floor(voxels[i]); /* 528.0 as well */
+        metadata.shape[i] = good ? (uint64_t)voxels[i] : 0;
+    }
+    if (!status && shape && !good) {
+        status = fail(CONUS_ERROR_DATA, "shape: three whole numbers above 0 are needed");
+    }
+    /* "allen_mouse", in old files with the resolution behind it. A name of another kind is nobody's loss. */
+    const json_t *name = json_object_get(root, "name");
+    metadata.is_allen_mouse = json_is_string(name) && text_starts(text_from(json_string_value(name)), "allen_mouse");
     json_decref(root);
     if (!status) {
         *out = metadata;

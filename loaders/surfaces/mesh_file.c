@@ -193,41 +193,31 @@ static conus_status take_gifti(struct mesh *out, struct label *about, const stru
     return status;
 }
 
-static conus_status take_any(struct mesh *out, struct label *about, const struct bytes *bytes, const char *path,
-                             const struct mesh_file_options *options, struct notes *notes)
-{
-    if (is_gifti(bytes)) {
-        return take_gifti(out, about, bytes, path, options, notes);
-    }
-    if (freesurfer_is_surface(bytes->data, bytes->size)) {
-        return freesurfer_surface_parse(out, bytes->data, bytes->size, options->space != MESH_SPACE_UNSTATED, notes);
-    }
-    return file_kind_fail(path, bytes,
-                          "a surface (GIFTI, FreeSurfer, or named as VTK, VTP, PLY, STL, OBJ, OFF or MZ3)");
-}
-
-static conus_status finish_mesh(struct mesh *mesh, const char *path, enum mesh_space space, struct notes *notes)
-{
-    static const double turn[16] = {-1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
-    if (space == MESH_SPACE_LPS) {
-        mesh_transform(mesh, turn);
-    }
-    mesh->path = memory_text(path, strlen(path));
-    conus_status status = mesh->path ? mesh_check(mesh, notes) : CONUS_ERROR_MEMORY;
-    return status ? fail_in(status, path) : CONUS_OK;
-}
-
 /* A surface of ours, in `bytes`. */
 static conus_status read_own(struct mesh *out, struct label *about, const struct bytes *bytes, const char *path,
                              const struct mesh_file_options *options, struct notes *notes)
 {
+    static const double ras_from_lps[16] = {-1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
     struct mesh mesh = {0};
     struct label said = {0};
     struct notes own = {0};
-    conus_status status = take_any(&mesh, &said, bytes, path, options, &own);
+    bool as_stored = options->space != MESH_SPACE_UNSTATED;
+    conus_status status =
+        is_gifti(bytes) ? take_gifti(&mesh, &said, bytes, path, options, &own)
+        : freesurfer_is_surface(bytes->data, bytes->size)
+            ? freesurfer_surface_parse(&mesh, bytes->data, bytes->size, as_stored, &own)
+            : file_kind_fail(path, bytes,
+                             "a surface (GIFTI, FreeSurfer, or named as VTK, VTP, PLY, STL, OBJ, OFF or MZ3)");
     conus_status moved = notes_move_in(notes, &own, path); /* also where it failed; parsers do not know the path */
     status = status ? fail_in(status, path) : moved;
-    status = status ? status : finish_mesh(&mesh, path, options->space, notes);
+    if (!status && options->space == MESH_SPACE_LPS) {
+        mesh_transform(&mesh, ras_from_lps);
+    }
+    if (!status) {
+        mesh.path = memory_text(path, strlen(path));
+        status = mesh.path ? mesh_check(&mesh, notes) : CONUS_ERROR_MEMORY;
+        status = status ? fail_in(status, path) : CONUS_OK;
+    }
     if (status || !about) {
         label_finish(&said);
     } else {

@@ -23,23 +23,6 @@ void surface_about_finish(struct surface_about *about)
     *about = (struct surface_about){0};
 }
 
-static char *surface_take(char **from)
-{
-    char *text = *from;
-    *from = NULL;
-    return text;
-}
-
-static void take_about(struct surface_about *out, struct gifti *gifti)
-{
-    *out = (struct surface_about){.structure = surface_take(&gifti->structure),
-                                  .layer = surface_take(&gifti->layer),
-                                  .geometric_type = surface_take(&gifti->geometric_type)};
-    for (size_t i = gifti->array_count; i-- > 0;) {
-        out->vertices = gifti->arrays[i].intent == GIFTI_POINTSET ? gifti->arrays[i].dim[0] : out->vertices;
-    }
-}
-
 conus_status surface_about_read(struct surface_about *out, const char *path, uint64_t max_memory)
 {
     const struct gifti_options options = {.max_memory = max_memory, .outline = true};
@@ -51,7 +34,12 @@ conus_status surface_about_read(struct surface_about *out, const char *path, uin
     if (!status && text_equal(xml_root(text_from_bytes(bytes.data, bytes.size)), "GIFTI")) {
         status = gifti_parse(&gifti, bytes.data, bytes.size, &options, &notes);
         status = status ? fail_in(status, path) : CONUS_OK;
-        take_about(out, &gifti);
+        *out = (struct surface_about){
+            .structure = gifti.structure, .layer = gifti.layer, .geometric_type = gifti.geometric_type};
+        gifti.structure = gifti.layer = gifti.geometric_type = NULL;
+        for (size_t i = gifti.array_count; i-- > 0;) {
+            out->vertices = gifti.arrays[i].intent == GIFTI_POINTSET ? gifti.arrays[i].dim[0] : out->vertices;
+        }
     }
     gifti_finish(&gifti);
     notes_finish(&notes);
@@ -145,24 +133,18 @@ static conus_status surface_look_at(struct surface_list *list, const char *folde
     return CONUS_OK;
 }
 
-static conus_status look_for(struct surface_list *list, const char *folder, const char *ending, uint64_t max_memory)
-{
-    struct names names = {0};
-    conus_status status = names_list(&names, folder, ending);
-    for (size_t i = 0; !status && i < names.count; i++) {
-        status = surface_look_at(list, folder, names.names[i], max_memory);
-    }
-    names_finish(&names);
-    return status;
-}
-
 conus_status surface_list_make(struct surface_list *out, const char *folder, uint64_t max_memory)
 {
     static const char *const endings[] = {".surf.gii", ".surf.gii.gz", ".gii", ".gii.gz"};
     struct surface_list list = {0};
     conus_status status = CONUS_OK;
     for (size_t i = 0; !status && i < 4 && !(i == 2 && list.count); i++) {
-        status = look_for(&list, folder, endings[i], max_memory);
+        struct names names = {0};
+        status = names_list(&names, folder, endings[i]);
+        for (size_t k = 0; !status && k < names.count; k++) {
+            status = surface_look_at(&list, folder, names.names[k], max_memory);
+        }
+        names_finish(&names);
     }
     if (status) {
         surface_list_finish(&list);

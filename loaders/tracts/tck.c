@@ -144,17 +144,6 @@ static conus_status take_header(struct tck *tck)
     return status ? status : go_to_points(tck);
 }
 
-static conus_status refuse_point(const struct tck *tck, const double p[3])
-{
-    char text[3][TEXT_NUMBER_SIZE];
-    const struct tractogram *t = &tck->build.tractogram;
-    return fail(CONUS_ERROR_DATA,
-                "point %llu of streamline %zu (both from 0): found (%s, %s, %s); three NaN end a streamline, three "
-                "infinities the file",
-                (unsigned long long)(t->point_count - t->first[t->streamline_count]), t->streamline_count,
-                text_number(text[0], p[0]), text_number(text[1], p[1]), text_number(text[2], p[2]));
-}
-
 /* Takes a triple that is no point: the end of a streamline or of the file. */
 static conus_status take_marker(struct tck *tck, const double p[3])
 {
@@ -167,7 +156,12 @@ static conus_status take_marker(struct tck *tck, const double p[3])
         return status;
     }
     if (!isinf(p[0]) || !isinf(p[1]) || !isinf(p[2])) {
-        return refuse_point(tck, p);
+        char text[3][TEXT_NUMBER_SIZE];
+        return fail(CONUS_ERROR_DATA,
+                    "point %llu of streamline %zu (both from 0): found (%s, %s, %s); three NaN end a streamline, three "
+                    "infinities the file",
+                    (unsigned long long)(t->point_count - t->first[t->streamline_count]), t->streamline_count,
+                    text_number(text[0], p[0]), text_number(text[1], p[1]), text_number(text[2], p[2]));
     }
     if (t->point_count != t->first[t->streamline_count]) {
         return fail(CONUS_ERROR_DATA, "streamline %zu (from 0): the end of the file comes before its own (NaN NaN NaN)",

@@ -52,16 +52,6 @@ static conus_status trx_files_of_archive(struct trx_files *out, struct bytes *ar
     return status ? status : zip_parse(&out->zip, archive->data, archive->size);
 }
 
-static conus_status add_name(struct names *out, const char *in, const char *name)
-{
-    struct buffer path = {0};
-    buffer_format(&path, "%s%s", in, name);
-    conus_status status = buffer_status(&path);
-    status = status ? status : names_add(out, path.data);
-    buffer_finish(&path);
-    return status;
-}
-
 /* The folders of a TRX's files, behind the one around them. */
 static const char *const folders[] = {"", "dps/", "dpv/", "groups/"};
 
@@ -87,7 +77,12 @@ static conus_status list_in(struct trx_files *out, const char *in)
                       path.data, NAMES_LIMIT);
     }
     for (size_t i = 0; !status && i < names.count; i++) {
-        status = is_folder_or_hidden(names.names[i]) ? CONUS_OK : add_name(&out->names, in, names.names[i]);
+        if (!is_folder_or_hidden(names.names[i])) {
+            path.size = 0;
+            buffer_format(&path, "%s%s", in, names.names[i]);
+            status = buffer_status(&path);
+            status = status ? status : names_add(&out->names, path.data);
+        }
     }
     names_finish(&names);
     buffer_finish(&path);

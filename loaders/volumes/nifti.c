@@ -269,15 +269,6 @@ static conus_status check_dim(int64_t dim[8])
     return CONUS_OK;
 }
 
-static conus_status check_offset(const struct fields *f, size_t header_size)
-{
-    double least = f->pair ? 0 : (double)(header_size + EXTENDER_SIZE);
-    if (f->vox_offset >= least && f->vox_offset <= 0x1p53 && f->vox_offset == floor(f->vox_offset)) {
-        return CONUS_OK;
-    }
-    return fail(CONUS_ERROR_DATA, "vox_offset: found %.9g, allowed are whole numbers from %g", f->vox_offset, least);
-}
-
 /* A slope that is 0 or not finite means "unscaled" (nifti1.h says so of 0; NaN is what many programs write). */
 static conus_status read_scaling(conus_volume_info *info, const struct fields *f)
 {
@@ -301,16 +292,6 @@ static conus_status read_scaling(conus_volume_info *info, const struct fields *f
 static bool is_matrix(int version, int intent_code)
 {
     return version == 2 && intent_code >= 3000 && intent_code < 3100;
-}
-
-static conus_status refuse_matrix(const struct fields *f, const uint8_t *data, size_t size)
-{
-    if (!is_matrix(f->version, f->intent_code)) {
-        return CONUS_OK;
-    }
-    const struct file_kind *kind = format_find_matrix(f->intent_code, &(struct bytes){(uint8_t *)data, size});
-    return fail(CONUS_ERROR_UNSUPPORTED, "intent_code: found %d, %s, allowed are volumes; %s", f->intent_code,
-                kind->words, kind->way);
 }
 
 static conus_status nifti_check_shape(const struct fields *f)
@@ -344,8 +325,13 @@ static conus_status begin_header(struct volume_header *out, struct fields *f)
         return fail(CONUS_ERROR_DATA, "bitpix: found %d, datatype %s needs %d", f->bitpix, out->info.datatype, bitpix);
     }
     if ((status = check_dim(f->dim)) || (status = volume_header_set_dim(out, f->dim + 1)) ||
-        (status = check_offset(f, out->header_size)) || (status = read_scaling(&out->info, f))) {
+        (status = read_scaling(&out->info, f))) {
         return status;
+    }
+    double least = f->pair ? 0 : (double)(out->header_size + EXTENDER_SIZE);
+    if (!(f->vox_offset >= least && f->vox_offset <= 0x1p53 && f->vox_offset == floor(f->vox_offset))) {
+        return fail(CONUS_ERROR_DATA, "vox_offset: found %.9g, allowed are whole numbers from %g", f->vox_offset,
+                    least);
     }
     out->offset = (uint64_t)f->vox_offset;
     return CONUS_OK;
@@ -376,8 +362,14 @@ conus_status nifti_header_parse(struct volume_header *out, const uint8_t *data, 
     if (status) {
         return status;
     }
+    if (is_matrix(f.version, f.intent_code)) {
+        const struct file_kind *kind = format_find_matrix(f.intent_code, &(struct bytes){(uint8_t *)data, size});
+        return fail(CONUS_ERROR_UNSUPPORTED, "intent_code: found %d, %s, allowed are volumes; %s", f.intent_code,
+                    kind->words, kind->way);
+    }
     struct volume_header header;
-    if ((status = refuse_matrix(&f, data, size)) || (status = begin_header(&header, &f))) {
+    status = begin_header(&header, &f);
+    if (status) {
         return status;
     }
     for (int i = 1; i < 4; i++) { /* an axis that the file does not have has a size of its own choosing */

@@ -3,6 +3,7 @@
 #include "loaders/volumes/nifti_write.h"
 
 #include "atlas/space.h"
+#include "base/byte_order.h"
 #include "base/files/folder.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
@@ -230,21 +231,10 @@ conus_status gzip_format(struct bytes *out, const void *data, size_t size)
     return CONUS_OK;
 }
 
-static uint32_t bits_at(const conus_grid *grid, size_t i)
-{
-    switch (grid->size) {
-    case 1:
-        return ((const uint8_t *)grid->data)[i];
-    case 2:
-        return ((const uint16_t *)grid->data)[i];
-    default:
-        return ((const uint32_t *)grid->data)[i];
-    }
-}
-
 conus_status nifti_format_grid(struct bytes *out, const conus_grid *grid)
 {
     const conus_grid_view *view = &grid->view;
+    const uint8_t *data = grid->data;
     const struct header_values values = {.dim = view->dim,
                                          .world_from_voxel = view->world_from_voxel,
                                          .code = view->space_code <= INT16_MAX ? view->space_code : SPACE_ALIGNED,
@@ -254,7 +244,8 @@ conus_status nifti_format_grid(struct bytes *out, const conus_grid *grid)
     conus_status status = check_grid(&values);
     status = status ? status : start_file(out, &values);
     for (size_t i = 0; !status && i < view->count; i++) {
-        put_integer(out->data + HEADER + i * grid->size, bits_at(grid, i), grid->size);
+        put_integer(out->data + HEADER + i * grid->size,
+                    (uint32_t)order_whole(data + i * grid->size, grid->size, false, false), grid->size);
     }
     return status;
 }

@@ -87,18 +87,6 @@ static conus_status tiff_volume_place(struct brainglobe_metadata *out, const cha
     return status;
 }
 
-static int tiff_datatype(const struct tiff_page *page)
-{
-    static const int types[][3] = {
-        {VOLUME_UINT8, VOLUME_INT8, 0},
-        {VOLUME_UINT16, VOLUME_INT16, 0},
-        {VOLUME_UINT32, VOLUME_INT32, VOLUME_FLOAT32},
-        {VOLUME_UINT64, VOLUME_INT64, VOLUME_FLOAT64},
-    };
-    int row = page->bits == 8 ? 0 : page->bits == 16 ? 1 : page->bits == 32 ? 2 : 3;
-    return types[row][page->format - TIFF_UNSIGNED];
-}
-
 static conus_status check_tiff_shape(const struct volume_header *header, const uint64_t shape[3])
 {
     const size_t *dim = header->info.dim;
@@ -122,7 +110,8 @@ static conus_status tiff_volume_header(struct volume_header *out, const struct t
         .swapped = tiff->file.swapped, .footer = true, .offset = tiff->whole ? tiff->start : 0};
     header.info.slope = 1;
     snprintf(header.info.format, sizeof header.info.format, tiff->file.big ? "BigTIFF" : "TIFF");
-    conus_status status = volume_header_set_datatype(&header, tiff_datatype(page));
+    conus_status status =
+        volume_header_set_datatype(&header, volume_datatype_of("uif"[page->format - TIFF_UNSIGNED], page -> bits / 8));
     status = status ? status : volume_header_set_dim(&header, dim);
     status = status ? status : check_tiff_shape(&header, place->shape);
     status = status ? status : brainglobe_voxels(world, place);

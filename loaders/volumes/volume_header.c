@@ -11,24 +11,25 @@ static const struct datatype {
     int code;
     const char *name;
     size_t size;
+    char kind;
 } datatypes[] = {
-    {VOLUME_UINT8, "uint8", 1},
-    {VOLUME_INT8, "int8", 1},
-    {VOLUME_UINT16, "uint16", 2},
-    {VOLUME_INT16, "int16", 2},
-    {VOLUME_UINT32, "uint32", 4},
-    {VOLUME_INT32, "int32", 4},
-    {VOLUME_UINT64, "uint64", 8},
-    {VOLUME_INT64, "int64", 8},
-    {VOLUME_FLOAT32, "float32", 4},
-    {VOLUME_FLOAT64, "float64", 8},
-    {1, "binary (1 bit)", 0},
-    {32, "complex64", 0},
-    {128, "RGB24", 0},
-    {1536, "float128", 0},
-    {1792, "complex128", 0},
-    {2048, "complex256", 0},
-    {2304, "RGBA32", 0},
+    {VOLUME_UINT8, "uint8", 1, 'u'},
+    {VOLUME_INT8, "int8", 1, 'i'},
+    {VOLUME_UINT16, "uint16", 2, 'u'},
+    {VOLUME_INT16, "int16", 2, 'i'},
+    {VOLUME_UINT32, "uint32", 4, 'u'},
+    {VOLUME_INT32, "int32", 4, 'i'},
+    {VOLUME_UINT64, "uint64", 8, 'u'},
+    {VOLUME_INT64, "int64", 8, 'i'},
+    {VOLUME_FLOAT32, "float32", 4, 'f'},
+    {VOLUME_FLOAT64, "float64", 8, 'f'},
+    {1, "binary (1 bit)", 0, 0},
+    {32, "complex64", 0, 0},
+    {128, "RGB24", 0, 0},
+    {1536, "float128", 0, 0},
+    {1792, "complex128", 0, 0},
+    {2048, "complex256", 0, 0},
+    {2304, "RGBA32", 0, 0},
 };
 
 static const struct datatype *find_datatype(int code)
@@ -51,6 +52,16 @@ const char *volume_datatype_name(int code)
 {
     const struct datatype *type = find_datatype(code);
     return type ? type->name : NULL;
+}
+
+int volume_datatype_of(char kind, size_t size)
+{
+    for (size_t i = 0; i < sizeof datatypes / sizeof datatypes[0]; i++) {
+        if (datatypes[i].kind == kind && datatypes[i].size == size) {
+            return datatypes[i].code;
+        }
+    }
+    return 0;
 }
 
 conus_status volume_header_set_datatype(struct volume_header *header, int code)

@@ -42,6 +42,9 @@ size_t volume_datatype_size(int code);
 /** Its name, "uint8"; NULL for a code that no standard knows. */
 const char *volume_datatype_name(int code);
 
+/** The code of a type: @p kind 'u' unsigned, 'i' signed, 'f' floating point, of @p size bytes; 0 if there is none. */
+int volume_datatype_of(char kind, size_t size);
+
 /** Sets datatype and info.datatype. A type without one real number per voxel is CONUS_ERROR_UNSUPPORTED, a code that no
  * standard knows CONUS_ERROR_DATA. */
 conus_status volume_header_set_datatype(struct volume_header *header, int code);

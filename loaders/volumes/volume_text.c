@@ -25,22 +25,6 @@ void volume_text_finish(struct text_volume **text)
     *text = NULL;
 }
 
-static int datatype_of(struct text_type type)
-{
-    static const struct {
-        struct text_type type;
-        int datatype;
-    } types[] = {{{'u', 1}, VOLUME_UINT8},  {{'i', 1}, VOLUME_INT8},   {{'u', 2}, VOLUME_UINT16},
-                 {{'i', 2}, VOLUME_INT16},  {{'u', 4}, VOLUME_UINT32}, {{'i', 4}, VOLUME_INT32},
-                 {{'u', 8}, VOLUME_UINT64}, {{'i', 8}, VOLUME_INT64},  {{'f', 4}, VOLUME_FLOAT32},
-                 {{'f', 8}, VOLUME_FLOAT64}};
-    size_t i = 0;
-    while (types[i].type.kind != type.kind || types[i].type.size != type.size) { /* the parsers know no others */
-        i++;
-    }
-    return types[i].datatype;
-}
-
 static conus_status volume_describe(struct volume_header *header, const struct text_volume *text)
 {
     const int64_t dim[7] = {text->dim[0], text->dim[1], text->dim[2], text->count, 1, 1, 1};
@@ -51,7 +35,7 @@ static conus_status volume_describe(struct volume_header *header, const struct t
     header->info.slope = 1;
     header->info.space_code = text->space_code;
     snprintf(header->info.format, sizeof header->info.format, "%s", text->format);
-    conus_status status = volume_header_set_datatype(header, datatype_of(text->type));
+    conus_status status = volume_header_set_datatype(header, volume_datatype_of(text->type.kind, text->type.size));
     status = status ? status : volume_header_set_dim(header, dim);
     return status ? status : space_describe(&header->info, text->world_from_voxel, text->transform);
 }

@@ -52,31 +52,6 @@ static conus_status mz3_check_size(const struct mz3 *mz3, size_t size)
     return CONUS_OK;
 }
 
-static conus_status read_vertices(struct foreign_mesh *out, const uint8_t *data, size_t count)
-{
-    conus_status status = foreign_reserve_vertices(out, count);
-    for (size_t i = 0; !status && i < count; i++) {
-        float position[3];
-        for (size_t a = 0; a < 3; a++) {
-            position[a] = order_f32(data + 12 * i + 4 * a, swapped);
-        }
-        status = foreign_add_vertex(out, position);
-    }
-    return status;
-}
-
-static conus_status read_faces(struct foreign_mesh *out, const uint8_t *data, size_t count)
-{
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && i < count; i++) {
-        for (size_t k = 0; !status && k < 3; k++) {
-            status = foreign_add_corner(out, order_i32(data + 12 * i + 4 * k, swapped));
-        }
-        status = status ? status : foreign_end_polygon(out);
-    }
-    return status;
-}
-
 conus_status mz3_parse(struct foreign_mesh *out, const uint8_t *data, size_t size)
 {
     struct mz3 mz3 = {0};
@@ -86,6 +61,20 @@ conus_status mz3_parse(struct foreign_mesh *out, const uint8_t *data, size_t siz
         return status;
     }
     const uint8_t *faces = data + HEADER + mz3.skipped;
-    status = read_vertices(out, faces + 12 * (size_t)mz3.faces, mz3.vertices);
-    return status ? status : read_faces(out, faces, mz3.faces);
+    const uint8_t *vertices = faces + 12 * (size_t)mz3.faces;
+    status = foreign_reserve_vertices(out, mz3.vertices);
+    for (size_t i = 0; !status && i < mz3.vertices; i++) {
+        float position[3];
+        for (size_t a = 0; a < 3; a++) {
+            position[a] = order_f32(vertices + 12 * i + 4 * a, swapped);
+        }
+        status = foreign_add_vertex(out, position);
+    }
+    for (size_t i = 0; !status && i < mz3.faces; i++) {
+        for (size_t k = 0; !status && k < 3; k++) {
+            status = foreign_add_corner(out, order_i32(faces + 12 * i + 4 * k, swapped));
+        }
+        status = status ? status : foreign_end_polygon(out);
+    }
+    return status;
 }

@@ -315,18 +315,6 @@ static conus_status take_row(struct ply *ply, const struct element *element)
                                         : CONUS_OK;
 }
 
-static conus_status read_element(struct ply *ply, const struct element *element)
-{
-    conus_status status = CONUS_OK;
-    if (element->kind == KIND_VERTEX) {
-        status = foreign_reserve_vertices(ply->mesh, element->count);
-    }
-    for (size_t i = 0; !status && element->properties && i < element->count; i++) {
-        status = take_row(ply, element);
-    }
-    return status;
-}
-
 conus_status ply_parse(struct foreign_mesh *out, const uint8_t *data, size_t size)
 {
     struct ply *ply = memory_zeroed(1, sizeof *ply);
@@ -337,7 +325,13 @@ conus_status ply_parse(struct foreign_mesh *out, const uint8_t *data, size_t siz
     ply->mesh = out;
     conus_status status = ply_read_header(ply);
     for (size_t i = 0; !status && i < ply->element_count; i++) {
-        status = read_element(ply, &ply->elements[i]);
+        const struct element *element = &ply->elements[i];
+        if (element->kind == KIND_VERTEX) {
+            status = foreign_reserve_vertices(ply->mesh, element->count);
+        }
+        for (size_t row = 0; !status && element->properties && row < element->count; row++) {
+            status = take_row(ply, element);
+        }
     }
     if (!status) {
         status = ply->is_text || !ply->words.rest.size

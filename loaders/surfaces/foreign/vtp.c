@@ -264,17 +264,6 @@ static int64_t whole_at(const uint8_t *data, const struct vtp_storage *storage)
     return is_signed || value >= 0 ? value : -1;
 }
 
-/* How many words the text has. */
-static size_t count_words(struct text text)
-{
-    struct text word;
-    size_t count = 0;
-    while (text_word(&text, &word)) {
-        count++;
-    }
-    return count;
-}
-
 /* The numbers that an array becomes: 64-bit whole ones, or floats. */
 struct numbers {
     size_t size;
@@ -312,7 +301,12 @@ static conus_status numbers_of_text(void **out, size_t *count, const struct vtp_
                                     const struct numbers *kind)
 {
     struct words words = {.rest = storage->content, .line = 1};
-    size_t n = count_words(words.rest);
+    struct text rest = words.rest;
+    struct text word;
+    size_t n = 0;
+    while (text_word(&rest, &word)) {
+        n++;
+    }
     char *numbers = memory_raw(n, kind->size);
     conus_status status = numbers ? CONUS_OK : CONUS_ERROR_MEMORY;
     for (size_t i = 0; !status && i < n; i++) {
@@ -483,15 +477,6 @@ static conus_status take_count(uint64_t *out, const struct xml_event *event, con
                : fail(CONUS_ERROR_DATA, "Piece: %s is \"%.60s\", a whole number is needed", name, value);
 }
 
-static conus_status take_piece(struct vtp *vtp, const struct xml_event *event)
-{
-    conus_status status = take_count(&vtp->points, event, "NumberOfPoints");
-    status = status ? status : take_count(&vtp->vertices, event, "NumberOfVerts");
-    status = status ? status : take_count(&vtp->lines, event, "NumberOfLines");
-    status = status ? status : take_count(&vtp->polys, event, "NumberOfPolys");
-    return status ? status : take_count(&vtp->strips, event, "NumberOfStrips");
-}
-
 static conus_status take_type(struct vtp_storage *out, const char *type)
 {
     static const struct {
@@ -581,13 +566,6 @@ static conus_status add_column(struct vtp *vtp, const struct xml_event *event)
     return CONUS_OK;
 }
 
-/* Texts are no numbers, whatever their name. */
-static bool is_text_array(const struct xml_event *event)
-{
-    const char *type = xml_attribute(event, "type");
-    return type && strcmp(type, "String") == 0;
-}
-
 static conus_status begin_part(struct vtp *vtp, const struct xml_event *event)
 {
     const char *components = xml_attribute(event, "NumberOfComponents");
@@ -609,7 +587,8 @@ static conus_status open_array(struct vtp *vtp, const struct xml_event *event)
     const char *format = xml_attribute(event, "format");
     struct vtp_storage storage = {.is_packed = vtp->packed, .swapped = vtp->swapped, .header = vtp->header};
     vtp->use = use_of_array(vtp, event);
-    if (vtp->use >= USES && is_text_array(event)) {
+    const char *type = xml_attribute(event, "type");
+    if (vtp->use >= USES && type && strcmp(type, "String") == 0) { /* texts are no numbers, whatever their name */
         vtp->use = USE_NOTHING;
     }
     if (vtp->use == USE_NOTHING) {
@@ -625,7 +604,7 @@ static conus_status open_array(struct vtp *vtp, const struct xml_event *event)
     storage.is_text = format && strcmp(format, "ascii") == 0;
     bool appended = format && strcmp(format, "appended") == 0;
     storage.is_raw = appended && vtp->appended_raw;
-    status = take_type(&storage, xml_attribute(event, "type"));
+    status = take_type(&storage, type);
     if (!status && !storage.is_text && !appended && (!format || strcmp(format, "binary") != 0)) {
         status = fail(CONUS_ERROR_DATA, "DataArray: format is %.60s, allowed are ascii, binary and appended",
                       format ? format : "not given");
@@ -852,7 +831,11 @@ static conus_status vtp_on_start(void *user, const struct xml_event *event)
     }
     vtp->place = place < USE_NOTHING ? place : vtp->place;
     if (strcmp(event->name, "Piece") == 0) {
-        return take_piece(vtp, event);
+        conus_status status = take_count(&vtp->points, event, "NumberOfPoints");
+        status = status ? status : take_count(&vtp->vertices, event, "NumberOfVerts");
+        status = status ? status : take_count(&vtp->lines, event, "NumberOfLines");
+        status = status ? status : take_count(&vtp->polys, event, "NumberOfPolys");
+        return status ? status : take_count(&vtp->strips, event, "NumberOfStrips");
     }
     bool array = strcmp(event->name, "DataArray") == 0 || strcmp(event->name, "Array") == 0;
     return array ? open_array(vtp, event) : keep_text(vtp, event);
