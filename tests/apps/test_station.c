@@ -289,6 +289,18 @@ static int be_heard(struct station *station, int talker)
     return newcomer;
 }
 
+/* One connection for each place, in this order. */
+static void connect_all(int peers[PLACES], struct station *station, struct station_news *news)
+{
+    for (unsigned p = 0; p < PLACES; p++) {
+        peers[p] = connect_to(station);
+        while (news->clients <= p) {
+            moment();
+            station_ask(station, news);
+        }
+    }
+}
+
 /* Four that say nothing do not keep a tracker out: the one that is silent longest goes, and no other. */
 static void idle_peers_give_way(void **state)
 {
@@ -296,13 +308,7 @@ static void idle_peers_give_way(void **state)
     struct station *station = start(&(struct station_options){.tool = "Pointer"});
     struct station_news news = {0};
     int peers[PLACES];
-    for (unsigned p = 0; p < PLACES; p++) {
-        peers[p] = connect_to(station);
-        while (news.clients <= p) { /* so that they come in this order */
-            moment();
-            station_ask(station, &news);
-        }
-    }
+    connect_all(peers, station, &news);
     int newcomer = be_heard(station, peers[0]);
     while (!is_closed(peers[0]) && !is_closed(peers[1]) && !is_closed(peers[2]) && !is_closed(peers[3])) {
         moment();
@@ -342,13 +348,7 @@ static void peers_that_drip_bytes_give_way(void **state)
     struct station *station = start(&(struct station_options){.tool = "Pointer"});
     struct station_news news = {0};
     int peers[PLACES];
-    for (unsigned p = 0; p < PLACES; p++) {
-        peers[p] = connect_to(station);
-        while (news.clients <= p) {
-            moment();
-            station_ask(station, &news);
-        }
-    }
+    connect_all(peers, station, &news);
     int newcomer = connect_to(station);
     try_pose(newcomer, "Pointer");
     for (size_t n = 0; n < 10000 && !news.number; n++) {

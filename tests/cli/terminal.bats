@@ -88,7 +88,16 @@ plain() {
 @test "long work shows how far it is, with the time left, and leaves no trace of it" {
     setup_nested
     conus phantom sphere -o . --size 64
-    awk 'BEGIN { print "x\ty\tz\ttx\tty\ttz"; for (i = 0; i < 40000; i++) print i % 50 "\t0\t100\t0\t0\t0" }' >poses.tsv
+    grow() { # grow COMMAND: with 4096, 8192, ... poses or samples, until it succeeds: progress is shown after 100 ms
+        local n
+        for ((n = 4096; n <= 1048576; n *= 2)); do
+            rm -f chances.* rows.* query.*
+            awk -v n=$n 'BEGIN { print "x\ty\tz\ttx\tty\ttz"; for (i = 0; i < n; i++) print i % 50 "\t0\t100\t0\t0\t0" }' >poses.tsv
+            ! "$1" $n || return 0
+        done
+        echo "$1: no progress of $n"
+        return 1
+    }
     shows() { # shows TEXT COMMAND...: somewhere in what it shows is a progress that TEXT fits, and nothing is left of it
         local text=$1
         shift
@@ -96,11 +105,20 @@ plain() {
         tr '\r' '\n' <shown | grep -qE $'^\x1b\\[K'"[0-9]+ of $text, [0-9.]+/s, [0-9]+ %, [0-9.]+ (s|min|h) left" ||
             { echo "$*:"; head -c 2000 shown | cat -v; return 1; }
     }
-    shows '[0-9]+ samples' "$CONUS" sweep sphere.nii.gz --origin 0,0,100 --toward 0,0,0 --jitter 2,2 --samples 131072 -o chances.tsv
-    shows '40000 poses' "$CONUS" query sphere.nii.gz --pose poses.tsv -o query.tsv
-    [[ "$(tail -c 5 shown)" == *$'\r\x1b[K' ]] || [ ! -s shown ]
-    shows '40000 poses' "$CONUS" batch sphere.nii.gz --poses poses.tsv -o rows.tsv --block 16 --threads 1
-    shows '40000 poses' "$CONUS" verify rows.tsv
+    sweep() {
+        shows '[0-9]+ samples' "$CONUS" sweep sphere.nii.gz --origin 0,0,100 --toward 0,0,0 --jitter 2,2 --samples "$1" -o chances.tsv
+    }
+    batch() {
+        shows "$1 poses" "$CONUS" batch sphere.nii.gz --poses poses.tsv -o rows.tsv --block 16 --threads 1 &&
+            shows "$1 poses" "$CONUS" verify rows.tsv
+    }
+    query() {
+        shows "$1 poses" "$CONUS" query sphere.nii.gz --pose poses.tsv -o query.tsv
+    }
+    grow sweep
+    grow batch
+    grow query
+    [[ "$(tail -c 5 shown)" == *$'\r\x1b[K' ]]
     on 100 "$CONUS" query sphere.nii.gz --pose poses.tsv -o quiet.tsv --quiet >shown
     [ ! -s shown ]
     conus query sphere.nii.gz --pose poses.tsv -o plain.tsv 2>said

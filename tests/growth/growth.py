@@ -11,10 +11,10 @@ cache. The exponents are those between the last two sizes; a cap of the reader e
 quadratic ones take minutes; other processes on the machine do not count. Its memory must not be more than 2.1
 times that of half as many."""
 import argparse
+import ctypes
 import json
 import math
 import os
-import resource
 import shutil
 import struct
 import subprocess
@@ -600,7 +600,8 @@ def manifest_of_folder(folder, n):
 
 def itk_chain(folder, n):
     one = ("Transform: AffineTransform_double_3_3\nParameters: 1 0 0 0 1 0 0 0 1 0 0 0\nFixedParameters: 0 0 0\n")
-    text = "#Insight Transform File V1.0\n" + "".join([f"#Transform {i}\n{one}" for i in range(n)])
+    text = "#Insight Transform File V1.0\n#Transform 0\nTransform: CompositeTransform_double_3_3\n"
+    text += "".join([f"#Transform {i + 1}\n{one}" for i in range(n)])
     return ["info", small(folder), "--atlas-transform", write(f"{folder}/a.tfm", text)]
 
 
@@ -745,12 +746,15 @@ def track(folder, n):
 
 # ---- Volumes and results --------------------------------------------------------------------------------------------
 
+def slabs(folder, name, head):
+    return ["info", write(f"{folder}/{name}", head.encode() + SLABS), "--labels-anyway"]
+
+
 def nrrd_keys(folder, n):
     head = "NRRD0004\n" + "".join([f"key{i}:=value\n" for i in range(n)]) + (
         "type: short\ndimension: 3\nspace: left-posterior-superior\nsizes: 10 10 10\nspace directions: (1,0,0) (0,1,0) "
         "(0,0,1)\nspace origin: (0,0,0)\nendian: little\nencoding: raw\n\n")
-    return ["info", write(f"{folder}/v.nrrd", head.encode() + SLABS),
-            "--labels-anyway"]
+    return slabs(folder, "v.nrrd", head)
 
 
 def nrrd_segments(folder, n):
@@ -765,8 +769,7 @@ def metaimage_keys(folder, n):
     head = "ObjectType = Image\nNDims = 3\n" + "".join([f"Key{i} = a\n" for i in range(n)]) + (
         "BinaryData = True\nBinaryDataByteOrderMSB = False\nTransformMatrix = 1 0 0 0 1 0 0 0 1\nOffset = 0 0 0\n"
         "ElementSpacing = 1 1 1\nDimSize = 10 10 10\nElementType = MET_SHORT\nElementDataFile = LOCAL\n")
-    return ["info", write(f"{folder}/v.mha", head.encode() + SLABS),
-            "--labels-anyway"]
+    return slabs(folder, "v.mha", head)
 
 
 def nifti_extensions(folder, n):
@@ -940,29 +943,19 @@ CASES = [
 
 # ---- Measuring ------------------------------------------------------------------------------------------------------
 
-def make(case, folder, n):
-    """The command line for files that a process of its own makes: this one stays small, whose memory the kernel counts
-    as its children's."""
-    maker = os.fork()
-    if maker == 0:
-        write(f"{folder}/.arguments", json.dumps(case(folder, n)))
-        os._exit(0)
-    if os.waitpid(maker, 0)[1]:
-        sys.exit(f"{case.__name__}: no files")
-    with open(f"{folder}/.arguments", encoding="utf-8") as file:
-        return json.load(file)
-
-
 def run(conus, case, n, limit_s):
     """CPU seconds, peak bytes, the exit code and the message of one process; None where the limit ended it."""
     folder = tempfile.mkdtemp(prefix="growth-")
     try:
-        arguments = [conus, *make(case, folder, n)]
+        arguments = [conus, *case(folder, n)]
         with open(f"{folder}/.err", "w+") as err, open(f"{folder}/.out", "w") as out:
-            child = subprocess.Popen(arguments, stdin=subprocess.DEVNULL, stdout=out, stderr=err,
-                                     env={**os.environ, "CONUS_CACHE": "off"},
-                                     preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, (limit_s, limit_s)))
-            _, status, usage = os.wait4(child.pid, 0)
+            # By way of a shell that ends at once, whose child then is ours: what begins as a copy of this process has
+            # the peak memory of this one.
+            script = f'ulimit -t {limit_s}; "$@" & echo $! >"{folder}/.pid"'
+            subprocess.run(["/bin/sh", "-c", script, "sh", *arguments], stdin=subprocess.DEVNULL, stdout=out, stderr=err,
+                           env={**os.environ, "CONUS_CACHE": "off"}, check=True)
+            with open(f"{folder}/.pid", encoding="utf-8") as file:
+                _, status, usage = os.wait4(int(file.read()), 0)
             err.seek(0)
             said = err.read(100000).strip().split("\n")
     finally:
@@ -1026,6 +1019,7 @@ def main():
     parser.add_argument("--check", action="store_true")
     options = parser.parse_args()
     cases = wanted(CASES, options.only)
+    ctypes.CDLL(None).prctl(36, 1)  # PR_SET_CHILD_SUBREAPER
     if options.check:
         return 1 if check(options.conus, cases) else 0
     make_table(options.conus, cases, options.most, options.limit)

@@ -106,23 +106,6 @@ static void the_corner_is_the_origin(void **state)
     buffer_finish(&b.bytes);
 }
 
-/* One page of these packed bytes. */
-static conus_status read_page(struct bytes *out, const void *packed, size_t size, const struct tiff_field *fields,
-                              size_t count)
-{
-    struct tiff_builder b;
-    struct tiff tiff;
-    tiff_begin(&b, false, false);
-    tiff_add_page(&b, packed, size, fields, count);
-    conus_status status = tiff_parse(&tiff, (const uint8_t *)b.bytes.data, b.bytes.size);
-    if (!status) {
-        status = tiff_unpack(out, &tiff);
-        tiff_finish(&tiff);
-    }
-    buffer_finish(&b.bytes);
-    return status;
-}
-
 /* Codes of 9 bits, the highest bit first. */
 static size_t pack_codes(uint8_t *out, const unsigned *codes, size_t count)
 {
@@ -148,11 +131,11 @@ static void lzw_is_that_of_the_specification(void **state)
     const struct tiff_field fields[] = {LZW(3, 3)};
     uint8_t packed[16];
     struct bytes got = {0};
-    assert_ok(read_page(&got, packed, pack_codes(packed, codes, 9), fields, 3));
+    assert_ok(tiff_read_page(&got, packed, pack_codes(packed, codes, 9), fields, 3));
     assert_int_equal(got.size, 9);
     assert_memory_equal(got.data, wanted, 9);
     bytes_finish(&got);
-    assert_ok(read_page(&got, packed, pack_codes(packed, codes, 8), fields, 3)); /* some leave out the end */
+    assert_ok(tiff_read_page(&got, packed, pack_codes(packed, codes, 8), fields, 3)); /* some leave out the end */
     bytes_finish(&got);
 }
 
@@ -175,7 +158,7 @@ static void damaged_lzw_is_refused(void **state)
         uint8_t packed[16];
         struct bytes got = {0};
         size_t size = pack_codes(packed, cases[i].codes, cases[i].count);
-        assert_fails(read_page(&got, packed, size, fields, 3), CONUS_ERROR_DATA);
+        assert_fails(tiff_read_page(&got, packed, size, fields, 3), CONUS_ERROR_DATA);
         assert_string_equal(conus_message(), "page 0: strip 0: damaged, or not as long as its pixels");
     }
 }
@@ -190,13 +173,13 @@ static void deflate_holds_what_the_page_needs(void **state)
         uLongf length = sizeof packed;
         struct bytes got = {0};
         assert_int_equal(compress(packed, &length, pixels, size), Z_OK);
-        conus_status status = read_page(&got, packed, length, fields, 1);
+        conus_status status = tiff_read_page(&got, packed, length, fields, 1);
         assert_fails(status, size == PIXELS ? CONUS_OK : CONUS_ERROR_DATA);
         if (!status) {
             assert_memory_equal(got.data, pixels, PIXELS);
             bytes_finish(&got);
             packed[length - 1] ^= 1; /* the checksum */
-            assert_fails(read_page(&got, packed, length, fields, 1), CONUS_ERROR_DATA);
+            assert_fails(tiff_read_page(&got, packed, length, fields, 1), CONUS_ERROR_DATA);
         }
     }
 }
@@ -211,7 +194,7 @@ static void differences_are_undone_row_by_row(void **state)
     uLongf length = sizeof packed;
     struct bytes got = {0};
     assert_int_equal(compress(packed, &length, differences, PIXELS), Z_OK);
-    assert_ok(read_page(&got, packed, length, fields, 2));
+    assert_ok(tiff_read_page(&got, packed, length, fields, 2));
     assert_memory_equal(got.data, wanted, PIXELS);
     bytes_finish(&got);
 }

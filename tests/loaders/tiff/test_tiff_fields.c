@@ -11,23 +11,6 @@
 
 enum { PIXELS = 12, SHORT = 3 };
 
-/* One page of these packed bytes. */
-static conus_status read_page(struct bytes *out, const void *packed, size_t size, const struct tiff_field *fields,
-                              size_t count)
-{
-    struct tiff_builder b;
-    struct tiff tiff;
-    tiff_begin(&b, false, false);
-    tiff_add_page(&b, packed, size, fields, count);
-    conus_status status = tiff_parse(&tiff, (const uint8_t *)b.bytes.data, b.bytes.size);
-    if (!status) {
-        status = tiff_unpack(out, &tiff);
-        tiff_finish(&tiff);
-    }
-    buffer_finish(&b.bytes);
-    return status;
-}
-
 /* Page 1 differs from page 0 in one field. */
 static void pages_must_be_alike(void **state)
 {
@@ -69,7 +52,7 @@ static void one_orientation_is_read(void **state)
         const struct tiff_field field = {.tag = TAG_ORIENTATION, .value = orientation, .type = SHORT};
         uint8_t pixels[PIXELS] = {7, 6, 5, 4, 3, 2, 1};
         struct bytes got = {0};
-        conus_status status = read_page(&got, pixels, sizeof pixels, &field, 1);
+        conus_status status = tiff_read_page(&got, pixels, sizeof pixels, &field, 1);
         if (orientation == 1) {
             assert_ok(status);
             assert_memory_equal(got.data, pixels, PIXELS);
@@ -103,7 +86,7 @@ static void fields_have_their_plain_values(void **state)
             const struct tiff_field field = {.tag = cases[i].tag, .value = value, .type = SHORT};
             uint8_t pixels[PIXELS] = {7, 6, 5, 4, 3, 2, 1};
             struct bytes got = {0};
-            conus_status status = read_page(&got, pixels, sizeof pixels, &field, 1);
+            conus_status status = tiff_read_page(&got, pixels, sizeof pixels, &field, 1);
             assert_int_equal(status, cases[i].is_read[value] ? CONUS_OK : CONUS_ERROR_UNSUPPORTED);
             bytes_finish(&got);
         }
@@ -123,7 +106,7 @@ static void numbers_are_of_whole_types(void **state)
             bool is_read = is_whole && (format == 1 || format == 2 || (format == 3 && bits >= 32));
             uint8_t pixels[PIXELS * 16] = {0};
             struct bytes got = {0};
-            conus_status status = read_page(&got, pixels, PIXELS * bits / 8, fields, 2);
+            conus_status status = tiff_read_page(&got, pixels, PIXELS * bits / 8, fields, 2);
             assert_int_equal(status, is_read ? CONUS_OK : CONUS_ERROR_UNSUPPORTED);
             bytes_finish(&got);
         }
@@ -143,13 +126,13 @@ static void three_compressions_are_read(void **state)
     assert_int_equal(compress(packed, &length, pixels, PIXELS), Z_OK);
     for (size_t i = 0; i < 2; i++) {
         const struct tiff_field field = {.tag = TAG_COMPRESSION, .value = deflate[i]};
-        assert_ok(read_page(&got, packed, length, &field, 1));
+        assert_ok(tiff_read_page(&got, packed, length, &field, 1));
         assert_memory_equal(got.data, pixels, PIXELS);
         bytes_finish(&got);
     }
     for (size_t i = 0; i < sizeof refused / sizeof refused[0]; i++) {
         const struct tiff_field field = {.tag = TAG_COMPRESSION, .value = refused[i]};
-        assert_fails(read_page(&got, packed, length, &field, 1), CONUS_ERROR_UNSUPPORTED);
+        assert_fails(tiff_read_page(&got, packed, length, &field, 1), CONUS_ERROR_UNSUPPORTED);
         assert_non_null(strstr(conus_message(), "allowed are 1 (none), 5 (LZW) and 8 (deflate)"));
     }
 }

@@ -3,6 +3,7 @@
 #include "builders/tiff_builder.h"
 
 #include "builders/nifti_builder.h"
+#include "loaders/tiff/tiff.h"
 
 #include <string.h>
 
@@ -96,4 +97,20 @@ void tiff_add_page(struct tiff_builder *builder, const void *data, size_t size, 
     }
     builder->link = builder->bytes.size;
     append(builder, 0, offset_size(builder));
+}
+
+conus_status tiff_read_page(struct bytes *out, const void *packed, size_t size, const struct tiff_field *fields,
+                            size_t count)
+{
+    struct tiff_builder b;
+    struct tiff tiff;
+    tiff_begin(&b, false, false);
+    tiff_add_page(&b, packed, size, fields, count);
+    conus_status status = tiff_parse(&tiff, (const uint8_t *)b.bytes.data, b.bytes.size);
+    if (!status) {
+        status = tiff_unpack(out, &tiff);
+        tiff_finish(&tiff);
+    }
+    buffer_finish(&b.bytes);
+    return status;
 }

@@ -4,6 +4,7 @@
 #define CONUS_TESTS_SUPPORT_BUILDERS_TIFF_BUILDER_H
 
 #include "base/buffer.h"
+#include "base/files/file.h"
 
 #include <stdint.h>
 
@@ -61,5 +62,9 @@ void tiff_link(struct tiff_builder *builder, uint64_t offset);
 
 /** Puts an offset of the file's own size at @p at. */
 void tiff_put(struct tiff_builder *builder, size_t at, uint64_t value);
+
+/** Unpacks the one page of a file with these packed bytes, as tiff_unpack() does. */
+conus_status tiff_read_page(struct bytes *out, const void *packed, size_t size, const struct tiff_field *fields,
+                            size_t count);
 
 #endif
