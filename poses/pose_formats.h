@@ -11,7 +11,7 @@ typedef conus_status (*pose_parser)(conus_pose_list *list, struct text text, con
 /** NULL of a format that is read line by line. */
 pose_parser pose_format_parser(conus_pose_format format);
 
-/** What the first line with data looks like, which ends behind *used bytes; CONUS_POSE_FORMAT_AUTO while it is not @p
+/** The format of the first line with data, which ends behind *used bytes; CONUS_POSE_FORMAT_AUTO while it is not @p
  * all there. JSON is CONUS_POSE_FORMAT_MARKUPS and MATLAB's binary CONUS_POSE_FORMAT_SIMNIBS, whichever program wrote
  * it. */
 conus_pose_format pose_format_guess(struct text text, bool all, size_t *used);

@@ -18,7 +18,7 @@ uint64_t pose_stream_position(const conus_pose_stream *stream);
  */
 conus_status pose_list_parse(conus_pose_list **out, struct text text, const conus_pose_options *options);
 
-/** What messages call the file @p path: itself, or "standard input". */
+/** The name of the file @p path in messages: itself, or "standard input". */
 const char *pose_path_name(const char *path);
 
 #endif

@@ -13,7 +13,7 @@ enum {
     POSE_NAME_SIZE = POSE_ID_LIMIT + 1 /**< One byte more than is allowed, so that more is seen. */
 };
 
-/** What a table's header says. */
+/** The columns that a table's header names. */
 struct pose_table {
     char separator;
     uint8_t of_field[POSE_COLUMN_LIMIT]; /**< Column of each field, POSE_COLUMNS = passed over. */

@@ -39,7 +39,7 @@ static conus_status find_scalar(const struct volume **out, const conus_atlas *at
     return CONUS_OK;
 }
 
-/* Of several grids of labels the one that has the area's voxels. */
+/* Finds the grid of labels that has the area's voxels, among several. */
 static conus_status find_grid(const struct volume **out, const conus_atlas *atlas, uint32_t object, size_t grids)
 {
     *out = object ? atlas_only_volume(atlas, object) : NULL;

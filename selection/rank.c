@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What the scores of Eq. 12 use beside the results: the box around the atlas, what touches the aperture's rim. */
+/* The input of the scores of Eq. 12 beside the results: the box around the atlas, what touches the aperture's rim. */
 #include "selection/rank.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
@@ -51,7 +51,7 @@ static bool is_in_cone(const conus_selection *selection, int64_t i, int64_t j)
     return i >= 0 && j >= 0 && i < n && j < n && selection->in_cone[j * n + i];
 }
 
-/* Of the pixels in the cone, those with a neighbour that is not. */
+/* Marks the objects of pixels in the cone that have a neighbour which is not. */
 static void mark_border(bool *on_border, const conus_selection *selection)
 {
     int64_t n = selection->cone.resolution;

@@ -64,8 +64,8 @@ static void move_entries(conus_selection *selection)
     }
 }
 
-/* What is first of the layers. Of intervals that begin at one place, as where a ray touches cells at an edge, it is
- * what is hit there without layers: that heeds the order of the cells. */
+/* Finds the first hits from the layers. Of intervals that begin at one place, as where a ray touches cells at an edge,
+ * it is what is hit there without layers: that heeds the order of the cells. */
 static conus_status find_first(conus_selection *selection, struct engine *engine)
 {
     struct evidence *first = &selection->evidence;
@@ -110,7 +110,7 @@ size_t selections_at_once(const conus_selector *selector)
     return !selector->engine->functions->trace_many || fitting < 1 ? 1 : fitting;
 }
 
-/* What is visible, of all selections (NULL is passed over) at once. */
+/* Traces what is visible, for all selections (NULL is skipped) at once. */
 static conus_status trace_together(conus_selection *const *selections, size_t count, struct engine *engine)
 {
     struct evidence **evidence = memory_raw(count, sizeof(void *));

@@ -19,20 +19,20 @@ struct conus_selector {
     struct level *level;
     char *level_spec; /**< NULL = none. */
     struct engine *engine;
-    struct engine *axis; /**< What follows axes, exactly and on the CPU; NULL until selector_prepare_axis(). */
+    struct engine *axis; /**< The engine for axes, exact and on the CPU; NULL until selector_prepare_axis(). */
     bool owns_axis;      /**< It is neither the engine nor another selector's. */
     struct aperture aperture;
     struct tally tally;           /**< Prepared for the atlas's objects. */
-    size_t volume_count;          /**< Of the atlas, which may be gone before the selector. */
+    size_t volume_count;          /**< The atlas's, which may be gone before the selector. */
     struct census_labels *labels; /**< [volume_count], those of all that share them. */
     struct census census;
     struct near near;
     struct tract_index *tract_index; /**< NULL until selector_prepare_tracts(), and without bundles. */
     bool owns_tract_index;           /**< It is not another selector's. */
     struct tract_census tracts;
-    struct solids solids; /**< What is counted of surfaces; with all layers, and for balls. */
+    struct solids solids; /**< Volumes of surfaces in the cone; with all layers, and for balls. */
     double *whole;        /**< [object_count + 1] Volumes of what is reported, mm^3; with all layers. */
-    bool inside_only;     /**< Of its selections only the pixels in the cone will be traced. */
+    bool inside_only;     /**< Only the pixels in the cone will be traced in its selections. */
     bool is_shared;       /**< Engine, level and volumes are another selector's. */
 };
 

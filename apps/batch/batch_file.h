@@ -30,7 +30,7 @@ int batch_file_open(struct batch_file *out, const char *path, const char *finger
 /** Whether there is an unfinished batch that is to become the file @p path. */
 bool batch_file_is_begun(const char *path);
 
-/** What the journal says of a block. */
+/** A block's line in the journal. */
 struct batch_entry {
     uint64_t poses, errors, size;
     uint32_t crc;

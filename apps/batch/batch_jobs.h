@@ -7,11 +7,11 @@
 
 struct batch_job {
     const char *atlas, *poses, *output;
-    size_t line; /**< Of the table, from 1. */
+    size_t line; /**< Line of the table, from 1. */
 };
 
 struct batch_jobs {
-    char *text; /**< What the jobs point into. */
+    char *text; /**< The jobs point into it. */
     struct batch_job *jobs;
     size_t count;
 };

@@ -13,14 +13,14 @@ struct batch_record {
     char fingerprint[65]; /**< SHA-256 of all that the rows depend on but the shard. */
     struct shard shard;
     uint64_t first, poses, errors; /**< First pose (from 0), how many, and those without an answer. */
-    uint64_t bytes, header_size;   /**< Of the file, and of the header row in it. */
+    uint64_t bytes, header_size;   /**< Size of the file, and of the header row in it. */
     uint64_t atlases;              /**< Read back: how many were asked, each with rows of its own. */
-    uint32_t crc;                  /**< Of the file's bytes. */
+    uint32_t crc;                  /**< CRC-32 of the file's bytes. */
     const char *pose_file;         /**< As given; NULL = as the sidecar says already, */
     const char *pose_hash;         /**< its SHA-256, "" of standard input, */
     const char *coordsystem;       /**< The file that says what its positions are in; "" = none, */
     const char *coordsystem_hash;  /**< its SHA-256, */
-    const char *level_file;        /**< Of areas, "--level @FILE"; NULL = none. */
+    const char *level_file;        /**< The list of areas, "--level @FILE"; NULL = none. */
     double angle;                  /**< and the angle of poses without one, degrees; */
     bool has_angles, has_points;   /**< poses may have angles of their own, or be points. */
 };

@@ -21,19 +21,19 @@ struct batch_run {
     char *sidecar;      /**< Path; NULL without output. */
     char *command_line;
     conus_format format;
-    conus_contacts contacts; /**< Of --contacts. */
+    conus_contacts contacts; /**< From --contacts. */
     struct shard shard;
     uint64_t first, count; /**< Poses to answer; count UINT64_MAX = all from there on. */
     conus_pose_stream *poses;
     bool piped; /**< The poses can be read only once: from standard input or a named pipe. */
     struct atlases atlases;
-    conus_frame frame;          /**< Of positions. */
+    conus_frame frame;          /**< The space of positions. */
     conus_selector **selectors; /**< [atlases.count] */
     conus_astray *astray;       /**< [atlases.count] Findings about the poses, after batch_run_find_astray(). */
     conus_batch *batch;
     struct batch_file file; /**< The output, and how many poses are answered. With MPI only rank 0 opens it. */
     struct progress progress;
-    struct first_error first_error; /**< Of the poses answered since the run began. */
+    struct first_error first_error; /**< Among the poses answered since the run began. */
     char fingerprint[65], pose_hash[65];
 };
 

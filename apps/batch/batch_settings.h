@@ -31,9 +31,9 @@ struct shard {
     uint64_t index, count;
 };
 
-extern const struct option_group batch_groups[]; /**< Of struct batch_settings. */
+extern const struct option_group batch_groups[]; /**< For struct batch_settings. */
 
-/** What the rows are written in: --format (of segments besides rows not), else what the ending of --output says, TSV
+/** The format of the rows: --format (not that of segments besides rows), else what the ending of --output says, TSV
  * where that is no file. False, after an error message, for a file whose ending says nothing. */
 bool batch_format(conus_format *out, const struct batch_settings *settings, const struct arguments *arguments);
 

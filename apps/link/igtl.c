@@ -44,7 +44,7 @@ static void put_float(uint8_t *bytes, double value)
     put(bytes, 4, bits);
 }
 
-/* Of a field that need not end with a NUL; control characters become "?". */
+/* Copies a field that need not end with a NUL; control characters become "?". */
 static void get_name(char *out, const uint8_t *bytes, size_t size)
 {
     for (size_t i = 0; i < size; i++) {

@@ -16,9 +16,9 @@
 enum {
     IGTL_HEADER = 58,
     IGTL_NAME = 21,              /**< Names of devices and tools, with the final NUL.                       */
-    IGTL_TOOLS = 32,             /**< Of one message; more are left out and counted.                       */
-    IGTL_BODY_LIMIT = 64 * 1024, /**< Of a message that is read.                                           */
-    IGTL_SKIP_LIMIT = 64 << 20   /**< Of a message of another kind, which is passed over.                  */
+    IGTL_TOOLS = 32,             /**< In one message; more are left out and counted.                       */
+    IGTL_BODY_LIMIT = 64 * 1024, /**< For a message that is read.                                           */
+    IGTL_SKIP_LIMIT = 64 << 20   /**< For a message of another kind, which is skipped.                  */
 };
 
 /** Where a tool is. */
@@ -28,14 +28,14 @@ struct igtl_pose {
     bool lost;         /**< The sender does not see the tool: it sent the identity.                */
 };
 
-/** What one message said of tools. */
+/** The poses of tools in one message. */
 struct igtl_poses {
     struct igtl_pose tools[IGTL_TOOLS];
     size_t count;
     double time_s; /**< The sender's clock, s since 1970; 0 if it has none. */
 };
 
-/** What was not as it should be, counted. */
+/** Counts of what was wrong. */
 struct igtl_counts {
     uint64_t messages; /**< Whole ones, of any kind.                            */
     uint64_t poses;
@@ -46,7 +46,7 @@ struct igtl_counts {
 /** A stream of messages on its way in. A zeroed one is ready. */
 struct igtl_reader {
     uint8_t bytes[IGTL_HEADER + IGTL_BODY_LIMIT];
-    size_t size;    /**< Of them, used.                                    */
+    size_t size;    /**< Bytes of them in use.                                    */
     uint64_t skip;  /**< Bytes of a body that is passed over.              */
     uint64_t valid; /**< Messages that the last igtl_read() ended, of a kind that is read, as they should be. */
     struct igtl_counts counts;

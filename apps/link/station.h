@@ -14,9 +14,9 @@ enum { STATION_PORT = 18944 };
 struct station;
 
 struct station_options {
-    const char *host;      /**< Connect to it; NULL = wait to be connected to.                                  */
-    const char *listen;    /**< Address to wait on; NULL = 127.0.0.1: no other machine.                         */
-    uint16_t port;         /**< Of a host, 0 = STATION_PORT; to wait on, 0 = one that is free.                    */
+    const char *host;   /**< Connect to it; NULL = wait to be connected to.                                  */
+    const char *listen; /**< Address to wait on; NULL = 127.0.0.1: no other machine.                         */
+    uint16_t port; /**< Port of a host, 0 = STATION_PORT; port to wait on, 0 = one that is free.                    */
     const char *tool;      /**< Name of the tool that points; NULL = the first that comes.      */
     const char *second;    /**< Name of a second tool that points; NULL = none.                              */
     const char *reference; /**< Poses are taken in this tool's frame, the subject's head, say; NULL = as they come. */
@@ -28,7 +28,7 @@ struct station_options {
     double tracker_from_screen[16]; /**< The screen's middle, +x to its right, +y up, +z to the viewer, in the sender's
                                          frame; column-major, rigid; all 0 = the identity.                      */
     bool lps;        /**< The sender's frame is LPS, not RAS.                                             */
-    conus_axis axis; /**< Of the tool, along which it points; CONUS_AXIS_OF_FORMAT = -z.                     */
+    conus_axis axis; /**< The tool's axis along which it points; CONUS_AXIS_OF_FORMAT = -z.                     */
 };
 
 enum station_state {
@@ -49,15 +49,15 @@ struct station_head {
 /** Where a second tool is. */
 struct station_tool {
     enum station_state state;
-    conus_pose pose; /**< Of the device in the world, where state is STATION_SEEN.   */
-    uint64_t number; /**< Of this pose, from 1; 0 = none yet. */
+    conus_pose pose; /**< Pose of the device in the world, where state is STATION_SEEN.   */
+    uint64_t number; /**< Number of this pose, from 1; 0 = none yet. */
 };
 
 /** The state of things. */
 struct station_news {
     enum station_state state;
-    conus_pose pose; /**< Of the device in the world, where state is STATION_SEEN.   */
-    uint64_t number; /**< Of this pose, from 1: tells a new one from the same again. */
+    conus_pose pose; /**< Pose of the device in the world, where state is STATION_SEEN.   */
+    uint64_t number; /**< Number of this pose, from 1: tells a new one from the same again. */
     double age_s;    /**< Since it arrived.                                          */
     double time_s;   /**< The sender's clock.                                        */
     struct station_head head;

@@ -166,7 +166,7 @@ static int open_batch(struct run *run, const struct batch_settings *settings, co
     return agree(code);
 }
 
-/* What rank 0 finds in the file decides where all begin. */
+/* Rank 0 opens the file and tells all where to begin. */
 static int open_output(struct run *run)
 {
     enum { CODE, FINISHED, POSES, SIZE, COUNT };
@@ -428,7 +428,7 @@ static int read_command(struct arguments *arguments, struct batch_settings *sett
     return options_parse(arguments, settings, &batch, count, words, named ? 2 : 1);
 }
 
-/* What is wrong with the command line is said by rank 0, which the others wait for. */
+/* Rank 0 prints what is wrong with the command line; the others wait for it. */
 static int answer_command(const struct cluster *cluster, int count, char **words)
 {
     struct arguments arguments = {.command = &batch};

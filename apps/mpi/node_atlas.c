@@ -51,7 +51,7 @@ static struct address offer_atlas(const conus_atlas *atlas)
     return address;
 }
 
-/* What is at the address, if it is what was put there: processes have other numbers in other containers. */
+/* Opens the file at the address; -1 if it is another one: processes have other numbers in other containers. */
 static int open_address(const struct address *address)
 {
     char path[64];

@@ -15,7 +15,7 @@ struct coordinator; /* of rank 0 */
 
 struct ordered_file {
     MPI_File file;
-    const char *path;                /**< What the file becomes, for messages. */
+    const char *path;                /**< The final name, for messages. */
     struct coordinator *coordinator; /**< NULL on other ranks than 0. */
     int stop;                        /**< Why all are to stop, 0 to continue: an exit code, 128 and more of a signal. */
     bool has_next;                   /**< `next` is the number of a part that is this rank's to answer. */

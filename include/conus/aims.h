@@ -38,7 +38,7 @@ typedef struct conus_astray {
 
 /** In what other way the first of some odd poses may have been meant. */
 typedef struct conus_reading {
-    uint32_t object;   /**< What it hits first, so read, from outside of it; 0 = there is no such way. */
+    uint32_t object;   /**< The object hit first in that case, from outside of it; 0 = there is no such way. */
     bool of_tiny;      /**< It is about conus_astray.tiny, and the other findings about that pose mean nothing. Else it
                           is about conus_astray.away. */
     const char *words; /**< "with x and y negated (LPS for RAS)", text of the library; NULL if object is 0. */

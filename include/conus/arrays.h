@@ -34,7 +34,7 @@ typedef enum conus_scalar {
 typedef struct conus_voxels {
     size_t struct_size;          /**< Its size, as #CONUS_VOXELS_INIT sets it; 0 = that of this version. */
     const void *data;            /**< Voxel (0, 0, 0). Only read, and only during the call. */
-    conus_scalar type;           /**< Of each voxel. Voxels need no alignment. */
+    conus_scalar type;           /**< Type of each voxel. Voxels need no alignment. */
     bool swapped;                /**< They have the other byte order than this machine. */
     size_t dim[3];               /**< Voxels along i, j, k; each at least 1. */
     ptrdiff_t stride[3];         /**< Bytes from a voxel to the next along i, j, k; may be negative. All 0 = i fastest,
@@ -47,7 +47,7 @@ typedef struct conus_voxels {
 /** No voxels, and the size of the struct that the caller was compiled with. */
 #define CONUS_VOXELS_INIT CONUS_INIT_(conus_voxels)
 
-/** What is known of an area. */
+/** A row of a label table: an area and its name. */
 typedef struct conus_label {
     uint32_t number;          /**< The atlas's own label of the area; not 0, which is background. */
     const char *name;         /**< UTF-8; NULL = it is called by its number. */

@@ -105,7 +105,7 @@ typedef struct conus_pathway_options {
     const conus_band *bands; /**< [band_count] Each band is a pathway of its own; they have no value in common. With
                                 them, threshold is 0 and name NULL. Copied. */
     size_t band_count;       /**< Up to 4096; 0 = one pathway, by the threshold. */
-    bool cache;              /**< Of one volume of a packed 4-D file: keeps where its volumes lie in the user's cache
+    bool cache;              /**< For one volume of a packed 4-D file: keeps where its volumes lie in the user's cache
                                 folder, and takes it from there the next time: see cache.h. */
 } conus_pathway_options;
 
@@ -147,8 +147,8 @@ typedef struct conus_context_options {
     uint64_t max_memory;    /**< As conus_load_options.max_memory. */
     conus_log log;          /**< As conus_load_options.log. */
     void *log_user;         /**< Passed to @p log. */
-    double opacity;         /**< Of a surface, above 0 to 1; 0 = 0.25. Of a volume the transfer function says it. */
-    bool cache;             /**< As conus_pathway_options.cache. */
+    double opacity; /**< Opacity of a surface, above 0 to 1; 0 = 0.25. That of a volume is in its transfer function. */
+    bool cache;     /**< As conus_pathway_options.cache. */
 } conus_context_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -178,7 +178,7 @@ CONUS_CHECKED conus_status conus_atlas_set_context(conus_atlas *atlas, const cha
  */
 CONUS_API bool conus_context_is_surface(const char *path);
 
-/** What the vectors of a deformation field are. */
+/** The meaning of the vectors of a deformation field. */
 typedef enum conus_vectors {
     CONUS_VECTORS_AS_STATED = 0, /**< As its header says; FSL's that say nothing, as they look. */
     CONUS_VECTORS_RELATIVE,      /**< Displacements: ITK's in LPS, FSL's between its two images. */
@@ -188,13 +188,13 @@ typedef enum conus_vectors {
 /** How conus_atlas_transform() reads. */
 typedef struct conus_transform_options {
     size_t struct_size;  /**< Its size, as #CONUS_TRANSFORM_OPTIONS_INIT sets it; 0 = that of this version. */
-    const char *from;    /**< Of FSL's files: path of the image whose points it moves; NULL otherwise. */
-    const char *to;      /**< Of FSL's files: path of the image to which it moves them; NULL otherwise. */
+    const char *from;    /**< For FSL's files: path of the image whose points it moves; NULL otherwise. */
+    const char *to;      /**< For FSL's files: path of the image to which it moves them; NULL otherwise. */
     bool inverse;        /**< The file moves points of the atlas to where poses are; of affines only. */
     const char *grid;    /**< Path of a volume, in the space from which the file takes points: voxels that a field moves
                             are resampled on its grid. NULL = on that of the field. */
     uint64_t max_memory; /**< As conus_load_options.max_memory, of the field and of what it resamples. */
-    conus_vectors vectors; /**< Of fields: what their vectors are. */
+    conus_vectors vectors; /**< For fields: the meaning of their vectors. */
 } conus_transform_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */

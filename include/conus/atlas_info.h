@@ -16,7 +16,7 @@
 extern "C" {
 #endif
 
-/** What an object or a result is. */
+/** Kind of an object or a result. */
 typedef enum conus_kind {
     CONUS_KIND_AREA = 1,   /**< An area of a parcellation or of a probabilistic atlas, a mesh, or a group of areas. */
     CONUS_KIND_PATHWAY,    /**< A scalar volume from a threshold on, or in a band of values. */
@@ -36,17 +36,17 @@ typedef struct conus_object {
     uint32_t parent;          /**< Number of the object that contains it in the area tree, 0 if none. */
     uint64_t voxels;          /**< Its own voxels, without those of its children. */
     double volume_mm3;        /**< The volume of these, mm^3. */
-    uint64_t triangles;       /**< Of its surface, where the area is a mesh (then voxels is 0). */
+    uint64_t triangles;       /**< Triangles of its surface, where the area is a mesh (then voxels is 0). */
     bool closed;   /**< That surface bounds a solid. volume_mm3 is 0 if it does not, and if its parts overlap or face
                       different ways, so that its volume is not known. */
     bool is_band;  /**< A pathway that is a band of values; other pathways may be of the same volume. */
-    size_t volume; /**< Of what has voxels: index of its volume, for conus_atlas_volume(); else 0. */
-    double low;    /**< Of these: the least value of its voxels, its threshold; -INFINITY = any. Else 0. */
-    double high;   /**< Of these: its voxels' values are below it; INFINITY = any. Else 0. */
-    uint64_t streamlines; /**< Of a bundle: how many it has; else 0. */
-    uint64_t points;      /**< Of these. */
-    double length_mm;     /**< Of these, added up, mm. */
-    double radius;        /**< Of a bundle: a ray hits what is nearer than this to a streamline, mm (Eq. 18). Else 0. */
+    size_t volume; /**< For an object with voxels: index of its volume, for conus_atlas_volume(); else 0. */
+    double low;    /**< For these: the least value of its voxels, its threshold; -INFINITY = any. Else 0. */
+    double high;   /**< For these: its voxels' values are below it; INFINITY = any. Else 0. */
+    uint64_t streamlines; /**< For a bundle: the number of its streamlines; else 0. */
+    uint64_t points;      /**< Points of these. */
+    double length_mm;     /**< Total length of these, mm. */
+    double radius;        /**< For a bundle: a ray hits a streamline that is nearer than this, mm (Eq. 18). Else 0. */
 } conus_object;
 
 /**
@@ -103,7 +103,7 @@ CONUS_API const char *conus_atlas_kind_word(const conus_atlas *atlas, size_t num
  */
 CONUS_CHECKED conus_status conus_atlas_find(uint32_t *out, const conus_atlas *atlas, const char *name);
 
-/** What a volume is for. */
+/** Role of a volume. */
 typedef enum conus_role {
     CONUS_ROLE_PARCELLATION = 1, /**< Its values are labels of areas. */
     CONUS_ROLE_SCALAR,           /**< Its values make a pathway, or several. */
@@ -113,25 +113,25 @@ typedef enum conus_role {
 
 /** A volume of an atlas. */
 typedef struct conus_volume_info {
-    conus_role role;             /**< What it is for. */
-    const char *path;            /**< Of the voxels, or of a header of text, as opened: bytes, not always UTF-8. */
-    char sha256[65];             /**< Of that file, in hexadecimal; of a header of text with its voxels behind it. */
-    char format[48];             /**< "NIfTI-1, gzip, big-endian". */
-    char datatype[16];           /**< "uint8", "float64". */
-    size_t dim[3];               /**< Voxels along i, j, k. */
-    size_t volume;               /**< Which volume of a 4-D file, from 0. */
-    size_t volume_count;         /**< How many volumes the file has. */
+    conus_role role;     /**< Its role. */
+    const char *path;    /**< Path of the voxels, or of a header of text, as opened: bytes, not always UTF-8. */
+    char sha256[65];     /**< SHA-256 of that file, in hexadecimal; of a header of text with its voxels behind it. */
+    char format[48];     /**< "NIfTI-1, gzip, big-endian". */
+    char datatype[16];   /**< "uint8", "float64". */
+    size_t dim[3];       /**< Voxels along i, j, k. */
+    size_t volume;       /**< Which volume of a 4-D file, from 0. */
+    size_t volume_count; /**< How many volumes the file has. */
     double world_from_voxel[16]; /**< Maps voxel indices (centres at whole numbers) to world mm. */
     double spacing[3];           /**< Edge lengths of a voxel in mm. */
     char orientation[4];         /**< Towards which i, j, k grow: "RAS", "LPI". */
     char transform[96];          /**< Where world_from_voxel comes from: "sform, code 4 (MNI 152)". */
     int space_code;              /**< NIfTI's code of the space that it maps to, 4 for MNI 152; 0 if unknown. */
-    double slope;                /**< Of the stored values; 1 if unscaled. */
-    double intercept;            /**< Of the stored values; 0 if unscaled. */
-    double minimum;              /**< Of the scaled values. */
-    double maximum;              /**< Of the scaled values. */
-    double threshold; /**< Of a pathway that is no band, of an area of a probabilistic atlas, or of a context that
-                         blocks; else 0. */
+    double slope;                /**< Slope of the stored values; 1 if unscaled. */
+    double intercept;            /**< Intercept of the stored values; 0 if unscaled. */
+    double minimum;              /**< Least of the scaled values. */
+    double maximum;              /**< Largest of the scaled values. */
+    double threshold; /**< Threshold of a pathway that is no band, of an area of a probabilistic atlas, or of a context
+                         that blocks; else 0. */
 } conus_volume_info;
 
 /**
@@ -157,7 +157,7 @@ CONUS_API const conus_volume_info *conus_atlas_volume(const conus_atlas *atlas, 
 typedef struct conus_context_surface {
     size_t struct_size; /**< Its size, as #CONUS_CONTEXT_SURFACE_INIT sets it; 0 = that of this version. */
     const char *path;   /**< UTF-8 where the file system has it so. Borrowed until the atlas ends. */
-    size_t vertices;    /**< Of the file. */
+    size_t vertices;    /**< In the file. */
     size_t triangles;   /**< Those without area are left out. */
     bool closed;        /**< Every edge is of two triangles: it has an inside. */
     char hemisphere;    /**< 'L', 'R', 'B', or 0 where the file does not say. */
@@ -220,7 +220,7 @@ typedef struct conus_placement {
     bool has_context;   /**< There is a context, and the last three are known: its volume, or else closed surfaces. */
     bool is_warped;     /**< By a deformation field: the matrix, growth and own box are NAN, mirrors is false. */
     double atlas_from_world[16]; /**< From where it lies to its own space, that of its files. */
-    double growth;               /**< What is 1 mm^3 in its own space is so much here. */
+    double growth;               /**< Volume here of 1 mm^3 in its own space, mm^3. */
     double own_low[3];           /**< Lowest x, y, z of the box around it in its own space, mm. */
     double own_high[3];          /**< The highest. */
     double low[3];               /**< Lowest x, y, z of the box around it here, world mm. */

@@ -28,7 +28,7 @@ typedef struct conus_batch_options {
     uint32_t threads;   /**< That answer poses, up to 1024; 0 = as many as processors that the process may use. With the
                            gl engine there is one, the caller's. */
     uint32_t block;     /**< Poses per block, up to 65536; 0 = 256. Memory grows with threads times block. */
-    double angle;       /**< Of poses that have none of their own, radians; 0 = 10 degrees, or a cylinder's 0. */
+    double angle;       /**< For poses that have none of their own, radians; 0 = 10 degrees, or a cylinder's 0. */
     conus_report_options report; /**< Its format is neither #CONUS_FORMAT_TABLE nor #CONUS_FORMAT_JSON. A probe,
                                     #CONUS_FORMAT_SPIKEGLX or #CONUS_FORMAT_OPEN_EPHYS, is one block of up to 65535
                                     contacts, whatever block says, and must be all that is in the stream. */

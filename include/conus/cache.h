@@ -29,10 +29,11 @@ typedef struct conus_cache conus_cache; /**< A list of what is kept. */
 
 /** Something that is kept. */
 typedef struct conus_cache_entry {
-    const char *file;  /**< Its name in the folder. */
-    const char *kind;  /**< "atlas", "index" or "surfaces". */
-    const char *path;  /**< Of an atlas: what was loaded; of an index: the packed file; bytes, absolute, and without
-                          links and dots as far as it is there. "" of surfaces, and where the file does not say. */
+    const char *file; /**< Its name in the folder. */
+    const char *kind; /**< "atlas", "index" or "surfaces". */
+    const char
+        *path; /**< For an atlas: the file that was loaded; for an index: the packed file; bytes, absolute, and without
+                  links and dots as far as it is there. "" of surfaces, and where the file does not say. */
     uint64_t size;     /**< Bytes. */
     int64_t last_used; /**< Seconds since 1970. */
 } conus_cache_entry;

@@ -15,7 +15,7 @@
 extern "C" {
 #endif
 
-typedef struct conus_catalogue conus_catalogue; /**< What was found, and where it was looked for. */
+typedef struct conus_catalogue conus_catalogue; /**< The atlases found, and the places searched. */
 
 /** How conus_catalogue_create() looks. */
 typedef struct conus_catalogue_options {

@@ -105,7 +105,7 @@ CONUS_API const conus_connection *conus_connectivity_pair(const conus_connectivi
 
 /** The pairs as a table, area by area. */
 typedef struct conus_connection_matrix {
-    size_t count;                /**< Of areas that have an end, and of what has none where it has. */
+    size_t count; /**< Number of areas that have an end, and one more for ends in no area, where there are any. */
     const uint32_t *areas;       /**< [count] Their numbers, ascending; 0, the ends without an area, is last. */
     const uint64_t *streamlines; /**< [count count] How many connect the two, symmetric. On the diagonal: both ends are
                                     in the area. */

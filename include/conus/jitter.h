@@ -33,7 +33,7 @@ typedef struct conus_jitter_options {
 
 /** The chances of one object. */
 typedef struct conus_chance {
-    conus_kind kind; /**< What it is. */
+    conus_kind kind; /**< Its kind. */
     uint32_t object; /**< Number in the atlas; 0 for #CONUS_KIND_UNASSIGNED. */
     uint32_t rank;   /**< From 1, by hit; 0 for #CONUS_KIND_UNASSIGNED. */
     double hit; /**< Probability that it is the one hit: of the objects that pixels hit first, the one that the selector

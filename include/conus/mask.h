@@ -17,7 +17,7 @@ extern "C" {
 
 typedef struct conus_grid conus_grid; /**< Numbers on an atlas's voxel grid, to be written. */
 
-/** What the numbers on a grid are. */
+/** The meaning of the numbers on a grid. */
 typedef enum conus_grid_content {
     CONUS_GRID_MASK_OF_AREAS = 0, /**< 1 in every area's voxels in the region. */
     CONUS_GRID_MASK_OF_REGION,    /**< 1 in all voxels in the region, background too. */
@@ -28,7 +28,7 @@ typedef enum conus_grid_content {
 /** How conus_selection_grid() fills a grid. */
 typedef struct conus_grid_options {
     size_t struct_size;         /**< Its size, as #CONUS_GRID_OPTIONS_INIT sets it; 0 = that of this version. */
-    conus_grid_content content; /**< What the numbers are. */
+    conus_grid_content content; /**< The meaning of the numbers. */
     uint32_t object; /**< Only this object and those below it in the area tree; 0 = all. A map of values needs a pathway
                         here, unless there is only one; a mask of one is made with it, too. Of the region it only
                         chooses the grid, and must be a pathway, or an area where areas lie on several grids. */

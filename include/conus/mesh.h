@@ -28,12 +28,12 @@ typedef enum conus_mesh_format {
 /** How conus_atlas_write_meshes() makes surfaces. */
 typedef struct conus_mesh_options {
     size_t struct_size;       /**< Its size, as #CONUS_MESH_OPTIONS_INIT sets it; 0 = that of this version. */
-    conus_mesh_format format; /**< Of the files. */
+    conus_mesh_format format; /**< Format of the files. */
     uint32_t smooth;          /**< Iterations of windowed-sinc smoothing, 1 to 1000; 0 = 5. */
-    double pass_band;         /**< Of the smoothing, up to 2; less is smoother; 0 = 0.7. */
+    double pass_band;         /**< Pass band of the smoothing, up to 2; less is smoother; 0 = 0.7. */
     bool no_smoothing;        /**< Leave the voxels' steps as they are. */
     double decimate;          /**< Part of the triangles that decimation removes, in [0, 1). */
-    uint64_t max_memory;      /**< Of the program that makes the surfaces, in bytes; 0 = 8 GiB. */
+    uint64_t max_memory;      /**< Limit for the program that makes the surfaces, bytes; 0 = 8 GiB. */
     conus_progress progress;  /**< NULL = no callback. */
     void *progress_user;      /**< Passed to @p progress. */
     conus_log log;            /**< Notes about the surfaces; NULL = silent. */

@@ -17,7 +17,7 @@ extern "C" {
 #endif
 
 typedef struct conus_roi conus_roi;         /**< A region of interest: a set of voxels of a volume. */
-typedef struct conus_overlap conus_overlap; /**< What a region of interest covers. */
+typedef struct conus_overlap conus_overlap; /**< The areas and pathways that a region of interest covers. */
 
 /** How a region of interest is read. */
 typedef struct conus_roi_options {
@@ -88,14 +88,14 @@ CONUS_API uint64_t conus_roi_voxels(const conus_roi *roi);
  * is in no surface, or in one of several that are reported as one area, is measured round 4 x 4 lines through each
  * voxel. */
 typedef struct conus_coverage {
-    conus_kind kind;      /**< What it is; #CONUS_KIND_UNASSIGNED: what of the region is in no object. */
-    uint32_t object;      /**< Number in the atlas, as it is reported (level); 0 for #CONUS_KIND_UNASSIGNED. */
-    double volume;        /**< Of the part that is in both, mm³. */
-    double fraction;      /**< That part of the object, up to 1; NaN for #CONUS_KIND_UNASSIGNED, and where the object's
-                             volume is unknown. */
-    double roi_fraction;  /**< That part of the region. Areas and pathways may overlap: these need not sum to 1. */
-    double peak;          /**< Of the region's voxels that are in it at least in part: the value farthest from 0 on the
-                             threshold's side; of a mask its value. */
+    conus_kind kind;     /**< Its kind; #CONUS_KIND_UNASSIGNED: the part of the region in no object. */
+    uint32_t object;     /**< Number in the atlas, as it is reported (level); 0 for #CONUS_KIND_UNASSIGNED. */
+    double volume;       /**< Volume of the part that is in both, mm³. */
+    double fraction;     /**< That part of the object, up to 1; NaN for #CONUS_KIND_UNASSIGNED, and where the object's
+                            volume is unknown. */
+    double roi_fraction; /**< That part of the region. Areas and pathways may overlap: these need not sum to 1. */
+    double peak; /**< Among the region's voxels that are in it at least in part: the value farthest from 0 on the
+                    threshold's side; of a mask its value. */
     double peak_point[3]; /**< Centre of that voxel, world mm; of several the first in the file. */
 } conus_coverage;
 

@@ -45,7 +45,7 @@ typedef struct conus_renderer_options {
     size_t struct_size;   /**< Its size, as #CONUS_RENDERER_OPTIONS_INIT sets it; 0 = that of this version. */
     const char *transfer; /**< Preset name or TF file (docs/formats.md) of the context; NULL = the manifest's, or else
                              "brain". */
-    uint64_t max_memory;  /**< Of textures, and of a picture, in bytes; 0 = 8 GiB. */
+    uint64_t max_memory;  /**< Limit for textures, and for a picture, bytes; 0 = 8 GiB. */
     conus_log log;        /**< NULL = silent. */
     void *log_user;       /**< Passed to @p log. */
     const conus_pathway_transfer *pathways; /**< [pathway_count] Pathways that are haze in place of surfaces; only the
@@ -147,14 +147,14 @@ typedef enum conus_legend {
     CONUS_LEGEND_NONE        /**< Nowhere; letters of directions and the scale stay. */
 } conus_legend;
 
-/** What lies behind a drawing. */
+/** The background of a drawing. */
 typedef enum conus_background {
     CONUS_BACKGROUND_LIGHT = 0,  /**< A light grey, darker below. */
     CONUS_BACKGROUND_COLOUR,     /**< One colour. */
     CONUS_BACKGROUND_TRANSPARENT /**< Nothing; text is dark. */
 } conus_background;
 
-/** What conus_render() draws. */
+/** Options of conus_render(). */
 typedef struct conus_view {
     size_t struct_size;   /**< Its size, as #CONUS_VIEW_INIT sets it; 0 = that of this version. */
     uint32_t width;       /**< Pixels, 1 to 16384; 0 = 1400. */
@@ -174,7 +174,7 @@ typedef struct conus_view {
                             surfaces, says, 1 = gone. */
     conus_side side;     /**< Without a camera: from where the whole atlas is seen. */
     conus_legend legend; /**< Where the legend is; it is there with a selection or coloured streamlines. */
-    conus_background background; /**< What lies behind. */
+    conus_background background; /**< The background. */
     uint8_t background_rgb[3];   /**< sRGB, of #CONUS_BACKGROUND_COLOUR. */
     double dpi; /**< Pixels per inch, up to 100000: letters have 7.5 points, and files say it; 0 = not known, letters
                    are as high as a 54th of the shorter side. */

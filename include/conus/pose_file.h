@@ -63,7 +63,7 @@ CONUS_API const char *conus_pose_format_name(size_t index);
 /** How files of poses are read. */
 typedef struct conus_pose_options {
     size_t struct_size;       /**< Its size, as #CONUS_POSE_OPTIONS_INIT sets it; 0 = that of this version. */
-    conus_space space;        /**< Of the numbers in the file, where it does not say so itself. */
+    conus_space space;        /**< Space of the numbers in the file, where it does not say so itself. */
     conus_axis axis;          /**< Where the file gives rotations. */
     conus_pose_format format; /**< The format. */
     bool along_shafts;        /**< #CONUS_POSE_FORMAT_ELECTRODES: not points, but poses at the contacts that point along

@@ -39,18 +39,18 @@ typedef enum conus_format {
     CONUS_FORMAT_OPEN_EPHYS /**< The areas of a probe's channels, from 0. */
 } conus_format;
 
-/** What a report has rows of; each with its own columns. */
+/** Kind of a report's rows; each with its own columns. */
 typedef enum conus_rows {
-    CONUS_ROWS_ANSWERS = 0, /**< Of conus_report_add(). */
+    CONUS_ROWS_ANSWERS = 0, /**< From conus_report_add(). */
     CONUS_ROWS_SHARES, /**< The same with the angle, and for people a table of shares by angle; answers in a row that
                      have one id belong together. */
-    CONUS_ROWS_ADMISSIONS, /**< Of conus_report_add_sweep(). */
-    CONUS_ROWS_CHANCES,    /**< Of conus_report_add_jitter(). */
-    CONUS_ROWS_SUMMARIES,  /**< Of conus_report_add(), one row each: the best, the runner-up, and by how much. Not as
+    CONUS_ROWS_ADMISSIONS, /**< From conus_report_add_sweep(). */
+    CONUS_ROWS_CHANCES,    /**< From conus_report_add_jitter(). */
+    CONUS_ROWS_SUMMARIES,  /**< From conus_report_add(), one row each: the best, the runner-up, and by how much. Not as
                           #CONUS_FORMAT_TABLE. */
-    CONUS_ROWS_COVERAGES,  /**< Of conus_report_add_overlap(). */
-    CONUS_ROWS_SEGMENTS,   /**< Of conus_report_add_segments(). */
-    CONUS_ROWS_CONNECTIONS /**< Of conus_report_add_connections(). */
+    CONUS_ROWS_COVERAGES,  /**< From conus_report_add_overlap(). */
+    CONUS_ROWS_SEGMENTS,   /**< From conus_report_add_segments(). */
+    CONUS_ROWS_CONNECTIONS /**< From conus_report_add_connections(). */
 } conus_rows;
 
 /** The order of the answers to a query. */
@@ -68,25 +68,26 @@ typedef struct conus_contacts {
     double tip;       /**< mm from the tip to the first row. */
 } conus_contacts;
 
-/** What a report holds and how it is written. */
+/** The content of a report, and how it is written. */
 typedef struct conus_report_options {
     size_t struct_size;           /**< Its size, as #CONUS_REPORT_OPTIONS_INIT sets it; 0 = that of this version. */
-    conus_rows rows;              /**< What it has rows of. */
+    conus_rows rows;              /**< Kind of its rows. */
     conus_format format;          /**< Its format. */
-    conus_space space;            /**< Of the positions written. */
+    conus_space space;            /**< Space of the positions written. */
     bool all_voxels;              /**< conus_report_voxels(): areas' voxels too, not only pathways'. */
     bool no_voxels;               /**< Do not keep any for it: quicker, and less memory. */
     const char *command;          /**< The command line, for the provenance; NULL = none. */
-    const conus_tracker *tracker; /**< Of a report on its steps, with the columns time_s, selected and confirmed; it
+    const conus_tracker *tracker; /**< For a report on its steps, with the columns time_s, selected and confirmed; it
                                      must outlive the report. NULL = none. */
-    bool selected_only;     /**< Of a step only what is selected or confirmed; or, if nothing is, what is unassigned. */
+    bool selected_only;     /**< Rows of a step only for the selected and the confirmed object; if there is none, for
+                               unassigned. */
     const char *electrodes; /**< For #CONUS_FORMAT_BIDS: the text of the table of which each row is a query, errors
                                among them. NULL = none. */
-    const char *atlas; /**< What a column `atlas`, behind `query`, says in each row; not for #CONUS_FORMAT_AFNI and the
+    const char *atlas; /**< Value of a column `atlas`, behind `query`, in each row; not for #CONUS_FORMAT_AFNI and the
                           formats behind it. NULL = there is no such column. */
-    const conus_frame *frame; /**< Of the positions written, instead of @p space; copied. NULL = @p space, which then is
-                                 #CONUS_SPACE_RAS or #CONUS_SPACE_LPS. */
-    conus_order order;        /**< Of #CONUS_ROWS_ANSWERS in the formats up to #CONUS_FORMAT_NDJSON, not of a track. */
+    const conus_frame *frame; /**< Frame of the positions written, instead of @p space; copied. NULL = @p space, which
+                                 then is #CONUS_SPACE_RAS or #CONUS_SPACE_LPS. */
+    conus_order order;        /**< For #CONUS_ROWS_ANSWERS in the formats up to #CONUS_FORMAT_NDJSON, not of a track. */
     conus_contacts contacts;  /**< For #CONUS_FORMAT_OPEN_EPHYS, of shanks: conus_report_add_segments(). */
 } conus_report_options;
 

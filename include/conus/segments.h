@@ -15,11 +15,11 @@
 extern "C" {
 #endif
 
-typedef struct conus_segments conus_segments; /**< What an axis passes, in order of depth. */
+typedef struct conus_segments conus_segments; /**< The segments of an axis, in order of depth. */
 
 /** A stretch of the axis, from its entry to before its exit (Eq. 17). */
 typedef struct conus_segment {
-    conus_kind kind;    /**< What it is in; #CONUS_KIND_UNASSIGNED: in no object. */
+    conus_kind kind;    /**< Kind of the object that it is in; #CONUS_KIND_UNASSIGNED: in none. */
     uint32_t object;    /**< Number in the atlas, as it is reported (level); 0 for #CONUS_KIND_UNASSIGNED. */
     double entry;       /**< mm from the apex. */
     double exit;        /**< mm from the apex; infinity where the axis has no end and meets nothing. Equal to entry

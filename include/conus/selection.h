@@ -20,7 +20,7 @@ extern "C" {
 typedef struct conus_selector conus_selector;   /**< An engine made ready for one atlas. */
 typedef struct conus_selection conus_selection; /**< The answer to one query. Immutable. */
 
-/** What traces the rays of a cone's pixels. */
+/** The engine that traces the rays of a cone's pixels. */
 typedef enum conus_engine {
     CONUS_ENGINE_AUTO = 0, /**< The library chooses: rays. */
     CONUS_ENGINE_RAYS,     /**< Rays on the CPU. Needs no driver and gives the pixels that gl gives. */
@@ -39,7 +39,7 @@ typedef enum conus_sampling {
     CONUS_SAMPLING_SLICES     /**< At the paper's slices (Eq. 7). */
 } conus_sampling;
 
-/** What of a ray counts. */
+/** Which hits of a ray count. */
 typedef enum conus_layers {
     CONUS_LAYERS_VISIBLE = 0, /**< The first hit of each pixel. */
     CONUS_LAYERS_ALL          /**< Also all intervals behind it (Eq. 10). */
@@ -48,12 +48,12 @@ typedef enum conus_layers {
 /** How a selector answers. */
 typedef struct conus_selector_options {
     size_t struct_size;      /**< Its size, as #CONUS_SELECTOR_OPTIONS_INIT sets it; 0 = that of this version. */
-    conus_engine engine;     /**< What traces the rays. */
+    conus_engine engine;     /**< The engine that traces the rays. */
     conus_aperture aperture; /**< Which pixels count as the cone (Eq. 3). */
     conus_sampling sampling; /**< Exact cells (Eq. 5) or the paper's slices (Eq. 7). */
     uint32_t resolution;     /**< n of the n x n buffer, 1 to 1024; 0 = 16. */
     uint32_t slices;         /**< N of Eq. 7, of which the ID pass takes slice_fraction. 0 = default. */
-    conus_layers layers;     /**< What the pixels hit first, or also all that their rays pass (Eq. 10). */
+    conus_layers layers;     /**< Whether only the first hits of the pixels' rays count, or all (Eq. 10). */
     double range[2];   /**< Nearest and farthest depth along the axis, mm from the apex: what lies outside is as if it
                           were not there. Both 0 = everything. */
     double radius;     /**< mm: instead of a cone a cylinder about the axis, whose angle is 0. 0 = a cone. */
@@ -161,7 +161,7 @@ CONUS_API void conus_selection_destroy(conus_selection *selection);
 
 /** One object in the cone. */
 typedef struct conus_result {
-    conus_kind kind;   /**< What it is. */
+    conus_kind kind;   /**< Its kind. */
     uint32_t object;   /**< Number in the atlas, as what it is reported (level); 0 for #CONUS_KIND_UNASSIGNED. */
     uint32_t rank;     /**< From 1; 0 for #CONUS_KIND_UNASSIGNED. */
     double score;      /**< By the selector's score; higher is better. */
@@ -182,15 +182,15 @@ typedef struct conus_result {
                                an estimate from the rays. */
     double fraction;      /**< That volume as a part of the object's whole volume. */
     double cone_fraction; /**< That volume as a part of the volume of all areas in the cone. */
-    double sum_value;     /**< Of a pathway: sum of the values of these voxels. */
-    double mean_value;    /**< Of a pathway: mean of these values. */
-    double max_value;     /**< Of a pathway: largest of these values. */
+    double sum_value;     /**< For a pathway: sum of the values of these voxels. */
+    double mean_value;    /**< For a pathway: mean of these values. */
+    double max_value;     /**< For a pathway: largest of these values. */
     double centroid[3];   /**< World position, mm: mean of these voxels' centres, weighted by a pathway's values. */
 
     double contact_value; /**< With or without layers: the value of the voxel at its contact, of a pathway in the scaled
                              values of its volume, of an area of probabilities from 0 to 1; else NaN. */
 
-    /* Of a bundle (Eq. 19), with CONUS_LAYERS_ALL or in a ball; else 0 and NaN. */
+    /* For a bundle (Eq. 19), with CONUS_LAYERS_ALL or in a ball; else 0 and NaN. */
     uint64_t streamlines;       /**< Its streamlines that come into the cone. */
     uint64_t streamlines_total; /**< All of its streamlines, with or without layers. */
     double length;              /**< Length of their parts in the cone, mm. */

@@ -26,8 +26,8 @@ typedef enum conus_space {
 typedef struct conus_frame {
     conus_space space;           /**< Which space it is. */
     double world_from_space[16]; /**< Column-major affine; maps the space's numbers to world mm. */
-    double bregma[3];            /**< Of #CONUS_SPACE_CCF and #CONUS_SPACE_BREGMA: where bregma lies in CCF, AP, DV, ML,
-                                    micrometres. */
+    double bregma[3]; /**< For #CONUS_SPACE_CCF and #CONUS_SPACE_BREGMA: where bregma lies in CCF, AP, DV, ML,
+                         micrometres. */
 } conus_frame;
 
 /**

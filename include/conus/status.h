@@ -46,7 +46,7 @@ CONUS_API const char *conus_message(void);
 
 /** How much a note matters. */
 typedef enum conus_severity {
-    CONUS_SEVERITY_NOTE = 1, /**< What was chosen, assumed or left out, as is usual. */
+    CONUS_SEVERITY_NOTE = 1, /**< Something was chosen, assumed or left out, as is usual. */
     CONUS_SEVERITY_WARNING   /**< Something looks wrong: names, places or answers may be. */
 } conus_severity;
 

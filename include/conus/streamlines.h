@@ -15,11 +15,11 @@ extern "C" {
 
 /** How conus_atlas_add_streamlines() and conus_atlas_add_polylines() take streamlines. */
 typedef struct conus_streamlines_options {
-    size_t struct_size;  /**< Its size, as #CONUS_STREAMLINES_OPTIONS_INIT sets it; 0 = that of this version. */
-    double radius;       /**< A ray hits what is nearer than this to a streamline (Eq. 18), mm, up to 100; 0 = 0.5. */
-    const char *name;    /**< Of the bundle; where the file has groups, of the streamlines that are in none, and the
-                            start of a group's name if another object has that. NULL = the file's name without its
-                            ending. */
+    size_t struct_size; /**< Its size, as #CONUS_STREAMLINES_OPTIONS_INIT sets it; 0 = that of this version. */
+    double radius;      /**< A ray hits what is nearer than this to a streamline (Eq. 18), mm, up to 100; 0 = 0.5. */
+    const char *name;   /**< Name of the bundle; where the file has groups, of the streamlines that are in none, and the
+                           start of a group's name if another object has that. NULL = the file's name without its
+                           ending. */
     uint64_t max_memory; /**< Bytes that points, scalars and groups of a file may take; 0 = 8 GiB. */
     conus_log log;       /**< As conus_load_options.log. */
     void *log_user;      /**< Passed to @p log. */
@@ -72,7 +72,7 @@ typedef struct conus_polylines {
     size_t struct_size;      /**< Its size, as #CONUS_POLYLINES_INIT sets it; 0 = that of this version. */
     const void *points;      /**< [point_count 3] x, y, z, world mm, aligned as its type is; copied. */
     conus_scalar type;       /**< #CONUS_SCALAR_FLOAT32 or #CONUS_SCALAR_FLOAT64; kept as float. */
-    uint64_t point_count;    /**< Of all streamlines together. */
+    uint64_t point_count;    /**< In all streamlines together. */
     const uint64_t *first;   /**< [streamline_count + 1] Streamline k has the points first[k] to first[k + 1] - 1: from
                                 0, ascending, the last is point_count. Copied. */
     size_t streamline_count; /**< How many. */
@@ -103,10 +103,10 @@ typedef struct conus_tractogram_info {
     size_t struct_size;   /**< Its size, as #CONUS_TRACTOGRAM_INFO_INIT sets it; 0 = that of this version. */
     const char *path;     /**< As opened: bytes, not always UTF-8. Borrowed, as the next two, until the atlas ends. */
     const char *format;   /**< "TrackVis 2, gzip"; "array" of streamlines from memory. */
-    const char *sha256;   /**< Of the file, in hexadecimal; "" of a folder and of memory. */
+    const char *sha256;   /**< SHA-256 of the file, in hexadecimal; "" for a folder and for memory. */
     uint64_t streamlines; /**< How many. */
-    uint64_t points;      /**< Of all of them. */
-    double length_mm;     /**< Of all of them, added up. */
+    uint64_t points;      /**< In all of them. */
+    double length_mm;     /**< Total length of all of them, mm. */
     double radius;        /**< mm */
     double low[3];        /**< Lowest x, y, z of its points, world mm; NAN without a point. */
     double high[3];       /**< The highest. */

@@ -16,11 +16,11 @@
 extern "C" {
 #endif
 
-typedef struct conus_sweep conus_sweep; /**< What a growing cone admits, and when. */
+typedef struct conus_sweep conus_sweep; /**< The angles at which a growing cone admits objects. */
 
 /** When a growing cone admits an object (Eq. 13). */
 typedef struct conus_admission {
-    conus_kind kind; /**< What it is. */
+    conus_kind kind; /**< Its kind. */
     uint32_t object; /**< Number in the atlas, as it is reported (level). */
     double angle;  /**< Full opening of the narrowest round cone that holds some of it, radians; 0 if the axis hits it.
                       Of voxels their centres count, of a mesh all its surface, and its inside where closed,

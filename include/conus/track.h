@@ -25,8 +25,8 @@ typedef struct conus_tracker_options {
     double stickiness;  /**< IntenSelect's c_s, in (0, 1), what is kept of a score in one frame. 0 = 0.5. */
     double snappiness;  /**< IntenSelect's c_g, up to 1, what is added of the new one. 0 = 0.5. */
     double rate;        /**< Hz: a frame of c_s and c_g is 1/rate. 0 = 60. */
-    double growth;      /**< Of IntenSelect+, 1/s. 0 = 7.5. */
-    double decay;       /**< Of IntenSelect+ where an object contributes less than it did, 1/s. 0 = 5. */
+    double growth;      /**< IntenSelect+'s, 1/s. 0 = 7.5. */
+    double decay;       /**< IntenSelect+'s where an object contributes less than it did, 1/s. 0 = 5. */
     double exponent;    /**< k of both, in (0, 1]. 0 = 4/5. */
     double delay;       /**< s before the trigger of what it confirms, up to the window. 0 = 0.15; below 0 = none. */
 } conus_tracker_options;

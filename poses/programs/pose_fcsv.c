@@ -9,7 +9,7 @@ enum column { LABEL, X, Y, Z, COLUMNS };
 
 static const char *const names[COLUMNS] = {"label", "x", "y", "z"};
 
-/* What Slicer reads where a file does not name its columns. */
+/* The columns that Slicer assumes where a file does not name them. */
 static const char usual[] = "id,x,y,z,ow,ox,oy,oz,vis,sel,lock,label,desc,associatedNodeID";
 
 struct reading {

@@ -94,7 +94,7 @@ struct pose_space pose_space_named(struct text name, enum pose_brain brain)
     return space;
 }
 
-/* What a NIfTI header's code says; 1 and 2 are anybody's scan, and what many programs write for a template, too. */
+/* From a NIfTI header's code. 1 and 2 are anybody's scan, but many programs write them for a template, too. */
 static enum pose_brain brain_of(const char *transform)
 {
     return strstr(transform, "(MNI 152)")          ? POSE_BRAIN_MNI152

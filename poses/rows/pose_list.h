@@ -33,7 +33,7 @@ struct conus_pose_list {
     size_t count;
     size_t capacity;
     struct notes notes;
-    struct note_sink sink; /**< Of the notes. */
+    struct note_sink sink; /**< Where the notes go. */
     char *name;            /**< Path of the sink; owned, NULL while it is the stream's. */
     struct pose_space space;
     char *electrodes;  /**< The text of a table of electrodes; owned, NULL of other formats. */

@@ -12,7 +12,7 @@ enum {
     POSE_ORDINAL_SIZE = 24, /**< A row's number as text.                */
 };
 
-/** What a text of poses may be, for messages. */
+/** The formats of a text of poses, for messages. */
 #define POSE_FORMATS                                                                                                   \
     "a header line and one line per pose, a 4 x 4 matrix, lines of x y z, or another program's file (docs/formats.md)"
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What comes back: selections, answers to many poses, sweeps and chances, as arrays and tables."""
+"""The answers: selections, answers to many poses, sweeps and chances, as arrays and tables."""
 from __future__ import annotations
 
 import html
@@ -63,7 +63,7 @@ class Objects:
         self.own_from_world = None if self.is_warped else _own_frame(atlas)
 
     def name(self, number: int) -> Optional[str]:
-        """Of an object; None of 0."""
+        """The name of an object; None for 0."""
         return str(self.names[number]) if number else None
 
 
@@ -129,7 +129,7 @@ def with_errors(frame: pandas.DataFrame, pose: Array, queries: Array, errors: di
 
 
 def queries_of(names: Optional[Array], count: int) -> Array:
-    """What the column query calls each pose: its id in a file, or its number from 1."""
+    """The name of each pose in the column query: its id in a file, or its number from 1."""
     return np.arange(1, count + 1) if names is None else names
 
 
@@ -170,7 +170,7 @@ def _columns(atlas: Atlas, results: Array, layers: bool, space: Optional[Space])
 
 
 def _bundle_columns(results: Array, space: Optional[Space]) -> dict[str, Any]:
-    """Of streamlines."""
+    """Number of streamlines."""
     others = results["kind"] != lib.CONUS_KIND_BUNDLE
     columns = {name: counts(results[name], others) for name in ("streamlines", "streamlines_total")}
     columns["length_mm"] = results["length"]
@@ -375,7 +375,7 @@ class Selection:
         Parameters
         ----------
         name
-            Of a bundle; None is all bundles.
+            Only those of this bundle; None is all bundles.
         """
         out = ffi.new("conus_streamline_list **")
         check(lib.conus_selection_streamlines(out, self._p, self.atlas.find(name) if name is not None else 0))
@@ -493,7 +493,7 @@ class Answers:
         Parameters
         ----------
         order
-            Of the rows of each pose, as of :meth:`Selection.to_dataframe`.
+            Order of the rows of each pose, as for :meth:`Selection.to_dataframe`.
         """
         import pandas
 
@@ -532,10 +532,10 @@ class Track(Answers):
         Parameters
         ----------
         selected
-            Of each step, only the rows of what is selected and confirmed; where nothing is, the row
+            Only the rows of each step's selected and confirmed objects; where there is none, the row
             "unassigned".
         order
-            Of the rows of each step, as of :meth:`Selection.to_dataframe`.
+            Order of the rows of each step, as for :meth:`Selection.to_dataframe`.
 
         Returns
         -------

@@ -73,7 +73,7 @@ def _fill_voxels(data: Any, affine: Any, name: str, space_code: int) -> tuple[An
 
 
 def _label_rows(labels: Any) -> list[Mapping[str, Any]]:
-    """What is missing is None."""
+    """Missing members are None."""
     if labels is None:
         return []
     if hasattr(labels, "columns"):
@@ -112,7 +112,7 @@ class InstalledAtlas(NamedTuple):
     """An atlas that is installed on this computer."""
 
     name: str
-    """What ``load`` takes, if no other has the name."""
+    """The name that ``load`` takes, if no other atlas has it."""
     source: str
     """Whose folder it is in: "mricron", "fsl"; "own" for $CONUS_ATLAS_PATH."""
     kind: str
@@ -130,7 +130,7 @@ class Placement(NamedTuple):
     atlas_from_world: Array
     """From where the atlas lies to its own space, (4, 4)."""
     growth: float
-    """What is 1 mm^3 in its own space is so much here."""
+    """Volume here of 1 mm^3 in its own space, mm^3."""
     mirrors: bool
     """Left and right are exchanged."""
     own_box: Array
@@ -211,7 +211,7 @@ def _from_array(data: Any, affine: Any, labels: Labels, labels_anyway: bool, nam
 
 
 def _image_parts(image: Any) -> tuple[Any, Any, str, int]:
-    """Of a nibabel image. Stored integers without a scale stay integers."""
+    """The voxels of a nibabel image. Stored integers without a scale stay integers."""
     header = image.header
     code = int(header["sform_code"]) or int(header["qform_code"]) if "sform_code" in header else 0
     return image.dataobj, image.affine, image.get_filename() or "nibabel image", code
@@ -248,7 +248,7 @@ def load(
     affine
         (4, 4), of an array: maps voxel indices to RAS mm.
     labels
-        Of a path: the path of a label table. Else ``{number: name}`` or a DataFrame with the columns
+        For a path: the path of a label table. Else ``{number: name}`` or a DataFrame with the columns
         index, name and, if known, abbreviation, hemisphere ("L", "R", "B") and parent.
     pathways
         Paths, or nibabel images, of scalar maps; each is one pathway. ``(map, threshold)`` sets from
@@ -260,7 +260,7 @@ def load(
         (a ray hits what is nearer than this to a streamline; default 0.5), "name", and "moves": True of streamlines
         in the space of the atlas's files, which ``transforms`` move, too.
     context, context_blocks, context_opacity
-        What is drawn around the areas: a path or nibabel image of a volume, the path of a surface, or a
+        The context drawn around the areas: a path or nibabel image of a volume, the path of a surface, or a
         list of these with at most one volume. Its voxels with values from ``context_blocks`` on block
         rays (0 = none); surfaces have ``context_opacity``, above 0 to 1 (0 = 0.25), and block nothing.
     hemispheres
@@ -282,14 +282,14 @@ def load(
         Called with a path, the number of files that are read, and how many there are. True shows
         tqdm's bar, if tqdm is installed.
     probability
-        Of an atlas of probabilities: from which one on, above 0 to 1, a voxel belongs to an area
+        For an atlas of probabilities: from which one on, above 0 to 1, a voxel belongs to an area
         (default: 0.25, or as the manifest says).
     safe_colours
         Colours of areas, pathways and bundles that people with any colour vision can tell apart.
     cache
-        Of a path: keeps the atlas in the user's cache folder and maps it from there the next time, as the
+        For a path: keeps the atlas in the user's cache folder and maps it from there the next time, as the
         programs do (``conus cache``; ``$CONUS_CACHE`` may be "off" or a size; else ArgumentError).
-        Of each packed 4-D file of which one volume is taken: keeps where its volumes lie, too.
+        For each packed 4-D file of which one volume is taken: keeps where its volumes lie, too.
         Answers are the same.
 
     Returns
@@ -508,7 +508,7 @@ class Selector:
     Parameters
     ----------
     atlas
-        What can be hit.
+        The atlas that is asked.
     layers
         "visible", what rays hit first, or "all" that they pass, with volumes and path lengths.
     resolution
@@ -608,7 +608,7 @@ class Selector:
         pose: Any = None,
         angle: Optional[float] = None,
     ) -> Selection:
-        """What is in one cone of ``angle`` degrees (10): see :meth:`Atlas.select`."""
+        """Answers what is in one cone of ``angle`` degrees (10): see :meth:`Atlas.select`."""
         aim, out = self._pose(origin, toward, direction, up, pose), ffi.new("conus_selection **")
         opening = self._angle(angle)
         self._call(lib.conus_select, out, self._p, aim, opening)
@@ -617,7 +617,7 @@ class Selector:
         return selection
 
     def near(self, point: Any, radius: float = 0) -> Selection:
-        """What is at a point and near it: ``conus query --point``.
+        """Answers what is at a point and near it: ``conus query --point``.
 
         Parameters
         ----------
@@ -640,7 +640,7 @@ class Selector:
     def segments(
         self, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None, pose: Any = None,
     ) -> Segments:
-        """What the axis of a device passes, in order of depth: ``conus query --segments``.
+        """Lists what the axis of a device passes, in order of depth: ``conus query --segments``.
 
         Parameters
         ----------
@@ -662,12 +662,12 @@ class Selector:
     def segments_many(
         self, origins: Any = None, directions: Any = None, *, poses: Any = None, up: Any = None,
     ) -> Segments:
-        """What the axes of many devices pass: ``conus batch --segments``.
+        """Lists what the axes of many devices pass: ``conus batch --segments``.
 
         Parameters
         ----------
         origins, directions, poses, up
-            As of :meth:`select_many`.
+            As for :meth:`select_many`.
 
         Returns
         -------
@@ -785,7 +785,7 @@ class Selector:
         max_memory
             Largest file and volume in bytes; 0 = 8 GiB.
         cache
-            Of one volume of a packed 4-D file: keeps where its volumes lie in the user's cache folder.
+            For one volume of a packed 4-D file: keeps where its volumes lie in the user's cache folder.
 
         Returns
         -------
@@ -809,7 +809,7 @@ class Selector:
         threads: Optional[int] = None,
         progress: Progress = None,
     ) -> Answers:
-        """What is in each of many cones.
+        """Answers what is in each of many cones.
 
         Parameters
         ----------
@@ -852,7 +852,7 @@ class Selector:
         return answers
 
     def tracker(self, **constants: Any) -> Tracker:
-        """What follows a device from step to step: see :class:`Tracker` for its constants."""
+        """Creates a tracker, which follows a device from step to step: see :class:`Tracker` for its constants."""
         return Tracker(self, **constants)
 
     def track(
@@ -868,18 +868,18 @@ class Selector:
         progress: Progress = None,
         **constants: Any,
     ) -> Track:
-        """What a moving device selects, step by step, as ``conus track`` says of a file.
+        """Answers what a moving device selects, step by step, as ``conus track`` does for a file.
 
         Parameters
         ----------
         times_s
             (n,) seconds of any clock.
         origins, directions, poses, up, angle, progress
-            As of :meth:`select_many`.
+            As for :meth:`select_many`.
         trigger
             (n,) whether it is held down.
         **constants
-            Of :class:`Tracker`.
+            Those of :class:`Tracker`.
 
         Returns
         -------
@@ -985,7 +985,7 @@ class Atlas:
 
     @property
     def notes(self) -> list[str]:
-        """What was noticed while the atlas was loaded."""
+        """Notes from loading the atlas."""
         return [python_words(text(lib.conus_atlas_note(self._p, i))) for i in range(lib.conus_atlas_note_count(self._p))]
 
     @property
@@ -1057,7 +1057,7 @@ class Atlas:
         angle: Optional[float] = None,
         **options: Any,
     ) -> Selection:
-        """What is in one cone.
+        """Answers what is in one cone.
 
         Parameters
         ----------
@@ -1072,7 +1072,7 @@ class Atlas:
         angle
             Full opening, degrees; 10 if not given.
         **options
-            Of :class:`Selector`: layers="all", resolution=64, ...
+            Those of :class:`Selector`: layers="all", resolution=64, ...
 
         Returns
         -------
@@ -1110,7 +1110,7 @@ class Atlas:
         transfer, max_memory, pathway_transfers, streamline_colour
             As of :class:`Renderer`.
         **view
-            Of :meth:`Renderer.render`: size=(700, 525), camera_origin=(0, 0, 500), ...
+            Those of :meth:`Renderer.render`: size=(700, 525), camera_origin=(0, 0, 500), ...
 
         Returns
         -------
@@ -1129,20 +1129,20 @@ class Atlas:
             return renderer.render(selection, **view)
 
     def near(self, point: Any, radius: float = 0, **options: Any) -> Selection:
-        """What is at a point and within ``radius`` mm of it: see :meth:`Selector.near`."""
+        """Answers what is at a point and within ``radius`` mm of it: see :meth:`Selector.near`."""
         return self._selector(options).near(point, radius)
 
     def select_many(self, origins: Any = None, directions: Any = None, *, poses: Any = None, up: Any = None,
                     angle: Any = None, threads: Optional[int] = None, progress: Progress = None,
                     **options: Any) -> Answers:
-        """What is in each of many cones: see :meth:`Selector.select_many`."""
+        """Answers what is in each of many cones: see :meth:`Selector.select_many`."""
         return self._selector(options).select_many(
             origins, directions, poses=poses, up=up, angle=angle, threads=threads, progress=progress
         )
 
     def track(self, times_s: Any, origins: Any = None, directions: Any = None, *, poses: Any = None, up: Any = None,
               angle: Any = None, trigger: Any = None, progress: Progress = None, **options: Any) -> Track:
-        """What a moving device selects: see :meth:`Selector.track`.
+        """Answers what a moving device selects: see :meth:`Selector.track`.
 
         ``options`` are those of :class:`Tracker` and of :class:`Selector`: score="intenselect",
         delay=0.2, ...
@@ -1155,12 +1155,12 @@ class Atlas:
 
     def segments(self, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None,
                  pose: Any = None, **options: Any) -> Segments:
-        """What the axis of a device passes, in order of depth: see :meth:`Selector.segments`."""
+        """Lists what the axis of a device passes, in order of depth: see :meth:`Selector.segments`."""
         return self._selector(options).segments(origin, toward=toward, direction=direction, up=up, pose=pose)
 
     def segments_many(self, origins: Any = None, directions: Any = None, *, poses: Any = None, up: Any = None,
                       **options: Any) -> Segments:
-        """What the axes of many devices pass: see :meth:`Selector.segments_many`."""
+        """Lists what the axes of many devices pass: see :meth:`Selector.segments_many`."""
         return self._selector(options).segments_many(origins, directions, poses=poses, up=up)
 
     def sweep(self, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None, pose: Any = None,

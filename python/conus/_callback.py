@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What C calls back: functions, and the logger."""
+"""Functions that C calls back, and the logger."""
 from __future__ import annotations
 
 import logging
@@ -13,7 +13,7 @@ _LOGGER = logging.getLogger("conus")
 
 
 class Callback:
-    """What C calls back; an exception in it, Ctrl-C too, ends the call and is raised behind it."""
+    """A function that C calls back; an exception in it, Ctrl-C too, ends the call and is raised behind it."""
 
     def __init__(self, function: Any = None) -> None:
         self.function = function

@@ -60,7 +60,7 @@ _ERRORS = {
 }
 
 
-# What the library's words call by the programs' options, and what it is here. Others are of other programs.
+# Options of the programs in the library's messages, and their names here. Other options are left as they are.
 _ARGUMENTS = {
     "--any-space": "any_space", "--atlas-transform": "transforms", "--axis": "axis", "--context": "context",
     "--labels": "labels", "--labels-anyway": "labels_anyway", "--mask-object": "name", "--max-memory": "max_memory",
@@ -123,7 +123,7 @@ def _is_masked(values: Any) -> bool:
 
 
 def unmasked(name: str, values: Any, fill: str = "numpy.nan") -> Any:
-    """What a caller gives as numbers, as it is: none of them is masked, as numpy would not say when it makes an array."""
+    """A caller's numbers, as given. Masked ones are an error: numpy would drop the mask when it makes an array."""
     if _is_masked(values):
         raise ArgumentError(f"{name}: masked elements have no value; array.filled({fill}) gives them one")
     return values
@@ -193,7 +193,7 @@ def vector(name: str, values: Any, size: int = 3) -> list[float]:
 
 
 def items(name: str, given: Any) -> list[Any]:
-    """What a list, or something like it, has; one thing alone is none."""
+    """The items of a list, or of something like it; a single value is no list."""
     try:
         if not isinstance(given, (str, bytes, os.PathLike, Mapping, np.ndarray)) and not hasattr(given, "streamlines"):
             return list(given)

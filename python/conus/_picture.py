@@ -73,7 +73,7 @@ class GLOwner:
         _Process.used = True
 
     def ender(self, destroy: Callable[[Any], None]) -> Callable[[Any], None]:
-        """What ends an object; elsewhere it does nothing."""
+        """Ends an object; elsewhere it does nothing."""
         thread = self._thread
         return lambda p: None if _Process.forked or threading.get_ident() != thread else destroy(p)
 
@@ -93,7 +93,7 @@ class Picture:
     Attributes
     ----------
     device : str
-        What drew it, as OpenGL calls it.
+        The device that drew it, as OpenGL names it.
     """
 
     def __init__(self, pointer: Any, device: str) -> None:
@@ -163,13 +163,13 @@ class Renderer:
     Parameters
     ----------
     atlas : Atlas
-        What is drawn.
+        The atlas that is drawn.
     transfer : str, path or array, optional
         Colours and opacities of the context by its values: a preset ("brain", "surface", ...; see
         :func:`transfer_presets`), a TF file, or (n, 5) points of value, sRGB, and opacity of 1 mm. Without
         it, what the manifest says, or "brain".
     max_memory : int
-        Of textures and of a picture, bytes; 0 = 8 GiB.
+        Limit for textures and for a picture, bytes; 0 = 8 GiB.
     pathway_transfers : str, path or dict, optional
         Pathways are drawn as haze, by colours and opacities of their values: "own" (their colour), a preset,
         a TF file; or ``{name or number: one of these, ...}`` for some of them.
@@ -228,7 +228,7 @@ class Renderer:
 
     @property
     def device(self) -> str:
-        """What draws, as OpenGL calls it."""
+        """The device that draws, as OpenGL names it."""
         return text(lib.conus_renderer_device(self._mine()))
 
     @property
@@ -280,7 +280,7 @@ class Renderer:
         Parameters
         ----------
         selection : Selection, optional
-            Of this atlas: its cone, axis and contacts are drawn, with a legend. With layers="all", areas
+            A selection of this atlas: its cone, axis and contacts are drawn, with a legend. With layers="all", areas
             that are in the cone but occluded are striped.
         size : (int, int)
             Width and height, pixels, each 1 to 16384; (1400, 1050) if not given.
@@ -317,7 +317,7 @@ class Renderer:
             width if not given), and pixels per inch (300 if not given). With dpi letters have 7.5
             points, and files say how large they are.
         opacity : float or dict
-            Of surfaces, 0 to 1: of all that the selection does not hit, or ``{name or number: opacity, ...}``
+            Opacity of surfaces, 0 to 1: of all that the selection does not hit, or ``{name or number: opacity, ...}``
             of these with those below them in the area tree; the key None is of all that is not hit.
 
         Returns

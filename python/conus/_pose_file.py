@@ -106,7 +106,7 @@ class Poses:
 
     @property
     def notes(self) -> list[str]:
-        """What a careful user should know about these poses."""
+        """Notes about these poses."""
         notes: list[str] = []
         while note := lib.conus_pose_list_note(self._list, len(notes)):
             notes.append(python_words(text(note)))
@@ -173,7 +173,7 @@ def read_poses(
     along_shafts
         Contacts of electrodes (BIDS) point along their shafts, each to the next.
     space, bregma
-        Of the numbers in the file, where it does not say so itself: as of :class:`Selector`.
+        Space of the numbers in the file, where it does not say so itself: as for :class:`Selector`.
     atlas
         Where "ccf" and "bregma" are found. The poses are matched with it (:meth:`Poses.match`) at once.
     any_space

@@ -127,7 +127,7 @@ class Aims:
 
 
 def notes_of(found: Any, selector: Any, atlas: Any, many: bool) -> list[str]:
-    """What the program notes about the poses of a conus_astray; of many by their indices."""
+    """The program's notes about the poses of a conus_astray; for many by their indices."""
 
     def say(oddity: Any, one: str, several: str, end: str) -> str:
         return f"{oddity.count} of {found.poses} {several}, the first is pose {oddity.first}{end}" if many else one

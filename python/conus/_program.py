@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the program ``conus`` does and the library does not: it is run, and its answer is taken apart."""
+"""Functions that run the program ``conus`` and parse its answer, for what the library does not do."""
 from __future__ import annotations
 
 import json
@@ -20,7 +20,7 @@ class Difference(NamedTuple):
     where: str
     """"query 1, Hippocampus_L: share", or "" where the line is no row of a table."""
     recorded: Optional[str]
-    """What stands in the file; None where it has ended."""
+    """The content of the file; None where it has ended."""
     again: Optional[str]
 
 
@@ -35,13 +35,13 @@ class SourceFile(NamedTuple):
 
 
 class Verification(NamedTuple):
-    """What ``verify`` found out. It is true where the result is identical."""
+    """The result of ``verify``. It is true where the answer is identical."""
 
     verdict: str
     """"identical", "different" or "not verified"."""
     same_rows: bool
     why: list[str]
-    """What is not as it was recorded, a line each."""
+    """Differences from the record, a line each."""
     notes: list[str]
     differences: list[Difference]
     """The first ten."""

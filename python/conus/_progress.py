@@ -11,7 +11,7 @@ LoadProgress = Union[bool, Callable[[str, int, int], object], None]
 
 @contextlib.contextmanager
 def telling(progress: Any, unit: str, total: int) -> Iterator[Optional[Callable[..., object]]]:
-    """What a call tells how much is done, and of how much, as its last two arguments; None = nobody wants to know.
+    """A callback for progress: how much is done, and of how much, are its last two arguments; None = no progress.
 
     True is tqdm's bar where tqdm is installed, and else nothing.
     """

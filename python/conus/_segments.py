@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What probes pass, in order of depth, as arrays and tables."""
+"""The segments of probes, in order of depth, as arrays and tables."""
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Optional
@@ -23,7 +23,7 @@ def records_of(pointer: Any) -> Array:
 
 
 class Segments:
-    """What the axis of a device passes: stretches inside each object and between them, the nearest first.
+    """The objects that the axis of a device passes: stretches inside each object and between them, the nearest first.
 
     ``records`` are the library's own. Of many poses, ``records[starts[i]:starts[i + 1]]`` are those of
     pose ``i``, and ``errors`` has the reason for each pose that has none, by its index; of one pose,

@@ -26,7 +26,7 @@ class Tracker:
     Parameters
     ----------
     selector : Selector
-        What answers; its score may be one that needs a history.
+        The selector that answers; its score may be one that needs a history.
     window : float
         Time over which the scores time and stability are measured, s. After a longer gap between
         steps the history starts afresh.
@@ -91,7 +91,7 @@ class Tracker:
         angle: Optional[float] = None,
         trigger: bool = False,
     ) -> Selection:
-        """What the device selects now.
+        """Answers what the device selects now.
 
         Parameters
         ----------

@@ -127,7 +127,7 @@ def _scalar_names(atlas: Any, index: int, count: int) -> tuple[str, ...]:
 
 
 def tractograms_of(atlas: Any) -> list[Tractogram]:
-    """What an atlas has of tractograms."""
+    """The tractograms of an atlas."""
     out = []
     for index in range(lib.conus_atlas_tractogram_count(atlas)):
         info = ffi.new("conus_tractogram_info *")

@@ -549,7 +549,7 @@ static void pass_atlas(struct pack_walk *walk, conus_atlas *atlas)
     }
 }
 
-/* What must be the same for a block to be read. */
+/* Must be the same for a block to be read. */
 struct head {
     char magic[24];
     uint64_t crc;    /* of what follows, up to the end of what is small */

@@ -28,7 +28,7 @@ struct block {
     char error[512];     /* and why it has no answer */
 };
 
-/* What answers for one atlas. */
+/* The workers of one atlas. */
 struct batch_atlas {
     struct batch_worker *workers; /* [threads] */
     conus_report **reports;       /* [threads]; those of the first atlas join the others' */

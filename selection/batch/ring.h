@@ -9,7 +9,7 @@
 
 #include <stdatomic.h>
 
-/** What is done with the block in a slot. Each function gets @p user. */
+/** The steps for the block in a slot. Each function gets @p user. */
 struct ring {
     void *user;
     size_t workers; /**< 1 = the calling thread does all; else each is a thread. */

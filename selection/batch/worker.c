@@ -80,7 +80,7 @@ static conus_status begin_selection(conus_selection **out, struct batch_worker *
                              "a point, without the direction that a cone needs, or the radius of a ball");
 }
 
-/* What poses are answered for. */
+/* A call of batch_worker_answer(). */
 struct answering {
     struct batch_worker *worker;
     const struct batch_pose *poses;

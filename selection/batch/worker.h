@@ -27,7 +27,7 @@ struct batch_worker {
     double angle;
     conus_selection **begun; /**< [at_once] Those that are traced together; NULL between blocks. */
     size_t at_once;          /**< 1 = poses are answered one by one. */
-    struct conus_aims aims;  /**< Of the poses that are answered. */
+    struct conus_aims aims;  /**< Findings about the poses answered. */
 };
 
 /** Zeroed, for poses by blocks of up to @p block; @p angle is for poses without one. */

@@ -68,7 +68,7 @@ static bool is_wide_square(const struct cone *cone)
     return cone->aperture == CONUS_APERTURE_SQUARE && cone_is_wide(cone);
 }
 
-/* What the resolution and the shape decide. */
+/* Sets what depends on the resolution and the shape. */
 static conus_status make_pixels(struct aperture *aperture, const struct cone *cone)
 {
     uint32_t n = cone->resolution;

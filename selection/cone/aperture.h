@@ -22,7 +22,7 @@ static inline uint32_t aperture_row(uint32_t k)
     return tile / (APERTURE_BLOCK / APERTURE_TILE) * APERTURE_TILE + k / APERTURE_TILE % APERTURE_TILE;
 }
 
-/** Of n x n pixels, row-major. */
+/** The n x n pixels, row-major. */
 struct aperture {
     uint32_t resolution; /**< n */
     conus_aperture shape;
@@ -32,8 +32,8 @@ struct aperture {
     uint32_t *square;        /**< cone_square()                                          */
     double *weight;          /**< cone_weight()                                          */
     uint32_t *inside;        /**< The pixels in the cone, rays.count of them, in the pixels' order. */
-    struct device_rays rays; /**< Of the pixels in the cone, block by block.             */
-    double total_weight;     /**< Of the pixels in the cone, summed in the pixels' order. */
+    struct device_rays rays; /**< Rays of the pixels in the cone, block by block.             */
+    double total_weight;     /**< Sum over the pixels in the cone, in the pixels' order. */
 };
 
 /** Makes it that of @p cone, which takes time only where it was that of another shape. A zeroed one is ready. */

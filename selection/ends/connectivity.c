@@ -169,7 +169,7 @@ static void drop_bundles(struct connecting *connecting)
     connecting->count = kept;
 }
 
-/* Of sorted streamlines those that are alike. */
+/* Whether two sorted streamlines connect the same areas. */
 static bool are_alike(const struct ended *a, const struct ended *b)
 {
     return a->bundle == b->bundle && a->a == b->a && a->b == b->b;
@@ -184,7 +184,7 @@ static size_t count_kinds(const struct ended *all, size_t count)
     return kinds;
 }
 
-/* Of the kinds of one bundle, of `whole` streamlines. Returns behind the last one. */
+/* Adds the connections of one bundle, which has `whole` streamlines. Returns the end of the rows. */
 static conus_connection *add_kinds(conus_connection *out, const struct ended *all, size_t whole)
 {
     for (size_t first = 0; first < whole;) {

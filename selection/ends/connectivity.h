@@ -6,15 +6,15 @@
 #include "selection/cone/cone.h"
 
 struct conus_connectivity {
-    conus_connection *rows; /**< Of bundles; then as many as there are pairs. */
+    conus_connection *rows; /**< Connections of bundles; then as many as there are pairs. */
     size_t row_count;
-    conus_connection *pairs; /**< Of all of them, each streamline once. */
+    conus_connection *pairs; /**< Connections of all bundles together, each streamline once. */
     size_t pair_count;
     double radius; /**< mm; 0 = an end in no area has none. */
-    bool is_whole; /**< Of all streamlines; else of those in */
+    bool is_whole; /**< All streamlines; else those in */
     struct cone cone;
     double ball;     /**< radius of a ball around the cone's origin; 0 of a cone. */
-    uint32_t *areas; /**< Of the matrix; NULL until it is asked for. */
+    uint32_t *areas; /**< Areas of the matrix; NULL until it is asked for. */
     size_t area_count;
     uint64_t *streamlines;
     double *length;

@@ -257,7 +257,7 @@ static void trace_tracts(const struct rays_engine *engine, struct evidence *out,
     }
 }
 
-/* What to do with each block of a cone's rays. */
+/* Called for each block of a cone's rays. */
 typedef conus_status block_step(const struct rays_engine *engine, void *out, const struct cone *cone,
                                 struct block *block);
 

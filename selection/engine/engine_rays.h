@@ -18,7 +18,7 @@ conus_status engine_rays_create_for_meshes(struct engine **out, const conus_atla
 /** One that knows only the bundles. */
 conus_status engine_rays_create_for_bundles(struct engine **out, const conus_atlas *atlas);
 
-/** What finds the bundles of a rays engine; NULL if it has none. */
+/** The tracer of a rays engine's bundles; NULL if the atlas has none. */
 const struct tract_rays *engine_rays_tracts(const struct engine *engine);
 
 /** trace() of a rays engine, but behind what @p out has already: it keeps what is nearer. */

@@ -36,7 +36,7 @@ conus_status layers_sort(struct layers *layers, size_t pixels);
  * them so. */
 void layers_clip(struct layers *layers, const struct cone *cone);
 
-/** What each pixel hit first, from sorted layers: the visible part of the evidence. Gives whether it is certain: of no
+/** Finds what each pixel hit first, from sorted layers: the visible part of the evidence. True if it is certain: in no
  * pixel do several intervals begin where the first does. */
 bool layers_first(struct evidence *out, const struct layers *layers);
 

@@ -62,13 +62,13 @@ static size_t smaller(size_t a, size_t b)
     return a < b ? a : b;
 }
 
-/* Of a slice k, the rows from j on that are cut at a time. */
+/* The rows of slice k, from j on, that are cut at a time. */
 struct piece {
     size_t j, k, count;
     struct region_cut cut;
 };
 
-/* What is in a row lies in a few lines of memory, which come while the rows before are walked. */
+/* The labels of a row lie in a few lines of memory, which come while the rows before are walked. */
 static void fetch_rows(const struct walk *walk, const struct piece *piece)
 {
     const size_t *dim = walk->volume->info.dim;

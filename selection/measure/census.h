@@ -26,7 +26,7 @@ void census_walk(const struct region *region, const struct volume *volume, censu
 void census_walk_box(const struct region *region, const struct volume *volume, const struct census_box *box,
                      census_row row, void *user);
 
-/** What the voxels of an object in a region add up to. */
+/** The sums over the voxels of an object in a region. */
 struct census_count {
     uint64_t voxels;
     uint64_t index[3];     /**< Sums of their i, j and k.                                                   */

@@ -21,8 +21,8 @@ enum formula_kind {
 
 struct formula_step {
     enum formula_kind kind;
-    size_t name;   /**< Of FORMULA_NAME: its index.   */
-    double number; /**< Of FORMULA_NUMBER.            */
+    size_t name;   /**< For FORMULA_NAME: its index.   */
+    double number; /**< For FORMULA_NUMBER.            */
 };
 
 struct formula {

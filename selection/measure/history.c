@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What a track keeps of its objects from step to step. */
+/* The history that a track keeps of its objects. */
 #include "selection/measure/history.h"
 
 #include "base/memory.h"
@@ -142,7 +142,7 @@ static void advance(struct memory *memory, const struct history *history, double
     forget_changes(memory, time - constants->window);
 }
 
-/* What is forgotten gives its place to the last. */
+/* The last memory takes the place of the one that is forgotten. */
 static void forget(struct history *history, size_t index)
 {
     struct memory *memory = &history->memories[index];

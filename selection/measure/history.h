@@ -7,18 +7,18 @@
 
 #include "base/status.h"
 
-/** Of the filters; every one above 0. */
+/** Constants of the filters; every one above 0. */
 struct history_constants {
     double window;      /**< T, s                                                       */
-    double intent_rate; /**< Of IntenSelect, 1/s: -f0 ln c_s.                           */
+    double intent_rate; /**< IntenSelect's, 1/s: -f0 ln c_s.                           */
     double intent_gain; /**< c_g / (1 - c_s)                                            */
-    double growth;      /**< Of IntenSelect+, 1/s.                                      */
+    double growth;      /**< IntenSelect+'s, 1/s.                                      */
     double decay;       /**< Likewise.                                                  */
 };
 
 /** Entries and exits per second at which stability is 0: a tremor of 10 Hz across an object's edge. */
 #define HISTORY_RESTLESS 20.0
-/** What IntenSelect's scores have to reach for an object outside the cone to be remembered. */
+/** The least of IntenSelect's scores at which an object outside the cone is remembered. */
 #define HISTORY_LEAST 1e-3
 
 /** One object at one step. */
@@ -32,7 +32,7 @@ struct moment {
     double contribution; /**< contributing so much; 0 if it is not.  */
 };
 
-/** What is remembered of one object. */
+/** The memory of one object. */
 struct memory {
     uint32_t object;
     struct moment last;     /**< At the last step.                                     */
@@ -50,7 +50,7 @@ struct history {
     struct memory *memories;
     size_t count, capacity;
     size_t steps; /**< Since the start. */
-    double time;  /**< Of the last one. */
+    double time;  /**< Time of the last step. */
 };
 
 /** For objects up to @p object_count. */
@@ -67,10 +67,10 @@ void history_step(struct history *history, double time, const struct history_sam
 /** Notes that the object ranked first until now; 0 is none. */
 void history_choose(struct history *history, uint32_t object);
 
-/** What is remembered of @p object; NULL = nothing. */
+/** The memory of @p object; NULL = none. */
 const struct memory *history_find(const struct history *history, uint32_t object);
 
-/** What a score lives on. */
+/** The parts of the history that a score uses. */
 enum { HISTORY_WINDOW = 1, HISTORY_INTENT = 2, HISTORY_PLUS = 4, HISTORY_ALL = 7 };
 
 /** Whether an object that is not in the cone has a score all the same, of those that live on @p parts. */

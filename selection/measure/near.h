@@ -11,9 +11,9 @@ struct near {
     struct near_object {
         double distance; /**< mm; INFINITY if none was found.                                                   */
         double point[3]; /**< World position.                                                                   */
-        double value;    /**< Of the voxel whose cell that is; NAN where the volume has no values, and of a mesh. */
-    } * objects;         /**< [object_count + 1]                                                                */
-    uint32_t *touched;   /**< Objects within the ball.                                                          */
+        double value;  /**< Value of the voxel whose cell that is; NAN where the volume has no values, and of a mesh. */
+    } * objects;       /**< [object_count + 1]                                                                */
+    uint32_t *touched; /**< Objects within the ball.                                                          */
     size_t touched_count;
     size_t object_count;
 };

@@ -7,11 +7,11 @@
 #include "selection/measure/history.h"
 #include "selection/measure/statistics.h"
 
-/** What a score may use beside the result. */
+/** Input of a score beside the result. */
 struct score_view {
     const struct cone *cone;
     uint32_t cone_pixels;          /**< Pixels of the aperture.                                      */
-    double near, far;              /**< Of the box around the atlas, from the apex, mm; needs_box.   */
+    double near, far;              /**< Distances of the box around the atlas from the apex, mm; needs_box.   */
     const bool *on_border;         /**< By object; only where ranking.needs_border.                  */
     const struct history *history; /**< NULL = none; only where ranking.info.needs_history.          */
 };
@@ -24,10 +24,10 @@ struct score {
     bool needs_border, needs_box;
 };
 
-/** What a selector ranks by: a formula over the table's names. */
+/** The ranking of a selector: a formula over the table's names. */
 struct ranking {
     struct formula formula;
-    conus_score_info info; /**< What it needs; without name and description. */
+    conus_score_info info; /**< Its needs; without name and description. */
     uint32_t uses;         /**< Bit n: the table's n-th score.         */
     unsigned history;      /**< Parts of it that those scores live on. */
     bool needs_border, needs_box;

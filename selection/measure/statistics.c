@@ -11,7 +11,7 @@
 
 static const uint32_t NO_PIXEL = UINT32_MAX;
 
-/* What is kept of an object while its pixels and intervals come by. */
+/* The sums of one object over its pixels and intervals so far. */
 struct tallied {
     bool touched;
     uint32_t pixels;
@@ -40,7 +40,7 @@ struct tallied {
     const struct tract_part *streamlines; /* of a bundle, in the cone; NULL = none, or not counted */
 };
 
-/* Of the whole cone. */
+/* The sums of the whole cone. */
 struct totals {
     double weight; /* of its pixels       */
     double areas;  /* mm^3 of areas in it */
@@ -301,7 +301,7 @@ static double fraction_of(double volume, double whole)
     return fraction > 1 && fraction < 1 + rounding ? 1 : fraction;
 }
 
-/* Of all areas in the cone. */
+/* The volume of all areas in the cone. */
 static double volume_of_areas(const struct tally *tally, const struct gathering *gathering, double total)
 {
     double sum = 0;

@@ -18,7 +18,7 @@ struct statistics {
 
 void statistics_finish(struct statistics *statistics);
 
-/** What is added up per object while pixels and rays come by; of all objects, so that a query costs what it hits and
+/** Sums per object over pixels and rays; with a place for all objects, so that a query costs what it hits and
  * not what the atlas has. A zeroed one is ready for statistics_gather(). */
 struct tally {
     struct tallied *objects; /**< [object_count + 1]; number 0 is what hit nothing.        */
@@ -31,16 +31,16 @@ struct tally {
 conus_status tally_prepare(struct tally *tally, size_t object_count);
 void tally_finish(struct tally *tally);
 
-/** What is to be gathered. */
+/** The input of statistics_gather(). */
 struct gathering {
     const conus_atlas *atlas;
     const struct cone *cone;
     const struct aperture *aperture; /**< Prepared for the cone; NULL where there are no pixels. */
     const struct evidence *evidence;
-    const struct layers *layers;       /**< Sorted; NULL = visible only.                                     */
-    const struct census *census;       /**< Of the voxels in the cone or ball; with layers or near.           */
-    const struct near *near;           /**< What is near to a ball's centre; with its census.                        */
-    const struct tract_census *tracts; /**< Of the streamlines there, with a census; NULL = there is no bundle. */
+    const struct layers *layers; /**< Sorted; NULL = visible only.                                     */
+    const struct census *census; /**< The voxels in the cone or ball; with layers or near.           */
+    const struct near *near;     /**< The objects near to a ball's centre; with its census.                        */
+    const struct tract_census *tracts; /**< The streamlines there, with a census; NULL = there is no bundle. */
     const struct tract_index *tract_index;
     const struct solids *solids; /**< Surfaces whose inside is counted; with a census. NULL = none. */
     const struct region *region; /**< In which it is; with solids.                                 */

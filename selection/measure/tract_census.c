@@ -66,7 +66,7 @@ static void add_segment(struct tract_part *part, const struct region *region, ui
     }
 }
 
-/* What the run has in the region; @p whole: all of it. */
+/* The part of the run in the region; `whole`: all of it. */
 static struct tract_part measure_run(const struct tractogram *tractogram, const struct region *region,
                                      const struct tract_run *run, bool whole)
 {

@@ -8,10 +8,10 @@
 #include "atlas/atlas.h"
 #include "selection/region/region.h"
 
-/** What a run of segments has in a region, and, added up, what the streamlines of a bundle have there. */
+/** The part of a run of segments in a region, and, added up, that of the streamlines of a bundle. */
 struct tract_part {
     uint64_t whole_mm, parts; /**< Length: mm, and 2^-40 mm; whole numbers, whose sum has no order.             */
-    uint32_t streamlines;     /**< Of a run 1. */
+    uint32_t streamlines;     /**< For a run 1. */
     uint32_t streamline;      /**< Which one has the point nearest to the region's origin;                      */
     uint64_t point;           /**< that is on the segment from this point of the tractogram on,                 */
     double s;                 /**< so far along it, 0 to 1,                                                     */
@@ -46,7 +46,7 @@ struct tract_index {
     double (*ends)[2][3];  /**< [object_count + 1] Ends of a bundle's longest streamline, of equal ones the first; in
                               the world, mm. */
     size_t tractogram_count;
-    size_t streamline_count; /**< Of all tractograms. */
+    size_t streamline_count; /**< In all tractograms. */
 };
 
 /** Takes as long as it takes to read the points of all bundles. CONUS_ERROR_MEMORY. */

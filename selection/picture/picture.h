@@ -18,7 +18,7 @@ struct picture {
     const struct haze_choice *hazy;           /**< Pathways that are haze. */
     const struct tube_colouring *streamlines; /**< How they are coloured; NULL of a cut, where it is by bundle. */
     uint32_t drawing[2];           /**< Width and height of the drawing, in the image's top left corner.       */
-    uint32_t sheet_height;         /**< Of the image, which is options.width wide.                             */
+    uint32_t sheet_height;         /**< Height of the image, which is options.width wide.                             */
     struct font *font;             /**< NULL = no text.                                                        */
     struct picture_legend *legend; /**< NULL = none.                                                   */
     double em, line;               /**< Size of letters, and of the thinnest line, pixels.             */
@@ -60,7 +60,7 @@ enum { PICTURE_TEXT = 160 };
 /** The legend's words about where a cone begins, in the space of @p frame; NULL = RAS mm. */
 void picture_describe_cone(char out[PICTURE_TEXT], const struct cone *cone, const conus_frame *frame);
 
-/** What a drawing leaves free for a legend inside of it, on the left or above, pixels; else 0. */
+/** The space that a drawing leaves free for a legend inside it, on the left or above, pixels; else 0. */
 void picture_legend_room(double out[2], const struct picture *picture);
 
 conus_status picture_legend_draw(conus_image *image, const struct picture *picture);

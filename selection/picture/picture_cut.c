@@ -195,7 +195,7 @@ static conus_status set_up(struct picture *picture, const conus_cut_view *view, 
     return picture_prepare_sheet(picture, MAX_MEMORY, NULL, NULL);
 }
 
-/* What is not black counts as covered, for the place of a legend. */
+/* Pixels that are not black count as covered, for the place of a legend. */
 static conus_status find_covered(struct picture *picture, const uint8_t *rgba)
 {
     size_t width = picture->drawing[0];

@@ -13,7 +13,7 @@
 
 enum { TEXT_SIZE = PICTURE_TEXT, CELL_SIZE = 24, PATHWAY_ROWS = 5, COLOURS = 3, COLOUR_ROWS = COLOURS + 1 };
 
-/* Of the picture's width: inside while letters of SMALLEST of their size are enough, and beside the drawing. */
+/* The legend's part of the picture's width: inside, while letters of SMALLEST of their size are enough, and beside. */
 static const double INSIDE = 0.42;
 static const double BESIDE = 0.5;
 static const double SMALLEST = 0.6;
@@ -38,7 +38,7 @@ struct picture_legend {
     double at[2], size[2]; /* pixels of the image */
 };
 
-/* Of a cut there is no colouring. */
+/* A cut has no colouring. */
 static bool colours_streamlines(const struct picture *picture)
 {
     return picture->streamlines && picture->streamlines->by != TUBE_BY_BUNDLE;
@@ -108,7 +108,7 @@ static bool leaves_out(const struct picture *picture)
     return false;
 }
 
-/* What of an atlas with pathways or bundles the picture shows beside what is hit: those that are not, each while they
+/* Adds what the picture shows beside what is hit: the pathways and bundles that are not hit, each while they
  * are few, and that the other areas are left out. */
 static size_t add_pathways(struct picture_legend *out, struct legend_row rows[PATHWAY_ROWS],
                            const struct picture *picture)
@@ -159,7 +159,7 @@ static void add_colour(struct legend_row *row, char words[TEXT_SIZE], const stru
     }
 }
 
-/* What the colours of streamlines stand for, where these are not their bundles': a heading, and colours. */
+/* Explains the colours of streamlines where these are not their bundles': a heading, and colours. */
 static size_t add_colours(struct legend_row rows[COLOUR_ROWS], char words[COLOUR_ROWS][TEXT_SIZE],
                           const struct picture *picture)
 {
@@ -197,7 +197,7 @@ void picture_describe_cone(char out[PICTURE_TEXT], const struct cone *cone, cons
     snprintf(out + size, PICTURE_TEXT - (size_t)size, "%s", places[space]);
 }
 
-/* What the cone hits, and what else is in the picture. */
+/* Fills the rows: what the cone hits, and what else is in the picture. */
 static void fill_rows(struct picture_legend *out, const struct picture *picture)
 {
     const conus_selection *selection = picture->options.selection;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What the device saw: the evidence as an image, and a picture of it with a legend. */
+/* The evidence as an image, and a picture of it with a legend. */
 #include "selection/picture/picture.h"
 
 #include "base/buffer.h"

@@ -32,7 +32,7 @@ bool region_has(const struct region *region, const double point[3]);
 
 /** Between which indices along each axis a region's part in a grid lies. */
 struct region_bounds {
-    double depth[2]; /**< Of the grid's voxels in the region, along the axis; of a ball (0, 0).             */
+    double depth[2]; /**< Range of the grid's voxels in the region, along the axis; of a ball (0, 0).             */
     double rim[2];   /**< Half-width at depth z: rim[0] + rim[1] z.                                         */
     struct {
         double centre[2]; /**< The axis at depth z is at centre[0] + centre[1] z;                           */

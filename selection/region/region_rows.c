@@ -12,7 +12,7 @@ static const double MORE_ROWS = 0.01;
 /* Distance from a border, as a part of the numbers' size, from which on a cut and region_has() agree. */
 static const double DOUBT = 4e-7;
 
-/* Of every coordinate on the way. */
+/* The size of every coordinate on the way. */
 static double size_of_numbers(const struct region *region, const struct volume *volume)
 {
     double size = vec3_length(region->origin);
@@ -27,7 +27,8 @@ static double size_of_numbers(const struct region *region, const struct volume *
     return 2 * size;
 }
 
-/* What the region sees of the vector v: number `at` of the line. What does not change along a line is left out. */
+/* Puts the vector v, as the region sees it, into number `at` of the line. Leaves out what does not change along a line.
+ */
 static void see(struct region_line *out, int at, const struct region *region, const double v[3])
 {
     if (region->shape == REGION_BALL) {

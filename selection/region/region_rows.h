@@ -38,7 +38,7 @@ struct region_rows {
     double margin;                          /**< mm: nearer to the region's border than that is doubt. */
     struct region_line row;                 /**< From the slice's first voxel along the rows, and      */
     struct region_line column;              /**< from row to row.                                      */
-    double curve;                           /**< Of the rows: width[1]^2 - |across[1]|^2.                  */
+    double curve;                           /**< For the rows: width[1]^2 - |across[1]|^2.                  */
     double per_depth, per_width, per_curve; /**< 1 / row.depth[1], 1 / row.width[1], 1 / curve.            */
 };
 
@@ -57,7 +57,7 @@ bool region_rows_narrow(size_t range[2], const struct region_rows *rows);
 /* By instruction set, all of them from region_rows_lanes.h, with the same bits. */
 region_rows_cutter region_rows_cut_avx512, region_rows_cut_avx2, region_rows_cut_plain;
 
-/** Of those that this machine can run, number @p index, the fastest first; NULL past the last. */
+/** Kernel @p index among those that this machine can run, the fastest first; NULL past the last. */
 region_rows_cutter *region_rows_kernel(size_t index);
 
 #endif

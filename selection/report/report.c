@@ -12,7 +12,7 @@
 
 enum { CONTACT_LIMIT = 65536 };
 
-/* What the level was, so that the report does not need the selector. */
+/* Copies the level, so that the report does not need the selector. */
 static conus_status keep_level(conus_report *report, const conus_selector *selector)
 {
     if (!selector->level_spec) {
@@ -257,7 +257,7 @@ static double depth_of(const conus_report *report, const struct report_row *row)
     return row->result.object && isfinite(depth) ? depth : INFINITY;
 }
 
-/* Of rows in the order of their ranks, the unassigned last. */
+/* Sorts rows that are in the order of their ranks, the unassigned last. */
 static void sort_by_depth(struct report_row *rows, size_t count, const conus_report *report)
 {
     for (size_t i = 1; i < count && rows[i].result.object; i++) {

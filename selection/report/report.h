@@ -13,7 +13,7 @@
 struct report_roi {
     char *path; /**< Owned; NULL of another query. */
     char sha256[65];
-    size_t volume;    /**< Of a 4-D file, from 0.               */
+    size_t volume;    /**< Index in a 4-D file, from 0.               */
     double threshold; /**< 0 of a mask.                         */
     double volume_mm3;
 };
@@ -46,9 +46,9 @@ struct report_query {
     double ball;                 /**< Radius of a ball around the cone's origin; 0 of a cone. */
     bool is_axis;                /**< Its rows are segments, of the cone's axis.          */
     conus_step step;             /**< In a report on a track. */
-    conus_jitter_options jitter; /**< Of chances. */
-    struct report_roi roi;       /**< Of coverages. */
-    double end_radius;           /**< Of connections, mm. */
+    conus_jitter_options jitter; /**< For chances. */
+    struct report_roi roi;       /**< For coverages. */
+    double end_radius;           /**< For connections, mm. */
     bool is_whole;               /**< These are of all streamlines, whatever the cone. */
     size_t first_row;
     size_t first_voxel; /**< Where in conus_report.voxels its rows begin. */
@@ -56,13 +56,13 @@ struct report_query {
 
 struct conus_report {
     const conus_atlas *atlas;
-    char *name;         /**< What the column `atlas` says; NULL = there is none. */
+    char *name;         /**< The value of the column `atlas`; NULL = there is none. */
     conus_report *next; /**< Joined: its rows come behind these, query by query. NULL = none. */
     bool is_joined;     /**< It is the next of another one. */
     conus_selector_options selector;
     char score[FORMULA_LENGTH_LIMIT + 1]; /**< Name or formula of the ranking. */
     char *level;                          /**< NULL = none. */
-    uint32_t *level_areas;                /**< Of a list, by number. */
+    uint32_t *level_areas;                /**< The areas of a level given as a list, by number. */
     size_t level_area_count;
     char engine[96];
     conus_report_options options; /* its space is that of the frame */
@@ -71,11 +71,11 @@ struct conus_report {
     size_t query_count, query_capacity;
     struct report_row *rows;
     size_t row_count, row_capacity;
-    struct text *electrode_lines; /**< Of CONUS_FORMAT_BIDS: the header without what is added, then the rows. */
+    struct text *electrode_lines; /**< For CONUS_FORMAT_BIDS: the header without the added columns, then the rows. */
     size_t electrode_line_count, electrode_line_capacity, electrode_field_count;
     size_t taken;         /**< Queries that were handed out before. */
     struct buffer voxels; /**< TSV rows of conus_report_voxels(), without its header. */
-    struct buffer text;   /**< What was last handed out. */
+    struct buffer text;   /**< The text that was last handed out. */
     bool is_begun;        /**< conus_report_take() has given the header row. */
 };
 

@@ -405,7 +405,7 @@ static const struct report_column summary_columns[] = {
     {"error", NULL, "why there is no answer; then kind is error, and all else is missing", NAMED(get_error)},
 };
 
-/* What a table of electrodes gets. */
+/* The columns added to a table of electrodes. */
 static const struct report_column electrode_columns[] = {
     {"area", NULL, "name of the object with the best score at the contact, or unassigned", NAMED(get_name)},
     {"area_index", NULL, "the atlas's own label of it", NAMED(get_index)},
@@ -416,7 +416,7 @@ static const struct report_column electrode_columns[] = {
     {"area_error", NULL, "why there is no answer", NAMED(get_error)},
 };
 
-/* Of the list of voxels (report_voxels.c). */
+/* The numbers in the list of voxels (report_voxels.c). */
 static const struct report_column voxel_columns[] = {{.name = "x"}, {.name = "y"}, {.name = "z"}, {.name = "value"}};
 
 #define COUNT_OF(array) (sizeof(array) / sizeof(array)[0])

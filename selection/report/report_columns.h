@@ -15,7 +15,7 @@ struct cell {
 };
 
 enum column_type {
-    COLUMN_COMPUTED,    /**< What get() gives.                                              */
+    COLUMN_COMPUTED,    /**< The result of get().                                              */
     COLUMN_NAME,        /**< The same: a name, a kind or a label, no quantity. */
     COLUMN_COUNT,       /**< A uint32_t.                                                    */
     COLUMN_LARGE_COUNT, /**< A uint64_t. */
@@ -45,7 +45,7 @@ struct report_column {
     const char *units; /**< NULL if it has none. */
     const char *description;
     enum column_type type;
-    size_t offset;     /**< Of the value in struct report_row, */
+    size_t offset;     /**< Where the value lies in struct report_row, */
     bool of_query;     /**< or in struct report_query.         */
     unsigned needs;    /**< enum column_needs */
     bool layers_only;  /**< Only in reports of all layers. */

@@ -64,7 +64,7 @@ static void write_connection(struct buffer *out, const conus_report *report, con
                   100 * connection->fraction, connection->length);
 }
 
-/* Of one atlas. */
+/* The answers of one atlas. */
 static void write_answers(struct buffer *out, const conus_report *report, size_t query, struct widths widths)
 {
     size_t first = report->queries[query].first_row;

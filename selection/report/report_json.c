@@ -12,13 +12,13 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Of numbers, by jansson's leave: a whole text has one. */
+/* Digits of numbers; jansson allows one value for a whole text. */
 static size_t digits(const conus_report *report)
 {
     return report->options.tracker ? JSON_REAL_PRECISION(TEXT_TIME_DIGITS) : JSON_REAL_PRECISION(9);
 }
 
-/* Of any bytes: paths and command lines need not be UTF-8. */
+/* Takes any bytes: paths and command lines need not be UTF-8. */
 static json_t *json_from_text(const char *text)
 {
     char *copy = text_to_utf8(text_from(text));
@@ -233,7 +233,7 @@ static json_t *json_from_files(const conus_atlas *atlas)
     return whole_or_null(files, whole);
 }
 
-/* What is hidden, if anything is. */
+/* The hidden objects, if there are any. */
 static bool add_hidden(json_t *root, const conus_atlas *atlas)
 {
     struct buffer text = {0};
@@ -243,7 +243,7 @@ static bool add_hidden(json_t *root, const conus_atlas *atlas)
     return whole;
 }
 
-/* What a field's vectors mean: a node at q goes to base q + linear v. */
+/* The meaning of a field's vectors: a node at q goes to base q + linear v. */
 static json_t *json_from_field(const struct deformation *field)
 {
     json_t *dim =
@@ -253,7 +253,7 @@ static json_t *json_from_field(const struct deformation *field)
                      json_from_matrix(field->linear));
 }
 
-/* What points go through on their way to the atlas's own space, in this order: matrices and fields in turn. */
+/* The transforms from the world to the atlas's own space, in this order: matrices and fields in turn. */
 static json_t *json_from_way(const conus_atlas *atlas)
 {
     json_t *way = json_array();
@@ -343,7 +343,7 @@ static bool add_range(json_t *settings, const conus_selector_options *options)
            put_value(settings, "range_mm", json_pack("[f, f]", options->range[0], options->range[1]));
 }
 
-/* What streamlines are to come into, beside a query's own cone. */
+/* The shape that streamlines are to come into, where it is not a query's own cone. */
 static bool add_shape(json_t *settings, const conus_report *report)
 {
     const conus_selector_options *options = &report->selector;
@@ -353,7 +353,7 @@ static bool add_shape(json_t *settings, const conus_report *report)
             (options->radius == 0 || put_value(settings, "radius_mm", json_real(options->radius))));
 }
 
-/* What the rows depend on besides the answers. */
+/* The options that the rows depend on besides the answers. */
 static bool add_form(json_t *settings, const conus_report_options *options)
 {
     const conus_contacts *contacts = &options->contacts;
@@ -399,7 +399,7 @@ static json_t *json_from_program(const conus_report *report)
     return whole_or_null(program, !command || put_value(program, "CommandLine", json_from_text(command)));
 }
 
-/* What rests on what; queries are always in RAS. */
+/* The sources; queries are always in RAS. */
 static bool add_sources(json_t *root, const conus_report *report)
 {
     return put_value(root, "GeneratedBy", json_pack("[o]", json_from_program(report))) &&
@@ -409,7 +409,7 @@ static bool add_sources(json_t *root, const conus_report *report)
            (report->is_begun || put_value(root, "Queries", json_from_queries(report))); /* else they are forgotten */
 }
 
-/* Of positions in rows: x, y and z are the axes in their order. */
+/* The space of positions in rows: x, y and z are the axes in their order. */
 static json_t *json_from_space(const conus_frame *frame)
 {
     static const char *const names[] = {"RAS", "LPS", "CCF", "bregma"};
@@ -423,7 +423,7 @@ static json_t *json_from_space(const conus_frame *frame)
     return whole_or_null(space, whole);
 }
 
-/* What both the report and the sidecar say about where the rows come from. */
+/* The provenance of the rows, for the report and the sidecar. */
 static bool add_provenance(json_t *root, const conus_report *report)
 {
     return put_value(root, "Space", json_from_space(&report->frame)) && add_sources(root, report);

@@ -50,7 +50,7 @@ static void write_coverage(struct buffer *out, const conus_report *report, const
                   100 * coverage->roi_fraction, coverage->peak, digits, at[0], digits, at[1], digits, at[2]);
 }
 
-/* Of one atlas. */
+/* The answers of one atlas. */
 static void write_answers(struct buffer *out, const conus_report *report, size_t query, int width)
 {
     table_write_atlas(out, report);

@@ -27,7 +27,7 @@ static size_t next_contact(const struct shank *shank, size_t query)
     return query;
 }
 
-/* What has the best score at a contact; NULL if nothing is there. */
+/* The object with the best score at a contact; NULL if nothing is there. */
 static const conus_object *best_of(const conus_report *report, size_t query)
 {
     size_t row = report->queries[query].first_row;
@@ -196,7 +196,7 @@ static conus_status check_rows(const conus_report *report)
                       "contacts: the last is %g mm from the tip, but the range is only %g mm long", height, length);
 }
 
-/* Of the objects at a depth on a shank the one that was entered last, of equals the one that is left first; NULL =
+/* The object at a depth on a shank that was entered last, of equals the one that is left first; NULL =
  * there is none. */
 static const conus_object *innermost(const conus_report *report, size_t query, double depth)
 {
@@ -268,7 +268,7 @@ static conus_status write_shanks(struct buffer *out, const conus_report *report)
     return status;
 }
 
-/* What is at a channel: a query, or one of the contacts of a shank. */
+/* The object at a channel: at a query, or at one of the contacts of a shank. */
 static const conus_object *object_at(const conus_report *report, size_t channel)
 {
     const conus_contacts *contacts = &report->options.contacts;

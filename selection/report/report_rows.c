@@ -27,7 +27,7 @@ void report_write_cell(struct buffer *out, struct cell cell)
     }
 }
 
-/* What stands between the fields of a table, and behind its lines. */
+/* The separator of a table's fields, and the end of its lines. */
 struct table_marks {
     char separator[2];
     const char *end;

@@ -57,7 +57,7 @@ static void write_segment(struct buffer *out, const conus_report *report, size_t
     buffer_format(out, "  %8.*f %7.*f %7.*f\n", digits, at[0], digits, at[1], digits, at[2]);
 }
 
-/* Of one atlas. */
+/* The segments of one atlas. */
 static void write_answers(struct buffer *out, const conus_report *report, size_t query, int width)
 {
     size_t first = report->queries[query].first_row;

@@ -257,7 +257,7 @@ static void write_visible_header(struct buffer *out, const conus_report *report,
                   conus_space_unit(report->frame.space));
 }
 
-/* What bundles have behind other columns, where there are bundles; then the line's end. Where along the bundle that is,
+/* Appends the columns of bundles, where there are bundles, and ends the line. Where along the bundle that is,
  * TSV and JSON have. */
 static void end_result(struct buffer *out, const conus_result *result)
 {
@@ -371,7 +371,7 @@ static void write_summary(struct buffer *out, const conus_report *report, const 
                   report->selector.sampling == CONUS_SAMPLING_SLICES ? "slices" : "exact");
 }
 
-/* What the centre of a ball is in. */
+/* Says which objects the centre of a ball is in. */
 static void write_here(struct buffer *out, const conus_report *report, size_t index)
 {
     size_t count = 0;

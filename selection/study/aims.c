@@ -136,7 +136,7 @@ static bool may_be_enclosed(const conus_atlas *atlas, const double point[3])
     return found;
 }
 
-/* Of the closed surfaces around the apex the smallest: those that the axis is inside of from 0 on (Eq. 10). */
+/* The smallest closed surface around the apex: one that the axis is inside of from 0 on (Eq. 10). */
 static uint32_t object_around(const conus_selector *selector, const struct cone *cone)
 {
     const conus_atlas *atlas = selector->atlas;

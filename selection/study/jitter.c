@@ -37,7 +37,7 @@ static uint32_t sobol(uint32_t index, uint32_t dimension)
     return bits;
 }
 
-/* What all points are shifted by along `dimension`, digit by digit, which keeps them even: SplitMix64. */
+/* The shift of all points along `dimension`, digit by digit, which keeps them even: SplitMix64. */
 static uint32_t shift_of(uint32_t dimension)
 {
     uint64_t z = (dimension + 1) * UINT64_C(0x9e3779b97f4a7c15);
@@ -124,7 +124,7 @@ void jitter_pose(conus_pose *out, const conus_pose *pose, const conus_jitter_opt
     mat4_multiply(out->world_from_device, m, turn);
 }
 
-/* What the samples say of one object; of number 0, of what hit nothing. */
+/* The sums over the samples for one object; number 0 is for rays that hit nothing. */
 struct count {
     uint32_t hits[JITTER_SETS];
     uint32_t seen, inside;

@@ -20,7 +20,7 @@ enum { LINES = 4 };
 
 static const double LEAST = 1e-9; /* part of a voxel that is no rounding of the inside of a mesh */
 
-/* What has been found of an object, as it is reported; number 0 is of nothing. */
+/* The sums for one object, as it is reported; number 0 is for no object. */
 struct tally_of_pieces {
     double voxels;     /* their volume, of which a voxel of the region has 1 */
     uint64_t last;     /* piece, from 1, that was counted last: an object that is met twice there counts once */

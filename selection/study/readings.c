@@ -8,7 +8,7 @@
 
 struct way {
     double place, axes; /* Factors of x and y of the position, and of the axes. */
-    double scale;       /* Of the position. */
+    double scale;       /* Factor of the position. */
     bool reversed;      /* It looks the other way. */
     const char *words;
 };
@@ -54,7 +54,7 @@ static conus_pose read_as(const conus_pose *pose, const struct way *way)
     return out;
 }
 
-/* What the pose hits first, from outside of it; 0 = nothing, or no pose. */
+/* The object that the pose hits first, from outside of it; 0 = nothing, or no pose. */
 static conus_status first_hit(uint32_t *object, conus_selector *selector, const conus_pose *pose, double angle)
 {
     conus_selection *selection = NULL;

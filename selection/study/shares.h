@@ -13,8 +13,8 @@ typedef void (*shares_take)(void *user, const uint32_t *objects, size_t count, d
 /** Volumes whose voxels lie at the same places. */
 struct share_grid {
     double from_previous[16]; /**< Index coordinates from those of the grid before; of the first from the box's. */
-    size_t end;               /**< Of its volumes in shares.volumes; they begin where those of the grid before end. */
-    double dim[3];            /**< The largest of its volumes. */
+    size_t end;    /**< End of its volumes in shares.volumes; they begin where those of the grid before end. */
+    double dim[3]; /**< The largest of its volumes. */
 };
 
 struct shares {

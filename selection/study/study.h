@@ -35,11 +35,11 @@ void jitter_pose(conus_pose *out, const conus_pose *pose, const conus_jitter_opt
 struct conus_overlap {
     conus_coverage *rows;
     size_t count;
-    char *path; /**< Of the region's volume; owned. */
+    char *path; /**< Path of the region's volume; owned. */
     char sha256[65];
-    size_t volume;     /**< Of a 4-D file, from 0.          */
+    size_t volume;     /**< Index in a 4-D file, from 0.          */
     double threshold;  /**< 0 of a mask.                    */
-    double volume_mm3; /**< Of the region.                  */
+    double volume_mm3; /**< Volume of the region.                  */
 };
 
 /* segments.c: what an axis passes (Eq. 17). */

@@ -37,7 +37,7 @@ static void to_world(double out[3], const struct region *region, const double p[
     vec3_add_scaled(out, out, p[2], region->axis);
 }
 
-/* What the axis passes through is this near to it, for all that was rounded on the way. */
+/* A point this near to the axis, as a part of its depth, counts as on it, for rounding. */
 static const double ON_AXIS = 1e-12;
 
 /* Tangent of the angle to the axis; infinite beside and behind the apex. */
@@ -110,7 +110,7 @@ static void append_corner(struct polygon *polygon, const double a[3], const doub
     }
 }
 
-/* What is left of `polygon` where sign * (depth - limit) >= 0. */
+/* Cuts `polygon` to where sign * (depth - limit) >= 0. */
 static void cut(struct polygon *polygon, double sign, double limit)
 {
     struct polygon rest = {.count = 0};
@@ -260,7 +260,7 @@ static void admission_of_bundle(struct admission *admission, const struct region
     *admission = found;
 }
 
-/* Of the cone that is searched, so that the next object beyond the widest is found. */
+/* The angle of the cone that is searched, so that the next object beyond the widest is found. */
 static const double WIDEST = MATH3_PI * (1 - 1e-9);
 
 static conus_status check_selector(const conus_selector *selector)
@@ -280,7 +280,7 @@ static bool is_closed(const conus_atlas *atlas, uint32_t number)
     return atlas->objects[number - 1].closed;
 }
 
-/* Of every object, as what it is reported. */
+/* Finds the admission of every object, as which it is reported. */
 static void search(struct admission *admissions, const conus_selector *selector, const struct cone *cone)
 {
     const conus_atlas *atlas = selector->atlas;

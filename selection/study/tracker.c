@@ -185,7 +185,7 @@ static conus_result absent_result(const conus_tracker *tracker, uint32_t object)
     return result;
 }
 
-/* What is in the cone counts, and what left it while its score lasts. */
+/* An object in the cone counts, and one that left it while its score lasts. */
 static bool counts(const conus_tracker *tracker, const struct memory *memory)
 {
     return memory->last.inside || history_has_score(memory, tracker->selector->ranking.history);

@@ -12,7 +12,7 @@
 /** Streamlines as an object. */
 struct tract_object {
     const struct tractogram *tractogram; /**< With its tree; must outlive the rays. */
-    const struct tract_group *group;     /**< Of it; NULL = all streamlines. */
+    const struct tract_group *group;     /**< One of its groups; NULL = all streamlines. */
     uint32_t number;                     /**< The object's, from 1. */
 };
 

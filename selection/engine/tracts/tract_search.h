@@ -11,11 +11,11 @@
 /** Segments of one run. */
 struct tract_found {
     uint64_t point;    /**< The run's first one. */
-    uint32_t segments; /**< Of the run; 0 = its point alone. */
+    uint32_t segments; /**< In the run; 0 = its point alone. */
     uint32_t hit;      /**< Bit k: the segment from point + k on, or the point alone. */
 };
 
-/** What waits in a search: each level leaves fewer than TRACT_WIDTH items behind. And runs that are put aside. */
+/** Limits of the two stacks of a search: each level leaves fewer than TRACT_WIDTH items waiting; runs are put aside. */
 enum { TRACT_WAITING = TRACT_WIDTH * TRACT_LEVELS, TRACT_ASIDE = TRACT_LEAF + 16 };
 
 /** A search on its way. */
@@ -24,7 +24,7 @@ struct tract_search {
     struct tract_levels levels;
     struct tract_start from;
     float slopes[TRACT_DIAGONALS]; /**< 1 / how much farther along a diagonal the ray is after a mm; finite. */
-    float axes[3][3];              /**< Of unit length, square to each other; the last one is the direction. */
+    float axes[3][3];              /**< Unit vectors, square to each other; the last one is the direction. */
     bool has_bound;                /**< Only the first hit is asked for, and any streamline may be it. */
     float bound;                   /**< mm from the search's origin: with a bound the first hit is no farther. */
     size_t waiting;
@@ -34,7 +34,7 @@ struct tract_search {
         float enter;    /**< mm from the search's origin: the ray is not in the item before. */
         uint32_t level; /**< 0 a run, 1 a leaf, l + 1 an item of level l. */
         size_t item;
-    } visits[TRACT_WAITING], runs[TRACT_ASIDE]; /**< Of those that wait the last one comes first. */
+    } visits[TRACT_WAITING], runs[TRACT_ASIDE]; /**< Stacks: the last one comes first. */
 };
 
 /** Begins a search along the ray from @p origin; @p tractogram must outlive it. */

@@ -274,7 +274,7 @@ static INLINE void fetch_points(const struct tractogram *tractogram, const struc
     __builtin_prefetch(points + 3 * size * tract_leaf_segments(leaf, lane));
 }
 
-/* What is read of an item when its turn comes, or the processor would wait for it then. */
+/* Fetches what is read of an item when its turn comes; the processor would wait for it then. */
 static INLINE void fetch(const struct tract_search *search, uint32_t level, size_t item)
 {
     const struct tract_tree *tree = &search->tractogram->tree;
@@ -375,7 +375,7 @@ static INLINE void fetch_ready(const struct tract_search *search, size_t index, 
     }
 }
 
-/* Of the runs that were put aside those that are too far are dropped, and nearer ones come first. Not where all are
+/* Drops the runs put aside that are too far, and puts nearer ones first. Not where all are
  * asked for. */
 static INLINE void sort_out(struct tract_search *search, float far)
 {

@@ -12,7 +12,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/** What goes with rays into a scene. Filters get the address of its context, which is its own. */
+/** Goes with rays into a scene. Filters get the address of its context, which is its own. */
 struct embree_query {
 #if CONUS_EMBREE >= 4
     struct RTCRayQueryContext context;
@@ -52,7 +52,7 @@ static inline void embree_allow_filters(RTCScene scene)
 #endif
 }
 
-/* What rtcIntersect takes in each edition, after the mask of valid rays. */
+/* The arguments of rtcIntersect in each edition, after the mask of valid rays. */
 #if CONUS_EMBREE >= 4
 #define EMBREE_NEAREST(query, scene, packet) scene, packet, &(query)->nearest
 #else

@@ -9,7 +9,7 @@ struct scene {
     struct bvh *meshes;    /* [mesh_count]; boxes and numbers are those of triangles. */
     size_t mesh_count;     /* Objects in a row that have the same mesh share its tree. */
     size_t *mesh_of;       /* [objects] the index of its tree in `meshes` */
-    struct bvh_box *boxes; /* Of objects, while the scene is made; */
+    struct bvh_box *boxes; /* Boxes of objects, while the scene is made; */
     size_t box_count;      /* those that are meshes. */
 };
 

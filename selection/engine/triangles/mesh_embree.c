@@ -196,7 +196,7 @@ static_assert(sizeof(struct RTCRay) == HIT * sizeof(union number) &&
                   offsetof(struct RTCRayHit16, hit.instID) == (HIT + INSTANCE) * WIDTH_LIMIT * sizeof(float),
               "rows of a packet");
 
-/* What Embree hands to weigh() and collect(); the query, whose context comes first, does so here. */
+/* Embree hands it to weigh() and collect(), as the address of the query, whose context comes first. */
 struct walk {
     struct embree_query query;
     const struct mesh_rays *rays;

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Of the largest coordinate: what single precision may move a crossing by, and a fragment's rounding. */
+/* As a part of the largest coordinate: how far single precision and a fragment's rounding may move a crossing. */
 #define SLACK 1e-5
 
 enum { FIRST_CAPACITY = 4096, FEW = 64 };

@@ -11,7 +11,7 @@
 struct crossing {
     uint32_t pixel;
     uint32_t object;
-    uint32_t triangle; /**< Of the object's mesh.                           */
+    uint32_t triangle; /**< In the object's mesh.                           */
     int32_t side;      /**< mesh_crossing()'s.                              */
     double t;          /**< mesh_crossing()'s, in mm from the apex; 0 or more. */
 };

@@ -3,10 +3,10 @@
 #include "base/memory.h"
 #include "selection/engine/triangles/mesh_tracer.h"
 
-/* Of the scene's size: far above what single precision can move a hit by, far below anything that matters. */
+/* As a part of the scene's size: far more than single precision can move a hit, far less than anything that matters. */
 #define SLACK 1e-5
 
-/* What mesh_tracer_distance() needs of every object. */
+/* Keeps what mesh_tracer_distance() needs of every object. */
 static conus_status keep_surfaces(struct mesh_rays *rays, const struct mesh_object *objects, size_t count)
 {
     bool placed = false;

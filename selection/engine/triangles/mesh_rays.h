@@ -29,7 +29,7 @@ struct mesh_bundle {
     const double (*direction)[MESH_RAYS_LIMIT]; /**< [3][] in the world, unit length.               */
     uint32_t object[MESH_RAYS_LIMIT];           /**< Hit first so far; 0 = none.                    */
     double t[MESH_RAYS_LIMIT];                  /**< mm to it; INFINITY = none.                     */
-    uint64_t triangle[MESH_RAYS_LIMIT];         /**< Of its mesh, if mesh_rays_walk() found it.     */
+    uint64_t triangle[MESH_RAYS_LIMIT];         /**< In its mesh, if mesh_rays_walk() found it.     */
 };
 
 struct mesh_rays;
@@ -37,7 +37,7 @@ struct mesh_rays;
 /** Makes the surfaces ready; object number k is objects[k - 1]. */
 conus_status mesh_rays_create(struct mesh_rays **out, const struct mesh_object *objects, size_t count);
 
-/** What finds the triangles: "Embree 3.13.5" or "own tree". Borrowed for ever. */
+/** The tracer of the triangles: "Embree 3.13.5" or "own tree". A static string. */
 const char *mesh_rays_name(const struct mesh_rays *rays);
 
 /** NULL is fine. */

@@ -8,7 +8,7 @@
 
 struct surface {
     const struct mesh *mesh;       /**< NULL = this object is none. */
-    const uint32_t *triangles;     /**< Of the mesh,                */
+    const uint32_t *triangles;     /**< The mesh's,                */
     const float *positions;        /**< so that both are at hand.   */
     const double *mesh_from_world; /**< NULL = the identity         */
 };

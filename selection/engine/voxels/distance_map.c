@@ -19,7 +19,7 @@ struct bits {
     uint64_t word[BRICK_WORDS];
 };
 
-/* What the codes are made of lies in their own memory until they are written: a layer of bricks along k has the bytes
+/* The input of the codes lies in their own memory until they are written: a layer of bricks along k has the bytes
  * of its codes, BRICK times as many as a bit a voxel takes, and PLANES + 2 of them are needed. */
 struct scratch {
     struct bits *layers;

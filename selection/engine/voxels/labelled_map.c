@@ -4,7 +4,7 @@
 
 #include "base/memory.h"
 
-/* What is done with each row along i of the box, outside which there are no objects; its first voxel has linear index
+/* Called for each row along i of the box, outside which there are no objects; its first voxel has linear index
  * `voxel` in the volume. */
 typedef void row_step(struct distance_map *map, const struct volume *volume, const size_t first[3], size_t voxel);
 

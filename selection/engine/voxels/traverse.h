@@ -47,7 +47,7 @@ static inline size_t traverse_voxel(const struct distance_map *map, const struct
 struct traverse_contact {
     double t;        /**< mm to the entry into its cell; 0 if the ray starts in it; INFINITY = none. */
     uint64_t voxel;  /**< Linear index i + dim0 (j + dim1 k); UINT64_MAX = none.                     */
-    uint32_t object; /**< Of a hit by a labelled map: what is there.                                 */
+    uint32_t object; /**< The object there, for a hit by a labelled map.                                 */
 };
 
 /** Index of the cell [i - 1/2, i + 1/2) that holds @p x. */
@@ -81,11 +81,11 @@ enum { TRAVERSE_EDGE = 1 << 20, TRAVERSE_CODES = INT32_MAX };
 /** Rays with one origin, neighbours side by side: what a kernel walks at once. The caller fills in the first three, and
  * the origin. */
 struct traverse_bundle {
-    size_t count;                                     /**< Of rays, at most TRAVERSE_BUNDLE.                        */
+    size_t count; /**< Number of rays, at most TRAVERSE_BUNDLE.                        */
     alignas(64) double direction[3][TRAVERSE_BUNDLE]; /**< In the world, unit length.                               */
     double limit[TRAVERSE_BUNDLE];                    /**< Give up beyond, mm.                                      */
     double origin[3];                                 /**< In the world.                                            */
-    const double *index_from_world;                   /**< Of the volume, a matrix, and                             */
+    const double *index_from_world;                   /**< The volume's matrix, and                             */
     double start[3];                                  /**< the origin in its index space, and                       */
     double start_cell[3];                  /**< its cell: traverse_bundle_walk() sets all three.             */
     alignas(64) double t[TRAVERSE_BUNDLE]; /**< Out: as in struct traverse_contact.                      */
@@ -103,9 +103,9 @@ void traverse_bundle_ray(const struct distance_map *map, struct traverse_bundle 
 struct traverse_piercing {
     const struct distance_map *uniform; /**< The volume's uniform map.                   */
     const struct volume *volume;
-    const size_t *pixel; /**< Of each ray.                                */
+    const size_t *pixel; /**< The pixel of each ray.                                */
     struct layers *out;
-    size_t count;                /**< Of rays: those behind them repeat the last. Set by traverse_bundle_pierce(). */
+    size_t count; /**< Number of rays: those behind them repeat the last. Set by traverse_bundle_pierce(). */
     bool again[TRAVERSE_BUNDLE]; /**< Out: rays for traverse_pierce(): they have no intervals in @p out.           */
 };
 

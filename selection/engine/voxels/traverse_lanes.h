@@ -14,9 +14,9 @@
 #include <math.h>
 #include <stdalign.h>
 
-/* Of the position from which a ray is counted, which is double, in cells. */
+/* Error of the position from which a ray is counted, which is double, in cells. */
 #define DOUBLE_ERROR 1e-6
-/* Of the positions behind it, in units of the largest one; 17 roundings. */
+/* Error of the positions behind it, in units of the largest one; 17 roundings. */
 #define SINGLE_ERROR 0x1.1p-20
 /* Rays are counted from where the first of them is so many cells before the box. One that starts closer to it, and
  * outside, may not come in at all. */
@@ -225,7 +225,7 @@ static INLINE truths one_of(const truths which[3])
     return (which[0] ^ which[1] ^ which[2]) & ~(which[0] & which[1] & which[2]);
 }
 
-/* Of the axis whose crossing, of the three in `times`, is at t. */
+/* The clearance of the axis whose crossing, of the three in `times`, is at t. */
 static INLINE singles clearance_at(const struct walk *walk, size_t slot, singles t, const singles times[3])
 {
     return choose(
@@ -371,7 +371,7 @@ static INLINE void advance(struct walk *walk, size_t packet)
     leave(walk, packet, codes, walk->live[packet] & ~met);
 }
 
-/* What half a packet hit, whose last crossing was of an axis that is 0, 1, or neither. */
+/* Stores the hits of half a packet, whose last crossing was of an axis that is 0, 1, or neither. */
 static INLINE void deliver(const struct walk *walk, size_t slot, halves hit, halves is_0, halves is_1)
 {
     struct traverse_bundle *bundle = walk->bundle;
