@@ -16,6 +16,51 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* The list of structures of the CIFTI-2 specification, "BrainStructure". */
+#define WHOLE(word, name)                                                                                              \
+    {                                                                                                                  \
+        "CIFTI_STRUCTURE_" word, name, 0                                                                               \
+    }
+#define SIDES(word, name)                                                                                              \
+    {"CIFTI_STRUCTURE_" word "_LEFT", name "Left", 'L'},                                                               \
+    {                                                                                                                  \
+        "CIFTI_STRUCTURE_" word "_RIGHT", name "Right", 'R'                                                            \
+    }
+
+static const struct cifti_structure structures[] = {
+    SIDES("ACCUMBENS", "Accumbens"),
+    WHOLE("ALL_WHITE_MATTER", "AllWhiteMatter"),
+    WHOLE("ALL_GREY_MATTER", "AllGreyMatter"),
+    SIDES("AMYGDALA", "Amygdala"),
+    WHOLE("BRAIN_STEM", "BrainStem"),
+    SIDES("CAUDATE", "Caudate"),
+    SIDES("CEREBELLAR_WHITE_MATTER", "CerebellarWhiteMatter"),
+    WHOLE("CEREBELLUM", "Cerebellum"),
+    SIDES("CEREBELLUM", "Cerebellum"),
+    SIDES("CEREBRAL_WHITE_MATTER", "CerebralWhiteMatter"),
+    WHOLE("CORTEX", "Cortex"),
+    SIDES("CORTEX", "Cortex"),
+    SIDES("DIENCEPHALON_VENTRAL", "DiencephalonVentral"),
+    SIDES("HIPPOCAMPUS", "Hippocampus"),
+    WHOLE("OTHER", "Other"),
+    WHOLE("OTHER_GREY_MATTER", "OtherGreyMatter"),
+    WHOLE("OTHER_WHITE_MATTER", "OtherWhiteMatter"),
+    SIDES("PALLIDUM", "Pallidum"),
+    SIDES("PUTAMEN", "Putamen"),
+    SIDES("THALAMUS", "Thalamus"),
+};
+
+/* The structure called `word` in CIFTI, or NULL. */
+static const struct cifti_structure *cifti_structure_find(const char *word)
+{
+    for (size_t i = 0; i < sizeof structures / sizeof structures[0]; i++) {
+        if (strcmp(word, structures[i].word) == 0) {
+            return &structures[i];
+        }
+    }
+    return NULL;
+}
+
 /* The element that is open, of those that have a meaning. */
 enum inside { AT_ROOT, IN_CIFTI, IN_MATRIX, IN_LABELS, IN_NAMED, IN_MODELS, IN_VOLUME, IN_MODEL };
 

@@ -2,7 +2,7 @@
 /* AFNI's label tables. They are NIML, which looks like XML: elements hold strings in quotation marks, and marks
  * inside a string are written as entities, so that the strings must be cut out before the entities are resolved.
  * In a NIfTI extension (code 4) the table is itself such a string, cut into pieces of 1000 characters. */
-#include "loaders/labels/label_afni.h"
+#include "loaders/labels/label_format.h"
 
 #include "base/buffer.h"
 #include "loaders/labels/label_cells.h"

@@ -2,10 +2,7 @@
 /* Which format, by content; and MRIcron's colours, the one format that is not text. */
 #include "loaders/labels/label_bytes.h"
 
-#include "loaders/labels/label_columns.h"
-#include "loaders/labels/label_json.h"
-#include "loaders/labels/label_markup.h"
-#include "loaders/labels/label_rows.h"
+#include "loaders/labels/label_format.h"
 
 #include <string.h>
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Label tables with a header row: BIDS dseg.tsv, Slicer's CSV, and others. The names of the columns decide what they
  * mean; unknown columns are allowed. And CSV without one, number and name in front. */
-#include "loaders/labels/label_columns.h"
+#include "loaders/labels/label_format.h"
 
 #include "base/buffer.h"
 #include "base/memory.h"

@@ -6,7 +6,7 @@
 #include "base/memory.h"
 #include "loaders/formats/formats.h"
 #include "loaders/labels/label_bytes.h"
-#include "loaders/labels/label_rows.h"
+#include "loaders/labels/label_format.h"
 
 #include <string.h>
 

@@ -2,18 +2,442 @@
 /* Where a volume's label table is: inside the file, then beside it (docs/formats.md has the order). */
 #include "loaders/labels/label_find.h"
 
+#include "atlas/labels/label_voxels.h"
+#include "atlas/labels/labels.h"
 #include "base/buffer.h"
+#include "base/files/file.h"
+#include "base/files/file_trace.h"
 #include "base/files/folder.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "loaders/labels/fsl_find.h"
 #include "loaders/labels/fsl_number.h"
-#include "loaders/labels/label_alike.h"
+#include "loaders/labels/label_bytes.h"
+#include "loaders/labels/label_cells.h"
 #include "loaders/labels/label_file.h"
-#include "loaders/labels/label_freesurfer.h"
-#include "loaders/labels/label_offer.h"
 #include "loaders/labels/label_search.h"
+#include "loaders/labels/label_use.h"
+#include "loaders/labels/label_words.h"
 
+#include <stdlib.h>
 #include <string.h>
+
+/* Volumes of the whole brain, whose labels include pairs of the anatomical segmentation, and of small structures, whose
+ * labels are all from FINE on. Neither ever has label 1. */
+enum kind { FOREIGN, WHOLE, PARTS };
+enum { FINE = 170, COARSE = 100, PAIRS_NEEDED = 2 };
+
+static bool has_entity(struct text stem, const char *entity)
+{
+    struct text part;
+    for (bool more = true; text_field(&stem, '_', &more, &part);) {
+        if (text_equal(part, entity)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static enum kind kind_of(struct text stem)
+{
+    static const char *const whole[] = {
+        "aseg",
+        "aseg.auto",
+        "aseg.auto_noCCseg",
+        "aseg.presurf",
+        "aparc+aseg",
+        "aparc.a2009s+aseg",
+        "aparc.DKTatlas+aseg",
+        "aparc.DKTatlas40+aseg",
+        "wmparc",
+        "ribbon",
+        "aseg.presurf.hypos",
+        "aparc.DKTatlas+aseg.deep",
+    };
+    static const char *const parts[] = {"brainstemSsLabels",  "ThalamicNuclei",   "lh.hippoAmygLabels",
+                                        "rh.hippoAmygLabels", "lh.hippoSfLabels", "rh.hippoSfLabels"};
+    for (size_t i = 0; i < sizeof whole / sizeof whole[0]; i++) {
+        if (text_equal(stem, whole[i])) {
+            return WHOLE;
+        }
+    }
+    for (size_t i = 0; i < sizeof parts / sizeof parts[0]; i++) {
+        if (text_starts(stem, parts[i])) {
+            return PARTS;
+        }
+    }
+    bool derived = has_entity(stem, "desc-aseg") || has_entity(stem, "desc-aparcaseg"); /* fMRIPrep's */
+    return derived && has_entity(stem, "dseg") ? WHOLE : FOREIGN;
+}
+
+/* Voxels of the labels below COARSE, and the sum of their places from left to right, mm. */
+struct census {
+    size_t count[COARSE];
+    double right[COARSE];
+    uint32_t lowest; /* label but 0; 0 if there is none */
+};
+
+static void count_voxel(struct census *census, const conus_volume_info *info, size_t at, uint32_t label)
+{
+    size_t row = at / info->dim[0];
+    size_t plane = row / info->dim[1];
+    const double voxel[3] = {(double)(at % info->dim[0]), (double)(row % info->dim[1]), (double)plane};
+    double world[3];
+    mat4_point(world, info->world_from_voxel, voxel);
+    census->count[label]++;
+    census->right[label] += world[0];
+}
+
+static void count_labels(struct census *out, const struct label_use *use)
+{
+    const conus_volume_info *info = use->info;
+    size_t count = info->dim[0] * info->dim[1] * info->dim[2];
+    *out = (struct census){.lowest = 0};
+    for (size_t at = 0; at < count; at++) {
+        uint32_t label = label_voxels_at(use->voxels, at);
+        out->lowest = label && (!out->lowest || label < out->lowest) ? label : out->lowest;
+        if (label && label < COARSE) {
+            count_voxel(out, info, at, label);
+        }
+    }
+}
+
+/* Whether two pairs of areas or more are there, each with the left one on the left. */
+static bool pairs_agree(const struct census *census)
+{
+    static const int pairs[][2] = {{2, 41},  {3, 42},  {4, 43},  {10, 49}, {11, 50}, {12, 51},
+                                   {13, 52}, {17, 53}, {18, 54}, {26, 58}, {28, 60}};
+    int found = 0;
+    for (size_t i = 0; i < sizeof pairs / sizeof pairs[0]; i++) {
+        int left = pairs[i][0];
+        int right = pairs[i][1];
+        double lefts = (double)census->count[left];
+        double rights = (double)census->count[right];
+        if (lefts > 0 && rights > 0) {
+            found++;
+            if (!(census->right[left] / lefts < census->right[right] / rights)) {
+                return false;
+            }
+        }
+    }
+    return found >= PAIRS_NEEDED;
+}
+
+static bool numbers_agree(const struct label_use *use, enum kind kind)
+{
+    struct census census;
+    count_labels(&census, use);
+    return kind == PARTS ? census.lowest >= FINE : census.lowest > 1 && pairs_agree(&census);
+}
+
+/* The first table that is there: $FREESURFER_HOME's, or that above SUBJECTS/SUBJECT/mri/. */
+static conus_status find_table(struct buffer *out, const char *folder)
+{
+    const char *home = file_trace_environment("FREESURFER_HOME");
+    const char *roots[] = {home && home[0] ? home : NULL, home && home[0] ? home : NULL, folder};
+    static const char *const below[] = {"/FreeSurferColorLUT.txt", "/luts/FreeSurferColorLUT.txt",
+                                        "../../../FreeSurferColorLUT.txt"};
+    for (size_t i = 0; i < 3; i++) {
+        buffer_clear(out);
+        if (roots[i]) {
+            buffer_format(out, "%s%s", roots[i], below[i]);
+        }
+        if (buffer_status(out) || (out->size && file_exists(out->data))) {
+            return buffer_status(out);
+        }
+    }
+    buffer_clear(out);
+    return CONUS_OK;
+}
+
+static conus_status take_table(bool *taken, struct label_search *search, const struct label_table *table,
+                               const char *path)
+{
+    (void)table;
+    *taken = true;
+    return notes_add(
+        search->notes,
+        "%s: its name is one of FreeSurfer's, and its labels lie as FreeSurfer's do: named by %s; --labels "
+        "chooses another table",
+        path_base(search->volume->info->path), path);
+}
+
+static conus_status try_table(struct label_search *search, enum kind kind, const char *path)
+{
+    if (!numbers_agree(&search->use, kind)) {
+        return notes_warn(
+            search->notes,
+            "%s: its name is one of FreeSurfer's, but its labels do not lie as FreeSurfer's do: %s is not "
+            "taken; --labels uses it all the same",
+            path_base(search->volume->info->path), path);
+    }
+    search->judge = take_table;
+    conus_status status = label_search_file(search, path);
+    search->judge = NULL;
+    return status;
+}
+
+static enum kind kind_of_volume(const struct label_search *search)
+{
+    const char *name = path_base(search->volume->info->path);
+    return kind_of((struct text){name, volume_stem_length(name)});
+}
+
+/* A label_judge of a FreeSurferColorLUT.txt in the volume's folder: FreeSurfer's own is taken only for volumes that
+ * bear one of FreeSurfer's names or whose labels lie as FreeSurfer's do; any other is taken. */
+static conus_status label_judge_freesurfer(bool *taken, struct label_search *search, const struct label_table *table,
+                                           const char *path)
+{
+    const struct label *first = label_table_find(table, 1);
+    bool own = first && first->name && strcmp(first->name, "Left-Cerebral-Exterior") == 0;
+    *taken = !own || !search->use.voxels || kind_of_volume(search) != FOREIGN || numbers_agree(&search->use, WHOLE);
+    return *taken ? CONUS_OK
+                  : notes_warn(search->notes,
+                               "%s is not taken for the label table: neither the name nor the labels of %s are "
+                               "FreeSurfer's; --labels uses it all the same",
+                               path_base(path), path_base(search->volume->info->path));
+}
+
+/* Tries FreeSurferColorLUT.txt of FREESURFER_HOME, or of the FreeSurfer whose subject the volume is, in folder, if
+ * the volume's name is one of FreeSurfer's and its labels are where FreeSurfer's are. A note says which was taken. */
+static conus_status label_search_freesurfer(struct label_search *search, const char *folder)
+{
+    enum kind kind = kind_of_volume(search);
+    struct buffer path = {0};
+    if (kind == FOREIGN || !search->use.voxels) {
+        return CONUS_OK;
+    }
+    conus_status status = find_table(&path, folder);
+    status = status || !path.size ? status : try_table(search, kind, path.data);
+    buffer_finish(&path);
+    return status;
+}
+
+struct label_fit {
+    size_t names;     /**< Of the table.                                                */
+    size_t used;      /**< Of them, those whose number a voxel has.                     */
+    uint32_t unnamed; /**< The first number of a voxel that has no name, in the order of the voxels; 0: all have one. */
+    size_t strays;    /**< Voxels whose number has no name,                             */
+    size_t voxels;    /**< of so many that have one other than 0.                       */
+};
+
+enum { STRAYS = 100000 }; /* of so many voxels one may be of a label without a name */
+
+static bool has_name(const struct label_table *table, uint32_t number)
+{
+    const struct label *label = label_table_find(table, number);
+    return label && label->name;
+}
+
+static conus_status count_strays(struct label_fit *fit, const struct label_table *table, const struct label_use *use)
+{
+    struct label_map counts = {0};
+    conus_status status = label_voxels_tally(&counts, use->voxels);
+    for (size_t i = 1; !status && i < use->voxels->label_count; i++) { /* the first is 0 */
+        uint32_t number = use->voxels->labels[i];
+        const uint64_t *count = label_map_at(&counts, number);
+        status = count ? CONUS_OK : CONUS_ERROR_MEMORY;
+        fit->voxels += count ? *count : 0;
+        fit->strays += count && !has_name(table, number) ? *count : 0;
+    }
+    label_map_finish(&counts);
+    return status;
+}
+
+/* Compares table with the voxels of use, which has some. */
+static conus_status label_fit_find(struct label_fit *out, const struct label_table *table, const struct label_use *use)
+{
+    struct label_fit fit = {0};
+    bool *seen = memory_zeroed(table->count + 1, sizeof *seen);
+    if (!seen) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (size_t i = 1; i < use->voxels->label_count; i++) {
+        uint32_t number = use->voxels->labels[i];
+        if (has_name(table, number)) {
+            seen[label_table_find(table, number) - table->entries] = true;
+        } else {
+            fit.unnamed = fit.unnamed ? fit.unnamed : number;
+        }
+    }
+    for (size_t i = 0; i < table->count; i++) {
+        fit.names += table->entries[i].name != NULL;
+        fit.used += seen[i];
+    }
+    memory_free(seen);
+    conus_status status = fit.unnamed ? count_strays(&fit, table, use) : CONUS_OK;
+    if (!status) {
+        *out = fit;
+    }
+    return status;
+}
+
+/* Whether it is good enough for a table that only its name connects with the volume: every number of a voxel has a
+ * name, but for one in 100,000 voxels, nine in ten names have a voxel, and 0 is no area's. */
+static bool label_fit_is_good(const struct label_fit *fit, const struct label_table *table)
+{
+    bool background = !table->zero || label_is_background(text_from(table->zero));
+    return fit->strays <= fit->voxels / STRAYS && background && fit->used && 10 * fit->used >= 9 * fit->names;
+}
+
+#define TABLE_ENDINGS ".nii.txt/.nii.lut/.niml.lt/.txt/.tsv/.json/.label/.ctbl/.csv/.lut/.ctab"
+
+enum {
+    FOLDER_LIMIT = 4096, /* names that names_list() gives at most: one more could be another volume */
+    TABLE_LIMIT = 16,    /* candidates that are read */
+};
+
+/* Length of the name without the ending of a table; 0 if it has none. */
+static size_t table_stem_length(const char *name)
+{
+    size_t ending = path_ending_length(name, TABLE_ENDINGS);
+    return ending ? strlen(name) - ending : 0;
+}
+
+/* Names that begin with a dot are of no one's making: macOS puts one beside every file of other file systems. */
+static bool is_volume(const char *name)
+{
+    return name[0] != '.' && volume_stem_length(name) < strlen(name);
+}
+
+/* What the names in the folder leave open about one table. */
+struct folder {
+    const struct names *names;
+    const char *folder;
+    struct text stem; /* of the volume */
+    struct label_words volume;
+};
+
+/* Whether another volume, of other words, could be the one that `table` is of. */
+static bool is_of_another(const struct folder *folder, const struct label_words *table)
+{
+    bool exact = label_words_equal(&folder->volume, table);
+    for (size_t i = 0; i < folder->names->count; i++) {
+        const char *name = folder->names->names[i];
+        struct text stem = {name, volume_stem_length(name)};
+        bool own = stem.size == folder->stem.size && memcmp(name, folder->stem.data, stem.size) == 0;
+        struct label_words words;
+        if (!is_volume(name) || own) {
+            continue;
+        }
+        label_words_find(&words, stem);
+        bool same = label_words_equal(&words, &folder->volume);
+        bool could = words.overflow || label_words_contain(&words, table);
+        if (table->count ? could && !same && !exact : same || !exact) {
+            return true; /* a table without words is of the only volume, or the only one without words */
+        }
+    }
+    return false;
+}
+
+/* Whether no other file in the folder is a table of a known format. */
+static conus_status is_only_table(bool *out, const struct folder *folder, const char *table, uint64_t max_memory)
+{
+    conus_status status = CONUS_OK;
+    *out = true;
+    for (size_t i = 0; !status && *out && i < folder->names->count; i++) {
+        const char *name = folder->names->names[i];
+        struct bytes bytes = {0};
+        if (name[0] == '.' || !table_stem_length(name) || strcmp(name, table) == 0) {
+            continue;
+        }
+        char *path = file_beside(folder->folder, name);
+        status = path ? CONUS_OK : CONUS_ERROR_MEMORY;
+        if (!status && file_exists(path)) { /* one that cannot be read may be a table */
+            *out = !label_file_bytes(&bytes, path, max_memory) &&
+                   !label_format_of(text_from_bytes(bytes.data, bytes.size));
+        }
+        bytes_finish(&bytes);
+        memory_free(path);
+    }
+    return status;
+}
+
+static conus_status judge(bool *taken, struct label_search *search, const struct label_table *table, const char *path)
+{
+    struct label_fit fit;
+    const char *name = path_base(path);
+    const char *volume = path_base(search->volume->info->path);
+    conus_status status = label_fit_find(&fit, table, &search->use);
+    *taken = !status && label_fit_is_good(&fit, table);
+    if (status) {
+        return status;
+    }
+    if (!*taken && fit.unnamed) {
+        return notes_warn(search->notes,
+                          "%s is not taken for the label table: it has no name for label %u (of %zu voxels %zu have no "
+                          "name); --labels %s uses it all the same",
+                          name, fit.unnamed, fit.voxels, fit.strays, name);
+    }
+    if (!*taken) {
+        return notes_warn(
+            search->notes,
+            "%s is not taken for the label table: of its %zu names %zu have voxels%s; --labels %s uses it "
+            "all the same",
+            name, fit.names, fit.used,
+            table->zero && !label_is_background(text_from(table->zero)) ? ", and it calls 0 an area" : "", name);
+    }
+    if (search->found) {
+        return notes_add(search->notes, "%s fits the labels, too: --labels chooses it", name);
+    }
+    if (fit.unnamed) {
+        status = notes_warn(search->notes, "label %u has no name in %s: of %zu voxels %zu have none", fit.unnamed, name,
+                            fit.voxels, fit.strays);
+    }
+    return status
+               ? status
+               : notes_add(
+                     search->notes,
+                     "%s is taken for the label table of %s by its name: %s labels have a name in it, and %zu of its "
+                     "%zu names have voxels; --labels chooses another",
+                     name, volume, fit.unnamed ? "nearly all" : "all", fit.used, fit.names);
+}
+
+static conus_status try_similar_table(struct label_search *search, const struct folder *folder, const char *name)
+{
+    char *path = file_beside(folder->folder, name);
+    search->judge = judge;
+    conus_status status = path ? label_search_file(search, path) : CONUS_ERROR_MEMORY;
+    search->judge = NULL;
+    memory_free(path);
+    return status;
+}
+
+static conus_status consider(bool *tried, struct label_search *search, const struct folder *folder, const char *name)
+{
+    struct text stem = {name, table_stem_length(name)};
+    struct label_words words;
+    bool only = true;
+    *tried = false;
+    label_words_find(&words, stem);
+    bool same = stem.size == folder->stem.size && memcmp(name, folder->stem.data, stem.size) == 0; /* X.tsv was tried */
+    if (name[0] == '.' || !stem.size || same || !label_words_contain(&folder->volume, &words)) {
+        return CONUS_OK;
+    }
+    bool other = is_of_another(folder, &words);
+    conus_status status = words.count || other ? CONUS_OK : is_only_table(&only, folder, name, search->use.max_memory);
+    *tried = !status && only && !other;
+    return status || !*tried ? status : try_similar_table(search, folder, name);
+}
+
+/* Tries the tables in folder whose names have no word that the volume's lacks, unless they may belong to another
+ * volume there, and whose numbers fit (label_fit_is_good()). A note says what was taken, or why not. */
+static conus_status label_search_alike(struct label_search *search, const char *folder)
+{
+    const char *name = path_base(search->volume->info->path);
+    struct names names = {0};
+    struct folder here = {.names = &names, .folder = folder, .stem = {name, volume_stem_length(name)}};
+    size_t tries = 0;
+    conus_status status = search->use.voxels ? names_list(&names, folder, VOLUME_ENDINGS "/" TABLE_ENDINGS) : CONUS_OK;
+    label_words_find(&here.volume, here.stem);
+    for (size_t i = 0; !status && names.count < FOLDER_LIMIT && tries < TABLE_LIMIT && i < names.count; i++) {
+        bool tried;
+        status = consider(&tried, search, &here, names.names[i]);
+        tries += !status && tried;
+    }
+    names_finish(&names);
+    return status;
+}
 
 /* Whether every entity ("res-01", "dseg") of the table's name is one of the volume's: then BIDS lets it inherit. */
 static bool name_inherits(struct text table, struct text volume, size_t *entities)

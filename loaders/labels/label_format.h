@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What a format of label tables is: its name and its parser. */
-#ifndef CONUS_LOADERS_TABLES_LABEL_FORMAT_H
-#define CONUS_LOADERS_TABLES_LABEL_FORMAT_H
+/** @file The formats of label tables: what each is called, how its text is known and parsed. */
+#ifndef CONUS_LOADERS_LABELS_LABEL_FORMAT_H
+#define CONUS_LOADERS_LABELS_LABEL_FORMAT_H
 
 #include "atlas/labels/labels.h"
+#include "loaders/labels/label_use.h"
 
 /** A format of label tables. */
 struct label_format {
@@ -11,5 +12,42 @@ struct label_format {
     /** Appends the table in @p text to @p out, in any order; label 0 is dropped. */
     conus_status (*parse)(struct label_table *out, struct text text, struct notes *notes);
 };
+
+/** The format of @p text, lines below a header row, by its content; NULL if it is none. */
+const struct label_format *label_format_of_columns(struct text text);
+
+/** Appends the table in @p text to @p out, whose header row calls number and name @p columns; an empty one is found by
+ * the usual words. CONUS_ERROR_DATA where there is no such column. */
+conus_status label_columns_parse(struct label_table *out, struct text text, const struct text columns[2],
+                                 struct notes *notes);
+
+/** Fails with the columns that the first row of @p text has and those that are needed; CONUS_OK where it has no two.
+ */
+conus_status label_columns_refuse(struct text text);
+
+/** FSLeyes's colours without names: it names nothing. */
+extern const struct label_format label_format_colours;
+
+/** The format of @p text, lines of columns, by its content; NULL if it is none. */
+const struct label_format *label_format_of_rows(struct text text);
+
+/** The format of @p text, which begins with a brace or bracket, by its content; NULL if it is none. */
+const struct label_format *label_format_of_json(struct text text);
+
+extern const struct label_format label_format_afni;
+
+/** The format of @p text, which begins with "<", by its content; NULL if it is none. */
+const struct label_format *label_format_of_markup(struct text text);
+
+extern const struct label_format label_format_workbench;
+extern const struct label_format label_format_fsl;
+extern const struct label_format label_format_spm; /**< SPM's and CAT12's atlas XML. */
+
+/** Workbench's table of volume @p volume of a 4-D file; label_format_workbench takes the first. */
+conus_status label_workbench_parse(struct label_table *out, struct text text, size_t volume, struct notes *notes);
+
+/** An atlas XML's of FSL or SPM, numbered as for @p use (fsl_atlas.h); label_format_fsl goes by its type. */
+conus_status label_fsl_parse(struct label_table *out, struct text text, const struct label_use *use,
+                             struct notes *notes);
 
 #endif

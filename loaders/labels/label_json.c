@@ -2,7 +2,7 @@
 /* Label tables in JSON: BrainGlobe's structures.json, a list of structures with their paths in the tree; NiiVue's
  * colour maps, an object of parallel lists; a map from numbers to names; and objects with a number and a name, in a
  * list or below each other. */
-#include "loaders/labels/label_json.h"
+#include "loaders/labels/label_format.h"
 
 #include "base/formats/json_text.h"
 #include "base/memory.h"

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Which XML it is, by the outermost element; and Workbench's label table (NIfTI extension 30). */
-#include "loaders/labels/label_markup.h"
+#include "loaders/labels/label_format.h"
 
 #include "base/formats/xml.h"
 #include "loaders/labels/fsl_atlas.h"
 #include "loaders/labels/fsl_number.h"
-#include "loaders/labels/label_afni.h"
 #include "loaders/labels/label_cells.h"
 
 #include <string.h>

@@ -8,7 +8,7 @@
 #include "loaders/labels/label_bytes.h"
 #include "loaders/labels/label_cells.h"
 #include "loaders/labels/label_file.h"
-#include "loaders/labels/label_rows.h"
+#include "loaders/labels/label_format.h"
 
 #include <string.h>
 

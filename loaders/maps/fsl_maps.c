@@ -7,7 +7,7 @@
 #include "base/memory.h"
 #include "loaders/labels/fsl_find.h"
 #include "loaders/labels/label_cells.h"
-#include "loaders/labels/label_offer.h"
+#include "loaders/labels/label_search.h"
 #include "loaders/labels/label_volumes.h"
 
 void fsl_maps_finish(struct fsl_maps *maps)

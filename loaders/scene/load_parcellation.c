@@ -12,7 +12,7 @@
 #include "loaders/labels/fsl_find.h"
 #include "loaders/labels/fsl_number.h"
 #include "loaders/labels/label_file.h"
-#include "loaders/labels/label_offer.h"
+#include "loaders/labels/label_search.h"
 #include "loaders/volumes/grey.h"
 #include "loaders/volumes/volume_table.h"
 #include "loaders/volumes/volume_values.h"

@@ -2,9 +2,13 @@
 /* Parcellations of one scene: their labels made one set, and each voxel given to the first that claims it. */
 #include "loaders/scene/parcellations.h"
 
+#include "atlas/space.h"
 #include "base/files/folder.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "base/order.h"
 
+#include <math.h>
 #include <string.h>
 
 size_t parcellation_voxels(const struct parcellation *part)
@@ -214,4 +218,255 @@ conus_status parcellations_unite(struct parcellations *all)
     }
     status = status ? status : label_table_sort(&all->table, &all->notes);
     return status ? status : buffer_status(&all->source);
+}
+
+enum { SHOWN = 4 };
+
+static const char *name_of(const struct parcellation *part)
+{
+    return path_base(part->file.path);
+}
+
+/* A part as those behind it see it. */
+struct claim {
+    const struct parcellation *part;
+    struct volume grid; /* without voxels */
+    bool same;          /* as the grid of the part that is asked about */
+};
+
+static conus_status make_claims(struct claim *claims, const struct parcellations *all)
+{
+    conus_status status = CONUS_OK;
+    for (size_t p = 0; !status && p < all->count; p++) {
+        claims[p].part = &all->parts[p];
+        status = volume_init(&claims[p].grid, &all->parts[p].file.info);
+    }
+    return status;
+}
+
+/* Whether the voxel, whose centre is the world point, lies in an area of one of these parts. */
+static bool is_claimed(const struct claim *claims, size_t count, size_t voxel, const double centre[3])
+{
+    for (size_t q = 0; q < count; q++) {
+        size_t at = voxel;
+        bool inside = claims[q].same || volume_find_voxel(&at, &claims[q].grid, centre);
+        if (inside && label_voxels_at(&claims[q].part->labels, at)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static conus_status count_lost(struct label_map *lost, uint32_t label)
+{
+    uint64_t *count = label_map_at(lost, label);
+    if (!count) {
+        return CONUS_ERROR_MEMORY;
+    }
+    ++*count;
+    return CONUS_OK;
+}
+
+/* Takes the voxels that the first `count` parts claim; `lost` counts them by label. */
+static conus_status take_claimed(struct label_map *lost, struct parcellation *part, struct claim *claims, size_t count)
+{
+    const conus_volume_info *info = &part->file.info;
+    conus_status status = CONUS_OK;
+    for (size_t q = 0; q < count; q++) {
+        claims[q].same = space_same_grid(&claims[q].grid.info, info);
+    }
+    for (size_t voxel = 0; !status && voxel < parcellation_voxels(part); voxel++) {
+        const size_t at[3] = {voxel % info->dim[0], voxel / info->dim[0] % info->dim[1],
+                              voxel / info->dim[0] / info->dim[1]};
+        double centre[3] = {(double)at[0], (double)at[1], (double)at[2]};
+        uint32_t label = label_voxels_at(&part->labels, voxel);
+        if (label) {
+            mat4_point(centre, info->world_from_voxel, centre);
+            if (is_claimed(claims, count, voxel, centre)) {
+                status = count_lost(lost, label);
+                label_voxels_clear(&part->labels, voxel);
+            }
+        }
+    }
+    return status;
+}
+
+/* What one part loses. */
+struct loss {
+    struct label_map voxels; /* by label */
+    uint64_t sum;
+    uint32_t *gone; /* labels of which nothing is left, sorted */
+    size_t gone_count;
+};
+
+static void loss_finish(struct loss *loss)
+{
+    label_map_finish(&loss->voxels);
+    memory_free(loss->gone);
+}
+
+/* `before` has the voxels of each label. */
+static conus_status add_up(struct loss *loss, struct label_map *before)
+{
+    const struct label_map *lost = &loss->voxels;
+    loss->gone = memory_raw(lost->count, sizeof *loss->gone);
+    conus_status status = loss->gone ? CONUS_OK : CONUS_ERROR_MEMORY;
+    for (size_t i = 0; !status && lost->slots && i <= lost->mask; i++) {
+        const struct label_map_slot *slot = &lost->slots[i];
+        const uint64_t *whole = slot->used ? label_map_at(before, slot->label) : NULL;
+        status = slot->used && !whole ? CONUS_ERROR_MEMORY : CONUS_OK;
+        loss->sum += slot->value;
+        if (whole && *whole == slot->value) {
+            loss->gone[loss->gone_count++] = slot->label;
+        }
+    }
+    loss->gone_count = status ? 0 : u32_sort_unique(loss->gone, loss->gone_count);
+    return status;
+}
+
+static conus_status note_gone(struct notes *notes, const struct loss *loss, const struct parcellation *part)
+{
+    struct buffer list = {0};
+    for (size_t i = 0; i < loss->gone_count && i < SHOWN; i++) {
+        buffer_format(&list, "%s%u", i ? ", " : "", loss->gone[i]);
+    }
+    conus_status status = buffer_status(&list);
+    if (!status && loss->gone_count) {
+        status = notes_warn(notes, "%s: areas that lose all of their voxels to earlier parcellations: %zu (%s%s)",
+                            name_of(part), loss->gone_count, list.data, loss->gone_count > SHOWN ? ", ..." : "");
+    }
+    buffer_finish(&list);
+    return status;
+}
+
+static conus_status note_loss(struct notes *notes, const struct loss *loss, const struct parcellation *part)
+{
+    conus_status status = CONUS_OK;
+    if (loss->sum) {
+        status = notes_add(notes,
+                           "%s: voxels in areas of earlier parcellations, which keep them: %llu (of %zu of its areas)",
+                           name_of(part), (unsigned long long)loss->sum, loss->voxels.count);
+    }
+    return status ? status : note_gone(notes, loss, part);
+}
+
+static conus_status give_voxels(struct parcellations *all, struct claim *claims)
+{
+    conus_status status = make_claims(claims, all);
+    for (size_t p = 1; !status && p < all->count; p++) {
+        struct loss loss = {0};
+        status = take_claimed(&loss.voxels, &all->parts[p], claims, p);
+        status = status ? status : add_up(&loss, &all->voxels[p]);
+        status = status ? status : note_loss(&all->notes, &loss, &all->parts[p]);
+        loss_finish(&loss);
+    }
+    return status;
+}
+
+/* Which of the first `count` parts is the first on the grid of part `p`; `count` if none is. */
+static size_t find_grid(const struct parcellations *all, size_t count, size_t p)
+{
+    size_t q = 0;
+    while (q < count && !space_same_grid(&all->parts[q].file.info, &all->parts[p].file.info)) {
+        q++;
+    }
+    return q;
+}
+
+/* "left.nii with right.nii; cerebellum.nii": files on one grid, and on others. */
+static conus_status note_grids(struct parcellations *all)
+{
+    struct buffer list = {0};
+    size_t grids = 0;
+    for (size_t p = 0; p < all->count; p++) {
+        bool is_first = find_grid(all, p, p) == p;
+        grids += is_first;
+        buffer_format(&list, is_first && p ? "; %s" : "%s", is_first ? name_of(&all->parts[p]) : "");
+        for (size_t q = p + 1; is_first && q < all->count; q++) {
+            bool joins = find_grid(all, q, q) == p;
+            buffer_format(&list, joins ? " with %s" : "%s", joins ? name_of(&all->parts[q]) : "");
+        }
+    }
+    conus_status status = buffer_status(&list);
+    if (!status && all->count > 1) {
+        status = notes_add(&all->notes, "parcellations: %zu on %zu grid%s (%s)", all->count, grids,
+                           grids == 1 ? "" : "s", list.data);
+    }
+    buffer_finish(&list);
+    return status;
+}
+
+/* Both may lie in known spaces that are not the same. */
+static conus_status note_spaces(struct parcellations *all)
+{
+    enum { TEMPLATES = 3 }; /* NIfTI's codes from there on */
+    const conus_volume_info *first = &all->parts[0].file.info;
+    conus_status status = CONUS_OK;
+    for (size_t p = 1; !status && p < all->count; p++) {
+        const conus_volume_info *info = &all->parts[p].file.info;
+        if (first->space_code >= TEMPLATES && info->space_code >= TEMPLATES && first->space_code != info->space_code) {
+            status = notes_warn(&all->notes, "%s is placed by %s, %s by %s: their areas may not fit together",
+                                name_of(&all->parts[0]), first->transform, name_of(&all->parts[p]), info->transform);
+        }
+    }
+    return status;
+}
+
+/* No voxel is an area's in both any more. */
+static conus_status merge_into(struct parcellation *to, struct parcellation *from, struct file_sums *read)
+{
+    conus_status status = label_voxels_merge(&to->labels, &from->labels);
+    to->file.info.minimum = fmin(to->file.info.minimum, from->file.info.minimum);
+    to->file.info.maximum = fmax(to->file.info.maximum, from->file.info.maximum);
+    to->is_joined = true;
+    bool known = strcmp(to->file.path, from->file.path) == 0; /* another volume of it */
+    return status || known ? status : file_sums_put(read, from->file.path, from->file.info.sha256);
+}
+
+static conus_status merge_grids(struct parcellations *all)
+{
+    size_t kept = 0;
+    conus_status status = CONUS_OK;
+    for (size_t p = 0; p < all->count; p++) {
+        struct parcellation *part = &all->parts[p];
+        size_t first = find_grid(all, kept, p);
+        if (first < kept) {
+            status = status ? status : merge_into(&all->parts[first], part, &all->read);
+            parcellation_finish(part);
+        } else if (kept++ < p) {
+            all->parts[first] = *part;
+        }
+        if (first < p) {
+            *part = (struct parcellation){0};
+        }
+    }
+    all->count = kept;
+    return status;
+}
+
+conus_status parcellations_join(struct parcellations *all)
+{
+    struct claim *claims = memory_zeroed(all->count, sizeof *claims);
+    conus_status status = claims ? note_grids(all) : CONUS_ERROR_MEMORY;
+    status = status ? status : note_spaces(all);
+    status = status ? status : give_voxels(all, claims);
+    for (size_t p = 0; claims && p < all->count; p++) {
+        volume_finish(&claims[p].grid);
+        label_map_finish(&all->voxels[p]);
+    }
+    memory_free(claims);
+    return status ? status : merge_grids(all);
+}
+
+conus_status parcellations_atlas(conus_atlas **out, struct parcellations *all)
+{
+    struct labelled_volume *volumes = memory_zeroed(all->count, sizeof *volumes);
+    for (size_t p = 0; volumes && p < all->count; p++) {
+        volumes[p] = (struct labelled_volume){&all->parts[p].file.info, &all->parts[p].labels, all->parts[p].is_joined};
+    }
+    conus_status status = volumes
+                              ? atlas_create_of(out, volumes, all->count, &all->table, all->source.data, &all->notes)
+                              : CONUS_ERROR_MEMORY;
+    memory_free(volumes);
+    return status;
 }

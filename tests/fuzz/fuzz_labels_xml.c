@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Any bytes as FSL atlas, Workbench and AFNI table, whatever their outermost element is. */
 #include "base/memory.h"
-#include "loaders/labels/label_afni.h"
 #include "loaders/labels/label_bytes.h"
-#include "loaders/labels/label_markup.h"
+#include "loaders/labels/label_format.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
