@@ -138,16 +138,6 @@ static void find_place(struct window_options *out, const struct view_settings *s
     }
 }
 
-static void leave_place(const struct window *window, const struct window_options *options)
-{
-    struct place place;
-    window_place(window, &place);
-    if (options->scale > 0) { /* keys changed that one */
-        place.zoom = options->place.zoom;
-    }
-    place_save(&place);
-}
-
 /* The atlas is read while the display makes the window. False: nothing is open. */
 static bool open_window(struct window *out, const struct window_options *options, const char *path,
                         const struct view_settings *settings)
@@ -190,7 +180,12 @@ static int run_view(const void *given, const struct arguments *arguments)
     station_stop(window.inputs.second_station);
     conus_pose_list_destroy(window.inputs.replay.poses);
     if (!code && !settings->script) {
-        leave_place(&window, &options);
+        struct place place;
+        window_place(&window, &place);
+        if (options.scale > 0) { /* keys changed that one */
+            place.zoom = options.place.zoom;
+        }
+        place_save(&place);
     }
     window_close(&window);
     script_destroy(script);

@@ -65,15 +65,6 @@ static void keep_open(struct spacemouse *mouse, double now_s)
     }
 }
 
-static void note_motion(struct spacemouse *mouse, const struct spnav_event_motion *motion, double now_s)
-{
-    const int axes[6] = {motion->x, motion->y, motion->z, motion->rx, motion->ry, motion->rz};
-    memcpy(mouse->axes, axes, sizeof axes);
-    mouse->moved_s = now_s;
-    mouse->is_heard = true;
-    mouse->is_unplugged = false;
-}
-
 static unsigned press(const struct spnav_event_button *button)
 {
     static const unsigned meanings[] = {SOURCE_HOLD, SOURCE_RESET, SOURCE_CONFIRM};
@@ -86,7 +77,12 @@ static void hear(struct spacemouse *mouse, double now_s, struct source_news *out
     spnav_event event;
     for (int i = 0; i < 1000 && spnav_poll_event(&event); i++) {
         if (event.type == SPNAV_EVENT_MOTION) {
-            note_motion(mouse, &event.motion, now_s);
+            const int axes[6] = {event.motion.x,  event.motion.y,  event.motion.z,
+                                 event.motion.rx, event.motion.ry, event.motion.rz};
+            memcpy(mouse->axes, axes, sizeof axes);
+            mouse->moved_s = now_s;
+            mouse->is_heard = true;
+            mouse->is_unplugged = false;
         } else if (event.type == SPNAV_EVENT_BUTTON) {
             mouse->is_heard = true;
             out->pressed |= press(&event.button);

@@ -276,13 +276,6 @@ static json_t *find_word(const char *word, const char *path, const json_t *entry
                : NULL;
 }
 
-static void add_name(char missing[ADDITIONS_MISSING], const char *path)
-{
-    size_t used = strlen(missing);
-    snprintf(missing + used, ADDITIONS_MISSING - used, "%s%s", used ? ", " : "", name_of(path));
-    conus_plain_text(missing);
-}
-
 json_t *additions_find(char missing[ADDITIONS_MISSING], const json_t *words, const json_t *described,
                        const char *session)
 {
@@ -302,7 +295,9 @@ json_t *additions_find(char missing[ADDITIONS_MISSING], const json_t *words, con
         if (now) {
             fine = !json_array_append_new(found, now);
         } else {
-            add_name(missing, path);
+            size_t used = strlen(missing);
+            snprintf(missing + used, ADDITIONS_MISSING - used, "%s%s", used ? ", " : "", name_of(path));
+            conus_plain_text(missing);
         }
     }
     if (!fine) {

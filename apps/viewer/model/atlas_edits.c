@@ -276,14 +276,6 @@ static conus_status change_thresholds(struct viewer *viewer, double *const *thre
     return status;
 }
 
-static void set_points(struct transfer_editor *editor, const struct atlas_edits *settings)
-{
-    editor->edited = settings->point_count > 0;
-    editor->count = settings->point_count;
-    memcpy(editor->points, settings->points, sizeof editor->points);
-    editor->ready = false;
-}
-
 conus_status viewer_set_up(struct viewer *viewer, const struct atlas_edits *settings)
 {
     struct transfer_editor *editor = &viewer->transfer_editor;
@@ -304,7 +296,10 @@ conus_status viewer_set_up(struct viewer *viewer, const struct atlas_edits *sett
     }
     if (!status && settings->sets_transfer) {
         viewer->preset = settings->preset;
-        set_points(editor, settings);
+        editor->edited = settings->point_count > 0;
+        editor->count = settings->point_count;
+        memcpy(editor->points, settings->points, sizeof editor->points);
+        editor->ready = false;
     }
     if (rests) {
         resume(viewer);

@@ -33,13 +33,6 @@ enum side side_shown(const struct viewer *viewer)
     return left && right ? SIDE_BOTH : left ? SIDE_LEFT : right ? SIDE_RIGHT : SIDE_COUNT;
 }
 
-static void mark(bool *hidden, const struct view_atlas *on, enum side side, bool hide)
-{
-    for (size_t number = 1; number <= on->object_count; number++) {
-        hidden[number] = on->sides[number] == letters[side] ? hide : hidden[number];
-    }
-}
-
 void side_show(struct viewer *viewer, enum side side)
 {
     struct view_atlas *on = viewer->drawn;
@@ -56,7 +49,9 @@ void side_show(struct viewer *viewer, enum side side)
     for (enum side one = SIDE_LEFT; one <= SIDE_RIGHT; one++) {
         bool is_other = side != SIDE_BOTH && side != one;
         if (is_other || !count(on, one, true)) {
-            mark(hidden, on, one, is_other);
+            for (size_t number = 1; number <= on->object_count; number++) {
+                hidden[number] = on->sides[number] == letters[one] ? is_other : hidden[number];
+            }
         }
     }
     viewer_set_hidden(viewer, on, hidden);

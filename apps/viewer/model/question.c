@@ -13,11 +13,6 @@
 
 static const double first_range = 50; /* mm: about as deep as cortex and white matter of a side */
 
-static void say_reason(struct viewer *viewer, conus_status status)
-{
-    viewer_say(viewer, "%s", status == CONUS_ERROR_MEMORY ? "not enough memory" : conus_message());
-}
-
 bool question_use(struct viewer *viewer, const conus_selector_options *options, const char *level)
 {
     struct cone_state *cone = &viewer->cone;
@@ -32,7 +27,7 @@ bool question_use(struct viewer *viewer, const conus_selector_options *options, 
     viewer_question(&asked, viewer, FIRST_TOOL, 0);
     conus_status status = view_atlas_prepare(viewer->atlases, &asked);
     if (status) {
-        say_reason(viewer, status);
+        viewer_say(viewer, "%s", status == CONUS_ERROR_MEMORY ? "not enough memory" : conus_message());
         *cone = before;
         return false;
     }

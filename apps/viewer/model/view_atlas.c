@@ -27,14 +27,6 @@ static void find_sides(struct view_atlas *on)
     }
 }
 
-static void find_kinds(struct view_atlas *on)
-{
-    on->kinds = calloc(on->object_count + 1, sizeof(const char *));
-    for (size_t number = 0; on->kinds && number <= on->object_count; number++) {
-        on->kinds[number] = conus_atlas_kind_word(on->atlas, number);
-    }
-}
-
 bool view_atlas_init(struct view_atlas *out, const struct view_source *source)
 {
     struct view_atlas on = {.atlas = source->atlas,
@@ -52,7 +44,10 @@ bool view_atlas_init(struct view_atlas *out, const struct view_source *source)
     }
     on.watch = watch_create(on.atlas);
     find_sides(&on);
-    find_kinds(&on);
+    on.kinds = calloc(on.object_count + 1, sizeof(const char *));
+    for (size_t number = 0; on.kinds && number <= on.object_count; number++) {
+        on.kinds[number] = conus_atlas_kind_word(on.atlas, number);
+    }
     find_window(&on);
     *out = on;
     return true;

@@ -270,29 +270,12 @@ static void reopening_finish(struct reopening *reopening)
     session_file_finish(&reopening->file);
 }
 
-static void set_head(struct head *head, const struct station_settings *settings)
-{
-    double enlarged = settings->enlarged > 0 ? settings->enlarged : 1;
-    head->named = head->on = settings->head;
-    head->size[0] = settings->screen_mm[0] / enlarged; /* in the world */
-    head->size[1] = settings->screen_mm[1] / enlarged;
-}
-
 static void finish(struct viewer *viewer)
 {
     if (viewer) {
         viewer_finish(viewer);
         free(viewer);
     }
-}
-
-static void prepare(const struct atlases *atlases, const struct view_settings *settings)
-{
-    for (size_t i = 0; i < atlases->count && settings->safe_colours; i++) {
-        conus_atlas_use_safe_colours(atlases->items[i].atlas);
-    }
-    atlases_say_notes(atlases, &settings->common);
-    atlases_say_spaces(atlases, &settings->common);
 }
 
 static struct viewer *create(const struct atlases *atlases, const char *path, const struct view_settings *settings,
@@ -313,7 +296,10 @@ static struct viewer *create(const struct atlases *atlases, const char *path, co
         viewer = NULL;
     } else {
         viewer->display.safe_colours = settings->safe_colours;
-        set_head(&viewer->head, &settings->station);
+        double enlarged = settings->station.enlarged > 0 ? settings->station.enlarged : 1;
+        viewer->head.named = viewer->head.on = settings->station.head;
+        viewer->head.size[0] = settings->station.screen_mm[0] / enlarged; /* in the world */
+        viewer->head.size[1] = settings->station.screen_mm[1] / enlarged;
     }
     free(sources);
     return viewer;
@@ -466,7 +452,11 @@ static bool open_path(struct window *window, const char *text, const struct atla
         settings.full_screen = false;
     }
     if (wait_load(window, &what, &atlases, why)) {
-        prepare(&atlases, &settings);
+        for (size_t i = 0; i < atlases.count && settings.safe_colours; i++) {
+            conus_atlas_use_safe_colours(atlases.items[i].atlas);
+        }
+        atlases_say_notes(&atlases, &settings.common);
+        atlases_say_spaces(&atlases, &settings.common);
         viewer =
             find_frame(&frame, window, &atlases, &settings) ? create(&atlases, path, &settings, window->wake) : NULL;
     }

@@ -91,13 +91,6 @@ static void ask_painter(struct window *window, bool moving)
     }
 }
 
-static void note_picture(struct window *window, double milliseconds)
-{
-    struct times *times = &window->times;
-    times_add(times, TIMED_PICTURE, milliseconds);
-    times->first_picture = times->first_picture > 0 ? times->first_picture : clock_ms() - times->started;
-}
-
 /* A picture of another atlas is none of this one. */
 static void leave_other(struct window *window)
 {
@@ -117,7 +110,9 @@ static void take_picture(struct window *window)
         if (!window->pictures.painted.name) { /* one frame is enough before it, for where both share processors */
             window->frame.frames_wanted = FRAMES_PER_EVENT;
         }
-        note_picture(window, picture.milliseconds);
+        struct times *times = &window->times;
+        times_add(times, TIMED_PICTURE, picture.milliseconds);
+        times->first_picture = times->first_picture > 0 ? times->first_picture : clock_ms() - times->started;
         texture_set(&window->pictures.painted, picture.rgba, picture.width, picture.height, coarse);
         window->pictures.painted_ms = picture.milliseconds;
         window->pictures.painted_fine = picture.fine && painting_shows_same(&picture.what, &window->pictures.asked);

@@ -228,16 +228,6 @@ static void draw_second(struct window *window, const struct frame *frame)
     pane_second_cut(window, &plane);
 }
 
-static void draw_chosen(const struct window *window, const struct cut_pane *pane)
-{
-    const struct view_atlas *drawn = window->viewer->drawn;
-    char title[VIEW_ATLAS_TITLE];
-    if (pane->top.is_there && conus_atlas_object(drawn->atlas, drawn->shown.chosen)) {
-        pane_name(&pane->box, pane->box.x + (float)pane->top.x, pane->box.y + (float)pane->top.y,
-                  view_atlas_title(title, drawn, drawn->shown.chosen));
-    }
-}
-
 /* The wand: the first time it looks at the brain's middle, then it moves there, or with Shift turns to it. */
 static void use_wand(struct viewer *viewer, enum tool_number tool, bool shift, const double at[3])
 {
@@ -323,7 +313,12 @@ void pane_cut(struct window *window, enum plane plane)
     draw_title(window, &frame, plane);
     draw_letters(&frame);
     pane_grey_show(window, &pane->box);
-    draw_chosen(window, frame.pane);
+    const struct view_atlas *drawn = window->viewer->drawn;
+    char title[VIEW_ATLAS_TITLE];
+    if (frame.pane->top.is_there && conus_atlas_object(drawn->atlas, drawn->shown.chosen)) {
+        pane_name(&frame.pane->box, frame.pane->box.x + (float)frame.pane->top.x,
+                  frame.pane->box.y + (float)frame.pane->top.y, view_atlas_title(title, drawn, drawn->shown.chosen));
+    }
     ui_clip_end();
     if (touched && window->frame.hover.object) {
         hover_tip(window);

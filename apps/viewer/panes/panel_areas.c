@@ -169,14 +169,6 @@ static void draw_tree(struct window *window, uint32_t parent)
     }
 }
 
-static void choose_first(struct viewer *viewer)
-{
-    uint32_t best = search_best(viewer->drawn->atlas, viewer->drawn->shown.search);
-    if (best) {
-        viewer_choose(viewer, best);
-    }
-}
-
 /* Best first. */
 static void draw_found(struct window *window)
 {
@@ -228,7 +220,10 @@ void panel_areas(struct window *window)
     ui_tip("whole names come first, then names and words that begin so, names with it inside, and label numbers;\n"
            "Enter chooses the first");
     if (wants_first && viewer->drawn->shown.search[0]) {
-        choose_first(viewer);
+        uint32_t best = search_best(viewer->drawn->atlas, viewer->drawn->shown.search);
+        if (best) {
+            viewer_choose(viewer, best);
+        }
     }
     if (ui_button("show all")) {
         viewer_show_all(viewer);

@@ -45,16 +45,6 @@ static void show_tracker(struct window *window)
     ui_text_coloured(theme_texts[colours[window->inputs.news.state]], "%s", text);
 }
 
-static void panel_source(struct window *window)
-{
-    if (window->viewer->tools[FIRST_TOOL].pointer == POINT_BY_REPLAY) {
-        show_replay(window);
-    } else if (window->viewer->tools[FIRST_TOOL].pointer == POINT_BY_TRACKER) {
-        show_tracker(window);
-    }
-    panel_speed(window, window->viewer->tools[FIRST_TOOL].pointer);
-}
-
 void panel_speed(struct window *window, enum pointer pointer)
 {
     double speed = devices_speed(&window->inputs.devices);
@@ -314,7 +304,12 @@ void panel_cone(struct window *window)
         tool_choose(window->viewer, FIRST_TOOL, (enum pointer)pointer);
     }
     ui_tip("what moves the cone: the mouse, keys, a file of poses, or a tracked tool");
-    panel_source(window);
+    if (window->viewer->tools[FIRST_TOOL].pointer == POINT_BY_REPLAY) {
+        show_replay(window);
+    } else if (window->viewer->tools[FIRST_TOOL].pointer == POINT_BY_TRACKER) {
+        show_tracker(window);
+    }
+    panel_speed(window, window->viewer->tools[FIRST_TOOL].pointer);
     if (viewer->tools[FIRST_TOOL].pointer == POINT_BY_MOUSE) {
         choose_apex(window);
     }

@@ -150,23 +150,6 @@ static void draw_buttons(struct window *window)
     ui_tip("lists files whatever their names end in");
 }
 
-static void draw_keys(const struct window *window)
-{
-    ui_text_coloured(theme_texts[THEME_AMBER], "Up, down");
-    ui_same_line_at(key_width * window->screen.scale);
-    ui_text_coloured(theme_texts[THEME_HINT],
-                     "mark an entry; Enter goes into a folder or takes a file; Escape goes back");
-}
-
-static void draw_warning(const struct window *window)
-{
-    size_t pins = window->viewer && window->dialog.purpose == DIALOG_OPEN ? window->viewer->pin_count : 0;
-    if (pins) {
-        ui_text_coloured(theme_texts[THEME_ORANGE],
-                         "Another atlas ends the list of what was confirmed (%zu); O in the window saves it.", pins);
-    }
-}
-
 void panel_dialog(struct window *window)
 {
     float margin = 16 * window->screen.scale;
@@ -176,7 +159,11 @@ void panel_dialog(struct window *window)
     ui_panel("dialog", (struct ui_box){floorf(((float)window->screen.width - width) / 2), 0, width, height}, UI_PLAIN);
     ui_gap(fmaxf(0.04F * height, 0));
     draw_line(window);
-    draw_warning(window);
+    size_t pins = window->viewer && window->dialog.purpose == DIALOG_OPEN ? window->viewer->pin_count : 0;
+    if (pins) {
+        ui_text_coloured(theme_texts[THEME_ORANGE],
+                         "Another atlas ends the list of what was confirmed (%zu); O in the window saves it.", pins);
+    }
     ui_gap(ui_line() / 2);
     float lists = fmaxf(ui_room_below() - 4 * ui_line(), 5 * ui_line());
     ui_column("places", places, lists);
@@ -188,7 +175,10 @@ void panel_dialog(struct window *window)
     ui_scroll_end();
     ui_gap(ui_line() / 4);
     draw_buttons(window);
-    draw_keys(window);
+    ui_text_coloured(theme_texts[THEME_AMBER], "Up, down");
+    ui_same_line_at(key_width * window->screen.scale);
+    ui_text_coloured(theme_texts[THEME_HINT],
+                     "mark an entry; Enter goes into a folder or takes a file; Escape goes back");
     bool escaped = ui_escaped();
     ui_panel_end();
     window->dialog.on = window->dialog.on && !escaped;

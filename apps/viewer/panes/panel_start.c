@@ -8,18 +8,6 @@
 static const float page_width = 980, number_width = 26, key_width = 80;
 static const float least_wide = 700, gap = 24; /* from here on the lists stand side by side, so far apart */
 
-static void draw_title(void)
-{
-    ui_heading("conus");
-    ui_text_wrapped("Which areas of the brain does this beam, probe or pointing hand reach?");
-    ui_gap(ui_line() / 2);
-    ui_tint(theme_texts[THEME_PLAIN]);
-    ui_text_wrapped("First open an atlas: click one below. Then move the mouse over the brain: a cone begins under it, "
-                    "and the list on the right names the areas that it hits. A click holds the cone.");
-    ui_tint_end();
-    ui_gap(ui_line() / 2);
-}
-
 static void draw_field(struct window *window)
 {
     static const char open[] = "Open";
@@ -239,7 +227,14 @@ void panel_start(struct window *window)
     ui_panel("start", (struct ui_box){floorf(((float)window->screen.width - width) / 2), 0, width, height}, UI_PLAIN);
     ui_scroll("page", 0);
     ui_gap(fmaxf(0.08F * height - margin, 0));
-    draw_title();
+    ui_heading("conus");
+    ui_text_wrapped("Which areas of the brain does this beam, probe or pointing hand reach?");
+    ui_gap(ui_line() / 2);
+    ui_tint(theme_texts[THEME_PLAIN]);
+    ui_text_wrapped("First open an atlas: click one below. Then move the mouse over the brain: a cone begins under it, "
+                    "and the list on the right names the areas that it hits. A click holds the cone.");
+    ui_tint_end();
+    ui_gap(ui_line() / 2);
     draw_field(window);
     ui_gap(ui_line() / 2);
     draw_lists(window, fmaxf(ui_room_below() - 6.5F * ui_line(), 10 * ui_line()));

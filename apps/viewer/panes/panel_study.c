@@ -121,15 +121,6 @@ static double angle_under(const struct study_answer *answer, struct ui_box box, 
     return low + (double)((x - box.x) / box.width) * (high - low);
 }
 
-static void draw_grid(struct ui_box box)
-{
-    ui_draw_box(box, ground, 0);
-    for (int quarter = 0; quarter <= 4; quarter++) {
-        float y = box.y + box.height * (float)quarter / 4;
-        ui_draw_line((float[]){box.x, y}, (float[]){box.x + box.width, y}, grid, 1);
-    }
-}
-
 static void draw_numbers(const struct study_answer *answer, struct ui_box box)
 {
     char low[32];
@@ -180,7 +171,11 @@ static size_t draw_plot(const struct window *window, const struct study_answer *
     if (hovered) {
         tip_of_angle(viewer, answer, table, angle);
     }
-    draw_grid(box);
+    ui_draw_box(box, ground, 0);
+    for (int quarter = 0; quarter <= 4; quarter++) {
+        float y = box.y + box.height * (float)quarter / 4;
+        ui_draw_line((float[]){box.x, y}, (float[]){box.x + box.width, y}, grid, 1);
+    }
     float x = box.x + box.width * across(answer, angle);
     ui_draw_line((float[]){x, box.y}, (float[]){x, box.y + box.height}, theme_texts[THEME_HINT], 1);
     for (size_t i = table->curve_count; i > 0; i--) { /* the largest in front */

@@ -85,15 +85,6 @@ static void note_error(struct painter *painter)
     wake_window(painter);
 }
 
-static void make_bytes(struct painter *painter)
-{
-    for (int i = 0; i < LEVELS; i++) {
-        double linear = (double)i / (LEVELS - 1);
-        double srgb = linear <= 0.0031308 ? 12.92 * linear : 1.055 * pow(linear, 1 / 2.4) - 0.055;
-        painter->bytes[i] = (uint8_t)(255 * srgb + 0.5);
-    }
-}
-
 static uint8_t *bytes_of(const struct painter *painter, const conus_image *image)
 {
     static const char *const channels[] = {"R", "G", "B"};
@@ -108,14 +99,6 @@ static uint8_t *bytes_of(const struct painter *painter, const conus_image *image
         }
     }
     return rgba;
-}
-
-static void hand_over(struct painter *painter, struct painted *picture)
-{
-    pthread_mutex_lock(&painter->lock);
-    free(painter->done.rgba);
-    painter->done = *picture;
-    wake_window(painter);
 }
 
 /* Pixels of the pane per pixel of the picture. */
@@ -191,7 +174,10 @@ static enum stage paint(struct painter *painter, conus_renderer *renderer, const
         painter->ms_per_pixel = picture.milliseconds / ((double)view.width * view.height);
     }
     if (picture.rgba) {
-        hand_over(painter, &picture);
+        pthread_mutex_lock(&painter->lock);
+        free(painter->done.rgba);
+        painter->done = picture;
+        wake_window(painter);
     }
     bool is_full = view.width == what->width && view.height == what->height;
     return stage == STAGE_COARSE && is_full ? STAGE_FULL : stage;
@@ -309,7 +295,11 @@ static void *run(void *user)
                                             .pathways = painter->pathways,
                                             .pathway_count = painter->pathway_count,
                                             .streamline_colour = painter->streamline_colour};
-    make_bytes(painter);
+    for (int i = 0; i < LEVELS; i++) {
+        double linear = (double)i / (LEVELS - 1);
+        double srgb = linear <= 0.0031308 ? 12.92 * linear : 1.055 * pow(linear, 1 / 2.4) - 0.055;
+        painter->bytes[i] = (uint8_t)(255 * srgb + 0.5);
+    }
     setpriority(PRIO_PROCESS, 0, getpriority(PRIO_PROCESS, 0) + niceness); /* of this thread, and those it starts */
     if (conus_renderer_create(&renderer, painter->atlas, &options)) {
         note_error(painter);

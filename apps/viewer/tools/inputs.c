@@ -360,18 +360,13 @@ bool replay_step(struct replay *replay, struct viewer *viewer, double clock)
     return true;
 }
 
-static void show_head(struct head *head, const struct station_head *news)
-{
-    if (head->named) {
-        head_set_state(head, news->state);
-        if (news->state == STATION_SEEN) {
-            head_move(head, news->eye, &news->screen);
-        }
-    }
-}
-
 void station_hear(struct station *station, struct viewer *viewer, struct station_news *news)
 {
     station_ask(station, news);
-    show_head(&viewer->head, &news->head);
+    if (viewer->head.named) {
+        head_set_state(&viewer->head, news->head.state);
+        if (news->head.state == STATION_SEEN) {
+            head_move(&viewer->head, news->head.eye, &news->head.screen);
+        }
+    }
 }

@@ -13,13 +13,6 @@ static void drop_later(struct changes *changes)
     }
 }
 
-static void drop_first(struct changes *changes)
-{
-    free(changes->states[0]);
-    changes->count--;
-    memmove(changes->states, changes->states + 1, changes->count * sizeof *changes->states);
-}
-
 void changes_add(struct changes *changes, char *state)
 {
     if (changes->count && strcmp(changes->states[changes->at], state) == 0) {
@@ -28,7 +21,9 @@ void changes_add(struct changes *changes, char *state)
     }
     drop_later(changes);
     if (changes->count == CHANGES_LIMIT) {
-        drop_first(changes);
+        free(changes->states[0]);
+        changes->count--;
+        memmove(changes->states, changes->states + 1, changes->count * sizeof *changes->states);
     }
     changes->at = changes->count;
     changes->states[changes->count++] = state;

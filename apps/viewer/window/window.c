@@ -823,20 +823,15 @@ void window_use_folder(struct window *window)
     window_want(window, path);
 }
 
-static void copy_study(struct window *window)
-{
-    const char *text = studies_text(window->viewer);
-    if (text) {
-        glfwSetClipboardString(window->handle, text);
-        viewer_say(window->viewer, "copied the study");
-    }
-}
-
 void window_copy(struct window *window, enum copied what)
 {
     struct viewer *viewer = window->viewer;
     if (what == COPY_STUDY) {
-        copy_study(window);
+        const char *text = studies_text(window->viewer);
+        if (text) {
+            glfwSetClipboardString(window->handle, text);
+            viewer_say(window->viewer, "copied the study");
+        }
         return;
     }
     char *text = what == COPY_PINS ? viewer_pins_text(viewer) : viewer_results_text(viewer);
