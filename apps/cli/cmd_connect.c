@@ -2,67 +2,72 @@
 /* conus connect: which areas the streamlines of bundles connect, all of them, without a pose. */
 #include "cli/answers/ends.h"
 #include "cli/commands.h"
-#include "cli/survey.h"
+#include "cli/inquiry.h"
 #include "options/messages.h"
 
 #include <stdlib.h>
 
 struct connect_settings {
-    struct survey_settings survey; /* first */
+    struct inquiry_settings inquiry; /* first */
     struct ends_settings ends;
 };
 
 static const struct option_group groups[] = {
-    {"What is connected", atlas_options, SURVEY_FIELD(atlas)},
-    SURVEY_ATLAS_GROUPS,
-    SURVEY_OUTPUT_GROUPS,
+    {"What is connected", atlas_options, INQUIRY_FIELD(atlas)},
+    INQUIRY_NO_POSE_ATLAS_GROUPS,
+    INQUIRY_OUTPUT_GROUPS,
     {"", connectivity_options, offsetof(struct connect_settings, ends)},
-    {"", quiet_options, SURVEY_FIELD(common)},
+    {"", quiet_options, INQUIRY_FIELD(common)},
     {0},
 };
 
 /* An answer under way. */
 struct connect {
     const struct connect_settings *settings;
-    struct survey survey;
+    struct inquiry inquiry;
     struct matrix_file matrix;
 };
 
-static const conus_report_options rows = {.rows = CONUS_ROWS_CONNECTIONS};
-
-static int add_answer(struct connect *connect, size_t index)
+static int add_answer(struct connect *connect, size_t index, const conus_report_options *report)
 {
-    const conus_connectivity_options options = ends_options_of(&connect->settings->ends, connect->survey.arguments);
-    const conus_report_options report = survey_report_options(&connect->survey, &rows, index);
-    struct surveyor *surveyor = &connect->survey.surveyors[index];
+    const conus_connectivity_options options = ends_options_of(&connect->settings->ends, connect->inquiry.arguments);
+    struct answerer *answerer = &connect->inquiry.answerers[index];
     conus_connectivity *connectivity = NULL;
-    conus_status status = conus_connectivity_create(&connectivity, surveyor->selector, NULL, &options);
-    status = status ? status : conus_report_add_connections(surveyor->report, "1", connectivity);
+    conus_status status = conus_connectivity_create(&connectivity, answerer->selector, NULL, &options);
+    status = status ? status : conus_report_add_connections(answerer->report, "1", connectivity);
     if (status) {
         conus_connectivity_destroy(connectivity);
         return print_status(status);
     }
-    return matrix_file_take(&connect->matrix, surveyor->selector, &report, "1", connectivity);
+    return matrix_file_take(&connect->matrix, answerer->selector, report, "1", connectivity);
 }
 
 static int answer(struct connect *connect)
 {
-    struct survey *survey = &connect->survey;
+    struct inquiry *inquiry = &connect->inquiry;
     struct provenance provenance = {0};
-    int code = survey_load(survey);
-    code = code ? code : survey_start(survey, &rows);
-    code = code ? code : survey_check_outputs(survey);
-    code = code || ends_check_atlases(&survey->atlases) ? code : EXIT_USAGE;
-    for (size_t i = 0; !code && i < survey->atlases.count; i++) {
-        code = add_answer(connect, i);
+    conus_report_options report = inquiry_report_options(inquiry);
+    report.rows = CONUS_ROWS_CONNECTIONS;
+    report.frame = NULL; /* its rows have no positions */
+    int code = inquiry_load_atlases(inquiry);
+    code = code ? code : inquiry_start_without_rays(inquiry, &report);
+    code = code ? code : inquiry_check_outputs(inquiry, NULL);
+    code = code || ends_check_atlases(&inquiry->atlases) ? code : EXIT_USAGE;
+    for (size_t i = 0; !code && i < inquiry->atlases.count; i++) {
+        code = add_answer(connect, i, &report);
     }
     if (code) {
         return code;
     }
-    survey_describe(survey, &provenance, "connections", "all");
+    inquiry_say_notes(inquiry);
+    inquiry_list_inputs(&provenance, inquiry);
+    provenance.question.rows = "connections";
+    provenance.question.region = "all";
     code = matrix_file_write(&connect->matrix, &provenance);
-    provenance_add_outputs(&provenance, survey->arguments);
-    return code ? code : survey_write(survey, &provenance);
+    provenance_add_outputs(&provenance, inquiry->arguments);
+    return code ? code
+                : answer_write(inquiry->answerers[0].report, inquiry->settings->answer.output, inquiry->sidecar,
+                               &provenance);
 }
 
 static int run_connect(const void *given, const struct arguments *arguments)
@@ -72,11 +77,11 @@ static int run_connect(const void *given, const struct arguments *arguments)
     if (!ends_check(&settings->ends, arguments)) {
         return EXIT_USAGE;
     }
-    int code = survey_init(&connect.survey, &settings->survey, arguments);
+    int code = inquiry_init(&connect.inquiry, &settings->inquiry, arguments);
     code = code ? code : matrix_file_init(&connect.matrix, settings->ends.connectivity);
     code = code ? code : answer(&connect);
     matrix_file_finish(&connect.matrix);
-    survey_finish(&connect.survey);
+    inquiry_finish(&connect.inquiry);
     return code;
 }
 

@@ -1,16 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus overlap: which areas and pathways regions of interest cover. */
 #include "cli/commands.h"
-#include "cli/survey.h"
+#include "cli/inquiry.h"
 #include "options/messages.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 
 struct overlap_settings {
-    struct survey_settings survey; /* first */
+    struct inquiry_settings inquiry; /* first */
     double threshold;
-    struct space_settings space;
 };
 
 #define FIELD(member) offsetof(struct overlap_settings, member)
@@ -29,38 +28,37 @@ static const struct option region_options[] = {
 
 static const struct option_group groups[] = {
     {"What the region is", region_options, 0},
-    {"", space_options, FIELD(space)},
-    {"What it may cover", atlas_options, SURVEY_FIELD(atlas)},
-    SURVEY_ATLAS_GROUPS,
-    SURVEY_OUTPUT_GROUPS,
-    {"", quiet_options, SURVEY_FIELD(common)},
+    {"", space_options, INQUIRY_FIELD(aim.space)},
+    {"What it may cover", atlas_options, INQUIRY_FIELD(atlas)},
+    INQUIRY_NO_POSE_ATLAS_GROUPS,
+    INQUIRY_OUTPUT_GROUPS,
+    {"", quiet_options, INQUIRY_FIELD(common)},
     {0},
 };
 
 /* An overlap under way. */
 struct overlap {
     const struct overlap_settings *settings;
-    struct survey survey;
-    conus_frame frame; /* of positions */
+    struct inquiry inquiry;
 };
 
 static size_t region_count(const struct overlap *overlap)
 {
-    return overlap->survey.arguments->more.count + 1;
+    return overlap->inquiry.arguments->more.count + 1;
 }
 
 static const char *region_path(const struct overlap *overlap, size_t index)
 {
-    return index ? overlap->survey.arguments->more.items[index - 1] : overlap->survey.arguments->operands[1];
+    return index ? overlap->inquiry.arguments->more.items[index - 1] : overlap->inquiry.arguments->operands[1];
 }
 
 static conus_status load_region(conus_roi **out, const struct overlap *overlap, const char *path, conus_log log)
 {
     const struct overlap_settings *settings = overlap->settings;
     const conus_roi_options options = {.threshold = settings->threshold,
-                                       .max_memory = settings->survey.atlas.max_memory,
+                                       .max_memory = settings->inquiry.atlas.max_memory,
                                        .log = log,
-                                       .cache = !settings->survey.atlas.no_cache};
+                                       .cache = !settings->inquiry.atlas.no_cache};
     return conus_roi_load(out, path, &options);
 }
 
@@ -68,9 +66,9 @@ static conus_status load_region(conus_roi **out, const struct overlap *overlap, 
  * atlas or as one of a single area. */
 static bool atlas_is_region(const struct overlap *overlap)
 {
-    const conus_atlas *atlas = overlap->survey.atlases.count ? overlap->survey.atlases.items[0].atlas : NULL;
+    const conus_atlas *atlas = overlap->inquiry.atlases.count ? overlap->inquiry.atlases.items[0].atlas : NULL;
     conus_roi *roi = NULL;
-    conus_status status = load_region(&roi, overlap, overlap->survey.arguments->operands[0], NULL);
+    conus_status status = load_region(&roi, overlap, overlap->inquiry.arguments->operands[0], NULL);
     conus_roi_destroy(roi);
     return (status == CONUS_OK || status == CONUS_ERROR_ARGUMENT) && (!atlas || conus_atlas_object_count(atlas) == 1);
 }
@@ -78,7 +76,7 @@ static bool atlas_is_region(const struct overlap *overlap)
 /* Whether an atlas of several areas was given as ROI. */
 static bool region_is_atlas(const struct overlap *overlap, const char *path)
 {
-    const struct atlas_settings *given = &overlap->settings->survey.atlas;
+    const struct atlas_settings *given = &overlap->settings->inquiry.atlas;
     const struct atlas_settings settings = {.max_memory = given->max_memory, .no_cache = given->no_cache};
     conus_atlas *atlas = NULL;
     bool is_atlas = !settings_load_atlas(&atlas, path, &settings) && conus_atlas_object_count(atlas) > 1;
@@ -102,11 +100,11 @@ static int print_failure(const struct overlap *overlap, const char *path, int co
 static void say_place(const struct overlap *overlap, size_t index, const conus_roi *roi, const conus_overlap *coverages)
 {
     char prefix[ATLAS_PREFIX_SIZE];
-    const struct named_atlas *named = &overlap->survey.atlases.items[index];
+    const struct named_atlas *named = &overlap->inquiry.atlases.items[index];
     const conus_volume_info *info = conus_roi_volume(roi);
     const conus_coverage *best = conus_overlap_coverage(coverages, 0);
     const conus_volume_info *atlas = conus_atlas_volume(named->atlas, 0);
-    if (overlap->settings->survey.common.quiet) {
+    if (overlap->settings->inquiry.common.quiet) {
         return;
     }
     atlases_prefix(prefix, named);
@@ -123,8 +121,8 @@ static void say_place(const struct overlap *overlap, size_t index, const conus_r
 /* Whether no output is the region's file. */
 static bool check_region(const struct overlap *overlap, const conus_roi *roi)
 {
-    const char *output = overlap->settings->survey.answer.output;
-    const char *const outputs[] = {output_is_stdout(output) ? NULL : output, overlap->survey.sidecar};
+    const char *output = overlap->settings->inquiry.answer.output;
+    const char *const outputs[] = {output_is_stdout(output) ? NULL : output, overlap->inquiry.sidecar};
     for (size_t i = 0; i < 2; i++) {
         if (outputs[i] && paths_equal(outputs[i], conus_roi_volume(roi)->path)) {
             print_error_line("--output would overwrite the region %s", outputs[i]);
@@ -137,10 +135,10 @@ static bool check_region(const struct overlap *overlap, const conus_roi *roi)
 /* Adds the areas of one atlas that the region covers. */
 static int add_answer(struct overlap *overlap, size_t index, const char *path, const conus_roi *roi)
 {
-    struct surveyor *surveyor = &overlap->survey.surveyors[index];
+    struct answerer *answerer = &overlap->inquiry.answerers[index];
     conus_overlap *coverages = NULL;
-    conus_status status = conus_overlap_create(&coverages, surveyor->selector, roi);
-    status = status ? status : conus_report_add_overlap(surveyor->report, path, coverages);
+    conus_status status = conus_overlap_create(&coverages, answerer->selector, roi);
+    status = status ? status : conus_report_add_overlap(answerer->report, path, coverages);
     if (!status) {
         say_place(overlap, index, roi, coverages);
     }
@@ -151,13 +149,13 @@ static int add_answer(struct overlap *overlap, size_t index, const char *path, c
 static int add_region(struct overlap *overlap, const char *path)
 {
     conus_roi *roi = NULL;
-    conus_status status = load_region(&roi, overlap, path, overlap->settings->survey.common.quiet ? NULL : log_note);
+    conus_status status = load_region(&roi, overlap, path, overlap->settings->inquiry.common.quiet ? NULL : log_note);
     if (status) {
         messages_hold(true);
         return print_failure(overlap, path, print_status(status));
     }
     int code = check_region(overlap, roi) ? EXIT_DONE : EXIT_USAGE;
-    for (size_t i = 0; !code && i < overlap->survey.atlases.count; i++) {
+    for (size_t i = 0; !code && i < overlap->inquiry.atlases.count; i++) {
         code = add_answer(overlap, i, path, roi);
     }
     conus_roi_destroy(roi);
@@ -166,31 +164,38 @@ static int add_region(struct overlap *overlap, const char *path)
 
 static int start(struct overlap *overlap)
 {
-    const struct overlap_settings *settings = overlap->settings;
-    const conus_report_options rows = {.rows = CONUS_ROWS_COVERAGES, .frame = &overlap->frame, .no_voxels = true};
+    struct inquiry *inquiry = &overlap->inquiry;
     messages_hold(true);
-    int code = survey_load(&overlap->survey);
+    int code = inquiry_load_atlases(inquiry);
     if (code) {
         return print_failure(overlap, region_path(overlap, 0), code);
     }
     messages_hold(false);
-    code = settings_frame(&overlap->frame, &overlap->survey.atlases, &settings->space, settings->survey.common.quiet);
-    return code ? code : survey_start(&overlap->survey, &rows);
+    code = settings_frame(&inquiry->frame, &inquiry->atlases, &inquiry->settings->aim.space,
+                          inquiry->settings->common.quiet);
+    conus_report_options report = inquiry_report_options(inquiry);
+    report.rows = CONUS_ROWS_COVERAGES;
+    report.no_voxels = true;
+    return code ? code : inquiry_start_without_rays(inquiry, &report);
 }
 
 static int answer(struct overlap *overlap)
 {
+    struct inquiry *inquiry = &overlap->inquiry;
     struct provenance provenance = {0};
     int code = start(overlap);
-    code = code ? code : survey_check_outputs(&overlap->survey);
+    code = code ? code : inquiry_check_outputs(inquiry, NULL);
     for (size_t i = 0; !code && i < region_count(overlap); i++) {
         code = add_region(overlap, region_path(overlap, i));
     }
     if (code) {
         return code;
     }
-    survey_describe(&overlap->survey, &provenance, "coverages", "volume");
-    return survey_write(&overlap->survey, &provenance);
+    inquiry_say_notes(inquiry);
+    inquiry_list_inputs(&provenance, inquiry);
+    provenance.question.rows = "coverages";
+    provenance.question.region = "volume";
+    return answer_write(inquiry->answerers[0].report, inquiry->settings->answer.output, inquiry->sidecar, &provenance);
 }
 
 static int run_overlap(const void *given, const struct arguments *arguments)
@@ -200,12 +205,12 @@ static int run_overlap(const void *given, const struct arguments *arguments)
     if (option_given(arguments, "threshold") && settings->threshold == 0) {
         return print_usage_error("--threshold: 0 would take the whole volume; leave it out for a mask");
     }
-    if (!settings_check_space(arguments, &settings->space)) {
+    if (!settings_check_space(arguments, &settings->inquiry.aim.space)) {
         return EXIT_USAGE;
     }
-    int code = survey_init(&overlap.survey, &settings->survey, arguments);
+    int code = inquiry_init(&overlap.inquiry, &settings->inquiry, arguments);
     code = code ? code : answer(&overlap);
-    survey_finish(&overlap.survey);
+    inquiry_finish(&overlap.inquiry);
     return code;
 }
 

@@ -9,6 +9,18 @@
 #include <assert.h>
 #include <stdlib.h>
 
+const struct option inquiry_level_options[] = {
+    {.name = "level",
+     .type = OPTION_TEXT,
+     .offset = INQUIRY_FIELD(engine.level),
+     .value = "LEVEL",
+     .help = "report areas at this depth of the area tree (1 = its roots), or as these areas: names, @FILE",
+     .words = "hierarchy, ontology",
+     .common = true,
+     .role = OPTION_READS},
+    {0},
+};
+
 bool inquiry_check(const struct inquiry_settings *settings, const struct arguments *arguments, bool has_history)
 {
     return settings_check_score(&settings->engine, has_history) &&
@@ -108,7 +120,7 @@ int inquiry_load_poses(struct inquiry *inquiry)
     return status ? settings_print_poses_error(status, path, "pose", inquiry->arguments) : EXIT_DONE;
 }
 
-static int load_atlases(struct inquiry *inquiry)
+int inquiry_load_atlases(struct inquiry *inquiry)
 {
     const struct inquiry_settings *settings = inquiry->settings;
     struct atlases *atlases = &inquiry->atlases;
@@ -129,13 +141,13 @@ int inquiry_load(struct inquiry *inquiry, int (*load_poses)(void *user), void *u
 {
     const struct space_settings *space = &inquiry->settings->aim.space;
     if (settings_space_needs_atlas(space)) {
-        int code = load_atlases(inquiry);
+        int code = inquiry_load_atlases(inquiry);
         code = code ? code : settings_frame(&inquiry->frame, &inquiry->atlases, space, inquiry->settings->common.quiet);
         return code ? code : load_poses(user);
     }
     int code = settings_frame(&inquiry->frame, &inquiry->atlases, space, inquiry->settings->common.quiet);
     code = code ? code : load_poses(user);
-    return code ? code : load_atlases(inquiry);
+    return code ? code : inquiry_load_atlases(inquiry);
 }
 
 int inquiry_match(struct inquiry *inquiry)
@@ -188,6 +200,18 @@ conus_status inquiry_reports(struct inquiry *inquiry, const conus_report_options
         status = inquiry_report(inquiry, i, options);
     }
     return status;
+}
+
+int inquiry_start_without_rays(struct inquiry *inquiry, const conus_report_options *options)
+{
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; i < inquiry->atlases.count && !status; i++) {
+        const conus_selector_options selector = {.level = i ? NULL : inquiry->settings->engine.level,
+                                                 .engine = CONUS_ENGINE_RAYS};
+        status = conus_selector_create(&inquiry->answerers[i].selector, inquiry->atlases.items[i].atlas, &selector);
+        status = status ? status : inquiry_report(inquiry, i, options);
+    }
+    return status ? print_status(status) : EXIT_DONE;
 }
 
 void inquiry_count_pose(struct inquiry *inquiry, size_t line, const conus_pose *pose, double angle)

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * The scaffold of query, sweep and track: the settings that the three share, and the steps from the command line to a
- * report and its files. What a command asks of each pose, and its own options, are in its cmd_*.c. */
+ * The scaffold of query, sweep, track, overlap and connect: the settings that they share, and the steps from the
+ * command line to a report and its files. The question that a command asks, and its own options, are in its cmd_*.c.
+ * The last two ask about no pose, and use no settings of aims, files of poses and contexts. */
 #ifndef CONUS_CLI_INQUIRY_H
 #define CONUS_CLI_INQUIRY_H
 
@@ -41,6 +42,17 @@ struct inquiry_settings {
 #define INQUIRY_MORE_ATLASES                                                                                           \
     {                                                                                                                  \
         "", more_atlas_options, INQUIRY_FIELD(atlas)                                                                   \
+    }
+
+/** --level, of overlap and connect. */
+extern const struct option inquiry_level_options[];
+/** The groups of options of overlap and connect, behind their own first one. */
+#define INQUIRY_NO_POSE_ATLAS_GROUPS                                                                                   \
+    {"", shown_options, INQUIRY_FIELD(atlas)}, {"", inquiry_level_options, 0}, INQUIRY_MORE_ATLASES
+#define INQUIRY_OUTPUT_GROUPS                                                                                          \
+    {"What is written", format_options, INQUIRY_FIELD(answer)},                                                        \
+    {                                                                                                                  \
+        "", answer_output_options, INQUIRY_FIELD(answer)                                                               \
     }
 
 /** The selector and the report of one atlas. */
@@ -92,6 +104,8 @@ int inquiry_load_poses(struct inquiry *inquiry);
 /** Loads the atlas with its pathways, those of --atlas, and the context of each; and the poses by @p load_poses, before
  * that where they do not need an atlas. */
 int inquiry_load(struct inquiry *inquiry, int (*load_poses)(void *user), void *user);
+/** Loads the atlas and those of --atlas, each with the context. inquiry_load() does. */
+int inquiry_load_atlases(struct inquiry *inquiry);
 /** Whether the poses' space can be that of each atlas. */
 int inquiry_match(struct inquiry *inquiry);
 
@@ -103,6 +117,8 @@ conus_report_options inquiry_report_options(const struct inquiry *inquiry);
 conus_status inquiry_report(struct inquiry *inquiry, size_t index, const conus_report_options *options);
 /** Makes all reports with the same options. */
 conus_status inquiry_reports(struct inquiry *inquiry, const conus_report_options *options);
+/** Makes selectors that trace no ray, and the reports with @p options. */
+int inquiry_start_without_rays(struct inquiry *inquiry, const conus_report_options *options);
 
 /** Counts a pose for each atlas, among those whose notes inquiry_say_aims() prints. */
 void inquiry_count_pose(struct inquiry *inquiry, size_t line, const conus_pose *pose, double angle);
