@@ -34,7 +34,7 @@ bool gzip_is(const uint8_t *data, size_t size)
 }
 
 /* Points zlib at where the next unpacked bytes belong, at most `limit` of them. */
-static size_t aim_output(struct stream *stream, uint64_t limit)
+static size_t set_output(struct stream *stream, uint64_t limit)
 {
     uint64_t end = stream->from + stream->count;
     size_t space_left;
@@ -97,7 +97,7 @@ static conus_status inflate_until(struct stream *stream, uint64_t until)
 {
     while (!stream->ended && stream->position < until) {
         feed_input(stream);
-        size_t space_left = aim_output(stream, until - stream->position);
+        size_t space_left = set_output(stream, until - stream->position);
         uint64_t before = stream->position;
         int code = inflate_once(stream, space_left);
         if (code == Z_STREAM_END) {

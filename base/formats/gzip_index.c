@@ -183,7 +183,7 @@ struct follower {
     uint8_t stored[STORED_BLOCK], scratch[SCRATCH];
 };
 
-static conus_status fail_lie(void)
+static conus_status fail_mismatch(void)
 {
     return fail(CONUS_ERROR_DATA, "gzip: the index does not fit the file");
 }
@@ -196,7 +196,7 @@ static conus_status feed(struct follower *follower)
         got = pread(follower->descriptor, follower->stored, STORED_BLOCK, (off_t)follower->packed);
     } while (got < 0 && errno == EINTR);
     if (got <= 0) {
-        return got ? fail(CONUS_ERROR_IO, "cannot read: %s", strerror(errno)) : fail_lie();
+        return got ? fail(CONUS_ERROR_IO, "cannot read: %s", strerror(errno)) : fail_mismatch();
     }
     follower->packed += (uint64_t)got;
     follower->z.next_in = follower->stored;
@@ -220,11 +220,11 @@ static conus_status skip_trailer(struct follower *follower)
 static conus_status next_member(struct follower *follower)
 {
     if (follower->index->zlib) {
-        return follower->z.avail_out ? fail_lie() : CONUS_OK;
+        return follower->z.avail_out ? fail_mismatch() : CONUS_OK;
     }
     conus_status status = follower->raw ? skip_trailer(follower) : CONUS_OK;
     follower->raw = false;
-    return status || inflateReset2(&follower->z, GZIP) == Z_OK ? status : fail_lie();
+    return status || inflateReset2(&follower->z, GZIP) == Z_OK ? status : fail_mismatch();
 }
 
 /* Unpacks `size` bytes of one span. */
@@ -242,7 +242,7 @@ static conus_status inflate_part(struct follower *follower, uint8_t *out, size_t
         } else if (code == Z_MEM_ERROR) {
             status = fail(CONUS_ERROR_MEMORY, "gzip: no memory to unpack");
         } else if (code != Z_OK && code != Z_BUF_ERROR) {
-            status = fail_lie();
+            status = fail_mismatch();
         }
     }
     follower->sum = index_crc_of(follower->sum, out, size - z->avail_out);
@@ -276,7 +276,7 @@ static conus_status end_span(struct follower *follower)
     bool same = follower->sum == follower->index->points[follower->point].sum;
     follower->sum = 0;
     follower->point++;
-    return same ? CONUS_OK : fail_lie();
+    return same ? CONUS_OK : fail_mismatch();
 }
 
 /* Unpacks `size` bytes, of several spans perhaps. */
@@ -324,7 +324,7 @@ static conus_status set_window(struct follower *follower, const struct gzip_poin
                                       follower->scratch, GZIP_INDEX_WINDOW, &size) == LIBDEFLATE_SUCCESS &&
         inflateSetDictionary(&follower->z, follower->scratch, (uInt)size) == Z_OK;
     libdeflate_free_decompressor(decompressor);
-    return whole ? CONUS_OK : fail_lie();
+    return whole ? CONUS_OK : fail_mismatch();
 }
 
 static size_t find_point(const struct gzip_index *index, uint64_t position)
@@ -351,8 +351,8 @@ static conus_status go_to(struct follower *follower, uint64_t position)
     if (!status && point->bits) {
         int byte = *follower->z.next_in++;
         follower->z.avail_in--;
-        status =
-            inflatePrime(&follower->z, (int)point->bits, byte >> (8 - point->bits)) == Z_OK ? CONUS_OK : fail_lie();
+        status = inflatePrime(&follower->z, (int)point->bits, byte >> (8 - point->bits)) == Z_OK ? CONUS_OK
+                                                                                                 : fail_mismatch();
     }
     return status || !point->window_size ? status : set_window(follower, point);
 }
@@ -391,7 +391,7 @@ conus_status gzip_index_unpack(struct bytes *out, struct gzip_range *range, cons
                                int descriptor)
 {
     if (range->from > range->total || range->count > range->total - range->from || range->total > index->unpacked) {
-        return fail_lie();
+        return fail_mismatch();
     }
     struct follower *follower = memory_zeroed(1, sizeof *follower);
     struct bytes bytes = {range->sink || !follower ? NULL : memory_raw(range->count, 1), range->count};

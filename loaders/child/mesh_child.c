@@ -175,7 +175,7 @@ static void become_program(const char *path, const struct mesh_child_limits *lim
 }
 
 /* The error of execv(), which writes nothing once it has succeeded. */
-static int hear_report(int ends[ENDS])
+static int read_report(int ends[ENDS])
 {
     int error = 0;
     ssize_t n;
@@ -216,7 +216,7 @@ static conus_status start_with(struct child *child, const char *path, int ends[E
         become_program(path, child->limits, ends);
     }
     child->pid = pid;
-    errno = hear_report(ends);
+    errno = read_report(ends);
     if (errno) {
         return fail_system("start");
     }
@@ -325,7 +325,7 @@ static conus_status read_some(int *descriptor, uint8_t *data, size_t capacity, s
     return CONUS_OK;
 }
 
-static conus_status hear_words(struct child *child)
+static conus_status read_words(struct child *child)
 {
     uint8_t rest[WORDS_SIZE];
     size_t got = 0;
@@ -337,20 +337,12 @@ static conus_status hear_words(struct child *child)
     return status;
 }
 
-static conus_status hear_meshes(struct child *child)
-{
-    size_t got = 0;
-    conus_status status = read_some(&child->out, child->data + child->size, child->capacity - child->size, &got);
-    child->size += got;
-    return status || !got ? status : take_frames(child);
-}
-
 static conus_status fail_late(const struct child *child)
 {
     return fail(CONUS_ERROR_DATA, "%s: no end after %u seconds", program, child->limits->wait);
 }
 
-static conus_status listen_once(struct child *child)
+static conus_status read_output(struct child *child)
 {
     struct pollfd ends[2] = {{.fd = child->out, .events = POLLIN}, {.fd = child->err, .events = POLLIN}};
     double left = child->deadline - clock_seconds();
@@ -361,20 +353,17 @@ static conus_status listen_once(struct child *child)
     if (ready < 0) {
         return errno == EINTR ? CONUS_OK : fail_system("wait for it");
     }
-    conus_status status = ends[1].revents ? hear_words(child) : CONUS_OK;
-    return status || !ends[0].revents ? status : hear_meshes(child);
-}
-
-static conus_status listen_to(struct child *child)
-{
-    conus_status status = child_reserve(child, MESH_MAGIC_SIZE);
-    while (!status && (child->out >= 0 || child->err >= 0)) {
-        status = listen_once(child);
+    conus_status status = ends[1].revents ? read_words(child) : CONUS_OK;
+    if (status || !ends[0].revents) {
+        return status;
     }
-    return status;
+    size_t got = 0;
+    status = read_some(&child->out, child->data + child->size, child->capacity - child->size, &got);
+    child->size += got;
+    return status || !got ? status : take_frames(child);
 }
 
-static conus_status judge_exit(const struct child *child, int how)
+static conus_status check_exit(const struct child *child, int how)
 {
     if (WIFSIGNALED(how)) {
         int number = WTERMSIG(how);
@@ -429,7 +418,7 @@ static conus_status finish_child(struct child *child, conus_status status)
         close(child->err);
     }
     memory_free(child->data);
-    return status ? status : judge_exit(child, how);
+    return status ? status : check_exit(child, how);
 }
 
 conus_status mesh_child_run(const struct mesh_child_request *request, const struct mesh_child_limits *limits,
@@ -443,6 +432,9 @@ conus_status mesh_child_run(const struct mesh_child_request *request, const stru
     }
     status = start_child(&child, path, request);
     memory_free(path);
-    status = status ? status : listen_to(&child);
+    status = status ? status : child_reserve(&child, MESH_MAGIC_SIZE);
+    while (!status && (child.out >= 0 || child.err >= 0)) {
+        status = read_output(&child);
+    }
     return finish_child(&child, status);
 }

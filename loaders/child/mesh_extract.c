@@ -146,39 +146,28 @@ static conus_status extract_with(struct extraction *work, const struct buffer *r
     return status;
 }
 
-static conus_status extract_check_size(const conus_volume_info *info)
-{
-    enum { MOST = 1 << 20 };
-    for (int a = 0; a < 3; a++) {
-        if (info->dim[a] > MOST) {
-            return fail(CONUS_ERROR_UNSUPPORTED, "%s: %zu voxels along %c, surfaces are made of up to %d", info->path,
-                        info->dim[a], "ijk"[a], MOST);
-        }
-    }
-    return CONUS_OK;
-}
-
-static conus_status extract_from(struct extraction *work, const struct mesh_extract_options *options)
-{
-    struct buffer request = {0};
-    conus_status status = extract_check_size(&work->volume->info);
-    if (!status) {
-        append_request(&request, work, options);
-        status = buffer_status(&request);
-    }
-    status = status ? status : extract_with(work, &request, options);
-    buffer_finish(&request);
-    return status;
-}
-
 conus_status mesh_extract(const conus_atlas *atlas, const struct mesh_extract_options *options, mesh_take take,
                           void *user, struct notes *notes)
 {
+    enum { MOST = 1 << 20 };
     conus_status status = CONUS_OK;
     for (size_t i = 0; !status && i < atlas_parcellation_count(atlas); i++) {
         struct extraction work = {
             .atlas = atlas, .volume = &atlas->volumes[i], .take = take, .user = user, .notes = notes};
-        status = extract_from(&work, options);
+        struct buffer request = {0};
+        const conus_volume_info *info = &work.volume->info;
+        for (int a = 0; !status && a < 3; a++) {
+            if (info->dim[a] > MOST) {
+                status = fail(CONUS_ERROR_UNSUPPORTED, "%s: %zu voxels along %c, surfaces are made of up to %d",
+                              info->path, info->dim[a], "ijk"[a], MOST);
+            }
+        }
+        if (!status) {
+            append_request(&request, &work, options);
+            status = buffer_status(&request);
+        }
+        status = status ? status : extract_with(&work, &request, options);
+        buffer_finish(&request);
     }
     return status;
 }

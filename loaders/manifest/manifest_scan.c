@@ -33,13 +33,13 @@ static conus_status judge_labels(struct volume_guess *out, const struct volume_f
                                  const struct label_voxels *labels)
 {
     struct label_table table = {0};
-    struct grey_verdict verdict = {0};
+    struct grey_result result = {0};
     bool named = false;
     conus_status status = has_table(&named, &table, file, labels);
-    status = status ? status : grey_judge_file(&verdict, file, labels, &table, false);
+    status = status ? status : grey_judge_file(&result, file, labels, &table, false);
     bool several = labels->label_count > 2; /* besides 0: a mask is no parcellation */
-    bool pieces = several && (verdict.telling || verdict.equal > half);
-    if (!status && !verdict.grey && (named || pieces)) {
+    bool pieces = several && (result.telling || result.equal > half);
+    if (!status && !result.grey && (named || pieces)) {
         *out =
             (struct volume_guess){VOLUME_LABELS, 1, named ? "named by a label table" : "areas of equal whole numbers"};
     }

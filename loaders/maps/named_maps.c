@@ -84,7 +84,7 @@ struct findings {
 static conus_status judge(bool *labels, const struct volume_file *file, const float *values)
 {
     const size_t *dim = file->info.dim;
-    struct grey_verdict verdict = {0};
+    struct grey_result result = {0};
     struct label_voxels voxels = {0};
     uint32_t *numbers = memory_raw(dim[0] * dim[1] * dim[2], sizeof *numbers);
     conus_status status = numbers ? CONUS_OK : CONUS_ERROR_MEMORY;
@@ -92,8 +92,8 @@ static conus_status judge(bool *labels, const struct volume_file *file, const fl
         numbers[i] = (uint32_t)values[i];
     }
     status = status ? status : label_voxels_of(&voxels, numbers, dim[0] * dim[1] * dim[2]);
-    status = status ? status : grey_judge(&verdict, &voxels, dim, &(struct grey_claims){0});
-    *labels = !verdict.grey;
+    status = status ? status : grey_judge(&result, &voxels, dim, &(struct grey_claims){0});
+    *labels = !result.grey;
     label_voxels_finish(&voxels);
     memory_free(numbers);
     return status;

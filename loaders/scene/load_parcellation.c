@@ -257,13 +257,13 @@ static conus_status read_names(struct parcellation *parts, const char *override,
 conus_status parcellation_check_grey(const struct volume_file *file, const struct label_voxels *labels,
                                      const struct label_table *table, bool stated, bool anyway, struct notes *notes)
 {
-    struct grey_verdict verdict;
-    conus_status status = grey_judge_file(&verdict, file, labels, table, stated);
-    if (status || !verdict.grey) {
+    struct grey_result result;
+    conus_status status = grey_judge_file(&result, file, labels, table, stated);
+    if (status || !result.grey) {
         return status;
     }
-    double equal = 100 * verdict.equal;
-    double needed = 100 * verdict.needed;
+    double equal = 100 * result.equal;
+    double needed = 100 * result.needed;
     return anyway
                ? notes_warn(notes,
                             "%s: looks like an image, not like labels (%.0f %% of its neighbouring voxels are equal): "

@@ -109,8 +109,7 @@ static unsigned rank_of(const char *name, const struct surface_about *about)
 }
 
 /* Adds `name` if it is a surface. */
-static conus_status surface_look_at(struct surface_list *list, const char *folder, const char *name,
-                                    uint64_t max_memory)
+static conus_status add_surface(struct surface_list *list, const char *folder, const char *name, uint64_t max_memory)
 {
     struct surface_item item = {0};
     struct surface_item *items = NULL;
@@ -142,7 +141,7 @@ conus_status surface_list_make(struct surface_list *out, const char *folder, uin
         struct names names = {0};
         status = names_list(&names, folder, endings[i]);
         for (size_t k = 0; !status && k < names.count; k++) {
-            status = surface_look_at(&list, folder, names.names[k], max_memory);
+            status = add_surface(&list, folder, names.names[k], max_memory);
         }
         names_finish(&names);
     }

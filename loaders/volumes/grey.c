@@ -30,8 +30,8 @@ static const double wrinkled = 2.5;          /* surface of an area over that of 
 static const double allowance = 2.0 / 3;     /* where something says that they are labels */
 static const double chance = 0.55;           /* of a neighbour to be nearer in value than a voxel elsewhere */
 
-/* The volume, and how to go through it. */
-struct walk {
+/* The volume, and how to scan it. */
+struct scan {
     const struct label_voxels *labels;
     const size_t *dim;
     size_t step;                 /* every step-th plane */
@@ -74,7 +74,7 @@ static void take_plateaus(uint32_t out[PLATEAUS], const uint32_t *sorted, size_t
 
 /* The commonest values of a sample. An image's background where it is not 0, saturated voxels, the inside of a phantom
  * would look like areas. */
-static conus_status find_plateaus(struct walk *walk, size_t count)
+static conus_status find_plateaus(struct scan *scan, size_t count)
 {
     size_t step = count / LOOKS | 1; /* odd, so that it does not stay in a column */
     size_t n = 0;
@@ -83,11 +83,11 @@ static conus_status find_plateaus(struct walk *walk, size_t count)
         return CONUS_ERROR_MEMORY;
     }
     for (size_t i = 0; i < count; i += step) {
-        sample[n] = label_voxels_at(walk->labels, i);
+        sample[n] = label_voxels_at(scan->labels, i);
         n += sample[n] != 0;
     }
     qsort(sample, n, sizeof *sample, compare_u32);
-    take_plateaus(walk->plateaus, sample, n);
+    take_plateaus(scan->plateaus, sample, n);
     memory_free(sample);
     return CONUS_OK;
 }
@@ -95,32 +95,32 @@ static conus_status find_plateaus(struct walk *walk, size_t count)
 typedef void pair_visitor(void *user, const uint32_t *a, const uint32_t *b, size_t count, const uint32_t *plateaus);
 
 /* Visits the voxels a[] of a row with their neighbours b[] along i, j and k, a block at a time. */
-static void visit_row(const struct walk *walk, size_t j, size_t k, pair_visitor *visit, void *user)
+static void visit_row(const struct scan *scan, size_t j, size_t k, pair_visitor *visit, void *user)
 {
-    size_t row = walk->dim[0];
-    size_t plane = row * walk->dim[1];
+    size_t row = scan->dim[0];
+    size_t plane = row * scan->dim[1];
     for (size_t i = 0; i < row; i += BLOCK) {
         size_t at = k * plane + j * row + i;
         size_t count = row - i < BLOCK ? row - i : BLOCK;
         size_t pairs = i + count < row ? count : count - 1;
-        label_voxels_get(walk->block, walk->labels, at, pairs + 1);
-        visit(user, walk->block, walk->block + 1, pairs, walk->plateaus);
-        if (j + 1 < walk->dim[1]) {
-            label_voxels_get(walk->beside, walk->labels, at + row, count);
-            visit(user, walk->block, walk->beside, count, walk->plateaus);
+        label_voxels_get(scan->block, scan->labels, at, pairs + 1);
+        visit(user, scan->block, scan->block + 1, pairs, scan->plateaus);
+        if (j + 1 < scan->dim[1]) {
+            label_voxels_get(scan->beside, scan->labels, at + row, count);
+            visit(user, scan->block, scan->beside, count, scan->plateaus);
         }
-        if (k + 1 < walk->dim[2]) {
-            label_voxels_get(walk->beside, walk->labels, at + plane, count);
-            visit(user, walk->block, walk->beside, count, walk->plateaus);
+        if (k + 1 < scan->dim[2]) {
+            label_voxels_get(scan->beside, scan->labels, at + plane, count);
+            visit(user, scan->block, scan->beside, count, scan->plateaus);
         }
     }
 }
 
-static void visit_neighbours(const struct walk *walk, pair_visitor *visit, void *user)
+static void visit_neighbours(const struct scan *scan, pair_visitor *visit, void *user)
 {
-    for (size_t k = 0; k < walk->dim[2]; k += walk->step) {
-        for (size_t j = 0; j < walk->dim[1]; j++) {
-            visit_row(walk, j, k, visit, user);
+    for (size_t k = 0; k < scan->dim[2]; k += scan->step) {
+        for (size_t j = 0; j < scan->dim[1]; j++) {
+            visit_row(scan, j, k, visit, user);
         }
     }
 }
@@ -148,31 +148,31 @@ static void count_pairs(void *user, const uint32_t *a, const uint32_t *b, size_t
 struct values {
     uint32_t *sorted;
     size_t count;   /* of different ones, which are in front */
-    size_t voxels;  /* in all planes of the walk */
+    size_t voxels;  /* in all planes of the scan */
     double surface; /* along one axis, of cubes, one of all the voxels of each value: the sum of n^(2/3) */
 };
 
-static size_t count_filled(const struct walk *walk)
+static size_t count_filled(const struct scan *scan)
 {
-    size_t plane = walk->dim[0] * walk->dim[1];
+    size_t plane = scan->dim[0] * scan->dim[1];
     size_t filled = 0;
-    for (size_t k = 0; k < walk->dim[2]; k += walk->step) {
+    for (size_t k = 0; k < scan->dim[2]; k += scan->step) {
         for (size_t i = 0; i < plane; i++) {
-            filled += value_counts(label_voxels_at(walk->labels, k * plane + i), walk->plateaus);
+            filled += value_counts(label_voxels_at(scan->labels, k * plane + i), scan->plateaus);
         }
     }
     return filled;
 }
 
-static size_t gather_values(uint32_t *out, const struct walk *walk, size_t every)
+static size_t gather_values(uint32_t *out, const struct scan *scan, size_t every)
 {
-    size_t plane = walk->dim[0] * walk->dim[1];
+    size_t plane = scan->dim[0] * scan->dim[1];
     size_t seen = 0;
     size_t n = 0;
-    for (size_t k = 0; k < walk->dim[2]; k += walk->step) {
+    for (size_t k = 0; k < scan->dim[2]; k += scan->step) {
         for (size_t i = 0; i < plane; i++) {
-            uint32_t value = label_voxels_at(walk->labels, k * plane + i);
-            if (value_counts(value, walk->plateaus) && seen++ % every == 0) {
+            uint32_t value = label_voxels_at(scan->labels, k * plane + i);
+            if (value_counts(value, scan->plateaus) && seen++ % every == 0) {
                 out[n++] = value;
             }
         }
@@ -193,17 +193,17 @@ static void merge_values(struct values *values, size_t count, double weight)
     }
 }
 
-static conus_status find_values(struct values *out, const struct walk *walk)
+static conus_status find_values(struct values *out, const struct scan *scan)
 {
-    out->voxels = count_filled(walk);
+    out->voxels = count_filled(scan);
     size_t every = out->voxels / VALUES + 1;
     out->sorted = memory_raw(out->voxels / every + 1, sizeof *out->sorted);
     if (!out->sorted) {
         return CONUS_ERROR_MEMORY;
     }
-    size_t n = gather_values(out->sorted, walk, every);
+    size_t n = gather_values(out->sorted, scan, every);
     qsort(out->sorted, n, sizeof *out->sorted, compare_u32);
-    merge_values(out, n, (double)(every * walk->step));
+    merge_values(out, n, (double)(every * scan->step));
     return CONUS_OK;
 }
 
@@ -223,9 +223,9 @@ static bool names_values(const struct label_table *table, const struct values *v
 }
 
 /* A cube of n voxels shares n^(2/3) of its n neighbours along an axis with other values. */
-static double needed_share(const struct values *values, const struct walk *walk, const struct grey_claims *claims)
+static double needed_share(const struct values *values, const struct scan *scan, const struct grey_claims *claims)
 {
-    double share = 1 - wrinkled * values->surface / ((double)values->voxels * (double)walk->step);
+    double share = 1 - wrinkled * values->surface / ((double)values->voxels * (double)scan->step);
     share = fmin(fmax(share, least_equal), most_equal);
     return claims->stated || names_values(claims->table, values) ? share * allowance : share;
 }
@@ -272,7 +272,7 @@ static double share_nearer(const struct differing *differing)
     return tried ? nearer / (double)tried : 0;
 }
 
-static conus_status are_near(bool *out, const struct walk *walk, const struct tally *tally)
+static conus_status are_near(bool *out, const struct scan *scan, const struct tally *tally)
 {
     size_t total = tally->pairs - tally->equal;
     struct differing differing = {.every = total / DIFFERING + 1};
@@ -280,56 +280,56 @@ static conus_status are_near(bool *out, const struct walk *walk, const struct ta
     if (!differing.pairs) {
         return CONUS_ERROR_MEMORY;
     }
-    visit_neighbours(walk, keep_differing, &differing);
+    visit_neighbours(scan, keep_differing, &differing);
     *out = share_nearer(&differing) > chance;
     memory_free(differing.pairs);
     return CONUS_OK;
 }
 
 /* Where fewer neighbours are equal than areas may be sure of. */
-static conus_status judge_values(struct grey_verdict *out, const struct walk *walk, const struct tally *tally,
+static conus_status judge_values(struct grey_result *out, const struct scan *scan, const struct tally *tally,
                                  const struct grey_claims *claims)
 {
     struct values values = {0};
-    conus_status status = find_values(&values, walk);
+    conus_status status = find_values(&values, scan);
     out->telling = values.voxels >= FEW_VOXELS && values.count > FEW_VALUES && 2 * tally->pairs >= values.voxels;
     if (!status && out->telling) {
-        out->needed = needed_share(&values, walk, claims);
-        status = out->equal < out->needed ? are_near(&out->grey, walk, tally) : CONUS_OK;
+        out->needed = needed_share(&values, scan, claims);
+        status = out->equal < out->needed ? are_near(&out->grey, scan, tally) : CONUS_OK;
     }
     memory_free(values.sorted);
     return status;
 }
 
-static conus_status judge_walk(struct grey_verdict *out, struct walk *walk, const struct grey_claims *claims)
+static conus_status judge_scan(struct grey_result *out, struct scan *scan, const struct grey_claims *claims)
 {
     struct tally tally = {0};
-    struct grey_verdict verdict = {.equal = 1, .telling = true};
-    conus_status status = find_plateaus(walk, walk->labels->count);
+    struct grey_result result = {.equal = 1, .telling = true};
+    conus_status status = find_plateaus(scan, scan->labels->count);
     if (status) {
         return status;
     }
-    visit_neighbours(walk, count_pairs, &tally);
-    verdict.equal = tally.pairs ? (double)tally.equal / (double)tally.pairs : 1;
-    status = verdict.equal < most_equal ? judge_values(&verdict, walk, &tally, claims) : CONUS_OK;
-    *out = status ? *out : verdict;
+    visit_neighbours(scan, count_pairs, &tally);
+    result.equal = tally.pairs ? (double)tally.equal / (double)tally.pairs : 1;
+    status = result.equal < most_equal ? judge_values(&result, scan, &tally, claims) : CONUS_OK;
+    *out = status ? *out : result;
     return status;
 }
 
-conus_status grey_judge(struct grey_verdict *out, const struct label_voxels *labels, const size_t dim[3],
+conus_status grey_judge(struct grey_result *out, const struct label_voxels *labels, const size_t dim[3],
                         const struct grey_claims *claims)
 {
     size_t block = (dim[0] < BLOCK ? dim[0] : BLOCK) + 1;
-    struct walk walk = {.labels = labels, .dim = dim, .step = labels->count > small ? dim[2] / planes + 1 : 1};
-    walk.block = memory_raw(2 * block, sizeof *walk.block);
-    walk.beside = walk.block ? walk.block + block : NULL;
-    conus_status status = walk.block ? judge_walk(out, &walk, claims) : CONUS_ERROR_MEMORY;
-    memory_free(walk.block);
+    struct scan scan = {.labels = labels, .dim = dim, .step = labels->count > small ? dim[2] / planes + 1 : 1};
+    scan.block = memory_raw(2 * block, sizeof *scan.block);
+    scan.beside = scan.block ? scan.block + block : NULL;
+    conus_status status = scan.block ? judge_scan(out, &scan, claims) : CONUS_ERROR_MEMORY;
+    memory_free(scan.block);
     return status;
 }
 
-conus_status grey_judge_file(struct grey_verdict *out, const struct volume_file *file,
-                             const struct label_voxels *labels, const struct label_table *table, bool stated)
+conus_status grey_judge_file(struct grey_result *out, const struct volume_file *file, const struct label_voxels *labels,
+                             const struct label_table *table, bool stated)
 {
     static const char suffix[] = "_dseg";
     const size_t length = sizeof suffix - 1;
@@ -337,7 +337,7 @@ conus_status grey_judge_file(struct grey_verdict *out, const struct volume_file 
     bool is_dseg = stem > length && memcmp(file->path + stem - length, suffix, length) == 0;
     const struct grey_claims claims = {table, stated || is_dseg};
     if (file->intent_code == INTENT_LABEL) {
-        *out = (struct grey_verdict){.equal = 1, .telling = true};
+        *out = (struct grey_result){.equal = 1, .telling = true};
         return CONUS_OK;
     }
     return grey_judge(out, labels, file->info.dim, &claims);

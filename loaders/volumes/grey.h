@@ -14,7 +14,7 @@ struct grey_claims {
     bool stated;                     /**< By the volume's name, or by an FSL atlas XML of its own. */
 };
 
-struct grey_verdict {
+struct grey_result {
     bool grey;
     bool telling;  /**< There are voxels and values enough to tell; else grey is false.                 */
     double equal;  /**< Share of equal ones among neighbours that are neither 0 nor a plateau. */
@@ -23,12 +23,12 @@ struct grey_verdict {
 
 /** Judges @p labels, i fastest. In an image most neighbours differ, and by less than voxels far apart; areas are
  * pieces, whose voxels have equal neighbours. */
-conus_status grey_judge(struct grey_verdict *out, const struct label_voxels *labels, const size_t dim[3],
+conus_status grey_judge(struct grey_result *out, const struct label_voxels *labels, const size_t dim[3],
                         const struct grey_claims *claims);
 
 /** The same of the chosen volume of @p file. That is not grey where its intent code says labels, and is stated to be
  * labels where its name ends in "_dseg", as BIDS wants it, or @p stated. @p table may be NULL. */
-conus_status grey_judge_file(struct grey_verdict *out, const struct volume_file *file,
-                             const struct label_voxels *labels, const struct label_table *table, bool stated);
+conus_status grey_judge_file(struct grey_result *out, const struct volume_file *file, const struct label_voxels *labels,
+                             const struct label_table *table, bool stated);
 
 #endif

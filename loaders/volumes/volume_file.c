@@ -429,7 +429,7 @@ static conus_status take_extensions(struct volume_file *file, const struct volum
 }
 
 /* Makes the reader of labels the sink where it gets slabs. */
-static conus_status aim_at_labels(struct gzip_range *range, struct opening *o, const struct volume_file *file)
+static conus_status set_label_sink(struct gzip_range *range, struct opening *o, const struct volume_file *file)
 {
     const struct volume_header *header = &o->header;
     if (!goes_in_slabs(o)) {
@@ -460,7 +460,7 @@ static conus_status take_voxels(struct volume_file *file, struct opening *o)
                                .count = header->volume_size * (o->all ? header->info.volume_count : 1),
                                .total = header->offset + header->info.volume_count * header->volume_size};
     const char *sha256 = is_worth_index(o, range.total) ? file->info.sha256 : NULL;
-    conus_status status = aim_at_labels(&range, o, file);
+    conus_status status = set_label_sink(&range, o, file);
     status = status         ? status
              : scattered    ? tiff_unpack(out, &o->tiff)
              : header->text ? volume_text_voxels(out, &range, header, stored, o->all, sha256)

@@ -47,9 +47,9 @@ static struct volume fill(size_t ni, size_t nj, size_t nk, value_of *value)
     return volume;
 }
 
-static struct grey_verdict judge(const struct volume *volume, const struct grey_claims *claims)
+static struct grey_result judge(const struct volume *volume, const struct grey_claims *claims)
 {
-    struct grey_verdict verdict;
+    struct grey_result verdict;
     struct label_voxels labels = {0};
     assert_ok(label_voxels_of(&labels, volume->labels, count_of(volume)));
     assert_ok(grey_judge(&verdict, &labels, volume->dim, claims));
@@ -58,10 +58,10 @@ static struct grey_verdict judge(const struct volume *volume, const struct grey_
 }
 
 /* Judges a volume of n x n x n voxels and lets it go. */
-static struct grey_verdict judge_cube(size_t n, value_of *value)
+static struct grey_result judge_cube(size_t n, value_of *value)
 {
     struct volume volume = fill(n, n, n, value);
-    struct grey_verdict verdict = judge(&volume, &nothing);
+    struct grey_result verdict = judge(&volume, &nothing);
     free(volume.labels);
     return verdict;
 }
@@ -130,7 +130,7 @@ static void areas_are_labels(void **state)
 {
     (void)state;
     /* In blocks of 4 voxels an edge, 24 of 31 pairs along an axis are equal; of 2 voxels, 16 of 31. */
-    struct grey_verdict verdict = judge_cube(32, blocks_of_4);
+    struct grey_result verdict = judge_cube(32, blocks_of_4);
     assert_false(verdict.grey);
     assert_near(verdict.equal, 24.0 / 31, 1e-12);
     verdict = judge_cube(32, blocks_of_2);
@@ -160,7 +160,7 @@ static void small_volumes_are_labels(void **state)
         for (size_t v = 0; v < count_of(&volume); v++) {
             volume.labels[v] = (uint32_t)v + 1;
         }
-        struct grey_verdict verdict = judge(&volume, &nothing);
+        struct grey_result verdict = judge(&volume, &nothing);
         assert_false(verdict.grey);
         assert_int_equal(verdict.telling, n == 1); /* no neighbours, none of which differ */
         free(volume.labels);
@@ -213,7 +213,7 @@ static void images_and_maps_are_grey(void **state)
     (void)state;
     static value_of *const images[] = {smooth_noise, percent, tens, with_plateaus, doubled, ramp};
     for (size_t i = 0; i < sizeof images / sizeof images[0]; i++) {
-        struct grey_verdict verdict = judge_cube(32, images[i]);
+        struct grey_result verdict = judge_cube(32, images[i]);
         if (!verdict.grey) {
             fail_msg("volume %zu is taken for labels: %g equal, %g needed", i, verdict.equal, verdict.needed);
         }
@@ -230,7 +230,7 @@ static void big_volumes_are_judged_by_some_of_their_planes(void **state)
     assert_true(judge(&image, &nothing).grey);
     free(image.labels);
     struct volume areas = fill(130, 130, 130, blocks_of_4);
-    struct grey_verdict verdict = judge(&areas, &nothing);
+    struct grey_result verdict = judge(&areas, &nothing);
     assert_false(verdict.grey);
     assert_true(verdict.equal > 0.7);
     free(areas.labels);
@@ -256,7 +256,7 @@ static struct label_table names_for(uint32_t first, uint32_t count)
 static bool is_grey_with(const struct volume *volume, uint32_t first, uint32_t count)
 {
     struct label_table table = names_for(first, count);
-    struct grey_verdict verdict = judge(volume, &(struct grey_claims){.table = &table});
+    struct grey_result verdict = judge(volume, &(struct grey_claims){.table = &table});
     label_table_finish(&table);
     return verdict.grey;
 }
@@ -274,7 +274,7 @@ static void a_table_about_these_values_makes_half_doubtful_ones_labels(void **st
         minimum = value && value < minimum ? value : minimum;
     }
     uint32_t count = maximum - minimum + 1;
-    struct grey_verdict verdict = judge(&volume, &nothing);
+    struct grey_result verdict = judge(&volume, &nothing);
     assert_true(verdict.equal > 0.7 * 2 / 3);
     assert_true(verdict.equal < 0.65);
     assert_false(is_grey_with(&volume, minimum, count));
@@ -428,7 +428,7 @@ static void check_real(const char *path, bool grey, size_t steps)
     assert_ok(label_list_read(&labels, &file));
     for (size_t step = 1; step <= steps; step++) {
         struct volume volume = thin_out(labels, file.info.dim, step);
-        struct grey_verdict verdict = judge(&volume, &nothing);
+        struct grey_result verdict = judge(&volume, &nothing);
         if (verdict.grey != grey) {
             fail_msg("%s, every %zu. voxel: %s (%g equal, %g needed)", path, step, grey ? "labels" : "grey",
                      verdict.equal, verdict.needed);
