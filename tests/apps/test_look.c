@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* How an atlas looks: grey values, opacities, haze, colours of the context and the background, without a window. */
-#include "viewer/commands/script_look.h"
+#include "viewer/commands/script.h"
+#include "viewer/commands/script_words.h"
 #include "viewer/model/picker.h"
 #include "viewer/pictures/look.h"
 #include "viewer/session/session.h"
@@ -227,6 +228,14 @@ static void the_window_draws_haze_and_presets_as_render_does(void **state)
     close_window(&window);
 }
 
+/* A command of a script with its arguments. */
+static bool does(struct window *window, char *name, char *const *arguments, size_t count)
+{
+    char *words[SCRIPT_WORDS] = {name};
+    memcpy(words + 1, arguments, count * sizeof *words);
+    return script_do(window, words, 1 + count);
+}
+
 /* In the session of the window as it is, @p from stands once; with @p to in its place it is refused, and nothing
  * changes. */
 static void assert_refused(struct window *window, const char *from, const char *to, const char *why)
@@ -321,13 +330,13 @@ static void the_window_colours_streamlines_as_render_does(void **state)
     open_with_bundle(&window, &viewer);
     viewer.display.backdrop = BACKDROP_BLACK;
     paint(own, &viewer);
-    assert_true(script_streamlines(&window, (char *[]){"direction"}, 1));
+    assert_true(does(&window, "streamline-colour", (char *[]){"direction"}, 1));
     paint(painted, &viewer);
     assert_memory_not_equal(own, painted, 3);
     render(rendered, &viewer, NULL, 0, &(conus_renderer_options){.streamline_colour = "direction"});
     assert_same_pixel(painted, rendered);
     undo_note(&window);
-    assert_true(script_streamlines(&window, (char *[]){"count"}, 1)); /* grey */
+    assert_true(does(&window, "streamline-colour", (char *[]){"count"}, 1)); /* grey */
     assert_true(isnan(viewer.drawn->look.streamline_range[0]));
     paint(painted, &viewer);
     assert_int_equal(painted[0], painted[1]);
@@ -347,12 +356,12 @@ static void colours_that_no_streamline_has_are_refused(void **state)
     struct window window;
     (void)state;
     open_with_bundle(&window, &viewer);
-    assert_false(script_streamlines(&window, (char *[]){"tensor"}, 1));
+    assert_false(does(&window, "streamline-colour", (char *[]){"tensor"}, 1));
     assert_refused(&window, "\"streamline_colour\": \"bundle\"", "\"streamline_colour\": \"tensor\"", "direction");
     assert_refused(&window, "\"streamline_colour\": \"bundle\"", "\"streamline_colour\": 1", "direction");
     close_window(&window);
     open_window(&window, &viewer, true);
-    assert_false(script_streamlines(&window, (char *[]){"direction"}, 1));
+    assert_false(does(&window, "streamline-colour", (char *[]){"direction"}, 1));
     assert_refused(&window, "\"grey\": null", "\"streamline_colour\": \"bundle\"", "streamlines");
     close_window(&window);
 }
@@ -439,20 +448,20 @@ static void words_that_cannot_be_change_nothing(void **state)
     (void)state;
     open_window(&window, &viewer, true);
     char *before = session_text(&window);
-    assert_false(script_grey(&window, numbers, 1) || script_grey(&window, numbers, 2) ||
-                 script_grey(&window, outer, 2));
-    assert_false(script_opacity(&window, outer, 2) || script_opacity(&window, core, 2));
-    assert_false(script_opacity(&window, numbers + 2, 1) || script_opacity(&window, numbers + 3, 1));
-    assert_false(script_opacity(&window, outer + 2, 1)); /* what the cone does not hit has no name */
-    assert_false(script_haze(&window, (char *[]){outer[0], outer[4]}, 2) || script_haze(&window, core, 2));
-    assert_false(script_preset(&window, core + 1, 1) || script_background(&window, core + 1, 1));
+    assert_false(does(&window, "grey", numbers, 1) || does(&window, "grey", numbers, 2) ||
+                 does(&window, "grey", outer, 2));
+    assert_false(does(&window, "opacity", outer, 2) || does(&window, "opacity", core, 2));
+    assert_false(does(&window, "opacity", numbers + 2, 1) || does(&window, "opacity", numbers + 3, 1));
+    assert_false(does(&window, "opacity", outer + 2, 1)); /* what the cone does not hit has no name */
+    assert_false(does(&window, "haze", (char *[]){outer[0], outer[4]}, 2) || does(&window, "haze", core, 2));
+    assert_false(does(&window, "preset", core + 1, 1) || does(&window, "background", core + 1, 1));
     char *after = session_text(&window);
     assert_string_equal(before, after);
     free(after);
     free(before);
     close_window(&window);
     open_window(&window, &viewer, false);
-    assert_false(script_grey(&window, (char *[]){"1", "2"}, 2));
+    assert_false(does(&window, "grey", (char *[]){"1", "2"}, 2));
     close_window(&window);
 }
 

@@ -2,6 +2,7 @@
 /* The table of the window's state, row by row: sessions have each value, older sessions have numbers for names, and the
  * documents list what is there. */
 #include "viewer/commands/keys.h"
+#include "viewer/commands/script.h"
 #include "viewer/session/session.h"
 
 #include "test.h"
@@ -205,6 +206,40 @@ static void the_document_lists_the_keys(void **state)
     assert_int_equal(count_lines("## All keys", "* `"), count);
 }
 
+/* The section about scripts names each command where it begins a piece of code, and no other one. */
+static void the_document_lists_the_commands_of_scripts(void **state)
+{
+    const char *arguments;
+    const char *name;
+    bool fine = true;
+    (void)state;
+    read_document();
+    const char *section = strstr(document, "\n## Scripts\n");
+    assert_non_null(section);
+    for (size_t i = 0; (name = script_command_name(&arguments, i)); i++) {
+        char code[2][64];
+        snprintf(code[0], sizeof code[0], "`%s ", name);
+        snprintf(code[1], sizeof code[1], "`%s`", name);
+        if (!strstr(section, code[0]) && !strstr(section, code[1])) {
+            print_error("docs/viewer.md lacks the command %s\n", name);
+            fine = false;
+        }
+    }
+    for (const char *at = section; (at = strstr(at, "\n* `")); at++) {
+        char said[64] = "";
+        size_t i = 0;
+        snprintf(said, sizeof said, "%.*s", (int)strspn(at + 4, "abcdefghijklmnopqrstuvwxyz-"), at + 4);
+        while ((name = script_command_name(&arguments, i)) && strcmp(name, said) != 0) {
+            i++;
+        }
+        if (!name) {
+            print_error("docs/viewer.md: no command is called %s\n", said);
+            fine = false;
+        }
+    }
+    assert_true(fine);
+}
+
 static void tips_name_the_keys_of_the_table(void **state)
 {
     char tip[KEYS_TIP];
@@ -225,6 +260,7 @@ TEST_GROUP(properties)
         cmocka_unit_test(what_a_session_does_not_say),
         cmocka_unit_test(the_document_lists_the_values_of_a_session),
         cmocka_unit_test(the_document_lists_the_keys),
+        cmocka_unit_test(the_document_lists_the_commands_of_scripts),
         cmocka_unit_test(tips_name_the_keys_of_the_table),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The window's second tool without a window: its answers, what moves and holds it, its cone's lines, sessions. */
 #include "link/clock.h"
-#include "viewer/commands/script_second.h"
+#include "viewer/commands/script.h"
 #include "viewer/session/session.h"
 #include "viewer/session/undo.h"
 #include "viewer/tools/inputs.h"
@@ -104,11 +104,11 @@ static void its_table_is_that_of_its_answers(void **state)
     (void)state;
     open_window(&window, &viewer);
     snprintf(path, sizeof path, "%s", test_scratch("second.tsv"));
-    const char *const words[] = {"results", path};
+    char *const words[] = {"second", "results", path};
     tool_aim_along(&viewer, FIRST_TOOL, (double[]){0, 90, 0}, (double[]){0, 1, 0}); /* the first hits nothing */
     aim(&window, eye, back);
     tool_use_second(&viewer, true);
-    assert_true(script_second(&window, words, 2));
+    assert_true(script_do(&window, words, 3));
     FILE *file = fopen(path, "r");
     assert_non_null(file);
     size_t size = fread(got, 1, sizeof got - 1, file);
@@ -467,28 +467,28 @@ static void a_script_does_what_its_words_say(void **state)
 {
     static const struct {
         size_t count;
-        const char *words[7];
+        char *words[8];
         bool fine;
     } cases[] = {
-        {1, {"on"}, true},
-        {7, {"aim", "0", "90", "0", "0", "0", "0"}, true},
-        {7, {"aim", "0", "90", "0", "0", "90", "0"}, false},
-        {6, {"aim", "0", "90", "0", "0", "0"}, false},
-        {2, {"angle", "7"}, true},
-        {2, {"angle", "180"}, false},
-        {2, {"pointer", "tracker"}, true},
-        {2, {"pointer", "replay"}, false},
-        {1, {"hold"}, true},
-        {1, {"hop"}, false},
-        {2, {"results", "/nowhere/there"}, false},
-        {2, {"confirm", "it"}, false},
+        {2, {"second", "on"}, true},
+        {8, {"second", "aim", "0", "90", "0", "0", "0", "0"}, true},
+        {8, {"second", "aim", "0", "90", "0", "0", "90", "0"}, false},
+        {7, {"second", "aim", "0", "90", "0", "0", "0"}, false},
+        {3, {"second", "angle", "7"}, true},
+        {3, {"second", "angle", "180"}, false},
+        {3, {"second", "pointer", "tracker"}, true},
+        {3, {"second", "pointer", "replay"}, false},
+        {2, {"second", "hold"}, true},
+        {2, {"second", "hop"}, false},
+        {3, {"second", "results", "/nowhere/there"}, false},
+        {3, {"second", "confirm", "it"}, false},
     };
     struct viewer viewer;
     struct window window;
     (void)state;
     open_window(&window, &viewer);
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        if (script_second(&window, cases[i].words, cases[i].count) != cases[i].fine) {
+        if (script_do(&window, cases[i].words, cases[i].count) != cases[i].fine) {
             fail_msg("case %zu", i);
         }
     }

@@ -3,22 +3,19 @@
 #include "viewer/commands/script.h"
 
 #include "options/messages.h"
-#include "viewer/commands/script_add.h"
-#include "viewer/commands/script_figure.h"
-#include "viewer/commands/script_head.h"
-#include "viewer/commands/script_look.h"
-#include "viewer/commands/script_second.h"
-#include "viewer/commands/script_sides.h"
-#include "viewer/commands/script_study.h"
+#include "settings/settings.h"
 #include "viewer/commands/script_words.h"
 #include "viewer/model/columns.h"
+#include "viewer/model/hemispheres.h"
 #include "viewer/model/question.h"
 #include "viewer/model/search.h"
+#include "viewer/model/studies.h"
 #include "viewer/session/session.h"
 #include "viewer/tools/inputs.h"
 #include "viewer/tools/point.h"
-#include "viewer/window/window.h"
+#include "viewer/window/figure_form.h"
 
+#include <jansson.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -43,20 +40,39 @@ struct script {
 
 /* What a command works on. */
 struct call {
-    struct script *script;
+    struct script *script; /* NULL = it is none of a script's */
     struct window *window;
-    char *words[SCRIPT_WORDS];
-    size_t count; /* of arguments, without the command's name */
+    struct viewer *viewer; /* of the window */
+    char *const *words;    /* the command's name, then its arguments */
+    char *const *arguments;
+    size_t count; /* of arguments */
 };
 
+/* [count] numbers from the argument @p first on; false where there are not so many. */
 static bool numbers(double *out, const struct call *call, size_t first, size_t count)
 {
     for (size_t i = 0; i < count; i++) {
-        if (first + i >= call->count || !script_number(&out[i], call->words[1 + first + i])) {
+        if (first + i >= call->count || !script_number(&out[i], call->arguments[first + i])) {
             return false;
         }
     }
     return true;
+}
+
+/* Whether argument @p index is @p word. */
+static bool is_word(const struct call *call, size_t index, const char *word)
+{
+    return index < call->count && strcmp(call->arguments[index], word) == 0;
+}
+
+/* The index of argument @p index among @p count names; @p count = it is none of them. */
+static size_t find_name(const struct call *call, size_t index, const char *const *names, size_t count)
+{
+    size_t found = 0;
+    while (found < count && !is_word(call, index, names[found])) {
+        found++;
+    }
+    return found;
 }
 
 static bool is_done(conus_status status)
@@ -67,50 +83,66 @@ static bool is_done(conus_status status)
     return !status;
 }
 
-/* The commands: false where the arguments are wrong. */
+static bool is_fine(bool fine, const char *why)
+{
+    if (!fine) {
+        print_error_line("%s", why);
+    }
+    return fine;
+}
+
+/* Two points of the world, from six arguments of the viewer's space: the second one less the first is a direction. */
+static bool read_line(double from[3], double direction[3], const struct call *call, const double given[6])
+{
+    if (!viewer_to_world(from, call->viewer, given) || !viewer_to_world(direction, call->viewer, given + 3)) {
+        return false;
+    }
+    for (int a = 0; a < 3; a++) {
+        direction[a] -= from[a];
+    }
+    return true;
+}
+
+/* The commands: false where the arguments are wrong, or it could not be done. */
 
 static bool do_key(struct call *call)
 {
-    return window_press(call->window, call->words[1]);
+    return window_press(call->window, call->arguments[0]);
 }
 
 static bool do_aim(struct call *call)
 {
     double given[6];
+    double from[3];
     double direction[3];
     if (!numbers(given, call, 0, 6)) {
         return false;
     }
-    struct viewer *viewer = call->window->viewer;
-    if (!viewer_to_world(given, viewer, given) || !viewer_to_world(given + 3, viewer, given + 3)) {
+    if (!read_line(from, direction, call, given)) {
         return is_done(CONUS_ERROR_ARGUMENT);
     }
-    for (int a = 0; a < 3; a++) {
-        direction[a] = given[3 + a] - given[a];
-    }
-    tool_aim_along(viewer, FIRST_TOOL, given, direction);
+    tool_aim_along(call->viewer, FIRST_TOOL, from, direction);
     return true;
 }
 
 static bool do_crosshair(struct call *call)
 {
     double given[3];
-    struct viewer *viewer = call->window->viewer;
     if (!numbers(given, call, 0, 3)) {
         return false;
     }
-    return viewer_to_world(viewer->crosshair, viewer, given) || is_done(CONUS_ERROR_ARGUMENT);
+    return viewer_to_world(call->viewer->crosshair, call->viewer, given) || is_done(CONUS_ERROR_ARGUMENT);
 }
 
 static bool do_orbit(struct call *call)
 {
     double given[2];
-    if (!numbers(given, call, 0, 2)) {
-        return false;
+    bool fine = numbers(given, call, 0, 2);
+    if (fine) {
+        call->viewer->orbit.azimuth = given[0] * M_PI / 180;
+        call->viewer->orbit.elevation = given[1] * M_PI / 180;
     }
-    call->window->viewer->orbit.azimuth = given[0] * M_PI / 180;
-    call->window->viewer->orbit.elevation = given[1] * M_PI / 180;
-    return true;
+    return fine;
 }
 
 static bool do_zoom(struct call *call)
@@ -118,7 +150,7 @@ static bool do_zoom(struct call *call)
     double clicks;
     bool fine = numbers(&clicks, call, 0, 1);
     if (fine) {
-        orbit_zoom(&call->window->viewer->orbit, clicks);
+        orbit_zoom(&call->viewer->orbit, clicks);
     }
     return fine;
 }
@@ -134,99 +166,308 @@ static bool do_point(struct call *call)
     }
     window_sight(call->window, &sight);
     sight_ray(direction, &sight, (double[]){1, 1}, part);
-    if (tool_moved_by(call->window->viewer, POINT_BY_MOUSE) == SECOND_TOOL) {
-        inputs_point(&call->window->inputs, call->window->viewer, sight.camera.world_from_device + 12, direction);
+    if (tool_moved_by(call->viewer, POINT_BY_MOUSE) == SECOND_TOOL) {
+        inputs_point(&call->window->inputs, call->viewer, sight.camera.world_from_device + 12, direction);
     } else {
-        point_through(call->window->viewer, sight.camera.world_from_device + 12, direction);
+        point_through(call->viewer, sight.camera.world_from_device + 12, direction);
     }
     return true;
 }
 
-static bool do_add(struct call *call)
+static bool do_type(struct call *call)
 {
-    return script_add(call->window, call->words, call->count);
+    struct start *start = &call->window->start;
+    const char *text = call->arguments[0];
+    if (call->window->dialog.on) {
+        dialog_set(&call->window->dialog, text);
+        return true;
+    }
+    size_t size = strlen(text) + 1;
+    bool fine = start->on && size <= sizeof start->typed;
+    memcpy(start->typed, text, fine ? size : 0);
+    return fine;
 }
 
+static bool do_drop(struct call *call)
+{
+    window_drop(call->window, call->count, (const char *const *)call->arguments);
+    return true;
+}
+
+static bool do_take_out(struct call *call)
+{
+    const json_t *words = window_words(call->window);
+    size_t index = additions_index(words, call->arguments[0]);
+    bool fine = index < json_array_size(words);
+    if (fine) {
+        window_take_out(call->window, index);
+    }
+    return fine;
+}
+
+/* The command has the name of what is added. What cannot be added is said by the window, as with the mouse. */
+static bool do_add(struct call *call)
+{
+    int kind = 0;
+    while (kind < ADD_STREAMLINES && strcmp(addition_names[kind], call->words[0]) != 0) {
+        kind++;
+    }
+    window_add(call->window, (enum addition)kind, call->arguments[0]);
+    return true;
+}
+
+/* Where the screen stands: its middle, a point behind it in the line of sight, its width and height. */
 static bool do_screen(struct call *call)
 {
-    return script_screen(call->window->viewer, call->words + 1);
+    double given[8];
+    double away[3];
+    struct head *head = &call->viewer->head;
+    conus_pose screen;
+    if (!numbers(given, call, 0, 8) || !(given[6] > 0) || !(given[7] > 0)) {
+        return false;
+    }
+    for (int a = 0; a < 3; a++) {
+        away[a] = given[3 + a] - given[a];
+    }
+    bool fine = is_done(conus_pose_along(&screen, given, away, NULL));
+    if (fine) {
+        *head = (struct head){
+            .named = head->named, .screen = screen, .size = {given[6], given[7]}, .number = head->number + 1};
+    }
+    return fine;
 }
 
 static bool do_head(struct call *call)
 {
-    return script_head(call->window->viewer, call->words + 1, call->count);
-}
-
-static bool do_angle(struct call *call)
-{
-    double angle;
-    bool fine = numbers(&angle, call, 0, 1) && angle > 0 && angle < 180;
+    double eye[3];
+    struct head *head = &call->viewer->head;
+    if (call->count == 1 && is_word(call, 0, "lost")) {
+        head_set_state(head, STATION_LOST);
+        return true;
+    }
+    bool fine = head->size[0] > 0 && call->count == 3 && numbers(eye, call, 0, 3);
     if (fine) {
-        call->window->viewer->tools[FIRST_TOOL].angle = angle;
-        viewer_reselect(call->window->viewer);
+        head->on = true;
+        head_set_state(head, STATION_SEEN);
+        head_move(head, eye, &head->screen);
     }
     return fine;
 }
 
 static bool do_ask(struct call *call)
 {
-    return ask_words(call->window->viewer, call->words, 1 + (int)call->count);
+    char *words[SCRIPT_WORDS]; /* the options' parser may reorder them */
+    memcpy(words, call->words, (1 + call->count) * sizeof *words);
+    return ask_words(call->viewer, words, 1 + (int)call->count);
+}
+
+/* @p out: [3], of which @p least have to be given; "off" ends the study. */
+static bool use_study(struct call *call, struct study_settings *study, enum study_kind kind, double *const out[3],
+                      size_t least)
+{
+    bool ends = call->count == 1 && is_word(call, 0, "off");
+    bool fine = ends || call->count >= least;
+    for (size_t i = 0; i < call->count && fine && !ends; i++) {
+        fine = numbers(out[i], call, i, 1);
+    }
+    study->kind = ends ? STUDY_NONE : kind;
+    return fine && is_fine(studies_use(call->viewer, study), call->viewer->message);
 }
 
 static bool do_sweep(struct call *call)
 {
-    return script_sweep(call->window->viewer, call->words + 1, call->count);
+    struct study_settings study = call->viewer->study.settings;
+    double *const out[3] = {&study.angles[0], &study.angles[1], &study.angles[2]};
+    return use_study(call, &study, STUDY_SWEEP, out, 3);
 }
 
 static bool do_jitter(struct call *call)
 {
-    return script_jitter(call->window->viewer, call->words + 1, call->count);
+    struct study_settings study = call->viewer->study.settings;
+    double *const out[3] = {&study.tilt_deg, &study.shift_mm, &study.samples};
+    return use_study(call, &study, STUDY_JITTER, out, 2);
 }
 
+/* As conus sweep would write it. */
 static bool do_study(struct call *call)
 {
-    return script_study(call->window->viewer, call->words[1]);
+    const char *text = studies_text(call->viewer);
+    if (!text) {
+        return is_fine(false, call->viewer->message);
+    }
+    bool is_written = !conus_write_file(call->arguments[0], text, strlen(text));
+    return is_fine(is_written, conus_message());
 }
 
 static bool do_search(struct call *call)
 {
-    struct viewer *viewer = call->window->viewer;
-    snprintf(viewer->drawn->shown.search, sizeof viewer->drawn->shown.search, "%s", call->count ? call->words[1] : "");
+    struct shown_objects *shown = &call->viewer->drawn->shown;
+    snprintf(shown->search, sizeof shown->search, "%s", call->count ? call->arguments[0] : "");
     return true;
 }
 
 static bool do_choose(struct call *call)
 {
-    uint32_t object = search_best(call->window->viewer->drawn->atlas, call->words[1]);
-    viewer_choose(call->window->viewer, object);
+    uint32_t object = search_best(call->viewer->drawn->atlas, call->arguments[0]);
+    viewer_choose(call->viewer, object);
     return object;
+}
+
+static bool choose_pointer(struct call *call, enum tool_number tool, size_t argument)
+{
+    size_t pointer = find_name(call, argument, pointer_names, POINTER_COUNT);
+    bool fine = pointer < POINTER_COUNT && (tool == FIRST_TOOL || pointer != POINT_BY_REPLAY);
+    if (fine) {
+        tool_choose(call->viewer, tool, (enum pointer)pointer);
+    }
+    return fine;
 }
 
 static bool do_pointer(struct call *call)
 {
-    for (int i = 0; i < POINTER_COUNT; i++) {
-        if (strcmp(pointer_names[i], call->words[1]) == 0) {
-            tool_choose(call->window->viewer, FIRST_TOOL, (enum pointer)i);
-            return true;
-        }
-    }
-    return false;
+    return choose_pointer(call, FIRST_TOOL, 0);
 }
 
-static bool do_speed(struct call *call)
+static bool aim_second(struct call *call)
 {
-    double speed;
-    bool fine = numbers(&speed, call, 0, 1) && speed >= SOURCE_LEAST_SPEED && speed <= SOURCE_MOST_SPEED;
+    double given[6];
+    double from[3];
+    double direction[3];
+    conus_pose pose;
+    if (call->count != 7 || !numbers(given, call, 1, 6)) {
+        return false;
+    }
+    bool fine = is_done(read_line(from, direction, call, given) ? conus_pose_along(&pose, from, direction, NULL)
+                                                                : CONUS_ERROR_ARGUMENT);
     if (fine) {
-        devices_set_speed(&call->window->inputs.devices, speed);
-        call->window->viewer->version++;
+        tool_aim(call->viewer, SECOND_TOOL, &pose);
     }
     return fine;
 }
 
 static bool do_second(struct call *call)
 {
-    return script_second(call->window, (const char *const *)call->words + 1, call->count);
+    if (call->count == 1 && (is_word(call, 0, "on") || is_word(call, 0, "off"))) {
+        tool_use_second(call->viewer, is_word(call, 0, "on"));
+        return true;
+    }
+    if (call->count == 1 && is_word(call, 0, "hold")) {
+        tool_hold(call->viewer, SECOND_TOOL);
+        return true;
+    }
+    if (call->count == 1 && is_word(call, 0, "confirm")) {
+        tool_confirm(call->viewer, SECOND_TOOL);
+        return true;
+    }
+    if (is_word(call, 0, "aim")) {
+        return aim_second(call);
+    }
+    if (is_word(call, 0, "angle")) {
+        return property_set_words(call->window, PROPERTY_SECOND_ANGLE, call->arguments + 1, call->count - 1);
+    }
+    if (call->count == 2 && is_word(call, 0, "pointer")) {
+        return choose_pointer(call, SECOND_TOOL, 1);
+    }
+    if (call->count == 2 && is_word(call, 0, "results")) {
+        tool_update_second(call->viewer);
+        return is_done(viewer_write_results(call->viewer, SECOND_TOOL, call->arguments[1]));
+    }
+    return false;
+}
+
+static bool do_threshold(struct call *call)
+{
+    uint32_t object = search_best(call->viewer->drawn->atlas, call->arguments[0]);
+    const conus_volume_info *info = view_atlas_pathway(call->viewer->drawn, object);
+    double threshold;
+    bool fine = info && numbers(&threshold, call, 1, 1) && threshold >= info->minimum && threshold <= info->maximum;
+    if (fine) {
+        viewer_set_threshold(call->viewer, object, threshold);
+    }
+    return fine;
+}
+
+static bool do_grey(struct call *call)
+{
+    const struct view_atlas *drawn = call->viewer->drawn;
+    double grey[2] = {0, 0};
+    bool has_context = view_atlas_context(drawn) < conus_atlas_volume_count(drawn->atlas);
+    bool fine = has_context && (call->count == 0 || (numbers(grey, call, 0, 2) && grey[0] < grey[1]));
+    if (fine) {
+        viewer_set_grey(call->viewer, grey[0], grey[1]);
+    }
+    return fine;
+}
+
+/* Of an area, or of what the cone does not hit, which is never invisible. */
+static bool do_opacity(struct call *call)
+{
+    double opacity = NAN;
+    size_t last = call->count - 1;
+    uint32_t object = last ? search_best(call->viewer->drawn->atlas, call->arguments[0]) : 0;
+    bool resets = object && is_word(call, last, "reset");
+    bool fine =
+        (!last || object) &&
+        (resets || (numbers(&opacity, call, last, 1) && opacity >= 0 && opacity <= 1 && (object || opacity > 0)));
+    if (fine) {
+        viewer_set_opacity(call->viewer, object, opacity);
+    }
+    return fine;
+}
+
+static bool do_haze(struct call *call)
+{
+    const conus_atlas *atlas = call->viewer->drawn->atlas;
+    uint32_t pathway = search_best(atlas, call->arguments[0]);
+    size_t haze = haze_find(call->arguments[1]);
+    bool fine = pathway && conus_atlas_object(atlas, pathway)->kind == CONUS_KIND_PATHWAY && haze < HAZE_LIMIT;
+    if (fine) {
+        viewer_set_haze(call->viewer, pathway, haze);
+    }
+    return fine;
+}
+
+static bool do_streamline_colour(struct call *call)
+{
+    size_t colour = tract_colour_find(call->viewer->drawn->atlas, call->arguments[0]);
+    bool fine = colour != TRACT_COLOUR_LIMIT;
+    if (fine) {
+        viewer_colour_streamlines(call->viewer, colour);
+    }
+    return fine;
+}
+
+static bool do_preset(struct call *call)
+{
+    const char *found = NULL;
+    for (size_t i = 0; call->count && (found = conus_transfer_preset(i)) && !is_word(call, 0, found); i++) {
+    }
+    bool fine = !call->count || found;
+    if (fine) {
+        viewer_use_preset(call->viewer, found);
+    }
+    return fine;
+}
+
+static bool do_hemispheres(struct call *call)
+{
+    for (size_t how = 0; settings_hemispheres[how]; how++) {
+        if (is_word(call, 0, settings_hemispheres[how])) {
+            window_want_hemispheres(call->window, (conus_hemispheres)how, 0);
+            return true;
+        }
+    }
+    return false;
+}
+
+static bool do_side(struct call *call)
+{
+    size_t side = find_name(call, 0, side_names, SIDE_COUNT);
+    bool fine = side < SIDE_COUNT && side_is_known(call->viewer);
+    if (fine) {
+        side_show(call->viewer, (enum side)side);
+    }
+    return fine;
 }
 
 static bool do_quiet_status(struct call *call)
@@ -247,7 +488,7 @@ static bool do_wait(struct call *call)
 static bool do_until(struct call *call)
 {
     free(call->script->awaited);
-    call->script->awaited = strdup(call->words[1]);
+    call->script->awaited = strdup(call->arguments[0]);
     return call->script->awaited;
 }
 
@@ -271,48 +512,96 @@ static bool do_pause(struct call *call)
 
 static bool do_screenshot(struct call *call)
 {
-    return is_done(window_write(call->window, call->words[1]));
+    return is_done(window_write(call->window, call->arguments[0]));
+}
+
+static bool write_figure(struct call *call, size_t pane, const struct figure_settings *settings)
+{
+    char why[FIGURE_REASON];
+    return is_fine(figure_write(call->window, pane, settings, call->arguments[0], why), why);
+}
+
+/* Width and height in pixels, from argument @p first on. */
+static bool read_size(uint32_t out[2], const struct call *call, size_t first)
+{
+    double size[2];
+    bool fine = numbers(size, call, first, 2) && size[0] >= 1 && size[1] >= 1 && size[0] <= PICTURE_LIMIT &&
+                size[1] <= PICTURE_LIMIT;
+    for (int i = 0; i < 2 && fine; i++) {
+        out[i] = (uint32_t)size[i];
+    }
+    return fine;
 }
 
 /* The 3-D view as conus render draws it by itself, whatever the sheet of figures is. */
 static bool do_picture(struct call *call)
 {
+    const struct view_atlas *drawn = call->viewer->drawn;
+    struct figure_settings settings = {.background = backdrop_names[call->viewer->display.backdrop],
+                                       .streamline_colour = look_streamline_colour(&drawn->look, drawn->atlas)};
+    return read_size(settings.size, call, 1) && write_figure(call, PANE_3D, &settings);
+}
+
+static bool do_figure(struct call *call)
+{
+    struct figure_settings settings;
+    size_t pane = call->count == 2 ? find_name(call, 1, figure_panes, PANE_COUNT) : PANE_3D;
+    figure_of_window(&settings, call->window);
+    return pane < PANE_COUNT && write_figure(call, pane, &settings);
+}
+
+static bool set_sheet_size(struct sheet *sheet, const struct call *call, bool in_mm)
+{
     double size[2];
-    bool fine = numbers(size, call, 1, 2) && size[0] >= 1 && size[1] >= 1 && size[0] <= PICTURE_LIMIT &&
-                size[1] <= PICTURE_LIMIT;
-    return fine && script_picture(call->window, call->words[1], size);
+    double limit = in_mm ? SHEET_MM_LIMIT : SHEET_SIDE_LIMIT;
+    bool fine = numbers(size, call, 1, 2) && size[0] >= 1 && size[1] >= 1 && size[0] <= limit && size[1] <= limit;
+    for (int i = 0; i < 2 && fine; i++) {
+        sheet->in_mm = in_mm;
+        sheet->mm[i] = in_mm ? size[i] : sheet->mm[i];
+        sheet->pixels[i] = in_mm ? sheet->pixels[i] : (uint32_t)size[i];
+    }
+    return fine;
+}
+
+static bool do_sheet(struct call *call)
+{
+    double dpi;
+    if (call->count == 3) {
+        call->viewer->version++;
+        return (is_word(call, 0, "mm") || is_word(call, 0, "pixels")) &&
+               set_sheet_size(&call->window->sheet, call, is_word(call, 0, "mm"));
+    }
+    if (is_word(call, 0, "dpi") && (!numbers(&dpi, call, 1, 1) || (dpi != 0 && dpi < SHEET_DPI_LEAST))) {
+        return false;
+    }
+    enum property_id id = is_word(call, 0, "dpi")      ? PROPERTY_FIGURE_DPI
+                          : is_word(call, 0, "legend") ? PROPERTY_FIGURE_LEGEND
+                          : is_word(call, 0, "text")   ? PROPERTY_FIGURE_TEXT
+                                                       : PROPERTY_COUNT;
+    return id < PROPERTY_COUNT && property_set_words(call->window, id, call->arguments + 1, 1);
 }
 
 static bool do_save(struct call *call)
 {
     char why[PROPERTY_REASON];
-    bool fine = session_save(call->window, call->words[1], why);
-    if (!fine) {
-        print_error_line("%s", why);
-    }
-    return fine;
+    return is_fine(session_save(call->window, call->arguments[0], why), why);
 }
 
 static bool do_open(struct call *call)
 {
     char why[PROPERTY_REASON];
-    bool fine = session_load(call->window, call->words[1], why);
-    if (!fine) {
-        print_error_line("%s", why);
-    }
-    return fine;
+    return is_fine(session_load(call->window, call->arguments[0], why), why);
 }
 
 static bool do_times(struct call *call)
 {
-    return is_done(times_write(&call->window->times, call->words[1]));
+    return is_done(times_write(&call->window->times, call->arguments[0]));
 }
 
 static bool do_size(struct call *call)
 {
-    double size[2];
-    bool fine = numbers(size, call, 0, 2) && size[0] >= 1 && size[1] >= 1 && size[0] <= PICTURE_LIMIT &&
-                size[1] <= PICTURE_LIMIT;
+    uint32_t size[2];
+    bool fine = read_size(size, call, 0);
     if (fine) {
         window_resize(call->window, (int)size[0], (int)size[1]);
     }
@@ -335,105 +624,127 @@ static bool do_panes(struct call *call)
 /* What the list shows, as conus query would write it. */
 static bool do_results(struct call *call)
 {
-    return is_done(viewer_write_results(call->window->viewer, FIRST_TOOL, call->words[1]));
+    return is_done(viewer_write_results(call->viewer, FIRST_TOOL, call->arguments[0]));
 }
 
 static bool do_export(struct call *call)
 {
     char why[EXPORT_WHY];
-    bool fine = export_results(call->window->viewer, call->words[1], why);
-    if (!fine) {
-        print_error_line("%s", why);
-    }
-    return fine;
+    return is_fine(export_results(call->viewer, call->arguments[0], why), why);
 }
 
 static bool do_columns(struct call *call)
 {
-    return result_choose(call->window->viewer, call->words + 1, call->count);
+    return result_choose(call->viewer, call->arguments, call->count);
 }
 
 /* As a click above the column. */
 static bool do_order(struct call *call)
 {
-    size_t column = result_find(call->words[1]);
+    size_t column = result_find(call->arguments[0]);
     if (column < RESULT_COLUMNS) {
-        result_order_by(call->window->viewer, column);
+        result_order_by(call->viewer, column);
     }
     return column < RESULT_COLUMNS;
 }
 
-static const struct {
+/* [least, most] arguments. A command does something, or sets a property. */
+static const struct script_command {
     const char *name;
-    size_t least, most; /* arguments */
-    bool (*act)(struct call *call);
+    size_t least, most;
     const char *arguments;
-    bool at_start; /* needs no atlas */
+    bool (*act)(struct call *call); /* NULL = it sets the property */
+    enum property_id sets;
+    bool is_anywhere; /* it needs no atlas */
 } commands[] = {
-    {"key", 1, 1, do_key, "KEY", true},
-    {"drop", 1, SCRIPT_WORDS - 1, do_add, "PATH...", true},
-    {"type", 1, 1, do_add, "PATH, on the start page or where a file is chosen", true},
-    {"context", 1, 1, do_add, "FILE", false},
-    {"pathway", 1, 1, do_add, "FILE[,threshold=T][,name=S][,volume=K] or FILE,band=LOW:HIGH:NAME", false},
-    {"streamlines", 1, 1, do_add, "FILE[,radius=R][,name=S][,moves]", false},
-    {"take-out", 1, 1, do_add, "FILE that was added", false},
-    {"aim", 6, 6, do_aim, "X Y Z TX TY TZ", false},
-    {"point", 2, 2, do_point, "RIGHT DOWN, parts of the 3-D pane", false},
-    {"screen", 8, 8, do_screen, "X Y Z TX TY TZ WIDTH HEIGHT", false},
-    {"head", 1, 3, do_head, "X Y Z, after screen, or lost", false},
-    {"angle", 1, 1, do_angle, "DEGREES", false},
-    {"ask", 0, SCRIPT_WORDS - 1, do_ask, "OPTION..., those of conus query that say how the cone asks", false},
-    {"sweep", 1, 3, do_sweep, "LOW HIGH STEP, degrees, or off", false},
-    {"jitter", 1, 3, do_jitter, "DEGREES MM [SAMPLES], or off", false},
-    {"study", 1, 1, do_study, "FILE.tsv", false},
-    {"pointer", 1, 1, do_pointer, "mouse|wand|replay|tracker|spacemouse|gamepad", false},
-    {"speed", 1, 1, do_speed, "MM a second, 1 to 400", false},
-    {"second", 1, 7, do_second, script_second_arguments, false},
-    {"crosshair", 3, 3, do_crosshair, "X Y Z", false},
-    {"orbit", 2, 2, do_orbit, "AZIMUTH ELEVATION, degrees", false},
-    {"zoom", 1, 1, do_zoom, "CLICKS", false},
-    {"search", 0, 1, do_search, "[TEXT]", false},
-    {"choose", 1, 1, do_choose, "NAME", false},
-    {"quiet-status", 0, 0, do_quiet_status, "", true},
-    {"wait", 1, 1, do_wait, "FRAMES", true},
-    {"pause", 1, 1, do_pause, "SECONDS", true},
-    {"settle", 0, 0, do_settle, "", true},
-    {"until", 1, 1, do_until, "FILE", true},
-    {"screenshot", 1, 1, do_screenshot, "FILE.png", true},
-    {"picture", 3, 3, do_picture, "FILE.png WIDTH HEIGHT", false},
-    {"results", 1, 1, do_results, "FILE.tsv", false},
-    {"export", 1, 1, do_export, "FILE.tsv|csv|json", false},
-    {"columns", 0, SCRIPT_WORDS - 1, do_columns, "[NAME] ..., columns of conus query's tables", false},
-    {"order", 1, 1, do_order, "NAME, a column of conus query's tables", false},
-    {"times", 1, 1, do_times, "FILE.json", true},
-    {"size", 2, 2, do_size, "WIDTH HEIGHT", true},
-    {"panes", 4, 4, do_panes, "LEFT RIGHT COLUMN ROW", true},
-    {"save", 1, 1, do_save, "FILE.json", false},
-    {"open", 1, 1, do_open, "FILE.json", false},
+    {"key", 1, 1, "KEY", .act = do_key, .is_anywhere = true},
+    {"drop", 1, SCRIPT_WORDS - 1, "PATH...", .act = do_drop, .is_anywhere = true},
+    {"type", 1, 1, "PATH, on the start page or where a file is chosen", .act = do_type, .is_anywhere = true},
+    {"context", 1, 1, "FILE", .act = do_add},
+    {"pathway", 1, 1, "FILE[,threshold=T][,name=S][,volume=K] or FILE,band=LOW:HIGH:NAME", .act = do_add},
+    {"streamlines", 1, 1, "FILE[,radius=R][,name=S][,moves]", .act = do_add},
+    {"take-out", 1, 1, "FILE that was added", .act = do_take_out},
+    {"aim", 6, 6, "X Y Z TX TY TZ", .act = do_aim},
+    {"point", 2, 2, "RIGHT DOWN, parts of the 3-D pane", .act = do_point},
+    {"screen", 8, 8, "X Y Z TX TY TZ WIDTH HEIGHT", .act = do_screen},
+    {"head", 1, 3, "X Y Z, after screen, or lost", .act = do_head},
+    {"angle", 1, 1, "DEGREES", .sets = PROPERTY_ANGLE},
+    {"ask", 0, SCRIPT_WORDS - 1, "OPTION..., those of conus query that say how the cone asks", .act = do_ask},
+    {"sweep", 1, 3, "LOW HIGH STEP, degrees, or off", .act = do_sweep},
+    {"jitter", 1, 3, "DEGREES MM [SAMPLES], or off", .act = do_jitter},
+    {"study", 1, 1, "FILE.tsv", .act = do_study},
+    {"pointer", 1, 1, "mouse|wand|replay|tracker|spacemouse|gamepad", .act = do_pointer},
+    {"speed", 1, 1, "MM a second, 1 to 400", .sets = PROPERTY_SPEED},
+    {"second", 1, 7,
+     "on|off|hold|confirm, aim X Y Z TX TY TZ, angle DEGREES, pointer "
+     "mouse|wand|tracker|spacemouse|gamepad, results FILE.tsv",
+     .act = do_second},
+    {"crosshair", 3, 3, "X Y Z", .act = do_crosshair},
+    {"orbit", 2, 2, "AZIMUTH ELEVATION, degrees", .act = do_orbit},
+    {"zoom", 1, 1, "CLICKS", .act = do_zoom},
+    {"search", 0, 1, "[TEXT]", .act = do_search},
+    {"choose", 1, 1, "NAME", .act = do_choose},
+    {"quiet-status", 0, 0, "", .act = do_quiet_status, .is_anywhere = true},
+    {"wait", 1, 1, "FRAMES", .act = do_wait, .is_anywhere = true},
+    {"pause", 1, 1, "SECONDS", .act = do_pause, .is_anywhere = true},
+    {"settle", 0, 0, "", .act = do_settle, .is_anywhere = true},
+    {"until", 1, 1, "FILE", .act = do_until, .is_anywhere = true},
+    {"screenshot", 1, 1, "FILE.png", .act = do_screenshot, .is_anywhere = true},
+    {"picture", 3, 3, "FILE.png WIDTH HEIGHT", .act = do_picture},
+    {"results", 1, 1, "FILE.tsv", .act = do_results},
+    {"export", 1, 1, "FILE.tsv|csv|json", .act = do_export},
+    {"columns", 0, SCRIPT_WORDS - 1, "[NAME] ..., columns of conus query's tables", .act = do_columns},
+    {"order", 1, 1, "NAME, a column of conus query's tables", .act = do_order},
+    {"times", 1, 1, "FILE.json", .act = do_times, .is_anywhere = true},
+    {"size", 2, 2, "WIDTH HEIGHT", .act = do_size, .is_anywhere = true},
+    {"panes", 4, 4, "LEFT RIGHT COLUMN ROW", .act = do_panes, .is_anywhere = true},
+    {"save", 1, 1, "FILE.json", .act = do_save},
+    {"open", 1, 1, "FILE.json", .act = do_open},
+    {"fade", 1, 1, "PART", .sets = PROPERTY_FADE},
+    {"hemispheres", 1, 1, "as-is|split|merged", .act = do_hemispheres},
+    {"side", 1, 1, "both|left|right, of an atlas that has sides", .act = do_side},
+    {"threshold", 2, 2, "PATHWAY VALUE", .act = do_threshold},
+    {"grey", 0, 2, "[BLACK WHITE], with a context", .act = do_grey},
+    {"opacity", 1, 2, "[AREA] PART, or AREA reset", .act = do_opacity},
+    {"haze", 2, 2, "PATHWAY solid|own|PRESET", .act = do_haze},
+    {"preset", 0, 1, "[NAME]", .act = do_preset},
+    {"streamline-colour", 1, 1, "bundle|direction|NAME", .act = do_streamline_colour},
+    {"background", 1, 1, "light|white|black|transparent", .sets = PROPERTY_BACKGROUND},
+    {"sheet", 2, 3, "pixels|mm WIDTH HEIGHT, dpi N, legend inside|right|below|none, text on|off", .act = do_sheet},
+    {"figure", 1, 2, "FILE.png [3d|axial|coronal|sagittal]", .act = do_figure},
 };
 enum { COMMANDS = sizeof commands / sizeof commands[0] };
 
-/* Those that need an atlas, and nothing of the script. */
-static const struct {
-    const char *name;
-    size_t least, most;
-    bool (*use)(struct window *window, char *const *arguments, size_t count);
-    const char *arguments;
-} uses[] = {
-    {"fade", 1, 1, script_fade, "PART"},
-    {"hemispheres", 1, 1, script_hemispheres, "as-is|split|merged"},
-    {"side", 1, 1, script_side, "both|left|right, of an atlas that has sides"},
-    {"threshold", 2, 2, script_threshold, "PATHWAY VALUE"},
-    {"grey", 0, 2, script_grey, "[BLACK WHITE], with a context"},
-    {"opacity", 1, 2, script_opacity, "[AREA] PART, or AREA reset"},
-    {"haze", 2, 2, script_haze, "PATHWAY solid|own|PRESET"},
-    {"preset", 0, 1, script_preset, "[NAME]"},
-    {"streamline-colour", 1, 1, script_streamlines, "bundle|direction|NAME"},
-    {"background", 1, 1, script_background, "light|white|black|transparent"},
-    {"sheet", 2, 3, script_sheet, "pixels|mm WIDTH HEIGHT, dpi N, legend inside|right|below|none, text on|off"},
-    {"figure", 1, 2, script_figure, "FILE.png [3d|axial|coronal|sagittal]"},
-};
-enum { USES = sizeof uses / sizeof uses[0] };
+const char *script_command_name(const char **arguments, size_t index)
+{
+    *arguments = index < COMMANDS ? commands[index].arguments : NULL;
+    return index < COMMANDS ? commands[index].name : NULL;
+}
+
+static const struct script_command *find_command(const char *name)
+{
+    for (size_t i = 0; i < COMMANDS; i++) {
+        if (strcmp(commands[i].name, name) == 0) {
+            return &commands[i];
+        }
+    }
+    return NULL;
+}
+
+static bool do_command(struct call *call, const struct script_command *command)
+{
+    bool fits = call->count >= command->least && call->count <= command->most;
+    return fits && (command->act ? command->act(call)
+                                 : property_set_words(call->window, command->sets, call->arguments, call->count));
+}
+
+bool script_do(struct window *window, char *const *words, size_t count)
+{
+    struct call call = {
+        .window = window, .viewer = window->viewer, .words = words, .arguments = words + 1, .count = count - 1};
+    const struct script_command *command = find_command(words[0]);
+    return command && (window->viewer || command->is_anywhere) && do_command(&call, command);
+}
 
 int script_load(struct script **out, const char *path)
 {
@@ -463,42 +774,36 @@ void script_destroy(struct script *script)
     }
 }
 
-/* False, and said why, where one needs an atlas and there is none. */
-static bool has_atlas(const struct call *call)
+static bool fail_line(const struct script *script, const char *what)
 {
-    bool has = call->window->viewer;
-    if (!has) {
-        print_error_line("%s:%u: %s needs an atlas, and none is open", call->script->path, call->script->number,
-                         call->words[0]);
-    }
-    return has;
-}
-
-static bool refuse(const struct call *call, const char *arguments)
-{
-    print_error_line("%s:%u: %s %s is needed, or it could not be done", call->script->path, call->script->number,
-                     call->words[0], arguments);
+    print_error_line("%s:%u: %s", script->path, script->number, what);
     return false;
 }
 
-static bool act(struct call *call)
+/* The line that was read, of so many words; false where it fails, and it was said why. */
+static bool run_line(struct script *script, struct window *window, char *const *words, size_t count)
 {
-    for (size_t i = 0; i < COMMANDS; i++) {
-        if (strcmp(commands[i].name, call->words[0]) == 0) {
-            bool fits = call->count >= commands[i].least && call->count <= commands[i].most;
-            return (commands[i].at_start || has_atlas(call)) &&
-                   ((fits && commands[i].act(call)) || refuse(call, commands[i].arguments));
-        }
+    struct call call = {.script = script,
+                        .window = window,
+                        .viewer = window->viewer,
+                        .words = words,
+                        .arguments = words + 1,
+                        .count = count - 1};
+    const struct script_command *command = find_command(words[0]);
+    if (!command) {
+        print_error_line("%s:%u: unknown command \"%s\"", script->path, script->number, words[0]);
+        return false;
     }
-    for (size_t i = 0; i < USES; i++) {
-        if (strcmp(uses[i].name, call->words[0]) == 0) {
-            bool fits = call->count >= uses[i].least && call->count <= uses[i].most;
-            return has_atlas(call) && ((fits && uses[i].use(call->window, call->words + 1, call->count)) ||
-                                       refuse(call, uses[i].arguments));
-        }
+    if (!window->viewer && !command->is_anywhere) {
+        print_error_line("%s:%u: %s needs an atlas, and none is open", script->path, script->number, words[0]);
+        return false;
     }
-    print_error_line("%s:%u: unknown command \"%s\"", call->script->path, call->script->number, call->words[0]);
-    return false;
+    bool fine = do_command(&call, command);
+    if (!fine) {
+        print_error_line("%s:%u: %s %s is needed, or it could not be done", script->path, script->number, words[0],
+                         command->arguments);
+    }
+    return fine;
 }
 
 bool script_waits(struct script *script, const struct window *window)
@@ -527,37 +832,22 @@ static bool let_pass(struct script *script, const struct window *window)
     return script->settling && clock_ms() < script->until;
 }
 
-static bool fail_line(struct script *script, int *code, const char *what)
-{
-    print_error_line("%s:%u: %s", script->path, script->number, what);
-    *code = EXIT_DATA;
-    return true;
-}
-
 bool script_step(struct script *script, struct window *window, int *code)
 {
-    struct call call = {.script = script, .window = window};
-    size_t words;
+    char *words[SCRIPT_WORDS];
+    size_t count = 0;
     if (let_pass(script, window)) {
         return false;
     }
-    if (script->settling) {
-        return fail_line(script, code, "the pictures were not fine after 600 s");
-    }
-    if (!fgets(script->line, sizeof script->line, script->file)) {
+    if (!script->settling && !fgets(script->line, sizeof script->line, script->file)) {
         return true;
     }
-    script->number++;
-    if (strlen(script->line) > LINE_LIMIT && script->line[LINE_LIMIT] != '\n') {
-        return fail_line(script, code, "more than 65536 bytes in a line");
-    }
-    if (!script_split(call.words, &words, script->line)) {
-        return fail_line(script, code, "more than 8 words");
-    }
-    call.count = words ? words - 1 : 0;
-    if (words && !act(&call)) {
-        *code = EXIT_DATA;
-        return true;
-    }
-    return false;
+    script->number += !script->settling;
+    bool fine = script->settling ? fail_line(script, "the pictures were not fine after 600 s")
+                : strlen(script->line) > LINE_LIMIT && script->line[LINE_LIMIT] != '\n'
+                    ? fail_line(script, "more than 65536 bytes in a line")
+                : !script_split(words, &count, script->line) ? fail_line(script, "more than 8 words")
+                                                             : !count || run_line(script, window, words, count);
+    *code = fine ? *code : EXIT_DATA;
+    return !fine;
 }
