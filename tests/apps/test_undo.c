@@ -257,11 +257,14 @@ static void changes_before_a_file_was_added_are_all_taken_back(void **state)
         set_angle(&window, 12 + i);
     }
     add_file(&window);
+    json_t *opened = json_deep_copy(window.files.opened);
     for (int i = 0; i < 3; i++) {
         undo_step(&window, -1);
         assert_near(viewer.tools[FIRST_TOOL].angle, i == 2 ? 5 : 13 - i, 1e-12);
         undo_note(&window); /* as after each frame */
     }
+    assert_true(json_equal(opened, window.files.opened)); /* what a state says of files is not what is open */
+    json_decref(opened);
     undo_step(&window, -1);
     assert_string_equal(viewer.message, "nothing to undo");
     for (int i = 0; i < 3; i++) {

@@ -118,7 +118,7 @@ json_t *session_json(const struct window *window)
     add_values(root, window);
     json_object_set_new(json_object_get(root, "results"), "columns", columns_of(&viewer->list));
     if (window->files.opened) {
-        json_object_set(root, "opened", window->files.opened);
+        json_object_set_new(root, "opened", json_deep_copy(window->files.opened)); /* session_fit() changes it */
     }
     json_object_set_new(root, "level", json_string(viewer->cone.level));
     json_object_set_new(root, "place", session_place(first));
