@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What is in the cache's folder, and an end to it. */
+/* Lists the entries of the cache, and removes them. */
 #include "base/cache/cache_entry.h"
 #include "base/cache/cache_folder.h"
 #include "base/files/folder.h"

@@ -2,6 +2,7 @@
 /* Opens a file, and asks the table of formats what reads it. */
 #include "loaders/probe.h"
 
+#include "base/formats/gzip.h"
 #include "base/memory.h"
 #include "base/text.h"
 #include "loaders/formats/map_choice.h"
@@ -30,14 +31,18 @@ static enum format_reader find_reader(const struct probe *probe, const struct by
     return kind && !(is_text && probe->packed) ? kind->reader : READER_VOLUME;
 }
 
-static void look(struct probe *probe)
+static conus_status look(struct probe *probe)
 {
     struct bytes unpacked = {0};
     struct text text = text_trim(text_from_bytes(probe->stored.data, probe->stored.size));
-    probe->packed = format_unpack_head(&unpacked, &probe->stored);
+    bool packed = gzip_is(probe->stored.data, probe->stored.size);
+    conus_status status =
+        packed ? gzip_head(&unpacked, probe->stored.data, probe->stored.size, FILE_KIND_HEAD) : CONUS_OK;
+    probe->packed = packed && !status;
     probe->first = text.size && !probe->packed ? text.data[0] : '\0';
     probe->reader = find_reader(probe, probe->packed ? &unpacked : &probe->stored);
     bytes_finish(&unpacked);
+    return status == CONUS_ERROR_MEMORY ? status : CONUS_OK;
 }
 
 conus_status probe_open(struct probe *out, const char *path)
@@ -52,9 +57,7 @@ conus_status probe_open(struct probe *out, const char *path)
     }
     out->is_open = true;
     conus_status status = file_read_open(&out->stored, &out->file, FILE_KIND_HEAD, UINT64_MAX, "");
-    if (!status) {
-        look(out);
-    }
+    status = status ? status : look(out);
     if (status || (map.size && out->reader != READER_CIFTI)) {
         probe_close(out);
     }

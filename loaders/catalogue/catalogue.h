@@ -33,7 +33,7 @@ struct conus_catalogue {
     struct notes notes;
     struct note_sink sink; /**< Of the notes. */
 
-    /* Of the source that is looked at now. */
+    /* The source that is looked at now. */
     const char *source;
     size_t first;                 /**< Its first item. */
     size_t seen;                  /**< Files and folders so far. */

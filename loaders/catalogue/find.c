@@ -17,7 +17,7 @@ static bool is_there(const char *path)
     return stat(path, &info) == 0 || (errno != ENOENT && errno != ENOTDIR);
 }
 
-/* What may stand behind a path: volume_selector.h, map_choice.h. */
+/* The text behind a path that chooses a part of the file (volume_selector.h, map_choice.h), or NULL. */
 static const char *find_selector(const char *text)
 {
     static const char *const selectors[] = {",volume=", ",resolution=", ",orientation=", ",map="};
@@ -85,7 +85,7 @@ static bool is_same(const struct catalogue_item *a, const struct catalogue_item 
     return a->id.device == b->id.device && a->id.inode == b->id.inode && strcmp(one, other) == 0;
 }
 
-/** What a name may mean. */
+/** The atlases that a name may mean. */
 struct candidates {
     const struct catalogue_item *items[CANDIDATES];
     size_t count; /* may be more than there is room for */
@@ -139,7 +139,7 @@ struct near {
     size_t distance;
 };
 
-/* Of equal names the first is enough. */
+/* The first of several equal names is enough. */
 static void rank(struct near nearest[NEAR], const conus_installed *atlas, size_t far)
 {
     for (size_t i = 0; i < NEAR; i++) {

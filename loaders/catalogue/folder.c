@@ -98,7 +98,7 @@ static conus_status take_brainglobe(conus_catalogue *catalogue, const char *name
     return status;
 }
 
-/** What is looked at, one after the other: XMLs name volumes, and volumes in the folders below. */
+/** The passes over a folder, in this order: XMLs name volumes, and volumes in the folders below. */
 enum turn { XMLS, OTHER_FILES, FOLDERS, TURNS };
 
 static conus_status look(conus_catalogue *catalogue, const char *folder, const struct folder_rule *rule, size_t depth);

@@ -60,7 +60,7 @@ static struct text variable(struct text name)
     return text_from(value ? value : "");
 }
 
-/* What the XDG base directories are without their variables: of those in $HOME, what follows it. */
+/* The XDG base directories without their variables; those in $HOME are relative to it. */
 static const struct {
     const char *name, *value;
     bool in_home;
@@ -96,7 +96,7 @@ static void append_program_folder(struct buffer *out, struct text program)
     }
 }
 
-/* What the rule begins with, as folders with ':' between them; *rest is what follows. */
+/* Expands the beginning of the rule to folders with ':' between them; *rest is the remainder. */
 static void expand_rule(struct buffer *out, const char **rest, const char *rule)
 {
     size_t length = rule[0] == '(' ? strcspn(rule, ")") : strcspn(rule, "/");

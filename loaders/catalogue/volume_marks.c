@@ -14,7 +14,7 @@
 
 enum { INTENT_LABEL = 1002 };
 
-/* Of label tables that bear the volume's name. */
+/* Endings of label tables that bear the volume's name. */
 static const char *const tables[] = {".nii.txt", ".txt",     ".tsv", ".csv",     ".label",
                                      ".ctbl",    ".niml.lt", ".xml", ".nii.lut", ".lut"};
 

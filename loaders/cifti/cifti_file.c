@@ -180,35 +180,6 @@ conus_status cifti_choice_voxels(uint32_t **labels, struct label_table *table, c
     return CONUS_OK;
 }
 
-/* Of the file's first bytes. */
-static conus_status begins_as_cifti(bool *out, const struct bytes *start)
-{
-    struct bytes unpacked = {0};
-    *out = cifti_is(start->data, start->size);
-    if (*out || !gzip_is(start->data, start->size)) {
-        return CONUS_OK;
-    }
-    conus_status status = gzip_head(&unpacked, start->data, start->size, NIFTI_HEAD_SIZE);
-    *out = !status && cifti_is(unpacked.data, unpacked.size);
-    bytes_finish(&unpacked);
-    return status == CONUS_ERROR_MEMORY ? status : CONUS_OK;
-}
-
-conus_status cifti_file_is(bool *out, const char *path)
-{
-    enum { HEAD = 4096 };
-    char *file = NULL;
-    struct text map;
-    struct bytes start = {0};
-    *out = false;
-    conus_status status = map_choice_split(&file, &map, path);
-    status = status ? status : !file_exists(file) ? CONUS_ERROR_IO : file_read_head(&start, file, HEAD);
-    status = status ? status : begins_as_cifti(out, &start);
-    bytes_finish(&start);
-    memory_free(file);
-    return status == CONUS_ERROR_MEMORY ? status : CONUS_OK;
-}
-
 void cifti_file_finish(struct cifti_file *file)
 {
     memory_free(file->path);

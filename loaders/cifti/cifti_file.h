@@ -38,7 +38,7 @@ conus_status cifti_choice_vertices(uint32_t **labels, struct label_table *table,
  * of the structures that have it, if it is one. */
 conus_status cifti_choice_voxels(uint32_t **labels, struct label_table *table, const struct cifti_choice *choice);
 
-/** Of a path: a file, and ",map=K" or ",map=NAME" behind it. */
+/** A file, opened by its path with ",map=K" or ",map=NAME" behind it. */
 struct cifti_file {
     char *path;         /**< Without what chooses the map. */
     struct bytes bytes; /**< Unpacked. */
@@ -46,11 +46,7 @@ struct cifti_file {
     struct cifti_choice choice;
 };
 
-/** Whether @p path is a .dlabel.nii, plain or gzip, by its content; false, too, where it cannot be read. Fails only
- * without memory. */
-conus_status cifti_file_is(bool *out, const char *path);
-
-/** Opens @p path. @p max_memory 0 = 8 GiB. Notes and errors carry the path. */
+/** Opens @p path, a .dlabel.nii (probe.h: READER_CIFTI). @p max_memory 0 = 8 GiB. Notes and errors carry the path. */
 conus_status cifti_file_open(struct cifti_file *out, const char *path, uint64_t max_memory, struct notes *notes);
 void cifti_file_finish(struct cifti_file *file);
 

@@ -7,7 +7,7 @@
 
 enum { FILE_KIND_HEAD = 1 << 16 }; /**< Bytes that format_find() wants to see, if there are as many. */
 
-/** What reads a file that is given as ATLAS. */
+/** The reader of a file that is given as ATLAS. */
 enum format_reader {
     READER_VOLUME,    /**< Also of what is no format that an atlas may have: it says so. */
     READER_MANIFEST,  /**< JSON with the key "conus_atlas". */
@@ -29,12 +29,12 @@ struct file_kind {
     enum kind_certainty certainty;
 };
 
-/** What @p head, the first bytes of a file, unpacked, is; NULL if that is not known. The ending of @p path decides
+/** The format of a file with the first bytes @p head, unpacked; NULL if it is not known. The ending of @p path decides
  * where the bytes do not; it may be NULL. Label tables are KIND_VAGUE here, but for an atlas XML: file_kind_of() knows
  * them. */
 const struct file_kind *format_find(const char *path, const struct bytes *head);
 
-/** What the CIFTI-2 file of @p intent_code, 3000 to 3099, is; @p head are its first bytes. */
+/** The kind of the CIFTI-2 file with @p intent_code, 3000 to 3099; @p head are its first bytes. */
 const struct file_kind *format_find_matrix(int intent_code, const struct bytes *head);
 
 /** Whether @p bytes, a whole file, are lines (a tractogram) in one of VTK's formats and no surface. */

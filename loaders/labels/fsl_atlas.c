@@ -49,7 +49,7 @@ static conus_status add_images(struct fsl_atlas *atlas)
     return CONUS_OK;
 }
 
-/* What is no number is no point: only a check is lost. */
+/* A label without three numbers has no point: only a check is lost. */
 static struct fsl_point read_point(const struct xml_event *event)
 {
     static const char *const axes[] = {"x", "y", "z"};
@@ -106,7 +106,7 @@ static conus_status set_type(struct fsl_atlas *atlas, struct text text)
                 shown.size < 60 ? (int)shown.size : 60, shown.size ? shown.data : "");
 }
 
-/* What SPM writes inside a label. */
+/* The elements that SPM writes inside a label. */
 static conus_status end_in_label(struct parsing *parsing, const struct xml_event *event)
 {
     if (strcmp(event->name, "index") == 0) {

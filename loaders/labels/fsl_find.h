@@ -11,8 +11,7 @@ enum fsl_use {
     FSL_VOLUMES /**< It holds one volume per label; volume k is label k + 1.              */
 };
 
-/** What is done with an atlas XML, whose path is @p path and whose bytes are @p file; it may take what the atlas has.
- */
+/** Called with an atlas XML, its path and its bytes; it may take what the atlas has. */
 typedef conus_status (*fsl_visit)(void *user, struct fsl_atlas *atlas, const char *path, const struct bytes *file);
 
 /** Visits every atlas XML, in the folder of @p volume_path and in the one above, that names this volume for that use,

@@ -14,7 +14,7 @@
 enum column { INDEX, NAME, ABBREVIATION, COLOUR, RED, GREEN, BLUE, HEMISPHERE, PARENT, RIVAL, COLUMN_COUNT };
 enum { NO_COLUMN = -1, SYNONYM_COUNT = 6, FIELD_LIMIT = 1024 };
 
-/* What a column may be called, the preferred word first. A rival is a second column that could be the index. */
+/* The names that a column may have, the preferred one first. A rival is a second column that could be the index. */
 static const char *const names[COLUMN_COUNT][SYNONYM_COUNT] = {
     [INDEX] = {"index", "LabelValue", "id", "key", "ROIid", "label"},
     [NAME] = {"name", "region", "structure", "ROIname", "label"},
@@ -389,7 +389,7 @@ static struct bare read_bare(struct text line, char separator)
     return row;
 }
 
-/* What follows the number that a row begins with: ',' or ';'; 0 if it begins otherwise. */
+/* The separator, ',' or ';', behind the number that a row begins with; 0 if it begins otherwise. */
 static char bare_separator(struct text text)
 {
     struct text line;

@@ -110,7 +110,7 @@ conus_status label_path_split(char **path, struct text columns[2], const char *t
     return *path ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
-/* What the file is if it is known to be no table; a message of the tables' parser says more about others. */
+/* The kind of a file that is certainly no table, else NULL: then the parser of tables says more. */
 static const struct file_kind *foreign_kind(const char *path, const struct bytes *bytes)
 {
     bool table = label_is_lut(bytes->data, bytes->size) || label_format_of(text_from_bytes(bytes->data, bytes->size));

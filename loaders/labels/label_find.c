@@ -300,7 +300,7 @@ static bool is_volume(const char *name)
     return name[0] != '.' && volume_stem_length(name) < strlen(name);
 }
 
-/* What the names in the folder leave open about one table. */
+/* The folder of a volume, while tables with a similar name are looked for in it. */
 struct folder {
     const struct names *names;
     const char *folder;
@@ -499,7 +499,7 @@ static conus_status offer_atlas(void *user, struct fsl_atlas *atlas, const char 
     return label_search_offer(search, &offer);
 }
 
-/* Of all volumes in the folder: asked only where nothing else is. */
+/* Tables for all volumes in the folder, which are read only where no other was found. */
 static conus_status search_fixed(struct label_search *search)
 {
     static const char *const names[] = {"structures.json", "FreeSurferColorLUT.txt"};

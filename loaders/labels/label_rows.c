@@ -341,7 +341,7 @@ static conus_status parse_fsleyes(struct label_table *out, struct text text, str
     return parse_rows(out, text, notes, parse_fsleyes_row, NULL);
 }
 
-/* What follows the colour is no name. */
+/* A number and a colour. Text behind the colour is no name. */
 static conus_status parse_unnamed_row(struct label *label, const struct row *row, const char *where, const void *data)
 {
     (void)data;
@@ -388,7 +388,7 @@ static conus_status parse_itk_snap(struct label_table *out, struct text text, st
     return parse_rows(out, text, notes, parse_itk_snap_row, NULL);
 }
 
-/* What is left of "HIPL Hippocampus_L 4101" or "Hippocampus_L 4101" without the number. */
+/* The name in "HIPL Hippocampus_L 4101" or "Hippocampus_L 4101", whose number was taken. */
 static conus_status parse_names_row(struct label *label, const struct row *row, const char *where, const void *data)
 {
     (void)where;

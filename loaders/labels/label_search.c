@@ -203,7 +203,7 @@ static conus_status settle_contradiction(struct label_search *search, struct lab
     return status || search->proved ? status : take_offer(search, offer);
 }
 
-/* What differs, unless nothing does. */
+/* Notes what differs, if anything does. */
 static conus_status note_difference(const struct comparison *comparison, const char *used, const char *other,
                                     struct notes *notes)
 {
@@ -281,7 +281,7 @@ static conus_status keep_error(struct label_search *search, conus_status status)
     return buffer_status(&search->first_error);
 }
 
-/* What is no table is worth a word only where a table would stand, and none has been found. */
+/* A file that is no table is noted only where a table would stand, and none has been found. */
 static conus_status note_unknown(struct label_search *search, const char *name, bool inside)
 {
     const char *dot = strrchr(name, '.');

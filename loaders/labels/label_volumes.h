@@ -15,9 +15,9 @@
 conus_status label_volume_table(struct label_table *out, struct buffer *from, const char *path,
                                 const struct label_use *use, struct notes *notes);
 
-/** What the table beside the volume's file, X.txt or another, calls the volume: @p name and the table's file, @p from,
- * get text appended; none where there is no such table, or where it does not say for certain which name is which
- * volume's, which is a note. A file of one volume has no such table. */
+/** Appends the name that the table beside the volume's file, X.txt or another, gives to the volume to @p name, and the
+ * table's file to @p from; nothing where there is no such table, or where it does not say for certain which name is
+ * which volume's, which is a note. A file of one volume has no such table. */
 conus_status label_volume_name(struct buffer *name, struct buffer *from, const conus_volume_info *info,
                                struct notes *notes);
 

@@ -588,7 +588,7 @@ static const struct schema_field manifest_keys[] = {
     {0},
 };
 
-/* What moves needs a transform to move by, and a transform something that moves. */
+/* "moves" needs a transform, and a transform needs something that moves. */
 static conus_status check_moves(const struct manifest *manifest)
 {
     static const char why[] = "moves: there is no transform that could move it";

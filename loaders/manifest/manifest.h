@@ -31,7 +31,7 @@ struct manifest_parcellation {
     char hemisphere;       /**< Of its areas whose table says none; 0 = unsaid.         */
 };
 
-/** What moves points from where poses are to the areas, as --atlas-transform takes it. */
+/** A transform of points from the space of poses to that of the areas, as --atlas-transform takes it. */
 struct manifest_transform {
     char *file;
     char *from; /**< Of FSL's matrices: their images; NULL otherwise. */
@@ -66,7 +66,7 @@ struct manifest_area {
     bool all_structures;   /**< brainglobe: not only those that contain no other with a surface.                    */
 };
 
-/** What a manifest says of the Allen CCF: that the world's origin is the corner where AP, DV and ML start. */
+/** The Allen CCF: the world's origin is the corner where AP, DV and ML start. */
 enum manifest_ccf {
     MANIFEST_CCF_UNSTATED,
     MANIFEST_CCF_ASR, /**< At the anterior, superior and right sides. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What BrainGlobe calls its files. */
+/* Knows BrainGlobe's folders by the names of their files. */
 #include "loaders/manifest/manifest_brainglobe.h"
 
 #include "base/files/file.h"

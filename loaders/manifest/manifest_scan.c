@@ -47,7 +47,7 @@ static conus_status judge_labels(struct volume_guess *out, const struct volume_f
     return status;
 }
 
-/* What is no parcellation: `filled` voxels of it are not 0. */
+/* Guesses between pathway and context, by how many voxels are not 0. */
 static conus_status judge_filled(struct volume_guess *out, const struct volume_file *file, struct notes *notes)
 {
     float *values = NULL;

@@ -251,7 +251,7 @@ conus_status manifest_surfaces_add(struct manifest_draft *draft, const char *nam
     return status;
 }
 
-/* Of a folder without surfaces; where a manifest lies in it, that is what was meant. */
+/* The folder has no surfaces. A manifest in it was probably meant, so the message names it. */
 static conus_status refuse_folder(const char *folder)
 {
     struct names names = {0};

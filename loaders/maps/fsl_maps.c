@@ -81,7 +81,7 @@ static conus_status read_xml(struct fsl_maps *maps, conus_atlas *atlas, const ch
     return status;
 }
 
-/* What is asked of each XML that names the volumes. */
+/* The atlas with which each other XML of the same volumes is compared. */
 struct rival {
     const struct fsl_maps *maps;
     const char *xml; /* without its folder */

@@ -36,7 +36,7 @@ static conus_status choose_scale(struct probability_scale *out, const conus_volu
     return CONUS_OK;
 }
 
-/* What all volumes have in common. */
+/* Facts that all volumes share. */
 struct range {
     double least, largest;
     bool masks; /* Each has 0 and one other value. */

@@ -84,7 +84,7 @@ static int compare_names(const void *a, const void *b)
     return strcmp(((const conus_band *)a)->name, ((const conus_band *)b)->name);
 }
 
-/* Of those that each are fine. Sorts them. */
+/* No two bands may have one name, or overlap. Each is valid by itself. Sorts them. */
 static conus_status check_together(conus_band *bands, size_t count, const conus_volume_info *info)
 {
     char ends[2][ENDS_SIZE];
@@ -220,8 +220,8 @@ static conus_status choose_threshold(struct volume_file *file, const float *valu
     return wanted > 0 ? CONUS_OK : notes_add(notes, "pathway %s: %s; threshold %s", name, scale.words, threshold);
 }
 
-/* What the file calls the volume (but for AFNI's "#0"); else the file's name without folder and ending, and with the
- * volume where there are several. */
+/* The title of the volume in the file (but for AFNI's "#0"); else the file's name without folder and ending, and with
+ * the volume where there are several. */
 static conus_status name_by_file(struct buffer *out, const struct volume_file *file)
 {
     const conus_volume_info *info = &file->info;
@@ -237,7 +237,7 @@ static conus_status name_by_file(struct buffer *out, const struct volume_file *f
     return buffer_status(out);
 }
 
-/* What FSL atlas XMLs, and a table beside the file, call a volume. */
+/* The name that FSL atlas XMLs, or a table beside the file, give to a volume. */
 struct title {
     const conus_volume_info *info;
     struct buffer *name;

@@ -72,7 +72,7 @@ conus_status named_maps_find(struct named_maps *out, const struct probe *probe, 
     return CONUS_OK;
 }
 
-/* What all volumes have in common. */
+/* Sums over all volumes. */
 struct findings {
     uint16_t *above; /* [voxels] In how many volumes the value is above 0. */
     double minimum, maximum;

@@ -121,7 +121,7 @@ static bool is_helix(int ring)
     return ring % 2 == 0;
 }
 
-/* Of the polyline: chords of a helix, each of which rises by 2 HALF / SEGMENTS. */
+/* The length of the polyline: chords of a helix, each of which rises by 2 HALF / SEGMENTS. */
 static double length_of(int ring)
 {
     double rise = 2.0 * HALF / SEGMENTS;

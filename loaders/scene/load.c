@@ -382,7 +382,7 @@ static conus_status check_probability(double probability)
                : fail(CONUS_ERROR_ARGUMENT, "--probability: is %g, allowed is above 0 to 1 (0 = default)", probability);
 }
 
-/* What is said of the atlas as a whole, while somebody listens. */
+/* Notes on the atlas as a whole, while a log is there to hear them. */
 static conus_status check_whole(conus_atlas *atlas, const char *path, struct load_progress *progress)
 {
     const double probability = progress->options->probability;

@@ -15,7 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What surfaces are read into, all before any becomes an area. */
+/* All surfaces of a plan, which are read before any becomes an area. */
 struct surfaces {
     struct mesh *meshes;   /* [count], as the plan's areas */
     const char **foreign;  /* paths of other programs' files */

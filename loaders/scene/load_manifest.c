@@ -62,7 +62,7 @@ static conus_status manifest_move(conus_atlas *atlas, const struct manifest *man
     return status;
 }
 
-/* What all steps need. */
+/* A manifest while it is loaded. */
 struct loading {
     const struct manifest *manifest;
     const char *path;         /* of the manifest, ending in '/' if it was made for a folder */

@@ -7,7 +7,7 @@
 #include "loaders/probe.h"
 #include "loaders/volumes/volume_file.h"
 
-/** What a parcellation is made of, until atlas_create() has it. */
+/** The parts of a parcellation, until atlas_create() has them. */
 struct parcellation {
     struct volume_file file;
     struct label_voxels labels;

@@ -16,7 +16,7 @@ struct load_progress {
 struct load_progress load_progress_of(const char *path, const conus_load_options *options);
 void load_progress_finish(struct load_progress *progress);
 
-/** What is noticed from here on is about the file @p path, which is copied. */
+/** Notes from here on are about the file @p path, which is copied. */
 conus_status load_progress_at(struct load_progress *progress, const char *path);
 
 /** The same, and calls options->progress, unless it is NULL: @p path is read now, and with it @p files of the total.

@@ -335,7 +335,7 @@ static conus_status look_at_xml(struct manifest_draft *draft, const char *name)
 
 #define NAMED "named by the table beside it"
 
-/* What the table beside the file calls a volume, else its number. */
+/* Names each volume as the table beside the file does, else by its number. */
 static conus_status name_volume(struct buffer *out, bool *named, const struct manifest_draft *draft, const char *name,
                                 size_t index, size_t count)
 {
@@ -530,7 +530,7 @@ static conus_status take_labelled(struct manifest_draft *draft, const struct man
     return status;
 }
 
-/* What a .dlabel.nii says of voxels and surfaces. */
+/* Takes voxels and surfaces from a .dlabel.nii. */
 static conus_status take_cifti(bool *taken, struct manifest_draft *draft, const char *name)
 {
     struct cifti_file file = {0};
@@ -570,9 +570,11 @@ static conus_status look_for_cifti(const char **found, struct manifest_draft *dr
     size_t count = 0;
     conus_status status = CONUS_OK;
     for (size_t i = 0; !status && i < names->count; i++) {
-        bool cifti = false;
+        struct probe probe = {0};
         char *path = is_volume(names->names[i]) ? manifest_draft_path(draft, names->names[i]) : NULL;
-        status = path ? cifti_file_is(&cifti, path) : CONUS_OK;
+        status = path ? probe_open(&probe, path) : CONUS_OK;
+        bool cifti = probe.reader == READER_CIFTI;
+        probe_close(&probe);
         status = status || !cifti ? status : names_add(&draft->used, names->names[i]); /* it is no volume */
         *found = cifti ? names->names[i] : *found;
         count += cifti;
@@ -688,7 +690,7 @@ static conus_status settle_maps(struct manifest_draft *draft)
     return status || alone || !json_array_clear(draft->maps) ? status : CONUS_ERROR_MEMORY;
 }
 
-/* What is written must be what the parser reads. */
+/* The parser must read what is written. */
 static conus_status write_checked(const char *path, const struct buffer *text)
 {
     struct manifest manifest;

@@ -291,7 +291,7 @@ static conus_status take_claimed(struct label_map *lost, struct parcellation *pa
     return status;
 }
 
-/* What one part loses. */
+/* The voxels that one part loses to others. */
 struct loss {
     struct label_map voxels; /* by label */
     uint64_t sum;

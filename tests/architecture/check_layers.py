@@ -74,7 +74,7 @@ LIBRARY = {
     "poses": "base base/geometry base/formats poses/rows poses/programs",
     "loaders/formats": "base base/files base/formats",
     # file_kind.c asks the table of formats, and the readers of label tables.
-    "loaders": "base loaders/labels loaders/formats",
+    "loaders": "base loaders/labels loaders/formats base/formats",
     "loaders/tiff": "base base/files base",
     "loaders/brainglobe": "base base/files base/geometry base/formats",
     "loaders/tracts": "base base/files base/geometry base/formats atlas/tracts loaders loaders/surfaces/foreign",

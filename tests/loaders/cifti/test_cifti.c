@@ -6,6 +6,7 @@
 #include "builders/cifti_builder.h"
 #include "builders/nifti_builder.h"
 #include "loaders/file_kind.h"
+#include "loaders/probe.h"
 #include "loaders/surfaces/mesh_file.h"
 #include "loaders/volumes/nifti.h"
 #include "test.h"
@@ -455,10 +456,11 @@ static void files_are_plain_or_packed(void **state)
     for (int packed = 0; packed < 2; packed++) {
         struct cifti_file file = {0};
         struct notes notes = {0};
-        bool is;
+        struct probe probe;
         snprintf(path, sizeof path, "%s,map=two", (packed ? write_packed : write_bytes)("x.dlabel.nii", &bytes));
-        assert_ok(cifti_file_is(&is, path));
-        assert_true(is);
+        assert_ok(probe_open(&probe, path));
+        assert_int_equal(probe.reader, READER_CIFTI);
+        probe_close(&probe);
         assert_ok(cifti_file_open(&file, path, 0, &notes));
         assert_int_equal(file.choice.map, 1);
         assert_int_equal(strlen(file.sha256), 64);
@@ -467,11 +469,13 @@ static void files_are_plain_or_packed(void **state)
         cifti_file_finish(&file);
         notes_finish(&notes);
     }
-    bool is = true;
+    struct probe probe;
     struct cifti_file file = {0};
     struct notes notes = {0};
-    assert_ok(cifti_file_is(&is, "absent.dlabel.nii"));
-    assert_false(is);
+    assert_ok(probe_open(&probe, "absent.dlabel.nii"));
+    assert_false(probe.is_open);
+    assert_int_equal(probe.reader, READER_VOLUME);
+    probe_close(&probe);
     snprintf(path, sizeof path, "%s,map=", test_scratch("x.dlabel.nii"));
     assert_fails(cifti_file_open(&file, path, 0, &notes), CONUS_ERROR_ARGUMENT);
     assert_non_null(strstr(conus_message(), "map: a number from 0 or a name is needed"));
