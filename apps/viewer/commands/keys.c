@@ -306,7 +306,7 @@ static void reset_grey(struct window *window, const int by[3])
     say_grey(window->viewer);
 }
 
-/* Of the chosen area, or else of what the cone does not hit, which is never invisible. */
+/* Changes the chosen area, or else all that the cone does not hit, which is never invisible. */
 static void change_opacity(struct window *window, const int by[3])
 {
     static const double step = 0.1;
@@ -508,7 +508,7 @@ const struct key *keys_row(size_t index)
     return index < KEYS ? &keys[index] : NULL;
 }
 
-/* As on the keyboard: Ctrl+O. */
+/* Writes a key as it stands on the keyboard: "ctrl+o" as Ctrl+O. */
 static void write_key(char out[KEY_LIMIT], const char *key)
 {
     bool first = true;

@@ -22,10 +22,10 @@ const struct key *keys_row(size_t index);
 /** How the list calls a key: "Ctrl+O". */
 const char *keys_shown(char out[KEY_LIMIT], const struct key *key);
 enum { KEYS_TIP = 512 };
-/** What a property is, and which keys change it. */
+/** Says what a property is and which keys change it. */
 const char *keys_tip(char out[KEYS_TIP], enum property_id id);
 
-/** What a key does, for window->press. */
+/** Does what a key does, for window->press; false if it means nothing. */
 bool keys_press(struct window *window, const char *key);
 
 /** Draws the list of keys over the window. */

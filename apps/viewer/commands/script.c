@@ -38,7 +38,7 @@ struct script {
     char *awaited; /* a file that must be there before the next command; NULL = none */
 };
 
-/* What a command works on. */
+/* A command that is being run. */
 struct call {
     struct script *script; /* NULL = it is none of a script's */
     struct window *window;
@@ -288,7 +288,7 @@ static bool do_jitter(struct call *call)
     return use_study(call, &study, STUDY_JITTER, out, 2);
 }
 
-/* As conus sweep would write it. */
+/* Writes the table that conus sweep would write. */
 static bool do_study(struct call *call)
 {
     const char *text = studies_text(call->viewer);
@@ -399,7 +399,7 @@ static bool do_grey(struct call *call)
     return fine;
 }
 
-/* Of an area, or of what the cone does not hit, which is never invisible. */
+/* Sets an area, or all that the cone does not hit, which is never invisible. */
 static bool do_opacity(struct call *call)
 {
     double opacity = NAN;
@@ -621,7 +621,7 @@ static bool do_panes(struct call *call)
     return fine;
 }
 
-/* What the list shows, as conus query would write it. */
+/* Writes the list as conus query would. */
 static bool do_results(struct call *call)
 {
     return is_done(viewer_write_results(call->viewer, FIRST_TOOL, call->arguments[0]));
@@ -638,7 +638,7 @@ static bool do_columns(struct call *call)
     return result_choose(call->viewer, call->arguments, call->count);
 }
 
-/* As a click above the column. */
+/* Orders as a click above the column does. */
 static bool do_order(struct call *call)
 {
     size_t column = result_find(call->arguments[0]);

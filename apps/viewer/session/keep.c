@@ -16,7 +16,7 @@
 
 enum { NAME_SIZE = 64, SAME_SECOND = 100 };
 
-/* Nor a sidecar. */
+/* Whether neither the file nor its sidecar exists. */
 static bool is_free(const char *name)
 {
     char *sidecar = provenance_path(name);
@@ -37,7 +37,7 @@ static void make_name(char name[NAME_SIZE], const char *ending)
     }
 }
 
-/* False: *why says why not. */
+/* False: @p why says why not, or conus_message() does. */
 static bool write_file(struct window *window, enum keep what, const char *path, char why[PROPERTY_REASON])
 {
     switch (what) {

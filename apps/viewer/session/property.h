@@ -92,7 +92,7 @@ enum property_undo {
     UNDO_LEAVES_REPLAY, /**< Not while a replay moves the first tool: its rows say it. */
 };
 
-/** What a change of it changes. */
+/** The part of the window that follows a change. */
 enum property_change {
     CHANGES_PICTURE = 0,
     CHANGES_ANSWER,
@@ -136,12 +136,12 @@ void property_get(double out[PROPERTY_NUMBERS], const struct property *property,
 /** Only stores them: what a change means is property_set()'s. */
 void property_put(struct window *window, const struct property *property, const double numbers[PROPERTY_NUMBERS]);
 
-/** As a session has it. NULL without memory. */
+/** The JSON that a session has. NULL without memory. */
 struct json_t *property_json(const struct property *property, const double numbers[PROPERTY_NUMBERS]);
 /** False where @p value is not what the row allows: @p why says what is, in one line. */
 bool property_read(double out[PROPERTY_NUMBERS], const struct property *property, const struct json_t *value,
                    char why[PROPERTY_REASON]);
-/** What it may be: "exact or slices", "3 numbers from 0 to 180". */
+/** The values that it may have: "exact or slices", "3 numbers from 0 to 180". */
 void property_allowed(char out[PROPERTY_REASON], const struct property *property);
 /** Says why a session is refused, in one line; false. */
 bool session_refuse(char why[PROPERTY_REASON], const char *format, ...) __attribute__((format(printf, 2, 3)));

@@ -17,7 +17,7 @@
 
 enum { SESSION_VERSION = 1, SESSION_LIMIT = 64 << 20 /* bytes of a file */ };
 
-/* What a session says, checked before any of it is used. */
+/* A session that was read; all of it is checked before any of it is used. */
 struct session {
     double values[PROPERTY_COUNT][PROPERTY_NUMBERS];
     uint32_t columns;
@@ -69,7 +69,7 @@ static json_t *columns_of(const struct result_list *list)
     return names;
 }
 
-/* A hidden result that was confirmed has no contact and no distance; one of a session may have no share either. */
+/* A confirmed result that is occluded has no contact and no distance; in a session the share may be missing, too. */
 static json_t *number_or_null(double value)
 {
     return isfinite(value) ? json_real(value) : json_null();
@@ -157,7 +157,7 @@ static struct study_settings study_of(double values[PROPERTY_COUNT][PROPERTY_NUM
                                    .samples = jitter[2]};
 }
 
-/* What no row alone can check. */
+/* The checks that need more than one row. */
 static bool check_values(double values[PROPERTY_COUNT][PROPERTY_NUMBERS], char why[PROPERTY_REASON])
 {
     const struct study_settings study = study_of(values);
@@ -319,7 +319,7 @@ static bool read_edits(struct session *out, const struct viewer *viewer, const j
                          read_preset(&out->edits.preset, drawn, json_object_get(root, "preset"), why));
 }
 
-/* What --level would say, of the first atlas. Sessions of before there were levels do not say. */
+/* The level of the first atlas, as for --level. Older sessions have none. */
 static bool read_level(const char **out, const struct viewer *viewer, const json_t *root, char why[PROPERTY_REASON])
 {
     const json_t *level = json_object_get(root, "level");
@@ -336,7 +336,7 @@ static bool read_level(const char **out, const struct viewer *viewer, const json
     return !status || session_refuse(why, "session: %s", conus_message());
 }
 
-/* The atlases first, since that may fail. */
+/* Changes the atlases before all else, since this may fail. */
 static bool set_up(struct viewer *viewer, size_t drawn, const struct atlas_edits *settings, char why[PROPERTY_REASON])
 {
     size_t before = (size_t)(viewer->drawn - viewer->atlases);
@@ -416,7 +416,7 @@ bool session_parse(struct window *window, const char *text, size_t size, char wh
     return fine;
 }
 
-/* Where Ctrl+S saves. */
+/* Ctrl+S saves there from now on. */
 static void note_path(struct window *window, const char *path)
 {
     char *copy = strdup(path);

@@ -59,7 +59,7 @@ json_t *session_place(const struct view_atlas *on)
     return list;
 }
 
-/* Grey values are floats; a window of them that a mouse makes is some times wider. */
+/* Grey values are floats; the mouse can make a window of them that is wider than all of them. */
 static const double grey_limit = 1e30;
 
 static json_t *grey_of(const struct look *look)
@@ -164,7 +164,7 @@ static bool read_thresholds(double *out, const struct view_atlas *on, const json
            session_refuse(why, "session: thresholds: a list of %zu, one for each pathway, is needed", count);
 }
 
-/* Whether the atlas lies where it lay. Sessions of before there were transforms do not say. */
+/* Whether the atlas lies where it lay. Sessions older than transforms have no place. */
 static bool check_place(const struct view_atlas *on, const json_t *list, char why[PROPERTY_REASON])
 {
     double place[3 * PLACES];
@@ -280,7 +280,7 @@ static bool read_look(struct look *out, const struct view_atlas *on, const json_
     return fine;
 }
 
-/* What `entry` says of one atlas. */
+/* Reads the entry of one atlas. */
 static bool read_atlas(struct session_atlases *out, size_t index, const struct view_atlas *on, const json_t *entry,
                        char why[PROPERTY_REASON])
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What a session says of each atlas: what is hidden, thresholds of pathways, how it looks, and which atlas is
- * drawn. */
+/** @file The atlases of a session, read and written: what is hidden, thresholds of pathways, how it looks, and which
+ * atlas is drawn. */
 #ifndef CONUS_VIEWER_SESSION_SESSION_ATLASES_H
 #define CONUS_VIEWER_SESSION_SESSION_ATLASES_H
 
@@ -12,7 +12,7 @@ json_t *session_hidden(const struct view_atlas *on);
 json_t *session_thresholds(const struct view_atlas *on);
 json_t *session_place(const struct view_atlas *on);
 json_t *session_look(const struct view_atlas *on);
-/** Of the atlases behind the first; NULL without memory, or where a path is not UTF-8. */
+/** The entries of all atlases but the first; NULL without memory, or where a path is not UTF-8. */
 json_t *session_further(const struct viewer *viewer);
 
 struct session_atlases {

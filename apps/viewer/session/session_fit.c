@@ -27,14 +27,14 @@ static size_t count_objects(const json_t *added)
     return count;
 }
 
-/* Of so many objects those that were not added. */
+/* How many of @p count objects were not added. */
 static size_t own_count(size_t count, const json_t *added)
 {
     size_t more = count_objects(added);
     return count - (more < count ? more : count);
 }
 
-/* Marks what was added; false where a number is none of an object. */
+/* Marks the added objects; false if a number is none of an object. */
 static bool mark(bool *is_added, size_t count, const json_t *added)
 {
     for (size_t i = 0; i < json_array_size(added); i++) {
@@ -50,7 +50,7 @@ static bool mark(bool *is_added, size_t count, const json_t *added)
     return true;
 }
 
-/* Objects of the atlas itself, in order; false where there are more or fewer than then: it is another atlas. */
+/* Objects that were not added keep their order; false if there are more or fewer than then: it is another atlas. */
 static bool match_own(struct numbers *numbers, const json_t *then, const json_t *now)
 {
     bool *was_added = calloc(numbers->then + 1, sizeof *was_added);
@@ -73,7 +73,7 @@ static bool match_own(struct numbers *numbers, const json_t *then, const json_t 
     return fine;
 }
 
-/* Those of a file, where it has as many as then. */
+/* The objects of a file keep their order, if it has as many as then. */
 static void match_file(struct numbers *numbers, const json_t *then, const json_t *now)
 {
     const json_t *from = json_object_get(then, "objects");
@@ -84,7 +84,7 @@ static void match_file(struct numbers *numbers, const json_t *then, const json_t
     }
 }
 
-/* To be freed; false without memory, or where it is another atlas. */
+/* Fills the map, to be freed; false without memory, or if it is another atlas. */
 static bool find_numbers(struct numbers *out, const json_t *then, const json_t *now)
 {
     size_t files = json_array_size(then);
@@ -100,7 +100,7 @@ static bool find_numbers(struct numbers *out, const json_t *then, const json_t *
     return fine;
 }
 
-/* 0 of a number that is none. */
+/* The object's number now; 0 = it is gone, or the value is no number of an object. */
 static uint32_t number_now(const struct numbers *numbers, const json_t *value)
 {
     json_int_t number = json_integer_value(value);
@@ -119,7 +119,7 @@ static void fit_hidden(json_t *list, const struct numbers *numbers)
     }
 }
 
-/* Pairs of a number and something. */
+/* Lists of pairs [object, value]. */
 static void fit_pairs(json_t *list, const struct numbers *numbers)
 {
     for (size_t i = json_array_size(list); i-- > 0;) {
@@ -132,7 +132,7 @@ static void fit_pairs(json_t *list, const struct numbers *numbers)
     }
 }
 
-/* Pins in other atlases stay; those of what is gone are names only, unless an older session does not say them. */
+/* Pins in other atlases stay. A pin of an object that is gone keeps only its name; without one it is removed. */
 static void fit_pins(json_t *list, const struct numbers *numbers)
 {
     for (size_t i = json_array_size(list); i-- > 0;) {
@@ -150,7 +150,7 @@ static void fit_pins(json_t *list, const struct numbers *numbers)
     }
 }
 
-/* As the pathways have them that are there now, but for those that the session knows by name. */
+/* The thresholds of the pathways that are there now; the session's own where it has one by that name. */
 static json_t *fit_thresholds(const json_t *then, const struct view_atlas *on)
 {
     json_t *now = session_thresholds(on);
@@ -217,7 +217,7 @@ static bool has_other_context(const json_t *then, const json_t *now)
     return other;
 }
 
-/* What was set for the grey values of one says nothing of those of another. */
+/* Colours and grey values of another context mean nothing here: drops them. */
 static void fit_context(json_t *root)
 {
     const json_t *further = json_object_get(root, "further_atlases");

@@ -83,7 +83,7 @@ void undo_note(struct window *window)
     }
 }
 
-/* What the state does not say stays as it is. */
+/* Restores a state; values that it leaves out stay as they are. */
 static bool use(struct window *window, const char *state, char why[PROPERTY_REASON])
 {
     json_t *root = session_json(window);
@@ -96,7 +96,7 @@ static bool use(struct window *window, const char *state, char why[PROPERTY_REAS
     return fine;
 }
 
-/* Whether the state is of areas that the atlases have only once they are loaded again, and as what. */
+/* Whether the atlases must be loaded again, with the hemispheres @p how, to have the areas of the state. */
 static bool needs_others(conus_hemispheres *how, const struct window *window, const char *state)
 {
     json_t *root = json_loads(state, 0, NULL);
