@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The colour pass's programs, its life, its changes and its draw call. */
+/* The colour pass: its programs, uploads, changes and draw call. */
 #include "render/colour/colour.h"
 
 #include "base/geometry/math3.h"
@@ -38,7 +38,7 @@ static void place_volume(struct colour_volume *out, const struct volume *volume,
     memcpy(out->world_from_voxel, volume->info.world_from_voxel, sizeof out->world_from_voxel);
 }
 
-/* Whether one of the up to eight bricks round a corner shows. */
+/* Whether any of the up to eight bricks around a corner is visible. */
 static bool corner_shows(const struct bricks *bricks, const size_t corner[3])
 {
     bool shows = false;
@@ -54,7 +54,7 @@ static bool corner_shows(const struct bricks *bricks, const size_t corner[3])
     return shows;
 }
 
-/* Appends the corners of all bricks that show, each once. */
+/* Appends the corners of all visible bricks, each once. */
 static conus_status add_content(struct colour_pass *pass, const struct bricks *bricks,
                                 const struct colour_volume *volume)
 {
@@ -79,7 +79,7 @@ static conus_status add_content(struct colour_pass *pass, const struct bricks *b
     return CONUS_OK;
 }
 
-/* Appends the corners of the whole grid: for an atlas in which nothing shows. */
+/* Appends the corners of the whole grid: for an atlas in which nothing is visible. */
 static conus_status colour_add_corners(struct colour_pass *pass, const struct colour_volume *volume)
 {
     double(*points)[3] = memory_resize(pass->content, pass->content_count + 8, sizeof *points);
@@ -97,7 +97,7 @@ static conus_status colour_add_corners(struct colour_pass *pass, const struct co
     return CONUS_OK;
 }
 
-/* Uploads the texels of `volume` as `task` makes them, which ends with them; none where it is of nothing. */
+/* Uploads the texels of `volume` as `task` makes them. Ends the task. No texels if the task is empty. */
 static conus_status colour_upload_texels(const struct colour_volume *volume, struct field_task *task)
 {
     struct field_slab slab;
@@ -155,8 +155,8 @@ static conus_status upload_numbers(GLuint *out, const struct colour_volume *box,
     return status ? status : gl_check("volume texture");
 }
 
-/* Makes the texture of the field that `task` makes, and uploads the distances to the bricks with densities that
- * `visible` names. */
+/* Makes the texture of the field that `task` makes, and uploads the distances to bricks with densities that are
+ * `visible`. */
 static conus_status begin_field(struct colour_pass *pass, struct colour_volume *out, struct field_task *task,
                                 const bool *visible, uint64_t *memory_left)
 {
@@ -176,7 +176,7 @@ static conus_status begin_field(struct colour_pass *pass, struct colour_volume *
     return status;
 }
 
-/* `task` is of the volume, in which `last` is the highest number. */
+/* `task` is that of the volume, in which `last` is the highest number. */
 static conus_status begin_areas(struct colour_pass *pass, struct field_task *task, size_t last, uint64_t *memory_left)
 {
     bool visible[COLOUR_TABLE_ENTRIES];
@@ -198,7 +198,7 @@ static bool is_joint(const conus_atlas *atlas)
            (atlas_parcellation_count(atlas) && pathways_shown(atlas));
 }
 
-/* The field that colour_upload_objects() needs; of nothing, where that depends on what is drawn. */
+/* The field that colour_upload_objects() needs; empty where it depends on what is drawn. */
 static struct field_task colour_objects_task(const conus_atlas *atlas)
 {
     bool one = atlas_parcellation_count(atlas) && !is_joint(atlas);
@@ -241,7 +241,7 @@ static conus_status colour_upload_objects(struct colour_pass *pass, const conus_
     return status;
 }
 
-/* The mesh of an object that is shown, or behind these of a surface around them; NULL if there is none. */
+/* The mesh of an object that is shown; after the objects those of the surfaces around them. NULL if there is none. */
 static const struct mesh *shown_mesh(const conus_atlas *atlas, size_t number)
 {
     return number <= atlas->object_count ? atlas_object_mesh(atlas, (uint32_t)number)
@@ -275,7 +275,7 @@ static conus_status add_mesh_content(struct colour_pass *pass, const conus_atlas
     return CONUS_OK;
 }
 
-/* The same of the points of streamlines. */
+/* Appends points of streamlines in the same way. */
 static conus_status add_bundle_content(struct colour_pass *pass, const conus_atlas *atlas)
 {
     uint64_t total = 0;
@@ -317,7 +317,7 @@ static void find_visible(bool visible[COLOUR_TABLE_ENTRIES], float table[COLOUR_
     }
 }
 
-/* The density up to which nothing shows, -1 where the lowest does. */
+/* The density up to which the context is invisible, -1 if the lowest density is visible. */
 static int find_unseen(const struct transfer *transfer)
 {
     float table[COLOUR_TABLE_ENTRIES * 4];
@@ -330,7 +330,7 @@ static int find_unseen(const struct transfer *transfer)
     return entry ? (entry - 1) / TABLE_PER_LEVEL : -1;
 }
 
-/* The one that colour_upload_context() needs; `volume` may be NULL. CONUS_ERROR_MEMORY. */
+/* The field that colour_upload_context() needs; `volume` may be NULL. CONUS_ERROR_MEMORY. */
 static conus_status colour_context_task(struct field_task *out, const struct volume *volume,
                                         const struct transfer *transfer)
 {
@@ -364,7 +364,7 @@ static conus_status colour_upload_context(struct colour_pass *pass, struct field
     return status;
 }
 
-/* Bone: what it is around has the colours. */
+/* Bone: pale, since the areas inside have the colours. */
 static const double around_srgb[3] = {0.86, 0.83, 0.78};
 
 static void fill_colours(struct colour_pass *pass, const conus_atlas *atlas)
@@ -508,7 +508,7 @@ static void delete_textures(const struct colour_pass *pass)
     glDeleteTextures(sizeof textures / sizeof *textures, textures);
 }
 
-/* Puts the points of @p fresh in the place of those that came from voxels' objects before. */
+/* Replaces the points that came from voxels before by `fresh`. */
 static conus_status exchange_content(struct colour_pass *pass, const struct colour_pass *fresh)
 {
     size_t kept = pass->content_count - pass->object_points;

@@ -23,7 +23,7 @@ enum {
     COLOUR_TILE = 8 /**< Pixels along the edge of the squares that the tile program draws. */
 };
 
-/** A volume as the colour pass holds it: of its grid, the box of voxels round which anything shows. */
+/** A volume as the colour pass holds it: the box of voxels around which anything is visible. */
 struct colour_volume {
     GLuint field, empty;
     size_t dim[3];            /**< Voxels of the grid. */
@@ -35,8 +35,9 @@ struct colour_volume {
 /** GL objects of one atlas; everything here happens in the context that was current at colour_pass_init(). */
 struct colour_pass {
     GLuint program;      /**< Over one triangle on the screen.                   */
-    GLuint tile_program; /**< Over squares of the screen (shaders/tile.vert.glsl); 0 until edges first are smooth. */
-    GLuint layer_program, layer_tile_program; /**< The same where something is translucent; 0 until it first is. */
+    GLuint tile_program; /**< Draws squares of the screen (shaders/tile.vert.glsl); 0 until edges are smoothed for the
+                              first time. */
+    GLuint layer_program, layer_tile_program; /**< The same for translucent pictures; 0 until one is drawn. */
     GLuint view, palette, opacities, vertices, transfer, objects;
     struct colour_volume areas, context, haze;
     struct haze_choice hazy;           /**< Pathways that are haze.                */
@@ -48,9 +49,9 @@ struct colour_pass {
     float *shown;         /**< The same for the last picture.                                                  */
     float *opacity;       /**< [1 + object_count + around_count] of the last picture.                          */
     float *around;        /**< [around_count] opacities of the surfaces around the areas.                      */
-    double (*content)[3]; /**< [content_count] world points around everything that shows.                */
+    double (*content)[3]; /**< [content_count] world points around everything visible. */
     size_t content_count;
-    size_t object_points; /**< The first so many of these are of voxels' objects.                        */
+    size_t object_points; /**< So many of them, the first ones, come from voxels. */
     uint8_t *drawn;       /**< [object_count + 1] of enum pathways_area: areas that are drawn beside pathways. */
 };
 
@@ -80,28 +81,28 @@ struct colour_view {
     const float *opacity;    /**< [object_count + 1] of surfaces, 0 to 1, by number; NULL = all 1. */
 };
 
-/** The fields that a pass of one atlas begins with. */
+/** The fields that a new pass of one atlas needs. */
 struct colour_fields {
     struct field_task objects, context;
 };
 
-/** Begins to make them on threads of their own, which read the atlas until colour_fields_end(). Needs no GL.
+/** Begins to make the fields on threads of their own, which read the atlas until colour_fields_end(). Needs no GL.
  * CONUS_ERROR_MEMORY. */
 conus_status colour_fields_start(struct colour_fields *out, const conus_atlas *atlas, const struct transfer *transfer);
 void colour_fields_end(struct colour_fields *fields);
 
-/** Takes @p hazy over, on success, and waits for @p fields. */
+/** Takes @p hazy over on success. Waits for @p fields. */
 conus_status colour_pass_init(struct colour_pass *out, const conus_atlas *atlas, const struct transfer *transfer,
                               struct haze_choice *hazy, struct colour_fields *fields, uint64_t max_memory);
 void colour_pass_finish(struct colour_pass *pass);
 
-/** Compiles what @p view needs, and its edges if they shall be @p smooth, which must come before it is drawn. */
+/** Compiles the programs that @p view needs, also for edges if @p smooth; to be called before drawing. */
 conus_status colour_pass_need(struct colour_pass *pass, const struct colour_view *view, bool smooth);
 
-/** The program that draws tiles of @p view. */
+/** The program for tiles of @p view. */
 GLuint colour_pass_tile_program(const struct colour_pass *pass, const struct colour_view *view);
 
-/** Takes over what is hidden in the atlas now. */
+/** Updates which objects are hidden. */
 conus_status colour_pass_update(struct colour_pass *pass, const conus_atlas *atlas, uint64_t max_memory);
 
 /** For an atlas with pathways: from now on draws beside them the areas that @p areas [object_count + 1] of enum
@@ -118,14 +119,14 @@ conus_status colour_pass_paint_streamlines(struct colour_pass *pass, const conus
 conus_status colour_pass_set_transfer(struct colour_pass *pass, const conus_atlas *atlas,
                                       const struct transfer *transfer, uint64_t max_memory);
 
-/** Draws the meshes of @p view into textures of the pass, which the calls below use; to be called before each of them,
+/** Draws the meshes of @p view into textures of the pass, which the calls below use. To be called before each of them,
  * and before the picture's framebuffer is bound. CONUS_ERROR_CANCELLED. */
 conus_status colour_pass_begin(const struct colour_pass *pass, const struct colour_view *view);
 
-/** Draws into the framebuffer that is bound (RGBA float, linear radiance times opacity). */
+/** Draws into the bound framebuffer (RGBA float, linear radiance times opacity). */
 conus_status colour_pass_draw(const struct colour_pass *pass, const struct colour_view *view);
 
-/** Does everything for drawing @p view but draw, and binds it. */
+/** Prepares everything for drawing @p view, except the draw call, and binds it. */
 void colour_pass_prepare(const struct colour_pass *pass, const struct colour_view *view);
 
 enum colour_program {

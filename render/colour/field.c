@@ -95,7 +95,8 @@ struct box {
     size_t first[3], end[3];
 };
 
-/* Marks the columns along the first axis in which a voxel of the row is more than `unseen`; whether there is any. */
+/* Marks the columns along the first axis in which a voxel of the row is above `unseen`. Returns whether there is any.
+ * */
 static bool mark_columns(uint8_t *restrict columns, const uint8_t *row, size_t count, uint8_t unseen)
 {
     uint8_t any = 0;
@@ -113,7 +114,7 @@ static void include(struct box *box, size_t axis, size_t at)
     box->end[axis] = at + 1 > box->end[axis] ? at + 1 : box->end[axis];
 }
 
-/* The voxels that are more than `unseen`, from first = dim to end = 0 where none is. `columns` has dim[0] zeros. */
+/* The bounds of voxels above `unseen`: from first = dim to end = 0 if there are none. `columns` has dim[0] zeros. */
 static void find_box(struct box *out, uint8_t *columns, const uint8_t *bytes, const size_t dim[3], uint8_t unseen)
 {
     *out = (struct box){.first = {dim[0], dim[1], dim[2]}};
@@ -145,7 +146,7 @@ static void widen_box(struct field *field, const struct box *box, const size_t d
     }
 }
 
-/* Moves the rows of the field's box to the front of `bytes`, which has the whole volume's. */
+/* Moves the rows of the field's box to the front of `bytes`, which holds the whole volume. */
 static void keep_box(uint8_t *bytes, const struct field *field, const size_t dim[3])
 {
     const size_t *first = field->first;
@@ -157,8 +158,8 @@ static void keep_box(uint8_t *bytes, const struct field *field, const size_t dim
     }
 }
 
-/* Begins a field of the box round those of the volume's bytes that are more than `unseen`, which are moved to the
- * front; of the whole volume where that is -1. */
+/* Begins a field of the box of voxels above `unseen`, whose bytes are moved to the front; of the whole volume if
+ * `unseen` is -1. */
 static conus_status start_field(struct field *field, uint8_t *bytes, const struct volume *volume, int unseen,
                                 size_t margin)
 {
@@ -187,7 +188,7 @@ static inline int32_t rounded(double x)
     return (int32_t)(x + shift - shift);
 }
 
-/* Voxels of a row whose changes are found together, and those that become texels side by side. */
+/* Voxels of a row whose changes are found together, and voxels that become texels together. */
 enum { STRETCH = 64, AT_ONCE = 8, FLAT = 128 };
 
 /* Twice the change per voxel along each axis, by central differences, one-sided at the border. */
@@ -272,7 +273,7 @@ static void encode_gradients(int32_t out[3][AT_ONCE], const double m[9], const s
     }
 }
 
-/* AT_ONCE texels, each as one number of four bytes. */
+/* Packs AT_ONCE texels, each as one number of four bytes. */
 static void fill_texels(uint8_t *texels, const int32_t code[3][AT_ONCE], const uint8_t *density)
 {
     uint32_t words[AT_ONCE];
@@ -336,7 +337,7 @@ void field_texels(uint8_t *out, const struct field *field, size_t first, size_t 
     }
 }
 
-/* First and one past the last voxel that bear on brick `b` of an axis. */
+/* First and one past the last voxel that brick `b` samples along an axis. */
 static void find_reach(size_t *first, size_t *end, size_t b, size_t dim)
 {
     size_t low = b * BRICKS_EDGE;
@@ -344,12 +345,12 @@ static void find_reach(size_t *first, size_t *end, size_t b, size_t dim)
     *end = low + BRICKS_EDGE + BORDER < dim ? low + BRICKS_EDGE + BORDER : dim;
 }
 
-/* The least and the most of each column of rows. */
+/* The least and the largest value of each column of rows. */
 struct columns {
     uint8_t *low, *high;
 };
 
-/* The ranges of a row of bricks, from that of each column of the voxels that bear on them. */
+/* The ranges of a row of bricks, from those of each column of voxels that they sample. */
 static void find_row_ranges(struct field *field, const struct columns *columns, size_t index)
 {
     for (size_t b = 0; b < field->brick_dim[0]; b++) {
@@ -439,7 +440,7 @@ static uint8_t blurred(int far_before, int before, int here, int after, int far_
     return (uint8_t)((6 * here + 4 * (before + after) + far_before + far_after + 8) / 16);
 }
 
-/* The voxel or row `n` places from the second before that at `at`, the border held. */
+/* The voxel or row `n` places from the one two before `at`, clamped to the border. */
 static size_t place_near(size_t at, size_t n, size_t dim)
 {
     size_t place = at + n < 2 ? 0 : at + n - 2;
@@ -475,7 +476,7 @@ static void blur_within_row(uint8_t *restrict out, const uint8_t *in, size_t cou
     }
 }
 
-/* One pass of the binomial filter 1 4 6 4 1 along an axis, the border held. */
+/* One pass of the binomial filter 1 4 6 4 1 along an axis, clamped at the border. */
 static void blur_axis(uint8_t *restrict out, const uint8_t *in, const size_t dim[3], int axis)
 {
     for (size_t k = 0; k < dim[2]; k++) {
@@ -518,7 +519,7 @@ static void find_occupied(uint8_t *restrict out, const struct volume *volume)
     }
 }
 
-/* `out` has 255 where there is an object, else 0, and gets `blurred`, held on its side of the surface. */
+/* `out` has 255 where there is an object, else 0. Replaces it by `blurred`, clamped to its side of the surface. */
 static void hold_sides(uint8_t *restrict out, const uint8_t *restrict blurred, size_t count)
 {
     const uint8_t least = FIELD_SURFACE + MARGIN;
@@ -583,7 +584,7 @@ conus_status field_bricks(struct bricks *out, const struct field *field, const b
     return CONUS_OK;
 }
 
-/* Slabs of so many texels stay in the processor's cache; and so many are made ahead. */
+/* Slabs of so many texels stay in the processor's cache. So many slabs are made ahead. */
 enum { SLAB_TEXELS = 1 << 17, SLABS = 16 };
 
 static size_t slice_of(const struct field *field)
@@ -619,7 +620,7 @@ static conus_status make(struct field_task *task)
     return status || task->texels ? status : CONUS_ERROR_MEMORY;
 }
 
-/* Whether there is room for another slab, as there is sooner or later unless nobody wants any. */
+/* Waits until there is space for another slab. False if no more are wanted. */
 static bool wait_for_room(struct field_task *task)
 {
     pthread_mutex_lock(&task->lock);
@@ -655,7 +656,7 @@ static void *run(void *user)
     return NULL;
 }
 
-/* Signals are for the program's own threads. The thread reads has_thread. */
+/* Signals are for the program's own threads. */
 void field_task_start(struct field_task *task)
 {
     sigset_t all;
@@ -676,7 +677,7 @@ void field_task_start(struct field_task *task)
     pthread_sigmask(SIG_SETMASK, &before, NULL);
 }
 
-/* Messages of failures are the thread's that fails. */
+/* Messages belong to the thread that fails. */
 conus_status field_task_wait(const struct field **out, struct field_task *task)
 {
     if (!task->has_thread) {
@@ -695,7 +696,7 @@ conus_status field_task_wait(const struct field **out, struct field_task *task)
     return task->status;
 }
 
-/* The one before may be written over from now on. */
+/* Releases the slab before `number`, which may then be overwritten, and waits for slab `number`. */
 static void wait_for_slab(struct field_task *task, size_t number)
 {
     pthread_mutex_lock(&task->lock);

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file
- * What the colour pass samples of a volume: per voxel a density and its gradient, four bytes as the pass reads them,
- * and per brick of 8^3 voxels the range of densities, from which the empty space around the ray follows. A field is of
- * the box of voxels round which anything shows. */
+/** @file The field of a volume, which the colour pass samples: per voxel a density and its gradient, four bytes in the
+ * layout of the texture, and per brick of 8^3 voxels the range of densities, from which the empty space around a ray
+ * follows. A field covers the box of voxels around which anything is visible. */
 #ifndef CONUS_RENDER_COLOUR_FIELD_H
 #define CONUS_RENDER_COLOUR_FIELD_H
 
@@ -14,13 +13,13 @@ enum { BRICKS_EDGE = 4 };
 
 struct bricks {
     size_t dim[3];     /**< Bricks along i, j, k; the last may reach beyond the grid.                    */
-    uint8_t *distance; /**< [dim[0] dim[1] dim[2]], i fastest. 0 where the brick is occupied; else d: bricks that
-                          differ by less than d in every index are not (255 at most).                  */
+    uint8_t *distance; /**< [dim[0] dim[1] dim[2]], i fastest. 0 = occupied; d = all bricks within d - 1 in every index
+                            are empty (at most 255). */
 };
 
 void bricks_finish(struct bricks *bricks);
 
-/** Sets the distances, where occupied bricks are 0 and all others 255. */
+/** Sets the distances. Before the call occupied bricks are 0 and all others 255. */
 void bricks_spread(struct bricks *bricks);
 
 enum {
@@ -31,11 +30,11 @@ enum {
 struct field {
     size_t first[3], dim[3]; /**< The box: from which voxel of the volume on, that of a brick, and how many voxels. */
     uint8_t *density;        /**< [voxels] */
-    uint8_t *slopes;         /**< [voxels] what the gradients are of; NULL = the density. */
+    uint8_t *slopes;         /**< [voxels] whose gradients are taken; NULL = the density. */
     double voxel_from_world[16];
     size_t brick_dim[3];
-    uint8_t *low, *high; /**< [bricks] range of the densities that a trilinear sample in the brick, or up to one
-                              voxel outside it, can take.                                                         */
+    uint8_t *low, *high; /**< [bricks] range of the densities that a trilinear sample in the brick, or up to one voxel
+                              outside it, can take. */
 };
 
 /** Density change per mm, of the whole range, at which the stored gradient has half its full length. */
@@ -44,7 +43,8 @@ struct field {
 /** How grey values become densities. */
 struct field_scale {
     double low, high; /**< Values that become densities 0 and 255; others are clamped. */
-    int unseen;       /**< Densities up to that one never show, nor does what lies between them; -1 = all may. */
+    int unseen;       /**< Densities up to this one, and samples between them, are invisible; -1 = all may be visible.
+                       */
 };
 
 /** Grey values; central differences. */
@@ -72,34 +72,34 @@ struct field_slab {
     size_t first, count; /**< Slices. */
 };
 
-/** One field. Zeroed, it is of nothing. */
+/** A field under way. A zeroed one is empty. */
 struct field_task {
     const struct volume *volume; /**< NULL = of nothing. */
     bool is_values;              /**< The field holds grey values, by `scale`; else objects. */
     struct field_scale scale;
-    size_t taken; /**< Slabs; the caller's thread's own. */
+    size_t taken; /**< Slabs taken so far; only the caller's thread uses it. */
     bool has_thread;
     pthread_t thread;
-    pthread_mutex_t lock;   /**< Where there is a thread: guards what follows. */
+    pthread_mutex_t lock;   /**< If there is a thread: guards the members below. */
     pthread_cond_t changed; /**< Some of it did. */
     bool is_made, stop;
     conus_status status;
     struct field field;
     uint8_t *texels;        /**< Those of some slabs. */
-    size_t ready, released; /**< Slabs that have been made, and of these, that may be written over. */
+    size_t ready, released; /**< Slabs that have been made, and those of them that may be overwritten. */
 };
 
 /** Begins to make the field of @p task, whose volume is read until field_task_end(). */
 void field_task_start(struct field_task *task);
 
-/** Waits for the field, which is the task's; made here where nothing began. CONUS_ERROR_MEMORY. */
+/** Waits for the field, which stays the task's. Makes it here if no thread was begun. CONUS_ERROR_MEMORY. */
 conus_status field_task_wait(const struct field **out, struct field_task *task);
 
-/** After field_task_wait(): the next slices, from the first on, which stay until the next call; false behind the last.
- */
+/** After field_task_wait(): the next slices, from the first on. They stay valid until the next call. False after the
+ * last. */
 bool field_task_next(struct field_slab *out, struct field_task *task);
 
-/** Ends what is under way, and drops it. */
+/** Cancels what is under way and frees it. */
 void field_task_end(struct field_task *task);
 
 #endif

@@ -67,7 +67,7 @@ static bool is_pathway(const conus_atlas *atlas, uint32_t number)
     return object && object->kind == CONUS_KIND_PATHWAY;
 }
 
-/* Entries for all pathways come first, whatever their order, so that others replace them. */
+/* Entries for all pathways come first, whatever their order, so that entries for one replace them. */
 static conus_status choose_pass(struct haze_choice *out, const conus_atlas *atlas,
                                 const conus_renderer_options *options, bool all)
 {
@@ -115,7 +115,7 @@ void haze_choice_finish(struct haze_choice *choice)
     *choice = (struct haze_choice){0};
 }
 
-/* The pathway that the voxel is haze of, 0 if none. */
+/* The pathway whose haze the voxel has, 0 if none. */
 static uint32_t hazy_at(const struct volume *volume, const struct haze_choice *choice, size_t voxel)
 {
     uint32_t object = volume_object(volume, voxel);

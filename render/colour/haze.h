@@ -18,8 +18,8 @@ struct haze_field {
     float *texels; /**< [voxels][4] linear R, G, B times the extinction, and the extinction per mm. */
 };
 
-/** Chooses by @p options. Relative functions span from where a pathway begins to its largest value.
- * CONUS_ERROR_ARGUMENT for a number that is no pathway. @p out is the caller's to haze_choice_finish() in any case. */
+/** Reads the choice from @p options. Relative functions span from a pathway's threshold to its largest value.
+ * CONUS_ERROR_ARGUMENT for a number that is no pathway. Call haze_choice_finish() in any case. */
 conus_status haze_choose(struct haze_choice *out, const conus_atlas *atlas, const conus_renderer_options *options);
 void haze_choice_finish(struct haze_choice *choice);
 
@@ -29,8 +29,8 @@ static inline bool haze_is(const struct haze_choice *choice, size_t number)
     return choice && choice->transfers && choice->transfers[number].count > 0;
 }
 
-/** The field of all chosen pathways that are not hidden, on the grid of the first, with a margin of a voxel without
- * haze. No texels where there is none. @p max_memory is of the texels. */
+/** The field of all chosen pathways that are not hidden, on the grid of the first, with a margin of one voxel without
+ * haze. No texels if there are none. @p max_memory limits the texels. */
 conus_status haze_fill(struct haze_field *out, const conus_atlas *atlas, const struct haze_choice *choice,
                        uint64_t max_memory);
 void haze_field_finish(struct haze_field *field);

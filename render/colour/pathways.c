@@ -67,7 +67,7 @@ static uint32_t scalar_at(const conus_atlas *atlas, const struct choice *choice,
     return area && !(pathway && is_under(choice, area)) ? area : pathway;
 }
 
-/* Where voxels lie next to each other in several volumes, on the grid of one of them. */
+/* The overlap of several volumes, on the grid of one of them. */
 struct joint {
     conus_volume_info info; /* that grid, extended */
     long low[3], high[3];   /* first and last voxel, by the grid's own index */

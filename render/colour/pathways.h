@@ -9,14 +9,14 @@
 /** How an area is drawn beside pathways. */
 enum pathways_area {
     PATHWAYS_AREA_LEFT_OUT = 0,
-    PATHWAYS_AREA_OVER, /**< In the place of pathways that have the same voxels.  */
-    PATHWAYS_AREA_UNDER /**< Pathways have the voxels of both: it is translucent. */
+    PATHWAYS_AREA_OVER, /**< Replaces pathways in the same voxels. */
+    PATHWAYS_AREA_UNDER /**< Pathways replace it in the same voxels; it is translucent. */
 };
 
 /** The first volume of values that is not hidden, of a pathway or an area; NULL if there is none. */
 const struct volume *pathways_first(const conus_atlas *atlas);
 
-/** Whether there is a pathway or bundle that is not hidden, which opaque areas would hide. */
+/** Whether there is a pathway or bundle that is not hidden: opaque areas would occlude it. */
 bool pathways_shown(const conus_atlas *atlas);
 
 /** A volume without values of all pathways but those in @p hazy, and of the areas that @p drawn [object_count + 1] of

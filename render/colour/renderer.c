@@ -65,7 +65,7 @@ static conus_status find_tiles(struct tiles *out, const float *rgba, const struc
     return CONUS_OK;
 }
 
-/* Adds up the tiles' pictures by rays through four places of each pixel, a rotated square, a quarter each. */
+/* Adds the tiles' pictures, a quarter each, by rays through four places of each pixel, a rotated square. */
 static conus_status draw_tiles(const struct tiles *tiles, const struct target *target, const struct colour_pass *pass,
                                const struct colour_view *view)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file The renderer, from inside: a context of its own and the passes of one atlas in it. */
+/** @file The renderer's inside: a context of its own and the passes of one atlas. */
 #ifndef CONUS_RENDER_COLOUR_RENDERER_H
 #define CONUS_RENDER_COLOUR_RENDERER_H
 
@@ -16,14 +16,14 @@ struct conus_renderer {
     void *log_user;
 };
 
-/** Draws from now on beside pathways the areas that @p areas names (colour_pass_include()). */
+/** Draws, beside pathways, the areas that @p areas names (colour_pass_include()) from now on. */
 conus_status renderer_include(conus_renderer *renderer, const uint8_t *areas);
 
-/** Draws streamlines from now on palely for which @p is_pale is set (tube_layer_update()). */
+/** Draws the streamlines with @p is_pale set in a pale colour from now on (tube_layer_update()). */
 conus_status renderer_paint_streamlines(conus_renderer *renderer, const bool *const *is_pale);
 
-/** Runs the colour pass off-screen, and again at edges if @p smooth. @p rgba gets width * height pixels of linear R, G,
- * B times A, and A, bottom row first. */
+/** Draws the picture off-screen, with smooth edges if @p smooth. @p rgba gets width * height pixels of linear R, G, B
+ * times A, and A, bottom row first. */
 conus_status renderer_draw(float *rgba, conus_renderer *renderer, const struct colour_view *view, bool smooth);
 
 #endif

@@ -28,7 +28,7 @@ conus_status transfer_copy(struct transfer *out, const conus_transfer_point *poi
 
 void transfer_finish(struct transfer *transfer);
 
-/** sRGB and opacity at @p value, which is held at both ends (Eq. 8). */
+/** sRGB and opacity at @p value, clamped at both ends (Eq. 8). */
 void transfer_at(double rgba[4], const struct transfer *transfer, double value);
 
 /** The grey values that span @p volume's contrast: from its minimum to the 99.5th percentile of the values above it, so

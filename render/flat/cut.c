@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Creates a cut, draws it, and keeps what it found for the next one. */
+/* Creates and draws a cut, and keeps results for the next one. */
 #include "render/flat/cut.h"
 
 #include "base/geometry/math3.h"
@@ -9,7 +9,7 @@
 
 enum { HATCH = 6, PALE = 40 };
 
-/* Lines of surfaces around the areas: a grey that shows on the context's black and white. */
+/* Lines of surfaces around the areas: a grey that is visible on the context's black and white. */
 static const uint8_t around_rgb[3] = {172, 165, 155};
 
 /* Opacities by emphasis, between stripes and on them. */
@@ -115,7 +115,7 @@ static void find_again(struct cut *cut, const struct cut_view *view)
     cut->has_grey = cut->has_objects = true;
 }
 
-/* An area's outline is its own pixels that have another neighbour beside, above or below. */
+/* An area's outline: its own pixels that have a different neighbour beside, above or below. */
 static bool is_outline(const struct cut *cut, uint32_t column, uint32_t row)
 {
     uint32_t width = cut->of.width;

@@ -11,7 +11,7 @@
 #include "atlas/atlas.h"
 #include "render/colour/emphasis.h"
 
-/** A cone or cylinder as the cut sees it; world mm. */
+/** A cone or cylinder to be drawn; world mm. */
 struct cut_cone {
     const double *world_from_cone; /**< Apex and frame, looking down -z.                                         */
     double slope;                  /**< Tangent of half the angle.                                               */
@@ -36,7 +36,7 @@ struct cut_view {
     const struct cut_cone *cone; /**< NULL = none.                                                               */
 };
 
-/** Stands in contours for a surface around the areas. */
+/** Number in `contours` of a surface around the areas. */
 #define CUT_AROUND UINT32_MAX
 
 struct cut {
@@ -46,15 +46,15 @@ struct cut {
 
     uint8_t *grey;      /**< [height width] Of the context.                                                      */
     uint32_t *contours; /**< [height width] The object whose surface the plane cuts there, or CUT_AROUND; NULL without
-                           surfaces.                                                                             */
-    int32_t *turns; /**< [height width] Of the surface at hand: how often more it winds from there on; NULL likewise.
-                         0 between surfaces.                                                              */
+                             surfaces. */
+    int32_t *turns; /**< [height width] Scratch: the change of a surface's winding at each pixel; NULL without surfaces.
+                         0 between calls. */
     size_t pixel_capacity; /**< That of each of these arrays.                                                       */
     uint32_t *surfaces;    /**< Objects with a mesh, the large ones first: they may hold others.                    */
     size_t surface_count;
-    uint32_t **streamlines; /**< [tractogram_count] As which object each is shown (bundles_find_objects()). */
+    uint32_t **streamlines; /**< [tractogram_count] The object of each streamline (bundles_find_objects()). */
     double window[2];       /**< Grey values shown as black and white.                                              */
-    struct cut_place of;    /**< Where grey and objects were found.                                                  */
+    struct cut_place of;    /**< Where grey values and objects were found last. */
     bool has_grey, has_objects; /**< They hold.                                                                   */
 };
 
@@ -62,13 +62,13 @@ struct cut {
 conus_status cut_init(struct cut *out, const conus_atlas *atlas);
 void cut_finish(struct cut *cut);
 
-/** Fills rgba and objects. On failure what is there is of no picture. */
+/** Fills rgba and objects. On failure their contents are undefined. */
 conus_status cut_draw(struct cut *cut, const struct cut_view *view);
 
-/** Draws the cone over @p rgba, of @p place. */
+/** Draws the cone over @p rgba, a picture at @p place. */
 void cut_draw_cone(uint8_t *rgba, const struct cut_place *place, const struct cut_cone *cone);
 
-/** Finds grey, as @p view asks for. */
+/** Finds the grey values that @p view asks for. */
 void cut_find_grey(struct cut *cut, const struct cut_view *view);
 /** Finds objects and contours. */
 void cut_find_objects(struct cut *cut, const struct cut_view *view);

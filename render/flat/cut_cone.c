@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The cone in a cut: the inside a little tinted, its wall a line. */
+/* Draws the cone in a cut: the inside slightly tinted, the wall as a line. */
 #include "base/geometry/math3.h"
 #include "render/flat/cut.h"
 
@@ -40,7 +40,7 @@ static uint8_t *pixel_at(const struct drawing *drawing, uint32_t column, uint32_
     return drawing->rgba + 4 * ((size_t)drawing->place->width * row + column);
 }
 
-/* A tile all inside or all outside needs to be asked once. */
+/* A tile that is all inside or all outside needs one look only. */
 static void draw_tile(const struct drawing *drawing, uint32_t left, uint32_t top)
 {
     static const double reach = 0.7072 * TILE;

@@ -94,7 +94,8 @@ void cut_find_grey(struct cut *cut, const struct cut_view *view)
     }
 }
 
-/* Whether an area of probabilities yields at the world point to `object`, of the same kind and there more probable. */
+/* Whether an area of probabilities gives way at the world point to `object`, of the same kind and more probable there.
+ * */
 static bool is_beaten(const conus_atlas *atlas, const struct volume *volume, size_t voxel, uint32_t object,
                       const double p[3])
 {
@@ -106,8 +107,8 @@ static bool is_beaten(const conus_atlas *atlas, const struct volume *volume, siz
     return atlas_probability(atlas, object, world) >= volume->values[voxel];
 }
 
-/* Whether what there is at the pixel lies above the voxel: of areas of labels the one that was found before, of areas
- * of probabilities the most probable one. Else later volumes lie over earlier ones. */
+/* Whether the object found so far at the pixel lies above the voxel: of labels the first one, of probabilities the most
+ * probable one. Else later volumes lie over earlier ones. */
 static bool is_covered(const conus_atlas *atlas, const struct volume *volume, size_t voxel, uint32_t object,
                        const double p[3])
 {
@@ -164,7 +165,7 @@ static void draw_line(uint32_t *contours, const struct pane *pane, const double 
     }
 }
 
-/* Where the edge from `a` to `b` passes the plane, `s` of the way. */
+/* The point where the edge from `a` to `b` passes the plane, at `s` of its length. */
 static void pass(double out[2], const struct pane *pane, const double a[3], const double b[3], double s)
 {
     double at[3];
@@ -189,8 +190,7 @@ static void note_turn(struct turned *turned, size_t column, size_t row)
     }
 }
 
-/* Where the line from one end to the other passes the middle of a row, the surface winds once more, or once less,
- * around all that is to the right of it. */
+/* Where the line passes the middle of a row, the winding changes by one for everything to the right. */
 static void turn_rows(struct turned *turned, struct cut *cut, const struct pane *pane, const double from[2],
                       const double to[2])
 {
@@ -210,14 +210,14 @@ static void turn_rows(struct turned *turned, struct cut *cut, const struct pane 
     }
 }
 
-/* Whether a is to come before b, which is so wherever the two are written. */
+/* A fixed order of two vertices, the same in all triangles. */
 static bool is_first(const float a[3], const float b[3])
 {
     return a[0] != b[0] ? a[0] < b[0] : a[1] != b[1] ? a[1] < b[1] : a[2] < b[2];
 }
 
-/* The first end is where the triangle's outline comes through the plane, the second where it goes back. They are found
- * by the order of the edge's corners, so that triangles that share an edge share the end. */
+/* The first end is where the triangle's outline comes through the plane, the second where it goes back. Edges are taken
+ * in the order of their vertices, so that triangles that share an edge share the end. */
 static bool cut_triangle(double ends[2][2], const struct pane *pane, const struct mesh *mesh, const uint32_t *triangle)
 {
     const float *position[3];
@@ -256,7 +256,7 @@ static bool is_near(const struct pane *pane, const struct mesh_shape *shape)
     return fabs(middle) <= reach * (1 + 1e-9) + 1e-9;
 }
 
-/* Fills where the surface winds, and clears the turns. */
+/* Fills where the winding is not 0, and clears the changes. */
 static void fill_rows(struct cut *cut, const struct turned *turned, uint32_t object)
 {
     for (size_t row = turned->low[1]; row <= turned->high[1] && row < cut->of.height; row++) {

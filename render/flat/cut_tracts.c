@@ -5,7 +5,7 @@
 #include "base/memory.h"
 #include "render/flat/cut.h"
 
-/* At least so thick, so that none falls between the pixels' centres. */
+/* Minimum thickness, so that no line falls between pixel centres. */
 static const double LEAST_RADIUS = 0.75; /* pixels */
 
 /* World to pixels: across, down and through the plane, from the middle of the top left pixel. */
@@ -22,7 +22,7 @@ static double along(const struct frame *frame, int axis, const double world[3])
     return vec3_dot(frame->axes[axis], world) + frame->start[axis];
 }
 
-/* Whether tubes in the box may show. */
+/* Whether tubes in the box may be visible. */
 static enum tract_answer test_box(void *user, const double low[3], const double high[3])
 {
     const struct frame *frame = user;

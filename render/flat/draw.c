@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Every shape is a signed distance: a pixel is covered by as much of it as the shape's edge leaves at its centre. */
+/* Every shape is a signed distance: the coverage of a pixel follows from the distance of its centre. */
 #include "render/flat/draw.h"
 #include "render/image/image_srgb.h"
 

@@ -11,7 +11,7 @@
 /** Linear colour of the sRGB bytes @p rgb with @p opacity. */
 void draw_colour(float rgba[4], const uint8_t rgb[3], float opacity);
 
-/** Lays @p rgba, weakened to @p coverage (0 to 1), over pixel number @p pixel; all four planes must be there. */
+/** Blends @p rgba, scaled by @p coverage (0 to 1), over pixel number @p pixel; all four planes must be there. */
 void draw_over(const struct image_rgba *planes, size_t pixel, const float rgba[4], float coverage);
 
 /** A straight line with round ends: a disc where they are equal. */

@@ -26,14 +26,14 @@ static const float RIM[4] = {0.6F, 0.65F, 0.75F, 0.25F};
 static const float BRIGHT[4] = {0.95F, 0.95F, 0.95F, 1};
 static const float DIM[4] = {0.42F, 0.45F, 0.5F, 1};
 
-/* A legend with what was measured. */
+/* A legend with its measures. */
 struct layout {
     const struct legend *legend;
     struct font *font;
     conus_image *image;
     double em;
-    size_t shown; /* rows, without the line that counts the others */
-    size_t head;  /* of these, what is above that line */
+    size_t shown; /* rows that are shown, without the line that counts the others */
+    size_t head;  /* those of them that are above that line */
     int columns;  /* details shown */
     double name_width, column_width[LEGEND_DETAILS];
     bool has_header;
@@ -51,7 +51,7 @@ static double width_of(const struct layout *layout, double size, const char *tex
     return text ? font_width(layout->font, size, text) : 0;
 }
 
-/* Row number `i` of those that are shown. */
+/* Row number `i` of those shown. */
 static const struct legend_row *shown_row(const struct layout *layout, size_t i)
 {
     size_t left_out = i < layout->head ? 0 : layout->legend->count - layout->shown;
@@ -83,7 +83,7 @@ static void find_header(struct layout *layout)
     }
 }
 
-/* Measures the columns, and the names, of the rows that are shown. Gives the width of all columns but the names. */
+/* Measures columns and names of the rows that are shown. Returns the width of all columns but the names. */
 static double measure_columns(struct layout *layout)
 {
     double details = 0;
@@ -132,7 +132,7 @@ size_t legend_capacity(const struct legend *legend, double size, double height)
     return space > 0 ? (size_t)(space / (LINE * size)) : 0;
 }
 
-/* Chooses the columns, and the width of the names: as wide as they are, or what the columns leave them. */
+/* Chooses the columns and the width of the names: their full width, or what the columns leave. */
 static double choose_columns(struct layout *layout)
 {
     double em = layout->em;

@@ -10,7 +10,7 @@ enum { LEGEND_DETAILS = 3 };
 struct legend_row {
     uint8_t rgb[3]; /**< sRGB of the chip.                                                            */
     bool hollow;    /**< Only the chip's outline: for what is no object.                              */
-    bool heading;   /**< Only its name, in grey: of the rows below it.                                */
+    bool heading;   /**< A heading: only its name, in grey. */
     const char *name;
     const char *detail[LEGEND_DETAILS]; /**< Right-aligned columns after the name; NULL = empty.      */
 };
@@ -31,12 +31,12 @@ struct legend {
     double size;      /**< Letters: pixels per em; 0 = a 54th of the image's shorter side, at least 11.           */
 };
 
-/** Size of the letters that a legend of default size has in @p image: for other text to match. */
+/** Size of letters in a legend of default size in @p image, for other text to match. */
 double legend_size(const conus_image *image);
 
-/** Measures a legend with all rows, whole names and its margins. @p limit is the width and height that it may take,
- * pixels: where it takes more with letters of @p largest pixels per em, they become smaller, down to @p smallest.
- * Returns their size, and in @p size the legend's, which may be above the limit. */
+/** Measures a legend with all rows, whole names and its margins. @p limit is the width and height available, pixels: a
+ * legend that needs more with letters of @p largest pixels per em gets smaller ones, down to @p smallest. Returns their
+ * size, and in @p size the legend's, which may exceed the limit. */
 double legend_fit(double size[2], struct font *font, const struct legend *legend, const double limit[2], double largest,
                   double smallest);
 

@@ -30,11 +30,11 @@ void camera_from_frustum(struct camera *out, const conus_pose *pose, const doubl
 void camera_frame_points(struct camera *out, const double *points, size_t count, const double forward[3],
                          double field_of_view, const struct camera_frame *frame);
 
-/** Forward direction of the picture of an atlas without a cone: from the front left above. */
+/** Viewing direction for an atlas without a cone: from the front left above. */
 void camera_default_forward(double out[3]);
 
-/** Forward direction that shows a cone along @p axis and where it enters: 35 degrees off the axis, to the side from
- * which the head looks more familiar (left, right, front or back), and a little from above. */
+/** Viewing direction that shows a cone along @p axis and its contact: 35 degrees off the axis, to the side from which
+ * the head looks more familiar (left, right, front or back), and a little from above. */
 void camera_cone_forward(double out[3], const double axis[3]);
 
 /** Where the world point @p p lies in the picture: *x, *y in pixels from the top left, *depth in mm along the view

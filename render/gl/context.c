@@ -52,7 +52,7 @@ void gl_current_restore(const struct gl_current *previous)
     eglMakeCurrent(previous->display, previous->draw, previous->read, previous->context);
 }
 
-/* Why the last display was of no use; grows by one clause per try. */
+/* Why the last display could not be used; grows by one clause per try. */
 struct attempts {
     char text[512];
 };
@@ -131,7 +131,7 @@ static const char *egl_reason(char out[64], const char *what)
     return out;
 }
 
-/* Fills context->display and ->context, or says why `display` does not do. */
+/* Fills context->display and ->context, or says why `display` cannot be used. */
 static bool open_display(struct gl_context *context, EGLDisplay display, const char *name, struct attempts *attempts)
 {
     char reason[64];
@@ -163,7 +163,7 @@ static bool open_display(struct gl_context *context, EGLDisplay display, const c
     return true;
 }
 
-/* Reads off what the context is. Mesa may promise a version that its override then takes back. */
+/* Checks the context's version. Mesa may promise a version that its override then takes back. */
 static bool is_usable(struct gl_context *context, const char *name, struct attempts *attempts)
 {
     struct gl_current previous = {0};

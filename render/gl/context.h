@@ -30,7 +30,7 @@ conus_status gl_context_create(struct gl_context **out, conus_log log, void *log
 /** NULL is fine. GL objects made in the context go with it. */
 void gl_context_destroy(struct gl_context *context);
 
-/** Makes @p context current on this thread and remembers in @p previous what was. Pair with gl_current_restore(). */
+/** Makes @p context current on this thread and stores the one before in @p previous. Pair with gl_current_restore(). */
 conus_status gl_context_use(struct gl_context *context, struct gl_current *previous);
 void gl_current_restore(const struct gl_current *previous);
 
@@ -49,8 +49,8 @@ struct gl_listener {
     void *user;
 };
 
-/** Waits until all that was drawn is there, and tells of it: piece @p done of @p total. CONUS_ERROR_CANCELLED where the
- * listener wants no more. Without one it does nothing. */
+/** Waits until everything is drawn, and reports piece @p done of @p total. CONUS_ERROR_CANCELLED if the listener wants
+ * no more. Without a listener it does nothing. */
 conus_status gl_tell(const struct gl_listener *listener, size_t done, size_t total);
 
 #endif

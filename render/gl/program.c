@@ -12,8 +12,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Lines of the n-th part of a text count from n * PART_LINES, by #line: compilers repeat those, while Mesa 22.3 loses
- * the number of the source string. */
+/* Line numbers of the n-th part of a text begin at n * PART_LINES, by #line: compilers repeat those, while Mesa 22.3
+ * loses the number of the source string. */
 enum { PART_PREAMBLE, PART_COMMON, PART_PASS, PART_MORE, PART_LINES = 10000 };
 
 /* The first line of a log with an error, else the first line. */

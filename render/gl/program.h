@@ -35,7 +35,7 @@ struct program_source {
  * line of the compile error. */
 conus_status program_create(GLuint *out, const struct program_source *source);
 
-/** Location of uniform @p name, which must be in use in @p program: to be called once, after creation. */
+/** Location of uniform @p name, which must be used in @p program. Call it once, after creation. */
 GLint program_uniform(GLuint program, const char *name);
 
 #endif

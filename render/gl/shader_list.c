@@ -37,7 +37,7 @@ static conus_status reserve_records(struct shader_list *list, uint32_t capacity)
     return gl_check("list");
 }
 
-/* Waits for the drawing and reads how many records were to be appended, and those that were. */
+/* Waits for the drawing and reads how many records were appended, and the records. */
 static conus_status read_list(struct shader_list *list, uint32_t *count)
 {
     uint32_t appended = 0;
@@ -67,7 +67,7 @@ static conus_status draw_range(struct shader_list *list, const struct shader_lis
     return status ? status : read_list(list, count);
 }
 
-/* After `count` records did not fit: raises the capacity above `count`, or lowers the number of pixels at the limit. */
+/* `count` records did not fit: raises the capacity, or lowers the number of pixels at the limit. */
 static conus_status adapt(struct shader_list *list, uint32_t count, uint32_t *pixels)
 {
     if (list->capacity < list->limit) {

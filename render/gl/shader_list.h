@@ -31,7 +31,7 @@ struct shader_list_job {
     conus_status (*take)(void *user, const void *records, uint32_t count);
     void *user;
     uint32_t pixels;    /**< Number of pixels.                                  */
-    uint32_t per_pixel; /**< No pixel appends more records; 0 = none does any.  */
+    uint32_t per_pixel; /**< No pixel appends more records; 0 = there are none. */
 };
 
 /** An empty list of records of @p record_size bytes; @p first of them fit before it grows. */

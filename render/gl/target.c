@@ -7,7 +7,7 @@
 #include <assert.h>
 #include <string.h>
 
-/* How GL calls a target_format. */
+/* GL's names of a target_format. */
 struct format {
     GLenum internal, layout, type;
     GLsizei size;

@@ -37,8 +37,8 @@ conus_status target_init(struct target *out, uint32_t width, uint32_t height,
                          const struct target_attachment *attachments, size_t count);
 void target_finish(struct target *target);
 
-/** Lets drawing go to the target, whatever state was left behind: viewport over all of it, no blending, dithering,
- * culling, multisampling, scissors or masks; a depth test where it has a depth. */
+/** Binds the target for drawing, whatever state was left behind: viewport over all of it, no blending, dithering,
+ * culling, multisampling, scissors or masks; a depth test if it has a depth. */
 void target_bind(const struct target *target);
 
 /** target_bind(), and sets colours to 0 and depth to 1. */

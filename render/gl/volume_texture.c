@@ -4,7 +4,7 @@
 
 #include "render/gl/context.h"
 
-/* How GL calls a volume_texture_kind. */
+/* GL's names of a volume_texture_kind. */
 struct format {
     GLenum internal, layout, type;
     GLint filter;

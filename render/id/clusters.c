@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Cuts meshes into clusters of neighbouring triangles and finds a ball around each. */
+/* Cuts meshes into clusters of neighbouring triangles and finds a bounding ball of each. */
 #include "render/id/clusters.h"
 
 #include "base/geometry/math3.h"
@@ -89,7 +89,7 @@ static const float *corner_position(const struct clusters *clusters, size_t corn
     return &clusters->positions[3 * (size_t)clusters->corners[corner]];
 }
 
-/* Round the middle of the bounds of the triangles drawn as first, first + 1, ... */
+/* A ball around the middle of the bounds of the triangles drawn as first, first + 1, ... */
 static void find_ball(double centre[3], double *radius, const struct clusters *clusters, size_t first, size_t count)
 {
     double low[3] = {INFINITY, INFINITY, INFINITY};
@@ -131,7 +131,7 @@ static size_t choose_last(const uint32_t *corner, const uint32_t *vertex_of)
     return 2;
 }
 
-/* Lays out a mesh from triangle number `first` on; vertices beyond one per triangle go behind them all. */
+/* Lays out a mesh from triangle number `first` on. Vertices in excess of one per triangle go behind them all. */
 static void lay_out(struct clusters *clusters, const struct mesh *mesh, const struct scratch *scratch, size_t first)
 {
     for (size_t v = 0; v < mesh->vertex_count; v++) {

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file
- * Meshes cut into clusters of neighbouring triangles, so that what a view cannot show is left out in one test, and laid
- * out for drawing without a draw call, an attribute or a query per triangle: a triangle's last corner is a vertex of
- * its own, whose number is the triangle's. */
+/** @file Meshes cut into clusters of neighbouring triangles, so that one test can leave out what a view cannot show.
+ * They are laid out for drawing without a draw call, an attribute or a query per triangle: a triangle's last corner is
+ * a vertex of its own, whose number is the triangle's. */
 #ifndef CONUS_RENDER_ID_CLUSTERS_H
 #define CONUS_RENDER_ID_CLUSTERS_H
 
@@ -33,7 +32,7 @@ struct clusters {
 conus_status clusters_init(struct clusters *out, const struct mesh *const *meshes, size_t count);
 void clusters_finish(struct clusters *clusters);
 
-/** Frees positions and corners, which a driver has a copy of. */
+/** Frees positions and corners once a driver has a copy. */
 void clusters_drop_triangles(struct clusters *clusters);
 
 /** The cluster of the triangle that is drawn as number @p triangle. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Uploads volumes for the ID pass, runs its compute shader and reads what it found. */
+/* Uploads volumes for the ID pass, runs its compute shader and reads the results. */
 #include "render/id/id_pass.h"
 
 #include "base/memory.h"
@@ -33,7 +33,7 @@ struct id_volume {
 
 struct id_pass {
     conus_sampling sampling;
-    struct id_program programs[KIND_COUNT]; /* made when they are needed for the first time */
+    struct id_program programs[KIND_COUNT]; /* made when first needed */
     GLuint identifier_buffer, ray_buffer, hit_buffer;
     GLuint identifiers, ray_texels; /* through which shaders see the first two */
     struct shader_list intervals;   /* of struct id_interval */

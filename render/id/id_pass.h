@@ -40,7 +40,7 @@ struct id_interval {
     uint32_t cell[3];   /**< Indices of its first voxel.       */
 };
 
-/** @p identifiers[k] is what object number k is known by, the last one also what VOLUME_BLOCKER is known by; 0 makes it
+/** @p identifiers[k] is the caller's number of object k; the last one is that of VOLUME_BLOCKER. 0 makes an object
  * invisible. */
 conus_status id_pass_create(struct id_pass **out, conus_sampling sampling, const uint32_t *identifiers,
                             size_t identifier_count);
@@ -59,14 +59,14 @@ struct id_distances {
 conus_status id_pass_add_volume(struct id_pass *pass, const struct volume *volume, const struct id_distances *distances,
                                 uint64_t *memory_left);
 
-/** Makes ready for @p rays rays, at least 1. */
+/** Reserves memory for @p rays rays, at least 1. */
 conus_status id_pass_begin(struct id_pass *pass, uint32_t rays);
 
 /** The rays, to be filled in before each volume. */
 struct id_ray *id_pass_rays(struct id_pass *pass);
 
-/** Traces the rays through volume number @p volume: its cells (Eq. 5) or, with CONUS_SAMPLING_SLICES, on the rays'
- * planes (Eq. 7). What lies nearer stays; of equally near objects the one with the lower identifier. */
+/** Traces the rays through volume number @p volume: its cells (Eq. 5) or, with CONUS_SAMPLING_SLICES, the rays' planes
+ * (Eq. 7). Nearer hits found before stay; of equally near objects the lower identifier wins. */
 conus_status id_pass_trace(struct id_pass *pass, size_t volume);
 
 /** The first hit of each ray, after at least one id_pass_trace(); borrowed until the next id_pass_begin(). */

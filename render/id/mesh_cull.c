@@ -5,10 +5,10 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 
-/* Pixels by which a driver's vertex grid may move an edge, and a bit. */
+/* Pixels by which a driver's vertex grid may move an edge, and a margin. */
 #define MARGIN 0.02
 
-/* Distances are compared with what they may be off by, of their size. */
+/* Relative error of distances that comparisons allow for. */
 #define ROUNDING 1e-9
 
 /* The buffer is divided into at most so many tiles a side. */
@@ -16,7 +16,7 @@ enum { TILE_LIMIT = 16, MESH = 1 };
 
 /* An entry of the heap: a mesh, or a cluster of one. */
 struct waiting {
-    double nearest; /* mm: no point of it is nearer to the apex; 0 where the order does not matter */
+    double nearest; /* mm: a lower bound of its distance from the apex; 0 where the order does not matter */
     uint32_t number;
     uint32_t is_mesh;
 };
@@ -33,8 +33,8 @@ struct mesh_cull {
     uint32_t resolution;
     unsigned without;
     uint32_t tile_edge, tile_count;        /* pixels; tiles along an edge */
-    double side[TILE_LIMIT];               /* of tiles of one pixel: how far to the side their rays are at depth 1 */
-    double reach[TILE_LIMIT * TILE_LIMIT]; /* how far any of a tile's rays can get */
+    double side[TILE_LIMIT];               /* of tiles of one pixel: slope of their outermost rays */
+    double reach[TILE_LIMIT * TILE_LIMIT]; /* the farthest that any ray of the tile gets */
     double farthest;                       /* of them all */
     struct waiting *heap;                  /* a binary heap, nearest on top; [meshes + clusters] */
     size_t count;
@@ -107,7 +107,7 @@ static struct waiting pop_nearest(struct mesh_cull *cull)
     return top;
 }
 
-/* fmax() and fmin() are calls, for the sake of numbers that are none. */
+/* Unlike fmax() and fmin() no calls: NaN does not occur. */
 static inline double larger(double a, double b)
 {
     return a > b ? a : b;
@@ -139,7 +139,8 @@ static inline bool is_in_pyramid(const struct mesh_cull *cull, const struct seen
 
 static inline double nearest_of(const struct mesh_cull *cull, const struct seen *ball)
 {
-    double sideways = cull->width > 0 ? 0 : ball->x * ball->x + ball->y * ball->y; /* rays go there, or only ahead */
+    double sideways =
+        cull->width > 0 ? 0 : ball->x * ball->x + ball->y * ball->y; /* rays go to both sides, or only ahead */
     double distance = sqrt(sideways + ball->depth * ball->depth);
     return larger(distance - ball->radius - ROUNDING * (distance + ball->radius), 0);
 }
@@ -150,7 +151,7 @@ static inline double key_of(const struct mesh_cull *cull, double nearest)
     return cull->without & MESH_ORDER ? 0 : nearest;
 }
 
-/* Pixels whose centres lie where the ball may reach along one axis of the buffer; false if there are none. */
+/* The pixels whose centres the ball may cover along one axis of the buffer; false if none. */
 static bool find_pixels(uint32_t *first, uint32_t *last, const struct mesh_cull *cull, double offset,
                         const struct seen *ball)
 {
@@ -189,7 +190,7 @@ static bool find_tiles(struct tiles *out, const struct mesh_cull *cull, const st
     return true;
 }
 
-/* Whether the ray of the pixel (i, j) passes the ball, or so near that a driver may think so, and gets there. */
+/* Whether the ray of pixel (i, j) passes the ball, or so near that a driver may think so, and gets that far. */
 static bool is_hit(const struct mesh_cull *cull, const struct seen *ball, uint32_t i, uint32_t j)
 {
     double right = cull->side[i];
@@ -211,7 +212,7 @@ static bool is_hit(const struct mesh_cull *cull, const struct seen *ball, uint32
     return inside >= 0 && along / sqrt(square) - sqrt(inside) - ROUNDING * far <= known;
 }
 
-/* Whether some ray through the ball's tiles gets as far as the ball. */
+/* Whether any ray through the ball's tiles gets as far as the ball. */
 static bool is_open(const struct mesh_cull *cull, const struct seen *ball, double nearest)
 {
     struct tiles tiles;
@@ -289,7 +290,7 @@ static struct seen see_cluster(const struct mesh_cull *cull, uint32_t number)
     return see(cull, cluster->centre[0], cluster->centre[1], cluster->centre[2], cluster->radius);
 }
 
-/* How near what comes up is, of which the heap need not know. */
+/* The least distance of an entry that the heap has as 0. */
 static double nearest_again(const struct mesh_cull *cull, const struct waiting *next, const struct seen *ball)
 {
     return cull->without & MESH_ORDER ? nearest_of(cull, ball) : next->nearest;

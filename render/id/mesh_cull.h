@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file
- * Which clusters of triangles, or of streamlines' runs (tract_pass.c), an n x n buffer can show, nearest first, in
- * batches: meshes outside the buffer's pyramid (the square one around the cone; a cylinder's prism), clusters that
- * touch no pixel's centre, and whatever lies behind what earlier batches have shown, are left out. Conservative: what
- * is left out cannot be seen. */
+/** @file Culling: the clusters of triangles, or of streamlines' runs (tract_pass.c), that an n x n buffer can show,
+ * nearest first, in batches. Left out are meshes outside the buffer's pyramid (the square one around the cone; a
+ * cylinder's prism), clusters that touch no pixel's centre, and whatever lies behind what earlier batches have shown.
+ * Conservative: what is left out cannot be seen. */
 #ifndef CONUS_RENDER_ID_MESH_CULL_H
 #define CONUS_RENDER_ID_MESH_CULL_H
 
@@ -11,9 +10,9 @@
 
 /** Optimisations that a benchmark can switch off. The answers do not change. */
 enum mesh_step {
-    MESH_CULL = 1,     /**< Leaving out what is outside the pyramid, or touches no pixel's centre. */
+    MESH_CULL = 1,     /**< Culls what is outside the pyramid, or touches no pixel's centre. */
     MESH_ORDER = 2,    /**< Taking the nearest first.                                              */
-    MESH_OCCLUSION = 4 /**< Leaving out what lies behind what has been shown.                      */
+    MESH_OCCLUSION = 4 /**< Culls what lies behind what has been shown. */
 };
 
 /** Where the buffer looks from (Eq. 1, Eq. 3): either slope or radius is 0. */
@@ -37,11 +36,11 @@ size_t mesh_cull_size(const struct clusters *clusters);
 /** Begins a view; mesh_cull_hide() must be called before the first batch. */
 void mesh_cull_begin(struct mesh_cull *cull, const struct mesh_view *view);
 
-/** Sets how far each pixel's ray can get, in mm ([n n], INFINITY = no limit); NULL = no limit for all. */
+/** Sets how far each pixel's ray gets, in mm ([n n], INFINITY = no limit); NULL = no limit for all. */
 void mesh_cull_hide(struct mesh_cull *cull, const double *distances);
 
-/** The next clusters, about @p triangles triangles of them or as many as there are: their number, 0 when all that can
- * be seen has been given. @p out is borrowed until the next call. */
+/** The next clusters, about @p triangles triangles of them. Returns their number, 0 when there are no more. @p out is
+ * borrowed until the next call. */
 size_t mesh_cull_batch(const uint32_t **out, struct mesh_cull *cull, size_t triangles);
 
 #endif

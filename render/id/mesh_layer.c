@@ -43,7 +43,7 @@ struct mesh_layer {
     struct tube_layer *tubes; /* NULL if there are none. */
 };
 
-/* Each triangle adds its normal, as long as its area is large, to its corners. */
+/* Each triangle adds its normal, weighted by its area, to its corners. */
 static void add_normals(struct vertex *vertices, const struct mesh *mesh)
 {
     for (size_t i = 0; i < mesh->triangle_count; i++) {
@@ -80,7 +80,7 @@ static void fill_mesh(struct vertex *vertices, uint32_t *indices, uint32_t first
     }
 }
 
-/* Behind the objects come the surfaces around the areas. */
+/* The surfaces around the areas come after the objects. */
 static size_t count_parts(const conus_atlas *atlas)
 {
     return atlas->object_count + atlas->context_surface_count;
@@ -253,7 +253,7 @@ static conus_status resize(struct target *target, uint32_t width, uint32_t heigh
     return target_init(target, width, height, attachments, 3);
 }
 
-/* Right and up in halves of the picture from its middle, and forward: camera_from_world of the shaders. */
+/* Rows of the shaders' camera_from_world: right and up in halves of the picture from its middle, and forward. */
 static void find_rows(double rows[9], const struct mesh_layer_view *view)
 {
     const double *m = view->camera->world_from_camera;
@@ -296,7 +296,7 @@ static void list_parts(struct mesh_layer *layer, const float *opacity, bool tran
     }
 }
 
-/* The listed parts with a program of theirs, and of a picture (NULL = no) the streamlines. */
+/* Draws the listed parts with the layer's or the peeling program, and streamlines if there is a picture. */
 static conus_status draw_parts(const struct mesh_layer *layer, const struct target *target,
                                const struct mesh_layer_view *tubes)
 {
@@ -337,7 +337,7 @@ static GLuint array_texture(GLenum format, const struct target *like, size_t cou
     return texture;
 }
 
-/* Makes place for @p count layers. */
+/* Makes textures for @p count layers. */
 static conus_status resize_peels(struct mesh_layer *layer, const struct mesh_layer_view *view, size_t count)
 {
     const struct target *peeled = &layer->peeled;

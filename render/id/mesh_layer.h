@@ -20,8 +20,7 @@ conus_status mesh_layer_create(struct mesh_layer **out, const conus_atlas *atlas
 /** NULL is fine. */
 void mesh_layer_destroy(struct mesh_layer *layer);
 
-/** Takes over which meshes and bundles are hidden in the atlas now, and colours the streamlines: see
- * tube_layer_update(). */
+/** Updates which meshes and bundles are hidden, and colours the streamlines: see tube_layer_update(). */
 conus_status mesh_layer_update(struct mesh_layer *layer, const conus_atlas *atlas,
                                const struct tube_colouring *colouring, const bool *const *is_pale);
 
@@ -34,7 +33,7 @@ struct mesh_layer_view {
     struct gl_listener listener; /**< Hears of pieces of streamlines. */
 };
 
-/** Draws into textures of its own; its framebuffer stays bound. CONUS_ERROR_CANCELLED where the listener ends it. */
+/** Draws into textures of its own; its framebuffer stays bound. CONUS_ERROR_CANCELLED if the listener ends it. */
 conus_status mesh_layer_draw(struct mesh_layer *layer, const struct mesh_layer_view *view);
 
 /** How many layers of translucent meshes the last picture has: for each pixel the nearest surface of each object,
@@ -48,7 +47,7 @@ GLuint mesh_layer_peel_object(const struct mesh_layer *layer);
  * mm; 0 = nothing.
  */
 GLuint mesh_layer_surface(const struct mesh_layer *layer);
-/** R32UI: the object's number; of a streamline what tube_colour() says. */
+/** R32UI: the object's number; for a streamline tube_colour(). */
 GLuint mesh_layer_object(const struct mesh_layer *layer);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Draws batches of clusters, reads the proposed triangles and settles which is nearest. */
+/* Draws batches of clusters, reads the proposed triangles and decides which is nearest. */
 #include "render/id/mesh_pass.h"
 
 #include "base/geometry/math3.h"
@@ -15,16 +15,16 @@
 enum { POSITION_UNIT, CORNER_UNIT };
 enum { PIXEL_BUFFER, HIT_BUFFER };
 enum { FIRST_CAPACITY = 6, CAPACITY_STEP = 8 };
-/* Triangles. On a GPU each batch is waited for; on the CPU waiting costs nothing, so fewer are drawn that batches
- * before them hide. */
+/* Triangles of a batch. On a GPU each batch is waited for. On the CPU waiting costs nothing, so batches are smaller:
+ * fewer triangles are drawn that earlier ones occlude. */
 enum { BATCH = 4096, SOFTWARE_BATCH = 1024, PIERCE_BATCH = 65536, FIRST_HITS = 1024 };
 
-/* llvmpipe keeps triangles until it rasterises, in memory that it gives back to the system afterwards: thousands of
- * them cost it two to three times as much each as hundreds, by page faults. So it begins after that many. */
+/* llvmpipe keeps triangles until it rasterises, in memory that it returns to the system afterwards. By page faults
+ * thousands of them cost two to three times as much each as hundreds. So it is made to begin after that many. */
 enum { SOFTWARE_PORTION = 1024 };
 
-/* Looks are under way side by side as long as what they are culled with takes no more than so many bytes, and are drawn
- * and read at once as long as their pixels do not. */
+/* Queries are under way side by side as long as their culling takes no more than so many bytes, and are drawn and read
+ * at once as long as their pixels do not. */
 enum { SLOT_LIMIT = 256, SLOT_MEMORY = 1 << 28, PIXEL_MEMORY = 1 << 24 };
 
 /* A query under way. */
@@ -33,11 +33,11 @@ struct slot {
     struct mesh_cull *cull;
     const uint32_t *batch; /* clusters, borrowed from cull; count 0 = all of the last batch is settled */
     size_t count;
-    uint32_t attempts; /* draws of it without enough capacity */
-    uint32_t most;     /* triangles that one pixel had to note */
+    uint32_t attempts; /* draws of it that had too little capacity */
+    uint32_t most;     /* the most triangles that one pixel noted */
 };
 
-/* Uniforms that a program has not are -1, which GL ignores. */
+/* Uniforms that a program lacks are -1, which GL ignores. */
 struct mesh_program {
     GLuint program;
     GLint apex, device_from_world, parallel, resolution;
@@ -51,9 +51,9 @@ struct mesh_pass {
     struct slot slots[SLOT_LIMIT]; /* the first slot_count have a cull; one always has */
     size_t slot_count, slot_limit;
     size_t batch, portion;          /* triangles that are settled, and that are drawn, at once */
-    struct mesh_program first, all; /* all: made when it is needed for the first time */
+    struct mesh_program first, all; /* all: made when first needed */
     GLuint vertices, position_buffer, corner_buffer, positions, corners;
-    struct target target; /* without pixels: what is drawn goes to the buffer */
+    struct target target; /* without pixels: results go to the buffer */
     GLuint pixel_buffer;
     uint32_t *pixels;   /* [pixel_slots n n][2 + capacity]: the shader's nearest, count and triangles */
     size_t pixel_slots; /* that many are drawn and read at once */
@@ -87,7 +87,7 @@ static conus_status create_program(struct mesh_program *out, const struct progra
     return CONUS_OK;
 }
 
-/* The program of the first triangle, with this capacity in every pixel. */
+/* The program of the nearest triangles, with this capacity in every pixel. */
 static conus_status create_first(struct mesh_pass *pass, uint32_t capacity)
 {
     const struct program_shader fragment = {"mesh_id.frag.glsl", shader_mesh_id_frag};
@@ -170,7 +170,7 @@ static conus_status upload_triangles(struct mesh_pass *pass, uint64_t *memory_le
     return gl_check("meshes");
 }
 
-/* Makes slots for @p wanted queries, or as many as may be. */
+/* Makes slots for @p wanted queries, or as many as are allowed. */
 static conus_status make_slots(struct mesh_pass *pass, size_t wanted)
 {
     conus_status status = CONUS_OK;
@@ -266,7 +266,7 @@ static size_t pixels_size(const struct mesh_pass *pass, size_t slots)
     return slots * pixel_count(pass) * (2 + (size_t)pass->capacity) * sizeof *pass->pixels;
 }
 
-/* Pixels of so many slots, or as many as may be. */
+/* Reserves pixels of so many slots, or as many as are allowed. */
 static conus_status make_pixels(struct mesh_pass *pass, size_t slots)
 {
     size_t fitting = PIXEL_MEMORY / pixels_size(pass, 1);
@@ -322,7 +322,7 @@ static void weigh(const struct mesh_pass *pass, const struct mesh_pixels *pixels
     }
 }
 
-/* Weighs what the driver noted in the pixels at a place, and keeps the most that one of them had to note. */
+/* Settles the triangles that the driver noted in a slot's pixels, and finds the most that one pixel had. */
 static void settle(const struct mesh_pass *pass, struct slot *slot, size_t place)
 {
     slot->most = 0;
@@ -383,7 +383,7 @@ static void draw_batch(const struct mesh_pass *pass, const uint32_t *batch, size
     }
 }
 
-/* Looks that are still to be begun. */
+/* Queries that have not begun. */
 struct queue {
     const struct mesh_query *next, *end;
 };
@@ -404,7 +404,7 @@ static bool feed(struct slot *slot, struct queue *queue, size_t batch)
     return slot->count > 0;
 }
 
-/* Feeds the slots and returns how many are under way: they come to be the first ones. */
+/* Feeds the slots, moves those under way to the front, and returns how many they are. */
 static size_t feed_all(struct mesh_pass *pass, size_t slots, struct queue *queue)
 {
     for (size_t i = 0; i < slots;) {
@@ -419,7 +419,7 @@ static size_t feed_all(struct mesh_pass *pass, size_t slots, struct queue *queue
     return slots;
 }
 
-/* Draws the slots' batches and reads what they show. */
+/* Draws the slots' batches and reads the pixels. */
 static conus_status draw_batches(struct mesh_pass *pass, const struct slot *slots, size_t count)
 {
     for (size_t i = 0; i < count; i++) {
@@ -442,7 +442,7 @@ static conus_status draw_batches(struct mesh_pass *pass, const struct slot *slot
     return gl_check("mesh ID pass");
 }
 
-/* Draws a batch again if a pixel had more triangles than its capacity. What is known by then leaves most of them out;
+/* Draws a batch again if a pixel had more triangles than its capacity. The hits known by then leave most of them out;
  * if that is not enough, the capacity grows. */
 static conus_status settle_batches(struct mesh_pass *pass, struct slot *slots, size_t count)
 {
@@ -479,7 +479,7 @@ conus_status mesh_pass_render(struct mesh_pass *pass, const struct mesh_query *q
     if (!status && pass->pixel_slots < slots) {
         status = make_pixels(pass, slots);
     }
-    for (size_t i = 0; i < slots; i++) { /* whatever a query that failed left behind */
+    for (size_t i = 0; i < slots; i++) { /* left over from a query that failed */
         pass->slots[i].query = NULL;
         pass->slots[i].count = 0;
     }

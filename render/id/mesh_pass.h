@@ -26,7 +26,7 @@ struct mesh_pixels {
     uint64_t *triangles;           /**< Out, where a mesh is hit first.                        */
 };
 
-/** One view and the pixels that it fills. */
+/** One view, and the pixels to fill. */
 struct mesh_query {
     struct mesh_view view;
     struct mesh_pixels pixels;

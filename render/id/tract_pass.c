@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Draws batches of leaves, and hands on the runs that the driver proposes. */
+/* Draws batches of leaves, and passes on the runs that the driver proposes. */
 #include "render/id/tract_pass.h"
 
 #include "atlas/tracts/tract_start.h"
@@ -52,7 +52,7 @@ static bool shows_any(const struct tract_source *source, const struct tract_leaf
     return any;
 }
 
-/* About as many leaves to a group as there are groups. */
+/* The size of groups: about as many leaves in a group as there are groups. */
 static size_t group_size(size_t leaves)
 {
     size_t size = 1;
@@ -62,7 +62,7 @@ static size_t group_size(size_t leaves)
     return size;
 }
 
-/* How far capsules reach out of the boxes of their points, and then some, far above rounding. */
+/* How far capsules reach beyond the boxes of their points, with a margin far above rounding. */
 static double growth_of(const struct tractogram *tractogram)
 {
     double reach = 0;
@@ -72,7 +72,7 @@ static double growth_of(const struct tractogram *tractogram)
     return tractogram->radius + TRACT_SLACK * (reach + tractogram->radius);
 }
 
-/* The clusters of a group, behind the others, and its ball: that of nothing where it has none. */
+/* The clusters of a group, appended to the others, and the group's ball; an empty one without clusters. */
 static void add_group(struct clusters *to, const struct tract_source *source, size_t first, size_t end)
 {
     const struct tract_tree *tree = &source->tractogram->tree;
@@ -151,15 +151,15 @@ enum { LEAF_UNIT, RAY_UNIT };
 enum { NEAREST_BUFFER, HIT_BUFFER };
 /* A run is a box of two triangles, whose corners are its vertices. */
 enum { BOX_CORNERS = 4, BOX_INDICES = 6, RAY_TEXELS = 2, FIRST_HITS = 4096 };
-/* Runs that are drawn before those behind them are left out. On a GPU each batch is waited for. */
+/* Runs of a batch. On a GPU each batch is waited for. */
 enum { BATCH = 16384, SOFTWARE_BATCH = 1024 };
-/* Looks are under way side by side as long as they have no more pixels, and what culls them takes no more bytes. */
+/* Queries are under way side by side as long as they have no more pixels, and their culling takes no more bytes. */
 enum { SLOT_LIMIT = 256, SLOT_PIXELS = 1 << 18, SLOT_MEMORY = 1 << 28 };
 
 /* Leaves whose vertices' numbers, which are signed, do not overflow. */
 static const size_t leaf_limit = INT32_MAX / (BOX_CORNERS * TRACT_LEAF);
 
-/* Less slack than this counts as this, so that its square is a number; 0 stands for a pixel without a ray. */
+/* Less slack than this counts as this, so that its square is a normal number; 0 marks a pixel without a ray. */
 static const float least_slack = 1e-18F;
 
 /* A query under way. */
@@ -168,8 +168,8 @@ struct slot {
     struct mesh_cull *cull;
     const uint32_t *batch; /* leaves by cluster, borrowed from cull */
     size_t count;
-    size_t place; /* of its pixels among those of all slots */
-    float slack;  /* the most that a ray of it has */
+    size_t place; /* place of its pixels among those of all slots */
+    float slack;  /* the largest slack of its rays */
 };
 
 /* A tractogram on the device. */
@@ -190,7 +190,7 @@ struct tract_pass {
     size_t scene_count, batch;
     GLuint program, vertices, index_buffer, nearest_buffer, ray_buffer, rays;
     GLint apex, device_from_world, parallel, width, radius, slack, resolution, first_pixel, pixels, has_bound;
-    struct target target; /* without pixels: what is drawn goes to the list */
+    struct target target; /* without pixels: results go to the list */
     struct shader_list hits;
     struct ray_texels *texels; /* [pixel_capacity] of all slots' pixels */
     double *along;             /* likewise: how far along its ray each search begins */
@@ -203,12 +203,12 @@ struct tract_pass {
     struct scene scenes[];
 };
 
-/* One call of tract_pass_render() in one scene. */
+/* The state of one call of tract_pass_render() for one scene. */
 struct search {
     struct tract_pass *pass;
     size_t source;
     const struct tract_query *queries;
-    const struct tract_query *next, *end; /* those that are still to be begun */
+    const struct tract_query *next, *end; /* queries that have not begun */
     size_t slots;                         /* that are under way */
     struct slot *slot_at[SLOT_LIMIT];     /* by place */
     size_t pixels, all_pixels;            /* of a query, and of all slots */
@@ -242,7 +242,7 @@ static conus_status create_program(struct tract_pass *pass)
     return status;
 }
 
-/* The boxes of a leaf: of every one its two triangles. */
+/* Draws two triangles for the box of each run of a leaf. */
 static void create_indices(struct tract_pass *pass)
 {
     static const uint16_t box[BOX_INDICES] = {0, 1, 2, 2, 1, 3};
@@ -281,7 +281,7 @@ static conus_status upload_leaves(struct scene *scene, const struct tract_source
     return gl_check("streamlines");
 }
 
-/* Makes slots for @p wanted queries, or as many as may be. */
+/* Makes slots for @p wanted queries, or as many as are allowed. */
 static conus_status make_slots(struct scene *scene, size_t wanted, size_t scenes)
 {
     size_t fitting = SLOT_MEMORY / scenes / mesh_cull_size(&scene->clusters);
@@ -377,7 +377,7 @@ static conus_status resize(struct tract_pass *pass, uint32_t resolution)
     return target_init(&pass->target, resolution, resolution, NULL, 0);
 }
 
-/* Makes room for that many pixels of all slots together. */
+/* Reserves that many pixels of all slots together. */
 static conus_status reserve_pixels(struct tract_pass *pass, size_t pixels)
 {
     if (pass->pixel_capacity >= pixels) {
@@ -405,7 +405,7 @@ static conus_status reserve_pixels(struct tract_pass *pass, size_t pixels)
     return gl_check("rays of streamlines");
 }
 
-/* The query's rays, from where each of them comes to the scene. */
+/* Uploads the query's rays, from where each of them enters the scene. */
 static void aim(const struct search *search, struct slot *slot)
 {
     const struct tract_pass *pass = search->pass;
@@ -430,7 +430,7 @@ static void aim(const struct search *search, struct slot *slot)
                          (GLsizeiptr)(search->pixels * sizeof *pass->texels), pass->texels + first);
 }
 
-/* How far along the search of a pixel, number `at` of all, what it is looking for can be. */
+/* How far along its search a pixel, number `at` of all, may still find something. */
 static float reach_of(const struct tract_pass *pass, const struct slot *slot, size_t at, size_t pixel)
 {
     if (!slot->query->distances) {
@@ -460,7 +460,7 @@ static bool feed(struct search *search, struct slot *slot)
     return slot->count > 0;
 }
 
-/* Feeds the slots: those that are under way come to be the first ones. */
+/* Feeds the slots and moves those under way to the front. */
 static void feed_all(struct search *search)
 {
     struct slot *slots = search->pass->scenes[search->source].slots;
@@ -492,7 +492,7 @@ static conus_status begin_slots(struct search *search)
     conus_status status = make_slots(scene, count < most ? count : most, pass->scene_count);
     search->slots = count < scene->slot_count ? count : scene->slot_count;
     search->slots = search->slots < most ? search->slots : most;
-    for (size_t i = 0; i < search->slots; i++) { /* whatever a query that failed left behind */
+    for (size_t i = 0; i < search->slots; i++) { /* left over from a query that failed */
         scene->slots[i].query = NULL;
         scene->slots[i].place = i;
     }
@@ -579,7 +579,7 @@ static conus_status draw_round(void *user, uint32_t first, uint32_t end)
     return status ? status : gl_check("pass of streamlines");
 }
 
-/* Leaves out what a hit that is known by now is before. */
+/* Leaves out runs behind a hit that is known by now. */
 static conus_status take_hits(void *user, const void *records, uint32_t count)
 {
     const struct search *search = user;

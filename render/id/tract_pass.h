@@ -18,7 +18,7 @@
 /** Texels of four 32-bit words that a leaf has in tract_id.vert.glsl: low and thickness, step, then two runs each. */
 enum { TRACT_LEAF_TEXELS = 2 + TRACT_LEAF / 2 };
 
-/** Streamlines that a pass finds. */
+/** Streamlines that a pass searches. */
 struct tract_source {
     const struct tractogram *tractogram; /**< With its tree. */
     const bool *shown;                   /**< [streamline_count] Which are searched; NULL = all. */
@@ -42,9 +42,9 @@ struct tract_query {
     struct mesh_view view;
     const double (*origins)[3];    /**< In the world.              */
     const double (*directions)[3]; /**< Unit vectors in the world. */
-    const bool *wanted;            /**< Pixels that are asked for; NULL = all. */
-    const double *distances; /**< How far the rays get, mm, INFINITY = no limit: as it is when it is looked at. What
-                                  is not wanted should have 0. NULL = whatever any ray hits is asked for. */
+    const bool *wanted;            /**< Pixels that are searched; NULL = all. */
+    const double *distances; /**< How far the rays get, mm, INFINITY = no limit, read when needed. 0 = the pixel is not
+                                  searched. NULL = all hits are searched. */
 };
 
 /** A run that the ray of a pixel may hit. */
@@ -55,10 +55,10 @@ struct tract_proposal {
     size_t run; /**< As in tract_run_at(). */
 };
 
-/** Takes proposals, those of near leaves before those of far ones. */
+/** Receives proposals, those of near leaves before those of far ones. */
 typedef conus_status (*tract_pass_take)(void *user, const struct tract_proposal *proposal);
 
-/** Whether the driver takes as many, and they take no more of its memory than @p memory_left. */
+/** Whether the driver takes so many, within @p memory_left. */
 bool tract_pass_fits(const struct tract_source *sources, size_t count, uint64_t memory_left);
 
 /** Uploads the runs of tractograms, which must outlive the pass; @p sources is copied, but `shown` need not live on.
@@ -68,8 +68,8 @@ conus_status tract_pass_create(struct tract_pass **out, const struct tract_sourc
 /** NULL is fine. */
 void tract_pass_destroy(struct tract_pass *pass);
 
-/** Hands to @p take what the rays of @p count queries, all of one resolution, may hit. Of what lies behind what a query
- * has in `distances`, and of what for sure is no first hit, most is left out. */
+/** Passes to @p take the runs that the rays of @p count queries, all of one resolution, may hit. Most of those behind a
+ * query's `distances`, or that surely are no first hit, are left out. */
 conus_status tract_pass_render(struct tract_pass *pass, const struct tract_query *queries, size_t count,
                                tract_pass_take take, void *user);
 

@@ -116,7 +116,7 @@ void tube_colouring_finish(struct tube_colouring *colouring)
     *colouring = (struct tube_colouring){0};
 }
 
-/* Where the number lies in its range: of a segment the mean of its ends. */
+/* Where the number lies in its range; for a segment the mean of its ends. */
 static double scalar_part(const struct tube_colouring *colouring, const struct tractogram *tractogram, uint32_t number,
                           uint64_t index)
 {
@@ -158,11 +158,11 @@ uint32_t tube_colour(const struct tube_colouring *colouring, const struct tracto
 
 #define TUBE_BALL 0x20000000U /* as in tube.vert.glsl */
 
-/* Streamlines are taken in so many turns, a prime, so that no order of a file repeats with them; each turn begins a
+/* Streamlines are taken in so many turns, a prime, so that no order of a file repeats with them. Each turn begins a
  * golden section of them behind the one before. */
 enum { TURNS = 67, SECTION = 41 };
 
-/* Instances that are drawn before somebody may say that no more are wanted. */
+/* Instances that are drawn before the listener may cancel. */
 enum { PIECE = 50000 };
 
 /* The instances of a tractogram: one for each point that is drawn, those of a draft first. */
@@ -183,12 +183,12 @@ struct tube_layer {
     size_t point_count;
 };
 
-/* Many files have a point every tenth of a millimetre. Points are left out where the straight line from one to another
- * passes those between within so many radii, and is no longer than so many: neither form nor colours suffer. */
+/* Many files have a point every tenth of a millimetre. Points are left out where the straight line past them stays
+ * within so many radii and is no longer than so many: the form and the colours do not suffer. */
 static const double FLATNESS = 0.04;
 static const double LONGEST = 4;
 
-/* Whether all points between `from` and `to` lie that near to the line between them. */
+/* Whether all points between `from` and `to` are that near to the line between them. */
 static bool is_straight(const struct tractogram *tractogram, uint64_t from, uint64_t to)
 {
     double a[3];
@@ -210,7 +210,7 @@ static bool is_straight(const struct tractogram *tractogram, uint64_t from, uint
     return fine;
 }
 
-/* The point that is drawn after `at` of a streamline with the last point `last`: as far on as it is straight. */
+/* The next point that is drawn after `at` of a streamline with the last point `last`. */
 static uint64_t next_point(const struct tractogram *tractogram, uint64_t at, uint64_t last)
 {
     uint64_t next = at + 1;
@@ -220,7 +220,7 @@ static uint64_t next_point(const struct tractogram *tractogram, uint64_t at, uin
     return next;
 }
 
-/* Adds those of streamline @p k to layer->kept. */
+/* Appends the drawn points of streamline `k` to layer->kept. */
 static conus_status keep_streamline(struct tube_layer *layer, size_t *capacity, const struct tractogram *tractogram,
                                     size_t k)
 {
@@ -248,7 +248,7 @@ static conus_status keep_tractogram(struct tube_layer *layer, size_t *capacity, 
     return status;
 }
 
-/* A draft has the same part of each tractogram. */
+/* A draft has the same fraction of each tractogram. */
 static conus_status keep_points(struct tube_layer *layer)
 {
     size_t capacity = 0;
@@ -268,7 +268,7 @@ static conus_status keep_points(struct tube_layer *layer)
     return status;
 }
 
-/* The last point stands twice: each instance reads the one behind its own, too. */
+/* The last point stands twice: each instance also reads the one behind its own. */
 static void fill_points(float (*points)[3], const struct tube_layer *layer)
 {
     for (size_t i = 0; i < layer->range_count; i++) {
@@ -377,7 +377,7 @@ size_t tube_layer_step(const struct tube_layer *layer)
     return layer->step;
 }
 
-/* Nothing leads from a streamline's last point on; one of a single point is a ball. */
+/* No tube begins at a streamline's last point; a streamline of one point is a ball. */
 static uint32_t paint_point(const struct tube_colouring *colouring, const struct tractogram *tractogram, uint32_t k,
                             uint64_t at, uint32_t object)
 {
@@ -422,7 +422,7 @@ conus_status tube_layer_update(struct tube_layer *layer, const conus_atlas *atla
     return status;
 }
 
-/* Where a ray of the camera is at depth 1, from (x, y, 1) of the picture: the inverse, by columns. */
+/* The inverse, by columns: from (x, y, 1) of the picture to the ray's place at depth 1. */
 static void invert_rows(float out[9], const double rows[9])
 {
     double columns[3][3];
@@ -437,7 +437,7 @@ static void invert_rows(float out[9], const double rows[9])
     }
 }
 
-/* In pieces, where somebody hears of them. */
+/* In pieces if a listener wants to hear of them. */
 static conus_status draw_range(const struct range *range, const struct tube_layer_view *view)
 {
     static const GLuint strip = 4;

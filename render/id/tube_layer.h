@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file
- * The streamlines of an atlas as a camera sees them: tubes round their segments, found pixel by pixel in closed form
- * (Eq. 18), where they are straight several at once. Of more than TUBE_POINT_LIMIT points every k-th streamline is
- * drawn; a draft draws fewer: of more than TUBE_DRAFT_LIMIT points about so many, of streamlines from everywhere. Needs
- * a current context. */
+/** @file The streamlines of an atlas as a camera sees them: tubes around their segments, found pixel by pixel in closed
+ * form (Eq. 18); straight neighbours are drawn as one. Of more than TUBE_POINT_LIMIT points every k-th streamline is
+ * drawn; a draft draws about TUBE_DRAFT_LIMIT points, of streamlines from everywhere. Needs a current context. */
 #ifndef CONUS_RENDER_ID_TUBE_LAYER_H
 #define CONUS_RENDER_ID_TUBE_LAYER_H
 
@@ -55,8 +53,8 @@ conus_status tube_layer_create(struct tube_layer **out, const conus_atlas *atlas
 /** NULL is fine. */
 void tube_layer_destroy(struct tube_layer *layer);
 
-/** Takes over which bundles are hidden in @p atlas now, and colours the streamlines; those for which @p is_pale
- * [tractogram_count][streamline_count] is set are pale. NULL, or NULL of a tractogram: none is. */
+/** Updates which bundles are hidden, and colours the streamlines; those with @p is_pale
+ * [tractogram_count][streamline_count] set are pale. NULL, or NULL for a tractogram: none is. */
 conus_status tube_layer_update(struct tube_layer *layer, const conus_atlas *atlas,
                                const struct tube_colouring *colouring, const bool *const *is_pale);
 
@@ -72,7 +70,7 @@ struct tube_layer_view {
     struct gl_listener listener;
 };
 
-/** Draws into the framebuffer that is bound, as mesh.frag.glsl does, behind what is there; depths are reversed.
+/** Draws into the bound framebuffer as mesh.frag.glsl does, behind what is there; depths are reversed.
  * CONUS_ERROR_CANCELLED. */
 conus_status tube_layer_draw(const struct tube_layer *layer, const struct tube_layer_view *view);
 

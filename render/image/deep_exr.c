@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* OpenEXR's C library takes deep chunks packed: what its ZIPS compression is, is here. */
+/* Writes deep OpenEXR. The C library takes deep chunks packed, so ZIPS compression is done here. */
 #include "base/memory.h"
 #include "render/image/deep_image.h"
 #include "render/image/exr_stream.h"
@@ -79,7 +79,7 @@ static void filter(uint8_t *out, const uint8_t *in, size_t size)
     }
 }
 
-/* ZIPS of `size` bytes of row->plain; as they are, where that is no shorter. */
+/* ZIPS of `size` bytes of row->plain, or the bytes themselves if that is no shorter. */
 static exr_result_t deflate_row(struct packed *out, const struct row *row, size_t size)
 {
     uLongf packed = compressBound(size);

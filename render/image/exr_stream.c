@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Reads and writes for OpenEXR's C library on memory, and its errors as ours. */
+/* Memory streams for OpenEXR's C library, and its errors as ours. */
 #include "render/image/exr_stream.h"
 
 #include "base/memory.h"

@@ -24,11 +24,11 @@ exr_result_t exr_stream_write(exr_context_t *file, struct exr_stream *stream);
 /** Writes text and matrix attributes of @p image into the header of the one part. */
 exr_result_t exr_stream_attributes(exr_context_t file, const conus_image *image);
 
-/** Ends @p file, begun with exr_stream_write() and NULL if that failed, and hands out what was written, which is the
+/** Ends @p file, begun with exr_stream_write() and NULL if that failed. Returns the written bytes, which are the
  * caller's, unless @p code or the ending itself is an error. */
 conus_status exr_stream_end(struct bytes *out, exr_context_t file, struct exr_stream *stream, exr_result_t code);
 
-/** The status and message of what went wrong in the call under way. */
+/** The status and message of the error in the call under way. */
 conus_status exr_stream_fail(exr_result_t code);
 
 #endif

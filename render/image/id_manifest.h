@@ -26,7 +26,7 @@
 /** The names of the ids in one channel. Ids are stable (the same in all images of the same atlas), not hashes. */
 struct id_manifest_group {
     const char *channel;
-    const char *const *components; /**< Names of what is said about each id: "name", "label". */
+    const char *const *components; /**< The components of each name: "name", "label". */
     size_t component_count;
     const uint32_t *ids; /**< [count], ascending, each once. */
     size_t count;

@@ -37,8 +37,8 @@ struct conus_image {
     size_t channel_count;
     struct image_attribute *attributes;
     size_t attribute_count;
-    uint8_t *png_rgba; /**< [png_width * png_height * 4] sRGB, A not premultiplied: what a PNG shows instead of R, G,
-                            B, A; NULL if none. May be larger than the image, for pictures too small to see. */
+    uint8_t *png_rgba; /**< [png_width * png_height * 4] sRGB, A not premultiplied: the pixels of a PNG in place of R,
+                            G, B, A; NULL if none. May be larger than the image, for pictures too small to see. */
     uint32_t png_width, png_height;
     double dpi;           /**< Pixels per inch; 0 = not known. */
     struct bytes encoded; /**< The result of conus_image_encode(). */

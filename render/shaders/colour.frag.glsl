@@ -105,8 +105,8 @@ bool is_on(Track track, float plane)
     return plane >= track.first && plane < track.end;
 }
 
-// The plane up to which the volume is as at `plane`: of nothing that shows (then `shows` is left as it is), or of a
-// brick in which something may show.
+// The plane up to which the volume is empty or a brick may be visible, from `plane` on; `shows` is set for such a
+// brick.
 float look_ahead(Track track, usampler3D empty, vec3 bricks, float plane, inout bool shows)
 {
     vec3 brick = clamp(floor(place_on(track, depth_of(plane)) * bricks), vec3(0.0), ceil(bricks) - 1.0);
@@ -128,7 +128,7 @@ float diffuse(vec3 normal)
     return max(dot(normal, light.xyz), 0.0);
 }
 
-// Context: colour and opacity by the transfer function over `mm` of the ray; shaded as far as there is a gradient.
+// Context: colour and opacity by the transfer function over `mm` of the ray; shaded where there is a gradient.
 vec4 context_sample(vec3 place, float mm)
 {
     vec4 field = textureLod(context_field, place, 0.0);
@@ -143,7 +143,7 @@ vec4 context_sample(vec3 place, float mm)
     return vec4(entry.rgb * shade * opacity, opacity);
 }
 
-// The object that weighs most among the eight voxels around `place`.
+// The object with the largest weight among the eight voxels around `place`.
 uint object_at(vec3 place)
 {
     vec3 size = vec3(textureSize(area_objects, 0));
@@ -172,7 +172,7 @@ uint object_at(vec3 place)
     return best;
 }
 
-// How far the point lies from the cone's wall, mm, negative inside; NEVER before the apex.
+// Distance of the point from the cone's wall, mm, negative inside; NEVER before the apex.
 float distance_to_cone(vec3 p)
 {
     vec3 q = p - apex.xyz;
@@ -249,7 +249,8 @@ bool shows_area(vec3 place)
     return textureLod(areas_field, place, 0.0).a >= SURFACE;
 }
 
-// Where an area begins that the ray hits between the planes before and at depth t: refined, so that planes leave no rings.
+// The depth at which the ray enters an area between the planes before and at depth t, refined, so that planes leave no
+// rings.
 float area_depth(Track track, float t)
 {
     float outside = t - planes.y;
@@ -374,7 +375,7 @@ void blend(inout vec4 sum, vec4 layer)
     sum += (1.0 - sum.a) * layer;
 }
 
-// Composes the samples on the planes from `plane` up to `until`, or to the first one in an area: then `hit` is its depth.
+// Composes the samples on the planes from `plane` to `until`, or to the first one in an area: then `hit` is its depth.
 void sample_planes(inout vec4 sum, inout float hit, inout float plane, float until, Track context, Track areas, float mm)
 {
     while (plane < until && sum.a < OPAQUE) {
@@ -414,8 +415,8 @@ void main()
 
 #else
 
-// The context up to an area at `depth`, which was found on the plane at depth `hit`. Samples stand for the ray up to half way
-// between planes; what is missing there, or too much, is made up for, so that planes leave no stripes.
+// The context up to an area at `depth`, which was found on the plane at depth `hit`. A sample stands for half a step to
+// either side; the difference is made up for here, so that planes leave no stripes.
 void hit_area(inout vec4 sum, Track context, vec3 direction, float depth, float hit)
 {
     vec3 place = place_on(context, depth);
@@ -425,7 +426,7 @@ void hit_area(inout vec4 sum, Track context, vec3 direction, float depth, float 
     }
 }
 
-// The mesh at that depth, or an area that begins just before it, so that no plane lies between. Returns the hit.
+// The mesh at that depth, or an area that begins just before it, between two planes. Returns the hit.
 float hit_mesh(inout vec4 sum, Track context, Track areas, vec3 direction, vec3 view, float mesh)
 {
     float plane = plane_after(mesh);
@@ -437,8 +438,8 @@ float hit_mesh(inout vec4 sum, Track context, Track areas, vec3 direction, vec3 
     return hit;
 }
 
-// The loops are nested so that a machine which runs several pixels in step, and both sides of every branch, still does
-// nothing but look at bricks where there is nothing to see, and nothing but sample where there is.
+// The loops are nested so that a machine that runs several pixels in step, and both sides of every branch, only looks
+// at bricks where nothing is visible, and only samples where something is.
 void main()
 {
     vec3 direction = vec3(((gl_FragCoord.xy + line.zw) / lens.zw * 2.0 - 1.0) * lens.xy + middle.xy, -1.0);

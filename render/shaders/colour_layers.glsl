@@ -1,6 +1,6 @@
-// The walk of the colour pass where something is translucent: surfaces of areas and of meshes that let light through, and
-// pathways as haze (Eq. 8). It follows colour.frag.glsl. Between two planes the ray is cut where a surface begins, so that
-// haze lies before and behind it as it does along the ray.
+// The walk of the colour pass where something is translucent: surfaces of areas and meshes that transmit light, and
+// pathways as haze (Eq. 8). It follows colour.frag.glsl. Between two planes the ray is cut where a surface begins, so
+// that haze lies before and behind it in the right lengths.
 
 layout(binding = 8) uniform sampler3D haze_field; // linear R, G, B times extinction; extinction per mm
 layout(binding = 9) uniform sampler2DArray layer_surface; // normal in world axes, depth; 0 = nothing
@@ -17,7 +17,7 @@ bool lies_in(vec3 place)
     return place == clamp(place, 0.0, 1.0);
 }
 
-// Context and haze from depth `from` to `to`, as they are in the middle.
+// Context and haze from depth `from` to `to`, sampled in the middle.
 void blend_haze(inout vec4 sum, Track context, Track haze, float from, float to, float per_depth)
 {
     float mm = (to - from) * per_depth;
@@ -33,7 +33,7 @@ void blend_haze(inout vec4 sum, Track context, Track haze, float from, float to,
     }
 }
 
-// The object of an area that shows at a depth, 0 if none. Where the nearest voxel is `before`'s, it is that.
+// The visible object of an area at a depth, 0 if none. `before` where the nearest voxel is its.
 uint area_at(Track areas, float t, uint before)
 {
     vec3 place = place_on(areas, t);
@@ -47,7 +47,7 @@ uint area_at(Track areas, float t, uint before)
     return opacities[object] > 0.0 ? object : 0u;
 }
 
-// Where the object begins that is at depth `inside`, and not at `outside`.
+// The depth at which the object begins that is found at `inside` and not at `outside`.
 float object_depth(Track areas, uint object, float outside, float inside)
 {
     for (int n = 0; n < 6; n++) {
@@ -59,7 +59,7 @@ float object_depth(Track areas, uint object, float outside, float inside)
     return inside;
 }
 
-// How much of the eight voxels around `place`, by their weights, is the object's.
+// The fraction of the eight voxels around `place`, by their weights, that is the object's.
 float weight_of(uint object, vec3 place)
 {
     ivec3 size = textureSize(area_objects, 0);
@@ -121,7 +121,7 @@ void blend_surface(inout vec4 sum, vec3 colour_, float opacity)
     blend(sum, vec4(colour_ * opacity, opacity));
 }
 
-// Blends what comes next, and goes on to what follows it.
+// Blends the next event and goes on to the one after it.
 void take_event(inout vec4 sum, inout Events events, vec3 direction, vec3 view)
 {
     if (events.near.depth <= events.layer_depth) {
@@ -141,7 +141,7 @@ float end_of(Track track)
     return track.end < NEVER ? track.end : 0.0;
 }
 
-// The plane at which a step from `plane` ends, and whether anything may show before it.
+// The plane at which a step from `plane` ends, and whether anything may be visible before it.
 float next_plane(Track context, Track areas, Track haze, float plane, float end, inout bool shows)
 {
     if (plane >= end || shows) {

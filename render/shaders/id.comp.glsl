@@ -41,7 +41,7 @@ layout(std430, binding = OUT_BUFFER) restrict buffer Hits { Found hits[]; };
 
 #define NEVER packDouble2x32(uvec2(0u, 0x7ff00000u)) // infinity; to glslang not a constant
 
-// From origins nearer than FAR voxels, positions along a ray are off by far less than NEAR voxels.
+// Where the origin is nearer than FAR voxels, positions along a ray are exact to far less than NEAR voxels.
 const double FAR = 33554432.0lf;
 const double NEAR = 1e-6lf;
 
@@ -112,7 +112,7 @@ Hit walk(Ray ray, double limit)
     return Hit(0u, Place(dvec3(0.0), NEVER));
 }
 #else
-// Index of the cell [i - 1/2, i + 1/2) that holds x, whichever way x + 1/2 is rounded.
+// Index of the cell [i - 1/2, i + 1/2) that holds x, independent of how x + 1/2 is rounded.
 dvec3 cell_of(dvec3 x)
 {
     precise dvec3 cell = floor(x + 0.5);
@@ -139,8 +139,8 @@ bvec3 are_before(dvec3 t, Crossing crossing)
                lessThan(ivec3(0, 1, 2), ivec3(crossing.axis)));
 }
 
-// Where axes are just after a crossing of another one, when they were in `from` before; they stop at `end`.
-// The guess is off by one at most; the crossings themselves decide.
+// Positions along the axes just after a crossing of another axis, from `from` on; they stop at `end`. The guess is off
+// by one at most; the crossings themselves decide.
 dvec3 catch_up(Ray ray, Crossing crossing, dvec3 from, dvec3 end)
 {
     dvec3 cell = clamp(floor(ray.origin + crossing.t * ray.direction + 0.5), min(from, end), max(from, end));
@@ -176,7 +176,7 @@ bool is_in_box(dvec3 cell)
     return all(greaterThanEqual(cell, dvec3(first_cell))) && all(lessThanEqual(cell, dvec3(last_cell)));
 }
 
-// The first place in the box: the origin's, or that behind the last crossing that brings the ray in. False: it misses.
+// The first place in the box: the origin's, or behind the last crossing that brings the ray in. False: it misses.
 bool enter(Ray ray, out Place at)
 {
     Crossing last = Crossing(0.0, -1);
@@ -202,7 +202,7 @@ bool enter(Ray ray, out Place at)
     return is_in_box(at.cell);
 }
 
-// Leaves the box of `radius` cells around the place, all of it empty unless radius is 0. False: the ray is out then.
+// Leaves the box of `radius` cells around the place, which is empty unless radius is 0. False: the ray is out then.
 bool leave(Ray ray, double radius, inout Place at)
 {
     dvec3 reach = at.cell + radius * ray.sign;
@@ -224,7 +224,7 @@ uint code_at(Place at)
     return texelFetch(distances, ivec3(at.cell), 0).r;
 }
 
-// Goes on to the next cell with an object, which may be where it is. False: out of the box, or beyond the limit.
+// Goes on to the next cell with an object, which may be the present one. False: out of the box, or beyond the limit.
 // Most skips end well within a cell, so that the position along the ray decides which; `leave` does the others, outside
 // of the inner loop, because lanes in step go both ways of every branch, but leave a loop when all are done.
 bool find_object(Ray ray, double limit, inout Place at)

@@ -27,8 +27,8 @@ uniform int resolution, first_pixel;
 uniform ivec2 pixels;  // the first, and the first that is not to be drawn
 uniform bool has_bound; // only first hits are asked for
 
-// Where the ray comes into the capsule of a radius round a + h e, at depth + h deeper along it. `rest` is below 0 where
-// it passes by.
+// Where the ray enters the capsule of a radius round a + h e, at depth + h along it. `rest` is negative where it
+// misses.
 float entry(out float rest, vec3 a, vec3 e, float depth, float deeper, float square, float closest, float reach)
 {
     vec3 foot = a + closest * e;

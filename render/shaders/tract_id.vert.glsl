@@ -21,8 +21,8 @@ vec3 end(uint word, vec3 low, vec3 way)
     return vec3(word & BYTE, word >> 8 & BYTE, word >> 16 & BYTE) * way + low;
 }
 
-// Between which places of the buffer, -1 to 1, a box lies that is between `low` and `high` to one side and at depths
-// from `near` to `far`, which is above 0.
+// The range on the buffer, -1 to 1, of a box from `low` to `high` to one side and at depths from `near` to `far`, which
+// is above 0.
 vec2 places(float low, float high, float near, float far)
 {
     if (parallel) {
@@ -33,7 +33,7 @@ vec2 places(float low, float high, float near, float far)
     return vec2(low >= 0 ? low / far : near > 0 ? low / near : -2, high <= 0 ? high / far : near > 0 ? high / near : 2);
 }
 
-// The same of what is between two balls: where both lie before the apex that of both boxes, else of the one round both.
+// The same for the hull of two balls: if both lie before the apex that of both boxes, else that of the box around both.
 vec2 places_between(vec2 side, vec2 depth, float reach)
 {
     float low = min(side.x, side.y) - reach;
